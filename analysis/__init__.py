@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from nonsmooth.analysis.dynamics.mass_study import MassStudy as MassStudy
     from nonsmooth.analysis.dynamics.mass_study import mass_ladder as mass_ladder
     from nonsmooth.analysis.dynamics.mass_study import mass_study as mass_study
-    from nonsmooth.analysis.dynamics.newton_euler import Body as Body
     from nonsmooth.analysis.dynamics.newton_euler import DynamicPath as DynamicPath
+    from nonsmooth.analysis.dynamics.newton_euler import RigidBody as RigidBody
     from nonsmooth.analysis.dynamics.newton_euler import disc as disc
     from nonsmooth.analysis.dynamics.newton_euler import simulate_dynamics as simulate_dynamics
     from nonsmooth.analysis.fields.cellwise_field import feedback_field as feedback_field

@@ -31,7 +31,7 @@ from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, rim_signs
 from nonsmooth.proofs.clauses.feedback.clause import AnyFeedback
 from nonsmooth.proofs.clauses.feedback.driven_law import in_scene
 from nonsmooth.proofs.clauses.rotation.on_cells import drift_at_rest
-from nonsmooth.proofs.clauses.translation.certified_disc import Disc, certified_disc
+from nonsmooth.proofs.clauses.translation.certified_disc import CertifiedDisc, certified_disc
 from nonsmooth.proofs.exact_json import encode, homogeneous
 from nonsmooth.proofs.robust.certified_bound import certified_bounds
 from nonsmooth.proofs.theorem4 import check_cells
@@ -126,7 +126,7 @@ def _document(result: CellCheck) -> Record:
     if not partition.complete:
         partition = build_partition(scene.recentred())
     points, chains = _corners(partition)
-    disc = Disc(None, {}) if result.translation.region_radius is None else _disc(partition)
+    disc = CertifiedDisc(None, {}) if result.translation.region_radius is None else _disc(partition)
     zero = scene.field.zero
     here = [twist for cell in partition.cells_at((zero, zero)) for twist in cell.twists]
     return {
@@ -163,7 +163,7 @@ def _scene(scene: Scene) -> Record:
     }
 
 
-def _disc(partition: Partition) -> Disc:
+def _disc(partition: Partition) -> CertifiedDisc:
     try:
         return certified_disc(partition)
     except OverflowError as error:
@@ -191,7 +191,7 @@ def _wheel(wheel: Wheel) -> Record:
     return record if wheel.axis is None else {**record, "axis": wheel.unit_grip}
 
 
-def _cells(partition: Partition, chains: list[list[int]], disc: Disc) -> list[Record]:
+def _cells(partition: Partition, chains: list[list[int]], disc: CertifiedDisc) -> list[Record]:
     loaded = _loaded_wheels(partition)
     return [
         {

@@ -15,7 +15,7 @@ class LawName(StrEnum):
     CASCADE = "cascade"
 
 
-class Method(StrEnum):
+class PathMethod(StrEnum):
     """How the solution is followed."""
 
     EVENTS = "events"

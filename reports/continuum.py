@@ -8,7 +8,7 @@ from typing import Any
 from rich.console import Group, RenderableType
 from rich.text import Text
 
-from nonsmooth.analysis.continuum.prediction import Heading, Prediction, Rotation
+from nonsmooth.analysis.continuum.prediction import HeadingEffect, MomentFreeHeading, Prediction
 from nonsmooth.proofs.theorem4_result import Check
 from nonsmooth.reports.exact_record import Record, with_exact
 from nonsmooth.reports.terminal import header_table
@@ -66,7 +66,7 @@ def _object_record(prediction: Prediction) -> Record:
     return {
         **shape,
         "attracts": prediction.attracts,
-        "offset": None if prediction.rotation is Rotation.UNKNOWN else prediction.offset,
+        "offset": None if prediction.rotation is HeadingEffect.UNKNOWN else prediction.offset,
         "rotation": str(prediction.rotation),
         "headings": [{"theta": heading.theta, "stable": heading.stable} for heading in prediction.headings],
         "reason": prediction.reason,
@@ -99,7 +99,7 @@ def _object_text(prediction: Prediction) -> str:
 
 
 def _position_text(prediction: Prediction) -> str:
-    if prediction.rotation is Rotation.UNKNOWN:
+    if prediction.rotation is HeadingEffect.UNKNOWN:
         return "not found"
     where = "centre of the field"
     if prediction.offset:
@@ -113,7 +113,7 @@ def _rotation_text(prediction: Prediction) -> str:
     return f"{prediction.rotation}{found if prediction.headings else ''}; {prediction.reason}"
 
 
-def _heading_text(heading: Heading) -> str:
+def _heading_text(heading: MomentFreeHeading) -> str:
     stable = {True: "stable", False: "unstable", None: "not decided"}[heading.stable]
     return f"theta = {float_text(heading.theta)} {stable}"
 

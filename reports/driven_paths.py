@@ -19,7 +19,7 @@ from nonsmooth.proofs.clauses.feedback.by_friction import decide_whatever_fricti
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.proofs.verified import verified
 from nonsmooth.reports.animation.output import FILMS
-from nonsmooth.reports.choices import LawName, Method
+from nonsmooth.reports.choices import LawName, PathMethod
 from nonsmooth.reports.console import RefusedError
 from nonsmooth.reports.driven_loop import DrivenLoop
 from nonsmooth.reports.simulate import POSE, SCHEMA, PathRun, events_view, path_summary, sample_lines
@@ -133,7 +133,7 @@ def follow_driven(scene: Scene, run: PathRun) -> DrivenPath:
     required = f"--feedback: required, under rule {scene.contact.rule},"
     if run.law is not LawName.CERTIFIED:
         raise RefusedError(f"{required} the certified law, received --law {run.law}")
-    if run.method is not Method.EVENTS or run.kinematics is not Kinematics.EXACT:
+    if run.method is not PathMethod.EVENTS or run.kinematics is not Kinematics.EXACT:
         raise RefusedError(f"{required} --method events and exact kinematics, received {run.method}, {run.kinematics}")
     centred = standing(scene).recentred()
     feedback = verified(decide_whatever_friction(centred))

@@ -14,7 +14,7 @@ from rich.text import Text
 
 from nonsmooth.analysis.bodies.plate import plate
 from nonsmooth.analysis.dynamics.mass_study import MassStudy, PathDistance, massless_limit, rules_by_limit
-from nonsmooth.analysis.dynamics.newton_euler import Body, DynamicPath, disc
+from nonsmooth.analysis.dynamics.newton_euler import DynamicPath, RigidBody, disc
 from nonsmooth.analysis.fields.contact_model import ContactModel
 from nonsmooth.analysis.trajectories.result import Trajectory
 from nonsmooth.reports.animation.output import FILMS, film_bytes
@@ -30,11 +30,11 @@ MOMENTS = 5  # of a path that are listed on a terminal
 UNIT = "mass per weight (1/g): 0.102 in metres and seconds"
 
 
-def chosen_body(scene: Scene, model: ContactModel, mass: float | None, inertia: float | None) -> Body:
+def chosen_body(scene: Scene, model: ContactModel, mass: float | None, inertia: float | None) -> RigidBody:
     """What the user asked for; else a uniform plate of the outline, or a disc as large as the array."""
     chosen = MASS if mass is None else mass
     if inertia is not None:
-        return Body(chosen, inertia)
+        return RigidBody(chosen, inertia)
     return disc(model, chosen) if scene.body is None else plate(scene.body, chosen)
 
 

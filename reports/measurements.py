@@ -12,9 +12,9 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
+from nonsmooth.analysis.measurements.convergence import FittedSlope, fitted_slopes
 from nonsmooth.analysis.measurements.harness import Measured, Run, study_of
 from nonsmooth.analysis.measurements.rows import ResultRow
-from nonsmooth.analysis.measurements.slopes import FittedSlope, fitted_slopes
 from nonsmooth.reports.terminal import header_table
 from nonsmooth.symbolic.number_text import measured_text
 from nonsmooth.symbolic.scene import Scene

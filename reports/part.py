@@ -33,7 +33,7 @@ def always(subject: Any) -> str:
 
 
 @dataclass(frozen=True)
-class Part(Generic[Subject]):
+class ReportPart(Generic[Subject]):
     """A section under its name on the command line.
 
     Attributes:
@@ -47,7 +47,7 @@ class Part(Generic[Subject]):
     lacks: Callable[[Subject], str] = always
 
 
-def sections_of(parts: Iterable[Part[Subject]], subject: Subject) -> Iterator[Section]:
+def sections_of(parts: Iterable[ReportPart[Subject]], subject: Subject) -> Iterator[Section]:
     """The sections that the subject asks for and has, each announced before it is built."""
     for part in parts:
         if part.name in subject.parts and not part.lacks(subject):

@@ -15,7 +15,7 @@ from nonsmooth.proofs.theorem4_result import CellCheck
 from nonsmooth.reports.document import Section
 from nonsmooth.reports.papers.murphey_burdick_2001.paper import audit_section, is_paper_array
 from nonsmooth.reports.papers.murphey_burdick_2001.sign_form_section import sign_form_section, without_sign_form
-from nonsmooth.reports.part import Part, chosen_names
+from nonsmooth.reports.part import ReportPart, chosen_names
 from nonsmooth.reports.sections.answers import answers_section
 from nonsmooth.reports.sections.cells import cells_section
 from nonsmooth.reports.sections.closing import left_out_section, references_section, reproduction_section
@@ -107,30 +107,34 @@ def _left_out(subject: Subject) -> Section:
     return left_out_section(subject.result, omitted + unasked)
 
 
-PARTS: tuple[Part[Subject], ...] = (
-    Part("answers", answers_section),
-    Part("verdict", lambda subject: verdict_section(subject.result)),
-    Part("array", array_section),
-    Part("conventions", lambda subject: conventions_section(subject.scene)),
-    Part("constraints", _constraints),
-    Part("contact-states", lambda subject: contact_states_section(subject.cells), _no_cells),
-    Part("cells", cells_section, _no_cells),
-    Part("sgn-form", sign_form_section, lambda subject: _no_whole_partition(subject) or without_sign_form(subject)),
-    Part("situation", _situation, _no_situation),
-    Part("filippov", lambda subject: filippov_section(subject.cells), _no_cells),
-    Part("equilibria", lambda subject: equilibria_section(subject.cells), _no_cells),
-    Part("derivative", _derivative, _unknown_loads),
-    Part("theorem", lambda subject: theorem_section(subject.result)),
-    Part("feedback", law_section, lambda subject: _unknown_loads(subject) or without_law(subject)),
-    Part("trajectories", trajectories_section, _no_whole_partition),
-    Part("rules", rules_section, lambda subject: _unknown_loads(subject) or without_rules(subject)),
-    Part("continuum", _continuum, _no_idealization),
-    Part("precision", precision_section, lambda subject: _no_whole_partition(subject) or without_precision(subject)),
-    Part("stress", stress_section, _unknown_loads),
-    Part("audit", lambda subject: audit_section(), _not_the_papers),
-    Part("left-out", _left_out),
-    Part("references", references_section),
-    Part("versions", lambda subject: reproduction_section(subject.invocation)),
+PARTS: tuple[ReportPart[Subject], ...] = (
+    ReportPart("answers", answers_section),
+    ReportPart("verdict", lambda subject: verdict_section(subject.result)),
+    ReportPart("array", array_section),
+    ReportPart("conventions", lambda subject: conventions_section(subject.scene)),
+    ReportPart("constraints", _constraints),
+    ReportPart("contact-states", lambda subject: contact_states_section(subject.cells), _no_cells),
+    ReportPart("cells", cells_section, _no_cells),
+    ReportPart(
+        "sgn-form", sign_form_section, lambda subject: _no_whole_partition(subject) or without_sign_form(subject)
+    ),
+    ReportPart("situation", _situation, _no_situation),
+    ReportPart("filippov", lambda subject: filippov_section(subject.cells), _no_cells),
+    ReportPart("equilibria", lambda subject: equilibria_section(subject.cells), _no_cells),
+    ReportPart("derivative", _derivative, _unknown_loads),
+    ReportPart("theorem", lambda subject: theorem_section(subject.result)),
+    ReportPart("feedback", law_section, lambda subject: _unknown_loads(subject) or without_law(subject)),
+    ReportPart("trajectories", trajectories_section, _no_whole_partition),
+    ReportPart("rules", rules_section, lambda subject: _unknown_loads(subject) or without_rules(subject)),
+    ReportPart("continuum", _continuum, _no_idealization),
+    ReportPart(
+        "precision", precision_section, lambda subject: _no_whole_partition(subject) or without_precision(subject)
+    ),
+    ReportPart("stress", stress_section, _unknown_loads),
+    ReportPart("audit", lambda subject: audit_section(), _not_the_papers),
+    ReportPart("left-out", _left_out),
+    ReportPart("references", references_section),
+    ReportPart("versions", lambda subject: reproduction_section(subject.invocation)),
 )
 PART_NAMES = tuple(part.name for part in PARTS)
 

@@ -13,15 +13,15 @@ import sys
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
+from nonsmooth.analysis.measurements.convergence import FittedSlope
 from nonsmooth.analysis.measurements.harness import Measured, Run, Study, measure, study_of
 from nonsmooth.analysis.measurements.rows import ResultRow
-from nonsmooth.analysis.measurements.slopes import FittedSlope
 from nonsmooth.analysis.measurements.timing import Limits
 from nonsmooth.proofs.measurements.pruning import PRUNED, PRUNING, WHOLE
 from nonsmooth.proofs.measurements.registry import STUDIES
 from nonsmooth.reports.files import output_path, write_whole
 from nonsmooth.reports.measurements import Precision, error_text, setting_text, slopes_of
-from nonsmooth.reports.progress import Report, progress
+from nonsmooth.reports.progress import ProgressCall, progress
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
 from nonsmooth.symbolic.number_text import measured_text
 
@@ -32,7 +32,7 @@ PRUNING_LIMITS = Limits(runs=2, seconds=10.0)  # a whole check is one long trial
 MEASURED = re.compile(r"(?s)(<!-- (machine|studies|pruning) -->\n).*?(?=<!-- end -->)")
 
 
-def write_page(folder: Path, report: Report) -> Path:
+def write_page(folder: Path, report: ProgressCall) -> Path:
     """Measure, and write ``precision.md`` and its figure into a folder.
 
     Raises:
@@ -48,7 +48,7 @@ def write_page(folder: Path, report: Report) -> Path:
     return page
 
 
-def _whole(name: str, studies: Sequence[Study], limits: Limits, report: Report) -> Run:
+def _whole(name: str, studies: Sequence[Study], limits: Limits, report: ProgressCall) -> Run:
     found = measure(load_scene(name), studies, limits, report)
     if not found.complete:
         raise KeyboardInterrupt

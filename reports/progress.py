@@ -20,7 +20,7 @@ TICK = 0.25  # seconds between two lines of steps
 CLEAR_LINE = "\r\x1b[K"
 
 
-class Report(Protocol):
+class ProgressCall(Protocol):
     """What the work calls: steps done, steps in all (0: not known), and what is done now, where that changes."""
 
     def __call__(self, done: int, total: int, what: str | None = None) -> None:
@@ -33,7 +33,7 @@ def silent(done: int, total: int, what: str | None = None) -> None:
 
 
 @contextmanager
-def progress(what: str = "") -> Iterator[Report]:
+def progress(what: str = "") -> Iterator[ProgressCall]:
     """A function to call from the work; nothing is left on the terminal afterwards."""
     if _terminal() is None:
         yield silent

@@ -20,7 +20,7 @@ from nonsmooth.analysis.trajectories.result import Trajectory
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.reports.animation.output import FILMS, film_bytes
-from nonsmooth.reports.choices import LawName, Method
+from nonsmooth.reports.choices import LawName, PathMethod
 from nonsmooth.reports.feedback_loop import GAIN, FeedbackLoop, build_loop
 from nonsmooth.reports.terminal import two_columns
 from nonsmooth.symbolic.contact_set import whole
@@ -40,7 +40,7 @@ class PathRun:
         start: ``(x, y, theta)``.
         until: last time.
         kinematics: exact pose or leading order.
-        method: see :class:`Method`.
+        method: see :class:`PathMethod`.
         law: feedback law, ``certified`` for that of the feedback clause; None for the scene's own speeds.
         width: of the hysteresis or of the smoothing.
         gain: of the law (1/time).
@@ -52,7 +52,7 @@ class PathRun:
     start: tuple[float, float, float]
     until: float
     kinematics: Kinematics
-    method: Method
+    method: PathMethod
     law: LawName | None
     width: float
     gain: float = GAIN
@@ -62,7 +62,7 @@ class PathRun:
     @property
     def is_plain(self) -> bool:
         """Whether it is the open loop by events with exact kinematics, which every rule offers."""
-        return (self.method, self.kinematics, self.law) == (Method.EVENTS, Kinematics.EXACT, None)
+        return (self.method, self.kinematics, self.law) == (PathMethod.EVENTS, Kinematics.EXACT, None)
 
 
 def loop_of(partition: Partition, run: PathRun, feedback: FeedbackResult | None = None) -> FeedbackLoop | None:
@@ -96,18 +96,18 @@ def follow(partition: Partition, run: PathRun, loop: FeedbackLoop | None = None)
         raise ValueError(f"required a start inside the domain of the cells, received {[x, y, theta]}")
     own = replace(run, start=(x / length, y / length, theta), width=run.width / length)
     path = _by_method(field.in_unit(length), own).in_lengths(length)
-    if run.method is Method.EVENTS:
+    if run.method is PathMethod.EVENTS:
         at = partition.scene.check.equilibrium
         loop.refuse_contradiction(path, (float(at[0]), float(at[1])))
     return loop.with_saturation(partition, path)
 
 
 def _by_method(field: Any, run: PathRun) -> Trajectory:
-    if run.method is Method.EVENTS:
+    if run.method is PathMethod.EVENTS:
         return simulate(field, run.start, run.until)
     from nonsmooth.analysis.trajectories.hysteresis import simulate_hysteresis, simulate_smoothed
 
-    compared = simulate_hysteresis if run.method is Method.HYSTERESIS else simulate_smoothed
+    compared = simulate_hysteresis if run.method is PathMethod.HYSTERESIS else simulate_smoothed
     return compared(field, run.start, run.until, run.width)
 
 

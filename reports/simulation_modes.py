@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, TypeAlias
 
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.reports.choices import LawName, Method
+from nonsmooth.reports.choices import LawName, PathMethod
 from nonsmooth.reports.console import RefusedError, refusals_named
 
 if TYPE_CHECKING:
@@ -55,7 +55,7 @@ class Options:
     heading: float
     until: float | None
     kinematics: Kinematics
-    method: Method
+    method: PathMethod
     width: float
     law: LawName | None
     gain: float
@@ -76,7 +76,7 @@ class Options:
             _require_positive("--until", self.until)
         _require_positive("--width", self.width)
         _require_positive("--gain", self.gain)
-        if self.method not in (Method.HYSTERESIS, Method.SMOOTHED):
+        if self.method not in (PathMethod.HYSTERESIS, PathMethod.SMOOTHED):
             self.refuse(("width",), "--method hysteresis or smoothed", f"--method {self.method}")
 
 
@@ -157,7 +157,7 @@ class ArrayPath(ArrayMode):
             raise RefusedError(outside or f"{scene.origin}: {error}") from None
 
 
-class BodyPath(ArrayMode):
+class MassMode(ArrayMode):
     """A body with mass under full dynamics, or its distance from the path of every contact rule."""
 
     def refuse_others(self, options: Options) -> None:
@@ -194,7 +194,7 @@ def array_mode(options: Options, load: Callable[[], Scene]) -> ArrayMode:
     """The mode of an array that the options ask for."""
     if options.grid is not None:
         return StartsMap(load)
-    return BodyPath(load) if options.method is Method.DYNAMICS else ArrayPath(load)
+    return MassMode(load) if options.method is PathMethod.DYNAMICS else ArrayPath(load)
 
 
 def read_start(text: str | None, states: Sequence[str], angle: str = "") -> tuple[float, ...]:

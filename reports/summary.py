@@ -33,7 +33,7 @@ REFUSED = "refused"
 
 
 @dataclass(frozen=True)
-class Line:
+class SummaryLine:
     """One scene under one rule.
 
     Attributes:
@@ -57,7 +57,7 @@ class Line:
 
 def check_all(
     scenes: Sequence[Scene | SwitchedSystem], required: Sequence[str], *, prune: bool, records: bool
-) -> tuple[Line, ...]:
+) -> tuple[SummaryLine, ...]:
     """Check one scene after the other; a scene that is refused stops no other.
 
     Args:
@@ -77,35 +77,37 @@ def check_all(
     return tuple(lines)
 
 
-def _array_line(scene: Scene, required: Sequence[str], *, prune: bool, records: bool) -> Line:
+def _array_line(scene: Scene, required: Sequence[str], *, prune: bool, records: bool) -> SummaryLine:
     rule = str(scene.contact.rule)
     try:
         result = verified(check_theorem4(scene, prune=prune))
     except TipsError as tipping:
         tipped = TippedResult(scene, tipping)
         tips = (str(tipped.position.verdict), *(NONE,) * 2)
-        return Line(scene.origin, rule, tips, tipped.theorem4, "", tipped.exit_status(required), tipped.to_dict())
+        return SummaryLine(
+            scene.origin, rule, tips, tipped.theorem4, "", tipped.exit_status(required), tipped.to_dict()
+        )
     except (RefusalError, SceneError) as error:
         refusal = one_line(str(error))
         record: Record = {"schema": CHECK_SCHEMA, "scene": scene.name, "rule": rule, "refused": refusal}
-        return Line(scene.origin, rule, (REFUSED,), NONE, refusal, BAD_INPUT, record)
+        return SummaryLine(scene.origin, rule, (REFUSED,), NONE, refusal, BAD_INPUT, record)
     answers = tuple(str(answer.verdict) for answer in answers_of(result))
     record = check_record(result, full_answers(result)) if records else {}
-    return Line(scene.origin, rule, answers, str(result.verdict), "", exit_status(result, required), record)
+    return SummaryLine(scene.origin, rule, answers, str(result.verdict), "", exit_status(result, required), record)
 
 
-def _system_line(scene: SwitchedSystem) -> Line:
+def _system_line(scene: SwitchedSystem) -> SummaryLine:
     result = verified(decide_system(scene))
-    return Line(scene.origin, NONE, (str(result.verdict),), NONE, "", result.exit_status, system_record(result))
+    return SummaryLine(scene.origin, NONE, (str(result.verdict),), NONE, "", result.exit_status, system_record(result))
 
 
-def worst_status(lines: Iterable[Line]) -> int:
+def worst_status(lines: Iterable[SummaryLine]) -> int:
     """Refused, else not holding, else undecided, else 0."""
     found = {line.status for line in lines}
     return next((status for status in WORST_FIRST if status in found), 0)
 
 
-def summary_view(lines: Sequence[Line]) -> RenderableType:
+def summary_view(lines: Sequence[SummaryLine]) -> RenderableType:
     """A table with one row per scene and rule, why scenes were refused, and how many there are of each verdict."""
     table = header_table(*COLUMNS, widest="scene")
     for line in lines:
@@ -118,7 +120,7 @@ def summary_view(lines: Sequence[Line]) -> RenderableType:
     return Group(table, *refused, Text(_counted(lines)))
 
 
-def _counted(lines: Sequence[Line]) -> str:
+def _counted(lines: Sequence[SummaryLine]) -> str:
     """``position: 5 comes home, 2 leaves; Theorem 4: 5 holds, 2 fails; plain systems: 1 stable``."""
     arrays = [line for line in lines if line.rule != NONE]
     groups = (

@@ -12,7 +12,7 @@ from nonsmooth.analysis.fields.sign_field import SignField
 from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.analysis.trajectories.result import Trajectory
 from nonsmooth.analysis.trajectories.trajectory import simulate
-from nonsmooth.reports.choices import Method
+from nonsmooth.reports.choices import PathMethod
 from nonsmooth.reports.simulate import SCHEMA, events_view, path_summary, sample_lines
 from nonsmooth.symbolic.scene_error import one_line
 from nonsmooth.symbolic.switched_system import SwitchedSystem
@@ -53,7 +53,7 @@ class SystemPath:
 
 
 def follow_system(
-    system: SwitchedSystem, start: tuple[float, ...], until: float, method: Method, width: float
+    system: SwitchedSystem, start: tuple[float, ...], until: float, method: PathMethod, width: float
 ) -> SystemPath:
     """Simulate.
 
@@ -63,9 +63,9 @@ def follow_system(
         SceneError: for formulas that are no polynomials where the solution goes.
     """
     field = system_field(system, start)
-    if method is Method.EVENTS:
+    if method is PathMethod.EVENTS:
         return SystemPath(system, field, simulate(field, start, until))
     from nonsmooth.analysis.trajectories.hysteresis import simulate_hysteresis, simulate_smoothed
 
-    compared = simulate_hysteresis if method is Method.HYSTERESIS else simulate_smoothed
+    compared = simulate_hysteresis if method is PathMethod.HYSTERESIS else simulate_smoothed
     return SystemPath(system, field, compared(field, start, until, width))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from nonsmooth.reports.choices import Method
+from nonsmooth.reports.choices import PathMethod
 from nonsmooth.reports.console import RefusedError
 from nonsmooth.reports.simulation_modes import (
     OF_BODIES,
@@ -36,7 +36,7 @@ class SystemPathMode(SimulationMode):
         """All that is for arrays."""
         options.refuse(OF_ARRAYS, "an array of wheels", "a plain switched system")
         _refuse_mode(options)
-        if options.method is Method.DYNAMICS:
+        if options.method is PathMethod.DYNAMICS:
             raise RefusedError("--method dynamics: required an array of wheels, received a plain switched system")
 
     def shown(self, options: Options) -> Shown:

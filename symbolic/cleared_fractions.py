@@ -13,11 +13,11 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-from nonsmooth.symbolic.enclosures import has_waves
 from nonsmooth.symbolic.expression import ExpressionError, parse_tree
 from nonsmooth.symbolic.float_formulas import float_value
 from nonsmooth.symbolic.piecewise import MAX_TEXT, SIGNS, SWITCHES
 from nonsmooth.symbolic.scene_error import shown
+from nonsmooth.symbolic.sine_enclosures import has_waves
 
 _OPERATORS: dict[type[ast.operator], str] = {ast.Add: "+", ast.Sub: "-"}
 

@@ -155,7 +155,7 @@ def places_of(positions: Sequence[Vector], centre: Vector) -> list[BallVector]:
 
 
 @dataclass(frozen=True)
-class Cluster:
+class HeadingCluster:
     """A heading with wheels under the edge, or several that the balls do not tell apart.
 
     Attributes:
@@ -171,9 +171,9 @@ class Cluster:
         """Places of the wheels in the list of wheels, ascending."""
         return tuple(sorted({edge.wheel for edge in self.edges}))
 
-    def merged(self, theta: arb, edges: Sequence[EdgeHeading]) -> Cluster:
+    def merged(self, theta: arb, edges: Sequence[EdgeHeading]) -> HeadingCluster:
         """With what overlaps it."""
-        return Cluster(self.theta.union(theta), (*self.edges, *edges))
+        return HeadingCluster(self.theta.union(theta), (*self.edges, *edges))
 
 
 @dataclass(frozen=True)
@@ -191,14 +191,14 @@ class Gap:
     ends: tuple[tuple[int, ...], tuple[int, ...]]
 
 
-def clusters(found: Sequence[EdgeHeading]) -> list[Cluster]:
+def clusters(found: Sequence[EdgeHeading]) -> list[HeadingCluster]:
     """Headings in ascending order, within one turn; those whose balls overlap count as one."""
-    ordered: list[Cluster] = []
+    ordered: list[HeadingCluster] = []
     for edge in sorted(found, key=lambda one: float(one.theta.mid())):
         if ordered and ordered[-1].theta.overlaps(edge.theta):
             ordered[-1] = ordered[-1].merged(edge.theta, [edge])
         else:
-            ordered.append(Cluster(edge.theta, (edge,)))
+            ordered.append(HeadingCluster(edge.theta, (edge,)))
     turn = 2 * arb.pi()
     if len(ordered) > 1 and ordered[-1].theta.overlaps(ordered[0].theta + turn):
         first = ordered.pop(0)
@@ -206,10 +206,10 @@ def clusters(found: Sequence[EdgeHeading]) -> list[Cluster]:
     return ordered
 
 
-def gaps(found: Sequence[Cluster]) -> list[Gap]:
+def gaps(found: Sequence[HeadingCluster]) -> list[Gap]:
     """From every cluster to the next, around; one full turn where there are none."""
     if not found:
         return [Gap(-arb.pi(), arb.pi(), ((), ()))]
-    first = Cluster(found[0].theta + 2 * arb.pi(), found[0].edges)
+    first = HeadingCluster(found[0].theta + 2 * arb.pi(), found[0].edges)
     pairs = zip(found, [*found[1:], first], strict=True)
     return [Gap(low.theta, high.theta, (low.wheels, high.wheels)) for low, high in pairs]

@@ -22,7 +22,7 @@ from functools import cached_property
 from nonsmooth.symbolic.numbers.number import Number
 
 
-class Piece(StrEnum):
+class BorderPiece(StrEnum):
     """Where on the border of the set the force of a slip lies."""
 
     ARC = "on the arc"
@@ -55,16 +55,16 @@ class FrictionSet:
         """``sqrt(1 - kappa^2)``: x at a corner."""
         return (1 - self.cut * self.cut).sqrt()
 
-    def piece(self, r: Number, s: Number) -> Piece:
+    def piece(self, r: Number, s: Number) -> BorderPiece:
         """Where the force of slips r along and s across lies."""
         x, y = self.along * r, self.across * s
         if not self.is_cut:
-            return Piece.ARC if x or y else Piece.KINK
+            return BorderPiece.ARC if x or y else BorderPiece.KINK
         if not x:
-            return Piece.KINK
+            return BorderPiece.KINK
         square = self.cut * self.cut
         excess = ((1 - square) * y * y - square * x * x).sign()
-        return (Piece.ARC, Piece.SEAM, Piece.CORNER)[excess + 1]
+        return (BorderPiece.ARC, BorderPiece.SEAM, BorderPiece.CORNER)[excess + 1]
 
     def holds_strictly(self, x: Number, y: Number) -> bool:
         """Whether ``(alpha x, beta y)`` lies inside, off the border."""

@@ -13,9 +13,9 @@ from nonsmooth.symbolic.files.feedback_table import FeedbackTable
 from nonsmooth.symbolic.files.layouts import Grid, Ring, WheelTable
 from nonsmooth.symbolic.files.scene_document import (
     CheckTable,
-    Document,
     DriveTable,
     FrictionTable,
+    SceneDocument,
     UnitsTable,
     WheelFile,
 )
@@ -53,7 +53,7 @@ def test_every_key_of_a_table_is_named(table: str) -> None:
 
 
 def test_every_table_is_named() -> None:
-    for name in keys_of(Document):
+    for name in keys_of(SceneDocument):
         assert f"`[{name}]`" in PAGE or f"`[[{name}]]`" in PAGE or f"`{name}`" in PAGE, name
 
 

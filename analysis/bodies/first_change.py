@@ -7,7 +7,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from nonsmooth.analysis.bodies.stretch import Part
+from nonsmooth.analysis.bodies.body_stretch import DenseStep
 from nonsmooth.analysis.fields.contact_model import Floats
 
 LOOKS = 8  # places within a step where signals are looked at
@@ -16,7 +16,7 @@ RELATIVE_ULPS = 4 * float(np.finfo(float).eps)  # the smallest that SciPy takes
 Signals: TypeAlias = Callable[[Floats], Floats]  # of states (m, d), shape (m, k), positive while all goes on
 
 
-def first_change(signals: Signals, part: Part, *, first: bool) -> tuple[float, int, int] | None:
+def first_change(signals: Signals, part: DenseStep, *, first: bool) -> tuple[float, int, int] | None:
     """The first time in a step at which a signal is negative, which signal, and how many there are.
 
     Args:

@@ -13,14 +13,14 @@ from nonsmooth.analysis.bodies.cell_path import CellPath
 from nonsmooth.analysis.bodies.mass_path import MassPath
 from nonsmooth.analysis.contact_rule import CellRule, SmoothRule, contact_rule
 from nonsmooth.analysis.dynamics.mass_study import MassStudy, mass_study
-from nonsmooth.analysis.dynamics.newton_euler import Body, DynamicPath
+from nonsmooth.analysis.dynamics.newton_euler import DynamicPath, RigidBody
 from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.trajectories.result import Trajectory
 from nonsmooth.symbolic.contact_set import whole
 from nonsmooth.symbolic.scene import Scene
 
 
-def outline_mass_study(scene: Scene, bodies: Sequence[Body], start: Sequence[float], until: float) -> MassStudy:
+def outline_mass_study(scene: Scene, bodies: Sequence[RigidBody], start: Sequence[float], until: float) -> MassStudy:
     """As :func:`nonsmooth.analysis.dynamics.mass_study.mass_study`, for a scene with an outline.
 
     Raises:
@@ -47,7 +47,7 @@ def outline_rule_path(scene: Scene, rule: str, start: Sequence[float], until: fl
     return CellPath(whole(chosen), own).follow(start, until)
 
 
-def outline_body_path(scene: Scene, body: Body, start: Sequence[float], until: float) -> DynamicPath:
+def outline_body_path(scene: Scene, body: RigidBody, start: Sequence[float], until: float) -> DynamicPath:
     """The path of a body with mass, from rest."""
     array = whole(scene)
     return MassPath(array, contact_model(array), body).follow(start, until)

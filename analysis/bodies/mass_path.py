@@ -18,16 +18,16 @@ from typing import Any
 
 import numpy as np
 
+from nonsmooth.analysis.bodies.body_stretch import DenseStep
 from nonsmooth.analysis.bodies.first_change import first_change
 from nonsmooth.analysis.bodies.mass_sets import MassSets
 from nonsmooth.analysis.bodies.moving_outline import MovingOutline
-from nonsmooth.analysis.bodies.stretch import Part
 from nonsmooth.analysis.bodies.tipping import tipping_edge
 from nonsmooth.analysis.dynamics.newton_euler import (
     ABSOLUTE_TOLERANCE,
     RELATIVE_TOLERANCE,
-    Body,
     DynamicPath,
+    RigidBody,
 )
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
 from nonsmooth.analysis.fields.kinematics import Kinematics
@@ -77,7 +77,7 @@ class _Log:
 class MassPath:
     """Follows one body."""
 
-    def __init__(self, scene: Scene, model: ContactModel, body: Body) -> None:
+    def __init__(self, scene: Scene, model: ContactModel, body: RigidBody) -> None:
         """For a scene with a body, all its wheels in ``scene.wheels`` and in the model.
 
         Raises:
@@ -134,7 +134,7 @@ class MassPath:
             before, message = solver.t, solver.step()
             if solver.status == "failed":
                 raise TrajectoryError(f"the integrator stopped at t = {solver.t:.6g}: {message}")
-            part = Part(before, solver.t, solver.dense_output())
+            part = DenseStep(before, solver.t, solver.dense_output())
             found = first_change(partial(self._signals, wheels), part, first=before == start)
             self._keep(log, part, part.end if found is None else found[0])
             if found is not None:
@@ -158,7 +158,7 @@ class MassPath:
         margins = self._sets.margins(wheels.carrying, states)
         return np.concatenate([*columns, margins[:, None]], axis=1)
 
-    def _keep(self, log: _Log, part: Part, end: float) -> None:
+    def _keep(self, log: _Log, part: DenseStep, end: float) -> None:
         """A step, up to a time, and how far each wheel has come from the edge in it."""
         log.dense.append(part.state)
         log.times.append(end)

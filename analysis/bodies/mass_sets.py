@@ -9,7 +9,7 @@ from nonsmooth.analysis.bodies.moving_outline import MovingOutline
 from nonsmooth.analysis.bodies.some_contacts import contacts_of
 from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.analysis.dynamics.moving_loads import MovingLoads
-from nonsmooth.analysis.dynamics.newton_euler import CREEP, Body, NewtonEuler, speed_scale
+from nonsmooth.analysis.dynamics.newton_euler import CREEP, NewtonEuler, RigidBody, speed_scale
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 
@@ -28,7 +28,7 @@ class MassSets:
         creep: the speed below which a slip counts as sticking.
     """
 
-    def __init__(self, model: ContactModel, body: Body, outline: MovingOutline) -> None:
+    def __init__(self, model: ContactModel, body: RigidBody, outline: MovingOutline) -> None:
         self._model, self._body, self._outline = model, body, outline
         self.speed = speed_scale(model, np.zeros(3))
         self.creep = CREEP * self.speed

@@ -16,10 +16,10 @@ from typing import Any
 
 import numpy as np
 
+from nonsmooth.analysis.bodies.body_stretch import DenseStep, Parts
 from nonsmooth.analysis.bodies.contact_sets import ContactSets, TippedError, Wheels
 from nonsmooth.analysis.bodies.first_change import first_change
 from nonsmooth.analysis.bodies.moving_outline import MovingOutline
-from nonsmooth.analysis.bodies.stretch import Part, Parts
 from nonsmooth.analysis.bodies.switching import Mode, Switching
 from nonsmooth.analysis.bodies.tipping import tipping_edge
 from nonsmooth.analysis.contact_rule import SmoothRule
@@ -148,12 +148,12 @@ class BodyPath:
                 return _joined(times, dense, pose, EndReason.REST)
         return _joined(times, dense, pose, EndReason.TIME)
 
-    def _rests(self, part: Part) -> bool:
+    def _rests(self, part: DenseStep) -> bool:
         """Whether the body hardly moves in a step."""
         moved = np.abs(part.state(part.end) - part.state(part.start)) * [1.0, 1.0, self._outline.size]
         return bool(moved.max() <= self._slow * (part.end - part.start))
 
-    def _first_change(self, mode: Mode, part: Part, *, first: bool) -> tuple[float, EndReason | None] | None:
+    def _first_change(self, mode: Mode, part: DenseStep, *, first: bool) -> tuple[float, EndReason | None] | None:
         """The first time in a step at which the mode ends, and why."""
         found = first_change(partial(self._signals, mode), part, first=first)
         if found is None:

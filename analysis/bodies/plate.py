@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from nonsmooth.analysis.continuum.moments import moments
-from nonsmooth.analysis.dynamics.newton_euler import Body
+from nonsmooth.analysis.dynamics.newton_euler import RigidBody
 from nonsmooth.symbolic import body
 
 
-def plate(outlined: body.Body, mass: float) -> Body:
+def plate(outlined: body.Body, mass: float) -> RigidBody:
     """``I = m ((int x^2 + int y^2)/area + |o|^2)``, o from the centre of mass to the centroid (per unit of weight)."""
     of = moments(outlined.outline)
     spread = float(of.xx + of.yy) / float(of.area)
     x, y = (float(entry) for entry in outlined.centre)
-    return Body(mass, mass * (spread + x * x + y * y))
+    return RigidBody(mass, mass * (spread + x * x + y * y))

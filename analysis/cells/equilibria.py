@@ -27,7 +27,7 @@ from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.plane import around, between, cross, dot, hull_holds_zero, minus
 
 
-class Place(StrEnum):
+class EquilibriumPlace(StrEnum):
     """Where an equilibrium lies."""
 
     AREA = "rest area"
@@ -41,14 +41,14 @@ class Place(StrEnum):
 class RestPlace(ShortRepr):
     """A point, segment or polygon of equilibria: its points, and the cells that meet there."""
 
-    place: Place
+    place: EquilibriumPlace
     points: tuple[Point, ...]
     cells: tuple[int, ...]
 
 
 def find_equilibria(partition: Partition) -> tuple[RestPlace, ...]:
     """Every equilibrium of the square, areas first."""
-    areas = [RestPlace(Place.AREA, c.polygon.vertices, (c.index,)) for c in partition.cells if c.rests]
+    areas = [RestPlace(EquilibriumPlace.AREA, c.polygon.vertices, (c.index,)) for c in partition.cells if c.rests]
     found = [*areas, *_centres(partition), *_ties(partition)]
     for side in shared_sides(partition):
         found += _on_side(side)
@@ -59,7 +59,7 @@ def find_equilibria(partition: Partition) -> tuple[RestPlace, ...]:
             continue
         rates = [twist.pose_rate(corner.point) for cell in cells for twist in cell.twists]
         if hull_holds_zero(rates) and not any(_covers(known, corner.point) for known in found):
-            found.append(RestPlace(Place.VERTEX, (corner.point,), tuple(cell.index for cell in cells)))
+            found.append(RestPlace(EquilibriumPlace.VERTEX, (corner.point,), tuple(cell.index for cell in cells)))
     return tuple(found)
 
 
@@ -91,7 +91,7 @@ def _centres(partition: Partition) -> Iterator[RestPlace]:
         centres = dict.fromkeys((-twist.vy / twist.omega, twist.vx / twist.omega) for twist in turning)
         for centre in centres:
             if all(sign(side.slack(centre)) > 0 for side in cell.polygon.sides):
-                yield RestPlace(Place.CENTRE, (centre,), (cell.index,))
+                yield RestPlace(EquilibriumPlace.CENTRE, (centre,), (cell.index,))
 
 
 def _ties(partition: Partition) -> Iterator[RestPlace]:
@@ -104,7 +104,7 @@ def _ties(partition: Partition) -> Iterator[RestPlace]:
             if not any(values):
                 middle = cell.polygon.centre
                 if sign(dot(a.pose_rate(middle), b.pose_rate(middle))) < 0:
-                    yield RestPlace(Place.AREA, cell.polygon.vertices, (cell.index,))
+                    yield RestPlace(EquilibriumPlace.AREA, cell.polygon.vertices, (cell.index,))
                 continue
             ends = _zeros_on_boundary(cell.polygon, values)
             if len(ends) == 2:
@@ -135,7 +135,7 @@ def _on_side(side: SharedSide) -> Iterator[RestPlace]:
             t = at_start / (at_start - at_end)
             point = between(side.start, side.end, t)
             if sign(dot(a.pose_rate(point), b.pose_rate(point))) <= 0:
-                yield RestPlace(Place.SIDE, (point,), cells)
+                yield RestPlace(EquilibriumPlace.SIDE, (point,), cells)
 
 
 def _opposition(a: Twist, b: Twist, point: Point) -> Any:
@@ -163,14 +163,16 @@ def _segments(a: Twist, b: Twist, side: SharedSide, cells: tuple[int, int]) -> I
         middle = between(side.start, side.end, (lower + upper) / 2)
         if sign(upper - lower) > 0 and sign(dot(a.pose_rate(middle), b.pose_rate(middle))) <= 0:
             yield RestPlace(
-                Place.SEGMENT, (between(side.start, side.end, lower), between(side.start, side.end, upper)), cells
+                EquilibriumPlace.SEGMENT,
+                (between(side.start, side.end, lower), between(side.start, side.end, upper)),
+                cells,
             )
 
 
 def _covers(known: RestPlace, point: Point) -> bool:
     """Whether a known segment (or point) holds the point."""
     first, last = known.points[0], known.points[-1]
-    if known.place is Place.AREA:
+    if known.place is EquilibriumPlace.AREA:
         return False
     to_first = minus(point, first)
     to_last = minus(point, last)

@@ -19,7 +19,8 @@ The first terms that do not vanish decide what the crossing does to small distan
 
 A full turn is of the product of these orders.  Below one the distances diverge, above one they vanish; at exactly one
 the product of the gains decides where every crossing is of order one.  Several motions in a cone: the most growth
-counts (``proofs.clauses.translation.fan`` says why a mixture gains no more; that argument is for order one only).
+counts (``proofs.clauses.translation.fan_stability`` says why a mixture gains no more; that argument is for order one
+only).
 
 Over exact numbers or floats, as in :mod:`nonsmooth.analysis.cells.moves`.
 """
@@ -50,7 +51,7 @@ class Growth(Enum):
 
 
 @dataclass(frozen=True)
-class Crossing:
+class ConeCrossing:
     """From ray to ray through a cone: ``s' = gain s^order`` to leading order, s in units of the rays' vectors.
 
     Attributes:
@@ -125,7 +126,7 @@ def growth_of(gain: Any, signs: Signs = EXACT) -> Growth:
     return Growth.DIVERGES if growing > 0 else Growth.CONTRACTS if growing < 0 else Growth.TIE
 
 
-def cone_crossings(cone: Cone, sense: int) -> list[Crossing]:
+def cone_crossings(cone: Cone, sense: int) -> list[ConeCrossing]:
     """The crossings of a cone in one sense, one for each motion that crosses it."""
     if is_plane(cone):
         return []
@@ -133,29 +134,29 @@ def cone_crossings(cone: Cone, sense: int) -> list[Crossing]:
     return [step for step in found if step is not None]
 
 
-def most_growth(crossings: Sequence[Crossing]) -> Crossing:
+def most_growth(crossings: Sequence[ConeCrossing]) -> ConeCrossing:
     """The crossing after which small distances are largest: of the lowest order, then of the largest gain."""
     lowest = min(step.order for step in crossings)
     return max((step for step in crossings if step.order == lowest), key=lambda step: step.gain or 0)
 
 
-def crossing(rays: tuple[Point, Point], twist: Twist, sense: int, signs: Signs = EXACT) -> Crossing | None:
+def crossing(rays: tuple[Point, Point], twist: Twist, sense: int, signs: Signs = EXACT) -> ConeCrossing | None:
     """How a motion crosses a cone from its ray of entry to that of exit, in the given sense; None where it does not."""
     entry, exit_ray = rays
     entering, leaving = (sense * cross(ray, twist.velocity) for ray in rays)
     first, last = (signs(normal, signs.speed_slack) for normal in (entering, leaving))
     bend = sense * signs(twist.omega, signs.turn_slack)
     if first > 0 and last > 0:
-        return Crossing(Fraction(1), entering / leaving)
+        return ConeCrossing(Fraction(1), entering / leaving)
     if bend <= 0 or first < 0 or last < 0:
         return None
     if first > 0:
-        return Crossing(Fraction(1, 2), None)
+        return ConeCrossing(Fraction(1, 2), None)
     if last > 0:
-        return Crossing(Fraction(2), None)
+        return ConeCrossing(Fraction(2), None)
     if any(twist.velocity):  # a half-plane with v along its line: the rays are opposite
-        return Crossing(Fraction(1), -dot(entry, exit_ray) / dot(exit_ray, exit_ray))
-    return Crossing(Fraction(1), None)
+        return ConeCrossing(Fraction(1), -dot(entry, exit_ray) / dot(exit_ray, exit_ray))
+    return ConeCrossing(Fraction(1), None)
 
 
 def entry_and_exit(cone: Cone, sense: int) -> tuple[Point, Point]:

@@ -23,7 +23,7 @@ from enum import StrEnum
 import numpy as np
 
 from nonsmooth.analysis.continuum.moments import Moments, moments
-from nonsmooth.analysis.continuum.settling import PushedBody, directions, sense_of
+from nonsmooth.analysis.continuum.settling import SettlingBody, directions, sense_of
 from nonsmooth.analysis.continuum.unit_fields import Floats, disc_stiffness
 from nonsmooth.symbolic.continuum import ContinuousField, Disc, Footprint
 from nonsmooth.symbolic.plane import Vector
@@ -36,7 +36,7 @@ AT_ZERO = 1e-12  # radian: a root this near to 0 or to half a turn is 0, to the 
 FLAT = 1e-7  # slope of that moment per radian, and of the force relative to its largest: below is not told from zero
 
 
-class Rotation(StrEnum):
+class HeadingEffect(StrEnum):
     """What the field does to the heading."""
 
     ORIENTS = "turns to certain headings"
@@ -46,7 +46,7 @@ class Rotation(StrEnum):
 
 
 @dataclass(frozen=True)
-class Heading:
+class MomentFreeHeading:
     """A heading without moment (radian, from 0 to pi); the same half a turn later.  ``stable`` None: not decided."""
 
     theta: float
@@ -72,8 +72,8 @@ class Prediction:
     field: ContinuousField
     attracts: bool | None
     offset: float
-    rotation: Rotation
-    headings: tuple[Heading, ...]
+    rotation: HeadingEffect
+    headings: tuple[MomentFreeHeading, ...]
     reason: str
 
 
@@ -109,26 +109,29 @@ def _predict_linear(field: ContinuousField, matrix: tuple[Vector, Vector], footp
     second = moments(footprint)
     back = (a + d).sign() < 0 < (a * d - b * c).sign()
     if _turns_with_the_world(matrix):
-        rotation = Rotation.TURNS if c else Rotation.KEEPS
+        rotation = HeadingEffect.TURNS if c else HeadingEffect.KEEPS
         return Prediction(footprint, field, back, 0.0, rotation, (), _because(rotation))
     if second.are_isotropic:
         reason = "second moments are equal about every axis: no moment at any heading"
-        return Prediction(footprint, field, back, 0.0, Rotation.KEEPS, (), reason)
+        return Prediction(footprint, field, back, 0.0, HeadingEffect.KEEPS, (), reason)
     headings = _principal_headings(second, weaker_along_x=(d - a).sign() < 0)
     reason = "M ~ sin 2(theta - theta_0): the long principal axis turns to the weaker pull"
-    return Prediction(footprint, field, back, 0.0, Rotation.ORIENTS, headings, reason)
+    return Prediction(footprint, field, back, 0.0, HeadingEffect.ORIENTS, headings, reason)
 
 
-def _because(rotation: Rotation) -> str:
-    if rotation is Rotation.KEEPS:
+def _because(rotation: HeadingEffect) -> str:
+    if rotation is HeadingEffect.KEEPS:
         return "the field is the same from every side, and it has a potential: no moment at rest"
     return "the field is the same from every side, and its moment never vanishes"
 
 
-def _principal_headings(second: Moments, *, weaker_along_x: bool) -> tuple[Heading, ...]:
+def _principal_headings(second: Moments, *, weaker_along_x: bool) -> tuple[MomentFreeHeading, ...]:
     """The headings at which the long principal axis lies along x (stable where the pull is weaker there) and y."""
     axis = math.atan2(2 * float(second.xy), float(second.xx - second.yy)) / 2
-    found = [Heading(-axis % math.pi, weaker_along_x), Heading((math.pi / 2 - axis) % math.pi, not weaker_along_x)]
+    found = [
+        MomentFreeHeading(-axis % math.pi, weaker_along_x),
+        MomentFreeHeading((math.pi / 2 - axis) % math.pi, not weaker_along_x),
+    ]
     return tuple(sorted(found, key=lambda heading: heading.theta))
 
 
@@ -138,21 +141,23 @@ def _principal_headings(second: Moments, *, weaker_along_x: bool) -> tuple[Headi
 def _predict_unit(field: ContinuousField, matrix: tuple[Vector, Vector], footprint: Footprint) -> Prediction:
     if isinstance(footprint, Disc):
         return _predict_disc(field, matrix, footprint)
-    body = PushedBody(field, footprint)
+    body = SettlingBody(field, footprint)
     if _turns_with_the_world(matrix):
-        rotation = Rotation.TURNS if matrix[1][0] else Rotation.KEEPS
+        rotation = HeadingEffect.TURNS if matrix[1][0] else HeadingEffect.KEEPS
         place = body.settle(0.0, np.zeros(2))
         if place is None:
-            return Prediction(footprint, field, None, math.nan, Rotation.UNKNOWN, (), "no position at rest was found")
+            return Prediction(
+                footprint, field, None, math.nan, HeadingEffect.UNKNOWN, (), "no position at rest was found"
+            )
         offset = float(np.hypot(*place))
         return Prediction(footprint, field, _pulls_inward(field, matrix), offset, rotation, (), _because(rotation))
     return _search(field, body)
 
 
 def _predict_disc(field: ContinuousField, matrix: tuple[Vector, Vector], footprint: Disc) -> Prediction:
-    rotation = Rotation.TURNS if _turns_with_the_world(matrix) and matrix[1][0] else Rotation.KEEPS
+    rotation = HeadingEffect.TURNS if _turns_with_the_world(matrix) and matrix[1][0] else HeadingEffect.KEEPS
     reason = "a disc is the same at every heading, and by symmetry there is no moment"
-    if rotation is Rotation.TURNS:
+    if rotation is HeadingEffect.TURNS:
         reason = _because(rotation)
     if _turns_with_the_world(matrix):
         back: bool | None = _pulls_inward(field, matrix)
@@ -170,13 +175,13 @@ def _pulls_inward(field: ContinuousField, matrix: tuple[Vector, Vector]) -> bool
     return (matrix[0][0] if field.speed is None else matrix[0][0] * field.speed).sign() < 0
 
 
-def _search(field: ContinuousField, body: PushedBody) -> Prediction:
+def _search(field: ContinuousField, body: SettlingBody) -> Prediction:
     """Headings at which the moment at the settled position changes sign."""
     thetas = (np.arange(HEADINGS + 1) + GRID_SHIFT) * math.pi / HEADINGS
     places = list(body.settled(thetas))
     if any(place is None for place in places):
         reason = "no position at rest was found at some heading"
-        return Prediction(body.footprint, field, None, math.nan, Rotation.UNKNOWN, (), reason)
+        return Prediction(body.footprint, field, None, math.nan, HeadingEffect.UNKNOWN, (), reason)
     known = [place for place in places if place is not None]
     wrenches = [body.wrench(theta, place) for theta, place in zip(thetas, known, strict=True)]
     levels = np.array([wrench.moment for wrench in wrenches])
@@ -185,19 +190,19 @@ def _search(field: ContinuousField, body: PushedBody) -> Prediction:
     offset = max(float(np.hypot(*place)) for place in known)
     if np.abs(levels).max() <= NEGLIGIBLE * body.scale:
         reason = "no moment beyond rounding at any heading"
-        return Prediction(body.footprint, field, back, offset, Rotation.KEEPS, (), reason)
+        return Prediction(body.footprint, field, back, offset, HeadingEffect.KEEPS, (), reason)
     changes = np.flatnonzero(np.sign(levels[:-1]) * np.sign(levels[1:]) < 0)
     headings = sorted(
         (_heading_between(body, thetas[k], thetas[k + 1], known[k]) for k in changes), key=lambda h: h.theta
     )
     if not headings:
         reason = f"the moment at rest has one sign at {HEADINGS} headings of half a turn"
-        return Prediction(body.footprint, field, back, offset, Rotation.TURNS, (), reason)
+        return Prediction(body.footprint, field, back, offset, HeadingEffect.TURNS, (), reason)
     reason = f"sign changes of the moment at rest over {HEADINGS} headings of half a turn"
-    return Prediction(body.footprint, field, back, offset, Rotation.ORIENTS, tuple(headings), reason)
+    return Prediction(body.footprint, field, back, offset, HeadingEffect.ORIENTS, tuple(headings), reason)
 
 
-def _heading_between(body: PushedBody, low: float, high: float, place: Floats) -> Heading:
+def _heading_between(body: SettlingBody, low: float, high: float, place: Floats) -> MomentFreeHeading:
     """The heading between two of opposite moments, and whether the moment turns back there."""
     from scipy.optimize import brentq
 
@@ -209,7 +214,7 @@ def _heading_between(body: PushedBody, low: float, high: float, place: Floats) -
     slope = (level(high) - level(low)) / (high - low)
     theta %= math.pi
     theta = 0.0 if min(theta, math.pi - theta) <= AT_ZERO else theta
-    return Heading(theta, None if abs(slope) <= FLAT else bool(slope < 0))
+    return MomentFreeHeading(theta, None if abs(slope) <= FLAT else bool(slope < 0))
 
 
 def _is_restoring(stiffness: Floats) -> bool | None:

@@ -13,7 +13,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from nonsmooth.analysis.continuum.moments import moments
-from nonsmooth.analysis.continuum.unit_fields import Floats, Wrench, polygon_wrench
+from nonsmooth.analysis.continuum.unit_fields import FieldWrench, Floats, polygon_wrench
 from nonsmooth.symbolic.continuum import ContinuousField, PolygonShape
 from nonsmooth.symbolic.plane import Vector
 
@@ -21,7 +21,7 @@ NEWTON_STEPS = 50
 SETTLED = 1e-13  # force relative to the area: below is rounding
 
 
-class PushedBody:
+class SettlingBody:
     """A polygon on a field of constant size, in floats; positions are measured from the field's centre.
 
     Attributes:
@@ -38,7 +38,7 @@ class PushedBody:
         self.force_scale = area
         self.scale = self.force_scale * self.size
 
-    def wrench(self, theta: float, place: Floats) -> Wrench:
+    def wrench(self, theta: float, place: Floats) -> FieldWrench:
         """Force and moment at a pose."""
         c, s = math.cos(theta), math.sin(theta)
         turned = self.vertices @ np.array([[c, s], [-s, c]])

@@ -27,7 +27,7 @@ THROUGH_CENTRE = 1e-30
 
 
 @dataclass(frozen=True)
-class Wrench:
+class FieldWrench:
     """Force and moment on a body, with the change of the force as the body is moved.
 
     Attributes:
@@ -41,7 +41,7 @@ class Wrench:
     stiffness: Floats
 
 
-def polygon_wrench(matrix: Floats, speed: float, vertices: Floats, centroid: Floats) -> Wrench:
+def polygon_wrench(matrix: Floats, speed: float, vertices: Floats, centroid: Floats) -> FieldWrench:
     """Force and moment on a polygon.
 
     Args:
@@ -58,7 +58,7 @@ def polygon_wrench(matrix: Floats, speed: float, vertices: Floats, centroid: Flo
     step = end - start
     outward = np.stack([step[:, 1], -step[:, 0]], axis=1)  # normal times length
     moment = about_centre - float(cross(centroid, force))
-    return Wrench(force, moment, speed * along.T @ outward)
+    return FieldWrench(force, moment, speed * along.T @ outward)
 
 
 def _side_integrals(matrix: Floats, start: Floats, end: Floats) -> tuple[Floats, Floats]:

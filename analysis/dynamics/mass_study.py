@@ -27,7 +27,7 @@ import numpy as np
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.contact_rule import SmoothRule, all_rules, contact_rule
-from nonsmooth.analysis.dynamics.newton_euler import Body, DynamicPath, simulate_dynamics
+from nonsmooth.analysis.dynamics.newton_euler import DynamicPath, RigidBody, simulate_dynamics
 from nonsmooth.analysis.fields.constant_field import array_field
 from nonsmooth.analysis.fields.contact_model import Floats, contact_model
 from nonsmooth.analysis.fields.kinematics import Kinematics
@@ -42,7 +42,7 @@ LADDER = 5  # masses of a ladder, each a tenth of the one before
 BROKEN_OFF = frozenset({EndReason.OUTSIDE, EndReason.TIPS, EndReason.LOADS, EndReason.EVENTS})
 
 RulePath: TypeAlias = Callable[[Scene, str, Sequence[float], float], Trajectory]
-BodyPath: TypeAlias = Callable[[Scene, Body, Sequence[float], float], DynamicPath]
+BodyPath: TypeAlias = Callable[[Scene, RigidBody, Sequence[float], float], DynamicPath]
 
 
 @dataclass(frozen=True)
@@ -73,7 +73,7 @@ class MassRow:
         seconds: run time of the path under full dynamics.
     """
 
-    body: Body
+    body: RigidBody
     distances: tuple[PathDistance, ...]
     evaluations: int
     seconds: float
@@ -118,9 +118,9 @@ class MassStudy(ShortRepr):
         return html_table(head, ("mass", "rule", "of (x, y)", "of theta"), rows)
 
 
-def mass_ladder(body: Body, count: int = LADDER) -> tuple[Body, ...]:
+def mass_ladder(body: RigidBody, count: int = LADDER) -> tuple[RigidBody, ...]:
     """Bodies of one shape, each a tenth as heavy as the one before."""
-    return tuple(Body(body.mass / 10**k, body.inertia / 10**k) for k in range(count))
+    return tuple(RigidBody(body.mass / 10**k, body.inertia / 10**k) for k in range(count))
 
 
 def rule_path(scene: Scene, rule: str, start: Sequence[float], until: float) -> Trajectory:
@@ -138,14 +138,14 @@ def rule_path(scene: Scene, rule: str, start: Sequence[float], until: float) -> 
     return simulate(array_field(build_partition(chosen), Kinematics.EXACT), start, until)
 
 
-def body_path(scene: Scene, body: Body, start: Sequence[float], until: float) -> DynamicPath:
+def body_path(scene: Scene, body: RigidBody, start: Sequence[float], until: float) -> DynamicPath:
     """Full dynamics of a body that lies on all wheels, from rest."""
     return simulate_dynamics(contact_model(scene), body, start, until)
 
 
 def mass_study(
     scene: Scene,
-    bodies: Sequence[Body],
+    bodies: Sequence[RigidBody],
     start: Sequence[float],
     until: float,
     follow_rule: RulePath = rule_path,

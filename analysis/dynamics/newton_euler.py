@@ -40,7 +40,7 @@ LARGEST = 1e100  # mass and inertia, and their inverses: products of two are sti
 
 
 @dataclass(frozen=True)
-class Body:
+class RigidBody:
     """A rigid plate.
 
     Attributes:
@@ -63,9 +63,9 @@ class Body:
                 )
 
 
-def disc(model: ContactModel, mass: float) -> Body:
+def disc(model: ContactModel, mass: float) -> RigidBody:
     """A uniform disc as large as the array: ``I = m R^2/2``, ``R^2`` the mean squared distance of the wheels."""
-    return Body(mass, mass * array_size(model) ** 2 / 2)
+    return RigidBody(mass, mass * array_size(model) ** 2 / 2)
 
 
 def array_size(model: ContactModel) -> float:
@@ -77,7 +77,7 @@ def array_size(model: ContactModel) -> float:
 class NewtonEuler:
     """The equations as an integrator wants them: state ``(x, y, theta, w_x, w_y, omega)``."""
 
-    def __init__(self, model: ContactModel, body: Body, loads: MovingLoads, creep: float) -> None:
+    def __init__(self, model: ContactModel, body: RigidBody, loads: MovingLoads, creep: float) -> None:
         self.friction, self.body, self.loads = EllipseFriction(model, creep), body, loads
         self._masses = np.array([body.mass, body.mass, body.inertia])
 
@@ -116,7 +116,7 @@ class DynamicPath:
         dense: all six entries of the state between the steps.
     """
 
-    body: Body
+    body: RigidBody
     creep: float
     times: Floats
     states: Floats
@@ -131,7 +131,7 @@ class DynamicPath:
 
 def simulate_dynamics(
     model: ContactModel,
-    body: Body,
+    body: RigidBody,
     start: Sequence[float],
     until: float,
     velocity: Sequence[float] = (0.0, 0.0, 0.0),

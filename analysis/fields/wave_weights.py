@@ -1,14 +1,14 @@
 """The weights with which the ends that enclose a sine or cosine mix to its value, in floats.
 
 With ``sin v = v - v^3/6 + e v^5/120`` and ``cos v = 1 - v^2/2 + v^4/24 - e v^6/720``
-(:mod:`nonsmooth.symbolic.enclosures`) this is e, which lies between 0 and 1.
+(:mod:`nonsmooth.symbolic.sine_enclosures`) this is e, which lies between 0 and 1.
 """
 
 from __future__ import annotations
 
 from math import cos, sin
 
-from nonsmooth.symbolic.enclosures import Wave
+from nonsmooth.symbolic.sine_enclosures import Wave
 
 SERIES_BELOW = 0.25  # of v, where the series of e is good to 1e-9 and its factor v^5 below 1e-5
 

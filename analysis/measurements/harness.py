@@ -13,14 +13,14 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 from typing import Any, TypeAlias, cast
 
-from nonsmooth.analysis.measurements.plan import LeftOut, Plan, Trial
 from nonsmooth.analysis.measurements.rows import Outcome, ResultRow, Rows, asserted
+from nonsmooth.analysis.measurements.study_plan import LeftOut, StudyPlan, Trial
 from nonsmooth.analysis.measurements.timing import Limits, OutOfTime, timed
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 Progress: TypeAlias = Callable[[int, int, str], None]  # steps done, steps in all (0: not known), and what is done now
-NO_PLAN, USUAL = Plan(), Limits()
+NO_PLAN, USUAL = StudyPlan(), Limits()
 LONGEST_NOTE = 100  # characters of a solver's own message
 
 
@@ -37,12 +37,12 @@ class Measurement(ABC):
 
     name: str
 
-    def build(self, scene: Any) -> Plan:
+    def build(self, scene: Any) -> StudyPlan:
         """What is known before anything is measured; raises :class:`LeftOut` where the scene does not allow it."""
         return NO_PLAN
 
     @abstractmethod
-    def rows(self, scene: Any, plan: Plan = NO_PLAN, limits: Limits = USUAL, report: Progress = _silent) -> Rows:
+    def rows(self, scene: Any, plan: StudyPlan = NO_PLAN, limits: Limits = USUAL, report: Progress = _silent) -> Rows:
         """Measure; a row is yielded as soon as it is finished."""
 
 
@@ -63,13 +63,13 @@ class Study(Measurement):
     name: str
     title: str
     quantity: str
-    plan: Callable[[Any], Plan]
+    plan: Callable[[Any], StudyPlan]
 
-    def build(self, scene: Any) -> Plan:
+    def build(self, scene: Any) -> StudyPlan:
         """The reference and the trials; nothing is timed yet."""
         return self.plan(scene)
 
-    def rows(self, scene: Scene, plan: Plan = NO_PLAN, limits: Limits = USUAL, report: Progress = _silent) -> Rows:
+    def rows(self, scene: Scene, plan: StudyPlan = NO_PLAN, limits: Limits = USUAL, report: Progress = _silent) -> Rows:
         """One row for each trial, in the order of the plan."""
         out_of_time: set[str] = set()
         for number, trial in enumerate(plan.trials):
@@ -82,7 +82,7 @@ class Study(Measurement):
                 out_of_time.add(trial.method)
             yield row
 
-    def measure(self, trial: Trial, plan: Plan, limits: Limits) -> ResultRow:
+    def measure(self, trial: Trial, plan: StudyPlan, limits: Limits) -> ResultRow:
         """Run a trial and judge its result."""
         try:
             result, seconds = timed(trial.work, limits)
@@ -94,10 +94,10 @@ class Study(Measurement):
         known = replace(row, details=found.details, work=found.work, note=found.note)
         return replace(known, error=found.error, seconds=seconds / trial.repeats)
 
-    def _without_result(self, trial: Trial, plan: Plan, outcome: Outcome, note: str) -> ResultRow:
+    def _without_result(self, trial: Trial, plan: StudyPlan, outcome: Outcome, note: str) -> ResultRow:
         return replace(self._row(trial, plan), outcome=outcome, ok=False, note=note)
 
-    def _row(self, trial: Trial, plan: Plan) -> ResultRow:
+    def _row(self, trial: Trial, plan: StudyPlan) -> ResultRow:
         labels = (self.name, trial.method, trial.parameter, trial.setting)
         return ResultRow(*labels, reference=plan.reference)
 
@@ -119,7 +119,7 @@ class Case(Measurement):
     def rows(
         self,
         scene: Scene | SwitchedSystem,
-        plan: Plan = NO_PLAN,
+        plan: StudyPlan = NO_PLAN,
         limits: Limits = USUAL,
         report: Progress = _silent,
     ) -> Rows:
@@ -147,7 +147,7 @@ class Measured:
     """A measurement with its finished rows; the plan is None where the scene does not allow it, for a reason."""
 
     of: Measurement
-    plan: Plan | None = None
+    plan: StudyPlan | None = None
     rows: list[ResultRow] = field(default_factory=list)
     left_out: str = ""
 

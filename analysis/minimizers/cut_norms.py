@@ -21,7 +21,7 @@ from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.minimizers.cut_polish import polish_cut
 from nonsmooth.analysis.minimizers.norm_cones import Cones
 from nonsmooth.analysis.minimizers.norm_scaling import TINY, Iterate, residuals
-from nonsmooth.analysis.minimizers.sum_of_norms import Block, LeastSquares, minimize_norms, solve_blocks
+from nonsmooth.analysis.minimizers.sum_of_norms import LeastSquares, ProblemBatch, minimize_norms, solve_blocks
 
 
 def minimize_cut_norms(weights: Floats, maps: Floats, targets: Floats, cuts: Floats) -> tuple[Floats, Floats]:
@@ -37,7 +37,7 @@ def minimize_cut_norms(weights: Floats, maps: Floats, targets: Floats, cuts: Flo
     return y[:, :3], z[:, : len(cuts)]
 
 
-class _CutBlock(Block):
+class _CutBlock(ProblemBatch):
     """Problems with 2n norms: those of the contacts, then those of the bearings; unknowns y, then t of each wheel."""
 
     def __init__(self, weights: Floats, maps: Floats, targets: Floats, cuts: Floats) -> None:

@@ -37,7 +37,7 @@ NEWTON_STEPS = 10  # corners leave the Hessian singular until the right rims sto
 SETTLED = 1e-13  # relative to the unknowns: a step so small on unchanged parts is rounding, and no other is needed
 
 
-class Pieces(NamedTuple):
+class NearestBorder(NamedTuple):
     """Which part of the border is nearest to a point, shape (n, m) each; on none of them it is inside."""
 
     side: NDArray[np.bool_]
@@ -50,14 +50,14 @@ class Pieces(NamedTuple):
         return ~(self.side | self.arc | self.corner)
 
 
-def pieces(points: Floats, cuts: Floats) -> Pieces:
+def pieces(points: Floats, cuts: Floats) -> NearestBorder:
     """Where points (2, n, m) lie beside discs cut at cuts (n, 1): the normal cones of the border's parts."""
     x, y = np.abs(points)
     corner = corners(cuts)
     side = (y > cuts) & (x < corner)
     beyond = (x >= corner) & (corner * y > cuts * x) & (y > cuts)
     arc = ~side & ~beyond & (norm(points) > 1)
-    return Pieces(side, arc, beyond)
+    return NearestBorder(side, arc, beyond)
 
 
 def polish_cut(
@@ -92,7 +92,7 @@ def polish_cut(
     return y, z, _solved(norms, r, z, cuts)
 
 
-def _forces(part: Pieces, r: Floats, z: Floats, border: Floats) -> Floats:
+def _forces(part: NearestBorder, r: Floats, z: Floats, border: Floats) -> Floats:
     """The forces that the parts and the slips r give; where a multiplier is free, that of z.
 
     Args:

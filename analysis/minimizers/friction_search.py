@@ -51,7 +51,7 @@ def search_forces(
         cuts: share of the half-axes across at which the ellipses are cut, (n,); all 1 unless given.
     """
     along, across = in_common_units(along, across)
-    balance = _Balance(along, across, signs, np.ones(len(signs)) if cuts is None else cuts)
+    balance = _AngleBalance(along, across, signs, np.ones(len(signs)) if cuts is None else cuts)
     angles, held = balance.starts(np.random.default_rng(SEED))
     for _ in range(STEPS):
         angles, held = balance.stepped(angles, held)
@@ -72,7 +72,7 @@ def in_common_units(along: Floats, across: Floats) -> tuple[Floats, Floats]:
     return along / unit, across / unit
 
 
-class Room:
+class ForceMargins:
     """How far forces are from their limits: by the cuts of the wheels that slip across, and of the others."""
 
     cuts: Floats
@@ -90,7 +90,7 @@ class Room:
         return np.minimum((1 - np.linalg.norm(pairs, axis=-1)).min(axis=1, initial=1), to_cut.min(axis=1, initial=1))
 
 
-class _Balance(Room):
+class _AngleBalance(ForceMargins):
     """The sum of all forces for many starts at once: angles (m, k) of slipping wheels, held (m, 2l) of the others."""
 
     def __init__(self, along: Floats, across: Floats, signs: NDArray[np.int_], cuts: Floats) -> None:

@@ -18,8 +18,8 @@ from nonsmooth.analysis.minimizers.friction_search import (
     SEED,
     STEPS,
     Floats,
+    ForceMargins,
     FrictionForces,
-    Room,
     in_common_units,
 )
 
@@ -43,7 +43,7 @@ def search_many_forces(
         cuts: share of the half-axes across at which the ellipses are cut, (n,); all 1 unless given.
     """
     along, across = in_common_units(along, across)
-    balance = _Balance(along, across, signs, np.ones(len(signs)) if cuts is None else cuts)
+    balance = _PlaneBalance(along, across, signs, np.ones(len(signs)) if cuts is None else cuts)
     z, q = balance.starts(np.random.default_rng(SEED))
     for _ in range(STEPS):
         z, q = balance.stepped(z, q)
@@ -61,7 +61,7 @@ def _in_disc(q: Floats) -> Floats:
     return np.asarray(q / np.sqrt(1 + (q**2).sum(axis=-1, keepdims=True)))
 
 
-class _Balance(Room):
+class _PlaneBalance(ForceMargins):
     """The sum of all forces for many starts at once: z (m, k) of slipping wheels, q (m, l, 2) of the others."""
 
     def __init__(self, along: Floats, across: Floats, signs: NDArray[np.int_], cuts: Floats) -> None:

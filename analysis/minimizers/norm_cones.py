@@ -22,7 +22,7 @@ NEAREST_TO_BOUNDARY = 1e-6  # a step never divides the determinant of a cone by 
 Split: TypeAlias = Callable[[Floats], tuple[Floats, Floats]]
 
 
-class Direction(NamedTuple):
+class ConeStep(NamedTuple):
     """A step of every cone.
 
     Attributes:
@@ -74,7 +74,7 @@ class Cones:
         columns[:, 1] = second * (q * cos) - first * (q * sin)
         return columns.reshape(3, 2 * n, m)
 
-    def direction(self, split: Split, goal: Floats, goal_b: Floats) -> Direction:
+    def direction(self, split: Split, goal: Floats, goal_b: Floats) -> ConeStep:
         """Step with scaled primal plus scaled dual equal to the goal, keeping the multipliers balanced.
 
         The primal step lies in the span of the columns, the dual's new value is orthogonal to them: one
@@ -94,13 +94,13 @@ class Cones:
         slope, curvature = -products[0] - products[1], -squares[0] - squares[1]
         slope[0] = self.above * t + self.vectors[0, 0] * rise - products[1, 0]
         curvature[0] = rise * (along + t) - squares[1, 0]
-        return Direction(coefficients, primal, dual, goal_b, steps, t, slope, curvature)
+        return ConeStep(coefficients, primal, dual, goal_b, steps, t, slope, curvature)
 
-    def predictor(self, split: Split) -> Direction:
+    def predictor(self, split: Split) -> ConeStep:
         """The step that aims at gap 0."""
         return self.direction(split, -self.point, -self.point_b)
 
-    def corrector(self, split: Split, predictor: Direction) -> Direction:
+    def corrector(self, split: Split, predictor: ConeStep) -> ConeStep:
         """The step with Mehrotra's centring and second-order correction.
 
         Its goal is ``x - point`` where ``point o x = centre (1, 0, 0) - primal o dual`` (Jordan products) of the
@@ -119,7 +119,7 @@ class Cones:
         goal = np.array([sh * x_t + ch * x_x, x_q]) - self.point
         return self.direction(split, goal, ch * x_t - sh * x_x - self.point_b)
 
-    def _centre(self, predictor: Direction) -> Floats:
+    def _centre(self, predictor: ConeStep) -> Floats:
         """Mean gap to aim at: the mean gap after the predictor, times its ratio to the mean gap now."""
         primal, dual = np.minimum(1.0, self.longest_steps(predictor))
         products = self.point * predictor.primal
@@ -128,12 +128,12 @@ class Cones:
         after = before - primal * share - dual * (before - share)
         return np.asarray(np.square(np.clip(after, 0.0, before)) / before)
 
-    def longest_steps(self, step: Direction) -> Floats:
+    def longest_steps(self, step: ConeStep) -> Floats:
         """Largest share of the step that stays in all cones of a problem, shape (side, m)."""
         inverse = np.sqrt(np.maximum(np.square(step.slope) - step.curvature * self.det, 0.0)) - step.slope
         return np.asarray(1 / np.maximum((inverse / self.det).max(axis=1), TINY))
 
-    def advanced(self, step: Direction, shares: Floats, y: Floats, r: Floats) -> Iterate:
+    def advanced(self, step: ConeStep, shares: Floats, y: Floats, r: Floats) -> Iterate:
         """The iterate with new y and r after shares (side, m) of the primal and the dual step."""
         along, across = shares[1] * step.steps[:, 1]
         vectors = self.state.vectors.copy()

@@ -60,10 +60,12 @@ def minimize_norms(weights: Floats, maps: Floats, targets: Floats) -> tuple[Floa
         Minimizers y, shape (m, 3), and multipliers z, shape (m, n, 2), with ``|z_i| <= 1`` and
         ``sum_i w_i E_i^T z_i = 0``.
     """
-    return solve_blocks(lambda w, e: Block(w, maps, e), weights, targets)
+    return solve_blocks(lambda w, e: ProblemBatch(w, maps, e), weights, targets)
 
 
-def solve_blocks(build: Callable[[Floats, Floats], Block], weights: Floats, targets: Floats) -> tuple[Floats, Floats]:
+def solve_blocks(
+    build: Callable[[Floats, Floats], ProblemBatch], weights: Floats, targets: Floats
+) -> tuple[Floats, Floats]:
     """Unknowns (m, k) and multipliers (m, n, 2) of all problems, block by block."""
     size = max(SMALLEST_BLOCK, CACHED // weights.shape[1])
     blocks = [slice(first, first + size) for first in range(0, max(len(weights), 1), size)]
@@ -73,7 +75,7 @@ def solve_blocks(build: Callable[[Floats, Floats], Block], weights: Floats, targ
     return np.concatenate([y.T for y, _ in solved]), np.concatenate([z.transpose(2, 1, 0) for _, z in solved])
 
 
-class Block:
+class ProblemBatch:
     """Problems that advance together, and the best solution of each so far."""
 
     def __init__(self, weights: Floats, maps: Floats, targets: Floats) -> None:

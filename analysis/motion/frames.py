@@ -34,7 +34,7 @@ MIXED = 1e-6  # smaller weights of a cell's motion are rounding of none, as wher
 ON_EDGE = 1e-9  # of the square's size: the distance within which a path keeps to an edge it slides along
 
 
-class Contact(IntEnum):
+class WheelContact(IntEnum):
     """What a wheel does."""
 
     FREE = 0
@@ -52,7 +52,7 @@ class Frames:
         twists: ``(v_x, v_y, omega)``, shape (m, 3).
         speeds: ``u_i``, shape (m, n); nan where a law gives a wheel none, as it does not act.
         slips: along the rim and across it, shape (m, n, 2); that along the rim is nan where the speed is.
-        contacts: values of :class:`Contact`, shape (m, n).
+        contacts: values of :class:`WheelContact`, shape (m, n).
     """
 
     times: Floats
@@ -106,7 +106,9 @@ def build_frames(
             ]
             speeds = np.array(mixed)
     slips = wheel_slips(model, twists, speeds)
-    contacts = np.where(carrying, np.where(_sticks(slips, twists, model, speeds), Contact.STICKS, Contact.SLIPS), 0)
+    contacts = np.where(
+        carrying, np.where(_sticks(slips, twists, model, speeds), WheelContact.STICKS, WheelContact.SLIPS), 0
+    )
     return Frames(at, poses, twists, np.array(speeds), slips, contacts)
 
 

@@ -28,7 +28,7 @@ SMALLEST = 1e-6  # relative to the size of the states: a smaller orbit is an equ
 
 
 @dataclass(frozen=True)
-class Turn:
+class SupposedPeriod:
     """A path over one supposed period.
 
     Attributes:
@@ -74,14 +74,14 @@ def shoot(field: SignField, x: Vector, period: float) -> Orbit:
     return Orbit(field, turn.path, turn.legs, largest(turn.gap))
 
 
-def _turn(field: SignField, x: Vector, period: float) -> Turn:
+def _turn(field: SignField, x: Vector, period: float) -> SupposedPeriod:
     path, legs = follow_legs(field, tuple(x.tolist()), period)
     if not legs or legs[-1].end < period or sum(leg.end - leg.start for leg in legs) < period * (1 - CLOSED):
         raise OrbitError("the path ends within a turn, or its switches accumulate")
-    return Turn(path, legs, legs[-1].last - legs[0].first)
+    return SupposedPeriod(path, legs, legs[-1].last - legs[0].first)
 
 
-def _improved(field: SignField, turn: Turn) -> Turn:
+def _improved(field: SignField, turn: SupposedPeriod) -> SupposedPeriod:
     """After one step of Newton's method, cut to where its derivative can be trusted."""
     first = turn.legs[0]
     x, along = first.first, turn.legs[-1].motion(turn.legs[-1].end, turn.legs[-1].last)

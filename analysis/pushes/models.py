@@ -24,9 +24,9 @@ import numpy as np
 
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.pushes.contacts import Contacts
-from nonsmooth.analysis.pushes.records import PushLog, angles
+from nonsmooth.analysis.pushes.limit_surfaces import LimitSurface, fit_surface
+from nonsmooth.analysis.pushes.measured_pushes import PushLog, angles
 from nonsmooth.analysis.pushes.supports import RHO, support_loads, support_points
-from nonsmooth.analysis.pushes.surfaces import LimitSurface, fit_surface
 
 RATIOS = np.exp(np.linspace(-1.5, 1.5, 13))  # of the axes of a friction ellipse, tried before the search
 DIRECTIONS = np.linspace(0, np.pi / 2, 7)[:-1]  # of its first axis; the rest is the same ellipse

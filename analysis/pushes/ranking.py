@@ -15,8 +15,8 @@ from itertools import pairwise
 import numpy as np
 
 from nonsmooth.analysis.fields.contact_model import Floats
+from nonsmooth.analysis.pushes.measured_pushes import PushLog, angles, load_pushes
 from nonsmooth.analysis.pushes.models import MODELS, Model
-from nonsmooth.analysis.pushes.records import PushLog, angles, load_pushes
 
 FOLDS = 5
 RESAMPLES = 2_000

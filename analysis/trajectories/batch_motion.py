@@ -1,4 +1,4 @@
-"""The closed forms of :mod:`nonsmooth.analysis.trajectories.motion` for many starts at once, in floats."""
+"""The closed forms of :mod:`nonsmooth.analysis.trajectories.cell_motion` for many starts at once, in floats."""
 
 from __future__ import annotations
 

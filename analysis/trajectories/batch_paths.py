@@ -1,9 +1,10 @@
 """Many paths of one field of constant twists, leg by leg, until each has ended.
 
-The method is that of :mod:`nonsmooth.analysis.trajectories.constant`; all starts that are in the same cell, on the same
-edge or at the same corner move together.  Only the generic case is vectorized: paths through cells, strict crossings,
-strict sliding and rest on an edge.  What happens at a corner or where sliding ends is the same for all that get there,
-so it is decided once.  Every other start (on an edge, tangent to one) is handed to the scalar integrator.
+The method is that of :mod:`nonsmooth.analysis.trajectories.piecewise_constant`; all starts that are in the same cell,
+on the same edge or at the same corner move together.  Only the generic case is vectorized: paths through cells,
+strict crossings, strict sliding and rest on an edge.  What happens at a corner or where sliding ends is the same for
+all that get there, so it is decided once.  Every other start (on an edge, tangent to one) is handed to the scalar
+integrator.
 """
 
 from __future__ import annotations
@@ -25,9 +26,9 @@ from nonsmooth.analysis.trajectories.batch_motion import (
     slide_ends,
     velocities,
 )
-from nonsmooth.analysis.trajectories.choices import Choice, choices_at
-from nonsmooth.analysis.trajectories.constant import follow_constant
+from nonsmooth.analysis.trajectories.continuations import Choice, choices_at
 from nonsmooth.analysis.trajectories.junction import Junction, junction_at, signs_of
+from nonsmooth.analysis.trajectories.piecewise_constant import follow_constant
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind
 from nonsmooth.analysis.trajectories.turns import Turns
 

@@ -45,7 +45,7 @@ class Guard:
 
 
 @dataclass(frozen=True)
-class Step:
+class IntegratorStep:
     """Both ends of a step, ``(t, x, f)``, and how to get the dense output between them.
 
     ``easy`` is a step whose error is far below the tolerance: the solution is nearly a polynomial of low degree there,
@@ -142,7 +142,7 @@ def _difference(value: Callable[[float, Vector], float], size: float) -> Callabl
 
 
 def first_event(
-    guards: Sequence[Guard], values: Sequence[float], following: Sequence[float], step: Step
+    guards: Sequence[Guard], values: Sequence[float], following: Sequence[float], step: IntegratorStep
 ) -> tuple[float, Guard] | None:
     """Earliest time in a step at which a guard falls below zero."""
     best: tuple[float, Guard] | None = None
@@ -153,7 +153,7 @@ def first_event(
     return best
 
 
-def _first_fall(guard: Guard, first: float, last: float, step: Step) -> float | None:
+def _first_fall(guard: Guard, first: float, last: float, step: IntegratorStep) -> float | None:
     """Earliest time in a step at which one guard falls below zero."""
     if not step.easy:  # by far the most
         return _first_fall_between(guard, first, last, step)
@@ -169,7 +169,7 @@ def _first_fall(guard: Guard, first: float, last: float, step: Step) -> float | 
     return None
 
 
-def _first_fall_between(guard: Guard, first: float, last: float, step: Step) -> float | None:
+def _first_fall_between(guard: Guard, first: float, last: float, step: IntegratorStep) -> float | None:
     """The same where the guard falls once at most, or falls and rises again."""
     before, after = (float(step.before[0]), first), (float(step.after[0]), last)
     if last < -guard.slack:
@@ -178,7 +178,7 @@ def _first_fall_between(guard: Guard, first: float, last: float, step: Step) -> 
     return _dip(guard, before, after[0], step) if falls_then_rises else None
 
 
-def _fall(guard: Guard, before: tuple[float, float], after: tuple[float, float], step: Step) -> float:
+def _fall(guard: Guard, before: tuple[float, float], after: tuple[float, float], step: IntegratorStep) -> float:
     """Time at which a guard falls through zero; through its slack, where it starts at zero and never rises."""
     (low, first), (high, _) = before, after
 
@@ -195,7 +195,7 @@ def _fall(guard: Guard, before: tuple[float, float], after: tuple[float, float],
     return find_root(lambda t: value(t) + guard.slack, (low, max(first, 0.0) + guard.slack), after)
 
 
-def _dip(guard: Guard, before: tuple[float, float], high: float, step: Step) -> float | None:
+def _dip(guard: Guard, before: tuple[float, float], high: float, step: IntegratorStep) -> float | None:
     """Time at which a guard falls through zero on its way to a lowest value below zero between two times."""
     from scipy.optimize import minimize_scalar
 
@@ -207,7 +207,7 @@ def _dip(guard: Guard, before: tuple[float, float], high: float, step: Step) -> 
 
 
 def _hermite_root(
-    guard: Guard, before: tuple[float, float], after: tuple[float, float], step: Step
+    guard: Guard, before: tuple[float, float], after: tuple[float, float], step: IntegratorStep
 ) -> tuple[float, float]:
     """Root, and slope there, of the cubic through values and slopes at both ends of a step; within it, of the line."""
     (low, first), (high, last) = before, after

@@ -7,8 +7,8 @@ from typing import Any
 
 from nonsmooth.analysis.cells.cell_complex import AtCorner, OnEdge
 from nonsmooth.analysis.fields.constant_field import ConstantField
-from nonsmooth.analysis.trajectories.choices import Choice
-from nonsmooth.analysis.trajectories.motion import State
+from nonsmooth.analysis.trajectories.cell_motion import State
+from nonsmooth.analysis.trajectories.continuations import Choice
 from nonsmooth.analysis.trajectories.result import Event, EventKind
 
 RULE = "the path drawn rests if it can, else slides if it can, at the rate of smallest magnitude"

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from nonsmooth.analysis.cells.polygon import Point
-from nonsmooth.analysis.trajectories.motion import State
+from nonsmooth.analysis.trajectories.cell_motion import State
 from nonsmooth.analysis.trajectories.result import Piece
 
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.analysis.cells.equilibria import Place, RestPlace
+from nonsmooth.analysis.cells.equilibria import EquilibriumPlace, RestPlace
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.fields.contact_model import Floats
@@ -33,7 +33,7 @@ def places_reached(partition: Partition, places: Sequence[RestPlace], ends: Sett
     within = AT * float(partition.scene.check.radius)
     for k, place in enumerate(places):
         at = stays & (_distance(ends.points, place.points) <= within)
-        if place.place is Place.CENTRE:
+        if place.place is EquilibriumPlace.CENTRE:
             # an orbit inside a cell with one twist is a circle about the point where that twist vanishes
             cell = next(cell for cell in partition.cells if cell.index == place.cells[0])
             at |= circles & (_distance(ends.points, cell.polygon.vertices) == 0)

@@ -15,8 +15,8 @@ from nonsmooth.analysis.cells.moves import RaySpeeds, Signs, ray_speeds, sliding
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.fields.constant_field import ConstantField
 from nonsmooth.analysis.fields.convex_weights import least_mix
+from nonsmooth.analysis.trajectories.cell_motion import State
 from nonsmooth.analysis.trajectories.junction import Ray
-from nonsmooth.analysis.trajectories.motion import State
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.plane import dot
 

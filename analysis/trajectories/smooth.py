@@ -33,7 +33,7 @@ from nonsmooth.analysis.trajectories.result import (
 )
 from nonsmooth.analysis.trajectories.stiffness import EXPLICIT, IMPLICIT
 from nonsmooth.analysis.trajectories.stretch import Stretch, follow_face
-from nonsmooth.analysis.trajectories.whirls import WHIRL_LOOP, Crossing, last_turn, whirl_around
+from nonsmooth.analysis.trajectories.whirls import WHIRL_LOOP, SurfaceCrossing, last_turn, whirl_around
 
 RELATIVE_TOLERANCE = 1e-12  # of DOP853, per step; at 1e-13 rounding takes over
 ABSOLUTE_TOLERANCE = 1e-13  # in units of the states' size
@@ -130,7 +130,7 @@ class _SmoothPath:
         self.unique: bool | None = True
         self.method = EXPLICIT
         self.memory = LoopMemory()
-        self.crossings: deque[Crossing] = deque(maxlen=2 * WHIRL_LOOP + 1)
+        self.crossings: deque[SurfaceCrossing] = deque(maxlen=2 * WHIRL_LOOP + 1)
 
     def follow(self, max_events: int) -> Trajectory:
         """Face after face."""
@@ -177,12 +177,12 @@ class _SmoothPath:
             self._forget()
             self._arrive(limit.time, limit.x, around)
             return
-        self.crossings.append(Crossing(self.time, self.x, face.name, surface))
+        self.crossings.append(SurfaceCrossing(self.time, self.x, face.name, surface))
         turn = last_turn(self.crossings, self.field.size)
         if turn and self.time < self.until:
             self._whirl(turn)
 
-    def _whirl(self, turn: Sequence[Crossing]) -> None:
+    def _whirl(self, turn: Sequence[SurfaceCrossing]) -> None:
         """Follow the mean of small turns, at their corner, for as long as they last."""
         corner = onto(self.x, [crossing.surface for crossing in turn], self.field.size)
         motion = whirl_around(self.field.faces_at(corner), turn, self.time, corner)

@@ -15,7 +15,7 @@ import numpy as np
 from nonsmooth.analysis.fields.switched_field import FacedField, Surface, Vector, Velocity
 from nonsmooth.analysis.trajectories.face_motion import FaceMotion
 from nonsmooth.analysis.trajectories.faces import FaceChoice
-from nonsmooth.analysis.trajectories.guards import Interpolant, Step, first_event, guards_of
+from nonsmooth.analysis.trajectories.guards import IntegratorStep, Interpolant, first_event, guards_of
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.analysis.trajectories.stiffness import (
     MOST_IMPLICIT,
@@ -142,7 +142,7 @@ def follow_face(
             raise TrajectoryError(f"required numbers, received none at t = {solver.t:.6g}, {solver.y.tolist()}")
         size = float(solver.t - before[0])
         easy = stiff or solver.h_abs >= EASY_GROWTH * size
-        taken = Step(before, (solver.t, solver.y, solver.f), solver.dense_output, easy)
+        taken = IntegratorStep(before, (solver.t, solver.y, solver.f), solver.dense_output, easy)
         found = first_event(guards, values, following, taken)
         if found is not None:
             met = () if found[1].surface is None else (found[1].surface,)

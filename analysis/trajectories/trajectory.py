@@ -16,8 +16,8 @@ from typing import Any
 
 from nonsmooth.analysis.fields.constant_field import ConstantField
 from nonsmooth.analysis.fields.switched_field import SwitchedField
-from nonsmooth.analysis.trajectories.constant import follow_constant
 from nonsmooth.analysis.trajectories.lyapunov_watch import LyapunovWatch, distance_watch
+from nonsmooth.analysis.trajectories.piecewise_constant import follow_constant
 from nonsmooth.analysis.trajectories.result import Trajectory
 from nonsmooth.analysis.trajectories.smooth import follow_smooth
 

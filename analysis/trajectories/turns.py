@@ -19,8 +19,8 @@ from nonsmooth.analysis.cells.full_turns import Growth, crossing, growth_of
 from nonsmooth.analysis.cells.moves import Signs
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.fields.constant_field import ConstantField
+from nonsmooth.analysis.trajectories.cell_motion import State
 from nonsmooth.analysis.trajectories.junction import Ray, junction_at
-from nonsmooth.analysis.trajectories.motion import State
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.plane import around, cross, dot, minus
 
@@ -80,7 +80,7 @@ class Turn:
 
 
 @dataclass(frozen=True)
-class Spiral:
+class CornerSpiral:
     """Infinitely many turns towards a corner from distance ``s`` with heading ``theta``."""
 
     turn: Turn
@@ -178,7 +178,7 @@ class Turns:
         """Distance from a corner (length) at which the series is summed."""
         return (SERIES_DISTANCE if self.field.turn_scale else DRAWN_DISTANCE) * self.field.cells.size
 
-    def accumulation(self, edge: int, cell: int, point: Point, theta: Any) -> Spiral | None:
+    def accumulation(self, edge: int, cell: int, point: Point, theta: Any) -> CornerSpiral | None:
         """The limit of infinitely many turns around a corner of the edge just crossed, once they are small."""
         cells = self.field.cells
         for corner in (cells.edges[edge].start, cells.edges[edge].end):
@@ -191,5 +191,5 @@ class Turns:
             r = turn.steps[0].ray.direction
             s = dot(away, r) / dot(r, r)
             if turn.fits(s):
-                return Spiral(turn, cells.points[corner], theta, s)
+                return CornerSpiral(turn, cells.points[corner], theta, s)
         return None

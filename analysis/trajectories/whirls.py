@@ -29,7 +29,7 @@ SPEED_DOUBT = 1e-9  # relative to the fields: slower crossings are none
 
 
 @dataclass(frozen=True)
-class Crossing:
+class SurfaceCrossing:
     """A crossing of a surface at a time: out of one member's cell."""
 
     time: float
@@ -57,7 +57,7 @@ class WhirlMotion(FaceMotion):
         before: the one before them.
     """
 
-    def __init__(self, face: Face, turn: Sequence[Crossing], before: Crossing) -> None:
+    def __init__(self, face: Face, turn: Sequence[SurfaceCrossing], before: SurfaceCrossing) -> None:
         super().__init__(face)
         names = [member.name for member in face.members]
         times = [before.time, *(crossing.time for crossing in turn)]
@@ -96,7 +96,7 @@ class WhirlMotion(FaceMotion):
         return min(least, 1 + GAIN_DOUBT - float(np.prod(speeds[:, 1] / speeds[:, 0])))
 
 
-def last_turn(crossings: Iterable[Crossing], size: float) -> Sequence[Crossing]:
+def last_turn(crossings: Iterable[SurfaceCrossing], size: float) -> Sequence[SurfaceCrossing]:
     """The last turn with the crossing before it, if it is small and hardly smaller than the one before; else none."""
     known = list(crossings)
     places = [crossing.place for crossing in known]
@@ -110,7 +110,7 @@ def last_turn(crossings: Iterable[Crossing], size: float) -> Sequence[Crossing]:
     return ()
 
 
-def whirl_around(faces: Sequence[Face], turn: Sequence[Crossing], time: float, x: Vector) -> WhirlMotion | None:
+def whirl_around(faces: Sequence[Face], turn: Sequence[SurfaceCrossing], time: float, x: Vector) -> WhirlMotion | None:
     """The mean motion about a corner with these faces, if a turn crosses all its cells there."""
     places = {crossing.place for crossing in turn[1:]}
     for face in faces:

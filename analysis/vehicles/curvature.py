@@ -27,7 +27,7 @@ TURNS = 1e-12  # of the rate at which both sides would turn without slip: a smal
 
 
 @dataclass(frozen=True)
-class Turn:
+class CurvedMotion:
     """The motion for one commanded curvature.
 
     Attributes:
@@ -51,7 +51,7 @@ class Turn:
     multiplier: float | None
 
 
-def turns(vehicle: Vehicle, rule: SmoothRule | None = None, count: int = COMMANDS) -> tuple[Turn, ...]:
+def turns(vehicle: Vehicle, rule: SmoothRule | None = None, count: int = COMMANDS) -> tuple[CurvedMotion, ...]:
     """The vehicle from straight on to in place, sampled; empty where its sides have no speeds of their own.
 
     Args:
@@ -82,13 +82,13 @@ def _twists(vehicle: Vehicle, model: ContactModel, left: Floats, right: Floats) 
     return EllipseInterior().minimize(model.with_targets(model.targets_of(speeds)), loads).twists + 0.0
 
 
-def _turn(left: float, right: float, track: float, twist: Floats) -> Turn:
+def _turn(left: float, right: float, track: float, twist: Floats) -> CurvedMotion:
     vx, vy, omega = (float(value) for value in twist)
     difference, mean = float(right - left), float(right + left) / 2
     curvature = difference / track / mean if mean else None
     if abs(omega) <= TURNS / track:
-        return Turn(float(left), float(right), curvature, (vx, vy, omega), None, None, None, None)
-    return Turn(
+        return CurvedMotion(float(left), float(right), curvature, (vx, vy, omega), None, None, None, None)
+    return CurvedMotion(
         float(left),
         float(right),
         curvature,

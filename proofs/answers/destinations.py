@@ -13,7 +13,7 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.analysis.cells.equilibria import Place
+from nonsmooth.analysis.cells.equilibria import EquilibriumPlace
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
 from nonsmooth.analysis.fields.constant_field import array_field
@@ -52,11 +52,11 @@ class Goal(StrEnum):
 
 
 _OF_PLACE = {
-    Place.VERTEX: Goal.POINT,
-    Place.SIDE: Goal.POINT,
-    Place.SEGMENT: Goal.LINE,
-    Place.AREA: Goal.AREA,
-    Place.CENTRE: Goal.PIVOT,
+    EquilibriumPlace.VERTEX: Goal.POINT,
+    EquilibriumPlace.SIDE: Goal.POINT,
+    EquilibriumPlace.SEGMENT: Goal.LINE,
+    EquilibriumPlace.AREA: Goal.AREA,
+    EquilibriumPlace.CENTRE: Goal.PIVOT,
 }
 _OF_END = {
     EndReason.CIRCLES: Goal.ORBIT,

@@ -23,14 +23,14 @@ from nonsmooth.symbolic.scene import Scene
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.headings.at_point import OpenHeadings
-    from nonsmooth.proofs.headings.intervals import RestInterval
+    from nonsmooth.proofs.headings.heading_intervals import RestInterval
     from nonsmooth.proofs.headings.isolated import EdgePose
     from nonsmooth.proofs.headings.turned_back import TurnedBack
 
 Real: TypeAlias = Number | arb | float
 
 
-class Kind(StrEnum):
+class HeadingKind(StrEnum):
     """Kinds of headings of rest."""
 
     INTERVAL = "interval"  # rest at every heading between two
@@ -43,7 +43,7 @@ class HeadingOfRest:
     """One entry.
 
     Attributes:
-        kind: see :class:`Kind`.
+        kind: see :class:`HeadingKind`.
         low: lower end of an interval, in radians from the checked heading; None of an isolated heading.
         high: upper end.
         heading: an isolated heading, or one at which a sampled interval was seen; else None.
@@ -56,7 +56,7 @@ class HeadingOfRest:
         reason: why something is not decided; empty where all is.
     """
 
-    kind: Kind
+    kind: HeadingKind
     low: arb | None
     high: arb | None
     heading: arb | float | None
@@ -76,7 +76,7 @@ class HeadingOfRest:
     @property
     def rests(self) -> bool:
         """Whether the body may stand still there; otherwise it turns on the spot."""
-        return self.kind is not Kind.TURNING
+        return self.kind is not HeadingKind.TURNING
 
     @property
     def attracts(self) -> bool:
@@ -132,14 +132,14 @@ def _entries(found: EquilibriumHeadings) -> Iterator[HeadingOfRest]:
 def _rank(entry: HeadingOfRest) -> tuple[bool, bool, bool, bool, float]:
     start = entry.heading if entry.low is None else entry.low
     where = 0.0 if start is None else float(start)
-    turns, single = entry.kind is Kind.TURNING, entry.kind is Kind.ISOLATED
+    turns, single = entry.kind is HeadingKind.TURNING, entry.kind is HeadingKind.ISOLATED
     return not entry.attracts, turns, not entry.proved, not single, where
 
 
 def _of_interval(interval: RestInterval) -> HeadingOfRest:
     edge = tuple(sorted({wheel for end in interval.ends for wheel in end}))
     stay, gap = interval.stay, interval.gap
-    kind = Kind.INTERVAL if stay.kind is Stays.RESTS else Kind.TURNING
+    kind = HeadingKind.INTERVAL if stay.kind is Stays.RESTS else HeadingKind.TURNING
     position, verdict = OF_TRANSLATION[stay.translation], OF_ROTATION[stay.rotation]
     at, wheels = interval.scene.check.equilibrium, interval.wheels or ()
     return HeadingOfRest(kind, gap.low, gap.high, None, at, wheels, edge, position, verdict, proved=True)
@@ -149,7 +149,17 @@ def _of_turned_back(pose: TurnedBack) -> HeadingOfRest:
     position, verdict = _OF_FATE[pose.position][0], _OF_FATE[pose.heading][1]
     at, theta = pose.scene.check.equilibrium, pose.cluster.theta
     return HeadingOfRest(
-        Kind.ISOLATED, None, None, theta, at, pose.inside, pose.edge, position, verdict, proved=True, reason=pose.reason
+        HeadingKind.ISOLATED,
+        None,
+        None,
+        theta,
+        at,
+        pose.inside,
+        pose.edge,
+        position,
+        verdict,
+        proved=True,
+        reason=pose.reason,
     )
 
 
@@ -171,7 +181,7 @@ def _of_pose(pose: EdgePose) -> HeadingOfRest:
         at = pose.box[0, 0], pose.box[1, 0]
     heading = theta if pose.theta is None else pose.theta
     return HeadingOfRest(
-        Kind.ISOLATED, None, None, heading, at, wheels, edge, position, verdict, pose.is_proved, pose.reason
+        HeadingKind.ISOLATED, None, None, heading, at, wheels, edge, position, verdict, pose.is_proved, pose.reason
     )
 
 
@@ -179,5 +189,14 @@ def _of_sample(sample: SampledRest) -> HeadingOfRest:
     why = "its exact point takes too much arithmetic, or is none"
     unknown = (Position.UNDECIDED, Heading.UNDECIDED)
     return HeadingOfRest(
-        Kind.INTERVAL, None, None, sample.theta, sample.place, sample.wheels, (), *unknown, proved=False, reason=why
+        HeadingKind.INTERVAL,
+        None,
+        None,
+        sample.theta,
+        sample.place,
+        sample.wheels,
+        (),
+        *unknown,
+        proved=False,
+        reason=why,
     )

@@ -8,11 +8,11 @@ from itertools import chain, combinations
 import numpy as np
 from flint import arb, arb_mat, ctx
 
-from nonsmooth.proofs.headings.ball_motion import UnprovedError
-from nonsmooth.proofs.headings.intervals import HeadingsAt, RestInterval, Wheels
+from nonsmooth.proofs.headings.ball_motion import UndecidedMotionError
+from nonsmooth.proofs.headings.heading_intervals import HeadingsAt, RestInterval, Wheels
 from nonsmooth.proofs.headings.stay import Stays
 from nonsmooth.proofs.headings.turned_back import TurnedBack, is_one_heading, meets, turned_back
-from nonsmooth.symbolic.edge_headings import Cluster, seen
+from nonsmooth.symbolic.edge_headings import HeadingCluster, seen
 from nonsmooth.symbolic.numbers.enclosures import PRECISION
 
 MOST_AT_ONCE = 4  # wheels under the edge at one heading whose motions are looked at: 16 sets
@@ -73,7 +73,7 @@ def point_headings(here: HeadingsAt) -> PointHeadings:
 
 
 def _at_edge(
-    here: HeadingsAt, cluster: Cluster, below: RestInterval, above: RestInterval
+    here: HeadingsAt, cluster: HeadingCluster, below: RestInterval, above: RestInterval
 ) -> TurnedBack | OpenHeadings | None:
     """The heading between two intervals; None where it is an end of rest or of what is left open, or no rest."""
     kinds = {below.stay.kind, above.stay.kind}
@@ -101,7 +101,7 @@ def _passes(here: HeadingsAt, kinds: set[Stays]) -> bool:
     return Stays.TIPS in kinds or (here.stays.rule is not None and Stays.TURNS in kinds)
 
 
-def _inside(here: HeadingsAt, cluster: Cluster) -> Wheels | None:
+def _inside(here: HeadingsAt, cluster: HeadingCluster) -> Wheels | None:
     """Numbers of the wheels well under the body at a heading; None where another one may lie under the edge."""
     theta = cluster.theta
     sides = {k: here.outline.side_of(seen(place, theta)) for k, place in enumerate(here.places)}
@@ -111,7 +111,7 @@ def _inside(here: HeadingsAt, cluster: Cluster) -> Wheels | None:
     return tuple(here.scene.wheels[k].index for k, side in sides.items() if side > 0)
 
 
-def _moves_off(here: HeadingsAt, cluster: Cluster, inside: Wheels) -> bool:
+def _moves_off(here: HeadingsAt, cluster: HeadingCluster, inside: Wheels) -> bool:
     """Whether all motions have a positive component in one direction of the space of poses."""
     numbers = [here.scene.wheels[k].index for k in cluster.wheels]
     if len(numbers) > MOST_AT_ONCE:
@@ -119,7 +119,7 @@ def _moves_off(here: HeadingsAt, cluster: Cluster, inside: Wheels) -> bool:
     subsets = chain.from_iterable(combinations(numbers, k) for k in range(len(numbers) + 1))
     try:
         rates = [rate for some in subsets for rate in here.stays.rates(tuple(sorted((*inside, *some))))]
-    except UnprovedError:
+    except UndecidedMotionError:
         return False
     way = _shortest(rates)
     return all((rate * way)[0, 0] > 0 for rate in rates)

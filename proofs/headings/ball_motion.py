@@ -25,7 +25,7 @@ from nonsmooth.symbolic.scene import Wheel
 Pair = tuple[arb, arb]
 
 
-class UnprovedError(Exception):
+class UndecidedMotionError(Exception):
     """Balls that do not decide what is asked."""
 
 
@@ -81,9 +81,9 @@ class BallWheel:
                 x, y = self.corner
                 return arb_mat([[x if r > 0 else -x], [y if s > 0 else -y]]), arb_mat(2, 2)
             if not excess < 0:
-                raise UnprovedError("a wheel at the seam of arc and corner")
+                raise UndecidedMotionError("a wheel at the seam of arc and corner")
         if not square > 0:
-            raise UnprovedError("a wheel that may stick")
+            raise UndecidedMotionError("a wheel that may stick")
         size = square.sqrt()
         bend = roll * side / (size * square)
         hessian = arb_mat([[bend * s * s, -bend * r * s], [-bend * r * s, bend * r * r]])
@@ -153,7 +153,7 @@ class BallMotion:
         try:
             inverse = stiffness.inv()
         except ZeroDivisionError:
-            raise UnprovedError("loaded wheels on one line") from None
+            raise UndecidedMotionError("loaded wheels on one line") from None
         self._forms = [inverse * wheel.moment for wheel in self._wheels]
 
     def require_certain(self, centre: arb_mat, forces: arb_mat) -> None:
@@ -166,11 +166,11 @@ class BallMotion:
         for form, pressed in zip(self._forms, self._loaded, strict=True):
             spring = (form.transpose() * point)[0, 0]
             if not (spring > 0 if pressed else spring < 0):
-                raise UnprovedError("loads that change their form")
+                raise UndecidedMotionError("loads that change their form")
         sticking = [wheel for wheel, stuck in zip(self._wheels, self._stuck, strict=True) if stuck]
         for k, wheel in enumerate(sticking):
             if not wheel.holds(forces[2 * k, 0], forces[2 * k + 1, 0]):
-                raise UnprovedError("a wheel that sticks at its limit")
+                raise UndecidedMotionError("a wheel that sticks at its limit")
 
     def pull(self, twist: arb_mat, forces: arb_mat, centre: arb_mat) -> Pull:
         """The equations at a twist (3, 1), forces (2 z, 1) of the wheels that stick, and a centre of mass (2, 1).

@@ -31,7 +31,7 @@ from flint import arb, arb_mat, ctx
 
 from nonsmooth.analysis.bodies.rests import EdgeRest
 from nonsmooth.analysis.contact_rule import smooth_rule_of
-from nonsmooth.proofs.headings.ball_motion import BallMotion, Pull, UnprovedError, add
+from nonsmooth.proofs.headings.ball_motion import BallMotion, Pull, UndecidedMotionError, add
 from nonsmooth.proofs.headings.krawczyk import contracted, zero_near
 from nonsmooth.proofs.headings.slides import Fate, Fates, driven_off, edge_rate, fates_of_slide, slide
 from nonsmooth.symbolic.edge_headings import BallOutline, BallVector, ball_of, halved, seen
@@ -74,7 +74,7 @@ class EdgePose:
         with ctx.workprec(PRECISION):
             try:
                 found = _decided(EdgeEquations(self.scene, self.candidate), self.box)
-            except UnprovedError:
+            except UndecidedMotionError:
                 return False
         fates = found.position is self.position and found.heading is self.heading
         return found.theta is not None and bool(found.theta.overlaps(self.theta)) and fates
@@ -138,7 +138,7 @@ def decide_edge_pose(scene: Scene, candidate: EdgeRest) -> EdgePose:
             image = zero_near(equations, equations.start)
             box = _widened(image)
             return _decided(equations, box)
-        except UnprovedError as error:
+        except UndecidedMotionError as error:
             return EdgePose(scene, candidate, reason=str(error))
 
 
@@ -156,14 +156,14 @@ def _decided(equations: EdgeEquations, box: arb_mat) -> EdgePose:
     image = contracted(equations, box)
     centre, _, ratio = _parts(image)
     if not ratio > 0:
-        raise UnprovedError("a mixture with a negative weight")
+        raise UndecidedMotionError("a mixture with a negative weight")
     for motion, forces in zip((equations.without, equations.including), equations.forces(image), strict=True):
         motion.require_certain(centre, forces)
     theta, side = _heading(equations, centre)
     found = EdgePose(equations.scene, equations.candidate, box, theta)
     try:
         fates = _fates(equations, image, theta, side)
-    except (UnprovedError, ZeroDivisionError) as error:
+    except (UndecidedMotionError, ZeroDivisionError) as error:
         return _with(found, (Fate.UNDECIDED, Fate.UNDECIDED), str(error))
     return _with(found, fates, "" if Fate.UNDECIDED not in fates else "no eigenvalue decides")
 
@@ -186,15 +186,15 @@ def _heading(equations: EdgeEquations, centre: arb_mat) -> tuple[arb, int | None
     guess = arb(candidate.pose[2])
     edge = min(edges, key=lambda one: abs(float(halved(one.theta - guess).mid())), default=None)
     if edge is None:
-        raise UnprovedError("no heading with the wheel under the edge")
+        raise UndecidedMotionError("no heading with the wheel under the edge")
     spot = seen(places[candidate.wheel], edge.theta)
     others = [slack for k, slack in enumerate(outline.slacks(spot)) if edge.side is not None and k != edge.side]
     if not all(slack > 0 for slack in others):
-        raise UnprovedError("a wheel under a corner")
+        raise UndecidedMotionError("a wheel under a corner")
     for k, place in enumerate(places):
         expected = 1 if k in candidate.inside else -1
         if k != candidate.wheel and outline.side_of(seen(place, edge.theta)) != expected:
-            raise UnprovedError("another wheel that may lie under the edge")
+            raise UndecidedMotionError("another wheel that may lie under the edge")
     return edge.theta, edge.side
 
 
@@ -217,9 +217,9 @@ def _fates(equations: EdgeEquations, image: arb_mat, theta: arb, side: int | Non
         (vx, vy, omega), (p, q) = twist.entries(), centre.entries()
         return driven_off((vx - omega * q, vy + omega * p), omega)
     if not coming > 0:
-        raise UnprovedError("motions that may run along the edge")
+        raise UndecidedMotionError("motions that may run along the edge")
     if not abs(dot(normal, (-place[1], place[0]))) > 0:
-        raise UnprovedError("a wheel that a turn does not take across the edge")
+        raise UndecidedMotionError("a wheel that a turn does not take across the edge")
     return fates_of_slide(_slide(equations, image, rate), normal)
 
 

@@ -12,7 +12,7 @@ from typing import TypeAlias
 
 from flint import arb, arb_mat
 
-from nonsmooth.proofs.headings.ball_motion import UnprovedError
+from nonsmooth.proofs.headings.ball_motion import UndecidedMotionError
 
 Map: TypeAlias = Callable[[arb_mat], tuple[arb_mat, arb_mat]]  # a point (n, 1) to the value (n, 1) and Jacobian (n, n)
 
@@ -35,7 +35,7 @@ def zero_near(equations: Map, start: list[float]) -> arb_mat:
         box = arb_mat([[entry + around] for entry in point.entries()])
         return contracted(equations, box)
     except ZeroDivisionError:
-        raise UnprovedError("a Jacobian that may be singular") from None
+        raise UndecidedMotionError("a Jacobian that may be singular") from None
 
 
 def contracted(equations: Map, box: arb_mat) -> arb_mat:
@@ -53,5 +53,5 @@ def contracted(equations: Map, box: arb_mat) -> arb_mat:
     image = middle - inverse * value + (identity - inverse * spread) * (box - middle)
     inside = all(outer.contains_interior(inner) for outer, inner in zip(box.entries(), image.entries(), strict=True))
     if not inside:
-        raise UnprovedError("a box that Krawczyk's operator does not map into itself")
+        raise UndecidedMotionError("a box that Krawczyk's operator does not map into itself")
     return image

@@ -20,7 +20,7 @@ from nonsmooth.analysis.cells.loads import LoadRegion, load_regions
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
 from nonsmooth.proofs.headings.at_point import OpenHeadings, point_headings
-from nonsmooth.proofs.headings.intervals import HeadingsAt, RestInterval, Wheels
+from nonsmooth.proofs.headings.heading_intervals import HeadingsAt, RestInterval, Wheels
 from nonsmooth.proofs.headings.isolated import EdgePose, decide_edge_pose
 from nonsmooth.proofs.headings.stay import Stay
 from nonsmooth.proofs.headings.turned_back import TurnedBack

@@ -9,13 +9,13 @@ from flint import arb, arb_mat
 
 from nonsmooth.analysis.bodies.set_guesses import SetGuesses
 from nonsmooth.analysis.contact_rule import SmoothRule
-from nonsmooth.proofs.headings.ball_motion import BallMotion, Pull, UnprovedError, add
+from nonsmooth.proofs.headings.ball_motion import BallMotion, Pull, UndecidedMotionError, add
 from nonsmooth.proofs.headings.krawczyk import zero_near
 from nonsmooth.symbolic.scene import Scene
 
 
 @dataclass(frozen=True)
-class SetMotion:
+class EnclosedMotion:
     """The only minimizer of D.
 
     Attributes:
@@ -49,7 +49,7 @@ class SetMotion:
 
 def set_motion(
     scene: Scene, rule: SmoothRule, guesses: SetGuesses, wheels: Sequence[int], centre: arb_mat
-) -> SetMotion:
+) -> EnclosedMotion:
     """The motion on some wheels of a scene, by their places in its list.
 
     Raises:
@@ -58,7 +58,7 @@ def set_motion(
     x, y = (float(entry.mid()) for entry in centre.entries())
     guess = guesses.of(wheels, (x, y))
     if guess is None:
-        raise UnprovedError("no motion found, or a body that tips")
+        raise UndecidedMotionError("no motion found, or a body that tips")
     motion = BallMotion([scene.wheels[k] for k in wheels], guess.loaded, guess.stuck, rule)
     found = zero_near(_Equations(motion, centre), [*guess.twist, *[0.0] * motion.forces])
     entries = found.entries()
@@ -67,8 +67,8 @@ def set_motion(
     try:
         slope = motion.pull(twist, forces, centre).twist_slope()
     except ZeroDivisionError:
-        raise UnprovedError("a motion that may not be smooth") from None
-    return SetMotion(centre, twist, slope)
+        raise UndecidedMotionError("a motion that may not be smooth") from None
+    return EnclosedMotion(centre, twist, slope)
 
 
 class _Equations:

@@ -10,7 +10,7 @@ from enum import StrEnum
 
 from flint import arb, arb_mat
 
-from nonsmooth.proofs.headings.ball_motion import UnprovedError
+from nonsmooth.proofs.headings.ball_motion import UndecidedMotionError
 from nonsmooth.symbolic.edge_headings import BallVector
 from nonsmooth.symbolic.plane import dot
 
@@ -68,7 +68,7 @@ def fates_of_slide(matrix: arb_mat, normal: BallVector) -> Fates:
     if trace > 0 and determinant > 0:
         return Fate.LEAVES, Fate.LEAVES
     if not determinant < 0:
-        raise UnprovedError("eigenvalues on the imaginary axis, or nearly so")
+        raise UndecidedMotionError("eigenvalues on the imaginary axis, or nearly so")
     growth = (trace + (trace * trace - 4 * determinant).sqrt()) / 2
     ways = [(matrix[0, 1], growth - matrix[0, 0]), (growth - matrix[1, 1], matrix[1, 0])]
     turns = any(not dot(normal, way).contains(0) for way in ways)

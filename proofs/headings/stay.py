@@ -23,8 +23,8 @@ from nonsmooth.proofs.clauses.equilibrium.at_point import EllipseEquilibrium
 from nonsmooth.proofs.clauses.rotation.on_cells import RotationResult
 from nonsmooth.proofs.clauses.translation.clause import AnyTranslation
 from nonsmooth.proofs.clauses.workspace import Workspace
-from nonsmooth.proofs.headings.ball_motion import UnprovedError
-from nonsmooth.proofs.headings.set_motion import SetMotion, set_motion
+from nonsmooth.proofs.headings.ball_motion import UndecidedMotionError
+from nonsmooth.proofs.headings.set_motion import EnclosedMotion, set_motion
 from nonsmooth.proofs.verdicts import Equilibrium, Rotation, Translation
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.contact_set import TipsError, on_wheels, whole
@@ -90,7 +90,7 @@ class StaysAt:
         x, y = scene.check.equilibrium
         self.centre = arb_mat([[ball_of(x)], [ball_of(y)]])
         self._guesses: SetGuesses | None = None
-        self._motions: dict[tuple[int, ...], SetMotion | str] = {}
+        self._motions: dict[tuple[int, ...], EnclosedMotion | str] = {}
         self._stays: dict[tuple[int, ...], Stay] = {}
 
     def on(self, numbers: Sequence[int]) -> Stay:
@@ -108,7 +108,7 @@ class StaysAt:
         """
         stay = self.on(numbers)
         if stay.kind is Stays.TIPS:
-            raise UnprovedError("a body that tips")
+            raise UndecidedMotionError("a body that tips")
         if stay.twists:
             return [arb_mat([[ball_of(entry) for entry in (*twist.velocity, twist.omega)]]) for twist in stay.twists]
         motion = self.motion(numbers)
@@ -123,24 +123,24 @@ class StaysAt:
             stay = Stay(Stays.UNDECIDED, reason=str(error))
         return self._by_balls(numbers, stay) if stay.kind is Stays.UNDECIDED else stay
 
-    def motion(self, numbers: Sequence[int]) -> SetMotion:
+    def motion(self, numbers: Sequence[int]) -> EnclosedMotion:
         """The enclosed motion on the wheels with some numbers, under a rule without cells and with elastic loads.
 
         Raises:
             UnprovedError: where none is proved.
         """
         if self.rule is None:
-            raise UnprovedError("a rule with cells, or loads of one set of wheels")
+            raise UndecidedMotionError("a rule with cells, or loads of one set of wheels")
         key = tuple(numbers)
         if key not in self._motions:
             try:
                 places = [k for k, wheel in enumerate(self.scene.wheels) if wheel.index in numbers]
                 self._motions[key] = set_motion(self.scene, self.rule, self._guessing(self.rule), places, self.centre)
-            except UnprovedError as error:
+            except UndecidedMotionError as error:
                 self._motions[key] = str(error)
         found = self._motions[key]
         if isinstance(found, str):
-            raise UnprovedError(found)
+            raise UndecidedMotionError(found)
         return found
 
     def _guessing(self, rule: SmoothRule) -> SetGuesses:
@@ -169,7 +169,7 @@ class StaysAt:
     def _by_balls(self, numbers: Sequence[int], stay: Stay) -> Stay:
         try:
             motion = self.motion(numbers)
-        except UnprovedError as error:
+        except UndecidedMotionError as error:
             return stay if stay.reason else Stay(Stays.UNDECIDED, reason=str(error))
         if any(not entry.contains(0) for entry in motion.velocity):
             return Stay(Stays.MOVES)

@@ -24,13 +24,13 @@ from itertools import combinations
 
 from flint import arb, arb_mat, ctx
 
-from nonsmooth.proofs.headings.ball_motion import UnprovedError
-from nonsmooth.proofs.headings.intervals import HeadingsAt, RestInterval, Wheels
-from nonsmooth.proofs.headings.set_motion import SetMotion
+from nonsmooth.proofs.headings.ball_motion import UndecidedMotionError
+from nonsmooth.proofs.headings.heading_intervals import HeadingsAt, RestInterval, Wheels
+from nonsmooth.proofs.headings.set_motion import EnclosedMotion
 from nonsmooth.proofs.headings.slides import Fate, Fates, driven_off, edge_rate, fates_of_slide, slide
 from nonsmooth.proofs.headings.stay import Stays, is_half_turned
 from nonsmooth.symbolic.body import Body
-from nonsmooth.symbolic.edge_headings import BallVector, Cluster, ball_of
+from nonsmooth.symbolic.edge_headings import BallVector, HeadingCluster, ball_of
 from nonsmooth.symbolic.numbers.enclosures import PRECISION
 from nonsmooth.symbolic.plane import dot
 from nonsmooth.symbolic.scene import Scene
@@ -53,7 +53,7 @@ class TurnedBack:
     """
 
     scene: Scene
-    cluster: Cluster
+    cluster: HeadingCluster
     inside: Wheels
     turning: tuple[int, int]
     position: Fate
@@ -76,7 +76,7 @@ class TurnedBack:
         return signs == self.turning and (again.position, again.heading) == (self.position, self.heading)
 
 
-def _beside(here: HeadingsAt, cluster: Cluster) -> tuple[arb, arb]:
+def _beside(here: HeadingsAt, cluster: HeadingCluster) -> tuple[arb, arb]:
     """Small shifts into the intervals below and above a cluster."""
     turn = 2 * arb.pi()
     others = [one.theta + k * turn for one in here.clusters() for k in (-1, 0, 1)]
@@ -85,7 +85,7 @@ def _beside(here: HeadingsAt, cluster: Cluster) -> tuple[arb, arb]:
     return -below / 5, above / 5
 
 
-def is_one_heading(here: HeadingsAt, cluster: Cluster) -> bool:
+def is_one_heading(here: HeadingsAt, cluster: HeadingCluster) -> bool:
     """Whether the wheels of a cluster lie under the edge at one heading, exactly: one wheel, or two by a half turn."""
     body = here.scene.body
     if len(cluster.edges) == 1:
@@ -103,7 +103,7 @@ def is_even(body: Body) -> bool:
     return bool(corners) and all(any(a == -x and b == -y for a, b in corners) for x, y in corners)
 
 
-def turned_back(here: HeadingsAt, cluster: Cluster, inside: Wheels, turning: tuple[int, int]) -> TurnedBack:
+def turned_back(here: HeadingsAt, cluster: HeadingCluster, inside: Wheels, turning: tuple[int, int]) -> TurnedBack:
     """What becomes of a body at one heading at which the turns of both sides meet."""
     reason = ""
     if turning[0] < 0:
@@ -112,7 +112,7 @@ def turned_back(here: HeadingsAt, cluster: Cluster, inside: Wheels, turning: tup
     else:
         try:
             fates = _fates(here, cluster, inside)
-        except (UnprovedError, ZeroDivisionError) as error:
+        except (UndecidedMotionError, ZeroDivisionError) as error:
             fates, reason = (Fate.UNDECIDED, Fate.UNDECIDED), str(error)
     return TurnedBack(here.scene, cluster, inside, turning, *fates, reason)
 
@@ -124,7 +124,7 @@ def meets(below: RestInterval, above: RestInterval) -> tuple[int, int] | None:
     return signs if turns and signs[0] * signs[1] < 0 else None
 
 
-def _fates(here: HeadingsAt, cluster: Cluster, inside: Wheels) -> Fates:
+def _fates(here: HeadingsAt, cluster: HeadingCluster, inside: Wheels) -> Fates:
     edges = cluster.edges
     normals = [here.outline.outward(edge.side, here.places[edge.wheel], cluster.theta) for edge in edges]
     at = [tuple(ball_of(entry) for entry in here.scene.wheels[edge.wheel].position) for edge in edges]
@@ -135,7 +135,7 @@ def _fates(here: HeadingsAt, cluster: Cluster, inside: Wheels) -> Fates:
         return _under_one(sets[0], sets[1], rates[0], normals[0])
     every = [wheel for wheel in here.scene.wheels if wheel.index in _union(inside, numbers)]
     if not is_half_turned(every, here.scene.check.equilibrium):
-        raise UnprovedError("wheels that a half turn about the point does not take into themselves")
+        raise UndecidedMotionError("wheels that a half turn about the point does not take into themselves")
     subsets = [[], numbers[:1], numbers[1:], numbers]
     return _under_two([here.stays.motion(_union(inside, some)) for some in subsets], rates, normals[0])
 
@@ -144,16 +144,16 @@ def _union(inside: Wheels, some: list[int]) -> Wheels:
     return tuple(sorted((*inside, *some)))
 
 
-def _under_one(without: SetMotion, including: SetMotion, rate: arb_mat, normal: BallVector) -> Fates:
+def _under_one(without: EnclosedMotion, including: EnclosedMotion, rate: arb_mat, normal: BallVector) -> Fates:
     """The slide under one wheel."""
     if not ((rate * without.twist)[0, 0] > 0 and (rate * including.twist)[0, 0] < 0):
-        raise UnprovedError("motions that may run along the edge")
+        raise UndecidedMotionError("motions that may run along the edge")
     weight = -without.omega / including.omega
     mixed = (without.slope + including.slope * weight) * (1 / (1 + weight))
     return fates_of_slide(slide(without.centre, without.twist, mixed, rate), normal)
 
 
-def _under_two(sets: list[SetMotion], rates: list[arb_mat], normal: BallVector) -> Fates:
+def _under_two(sets: list[EnclosedMotion], rates: list[arb_mat], normal: BallVector) -> Fates:
     """The slides under two wheels, along the tangent of their edges.
 
     Raises:
@@ -164,18 +164,18 @@ def _under_two(sets: list[SetMotion], rates: list[arb_mat], normal: BallVector) 
         if all(depth < 0 for depth in depths):
             return driven_off(motion.velocity, motion.omega)
         if not all(depth > 0 for depth in depths):
-            raise UnprovedError("motions that do not all lead to both edges")
+            raise UndecidedMotionError("motions that do not all lead to both edges")
     if dot(normal, sets[1].velocity).contains(0):
-        raise UnprovedError("motions that may run along the edge")
+        raise UndecidedMotionError("motions that may run along the edge")
     growths = [growth for three in combinations(sets, 3) for growth in _growth(list(three), rates, normal)]
     if all(growth < 0 for growth in growths):
         return Fate.RETURNS, Fate.RETURNS
     if all(growth > 0 for growth in growths):
         return Fate.LEAVES, Fate.UNDECIDED
-    raise UnprovedError("slides along the edges that do not all lead to the point")
+    raise UndecidedMotionError("slides along the edges that do not all lead to the point")
 
 
-def _growth(sets: list[SetMotion], rates: list[arb_mat], normal: BallVector) -> list[arb]:
+def _growth(sets: list[EnclosedMotion], rates: list[arb_mat], normal: BallVector) -> list[arb]:
     """``dm/ds`` of the mixture of three sets that keeps both wheels under the edge; none where a weight is negative."""
     tangent = arb_mat([[-normal[1]], [normal[0]]])
     across = tangent.transpose()

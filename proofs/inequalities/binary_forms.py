@@ -25,7 +25,7 @@ from nonsmooth.symbolic.numbers.polynomial import Terms
 
 
 @dataclass(frozen=True)
-class Line:
+class RadicalFunction:
     """``A(t) + sqrt(q(t)) B(t)`` on ``0 < t < oo``; ascending coefficients.
 
     Attributes:
@@ -115,7 +115,7 @@ def decide_binary(problem: Problem) -> RootEvidence | Violation | Zero:
     return Violation(tuple(s * a + t * b for a, b in zip(first, second, strict=True)))
 
 
-def _failure(line: Line, roots: Sequence[RealRoot], strict: bool) -> tuple[Any, Any] | RealRoot | None:
+def _failure(line: RadicalFunction, roots: Sequence[RealRoot], strict: bool) -> tuple[Any, Any] | RealRoot | None:
     """Weights ``(s, t)`` of the generators, or a root, where the claim fails; None where it holds."""
     if not line.critical:
         return (1, 1) if strict else None
@@ -129,18 +129,18 @@ def _failure(line: Line, roots: Sequence[RealRoot], strict: bool) -> tuple[Any, 
     return next((root for root in roots if line.sign_at_root(root) < least), None) if strict else None
 
 
-def line_of(problem: Problem) -> Line:
+def line_of(problem: Problem) -> RadicalFunction:
     """The problem on its two generators, as a function of one variable."""
     exact = tuple(tuple(evaluated(x) for x in g) for g in problem.generators)
     return edge_line(problem, exact, problem.pieces(exact), (0, 1))
 
 
-def edge_line(problem: Problem, generators: Sequence[Vector], pieces: Pieces, edge: tuple[int, int]) -> Line:
+def edge_line(problem: Problem, generators: Sequence[Vector], pieces: Pieces, edge: tuple[int, int]) -> RadicalFunction:
     """The form along an edge, as a function of ``t = lambda_second/lambda_first``."""
     field, degree = problem.form.plain.field, problem.form.degree
     square = problem.square_of_distance([generators[k] for k in edge])
     radial = () if pieces.radial is None else _dense(pieces.radial, edge, degree - 1, field)
-    return Line(_dense(pieces.plain, edge, degree, field), radial, _dense(square, (0, 1), 2, field))
+    return RadicalFunction(_dense(pieces.plain, edge, degree, field), radial, _dense(square, (0, 1), 2, field))
 
 
 def _dense(terms: Terms, edge: tuple[int, int], degree: int, field: NumberField) -> tuple[Number, ...]:

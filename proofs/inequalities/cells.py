@@ -31,7 +31,7 @@ HALF_ANGLE = ("p", "q", "t")
 
 
 @dataclass(frozen=True)
-class Claim:
+class CellClaim:
     """``polynomial >= 0`` (or ``> 0``) on a closed region, for every theta if the polynomial holds theta.
 
     Attributes:
@@ -87,7 +87,7 @@ class CellPart:
     side: int
     turn: int = 0
 
-    def point(self, vector: Vector, claim: Claim) -> Vector:
+    def point(self, vector: Vector, claim: CellClaim) -> Vector:
         """The point (x, y) or (x, y, theta) of the cell that a vector in the form's variables stands for."""
         field = claim.polynomial.field
         exact = [v if hasattr(v, "sign") else field(v) for v in vector]
@@ -104,7 +104,7 @@ class CellPart:
         return (exact[0], exact[1], *theta)
 
 
-def build_parts(claim: Claim) -> Iterator[CellPart]:
+def build_parts(claim: CellClaim) -> Iterator[CellPart]:
     """The claim on simplicial cones that cover the cell."""
     needs_theta = claim.free_theta and any(e[2] or e[3] for e in claim.polynomial.terms)
     for side in (1, -1) if needs_theta else (0,):
@@ -120,14 +120,14 @@ def build_parts(claim: Claim) -> Iterator[CellPart]:
             yield part or _plain_part(claim, form, side, rays)
 
 
-def _plain_part(claim: Claim, form: Form, side: int, rays: tuple[Vector, Vector]) -> CellPart:
+def _plain_part(claim: CellClaim, form: Form, side: int, rays: tuple[Vector, Vector]) -> CellPart:
     """Two rays, and the theta axis."""
     zero, one = claim.polynomial.field.zero, claim.polynomial.field.one
     generators = ((*rays[0], zero), (*rays[1], zero), (zero, zero, one)) if side else rays
     return CellPart(Problem(form, generators, claim.strict, claim.except_origin, claim.holds_origin), side)
 
 
-def _half_angle_part(claim: Claim, side: int, rays: tuple[Vector, Vector]) -> CellPart | None:
+def _half_angle_part(claim: CellClaim, side: int, rays: tuple[Vector, Vector]) -> CellPart | None:
     """The same in half angles; None where the lengths of the rays have no roots in the field.
 
     Angles are measured from the positive x axis, so a cone that holds the negative one inside is turned by pi first.
@@ -156,7 +156,7 @@ def _half_angle(ray: Vector) -> Vector:
     return length + ray[0], ray[1]
 
 
-def _weighted_parts(claim: Claim, plain: Polynomial, radial: Polynomial, side: int) -> Iterator[CellPart]:
+def _weighted_parts(claim: CellClaim, plain: Polynomial, radial: Polynomial, side: int) -> Iterator[CellPart]:
     """Triangles of the region as cones of (x, y, w), with a free theta one generator more."""
     zero, one = claim.polynomial.field.zero, claim.polynomial.field.one
     degree = max(plain.degree, radial.degree + 1 if radial else 0)

@@ -20,7 +20,7 @@ from dataclasses import dataclass, replace
 
 from nonsmooth.analysis.cells.region import Region
 from nonsmooth.analysis.cells.switched_cells import LyapunovCell
-from nonsmooth.proofs.inequalities.cells import Claim, build_parts
+from nonsmooth.proofs.inequalities.cells import CellClaim, build_parts
 from nonsmooth.proofs.inequalities.prover import Proof, Sense, prove
 from nonsmooth.proofs.inequalities.subdivision import Leaf, Split, subdivide
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
@@ -94,5 +94,5 @@ def _linear(side: tuple[object, object, object], like: Polynomial) -> Polynomial
 def _is_empty(region: Region, like: Polynomial) -> bool:
     """Whether no point of a region but the origin is found to have all guards nonnegative, with little work."""
     minus_one = Polynomial.constant(like.field, like.variables, -1)
-    parts = build_parts(Claim(minus_one, region, strict=True, except_origin=True))
+    parts = build_parts(CellClaim(minus_one, region, strict=True, except_origin=True))
     return all(isinstance(subdivide(part.problem, EMPTINESS_WORK), Leaf | Split) for part in parts)

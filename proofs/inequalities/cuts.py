@@ -13,10 +13,10 @@ from typing import Any, TypeAlias
 
 from flint import fmpq
 
-from nonsmooth.proofs.inequalities.binary_forms import Line, edge_line
+from nonsmooth.proofs.inequalities.binary_forms import RadicalFunction, edge_line
 from nonsmooth.proofs.inequalities.forms import Problem, Vector
 from nonsmooth.proofs.inequalities.real_roots import positive_roots
-from nonsmooth.proofs.inequalities.subdivision import Part, Violation
+from nonsmooth.proofs.inequalities.subdivision import SubCone, Violation
 from nonsmooth.symbolic.numbers.lazy import evaluated
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Terms
@@ -27,7 +27,7 @@ ROOT_WORK = 64  # largest degree times 2^(square roots in the coefficients): Stu
 Edge: TypeAlias = tuple[int, int]
 
 
-def zero_cut(problem: Problem, part: Part) -> tuple[int, int, Any] | Violation | None:
+def zero_cut(problem: Problem, part: SubCone) -> tuple[int, int, Any] | Violation | None:
     """Where to cut a part, ``(first, second, weight)``; or a point on an edge that refutes the claim."""
     if part.depth > CUT_DEPTH:
         return None
@@ -48,7 +48,7 @@ def zero_cut(problem: Problem, part: Part) -> tuple[int, int, Any] | Violation |
     return None
 
 
-def _suspects(line: Line) -> Iterator[tuple[Any, bool]]:
+def _suspects(line: RadicalFunction) -> Iterator[tuple[Any, bool]]:
     """Parameters at which the line is negative, or zero without a name of higher degree."""
     if not line.critical or _root_work(line) > ROOT_WORK:
         return
@@ -62,7 +62,7 @@ def _suspects(line: Line) -> Iterator[tuple[Any, bool]]:
             yield exact, True
 
 
-def _root_work(line: Line) -> int:
+def _root_work(line: RadicalFunction) -> int:
     masks = 0
     for c in line.critical:
         for mask in c.terms:
@@ -70,7 +70,7 @@ def _root_work(line: Line) -> int:
     return (len(line.critical) - 1) << masks.bit_count()
 
 
-def _lowest_terms(problem: Problem, generators: list[Vector], plain: Terms) -> Iterator[tuple[Edge, Line]]:
+def _lowest_terms(problem: Problem, generators: list[Vector], plain: Terms) -> Iterator[tuple[Edge, RadicalFunction]]:
     """For each corner, the coefficients of its highest power as a form on the opposite edge."""
     field = problem.form.plain.field
     for corner, edge in ((0, (1, 2)), (1, (0, 2)), (2, (0, 1))):
@@ -78,4 +78,4 @@ def _lowest_terms(problem: Problem, generators: list[Vector], plain: Terms) -> I
         degree = problem.form.degree - top
         found = {e[edge[1]]: c for e, c in plain.items() if e[corner] == top}
         curve: tuple[Number, ...] = tuple(field(evaluated(found.get(k, 0))) for k in range(degree + 1))
-        yield edge, Line(curve, (), (field.one, field.zero, field.one))
+        yield edge, RadicalFunction(curve, (), (field.one, field.zero, field.one))

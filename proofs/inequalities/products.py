@@ -21,7 +21,7 @@ Confirm: TypeAlias = Callable[[Any, Problem], bool]
 
 
 @dataclass(frozen=True)
-class Factor:
+class SignedFactor:
     """One factor with evidence of its sign; an even power needs none for a claim that is not strict."""
 
     polynomial: Polynomial
@@ -35,7 +35,7 @@ class ProductEvidence:
     """``form = constant * prod factor**exponent`` with factors of known signs."""
 
     constant: Number
-    factors: tuple[Factor, ...]
+    factors: tuple[SignedFactor, ...]
 
     def check(self, problem: Problem, confirms: Confirm) -> bool:
         """Multiply out, re-verify the evidence of each factor, and count signs."""
@@ -57,7 +57,7 @@ def decide_product(problem: Problem, decide: Decide) -> ProductEvidence | Violat
     factored = factorize(problem.form.plain)
     if factored is None or (len(factored[1]) == 1 and factored[1][0][1] == 1):
         return None
-    constant, total, found = factored[0], factored[0].sign(), list[Factor]()
+    constant, total, found = factored[0], factored[0].sign(), list[SignedFactor]()
     for polynomial, exponent in factored[1]:
         here = _sign_inside(problem, polynomial)
         evidence = None
@@ -68,7 +68,7 @@ def decide_product(problem: Problem, decide: Decide) -> ProductEvidence | Violat
             if isinstance(evidence, Violation | Stuck):
                 return None
         total *= here**exponent
-        found.append(Factor(polynomial, exponent, here, evidence))
+        found.append(SignedFactor(polynomial, exponent, here, evidence))
     return ProductEvidence(constant, tuple(found)) if total > 0 else None
 
 

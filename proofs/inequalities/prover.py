@@ -29,7 +29,7 @@ from typing import Any, TypeAlias
 
 from nonsmooth.analysis.cells.region import Region
 from nonsmooth.proofs.inequalities.binary_forms import RootEvidence, Zero, decide_binary, line_of
-from nonsmooth.proofs.inequalities.cells import EXTENDED, PLANE, CellPart, Claim, build_parts
+from nonsmooth.proofs.inequalities.cells import EXTENDED, PLANE, CellClaim, CellPart, build_parts
 from nonsmooth.proofs.inequalities.copositive import QuadraticEvidence, decide_quadratic
 from nonsmooth.proofs.inequalities.cuts import zero_cut
 from nonsmooth.proofs.inequalities.forms import Problem
@@ -77,9 +77,9 @@ class Question:
     except_origin: bool
 
     @cached_property
-    def claim(self) -> Claim:
+    def claim(self) -> CellClaim:
         """The question as ``>= 0`` or ``> 0``."""
-        return Claim(self.polynomial * self.sense.factor, self.region, self.sense.strict, self.except_origin)
+        return CellClaim(self.polynomial * self.sense.factor, self.region, self.sense.strict, self.except_origin)
 
     def fails_at(self, point: tuple[Any, ...]) -> bool:
         """Whether a point of the cell (inside all guards) refutes the claim."""
@@ -121,7 +121,7 @@ class Proof:
 
 
 @dataclass(frozen=True)
-class Witness:
+class Counterexample:
     """A point of the closed cell at which the claim is false.
 
     Attributes:
@@ -188,7 +188,7 @@ class Undecided:
         return f"the sign was not found on the part of the cell with corners {corners}"
 
 
-Outcome: TypeAlias = Proof | Witness | ZeroBetween | Undecided
+Outcome: TypeAlias = Proof | Counterexample | ZeroBetween | Undecided
 
 
 def prove(sense: Sense | str, polynomial: Polynomial, region: Region, *, except_origin: bool = False) -> Outcome:
@@ -234,7 +234,7 @@ def prove(sense: Sense | str, polynomial: Polynomial, region: Region, *, except_
     return stuck or Proof(question, tuple(evidence))
 
 
-def _shares(claim: Claim) -> Iterator[Share]:
+def _shares(claim: CellClaim) -> Iterator[Share]:
     """Factors c > 0 of guards q through the origin such that ``p - c q`` has no linear part."""
     if claim.free_theta or claim.polynomial.terms.get((0, 0)):
         return
@@ -250,7 +250,7 @@ def _linear_part(polynomial: Polynomial) -> tuple[Any, Any]:
     return polynomial.terms.get((1, 0), zero), polynomial.terms.get((0, 1), zero)
 
 
-def _without_share(claim: Claim, share: Share) -> tuple[Claim, ...]:
+def _without_share(claim: CellClaim, share: Share) -> tuple[CellClaim, ...]:
     """``r = p - c q >= 0`` on the cell, and ``r > 0`` on the part with ``q = 0`` if ``p > 0`` is claimed."""
     factor, k = share
     guard = claim.region.guards[k]
@@ -287,12 +287,12 @@ def confirms(evidence: Evidence, problem: Problem) -> bool:
             return evidence.check(problem)
 
 
-def _origin(claim: Claim) -> tuple[Number, ...]:
+def _origin(claim: CellClaim) -> tuple[Number, ...]:
     return (claim.polynomial.field.zero,) * (3 if claim.free_theta else 2)
 
 
-def _witness(question: Question, point: tuple[Any, ...]) -> Witness:
-    return Witness(question, point, question.claim.value(point) * question.sense.factor)
+def _witness(question: Question, point: tuple[Any, ...]) -> Counterexample:
+    return Counterexample(question, point, question.claim.value(point) * question.sense.factor)
 
 
 def _number(value: Any) -> Any:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.region import Triple
-from nonsmooth.proofs.inequalities.cells import Claim, triangles
+from nonsmooth.proofs.inequalities.cells import CellClaim, triangles
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 
@@ -26,7 +26,7 @@ CONFIRMED = 4  # points of each triangle that are evaluated exactly
 Weights: TypeAlias = tuple[int, int, int]
 
 
-def counterexample(claim: Claim) -> tuple[Any, Any] | None:
+def counterexample(claim: CellClaim) -> tuple[Any, Any] | None:
     """A point of the region inside all guards at which a claim on (x, y) fails; None where none was found."""
     if claim.free_theta:
         return None
@@ -51,7 +51,7 @@ def _grid() -> tuple[Weights, ...]:
     return tuple(found.values())
 
 
-def _suspects(claim: Claim, triangle: Sequence[Triple]) -> Iterator[Weights]:
+def _suspects(claim: CellClaim, triangle: Sequence[Triple]) -> Iterator[Weights]:
     """The weights at which floats say that the claim fails, the clearest failures first."""
     weights = np.array(_grid(), dtype=float)
     x, y, w = (weights @ np.array([[float(v) for v in g] for g in triangle])).T
@@ -83,7 +83,7 @@ def _point(triangle: Sequence[Triple], weights: Weights) -> tuple[Any, Any]:
     return x / w, y / w
 
 
-def _fails_at(claim: Claim, point: tuple[Any, Any]) -> bool:
+def _fails_at(claim: CellClaim, point: tuple[Any, Any]) -> bool:
     """The exact test: strictly inside the guards, in the closed convex part, and the claim false."""
     if claim.except_origin and not any(point):
         return False

@@ -20,13 +20,13 @@ from nonsmooth.analysis.cells.switched_cells import LyapunovCell, distinct, grad
 from nonsmooth.proofs.inequalities.curved_kinks import CurvedKink
 from nonsmooth.proofs.inequalities.kinks import Kink, Trend, Trends, worst
 from nonsmooth.proofs.inequalities.ladder import Interval, Ladder, ladder_at
-from nonsmooth.proofs.inequalities.prover import Outcome, Proof, Sense, Undecided, Witness, prove
+from nonsmooth.proofs.inequalities.prover import Counterexample, Outcome, Proof, Sense, Undecided, prove
 from nonsmooth.proofs.inequalities.real_roots import RealRoot
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 
 
-class Part(StrEnum):
+class StratumPart(StrEnum):
     """Where a derivative is looked at."""
 
     CELL = "cell"
@@ -57,7 +57,7 @@ class Stratum:
         constant: whether the ladder at the sample holds on the whole part.
     """
 
-    part: Part
+    part: StratumPart
     sample: Point
     ladder: Ladder
     trends: Trends
@@ -80,14 +80,14 @@ def stratum_of(cell: LyapunovCell, outcomes: tuple[Outcome, ...]) -> Stratum:
     sample = cell.region.inner_point
     refuted = [o for o, trend in zip(outcomes, trends, strict=True) if trend is Trend.POSITIVE]
     refutation = None
-    if refuted and isinstance(refuted[0], Witness):
+    if refuted and isinstance(refuted[0], Counterexample):
         refutation = Refutation(refuted[0].point, refuted[0].value, "the derivative of V is positive")
     rates = [rate(sample) for rate in cell.rates]
     interval = Interval(min(rates), max(rates))
     trend = worst(trends)
     constant = all(rate.constant_value is not None for rate in cell.rates)
     return Stratum(
-        Part.CELL,
+        StratumPart.CELL,
         sample,
         Ladder(interval, interval, interval),
         Trends(trend, trend, trend),
@@ -100,7 +100,7 @@ def stratum_of(cell: LyapunovCell, outcomes: tuple[Outcome, ...]) -> Stratum:
 def _rate_outcome(rate: Polynomial, region: Region) -> Outcome:
     """``rate < 0`` except at the equilibrium, or else ``rate <= 0``, or a point where it is positive."""
     strict = prove(Sense.NEGATIVE, rate, region, except_origin=True)
-    if isinstance(strict, Proof) or (isinstance(strict, Witness) and sign(strict.value) > 0):
+    if isinstance(strict, Proof) or (isinstance(strict, Counterexample) and sign(strict.value) > 0):
         return strict
     return prove(Sense.NONPOSITIVE, rate, region)
 
@@ -176,7 +176,7 @@ def _kink_stratum(cells: Sequence[LyapunovCell], kink: Kink) -> Stratum:
         for f, g in (*kink.first.velocities, *kink.second.velocities)
         for rate in [gradient[0] * f + gradient[1] * g]
     )
-    return Stratum(Part.SURFACE, sample, derivatives_at(cells, sample), trends, kink, refutation, constant)
+    return Stratum(StratumPart.SURFACE, sample, derivatives_at(cells, sample), trends, kink, refutation, constant)
 
 
 def _jump_stratum(cells: Sequence[LyapunovCell], kink: Kink) -> Stratum:
@@ -189,20 +189,20 @@ def _jump_stratum(cells: Sequence[LyapunovCell], kink: Kink) -> Stratum:
         return _open_stratum(cells, kink.point(kink.samples()[0]))
     refutation = Refutation(place, difference(place), "V is not continuous")
     positive = Trends(Trend.POSITIVE, Trend.POSITIVE, Trend.POSITIVE)
-    return Stratum(Part.SURFACE, place, derivatives_at(cells, place), positive, kink, refutation, constant=False)
+    return Stratum(StratumPart.SURFACE, place, derivatives_at(cells, place), positive, kink, refutation, constant=False)
 
 
 def _corner_stratum(cells: Sequence[LyapunovCell], corner: Point) -> Stratum:
     ladder = derivatives_at(cells, corner)
     intervals = (ladder.naive, ladder.shevitz_paden, ladder.bacciotti_ceragioli)
     trends = Trends(*(Trend.EMPTY if i is None else Trend.of_sign(sign(i.high)) for i in intervals))
-    return Stratum(Part.CORNER, corner, ladder, trends, None, None, constant=True)
+    return Stratum(StratumPart.CORNER, corner, ladder, trends, None, None, constant=True)
 
 
 def _open_stratum(cells: Sequence[LyapunovCell], sample: Point) -> Stratum:
     """Two pieces of V beside a curve."""
     undecided = Trends(Trend.UNDECIDED, Trend.UNDECIDED, Trend.UNDECIDED)
-    return Stratum(Part.SURFACE, sample, derivatives_at(cells, sample), undecided, None, None, constant=False)
+    return Stratum(StratumPart.SURFACE, sample, derivatives_at(cells, sample), undecided, None, None, constant=False)
 
 
 def _curved_stratum(cells: Sequence[LyapunovCell], kink: CurvedKink) -> Stratum:

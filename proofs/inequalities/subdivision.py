@@ -60,7 +60,7 @@ class Violation:
     point: Vector
 
 
-class Part:
+class SubCone:
     """A part of the cone on its way to being proved.
 
     Attributes:
@@ -75,7 +75,7 @@ class Part:
     def __init__(self, generators: tuple[Vector, ...], places: tuple[Vector, ...], pieces: Pieces, depth: int) -> None:
         self.generators, self.places, self.pieces, self.depth = generators, places, pieces, depth
         self.split: tuple[int, int, Any] | None = None
-        self.parts: tuple[Part, Part] | None = None
+        self.parts: tuple[SubCone, SubCone] | None = None
 
     def tree(self) -> Tree:
         """The cuts below, without coefficients."""
@@ -84,7 +84,7 @@ class Part:
         return Split(*self.split, self.parts[0].tree(), self.parts[1].tree())
 
 
-Cut: TypeAlias = Callable[["Part"], "tuple[int, int, Any] | Violation | None"]
+Cut: TypeAlias = Callable[["SubCone"], "tuple[int, int, Any] | Violation | None"]
 
 
 def subdivide(problem: Problem, budget: int, cut: Cut | None = None) -> Tree | Violation | Stuck:
@@ -97,7 +97,7 @@ def subdivide(problem: Problem, budget: int, cut: Cut | None = None) -> Tree | V
     """
     count = len(problem.generators)
     places = tuple(tuple(Fraction(int(i == k)) for i in range(count)) for k in range(count))
-    root = Part(problem.generators, places, problem.coefficients, 0)
+    root = SubCone(problem.generators, places, problem.coefficients, 0)
     waiting = deque([root])
     while waiting and budget > 0:
         node = waiting.popleft()
@@ -142,7 +142,7 @@ def _replaced(vectors: Sequence[Vector], k: int, vector: Vector) -> tuple[Vector
     return (*vectors[:k], vector, *vectors[k + 1 :])
 
 
-def _edge_to_halve(part: Part) -> tuple[int, int]:
+def _edge_to_halve(part: SubCone) -> tuple[int, int]:
     """The longest edge as seen in the root's barycentric coordinates, so that all parts shrink.
 
     Near a corner where the form is zero its sign may depend on the direction alone, and halving the longest edge would
@@ -159,14 +159,16 @@ def _edge_to_halve(part: Part) -> tuple[int, int]:
     )
 
 
-def _halves(node: Part, first: int, second: int, weight: Any) -> tuple[Part, Part]:
+def _halves(node: SubCone, first: int, second: int, weight: Any) -> tuple[SubCone, SubCone]:
     middle = _mixture(node.generators, first, second, weight)
     place = _mixture(node.places, first, second, Fraction(1, 2))
     near = node.pieces.mapped(lambda terms: substituted(terms, first, second, 1 - weight, weight))
     far = node.pieces.mapped(lambda terms: substituted(terms, second, first, weight, 1 - weight))
     return (
-        Part(_replaced(node.generators, second, middle), _replaced(node.places, second, place), near, node.depth + 1),
-        Part(_replaced(node.generators, first, middle), _replaced(node.places, first, place), far, node.depth + 1),
+        SubCone(
+            _replaced(node.generators, second, middle), _replaced(node.places, second, place), near, node.depth + 1
+        ),
+        SubCone(_replaced(node.generators, first, middle), _replaced(node.places, first, place), far, node.depth + 1),
     )
 
 
@@ -195,7 +197,7 @@ def _powers(base: Any, terms: Terms, index: int) -> list[Any]:
     return powers
 
 
-def _violation(problem: Problem, node: Part) -> Violation | None:
+def _violation(problem: Problem, node: SubCone) -> Violation | None:
     """A point of the part where the claim is false, if a corner, a strict face or the middle shows one."""
     generators, count = node.generators, len(node.generators)
     faces = problem.strict_faces(generators, except_origin=problem.except_origin) if problem.strict else []

@@ -16,7 +16,7 @@ from nonsmooth.proofs.many_states.examination import (
     find_slide,
     questions_on,
 )
-from nonsmooth.proofs.many_states.instability import Growth
+from nonsmooth.proofs.many_states.instability import GrowthEvidence
 from nonsmooth.proofs.many_states.linear_part import LinearPart, Spectrum
 from nonsmooth.proofs.many_states.relay_degree import RelayDegree
 from nonsmooth.proofs.many_states.sign_cells import SignCells
@@ -29,7 +29,7 @@ from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 
-class Method(StrEnum):
+class ManyStateMethod(StrEnum):
     """What decided."""
 
     EQUILIBRIUM = "no equilibrium"
@@ -80,7 +80,7 @@ class ProvedLyapunov:
 
 
 @dataclass(frozen=True)
-class Evidence:
+class StabilityEvidence:
     """All that is known of the point.
 
     Attributes:
@@ -103,7 +103,7 @@ class Evidence:
     relay: RelayDegree | None = None
     named: ProvedLyapunov | None = None
     searched: ProvedLyapunov | None = None
-    growth: Growth | None = None
+    growth: GrowthEvidence | None = None
     beyond: str = ""
     left: bool = False
 
@@ -116,54 +116,66 @@ class Evidence:
         return self.named if shows else None
 
 
-def conclude(evidence: Evidence) -> tuple[Translation, str, Method]:
+def conclude(evidence: StabilityEvidence) -> tuple[Translation, str, ManyStateMethod]:
     """Verdict, reason and what decided."""
     return _by_leaving(evidence) or _by_functions(evidence)
 
 
-def _by_leaving(evidence: Evidence) -> tuple[Translation, str, Method] | None:
+def _by_leaving(evidence: StabilityEvidence) -> tuple[Translation, str, ManyStateMethod] | None:
     """What shows near the point that solutions leave it."""
     spectrum = None if evidence.linear is None else evidence.linear.spectrum
     if evidence.equilibrium is Equilibrium.FAILS:
-        return Translation.UNSTABLE, "0 is not in F there, so every solution leaves it", Method.EQUILIBRIUM
+        return Translation.UNSTABLE, "0 is not in F there, so every solution leaves it", ManyStateMethod.EQUILIBRIUM
     if evidence.escape is not None:
         place = ", ".join(map(str, evidence.escape))
-        return Translation.UNSTABLE, f"a solution leaves the point with velocity ({place}), into a cell", Method.ESCAPE
+        return (
+            Translation.UNSTABLE,
+            f"a solution leaves the point with velocity ({place}), into a cell",
+            ManyStateMethod.ESCAPE,
+        )
     if evidence.ray_rate is not None:
-        return Translation.UNSTABLE, "solutions leave along a ray inside a cone with a linear field", Method.ESCAPE
+        return (
+            Translation.UNSTABLE,
+            "solutions leave along a ray inside a cone with a linear field",
+            ManyStateMethod.ESCAPE,
+        )
     if evidence.relay is not None:
         order = f"derivative {evidence.relay.degree} of the switching function is the first that depends on its sign"
-        return Translation.UNSTABLE, f"{order}, and a function of the others never falls", Method.RELAY
+        return Translation.UNSTABLE, f"{order}, and a function of the others never falls", ManyStateMethod.RELAY
     if spectrum in (Spectrum.UNSTABLE, Spectrum.GROWING):
-        return Translation.UNSTABLE, str(spectrum), Method.LINEARIZATION
+        return Translation.UNSTABLE, str(spectrum), ManyStateMethod.LINEARIZATION
     return None
 
 
-def _by_functions(evidence: Evidence) -> tuple[Translation, str, Method]:
+def _by_functions(evidence: StabilityEvidence) -> tuple[Translation, str, ManyStateMethod]:
     """What a V or a stable linearization shows."""
     spectrum = None if evidence.linear is None else evidence.linear.spectrum
     proving = evidence.proving
     if proving is not None and proving.examination.verdict is Decrease.STRICT:
-        return Translation.ASYMPTOTICALLY_STABLE, proving.examination.reason, Method.LYAPUNOV
+        return Translation.ASYMPTOTICALLY_STABLE, proving.examination.reason, ManyStateMethod.LYAPUNOV
     if proving is not None and proving.examination.verdict is Decrease.WEAK and evidence.left:
-        return Translation.ASYMPTOTICALLY_STABLE, f"{proving.examination.reason}, and {Staying.NONE}", Method.INVARIANCE
+        return (
+            Translation.ASYMPTOTICALLY_STABLE,
+            f"{proving.examination.reason}, and {Staying.NONE}",
+            ManyStateMethod.INVARIANCE,
+        )
     if spectrum is Spectrum.HURWITZ:
-        return Translation.ASYMPTOTICALLY_STABLE, str(spectrum), Method.LINEARIZATION
+        return Translation.ASYMPTOTICALLY_STABLE, str(spectrum), ManyStateMethod.LINEARIZATION
     if evidence.growth is not None:
         return (
             Translation.UNSTABLE,
             "V falls along every solution, from negative values at all distances",
-            Method.GROWTH,
+            ManyStateMethod.GROWTH,
         )
     return _by_weak_evidence(evidence)
 
 
-def _by_weak_evidence(evidence: Evidence) -> tuple[Translation, str, Method]:
+def _by_weak_evidence(evidence: StabilityEvidence) -> tuple[Translation, str, ManyStateMethod]:
     """What is said where nothing decides whether solutions attract."""
     if evidence.linear is not None and evidence.linear.spectrum is Spectrum.NEUTRAL:
-        return Translation.STABLE, f"not asymptotically: {evidence.linear.spectrum}", Method.LINEARIZATION
+        return Translation.STABLE, f"not asymptotically: {evidence.linear.spectrum}", ManyStateMethod.LINEARIZATION
     if evidence.proving is not None:
         why = "whether the equilibrium attracts is not decided by it"
-        return Translation.STABLE, f"{evidence.proving.examination.reason}; {why}", Method.LYAPUNOV
+        return Translation.STABLE, f"{evidence.proving.examination.reason}; {why}", ManyStateMethod.LYAPUNOV
     reason = evidence.beyond or "no Lyapunov function was found, and none that shows instability"
-    return Translation.UNDECIDED, reason, Method.NONE
+    return Translation.UNDECIDED, reason, ManyStateMethod.NONE

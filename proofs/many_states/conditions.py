@@ -21,7 +21,7 @@ from itertools import combinations
 
 from flint import fmpq
 
-from nonsmooth.proofs.many_states.faces import Face, build_face, unit, whole_space
+from nonsmooth.proofs.many_states.faces import AffineFace, build_face, unit, whole_space
 from nonsmooth.proofs.many_states.sign_cells import (
     BeyondReachError,
     Pattern,
@@ -36,7 +36,7 @@ from nonsmooth.symbolic.numbers.polynomial import Exponents, Terms, add_terms, m
 MOST_FACES = 400  # inequalities on faces
 
 
-class Sense(StrEnum):
+class ConditionSense(StrEnum):
     """What is asked."""
 
     POSITIVE = "V > 0"
@@ -44,7 +44,7 @@ class Sense(StrEnum):
 
 
 @dataclass(frozen=True)
-class Question:
+class ScaledInequality:
     """One inequality, in the displacement divided by the half-width of the cube.
 
     Attributes:
@@ -58,7 +58,7 @@ class Question:
         member: the number of the right-hand side whose field it is about.
     """
 
-    sense: Sense
+    sense: ConditionSense
     condition: Condition
     signs: Pattern
     zero: tuple[int, ...]
@@ -81,7 +81,7 @@ class Questions:
         parameters: with those of all mu.
     """
 
-    listed: tuple[Question, ...]
+    listed: tuple[ScaledInequality, ...]
     coefficients: int
     parameters: int
 
@@ -115,7 +115,7 @@ class _Builder:
         """The signs of the bending surfaces, less some."""
         return tuple((j, signs[j]) for j in self.bending if j not in but)
 
-    def guards(self, signs: Sequence[tuple[int, int]], face: Face) -> list[RationalTerms] | None:
+    def guards(self, signs: Sequence[tuple[int, int]], face: AffineFace) -> list[RationalTerms] | None:
         """Guards on a face; None where they leave nothing of it."""
         found = []
         for j, sign in signs:
@@ -129,14 +129,14 @@ class _Builder:
         return found
 
     def condition(
-        self, slopes: Mapping[int, RationalTerms], guards: Sequence[RationalTerms], face: Face, *, away: bool
+        self, slopes: Mapping[int, RationalTerms], guards: Sequence[RationalTerms], face: AffineFace, *, away: bool
     ) -> Condition:
         """The condition that ``sum_k parameter_k slopes_k`` is positive."""
         bounds = tuple(form for form in face.coordinates if any(map(sum, form)))
         kept = {k: {e: c for e, c in slope.items() if c} for k, slope in slopes.items()}
         return Condition({}, {k: s for k, s in kept.items() if s}, tuple(guards), bounds, face.dimension, away)
 
-    def positive(self) -> Iterator[Question]:
+    def positive(self) -> Iterator[ScaledInequality]:
         """V on each cell of the surfaces on which it bends."""
         space, seen = whole_space(self.count), set()
         for cell in self.cells:
@@ -146,9 +146,9 @@ class _Builder:
             seen.add(signs)
             slopes = dict(enumerate(self.pieces[cell.signs]))
             condition = self.condition(slopes, self.guards(signs, space) or (), space, away=False)
-            yield Question(Sense.POSITIVE, condition, cell.signs, (), -1, self.pieces[cell.signs])
+            yield ScaledInequality(ConditionSense.POSITIVE, condition, cell.signs, (), -1, self.pieces[cell.signs])
 
-    def on_cells(self) -> Iterator[Question]:
+    def on_cells(self) -> Iterator[ScaledInequality]:
         """``-grad V . f`` on closed cells."""
         space = whole_space(self.count)
         for cell in self.cells:
@@ -156,9 +156,11 @@ class _Builder:
             for member, velocity in _different_fields(cell):
                 slopes = {k: _along(p, velocity, self.count) for k, p in enumerate(self.pieces[cell.signs])}
                 condition = self.condition(slopes, guards, space, away=False)
-                yield Question(Sense.FALLS, condition, cell.signs, (), -1, self.pieces[cell.signs], member=member)
+                yield ScaledInequality(
+                    ConditionSense.FALLS, condition, cell.signs, (), -1, self.pieces[cell.signs], member=member
+                )
 
-    def on_faces(self) -> Iterator[Question]:
+    def on_faces(self) -> Iterator[ScaledInequality]:
         """The same on faces on which V bends, with mu."""
         number = 0
         for zero, face in self._places().items():
@@ -172,9 +174,9 @@ class _Builder:
                 number += bool(asked)
                 yield from asked
 
-    def _places(self) -> dict[tuple[int, ...], Face]:
+    def _places(self) -> dict[tuple[int, ...], AffineFace]:
         """Where bending surfaces vanish together, by all that vanish there: more than n planes may share a line."""
-        found: dict[tuple[int, ...], Face] = {}
+        found: dict[tuple[int, ...], AffineFace] = {}
         for size in range(1, min(len(self.bending), self.count) + 1):
             for chosen in combinations(self.bending, size):
                 face = build_face([self.surfaces[j] for j in chosen], self.count)
@@ -182,13 +184,15 @@ class _Builder:
                     found.setdefault(tuple(j for j in self.bending if not face.restricted(self.surfaces[j])), face)
         return found
 
-    def _is_elsewhere(self, face: Face) -> bool:
+    def _is_elsewhere(self, face: AffineFace) -> bool:
         """Whether it is the checked point or out of the cube."""
         origin = (0,) * face.dimension
         still = [form.get(origin, fmpq(0)) for form in face.coordinates if not any(map(sum, form))]
         return (not face.dimension and not any(still)) or any(abs(value) > 1 for value in still)
 
-    def _on_face(self, face: Face, zero: Sequence[int], cells: Sequence[SignCell], number: int) -> Iterator[Question]:
+    def _on_face(
+        self, face: AffineFace, zero: Sequence[int], cells: Sequence[SignCell], number: int
+    ) -> Iterator[ScaledInequality]:
         pieces = [self.pieces[cell.signs] for cell in cells]
         if all(piece == pieces[0] for piece in pieces) or self._agree(face, zero, cells):
             return
@@ -209,10 +213,12 @@ class _Builder:
                 pushes = {j: face.restricted(_along(self.surfaces[j], velocity, self.count)) for j in zero}
                 slopes.update({k: multiply_terms(pushes[j], {shape: fmpq(1)}) for k, j, shape in multipliers})
                 condition = self.condition(slopes, guards, face, away=away)
-                yield Question(Sense.FALLS, condition, cell.signs, tuple(zero), number, functions, multipliers, member)
+                yield ScaledInequality(
+                    ConditionSense.FALLS, condition, cell.signs, tuple(zero), number, functions, multipliers, member
+                )
         self.parameters += len(multipliers)
 
-    def _agree(self, face: Face, zero: Sequence[int], cells: Sequence[SignCell]) -> bool:
+    def _agree(self, face: AffineFace, zero: Sequence[int], cells: Sequence[SignCell]) -> bool:
         """Whether on the face the fields are those of the cells on one side of all its surfaces."""
         by_side: dict[Pattern, dict[Pattern, object]] = {}
         for cell in cells:

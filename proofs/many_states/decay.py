@@ -13,20 +13,20 @@ from fractions import Fraction
 import numpy as np
 from flint import fmpq
 
-from nonsmooth.proofs.many_states.conditions import Question, Sense
+from nonsmooth.proofs.many_states.conditions import ConditionSense, ScaledInequality
 from nonsmooth.proofs.many_states.examination import Examination, Inequality, with_values
 from nonsmooth.proofs.many_states.samples import values_at
 from nonsmooth.proofs.many_states.sign_cells import RationalTerms
 from nonsmooth.proofs.sums_of_squares.ansatz import Condition
 from nonsmooth.proofs.sums_of_squares.prove import Effort, Proved, prove_positive
-from nonsmooth.proofs.systems.decay_rate import DENOMINATOR, SHARES, Decay
+from nonsmooth.proofs.systems.decay_rate import DENOMINATOR, SHARES, DecayKind
 from nonsmooth.symbolic.numbers.polynomial import add_terms
 
 POINTS = 4_000
 
 
 @dataclass(frozen=True)
-class DecayRate:
+class ProvedDecay:
     """A proved rate.
 
     Attributes:
@@ -35,7 +35,7 @@ class DecayRate:
         evidence: one proof for each inequality about V'.
     """
 
-    decay: Decay
+    decay: DecayKind
     kappa: Fraction
     evidence: tuple[Proved, ...]
 
@@ -52,19 +52,19 @@ class DecayRate:
         )
 
 
-def decay_rate(examination: Examination) -> DecayRate | None:
+def decay_rate(examination: Examination) -> ProvedDecay | None:
     """A rate of a V that is proved to fall; None where none is proved."""
-    for decay in Decay:
+    for decay in DecayKind:
         most = min((_ratio(examination, decay, i) for i in falling(examination)), default=0.0)
         for share in SHARES if np.isfinite(most) else ():
             kappa = Fraction(int(most * float(share) * DENOMINATOR), DENOMINATOR)
             evidence = _proofs(examination, decay, kappa) if kappa else None
             if evidence is not None:
-                return DecayRate(decay, kappa, evidence)
+                return ProvedDecay(decay, kappa, evidence)
     return None
 
 
-def _proofs(examination: Examination, decay: Decay, kappa: Fraction) -> tuple[Proved, ...] | None:
+def _proofs(examination: Examination, decay: DecayKind, kappa: Fraction) -> tuple[Proved, ...] | None:
     found = []
     for condition in rate_conditions(examination, decay, kappa):
         proved = prove_positive(condition, Effort.HASTY)
@@ -76,10 +76,10 @@ def _proofs(examination: Examination, decay: Decay, kappa: Fraction) -> tuple[Pr
 
 def falling(examination: Examination) -> Iterator[Inequality]:
     """The inequalities about V'."""
-    return (i for i in examination.inequalities if i.question.sense is Sense.FALLS)
+    return (i for i in examination.inequalities if i.question.sense is ConditionSense.FALLS)
 
 
-def rate_conditions(examination: Examination, decay: Decay, kappa: Fraction) -> Iterator[Condition]:
+def rate_conditions(examination: Examination, decay: DecayKind, kappa: Fraction) -> Iterator[Condition]:
     """The inequalities about V' with kappa, in their order.
 
     They are in the displacement divided by the half-width of the cube, which multiplies V'.
@@ -88,18 +88,18 @@ def rate_conditions(examination: Examination, decay: Decay, kappa: Fraction) -> 
     for inequality in falling(examination):
         whole = with_values(inequality.question.condition, inequality.mu)
         least = {e: -c * factor for e, c in _target(decay, inequality.question).items()}
-        finite = decay is Decay.FINITE
+        finite = decay is DecayKind.FINITE
         yield replace(whole, constant=add_terms(whole.constant, least), at_origin=finite or whole.at_origin)
 
 
-def _target(decay: Decay, question: Question) -> RationalTerms:
+def _target(decay: DecayKind, question: ScaledInequality) -> RationalTerms:
     """What kappa multiplies: 1 or V, on the cell or face of a question."""
-    if decay is Decay.FINITE:
+    if decay is DecayKind.FINITE:
         return {(0,) * question.condition.variables: fmpq(1)}
     return dict(question.functions[0])
 
 
-def _ratio(examination: Examination, decay: Decay, inequality: Inequality) -> float:
+def _ratio(examination: Examination, decay: DecayKind, inequality: Inequality) -> float:
     """The least value of -V' over 1 or V at many points."""
     condition = with_values(inequality.question.condition, inequality.mu)
     if not condition.variables:

@@ -19,8 +19,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from nonsmooth.proofs.inequalities.linear_program import best_mixture, mixtures_to_zero
-from nonsmooth.proofs.many_states.conclusion import Evidence, Method, ProvedLyapunov, conclude
-from nonsmooth.proofs.many_states.decay import DecayRate, decay_rate
+from nonsmooth.proofs.many_states.conclusion import ManyStateMethod, ProvedLyapunov, StabilityEvidence, conclude
+from nonsmooth.proofs.many_states.decay import ProvedDecay, decay_rate
 from nonsmooth.proofs.many_states.denominators import require_denominators
 from nonsmooth.proofs.many_states.escape import escaping_rate, escaping_velocity
 from nonsmooth.proofs.many_states.examination import examine
@@ -56,10 +56,10 @@ class ManyStateResult(StabilityResult):
     scene: SwitchedSystem
     verdict: Translation
     reason: str
-    method: Method
-    evidence: Evidence
+    method: ManyStateMethod
+    evidence: StabilityEvidence
     region: SublevelSet | None = None
-    rate: DecayRate | None = None
+    rate: ProvedDecay | None = None
 
     @property
     def proving(self) -> ProvedLyapunov | None:
@@ -121,7 +121,7 @@ def decide_many(scene: SwitchedSystem) -> ManyStateResult:
     return ManyStateResult(scene, verdict, reason, method, evidence, region, rate)
 
 
-def _with_functions(scene: SwitchedSystem, evidence: Evidence) -> Evidence:
+def _with_functions(scene: SwitchedSystem, evidence: StabilityEvidence) -> StabilityEvidence:
     """The V of the scene; then what is searched, as far as that leaves it open.
 
     A sum of squares that nobody named is asked at first with little work, and again where nothing else is found.
@@ -139,22 +139,24 @@ def _with_functions(scene: SwitchedSystem, evidence: Evidence) -> Evidence:
     return _with_invariance(_with_growth(scene, evidence))
 
 
-def _with_invariance(evidence: Evidence) -> Evidence:
+def _with_invariance(evidence: StabilityEvidence) -> StabilityEvidence:
     """Whether solutions leave where the V that shows stability does not fall."""
     proving = evidence.proving
     return replace(evidence, left=proving is not None and nothing_stays(proving.examination))
 
 
-def _begin(scene: SwitchedSystem) -> Evidence:
+def _begin(scene: SwitchedSystem) -> StabilityEvidence:
     """The equilibrium and the linearization: what is so near the point, on the first cube that is looked at."""
     try:
         cells = first_cells(scene)
         linear = linear_part(cells) or unstable_mixture(scene, cells)
         escape = escaping_velocity(scene, cells)
         rate = None if linear is not None else escaping_rate(scene, cells)
-        return Evidence(decide_equilibrium(scene, cells), linear, escape, rate, high_degree_relay(scene, cells))
+        return StabilityEvidence(
+            decide_equilibrium(scene, cells), linear, escape, rate, high_degree_relay(scene, cells)
+        )
     except BeyondReachError as error:
-        return Evidence(Equilibrium.UNDECIDED, beyond=str(error))
+        return StabilityEvidence(Equilibrium.UNDECIDED, beyond=str(error))
 
 
 def first_cells(scene: SwitchedSystem) -> SignCells:
@@ -195,7 +197,7 @@ def decide_equilibrium(scene: SwitchedSystem, cells: SignCells) -> Equilibrium:
     return Equilibrium.HOLDS if certain else Equilibrium.UNDECIDED
 
 
-def _with_named(scene: SwitchedSystem, evidence: Evidence, *, hasty: bool) -> Evidence:
+def _with_named(scene: SwitchedSystem, evidence: StabilityEvidence, *, hasty: bool) -> StabilityEvidence:
     """The V of the scene."""
     formula, radius = scene.check.lyapunov, scene.check.radius
     try:
@@ -205,7 +207,7 @@ def _with_named(scene: SwitchedSystem, evidence: Evidence, *, hasty: bool) -> Ev
     return replace(evidence, named=ProvedLyapunov(formula, radius, examined))
 
 
-def _with_searched(scene: SwitchedSystem, evidence: Evidence) -> Evidence:
+def _with_searched(scene: SwitchedSystem, evidence: StabilityEvidence) -> StabilityEvidence:
     """A V that falls."""
     found = find_lyapunov(scene)
     if found is not None:
@@ -225,6 +227,6 @@ def _with_searched(scene: SwitchedSystem, evidence: Evidence) -> Evidence:
     return evidence
 
 
-def _with_growth(scene: SwitchedSystem, evidence: Evidence) -> Evidence:
+def _with_growth(scene: SwitchedSystem, evidence: StabilityEvidence) -> StabilityEvidence:
     """A V that shows instability, unless the point is known to be stable."""
     return replace(evidence, growth=None if evidence.proving is not None else find_growth(scene))

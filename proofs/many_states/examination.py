@@ -8,7 +8,7 @@ from fractions import Fraction
 
 from flint import fmpq
 
-from nonsmooth.proofs.many_states.conditions import Question, Questions, Sense, build_questions
+from nonsmooth.proofs.many_states.conditions import ConditionSense, Questions, ScaledInequality, build_questions
 from nonsmooth.proofs.many_states.face_witness import as_fractions, rising_slide
 from nonsmooth.proofs.many_states.samples import Point, exact_value, refuting_point
 from nonsmooth.proofs.many_states.sign_cells import (
@@ -49,7 +49,7 @@ class Inequality:
         proved: the evidence; None where there is none.
     """
 
-    question: Question
+    question: ScaledInequality
     mu: Mapping[int, fmpq]
     proved: Proved | None
 
@@ -59,7 +59,7 @@ class Inequality:
 
 
 @dataclass(frozen=True)
-class Failure:
+class FailurePoint:
     """Where V fails: the displacement from the checked point, the value there, and what it means."""
 
     point: tuple[Fraction, ...]
@@ -82,7 +82,7 @@ class Examination:
     cells: SignCells
     inequalities: tuple[Inequality, ...]
     verdict: Decrease
-    failure: Failure | None
+    failure: FailurePoint | None
     reason: str
 
     @property
@@ -171,12 +171,12 @@ def with_values(condition: Condition, values: Mapping[int, fmpq]) -> Condition:
     return replace(condition, constant={e: c for e, c in total.items() if c}, slopes=slopes)
 
 
-def find_failure(cells: SignCells, questions: Questions) -> Failure | None:
+def find_failure(cells: SignCells, questions: Questions) -> FailurePoint | None:
     """A point of a cell at which V is not positive or increases; None where none is found."""
     for question in questions.listed:
         if question.group >= 0:
             continue
-        positive = question.sense is Sense.POSITIVE
+        positive = question.sense is ConditionSense.POSITIVE
         point = refuting_point(question.condition, strictly=not positive)
         if point is not None:
             value = exact_value(question.condition.constant, point)
@@ -185,8 +185,8 @@ def find_failure(cells: SignCells, questions: Questions) -> Failure | None:
 
 
 def find_slide(
-    system: SwitchedSystem, formula: PiecewiseExpression, cells: SignCells, asked: Sequence[Question]
-) -> Failure | None:
+    system: SwitchedSystem, formula: PiecewiseExpression, cells: SignCells, asked: Sequence[ScaledInequality]
+) -> FailurePoint | None:
     """A point of a face at which V increases along a solution that slides; None where none is found.
 
     Args:
@@ -198,23 +198,23 @@ def find_slide(
     if asked[0].group < 0 or system.waves:
         return None
     found = rising_slide(cells, potential_pieces(system, cells, formula), asked[0].zero)
-    return None if found is None else Failure(as_fractions(found[0]), _fraction(found[1]), SLIDES_UP)
+    return None if found is None else FailurePoint(as_fractions(found[0]), _fraction(found[1]), SLIDES_UP)
 
 
-def _failure(cells: SignCells, point: Point, value: fmpq, *, positive: bool) -> Failure:
+def _failure(cells: SignCells, point: Point, value: fmpq, *, positive: bool) -> FailurePoint:
     place = tuple(_fraction(x * cells.radius) for x in point)
     if positive:
-        return Failure(place, _fraction(value), "V is not positive")
-    return Failure(place, _fraction(-value / cells.radius), "V increases")
+        return FailurePoint(place, _fraction(value), "V is not positive")
+    return FailurePoint(place, _fraction(-value / cells.radius), "V increases")
 
 
 def _fraction(value: fmpq) -> Fraction:
     return Fraction(int(value.p), int(value.q))
 
 
-def by_face(listed: Sequence[Question]) -> Iterator[list[Question]]:
+def by_face(listed: Sequence[ScaledInequality]) -> Iterator[list[ScaledInequality]]:
     """The questions of each face together, those on cells one by one."""
-    together: list[Question] = []
+    together: list[ScaledInequality] = []
     for question in listed:
         if together and (question.group < 0 or question.group != together[-1].group):
             yield together
@@ -224,7 +224,7 @@ def by_face(listed: Sequence[Question]) -> Iterator[list[Question]]:
         yield together
 
 
-def answers(asked: Sequence[Question], effort: Effort) -> list[Inequality]:
+def answers(asked: Sequence[ScaledInequality], effort: Effort) -> list[Inequality]:
     """Proofs of the inequalities of one cell or one face, as far as they are found."""
     open_ones = [Inequality(question, {}, None) for question in asked]
     if asked[0].group < 0:
@@ -240,13 +240,13 @@ def answers(asked: Sequence[Question], effort: Effort) -> list[Inequality]:
     return open_ones
 
 
-def _answer(question: Question, mu: Mapping[int, fmpq], effort: Effort) -> Inequality:
+def _answer(question: ScaledInequality, mu: Mapping[int, fmpq], effort: Effort) -> Inequality:
     """A proof of one inequality; V itself must be positive."""
-    own = Effort.STRICT if effort is Effort.FULL and question.sense is Sense.POSITIVE else effort
+    own = Effort.STRICT if effort is Effort.FULL and question.sense is ConditionSense.POSITIVE else effort
     return Inequality(question, mu, prove_positive(with_values(question.condition, mu), own))
 
 
-def _proposals(asked: Sequence[Question], *, weakly: bool) -> Iterator[dict[int, fmpq]]:
+def _proposals(asked: Sequence[ScaledInequality], *, weakly: bool) -> Iterator[dict[int, fmpq]]:
     """Functions mu for one face."""
     numbers = sorted({k for question in asked for k in question.condition.slopes})
     place = {k: i for i, k in enumerate(numbers)}

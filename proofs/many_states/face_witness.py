@@ -16,7 +16,7 @@ import numpy as np
 from flint import fmpq, fmpq_mat
 
 from nonsmooth.proofs.inequalities.linear_program import best_mixture
-from nonsmooth.proofs.many_states.faces import Face, build_face, unit
+from nonsmooth.proofs.many_states.faces import AffineFace, build_face, unit
 from nonsmooth.proofs.many_states.samples import Point, exact_value
 from nonsmooth.proofs.many_states.sign_cells import RationalTerms, SignCell, SignCells, rational_terms
 from nonsmooth.symbolic.numbers.polynomial import Exponents
@@ -52,7 +52,7 @@ def rising_slide(cells: SignCells, pieces: Pieces, zero: Sequence[int]) -> tuple
     return None
 
 
-def _points(face: Face, radius: fmpq) -> Iterator[Point]:
+def _points(face: AffineFace, radius: fmpq) -> Iterator[Point]:
     """Rational points of a face in the cube, nearer and farther; many of them near its border or near other faces."""
     rng = np.random.default_rng(0)
     for _ in range(POINTS):

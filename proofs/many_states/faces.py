@@ -12,7 +12,7 @@ from nonsmooth.symbolic.numbers.polynomial import Exponents, Terms, add_terms, m
 
 
 @dataclass(frozen=True)
-class Face:
+class AffineFace:
     """An affine subspace: every coordinate as an affine form in those that stay free.
 
     Attributes:
@@ -37,9 +37,9 @@ class Face:
         return total
 
 
-def whole_space(count: int) -> Face:
+def whole_space(count: int) -> AffineFace:
     """The face of no surfaces."""
-    return Face(tuple({unit(count, k): fmpq(1)} for k in range(count)), count)
+    return AffineFace(tuple({unit(count, k): fmpq(1)} for k in range(count)), count)
 
 
 def unit(count: int, k: int) -> Exponents:
@@ -47,7 +47,7 @@ def unit(count: int, k: int) -> Exponents:
     return tuple(int(i == k) for i in range(count))
 
 
-def build_face(forms: Sequence[Mapping[Exponents, fmpq]], count: int) -> Face | None:
+def build_face(forms: Sequence[Mapping[Exponents, fmpq]], count: int) -> AffineFace | None:
     """Where affine forms vanish together; None where they do nowhere.
 
     Args:
@@ -73,4 +73,4 @@ def build_face(forms: Sequence[Mapping[Exponents, fmpq]], count: int) -> Face | 
         form = {unit(size, j): -reduced[i, other] for j, other in enumerate(free)}
         form[(0,) * size] = -reduced[i, count]
         coordinates.append({e: c for e, c in form.items() if c})
-    return Face(tuple(coordinates), size)
+    return AffineFace(tuple(coordinates), size)

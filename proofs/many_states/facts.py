@@ -8,9 +8,9 @@ from fractions import Fraction
 from nonsmooth.proofs.facts import Fact, Quantity, row_fact, text_fact, unsaid
 from nonsmooth.proofs.many_states.audit import ManyStateAudit
 from nonsmooth.proofs.many_states.conclusion import ProvedLyapunov
-from nonsmooth.proofs.many_states.decay import DecayRate
+from nonsmooth.proofs.many_states.decay import ProvedDecay
 from nonsmooth.proofs.many_states.decision import ManyStateResult
-from nonsmooth.proofs.many_states.examination import Failure
+from nonsmooth.proofs.many_states.examination import FailurePoint
 from nonsmooth.proofs.many_states.sublevel import SublevelSet
 from nonsmooth.proofs.systems.stability_result import stability_facts
 from nonsmooth.proofs.systems.system_facts import rewriting_words
@@ -104,11 +104,11 @@ def _region_record(region: SublevelSet, states: tuple[str, ...]) -> dict[str, ob
     }
 
 
-def _rate_record(rate: DecayRate) -> dict[str, object]:
+def _rate_record(rate: ProvedDecay) -> dict[str, object]:
     return {"kind": rate.decay.name.lower(), "kappa": Quantity(rate.kappa), "text": str(rate)}
 
 
-def _witness(failure: Failure | None) -> Fact:
+def _witness(failure: FailurePoint | None) -> Fact:
     """Where V fails."""
     if failure is None:
         return Fact("witness")

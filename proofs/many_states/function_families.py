@@ -19,7 +19,7 @@ from nonsmooth.symbolic.numbers.polynomial import Polynomial, add_terms
 
 
 @dataclass(frozen=True)
-class Function:
+class PiecewiseFunction:
     """A continuous function of the displacement.
 
     Attributes:
@@ -31,15 +31,15 @@ class Function:
     degree: int
 
 
-def families(cells: SignCells) -> Iterator[tuple[Function, ...]]:
+def families(cells: SignCells) -> Iterator[tuple[PiecewiseFunction, ...]]:
     """Bases to try in turn."""
     states = cells.states
     quadratic = _monomials(states, 2)
     lines = [s for s in cells.surfaces if s.degree == 1 and s.is_homogeneous]
     jumps = [s for s in lines if field_jumps(cells, s)]
-    first = tuple(Function(_abs(line), 1) for line in jumps)
-    second = [Function(f"{state}*{_abs(line)}", 2) for line in lines for state in states]
-    second += [Function(f"{_abs(a)}*{_abs(b)}", 2) for a, b in combinations(lines, 2)]
+    first = tuple(PiecewiseFunction(_abs(line), 1) for line in jumps)
+    second = [PiecewiseFunction(f"{state}*{_abs(line)}", 2) for line in lines for state in states]
+    second += [PiecewiseFunction(f"{_abs(a)}*{_abs(b)}", 2) for a, b in combinations(lines, 2)]
     beside = tuple(_beyond(s) for s in cells.surfaces if s.degree == 1 and not s.is_homogeneous)
     yield quadratic
     if first:
@@ -50,7 +50,7 @@ def families(cells: SignCells) -> Iterator[tuple[Function, ...]]:
         yield (*first, *quadratic, *_monomials(states, 4))
 
 
-def formula_text(functions: Sequence[Function], coefficients: Sequence[fmpq]) -> str:
+def formula_text(functions: Sequence[PiecewiseFunction], coefficients: Sequence[fmpq]) -> str:
     """The sum, functions of low degree first."""
     used = [(c, f) for c, f in zip(coefficients, functions, strict=True) if c]
     used.sort(key=lambda term: term[1].degree)
@@ -63,12 +63,12 @@ def _term(coefficient: fmpq, text: str) -> str:
     return f"{factor}{text}" + (f"/{bottom}" if bottom != 1 else "")
 
 
-def _monomials(states: Sequence[str], degree: int) -> tuple[Function, ...]:
+def _monomials(states: Sequence[str], degree: int) -> tuple[PiecewiseFunction, ...]:
     found = []
     for chosen in combinations_with_replacement(states, degree):
         powers = {name: chosen.count(name) for name in chosen}
         text = "*".join(name if k == 1 else f"{name}**{k}" for name, k in powers.items())
-        found.append(Function(text, degree))
+        found.append(PiecewiseFunction(text, degree))
     return tuple(found)
 
 
@@ -76,10 +76,10 @@ def _abs(line: Polynomial) -> str:
     return f"Abs({line})"
 
 
-def _beyond(surface: Polynomial) -> Function:
+def _beyond(surface: Polynomial) -> PiecewiseFunction:
     """``relu(s)**2``, with the sign for which it vanishes near the point."""
     at_point = surface.terms[(0,) * len(surface.variables)]
-    return Function(f"relu({surface if at_point.sign() < 0 else -surface})**2", 2)
+    return PiecewiseFunction(f"relu({surface if at_point.sign() < 0 else -surface})**2", 2)
 
 
 def _degree(cells: SignCells) -> int:

@@ -13,7 +13,7 @@ import numpy as np
 from flint import fmpq
 from numpy.typing import NDArray
 
-from nonsmooth.proofs.many_states.conditions import Sense
+from nonsmooth.proofs.many_states.conditions import ConditionSense
 from nonsmooth.proofs.many_states.examination import (
     Inequality,
     RationalPieces,
@@ -36,7 +36,7 @@ FINE = 1 << 10  # denominator of a direction
 
 
 @dataclass(frozen=True)
-class Growth:
+class GrowthEvidence:
     """The evidence of instability.
 
     Attributes:
@@ -57,7 +57,7 @@ class Growth:
         """Verify the inequalities and the direction, and that they are those of the system."""
         formula = parse_piecewise(self.formula.text, system.states)
         cells, questions = questions_on(system, formula, self.radius)
-        falls = [q for q in questions.listed if q.sense is Sense.FALLS]
+        falls = [q for q in questions.listed if q.sense is ConditionSense.FALLS]
         if cells != self.cells or falls != [i.question for i in self.inequalities]:
             return False
         if not all(i.proved is not None and i.proved.claim.strict and i.check() for i in self.inequalities):
@@ -65,7 +65,7 @@ class Growth:
         return is_negative_along(cells, potential_pieces(system, cells, formula), self.direction)
 
 
-def find_growth(system: SwitchedSystem) -> Growth | None:
+def find_growth(system: SwitchedSystem) -> GrowthEvidence | None:
     """A V that shows instability; None where none is found.
 
     Raises:
@@ -73,7 +73,7 @@ def find_growth(system: SwitchedSystem) -> Growth | None:
     """
     for radius, formula in proposals(system, positive=False):
         cells, questions = questions_on(system, formula, radius)
-        falls = replace(questions, listed=tuple(q for q in questions.listed if q.sense is Sense.FALLS))
+        falls = replace(questions, listed=tuple(q for q in questions.listed if q.sense is ConditionSense.FALLS))
         direction = negative_direction(cells, potential_pieces(system, cells, formula))
         if direction is None or find_failure(cells, falls) is not None:
             continue
@@ -83,7 +83,7 @@ def find_growth(system: SwitchedSystem) -> Growth | None:
             if inequalities[-1].proved is None:
                 break
         if all(i.proved is not None for i in inequalities):
-            return Growth(formula, radius, cells, tuple(inequalities), direction)
+            return GrowthEvidence(formula, radius, cells, tuple(inequalities), direction)
     return None
 
 

@@ -26,7 +26,7 @@ from typing import TypeAlias
 
 from flint import fmpq, fmpq_mat
 
-from nonsmooth.proofs.many_states.conditions import Sense
+from nonsmooth.proofs.many_states.conditions import ConditionSense
 from nonsmooth.proofs.many_states.examination import Examination, with_values
 from nonsmooth.proofs.many_states.faces import unit
 from nonsmooth.proofs.many_states.sign_cells import RationalTerms, SignCell, rational_terms
@@ -45,7 +45,7 @@ def nothing_stays(examination: Examination) -> bool:
         examination: of V, with all of its inequalities.
     """
     cells = examination.cells
-    bends = sum(i.question.sense is Sense.POSITIVE for i in examination.inequalities) != 1
+    bends = sum(i.question.sense is ConditionSense.POSITIVE for i in examination.inequalities) != 1
     if examination.verdict is not Decrease.WEAK or bends or not cells.are_cones:
         return False
     if len(cells.surfaces) > MOST_SURFACES:
@@ -64,7 +64,7 @@ def _keeping_forms(examination: Examination, normals: Sequence[Row]) -> dict[tup
     found: dict[tuple[int, ...], list[list[Row]]] = {}
     for inequality in examination.inequalities:
         question = inequality.question
-        if question.sense is Sense.FALLS:
+        if question.sense is ConditionSense.FALLS:
             fall = with_values(question.condition, inequality.mu).constant
             found.setdefault(question.signs, []).append(_zero_forms(fall, question.signs, normals))
     return found

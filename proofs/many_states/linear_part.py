@@ -21,9 +21,9 @@ import numpy as np
 from flint import fmpq, fmpq_mat, fmpq_poly
 
 from nonsmooth.proofs.many_states.faces import unit
-from nonsmooth.proofs.many_states.function_families import Function, formula_text
+from nonsmooth.proofs.many_states.function_families import PiecewiseFunction, formula_text
 from nonsmooth.proofs.many_states.sign_cells import RationalTerms, SignCells, adjoining
-from nonsmooth.proofs.sums_of_squares.certificate import RationalMatrix, is_definite
+from nonsmooth.proofs.sums_of_squares.gram_certificate import RationalMatrix, is_definite
 from nonsmooth.proofs.sums_of_squares.rounding import simplest
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
@@ -162,7 +162,7 @@ def quadratic_text(quadratic: RationalMatrix, states: Sequence[str]) -> str:
     functions, coefficients = [], []
     for i, j in pairs:
         text = f"{states[i]}**2" if i == j else f"{states[i]}*{states[j]}"
-        functions.append(Function(text, 2))
+        functions.append(PiecewiseFunction(text, 2))
         coefficients.append(quadratic[i][j] * (1 if i == j else 2))
     return formula_text(functions, coefficients)
 

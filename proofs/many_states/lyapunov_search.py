@@ -14,9 +14,9 @@ from fractions import Fraction
 
 from flint import fmpq
 
-from nonsmooth.proofs.many_states.conditions import Pieces, Questions, Sense, build_questions
+from nonsmooth.proofs.many_states.conditions import ConditionSense, Pieces, Questions, build_questions
 from nonsmooth.proofs.many_states.examination import Examination, examine
-from nonsmooth.proofs.many_states.function_families import Function, families, formula_text
+from nonsmooth.proofs.many_states.function_families import PiecewiseFunction, families, formula_text
 from nonsmooth.proofs.many_states.sign_cells import (
     BeyondReachError,
     SignCells,
@@ -42,7 +42,7 @@ Problems = list[tuple[Condition, Ansatz]]
 
 
 @dataclass(frozen=True)
-class FoundLyapunov:
+class FoundOnCube:
     """A V that was searched and proved.
 
     Attributes:
@@ -56,7 +56,7 @@ class FoundLyapunov:
     examination: Examination
 
 
-def find_lyapunov(system: SwitchedSystem) -> FoundLyapunov | None:
+def find_lyapunov(system: SwitchedSystem) -> FoundOnCube | None:
     """A V that is positive and falls along every solution on a cube about the point; None where none is found.
 
     Raises:
@@ -65,7 +65,7 @@ def find_lyapunov(system: SwitchedSystem) -> FoundLyapunov | None:
     for radius, formula in proposals(system, positive=True):
         examined = examine(system, formula, radius, effort=Effort.STRICT)
         if examined.verdict is Decrease.STRICT:
-            return FoundLyapunov(formula, radius, examined)
+            return FoundOnCube(formula, radius, examined)
     return None
 
 
@@ -108,7 +108,7 @@ def _looks_alike(cells: SignCells) -> bool:
 
 
 def _of_family(
-    system: SwitchedSystem, cells: SignCells, basis: Sequence[Function], *, positive: bool
+    system: SwitchedSystem, cells: SignCells, basis: Sequence[PiecewiseFunction], *, positive: bool
 ) -> Iterator[PiecewiseExpression]:
     """Sums of the functions of a basis, coefficients rounded more and more finely."""
     try:
@@ -132,7 +132,7 @@ def _of_family(
             return
 
 
-def basis_pieces(system: SwitchedSystem, cells: SignCells, basis: Sequence[Function]) -> Pieces:
+def basis_pieces(system: SwitchedSystem, cells: SignCells, basis: Sequence[PiecewiseFunction]) -> Pieces:
     """Every function on every cell, as large near the point as the cube is wide."""
     formulas = [parse_piecewise(function.text, system.states) for function in basis]
     pieces = {}
@@ -147,13 +147,13 @@ def basis_pieces(system: SwitchedSystem, cells: SignCells, basis: Sequence[Funct
     return pieces
 
 
-def _unscaled(basis: Sequence[Function], found: Sequence[fmpq], radius: fmpq) -> list[fmpq]:
+def _unscaled(basis: Sequence[PiecewiseFunction], found: Sequence[fmpq], radius: fmpq) -> list[fmpq]:
     top = max(function.degree for function in basis)
     values = [c * radius ** (top - f.degree) for f, c in zip(basis, found, strict=False)]
     return values
 
 
 def _problems(questions: Questions, *, positive: bool) -> Problems:
-    asked = [q.condition for q in questions.listed if positive or q.sense is Sense.FALLS]
+    asked = [q.condition for q in questions.listed if positive or q.sense is ConditionSense.FALLS]
     own = [normalized(condition) for condition in asked]
     return [(condition, build_ansatz(condition)) for condition in own if condition.slopes]

@@ -17,13 +17,13 @@ from flint import fmpq
 from numpy.typing import NDArray
 
 from nonsmooth.proofs.many_state_checker import SCHEMA, check_certificate, pattern
-from nonsmooth.proofs.many_states.conclusion import Method
-from nonsmooth.proofs.many_states.conditions import Question, Sense, bending_surfaces, scaled
+from nonsmooth.proofs.many_states.conclusion import ManyStateMethod
+from nonsmooth.proofs.many_states.conditions import ConditionSense, ScaledInequality, bending_surfaces, scaled
 from nonsmooth.proofs.many_states.decay import falling, rate_conditions
 from nonsmooth.proofs.many_states.decision import ManyStateResult, first_cells
 from nonsmooth.proofs.many_states.empty_patterns import empty_patterns
 from nonsmooth.proofs.many_states.examination import Inequality, potential_pieces, with_values
-from nonsmooth.proofs.many_states.faces import Face, build_face, unit
+from nonsmooth.proofs.many_states.faces import AffineFace, build_face, unit
 from nonsmooth.proofs.many_states.instability import find_growth
 from nonsmooth.proofs.many_states.sign_cells import Pattern, RationalTerms, SignCells, adjoining, rational_terms
 from nonsmooth.proofs.many_states.sublevel import named_border
@@ -55,7 +55,7 @@ def build_many_certificate(result: ManyStateResult) -> Record:
 
 def _written(result: ManyStateResult) -> Record:
     """What is stated and its evidence."""
-    if result.method is Method.EQUILIBRIUM:
+    if result.method is ManyStateMethod.EQUILIBRIUM:
         return _without_equilibrium(result)
     if result.verdict is Translation.UNSTABLE:
         return _of_growth(result)
@@ -65,7 +65,7 @@ def _written(result: ManyStateResult) -> Record:
         raise NoCertificateError(
             f"a certificate needs a verdict by a Lyapunov function, received one by {result.method}"
         )
-    function = Function(result.scene, proving.formula, proving.radius, proving.examination.cells)
+    function = CertifiedFunction(result.scene, proving.formula, proving.radius, proving.examination.cells)
     own = function.record(result, proving.examination.inequalities, direction=None)
     own["everywhere"] = falls and proving.examination.is_homogeneous
     if result.verdict is not Translation.STABLE:
@@ -86,7 +86,7 @@ def _of_growth(result: ManyStateResult) -> Record:
         raise NoCertificateError(
             f"a certificate needs a function that shows instability, received a verdict by {result.method}"
         )
-    function = Function(result.scene, growth.formula, growth.radius, growth.cells)
+    function = CertifiedFunction(result.scene, growth.formula, growth.radius, growth.cells)
     return function.record(result, growth.inequalities, direction=[str(x) for x in growth.direction])
 
 
@@ -96,7 +96,7 @@ def _without_equilibrium(result: ManyStateResult) -> Record:
     zero = (0,) * len(cells.states)
     velocities = [[float(p.get(zero, fmpq(0))) for p in field] for c in adjoining(cells) for field in c.velocities]
     direction = _leading_direction(np.array(velocities))
-    record = Function(system, parse_piecewise("0", cells.states), system.field(cells.radius), cells).record(
+    record = CertifiedFunction(system, parse_piecewise("0", cells.states), system.field(cells.radius), cells).record(
         result, (), direction=direction
     )
     return {**record, "lyapunov": None}
@@ -116,7 +116,7 @@ def _leading_direction(velocities: NDArray[np.float64]) -> list[str]:
 
 
 @dataclass(frozen=True)
-class Function:
+class CertifiedFunction:
     """A V on its cells, and how the checker names what is shown of it."""
 
     system: SwitchedSystem
@@ -171,13 +171,13 @@ class Function:
                 border = build_face([{unit(len(zero), k): fmpq(1), zero: fmpq(-side)}], len(zero))
                 yield place, _written_squares(condition, proved, self._guard_names(border, inequality.question.signs))
 
-    def _blocks(self, question: Question, condition: Condition, proved: Proved | None) -> list[Record]:
+    def _blocks(self, question: ScaledInequality, condition: Condition, proved: Proved | None) -> list[Record]:
         if proved is None:
             raise NoCertificateError("a certificate needs a proof of every condition")
         face = build_face([self.surfaces[j] for j in question.zero], len(self.cells.states))
         return _written_squares(condition, proved, self._guard_names(face, question.signs))
 
-    def _guard_names(self, face: Face | None, signs: Pattern) -> list[tuple[RationalTerms, str]]:
+    def _guard_names(self, face: AffineFace | None, signs: Pattern) -> list[tuple[RationalTerms, str]]:
         """Every guard that the checker knows on a face, with its name there."""
         if face is None:
             raise NoCertificateError("a certificate needs faces that are not empty")
@@ -189,16 +189,16 @@ class Function:
             found += [(dict(g), f"{letter}{k}") for g, letter in zip(build_guards(bounds), "bud", strict=True)]
         return found
 
-    def _piece_name(self, question: Question) -> str:
+    def _piece_name(self, question: ScaledInequality) -> str:
         return pattern(s if j in self.bending else None for j, s in enumerate(question.signs))
 
-    def _face_name(self, question: Question) -> str:
+    def _face_name(self, question: ScaledInequality) -> str:
         own = enumerate(question.signs)
         return pattern(0 if j in question.zero else s if j in self.bending else None for j, s in own)
 
-    def _name(self, question: Question) -> str:
+    def _name(self, question: ScaledInequality) -> str:
         """As the checker names the condition."""
-        if question.sense is Sense.POSITIVE:
+        if question.sense is ConditionSense.POSITIVE:
             return f"V {self._piece_name(question)}"
         cell = f"cell {pattern(question.signs)} field {question.member}"
         return cell if not question.zero else f"face {self._face_name(question)} {cell}"

@@ -14,7 +14,7 @@ from itertools import product
 import numpy as np
 from flint import fmpq
 
-from nonsmooth.proofs.many_states.conditions import Sense
+from nonsmooth.proofs.many_states.conditions import ConditionSense
 from nonsmooth.proofs.many_states.examination import Examination, Inequality
 from nonsmooth.proofs.many_states.faces import build_face, unit
 from nonsmooth.proofs.many_states.samples import values_at
@@ -86,7 +86,7 @@ def named_border(examination: Examination, level: Fraction) -> Iterator[tuple[In
     count = len(examination.cells.states)
     zero = (0,) * count
     for inequality in examination.inequalities:
-        if inequality.question.sense is not Sense.POSITIVE:
+        if inequality.question.sense is not ConditionSense.POSITIVE:
             continue
         whole = inequality.question.condition
         for k, side in product(range(count), (1, -1)):

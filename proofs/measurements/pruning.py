@@ -10,7 +10,7 @@ from dataclasses import replace
 from functools import cache, partial
 
 from nonsmooth.analysis.measurements.harness import Study
-from nonsmooth.analysis.measurements.plan import Finding, Plan, Trial
+from nonsmooth.analysis.measurements.study_plan import Assessment, StudyPlan, Trial
 from nonsmooth.analysis.measurements.timing import Clock
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.theorem4_result import CellCheck, Check
@@ -21,10 +21,10 @@ from nonsmooth.symbolic.scene import Scene
 PRUNED, WHOLE = "pruned", "whole"
 
 
-def build_pruning(scene: Scene) -> Plan:
+def build_pruning(scene: Scene) -> StudyPlan:
     """The plan for every contact rule; a rule that refuses the array fails, and says why."""
     trials = tuple(trial for rule in CONTACT_RULES for trial in _trials(scene, rule))
-    return Plan("the verdicts of the check that leaves out nothing", trials)
+    return StudyPlan("the verdicts of the check that leaves out nothing", trials)
 
 
 PRUNING = Study(
@@ -50,7 +50,7 @@ def verdicts(result: Check) -> tuple[str, ...]:
     return (result.verdict.value, *(found.verdict.value for _, found in result.clauses))
 
 
-def _judge(whole: Callable[[], Check], found: Check) -> Finding:
+def _judge(whole: Callable[[], Check], found: Check) -> Assessment:
     work = {"row triples": possible_triples(len(found.scene.wheels))}
     if isinstance(found, CellCheck):
         partition = found.partition
@@ -58,4 +58,4 @@ def _judge(whole: Callable[[], Check], found: Check) -> Finding:
         work["cells"] = len(partition.cells)
     work["left out"] = len(found.skipped)
     differing = sum(mine != theirs for mine, theirs in zip(verdicts(found), verdicts(whole()), strict=True))
-    return Finding(float(differing), work=work, note="; ".join(step.what for step in found.skipped))
+    return Assessment(float(differing), work=work, note="; ".join(step.what for step in found.skipped))

@@ -16,14 +16,14 @@ from flint import arb
 
 from nonsmooth.proofs.orbits.ball_cell import BallCell, BallGuard, along, dot
 from nonsmooth.proofs.orbits.ball_steps import Ball, BallPolynomial, Box, UnprovedError
-from nonsmooth.proofs.orbits.solution_steps import LONGEST, SHORTEST, Divergence, Step, falls_at, take_step
+from nonsmooth.proofs.orbits.solution_steps import LONGEST, SHORTEST, Divergence, SolutionStep, falls_at, take_step
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 MOST_STEPS = 4_000
 
 
 @dataclass
-class Place:
+class SolutionPlace:
     """Where a solution is.
 
     Attributes:
@@ -64,7 +64,7 @@ class Follower:
             raise UnprovedError("a point lies on a switching surface")
         return tuple(1 if value > 0 else -1 for value in values)
 
-    def step(self, place: Place, longest: Ball) -> tuple[Step, list[int]]:
+    def step(self, place: SolutionPlace, longest: Ball) -> tuple[SolutionStep, list[int]]:
         """A step, and the surfaces that the solution may meet in it."""
         cell, divergence = self.cell(place.signs), self.divergence(place.signs)
         span = min(longest, place.recent * 3 / 2)
@@ -72,7 +72,7 @@ class Follower:
         place.recent = step.span
         return step, [k for k in range(len(cell.guards)) if not self._stays(cell, place, step, k)]
 
-    def _stays(self, cell: BallCell, place: Place, step: Step, number: int) -> bool:
+    def _stays(self, cell: BallCell, place: SolutionPlace, step: SolutionStep, number: int) -> bool:
         """Whether a guard is positive on a step, but for a start on its surface."""
         guard, hull = cell.guards[number], step.hull[:2]
         if guard.value(hull) > 0:
@@ -81,7 +81,7 @@ class Follower:
             return bool(guard.slope(hull) > 0 or (guard.bend(hull) > 0 and guard.slope(place.state[:2]).contains(0)))
         return bool(guard.value(place.state[:2]) > 0 and guard.slope(hull) > 0)
 
-    def advance(self, place: Place, longest: Ball) -> int | None:
+    def advance(self, place: SolutionPlace, longest: Ball) -> int | None:
         """Take a step, or a shorter one to the one surface that is met; its number, if one is met.
 
         Raises:
@@ -102,12 +102,12 @@ class Follower:
             longest = step.span / 2
         raise UnprovedError("a solution comes too near to a switching surface")
 
-    def _departed(self, place: Place) -> None:
+    def _departed(self, place: SolutionPlace) -> None:
         guard = None if place.departs is None else self.cell(place.signs).guards[place.departs]
         if guard is not None and guard.value(place.state[:2]) > 0:
             place.departs = None
 
-    def cross(self, place: Place, number: int) -> bool:
+    def cross(self, place: SolutionPlace, number: int) -> bool:
         """Go on to the other side of a surface that was met; False, and nothing, where both sides push onto it.
 
         Raises:
@@ -124,7 +124,7 @@ class Follower:
         place.signs, place.departs = beyond, number
         return True
 
-    def slide(self, place: Place, number: int) -> None:
+    def slide(self, place: SolutionPlace, number: int) -> None:
         """Slide until one side's push ends, and depart to that side.
 
         Raises:
@@ -162,7 +162,7 @@ class Follower:
                 break
         raise UnprovedError("it is not clear how a slide ends")
 
-    def _falls(self, side: int, cells: Sequence[BallCell], step: Step, number: int) -> bool:
+    def _falls(self, side: int, cells: Sequence[BallCell], step: SolutionStep, number: int) -> bool:
         """Whether the push of a side falls along the sliding field on all of a step."""
         hull = step.hull
         p, q = (-cell.guards[number].slope(hull) for cell in cells)

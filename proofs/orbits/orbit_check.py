@@ -22,7 +22,7 @@ from flint import arb
 
 from nonsmooth.proofs.orbits.ball_cell import dot
 from nonsmooth.proofs.orbits.ball_steps import Ball, BallPolynomial, Box, UnprovedError, lower, middle, upper
-from nonsmooth.proofs.orbits.follower import MOST_STEPS, Follower, Place
+from nonsmooth.proofs.orbits.follower import MOST_STEPS, Follower, SolutionPlace
 from nonsmooth.proofs.orbits.return_map import ReturnMap
 from nonsmooth.proofs.orbits.slide_map import SlideEnd
 from nonsmooth.proofs.orbits.solution_steps import LONGEST, SHORTEST, falls_at
@@ -48,7 +48,7 @@ def returned(follower: Follower, point: Box, direction: Box, start: Ball, reach:
         UnprovedError: where that is not shown.
     """
     first = [p + start * d for p, d in zip(point, direction, strict=True)]
-    place = Place(follower.signs_at(first), [*first, arb(0)], arb(0))
+    place = SolutionPlace(follower.signs_at(first), [*first, arb(0)], arb(0))
     speed = _cross(follower.cell(place.signs).rates(first), direction)
     sense = 1 if speed > 0 else -1
     if not sense * speed > 0:
@@ -72,7 +72,7 @@ def returned(follower: Follower, point: Box, direction: Box, start: Ball, reach:
     raise UnprovedError("a solution does not come back")
 
 
-def _arrival(follower: Follower, before: Place, below: Any, point: Box, direction: Box) -> Return:
+def _arrival(follower: Follower, before: SolutionPlace, below: Any, point: Box, direction: Box) -> Return:
     """The arrival at the line within the step from a place; the slope lacks the speed at the start."""
     longest, cell = LONGEST, follower.cell(before.signs)
     while longest > SHORTEST:
@@ -94,13 +94,13 @@ def _cross(first: Sequence[Any], second: Sequence[Any]) -> Any:
     return first[0] * second[1] - first[1] * second[0]
 
 
-def next_slide_end(follower: Follower, signs: tuple[int, ...], number: int, point: Box) -> Place:
+def next_slide_end(follower: Follower, signs: tuple[int, ...], number: int, point: Box) -> SolutionPlace:
     """From the end of a slide to the end of the next.
 
     Raises:
         UnprovedError: where that is not shown.
     """
-    place = Place(signs, [*point, arb(0)], arb(0), number)
+    place = SolutionPlace(signs, [*point, arb(0)], arb(0), number)
     for _ in range(MOST_STEPS):
         met = follower.advance(place, LONGEST)
         if met is not None and not follower.cross(place, met):

@@ -20,7 +20,7 @@ from nonsmooth.proofs.orbits.ball_cell import BallCell
 from nonsmooth.proofs.orbits.ball_steps import Ball, Box, UnprovedError, precision
 from nonsmooth.proofs.orbits.orbit_check import segment_holds, slides_hold
 from nonsmooth.proofs.orbits.return_map import CrossedLeg, ReturnMap, proved_maps
-from nonsmooth.proofs.orbits.slide_map import Slide, SlideChain, SlideEnd, proved_period
+from nonsmooth.proofs.orbits.slide_map import SlideChain, SlideEnd, TangencySlide, proved_period
 from nonsmooth.proofs.orbits.solution_steps import double_precision
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
@@ -150,7 +150,9 @@ class _Prover:
         other = tuple(-side if k == number else side for k, side in enumerate(leaving))
         inside, outside = (BallCell(self.system, self.surfaces, signs) for signs in (leaving, other))
         ends: Box = [arb(float(x)) for x in slide.last]
-        return SlideChain(Slide(self.surfaces[number], number, inside, outside, ends), tuple(self._crossed(free)))
+        return SlideChain(
+            TangencySlide(self.surfaces[number], number, inside, outside, ends), tuple(self._crossed(free))
+        )
 
     def _crossed(self, legs: Sequence[_Part]) -> list[CrossedLeg]:
         """Legs in cells."""

@@ -30,7 +30,7 @@ OnLine = Callable[[Any], Any]
 
 
 @dataclass(frozen=True)
-class Slide:
+class TangencySlide:
     """A slide along a straight surface, which ends where one side's field becomes tangent.
 
     Attributes:
@@ -138,7 +138,7 @@ class SlideChain:
         legs: the legs in cells after it.
     """
 
-    slide: Slide
+    slide: TangencySlide
     legs: tuple[CrossedLeg, ...]
 
 
@@ -178,7 +178,7 @@ def _flown(chain: SlideChain) -> tuple[Passage, Ball]:
     return passage, time
 
 
-def _slid(slide: Slide, begin: Ball) -> Ball:
+def _slid(slide: TangencySlide, begin: Ball) -> Ball:
     """Time of a slide from a place to its end, with all that makes it one."""
     end = slide.end_place
     sense = 1 if end > begin else -1
@@ -196,12 +196,12 @@ def _slid(slide: Slide, begin: Ball) -> Ball:
     return _duration(slide, begin, end)
 
 
-def _value_on(slide: Slide, guard: BallGuard, place: Ball) -> Ball:
+def _value_on(slide: TangencySlide, guard: BallGuard, place: Ball) -> Ball:
     """Value of a guard at a place of a slide."""
     return guard.value(slide.point(place))
 
 
-def _last_part(slide: Slide, begin: Ball, end: Ball, sense: int) -> Ball:
+def _last_part(slide: TangencySlide, begin: Ball, end: Ball, sense: int) -> Ball:
     """A place from which on the leaving side's push rises to its zero at the end."""
     for k in range(1, LAST_PART):
         place = middle(end + (begin - end) * arb(2) ** -k)
@@ -227,7 +227,7 @@ def _require_positive(value: OnLine, whole: Ball) -> None:
         waiting += [(low, half, depth + 1), (half, high, depth + 1)]
 
 
-def _duration(slide: Slide, begin: Ball, end: Ball) -> Ball:
+def _duration(slide: TangencySlide, begin: Ball, end: Ball) -> Ball:
     """``int ds / drift``."""
 
     def per_place(place: Any, _: bool) -> Any:

@@ -40,7 +40,7 @@ def double_precision() -> Iterator[None]:
 
 
 @dataclass(frozen=True)
-class Step:
+class SolutionStep:
     """Solutions from a box over a time: Taylor polynomials with ball coefficients, and a box of all of it."""
 
     span: Ball
@@ -52,7 +52,7 @@ class Step:
         return [polynomial(time) for polynomial in self.polynomials]
 
 
-def take_step(rates: Rates, start: Box, longest: Ball) -> Step:
+def take_step(rates: Rates, start: Box, longest: Ball) -> SolutionStep:
     """A step as long as its remainder is small.
 
     Raises:
@@ -65,7 +65,7 @@ def take_step(rates: Rates, start: Box, longest: Ball) -> Step:
             last = [entry[ORDER] for entry in _series(rates, hull)]
             if all(abs(c) * span**ORDER < REMAINDER for c in last):
                 parts = zip(series, last, strict=True)
-                return Step(span, tuple(arb_poly([*entry[:ORDER], c]) for entry, c in parts), hull)
+                return SolutionStep(span, tuple(arb_poly([*entry[:ORDER], c]) for entry, c in parts), hull)
         span = middle(span * 3 / 4)
     raise UnprovedError("no step of the solution could be enclosed")
 
@@ -94,7 +94,7 @@ def _series(rates: Rates, start: Box) -> list[list[Ball]]:
     return known
 
 
-def falls_at(step: Step, value: Callable[[Box], Ball]) -> Ball:
+def falls_at(step: SolutionStep, value: Callable[[Box], Ball]) -> Ball:
     """The times of a step before which a function is positive and after which it is negative.
 
     Raises:
@@ -115,7 +115,7 @@ def falls_at(step: Step, value: Callable[[Box], Ball]) -> Ball:
     return _widened(step, value, low, high)
 
 
-def _widened(step: Step, value: Callable[[Box], Ball], low: Ball, high: Ball) -> Ball:
+def _widened(step: SolutionStep, value: Callable[[Box], Ball], low: Ball, high: Ball) -> Ball:
     """Both ends, brought together as far as signs are clear."""
     for _ in range(ROOT_BITS):
         nearer = middle(low + (high - low) / 4)

@@ -19,7 +19,7 @@ OUTSIDE = 1 + Fraction(1, 2**20)
 
 
 @dataclass(frozen=True)
-class Piece:
+class AnnulusPiece:
     """A quadrangle that holds the part of a ring ``inner <= |c| <= outer`` in a sector.
 
     Attributes:
@@ -49,12 +49,12 @@ class Piece:
         return _times(near, first), _times(far, first), _times(far, last), _times(near, last)
 
     @property
-    def parts(self) -> Iterator[Piece]:
+    def parts(self) -> Iterator[AnnulusPiece]:
         """Four parts that cover the same part of the ring."""
         middle, half = (self.inner + self.outer) / 2, self.width / 2
         for inner, outer in ((self.inner, middle), (middle, self.outer)):
             for start in (self.start, self.start + half):
-                yield Piece(inner, outer, start, half)
+                yield AnnulusPiece(inner, outer, start, half)
 
 
 def polygon_about(radius: Fraction, count: int) -> tuple[Place, ...]:
@@ -70,11 +70,11 @@ def polygon_about(radius: Fraction, count: int) -> tuple[Place, ...]:
     return tuple(_times(far, direction) for direction in rays)
 
 
-def ring(inner: Fraction, outer: Fraction, sectors: int) -> Iterator[Piece]:
+def ring(inner: Fraction, outer: Fraction, sectors: int) -> Iterator[AnnulusPiece]:
     """Pieces that cover a ring."""
     width = Fraction(1, sectors)
     for k in range(sectors):
-        yield Piece(inner, outer, k * width, width)
+        yield AnnulusPiece(inner, outer, k * width, width)
 
 
 @lru_cache(maxsize=4096)

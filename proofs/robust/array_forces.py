@@ -14,7 +14,7 @@ import numpy as np
 from flint import arb
 from numpy.typing import NDArray
 
-from nonsmooth.proofs.robust.annulus import Piece
+from nonsmooth.proofs.robust.annulus import AnnulusPiece
 from nonsmooth.proofs.robust.box_wheel import BoxWheel
 from nonsmooth.proofs.robust.friction_forces import ForceLaw
 from nonsmooth.proofs.robust.intervals import Intervals
@@ -73,7 +73,7 @@ class PieceForces:
     length: float
 
     @classmethod
-    def of(cls, bound: ArrayBox, pieces: Sequence[Piece]) -> PieceForces:
+    def of(cls, bound: ArrayBox, pieces: Sequence[AnnulusPiece]) -> PieceForces:
         """Of all arrays of a box."""
         angles = [(arb(as_fmpq(piece.width)) * arb.pi() + ROUNDED) * arb(0, 1) for piece in pieces]
         turns = [arb(as_fmpq(2 * piece.start + piece.width)) for piece in pieces]
@@ -168,7 +168,7 @@ def _moved(wheel: BoxWheel, x: arb, y: arb) -> list[tuple[arb, arb]]:
     return [wheel.moved((x, y, zero)), wheel.moved((-y, x, zero)), wheel.moved((zero, zero, arb(1)))]
 
 
-def _hull(piece: Piece, ray: BallPair) -> tuple[BallPair, BallPair]:
+def _hull(piece: AnnulusPiece, ray: BallPair) -> tuple[BallPair, BallPair]:
     """A point on the middle ray of a quadrangle, and balls of how far its places are from it, along and across."""
     x, y = ray
     corners = [(arb(as_fmpq(a)), arb(as_fmpq(b))) for a, b in piece.corners]

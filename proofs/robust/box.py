@@ -18,7 +18,7 @@ from fractions import Fraction
 import numpy as np
 from flint import arb, ctx
 
-from nonsmooth.proofs.robust.annulus import Piece, Place, polygon_about
+from nonsmooth.proofs.robust.annulus import AnnulusPiece, Place, polygon_about
 from nonsmooth.proofs.robust.box_bound import BoxBound
 from nonsmooth.proofs.robust.box_corners import BoxCorners, Proposal
 from nonsmooth.proofs.robust.box_wheel import box_wheels
@@ -57,15 +57,15 @@ class _Plan:
     pushes: tuple[_Push, ...]
 
 
-class BoxRule(RingProof[BoxBound]):
+class BoxRingProof(RingProof[BoxBound]):
     """A centred scene under rule ``box``; what floats propose for the scene is kept for all boxes about it."""
 
     def __init__(self, scene: Scene) -> None:
         """For a scene whose loads are known."""
         self._scene = scene
         self._corners = BoxCorners(scene)
-        self._plans: dict[Piece, _Plan] = {}
-        self._proposals: dict[tuple[Piece, float], tuple[Proposal, ...] | None] = {}
+        self._plans: dict[AnnulusPiece, _Plan] = {}
+        self._proposals: dict[tuple[AnnulusPiece, float], tuple[Proposal, ...] | None] = {}
 
     # ---- rest
 
@@ -100,12 +100,12 @@ class BoxRule(RingProof[BoxBound]):
 
     # ---- coming nearer
 
-    def rates(self, bound: BoxBound, pieces: Sequence[Piece]) -> Iterator[arb | None]:
+    def rates(self, bound: BoxBound, pieces: Sequence[AnnulusPiece]) -> Iterator[arb | None]:
         """By the bounds at their corners, one after the other."""
         for piece in pieces:
             yield self._rate_at_corners(bound, piece)
 
-    def _rate_at_corners(self, bound: BoxBound, piece: Piece) -> arb | None:
+    def _rate_at_corners(self, bound: BoxBound, piece: AnnulusPiece) -> arb | None:
         plan = self._plan(piece)
         for push in plan.pushes:
             proposals = self._proposed(piece, push)
@@ -116,7 +116,7 @@ class BoxRule(RingProof[BoxBound]):
 
     # ---- what floats propose
 
-    def _plan(self, piece: Piece) -> _Plan:
+    def _plan(self, piece: AnnulusPiece) -> _Plan:
         """The twist of the middle of a quadrangle, and what pushes promise."""
         if piece not in self._plans:
             corners = [_floats(corner) for corner in piece.corners]
@@ -137,7 +137,7 @@ class BoxRule(RingProof[BoxBound]):
             rates.append((self._corners.dissipation((x, y), twist) - value) / strength / float(np.hypot(x, y)))
         return _Push(strength, max(rates))
 
-    def _proposed(self, piece: Piece, push: _Push) -> tuple[Proposal, ...] | None:
+    def _proposed(self, piece: AnnulusPiece, push: _Push) -> tuple[Proposal, ...] | None:
         key = piece, push.strength
         if key not in self._proposals:
             found = [self._proposal(_floats(corner), push.strength) for corner in piece.corners]
@@ -151,7 +151,9 @@ class BoxRule(RingProof[BoxBound]):
         return self._corners.proposal(place, push, twist)
 
 
-def _proved(bound: BoxBound, piece: Piece, plan: _Plan, push: _Push, proposals: tuple[Proposal, ...]) -> arb | None:
+def _proved(
+    bound: BoxBound, piece: AnnulusPiece, plan: _Plan, push: _Push, proposals: tuple[Proposal, ...]
+) -> arb | None:
     """The rate that the bounds at the corners of a quadrangle prove; None where it is not positive."""
     twist, strength = [arb(entry) for entry in plan.twist], arb(push.strength)
     rates = []

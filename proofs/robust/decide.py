@@ -13,7 +13,7 @@ from typing import Any
 
 from flint import fmpq
 
-from nonsmooth.proofs.robust.box import BoxRule
+from nonsmooth.proofs.robust.box import BoxRingProof
 from nonsmooth.proofs.robust.box_corners import MAX_WHEELS
 from nonsmooth.proofs.robust.factor import binding_entry, largest_factor
 from nonsmooth.proofs.robust.nearest import inner_radius, is_bounded, ultimate_bound, why_not_nearest
@@ -174,8 +174,8 @@ class BoxRuleProof(DiscProof):
             return f"under rule box arrays of up to {MAX_WHEELS} wheels are followed"
         return super().why_not()
 
-    def _ring_proof(self) -> BoxRule:
-        return BoxRule(self.scene)
+    def _ring_proof(self) -> BoxRingProof:
+        return BoxRingProof(self.scene)
 
     def holds(self, box: Tolerance) -> bool:
         """Whether bodies come nearer on some ring."""
@@ -184,7 +184,7 @@ class BoxRuleProof(DiscProof):
     def statement(self, box: Tolerance) -> Robust | None:
         """The disc of ends, and the disc of rest about the nominal centre of mass."""
         most, off = self._most(box), beside(box)
-        if not isinstance(self._rings, BoxRule) or most <= 0:
+        if not isinstance(self._rings, BoxRingProof) or most <= 0:
             return None
         rests = max(self._rings.rest_radius(box, most) - off, Fraction(0))
         if not self._can_turn:

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from flint import arb, ctx, fmpq
 
 from nonsmooth.proofs.robust.outer_cells import OuterCell, lower_end, outer_cells, upper_end
-from nonsmooth.proofs.robust.pair_motion import MotionBox, Row, motion_box
+from nonsmooth.proofs.robust.pair_motion import MotionBox, SecondRow, motion_box
 from nonsmooth.proofs.robust.ultimate_bound import BoundedCell, Point, squared_radius
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import Scene, Wheel
@@ -27,7 +27,7 @@ GROWTH = fmpq(6, 5)  # of the least radius: what a faster rate may cost
 
 
 @dataclass(frozen=True)
-class UltimateBound:
+class RobustUltimateBound:
     """What holds for every array of the box.
 
     Attributes:
@@ -80,7 +80,7 @@ def is_bounded(scene: Scene, box: Tolerance) -> bool:
     return squared_radius((cell.bounded() for cell in moving), fmpq(0)) < radius * radius
 
 
-def ultimate_bound(scene: Scene, box: Tolerance) -> UltimateBound | None:
+def ultimate_bound(scene: Scene, box: Tolerance) -> RobustUltimateBound | None:
     """A bound of a centred scene that lies inside its square, with the fastest rate that costs little; else None."""
     radius, moving = _in_square(scene, box)
     fastest = max(upper_end(abs(wheel.speed.ball())) for wheel in scene.wheels)
@@ -92,7 +92,7 @@ def ultimate_bound(scene: Scene, box: Tolerance) -> UltimateBound | None:
         kappa = fastest * fmpq(2 * k, RATES)
         squared = squared_radius(cells, kappa)
         if squared <= least * GROWTH * GROWTH and squared < radius * radius:
-            return UltimateBound(squared, kappa, _turning(moving, squared))
+            return RobustUltimateBound(squared, kappa, _turning(moving, squared))
     return None
 
 
@@ -121,14 +121,14 @@ def _moving_cells(scene: Scene, box: Tolerance, radius: fmpq) -> Iterator[_Movin
             yield _MovingCell(cell, motion)
 
 
-def _rows(second: Wheel, box: Tolerance) -> list[Row]:
+def _rows(second: Wheel, box: Tolerance) -> list[SecondRow]:
     """The rows of the second wheel that may have the larger friction."""
     along, across = second.friction.roll, second.friction.side
     found = []
     if _most(along, box.mu_roll) >= _least(across, box.mu_side):
-        found.append(Row.ALONG)
+        found.append(SecondRow.ALONG)
     if _most(across, box.mu_side) >= _least(along, box.mu_roll):
-        found.append(Row.ACROSS)
+        found.append(SecondRow.ACROSS)
     return found
 
 

@@ -23,7 +23,7 @@ from nonsmooth.symbolic.tolerances import Tolerance
 PARAMETERS = 8  # speed, angle, x and y of either wheel
 
 
-class Row(Enum):
+class SecondRow(Enum):
     """The row of the second wheel that holds."""
 
     ALONG = "along its rim"
@@ -41,7 +41,7 @@ class MotionBox(NamedTuple):
 Direction: TypeAlias = tuple[Jet, Jet]
 
 
-def motion_box(first: Wheel, second: Wheel, row: Row, box: Tolerance) -> MotionBox | None:
+def motion_box(first: Wheel, second: Wheel, row: SecondRow, box: Tolerance) -> MotionBox | None:
     """Enclosures of the twist; None where the rows may be dependent somewhere in the box."""
     sizes = [size for wheel in (first, second) for size in _half_widths(wheel, box)]
     middle = _twist(first, second, row, [arb(0)] * PARAMETERS)
@@ -58,11 +58,11 @@ def _half_widths(wheel: Wheel, box: Tolerance) -> tuple[arb, arb, arb, arb]:
     return abs((wheel.speed * box.speed).ball()), angle, step, step
 
 
-def _twist(first: Wheel, second: Wheel, row: Row, shifts: list[arb]) -> tuple[Jet, Jet, Jet] | None:
+def _twist(first: Wheel, second: Wheel, row: SecondRow, shifts: list[arb]) -> tuple[Jet, Jet, Jet] | None:
     """``(v_x, v_y, omega)`` with derivatives in the eight shifts, at balls of shifts; None where it may not exist."""
     u_i, d_i, p_i = _wheel(first, shifts, 0)
     u_j, d_j, p_j = _wheel(second, shifts, PARAMETERS // 2)
-    m, speed = (d_j, u_j) if row is Row.ALONG else (_turned(d_j), _constant(arb(0)))
+    m, speed = (d_j, u_j) if row is SecondRow.ALONG else (_turned(d_j), _constant(arb(0)))
     arm = _turned((p_j[0] - p_i[0], p_j[1] - p_i[1]))
     lever = _inner(m, arm)
     if lever.value.contains(0):

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.contact_rule import smooth_rule_of
-from nonsmooth.proofs.robust.annulus import Piece
+from nonsmooth.proofs.robust.annulus import AnnulusPiece
 from nonsmooth.proofs.robust.array_rows import ArrayRows
 from nonsmooth.symbolic.scene import Scene
 
@@ -47,10 +47,10 @@ class PlaneMinima:
 
     def __init__(self, scene: Scene) -> None:
         self._scene, self._rows = scene, ArrayRows(scene)
-        self._radial: dict[Piece, float | None] = {}
-        self._found: dict[tuple[Piece, float], PlaneMinimum | None] = {}
+        self._radial: dict[AnnulusPiece, float | None] = {}
+        self._found: dict[tuple[AnnulusPiece, float], PlaneMinimum | None] = {}
 
-    def radial(self, pieces: Sequence[Piece]) -> list[float | None]:
+    def radial(self, pieces: Sequence[AnnulusPiece]) -> list[float | None]:
         """``-e . v`` of the scene in the middle of each quadrangle; None where it is not positive."""
         new = [piece for piece in pieces if piece not in self._radial]
         if new:
@@ -60,14 +60,14 @@ class PlaneMinima:
             self._radial |= {piece: rate if rate > 0 else None for piece, rate in zip(new, rates.tolist(), strict=True)}
         return [self._radial[piece] for piece in pieces]
 
-    def on_plane(self, piece: Piece, share: float) -> PlaneMinimum | None:
+    def on_plane(self, piece: AnnulusPiece, share: float) -> PlaneMinimum | None:
         """In the middle of a quadrangle, at a share of the scene's rate; None where D has no curvature that shows."""
         if (piece, share) not in self._found:
             rate = self.radial([piece])[0]
             self._found[piece, share] = None if rate is None else self._search(piece, share * rate)
         return self._found[piece, share]
 
-    def _search(self, piece: Piece, kappa: float) -> PlaneMinimum | None:
+    def _search(self, piece: AnnulusPiece, kappa: float) -> PlaneMinimum | None:
         """Newton's method with differences of the gradient; steps are halved while the gradient grows."""
         place = _middle(piece)
         e = np.array(place) / math.hypot(*place)
@@ -112,6 +112,6 @@ class PlaneMinima:
         return np.asarray(self._rows.rows.T @ np.stack(forces, axis=1).ravel())
 
 
-def _middle(piece: Piece) -> tuple[float, float]:
+def _middle(piece: AnnulusPiece) -> tuple[float, float]:
     angle, radius = 2 * math.pi * float(piece.start + piece.width / 2), float(piece.inner + piece.outer) / 2
     return radius * math.cos(angle), radius * math.sin(angle)

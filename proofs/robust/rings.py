@@ -15,7 +15,7 @@ from typing import Generic, TypeVar
 
 from flint import arb, ctx
 
-from nonsmooth.proofs.robust.annulus import Piece, ring
+from nonsmooth.proofs.robust.annulus import AnnulusPiece, ring
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.tolerances import Tolerance
 
@@ -66,7 +66,7 @@ class RingProof(ABC, Generic[Bound]):
         """What is known of all arrays of a box; None where nothing is, or the loads are not fixed."""
 
     @abstractmethod
-    def rates(self, bound: Bound, pieces: Sequence[Piece]) -> Iterable[arb | None]:
+    def rates(self, bound: Bound, pieces: Sequence[AnnulusPiece]) -> Iterable[arb | None]:
         """For each quadrangle a positive kappa with ``c . v <= -kappa |c|``; None where it must be divided."""
 
     def comes_nearer(self, box: Tolerance, most: Fraction) -> bool:
@@ -111,7 +111,7 @@ class RingProof(ABC, Generic[Bound]):
         """A positive kappa with ``c . v <= -kappa |c|`` on a ring; None where none is shown."""
         return self._least(bound, list(ring(inner, outer, self.sectors)), self.depth)
 
-    def _least(self, bound: Bound, pieces: Sequence[Piece], depth: int) -> arb | None:
+    def _least(self, bound: Bound, pieces: Sequence[AnnulusPiece], depth: int) -> arb | None:
         """The least rate on several quadrangles, divided where that is needed."""
         least = None
         for piece, shown in zip(pieces, self.rates(bound, pieces), strict=True):

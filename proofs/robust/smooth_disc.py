@@ -26,7 +26,7 @@ import numpy as np
 from flint import arb
 from numpy.typing import NDArray
 
-from nonsmooth.proofs.robust.annulus import Piece
+from nonsmooth.proofs.robust.annulus import AnnulusPiece
 from nonsmooth.proofs.robust.array_forces import ArrayBox, Pair, PieceForces, Triple
 from nonsmooth.proofs.robust.box_wheel import box_wheels
 from nonsmooth.proofs.robust.friction_forces import FORCE_LAWS
@@ -73,14 +73,14 @@ class SmoothDisc(RingProof[ArrayBox]):
         law = FORCE_LAWS[self._scene.contact.rule]
         return None if loads is None else ArrayBox(box_wheels(self._scene, box), loads, law)
 
-    def rates(self, bound: ArrayBox, pieces: Sequence[Piece]) -> Iterator[arb | None]:
+    def rates(self, bound: ArrayBox, pieces: Sequence[AnnulusPiece]) -> Iterator[arb | None]:
         """A few at a time: where one fails in the end, the others are not looked at."""
         for k in range(0, len(pieces), AT_ONCE):
             yield from self._rates(bound, pieces[k : k + AT_ONCE])
 
-    def _rates(self, bound: ArrayBox, pieces: Sequence[Piece]) -> list[arb | None]:
+    def _rates(self, bound: ArrayBox, pieces: Sequence[AnnulusPiece]) -> list[arb | None]:
         """The largest share of the scene's own rate that is shown on each."""
-        shown: dict[Piece, float] = {}
+        shown: dict[AnnulusPiece, float] = {}
         nearer = zip(pieces, self._minima.radial(pieces), strict=True)
         open_ones = [piece for piece, rate in nearer if rate is not None and _is_carried(bound, piece)]
         for share in SHARES:
@@ -92,13 +92,13 @@ class SmoothDisc(RingProof[ArrayBox]):
         return [arb(shown[piece]) if piece in shown else None for piece in pieces]
 
 
-def _is_carried(bound: ArrayBox, piece: Piece) -> bool:
+def _is_carried(bound: ArrayBox, piece: AnnulusPiece) -> bool:
     """Whether every wheel of every array carries all over a quadrangle; loads are affine."""
     corners = [(arb(as_fmpq(x)), arb(as_fmpq(y))) for x, y in piece.corners]
     return all(load > 0 for corner in corners for load in bound.loads.at(corner))
 
 
-def _come_nearer(bound: ArrayBox, pieces: list[Piece], guesses: list[PlaneMinimum]) -> NDArray[np.bool_]:
+def _come_nearer(bound: ArrayBox, pieces: list[AnnulusPiece], guesses: list[PlaneMinimum]) -> NDArray[np.bool_]:
     """Whether all minimizers have ``e . v < -kappa`` on each of several quadrangles."""
     plan = _Plan.of(guesses)
     forces = PieceForces.of(bound, pieces)

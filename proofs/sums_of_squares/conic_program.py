@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.proofs.sums_of_squares.ansatz import Ansatz, Block, Condition
-from nonsmooth.proofs.sums_of_squares.certificate import separates
+from nonsmooth.proofs.sums_of_squares.gram_certificate import separates
 from nonsmooth.symbolic.numbers.polynomial import Exponents
 
 Grams = tuple[NDArray[np.float64], ...]

@@ -9,8 +9,8 @@ from enum import Enum
 from flint import fmpq
 
 from nonsmooth.proofs.sums_of_squares.ansatz import Ansatz, Condition, build_ansatz, build_guards, without_idle
-from nonsmooth.proofs.sums_of_squares.certificate import Claim, SquareTerm, SumOfSquares
 from nonsmooth.proofs.sums_of_squares.conic_program import solve, solve_inside
+from nonsmooth.proofs.sums_of_squares.gram_certificate import GuardedClaim, SquareTerm, SumOfSquares
 from nonsmooth.proofs.sums_of_squares.rounding import rounded
 from nonsmooth.symbolic.numbers.polynomial import Exponents
 
@@ -22,7 +22,7 @@ MOST_UNKNOWNS = 6_000  # entries of Gram matrices: beyond that a program takes t
 class Proved:
     """A claim with its evidence."""
 
-    claim: Claim
+    claim: GuardedClaim
     evidence: SumOfSquares
 
     def proves_condition(self, condition: Condition) -> bool:
@@ -59,10 +59,10 @@ def prove_positive(condition: Condition, effort: Effort = Effort.STRICT) -> Prov
     return _found(scaled, without_idle(build_ansatz(scaled), scaled.support), strict=False)
 
 
-def claim_of(condition: Condition, *, strict: bool) -> Claim:
+def claim_of(condition: Condition, *, strict: bool) -> GuardedClaim:
     """What a condition without parameters claims."""
     guards = build_guards(condition)
-    return Claim(condition.constant, guards, condition.variables, condition.at_origin, strict)
+    return GuardedClaim(condition.constant, guards, condition.variables, condition.at_origin, strict)
 
 
 def _found(condition: Condition, ansatz: Ansatz, *, strict: bool) -> Proved | None:
@@ -73,7 +73,7 @@ def _found(condition: Condition, ansatz: Ansatz, *, strict: bool) -> Proved | No
     return None if evidence is None else Proved(claim, evidence)
 
 
-def _strictly(claim: Claim, condition: Condition, ansatz: Ansatz) -> SumOfSquares | None:
+def _strictly(claim: GuardedClaim, condition: Condition, ansatz: Ansatz) -> SumOfSquares | None:
     found = solve_inside([(condition, ansatz)], 0, bounded=False)
     if found is None:
         return None
@@ -81,7 +81,7 @@ def _strictly(claim: Claim, condition: Condition, ansatz: Ansatz) -> SumOfSquare
     return rounded(claim, kept, solution.grams[0])
 
 
-def _weakly(claim: Claim, condition: Condition, ansatz: Ansatz) -> SumOfSquares | None:
+def _weakly(claim: GuardedClaim, condition: Condition, ansatz: Ansatz) -> SumOfSquares | None:
     solution = solve([(condition, ansatz)], 0, inner=0.0, bounded=False, strict=False)
     return None if solution is None else rounded(claim, ansatz, solution.grams[0])
 

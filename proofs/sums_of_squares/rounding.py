@@ -15,8 +15,8 @@ from flint import fmpq, fmpq_mat
 from numpy.typing import NDArray
 
 from nonsmooth.proofs.sums_of_squares.ansatz import Ansatz, Block, reached
-from nonsmooth.proofs.sums_of_squares.certificate import Claim, SquareTerm, SumOfSquares
 from nonsmooth.proofs.sums_of_squares.conic_program import Grams, entries
+from nonsmooth.proofs.sums_of_squares.gram_certificate import GuardedClaim, SquareTerm, SumOfSquares
 from nonsmooth.symbolic.numbers.polynomial import Exponents, Terms, add_terms, multiply_terms
 
 DENOMINATORS = (1 << 6, 1 << 14, 1 << 24, 1 << 36)  # tried in turn
@@ -24,7 +24,7 @@ DENOMINATORS = (1 << 6, 1 << 14, 1 << 24, 1 << 36)  # tried in turn
 Triangles = list[list[fmpq]]  # of each block, the upper triangle column by column
 
 
-def rounded(claim: Claim, ansatz: Ansatz, grams: Grams) -> SumOfSquares | None:
+def rounded(claim: GuardedClaim, ansatz: Ansatz, grams: Grams) -> SumOfSquares | None:
     """A sum of squares that proves the claim; None where the rounding breaks it."""
     for denominator in DENOMINATORS:
         triangles = [_triangle(gram, denominator) for gram in grams]
@@ -52,7 +52,7 @@ def _triangle(gram: NDArray[np.float64], denominator: int) -> list[fmpq]:
     return [nearest(gram[row, column], denominator) for column in range(len(gram)) for row in range(column + 1)]
 
 
-def _repaired(claim: Claim, ansatz: Ansatz, triangles: Triangles) -> Triangles | None:
+def _repaired(claim: GuardedClaim, ansatz: Ansatz, triangles: Triangles) -> Triangles | None:
     """The same with every coefficient of the claim met; None where that is impossible."""
     first, *others = ansatz.blocks
     within = reached(first.monomials)
@@ -82,7 +82,7 @@ def _repaired(claim: Claim, ansatz: Ansatz, triangles: Triangles) -> Triangles |
     return triangles
 
 
-def _error(claim: Claim, ansatz: Ansatz, triangles: Triangles) -> Terms:
+def _error(claim: GuardedClaim, ansatz: Ansatz, triangles: Triangles) -> Terms:
     """What the sum over the blocks lacks of p."""
     total: Terms = {e: c for e, c in claim.terms.items() if c}
     for block, triangle in zip(ansatz.blocks, triangles, strict=True):

@@ -32,7 +32,7 @@ BITS = 128
 
 
 @dataclass(frozen=True)
-class Stretch:
+class BorderStretch:
     """A part of a border on which the sign of a function is known.
 
     Attributes:
@@ -62,10 +62,10 @@ class NormalPart:
         self._arguments = [(wave.kind, _ball_terms(wave.argument)) for wave in waves]
         self._place = [(evaluated(a).ball(), evaluated(b - a).ball()) for a, b in zip(start, end, strict=True)]
 
-    def stretches(self) -> Iterator[Stretch]:
+    def stretches(self) -> Iterator[BorderStretch]:
         """Signs from 0 to 1, in order; narrow gaps hold roots."""
         if not self._rate:
-            yield Stretch(Fraction(0), Fraction(1), 0)
+            yield BorderStretch(Fraction(0), Fraction(1), 0)
             return
         found, waiting, left = [], [(Fraction(0), Fraction(1))], MOST_PARTS
         while waiting:
@@ -77,14 +77,14 @@ class NormalPart:
             elif left > 0 and high - low > SHORT:
                 waiting += [(low, (low + high) / 2), ((low + high) / 2, high)]
             else:
-                found.append(Stretch(low, high, None))
+                found.append(BorderStretch(low, high, None))
         yield from _joined(sorted(found, key=lambda stretch: stretch.low))
 
-    def _signs_on(self, low: Fraction, high: Fraction) -> list[Stretch] | None:
+    def _signs_on(self, low: Fraction, high: Fraction) -> list[BorderStretch] | None:
         """The signs on a part; None where they do not follow from one ball of the function and its derivative."""
         value, slope = self._over(low, high)
         if not value.contains(0):
-            return [Stretch(low, high, _sign(value))]
+            return [BorderStretch(low, high, _sign(value))]
         if slope.contains(0):
             return None
         ends = self._sign_at(low), self._sign_at(high)
@@ -92,9 +92,9 @@ class NormalPart:
             return None
         first, last = ends
         if not first or not last or first == last:
-            return [Stretch(low, high, first or last)]
+            return [BorderStretch(low, high, first or last)]
         before, after = self._root_between(low, high, first)
-        return [Stretch(low, before, first), Stretch(after, high, last)]
+        return [BorderStretch(low, before, first), BorderStretch(after, high, last)]
 
     def _root_between(self, low: Fraction, high: Fraction, first: int | None) -> tuple[Fraction, Fraction]:
         """A narrow enclosure of the one root between ends with different signs."""
@@ -175,12 +175,12 @@ def _place(start: Point, end: Point, t: Fraction) -> Point:
     return x, y
 
 
-def _joined(stretches: Sequence[Stretch]) -> Iterator[Stretch]:
+def _joined(stretches: Sequence[BorderStretch]) -> Iterator[BorderStretch]:
     """Neighbours of one sign as one."""
-    last: Stretch | None = None
+    last: BorderStretch | None = None
     for stretch in stretches:
         if last is not None and last.sign == stretch.sign and last.high == stretch.low:
-            last = Stretch(last.low, stretch.high, last.sign)
+            last = BorderStretch(last.low, stretch.high, last.sign)
             continue
         if last is not None:
             yield last

@@ -28,7 +28,7 @@ DENOMINATOR = 64  # of kappa
 LEAST = Fraction(1, DENOMINATOR)
 
 
-class Decay(StrEnum):
+class DecayKind(StrEnum):
     """The two kinds of rates."""
 
     FINITE = "V' <= -{0}: every solution arrives within V/({0})"
@@ -44,7 +44,7 @@ class DecayRate:
         kappa: the rate.
     """
 
-    decay: Decay
+    decay: DecayKind
     kappa: Fraction
 
     def __str__(self) -> str:
@@ -59,7 +59,7 @@ def decay_rate(cells: Sequence[LyapunovCell]) -> DecayRate | None:
     """A rate of a V that is proved to fall on cells of a square; None where none is proved, or curves cut the cells."""
     if any(cell.region.guards for cell in cells):
         return None
-    for decay in Decay:
+    for decay in DecayKind:
         largest = _sampled(cells, decay)
         for share in SHARES:
             kappa = Fraction(int(largest * share * DENOMINATOR), DENOMINATOR)
@@ -68,18 +68,18 @@ def decay_rate(cells: Sequence[LyapunovCell]) -> DecayRate | None:
     return None
 
 
-def _sampled(cells: Sequence[LyapunovCell], decay: Decay) -> Fraction:
+def _sampled(cells: Sequence[LyapunovCell], decay: DecayKind) -> Fraction:
     """The largest rate that sampled points of the cells allow."""
     found = []
     for cell in cells:
         points = sample_points(cell.region)
         falls = np.min([-values_at(rate, points) for rate in cell.rates], axis=0)
-        sizes = np.ones(len(points)) if decay is Decay.FINITE else values_at(cell.potential, points)
+        sizes = np.ones(len(points)) if decay is DecayKind.FINITE else values_at(cell.potential, points)
         found.append(float((falls / sizes).min()))
     return Fraction(max(min(found), 0.0))
 
 
-def _holds(cells: Sequence[LyapunovCell], decay: Decay, kappa: Fraction) -> bool:
+def _holds(cells: Sequence[LyapunovCell], decay: DecayKind, kappa: Fraction) -> bool:
     """Whether the rate is proved on all closed cells and edges."""
     if bends_along_a_curve(cells):
         return False
@@ -96,7 +96,7 @@ def _holds(cells: Sequence[LyapunovCell], decay: Decay, kappa: Fraction) -> bool
     return True
 
 
-def _shift(cell: LyapunovCell, decay: Decay, kappa: Fraction) -> Polynomial:
-    if decay is Decay.EXPONENTIAL:
+def _shift(cell: LyapunovCell, decay: DecayKind, kappa: Fraction) -> Polynomial:
+    if decay is DecayKind.EXPONENTIAL:
         return cell.potential * kappa
     return Polynomial.constant(cell.potential.field, cell.potential.variables, kappa)

@@ -23,12 +23,12 @@ from typing import Any
 
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.switched_cells import LyapunovCell
-from nonsmooth.proofs.inequalities.cells import Claim, build_parts
+from nonsmooth.proofs.inequalities.cells import CellClaim, build_parts
 from nonsmooth.proofs.inequalities.germs import Adherence, adherence
 from nonsmooth.proofs.inequalities.kinks import Trend, worst
 from nonsmooth.proofs.inequalities.ladder import Interval
-from nonsmooth.proofs.inequalities.prover import Outcome, Proof, Sense, Undecided, Witness, ZeroBetween, prove
-from nonsmooth.proofs.inequalities.strata import Part, Refutation, Stratum, bend_strata, cell_stratum, stratum_of
+from nonsmooth.proofs.inequalities.prover import Counterexample, Outcome, Proof, Sense, Undecided, ZeroBetween, prove
+from nonsmooth.proofs.inequalities.strata import Refutation, Stratum, StratumPart, bend_strata, cell_stratum, stratum_of
 from nonsmooth.proofs.inequalities.subdivision import Leaf, Split, subdivide
 from nonsmooth.symbolic.notebook import ShortRepr
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
@@ -116,7 +116,7 @@ class LyapunovResult(ShortRepr):
 
     def recompute(self) -> bool:
         """Whether the same parts follow from the evidence, and from the edges and corners where V bends."""
-        claimed = [s.evidence for s in self.strata if s.part is Part.CELL and isinstance(s.evidence, tuple)]
+        claimed = [s.evidence for s in self.strata if s.part is StratumPart.CELL and isinstance(s.evidence, tuple)]
         return self.strata == (*map(stratum_of, self.cells, claimed), *bend_strata(self.cells))
 
 
@@ -141,7 +141,7 @@ def inhabited(cells: Sequence[LyapunovCell]) -> tuple[LyapunovCell, ...]:
 def _is_empty(cell: LyapunovCell) -> bool:
     """Whether the claim ``-1 >= 0`` is found to hold on the cell with little work (the origin alone would be none)."""
     minus_one = Polynomial.constant(cell.potential.field, cell.potential.variables, -1)
-    parts = build_parts(Claim(minus_one, cell.region, strict=False, except_origin=True))
+    parts = build_parts(CellClaim(minus_one, cell.region, strict=False, except_origin=True))
     return all(isinstance(subdivide(part.problem, EMPTINESS_WORK), Leaf | Split) for part in parts)
 
 
@@ -182,7 +182,7 @@ def _refutations(
         at_origin = cell.potential.terms.get((0, 0), zero)
         if at_origin and adherence(cell.region) is Adherence.YES:
             yield Refutation((zero, zero), at_origin, "V is not zero at the equilibrium")
-        if isinstance(outcome, Witness):
+        if isinstance(outcome, Counterexample):
             yield Refutation(outcome.point, outcome.value, "V is not positive")
         elif isinstance(outcome, ZeroBetween):
             yield Refutation(outcome.point, None, "V vanishes beside this point")

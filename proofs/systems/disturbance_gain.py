@@ -24,7 +24,7 @@ import numpy as np
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.switched_cells import LyapunovCell, distinct
 from nonsmooth.proofs.inequalities.prover import Proof, Sense, prove
-from nonsmooth.proofs.systems.decay_rate import Decay, DecayRate
+from nonsmooth.proofs.systems.decay_rate import DecayKind, DecayRate
 from nonsmooth.proofs.systems.lyapunov_rows import sample_points, values_at
 from nonsmooth.proofs.systems.sublevel_region import SublevelRegion
 from nonsmooth.symbolic.numbers.number import Number, sign
@@ -55,20 +55,20 @@ class DisturbanceGain:
         if self.level is None:
             return None
         whole = self.rate.kappa / self.gamma
-        return whole if self.rate.decay is Decay.FINITE else whole * self.level
+        return whole if self.rate.decay is DecayKind.FINITE else whole * self.level
 
     @property
     def ultimate(self) -> Fraction | None:
         """``V <= ultimate delta`` in the end; None where solutions arrive at the point itself."""
-        return None if self.rate.decay is Decay.FINITE else self.gamma / self.rate.kappa
+        return None if self.rate.decay is DecayKind.FINITE else self.gamma / self.rate.kappa
 
     def __str__(self) -> str:
         kappa, gamma = self.rate.kappa, self.gamma
-        falls = f"-{kappa}" if self.rate.decay is Decay.FINITE else f"-{kappa} V"
+        falls = f"-{kappa}" if self.rate.decay is DecayKind.FINITE else f"-{kappa} V"
         law = f"with x' in F + d: V' <= {falls} + {gamma} abs(d)"
         if self.largest is None:
             return law
-        if self.rate.decay is Decay.FINITE:
+        if self.rate.decay is DecayKind.FINITE:
             ends = f"arrives all the same, within V/({kappa} - {gamma} delta)"
         else:
             ends = f"ends in V <= {self.ultimate} delta"
@@ -133,7 +133,7 @@ def _held_corners(cells: Sequence[LyapunovCell], rate: DecayRate, radius: Number
         around = [cell for cell in cells if cell.region.contains(corner)]
         fields = distinct((f(corner), g(corner)) for cell in around for f, g in cell.velocities)
         slopes = distinct((a(corner), b(corner)) for cell in around for a, b in [cell.gradient])
-        lost = around[0].potential(corner) * rate.kappa if rate.decay is Decay.EXPONENTIAL else rate.kappa
+        lost = around[0].potential(corner) * rate.kappa if rate.decay is DecayKind.EXPONENTIAL else rate.kappa
         serving = [s for s in slopes if all(sign(dot(s, f) + lost) <= 0 for f in fields)]
         if not serving:
             yield lost, _least_square(fields)

@@ -4,7 +4,7 @@ Where every cell is a cone, a velocity that is radial on a ray stays radial alon
 radial vector, one solution leaves along it: unstable.  If it holds zero, the ray consists of equilibria: the one at the
 origin does not attract.  Inside a cone such rays are the roots of ``c x f(c)``; on a ray between cones the hull of the
 fields beside it is looked at.  Where the fields are constant near the equilibrium, the fan of cones decides completely
-(:mod:`nonsmooth.proofs.clauses.translation.fan`).
+(:mod:`nonsmooth.proofs.clauses.translation.fan_stability`).
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ from typing import Any
 from nonsmooth.analysis.cells.fan import Cone, by_angle
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell, PlaneField, velocities_at
-from nonsmooth.proofs.clauses.translation.fan import FanResult, Move, decide_cones
-from nonsmooth.proofs.inequalities.binary_forms import Line
+from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, Move, decide_cones
+from nonsmooth.proofs.inequalities.binary_forms import RadicalFunction
 from nonsmooth.proofs.inequalities.cells import directions
 from nonsmooth.proofs.inequalities.dense_polynomials import trimmed, value
 from nonsmooth.proofs.inequalities.germs import Adherence, ray_adherence
@@ -161,7 +161,7 @@ def _inner_moves(first: Point, second: Point, velocity: tuple[Polynomial, Polyno
     across, radial = _along(x * g - y * f, first, second), _along(x * f + y * g, first, second)
     places: list[Fraction | RealRoot] = list(positive_roots(across or radial)) if across or radial else []
     if not across:
-        places += Line.samples([place for place in places if isinstance(place, RealRoot)])
+        places += RadicalFunction.samples([place for place in places if isinstance(place, RealRoot)])
     for place in places:
         isolated = isinstance(place, RealRoot)
         here = place.sign_of(radial) if isinstance(place, RealRoot) else sign(value(radial, place))

@@ -20,9 +20,9 @@ from itertools import combinations
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.region import Region, Segment, Triple, common_edges, line_of
 from nonsmooth.analysis.cells.switched_cells import FieldCell, PlaneField, distinct, velocities_at
-from nonsmooth.proofs.inequalities.binary_forms import Line
+from nonsmooth.proofs.inequalities.binary_forms import RadicalFunction
 from nonsmooth.proofs.inequalities.dense_polynomials import Coefficients, trimmed, value
-from nonsmooth.proofs.inequalities.prover import Proof, Sense, Witness, prove
+from nonsmooth.proofs.inequalities.prover import Counterexample, Proof, Sense, prove
 from nonsmooth.proofs.inequalities.real_roots import positive_roots
 from nonsmooth.proofs.systems.border_motion import along_edge, are_parted
 from nonsmooth.symbolic.numbers.lazy import evaluated
@@ -90,7 +90,7 @@ def _of_field(field: PlaneField, region: Region) -> Rests:
     outcome = prove(Sense.POSITIVE, f * f + g * g, region, except_origin=True)
     if isinstance(outcome, Proof):
         return Rests.NONE
-    return Rests.SOME if isinstance(outcome, Witness) else Rests.UNDECIDED
+    return Rests.SOME if isinstance(outcome, Counterexample) else Rests.UNDECIDED
 
 
 def _is_nonzero(part: Polynomial, region: Region) -> bool:
@@ -220,7 +220,7 @@ def _opposed_everywhere(along: Coefficients) -> bool:
     if not along:
         return True
     roots = positive_roots(along)
-    return bool(roots) or any(value(along, t).sign() < 0 for t in Line.samples(roots))
+    return bool(roots) or any(value(along, t).sign() < 0 for t in RadicalFunction.samples(roots))
 
 
 def _opposed_at_a_root(across: Coefficients, along: Coefficients) -> bool:

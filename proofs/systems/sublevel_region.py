@@ -18,9 +18,9 @@ from fractions import Fraction
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.region import Region, Segment
 from nonsmooth.analysis.cells.switched_cells import LyapunovCell
-from nonsmooth.proofs.inequalities.binary_forms import Line
+from nonsmooth.proofs.inequalities.binary_forms import RadicalFunction
 from nonsmooth.proofs.inequalities.dense_polynomials import Coefficients, trimmed
-from nonsmooth.proofs.inequalities.prover import Proof, Sense, Witness, prove
+from nonsmooth.proofs.inequalities.prover import Counterexample, Proof, Sense, prove
 from nonsmooth.proofs.inequalities.real_roots import positive_roots, separated
 from nonsmooth.proofs.systems.rising_points import first_rise, short_below
 from nonsmooth.symbolic.numbers.number import Number, sign
@@ -73,7 +73,7 @@ class SublevelRegion:
 
 
 @dataclass(frozen=True)
-class Violation:
+class LevelViolation:
     """Why a level is not certified, with a point where that is known."""
 
     point: Point | None
@@ -162,23 +162,23 @@ def _simple_between(low: Fraction, high: Fraction) -> Fraction | None:
     return None
 
 
-def _violation(cells: Sequence[LyapunovCell], radius: Number, level: Fraction, *, falls: bool) -> Violation | None:
+def _violation(cells: Sequence[LyapunovCell], radius: Number, level: Fraction, *, falls: bool) -> LevelViolation | None:
     """Why a level is not certified; None where it is."""
     for cell in cells:
         for edge in border_edges(cell, radius):
             found = _point_below(cell.potential - level, edge, cell.region.guards)
             if found is not None:
-                return Violation(found)
+                return LevelViolation(found)
     for cell in () if falls else cells:
         region = replace(cell.region, guards=(*cell.region.guards, -cell.potential + level))
         for rate in cell.rates:
             if _falls_along_rays(rate, cell.potential, level, cell.region):
                 continue
             outcome = prove(Sense.NEGATIVE, rate, region, except_origin=True)
-            if isinstance(outcome, Witness):
-                return Violation((outcome.point[0], outcome.point[1]))
+            if isinstance(outcome, Counterexample):
+                return LevelViolation((outcome.point[0], outcome.point[1]))
             if not isinstance(outcome, Proof) and not _falls_by_factors(rate, region):
-                return Violation(None)
+                return LevelViolation(None)
     return None
 
 
@@ -239,7 +239,7 @@ def _point_below(polynomial: Polynomial, edge: Segment, guards: Sequence[Polynom
     curves = [along for along in (_along(p, edge) for p in (polynomial, *guards)) if along]
     roots = separated(root for along in curves for root in positive_roots(along))
     places = [(x / w, y / w) for x, y, w in edge]
-    for t in Line.samples(roots):
+    for t in RadicalFunction.samples(roots):
         x, y, w = (a + b * t for a, b in zip(*edge, strict=True))
         places.append((x / w, y / w))
     for place in places:

@@ -81,7 +81,7 @@ class TangentFan:
 
 
 @dataclass(frozen=True)
-class Piece:
+class ConePiece:
     """A cone by its first ray, with its field and all surfaces through the point as its quadrant sees them."""
 
     start: Point
@@ -118,7 +118,7 @@ def axes_frame(system: SwitchedSystem) -> Frame:
 
 
 def _fan(system: SwitchedSystem, weights: Weights, frame: Frame) -> TangentFan | None:
-    pieces: list[Piece] = []
+    pieces: list[ConePiece] = []
     for signs in QUADRANTS:
         states = _chart(system, weights, frame, signs)
         surfaces = tuple(s for s in system.surfaces(states) if not s.terms.get((0, 0)))
@@ -128,7 +128,7 @@ def _fan(system: SwitchedSystem, weights: Weights, frame: Frame) -> TangentFan |
         first, last = _axes(system, signs)
         for a, b in zip([first, *rays], [*rays, last], strict=True):
             inner = (a[0] + b[0], a[1] + b[1])
-            pieces.append(Piece(a, _field(system, states, inner, weights, frame, signs), surfaces))
+            pieces.append(ConePiece(a, _field(system, states, inner, weights, frame, signs), surfaces))
     degree = min((sum(e) for piece in pieces for part in piece.field for e in part.terms), default=0)
     cones = tuple(
         TangentCone(p.start, q.start, p.field, (_part(p.field[0], degree), _part(p.field[1], degree)))
@@ -138,7 +138,7 @@ def _fan(system: SwitchedSystem, weights: Weights, frame: Frame) -> TangentFan |
     return TangentFan(frame, weights, degree, cones, touched)
 
 
-def _touching(pieces: Sequence[Piece], k: int) -> tuple[Polynomial, ...]:
+def _touching(pieces: Sequence[ConePiece], k: int) -> tuple[Polynomial, ...]:
     """The surfaces that touch the first ray of a cone, on the side that sees more (quadrants may have their own)."""
     ray = pieces[k].start
     before, own = ([s for s in p.surfaces if not lowest_form(s)(ray)] for p in (pieces[k - 1], pieces[k]))

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.analysis.motion.frames import Contact, Frames, build_frames
+from nonsmooth.analysis.motion.frames import Frames, WheelContact, build_frames
 from nonsmooth.analysis.motion.twists import last_time, poses_at
 from nonsmooth.analysis.trajectories.result import Event, Trajectory
 from nonsmooth.reports.figures.outline import Floats, outline_of, placed
@@ -125,7 +125,7 @@ class Film:
         The longest arrow of a rim, or of a wheel that carries, reaches as far as :data:`LONGEST_ARROW`.
         """
         slips, speeds = self.frames.slips[:, self.shown], self.frames.speeds[:, self.shown]
-        sizes = np.hypot(slips[..., 0], slips[..., 1])[self.frames.contacts[:, self.shown] != Contact.FREE]
+        sizes = np.hypot(slips[..., 0], slips[..., 1])[self.frames.contacts[:, self.shown] != WheelContact.FREE]
         largest = max(_largest(speeds), _largest(sizes))
         return LONGEST_ARROW * self.rim / largest if largest > 0 else 0.0
 

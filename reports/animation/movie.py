@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from nonsmooth.analysis.motion.frames import Contact
+from nonsmooth.analysis.motion.frames import WheelContact
 from nonsmooth.reports.animation.film import RATE, Film
 from nonsmooth.reports.figures.cell_map import INKED, LABEL
 from nonsmooth.reports.figures.labels import length_label, wrapped
@@ -114,10 +114,10 @@ class Stage:
         pose, contacts = film.frames.poses[k], film.frames.contacts[k][film.shown]
         places = film.places[film.shown]
         size = self._points(RING * film.rim) ** 2
-        for name, kind in (("sticking", Contact.STICKS), ("slipping", Contact.SLIPS)):
+        for name, kind in (("sticking", WheelContact.STICKS), ("slipping", WheelContact.SLIPS)):
             pieces[name].set_offsets(places[contacts == kind].reshape(-1, 2))
             pieces[name].set_sizes([size])
-        slips, idle = film.slip_arrows(k)[film.shown], (contacts == Contact.FREE)[:, None]
+        slips, idle = film.slip_arrows(k)[film.shown], (contacts == WheelContact.FREE)[:, None]
         arrows = {"speeds": film.speed_arrows(k)[film.shown], "slips": slips * ~idle, "idle": slips * idle}
         for name, vectors in arrows.items():
             pieces[name].set_UVC(*np.nan_to_num(vectors).T)

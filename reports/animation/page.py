@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from nonsmooth.analysis.motion.frames import Contact
+from nonsmooth.analysis.motion.frames import WheelContact
 from nonsmooth.reports.animation.film import LONGEST_ARROW, Film
 from nonsmooth.reports.figures.labels import length_label
 from nonsmooth.reports.figures.outline import Floats
@@ -29,7 +29,7 @@ DIGITS = 1  # decimals of a coordinate in the picture
 MOST_ROWS = 24  # wheels up to which their numbers stand in a table
 RING, HEADING, BODY = 2.4, 7.0, 0.7  # radius of a ring, length of the heading's line, radius of the point, in rims
 CLASSES = ("", "slips", "sticks")  # of the ring of a wheel, by its contact
-CONTACTS = {Contact.FREE: "carries nothing", Contact.SLIPS: "slips", Contact.STICKS: "sticks"}
+CONTACTS = {WheelContact.FREE: "carries nothing", WheelContact.SLIPS: "slips", WheelContact.STICKS: "sticks"}
 
 
 def film_page(film: Film) -> str:
@@ -144,7 +144,7 @@ class _Picture:
             "times": [float(f"{t:.6g}") for t in frames.times],
             "poses": [[*self._point(pose[:2]), round(math.degrees(-pose[2]), 2)] for pose in frames.poses],
             "contacts": frames.contacts[:, shown].tolist(),
-            "words": [CONTACTS[kind] for kind in Contact],
+            "words": [CONTACTS[kind] for kind in WheelContact],
             "wheels": [k + 1 for k in shown],
             "slips": [self._vectors(film.slip_arrows(k)[shown]) for k in range(len(frames))],
             "speeds": self._speeds(),

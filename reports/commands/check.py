@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 
-class Beside(NamedTuple):
+class FurtherQuestions(NamedTuple):
     """What is asked beside the answers and clauses."""
 
     continuum: bool
@@ -91,7 +91,7 @@ def check(  # noqa: PLR0913, PLR0917  # one parameter for each option of the com
     arrays = [scene for scene in loaded if not isinstance(scene, SwitchedSystem)]
     options = {"best": best, "prune": not no_prune, "around": headings}
     try:
-        beside = Beside(continuum, failures)
+        beside = FurtherQuestions(continuum, failures)
         return _check_array(arrays, files, options, required=required, beside=beside, json=json)
     except TipsError as tipping:
         return _answer_tipping(arrays[0], tipping, required, json=json)
@@ -151,7 +151,7 @@ def _check_array(  # one keyword for each option
     options: dict[str, Any],
     *,
     required: Sequence[str],
-    beside: Beside,
+    beside: FurtherQuestions,
     json: bool,
 ) -> int:
     """One array, under one contact rule or all."""

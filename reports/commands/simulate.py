@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.reports.choices import LawName, Method
+from nonsmooth.reports.choices import LawName, PathMethod
 from nonsmooth.reports.console import refuse_given
 from nonsmooth.reports.options import AllowOutside, At, Json, Radius, RuleOption, SceneText
 
@@ -63,7 +63,7 @@ KinematicsOption = Annotated[
     Kinematics, typer.Option("--kinematics", help="Exact pose, or leading order as in the paper.")
 ]
 MethodOption = Annotated[
-    Method,
+    PathMethod,
     typer.Option("--method", rich_help_panel=PATH, help="Events, the paper's hysteresis, smoothing, or full dynamics."),
 ]
 Width = Annotated[
@@ -151,7 +151,7 @@ def simulate(  # noqa: PLR0913, PLR0917  # one parameter for each option of the 
     until: Until = None,
     heading: Heading = 0.0,
     kinematics: KinematicsOption = Kinematics.EXACT,
-    method: MethodOption = Method.EVENTS,
+    method: MethodOption = PathMethod.EVENTS,
     width: Width = 1e-3,
     feedback: FeedbackOption = False,
     law: LawOption = LawName.CERTIFIED,

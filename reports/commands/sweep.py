@@ -12,8 +12,8 @@ from nonsmooth.reports.options import AllowOutside, At, Fail, Json, Radius, Rule
 
 if TYPE_CHECKING:
     from nonsmooth.reports.sweeps.base import Base
-    from nonsmooth.reports.sweeps.plan import Plan
     from nonsmooth.reports.sweeps.sweep import Means, Sweep
+    from nonsmooth.reports.sweeps.sweep_plan import SweepPlan
 
 Vary = Annotated[
     list[str] | None,
@@ -98,9 +98,9 @@ def sweep(  # noqa: PLR0913, PLR0917  # one parameter for each option of the com
     from nonsmooth.reports.files import PICTURES
     from nonsmooth.reports.sweep_files import sweep_path
     from nonsmooth.reports.sweeps.base import base_of, with_wheels
-    from nonsmooth.reports.sweeps.plan import read_plan
     from nonsmooth.reports.sweeps.sweep import Means
     from nonsmooth.reports.sweeps.sweep_error import SweepError
+    from nonsmooth.reports.sweeps.sweep_plan import read_plan
     from nonsmooth.reports.sweeps.workers import processors
     from nonsmooth.symbolic.files.scene_file import deep_nesting_refused, read_document
 
@@ -146,7 +146,7 @@ def _values(vary: list[str]) -> dict[str, str]:
     return found
 
 
-def _require_picture(plan: Plan, draws_picture: bool) -> None:
+def _require_picture(plan: SweepPlan, draws_picture: bool) -> None:
     """Refuse a picture of what has none, before the work."""
     if draws_picture:
         from nonsmooth.reports.figures.sweep import require_picture
@@ -154,7 +154,7 @@ def _require_picture(plan: Plan, draws_picture: bool) -> None:
         require_picture(plan)
 
 
-def _run(base: Base, plan: Plan, means: Means) -> Sweep:
+def _run(base: Base, plan: SweepPlan, means: Means) -> Sweep:
     from nonsmooth.reports.progress import progress
     from nonsmooth.reports.sweeps.sweep import run_sweep
 

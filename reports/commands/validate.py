@@ -20,18 +20,18 @@ def validate(only: Only = None, output: RowsFile = None, json: Json = False) -> 
 
     Exit status: 0 done, 2 bad input.
     """
-    from nonsmooth.reports.evidence.claim import Kind
+    from nonsmooth.reports.evidence.claim import ClaimKind
     from nonsmooth.reports.evidence.pack import gather
     from nonsmooth.reports.files import PICTURES, output_path
     from nonsmooth.reports.progress import steps
     from nonsmooth.reports.shown import show
 
     path = None if output is None else output_path(output, (".json", ".csv", *PICTURES))
-    names = [kind.value for kind in Kind] if only is None else [name.strip() for name in only.split(",")]
-    unknown = next((name for name in names if name not in list(Kind)), None)
+    names = [kind.value for kind in ClaimKind] if only is None else [name.strip() for name in only.split(",")]
+    unknown = next((name for name in names if name not in list(ClaimKind)), None)
     if unknown is not None:
-        raise RefusedError(f"--only: required names among {', '.join(Kind)}, received {unknown[:60]!r}")
+        raise RefusedError(f"--only: required names among {', '.join(ClaimKind)}, received {unknown[:60]!r}")
     with steps("evidence"):
-        found = gather([Kind(name) for name in names])
+        found = gather([ClaimKind(name) for name in names])
     show(found, path, json=json)
     return 0

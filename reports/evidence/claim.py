@@ -14,7 +14,7 @@ from nonsmooth.symbolic.number_text import float_text
 CLOSE, NEAR = 0.05, 0.15  # relative errors up to which a prediction agrees with a measurement, or is near it
 
 
-class Verdict(StrEnum):
+class ClaimVerdict(StrEnum):
     """What follows from a row."""
 
     AGREES = "agrees"
@@ -23,7 +23,7 @@ class Verdict(StrEnum):
     REFUTED = "refuted"
 
 
-class Kind(StrEnum):
+class ClaimKind(StrEnum):
     """Where a row belongs."""
 
     VEHICLES = "vehicles"
@@ -48,14 +48,14 @@ class Claim:
         fitted: how many numbers were fitted to the data: 0 unless stated.
     """
 
-    kind: Kind
+    kind: ClaimKind
     claim: str
     source: str
     predicted: float
     measured: float
     unit: str
     error: float | None
-    verdict: Verdict
+    verdict: ClaimVerdict
     witness: str = ""
     fitted: int = 0
 
@@ -82,15 +82,15 @@ class Claim:
         return predicted, measured, "-" if self.error is None else f"{round(100 * self.error, 1) + 0.0:+.1f} %"
 
 
-def measured_verdict(error: float) -> Verdict:
+def measured_verdict(error: float) -> ClaimVerdict:
     """Of a relative error."""
     if abs(error) <= CLOSE:
-        return Verdict.AGREES
-    return Verdict.NEAR if abs(error) <= NEAR else Verdict.MISSES
+        return ClaimVerdict.AGREES
+    return ClaimVerdict.NEAR if abs(error) <= NEAR else ClaimVerdict.MISSES
 
 
 def published(claim: str, source: str, predicted: float, claimed: float, witness: str, unit: str = "") -> Claim:
     """A published number against the computed one: they agree, or the claim is refuted by the witness."""
-    verdict = Verdict.AGREES if abs(predicted - claimed) <= CLOSE * abs(claimed) else Verdict.REFUTED
+    verdict = ClaimVerdict.AGREES if abs(predicted - claimed) <= CLOSE * abs(claimed) else ClaimVerdict.REFUTED
     error = predicted / claimed - 1 if claimed and predicted != claimed else None
-    return Claim(Kind.CLAIMS, claim, source, predicted, claimed, unit, error, verdict, witness)
+    return Claim(ClaimKind.CLAIMS, claim, source, predicted, claimed, unit, error, verdict, witness)

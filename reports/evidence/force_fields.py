@@ -11,7 +11,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from nonsmooth.analysis.continuum.settling import PushedBody
+from nonsmooth.analysis.continuum.settling import SettlingBody
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.symbolic.continuum import ContinuousField, PolygonShape
 from nonsmooth.symbolic.numbers.number_field import NumberField
@@ -52,12 +52,12 @@ def stable_headings(points: Points, constant: float) -> list[float]:
     return [float(theta) % (2 * math.pi) for theta in (thetas[:-1] + thetas[1:])[falls] / 2]
 
 
-def _body(points: Points) -> PushedBody:
+def _body(points: Points) -> SettlingBody:
     field = NumberField()
     zero, one = field.zero, field.one
     shape = PolygonShape(tuple((field.rational(x), field.rational(y)) for x, y in points))
     inward = ContinuousField("radial", ((-one, zero), (zero, -one)), one, (zero, zero))
-    return PushedBody(inward, shape)
+    return SettlingBody(inward, shape)
 
 
 def _area(points: Points) -> float:
@@ -65,7 +65,7 @@ def _area(points: Points) -> float:
     return float(abs((bx - ax) * (cy - ay) - (by - ay) * (cx - ax)) / 2)
 
 
-def _settled(body: PushedBody, theta: float, place: Floats, push: float) -> Floats:
+def _settled(body: SettlingBody, theta: float, place: Floats, push: float) -> Floats:
     """The place without force, by Newton's method from a place nearby.
 
     Raises:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from rich.console import Group, RenderableType
 from rich.text import Text
 
-from nonsmooth.reports.evidence.claim import Claim, Kind
+from nonsmooth.reports.evidence.claim import Claim, ClaimKind
 from nonsmooth.reports.evidence.literature import literature_claims
 from nonsmooth.reports.evidence.pushes import PushEvidence, push_claims, push_evidence
 from nonsmooth.reports.evidence.vehicles import MULTIPLIER, vehicle_claims
@@ -45,7 +45,7 @@ class Evidence:
     @property
     def published(self) -> list[Claim]:
         """The rows about published claims."""
-        return [claim for claim in self.claims if claim.kind is Kind.CLAIMS]
+        return [claim for claim in self.claims if claim.kind is ClaimKind.CLAIMS]
 
     def record(self) -> Record:
         """JSON with stable keys."""
@@ -77,7 +77,7 @@ class Evidence:
     def view(self) -> RenderableType:
         """Tables: the rows, and the ranking."""
         parts: list[RenderableType] = [Text(self.summary())]
-        for kind in Kind:
+        for kind in ClaimKind:
             own = [claim for claim in self.claims if claim.kind is kind]
             if own:
                 parts.append(_claims_table(kind, own))
@@ -86,20 +86,20 @@ class Evidence:
         return Group(*parts, Text(REMARK, "dim"))
 
 
-def gather(kinds: Collection[Kind] = tuple(Kind)) -> Evidence:
+def gather(kinds: Collection[ClaimKind] = tuple(ClaimKind)) -> Evidence:
     """Compute the rows of some kinds, all unless given: about half a minute."""
     claims: list[Claim] = []
-    if Kind.VEHICLES in kinds:
+    if ClaimKind.VEHICLES in kinds:
         claims += vehicle_claims()
-    pushes = push_evidence() if Kind.PUSHES in kinds else None
+    pushes = push_evidence() if ClaimKind.PUSHES in kinds else None
     if pushes is not None:
         claims += push_claims(pushes)
-    if Kind.CLAIMS in kinds:
+    if ClaimKind.CLAIMS in kinds:
         claims += literature_claims()
     return Evidence(tuple(claims), pushes)
 
 
-def _claims_table(kind: Kind, claims: list[Claim]) -> RenderableType:
+def _claims_table(kind: ClaimKind, claims: list[Claim]) -> RenderableType:
     table = header_table(kind.value, "predicted", "measured", "error", "verdict")
     table.show_lines = True
     for claim in claims:

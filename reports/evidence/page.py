@@ -13,7 +13,7 @@ import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from nonsmooth.reports.evidence.claim import Claim, Kind
+from nonsmooth.reports.evidence.claim import Claim, ClaimKind
 from nonsmooth.reports.evidence.pack import Evidence, gather
 from nonsmooth.reports.evidence.pushes import PushEvidence
 from nonsmooth.reports.files import make_folder, output_path, write_whole
@@ -36,13 +36,13 @@ def write_page(folder: Path, evidence: Evidence) -> Path:
 
 def page_text(page: str, evidence: Evidence, engine: str) -> str:
     """The page with its computed parts replaced; parts that the evidence does not hold stay."""
-    parts = {kind.value: claims_table(evidence, kind) for kind in Kind}
+    parts = {kind.value: claims_table(evidence, kind) for kind in ClaimKind}
     parts["ranking"] = "" if evidence.pushes is None else ranking_table(evidence.pushes)
     parts["engine"] = _table(*_engine_rows(engine))
     return COMPUTED.sub(lambda found: found[1] + (parts[found[2]] or found[0][len(found[1]) :]), page)
 
 
-def claims_table(evidence: Evidence, kind: Kind) -> str:
+def claims_table(evidence: Evidence, kind: ClaimKind) -> str:
     """The rows of one kind; empty where there are none."""
     rows = [_row(claim) for claim in evidence.claims if claim.kind is kind]
     header = ("claim", "source", "predicted", "measured or claimed", "error", "verdict", "fitted", "what shows it")
@@ -62,7 +62,7 @@ def ranking_table(pushes: PushEvidence) -> str:
 
 def _row(claim: Claim) -> tuple[str, ...]:
     predicted, measured, error = claim.values()
-    shown = "-" if claim.kind is Kind.PUSHES and not claim.measured else measured
+    shown = "-" if claim.kind is ClaimKind.PUSHES and not claim.measured else measured
     parts = (claim.claim, claim.source, predicted, shown, error, claim.verdict.value)
     return (*parts, str(claim.fitted) if claim.fitted else "nothing", claim.witness)
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
+from nonsmooth.analysis.pushes.measured_pushes import SOURCE
 from nonsmooth.analysis.pushes.ranking import Difference, Direction, Ranked, differences, rank
-from nonsmooth.analysis.pushes.records import SOURCE
-from nonsmooth.reports.evidence.claim import Claim, Kind, Verdict
+from nonsmooth.reports.evidence.claim import Claim, ClaimKind, ClaimVerdict
 from nonsmooth.reports.exact_record import Record
 from nonsmooth.symbolic.number_text import float_text
 
@@ -74,8 +74,8 @@ def _median(own: Ranked, naive: Ranked) -> Claim:
     witness = f"median within {float_text(low, 3)} to {float_text(high, 3)}; the guess that they are parallel: "
     witness += f"{float_text(naive.median, 3)}"
     claim = f"{own.direction} of 400 pushes, point contacts: median angle between predicted and measured direction"
-    verdict = Verdict.AGREES if better else Verdict.MISSES
-    return Claim(Kind.PUSHES, claim, SOURCE, own.median, 0.0, "deg", None, verdict, witness)
+    verdict = ClaimVerdict.AGREES if better else ClaimVerdict.MISSES
+    return Claim(ClaimKind.PUSHES, claim, SOURCE, own.median, 0.0, "deg", None, verdict, witness)
 
 
 def _order(better: Ranked, worse: Ranked, claim: str) -> Claim:
@@ -83,7 +83,16 @@ def _order(better: Ranked, worse: Ranked, claim: str) -> Claim:
     (gap,) = differences((better, worse))
     low, high = (float_text(value, 3) for value in gap.interval)
     witness = f"difference of medians within {low} to {high} deg"
-    verdict = Verdict.AGREES if gap.is_clear else Verdict.REFUTED
+    verdict = ClaimVerdict.AGREES if gap.is_clear else ClaimVerdict.REFUTED
     return Claim(
-        Kind.PUSHES, claim, SOURCE, better.median, worse.median, "deg", None, verdict, witness, better.model.parameters
+        ClaimKind.PUSHES,
+        claim,
+        SOURCE,
+        better.median,
+        worse.median,
+        "deg",
+        None,
+        verdict,
+        witness,
+        better.model.parameters,
     )

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from nonsmooth.analysis.vehicles.curvature import turns
 from nonsmooth.analysis.vehicles.motion import vehicle_motion
-from nonsmooth.reports.evidence.claim import Claim, Kind, Verdict, measured_verdict
+from nonsmooth.reports.evidence.claim import Claim, ClaimKind, ClaimVerdict, measured_verdict
 from nonsmooth.symbolic.files.vehicle_file import load_vehicle, measured_vehicles
 from nonsmooth.symbolic.number_text import float_text
 
@@ -43,14 +43,14 @@ def vehicle_claims() -> Iterator[Claim]:
 
 def _multiplier(claim: str, source: str, predicted: float, measured: float) -> Claim:
     error = predicted / measured - 1
-    return Claim(Kind.VEHICLES, claim, source, predicted, measured, "", error, measured_verdict(error))
+    return Claim(ClaimKind.VEHICLES, claim, source, predicted, measured, "", error, measured_verdict(error))
 
 
 def _treads() -> Claim:
     """The effective track at a slight curve over that in place, of two treads."""
     found = [turn.multiplier for turn in turns(load_vehicle("tracked-base")) if turn.multiplier is not None]
     ratio = found[0] / found[-1]
-    verdict = Verdict.AGREES if abs(ratio - 1) <= 1e-6 else Verdict.REFUTED
+    verdict = ClaimVerdict.AGREES if abs(ratio - 1) <= 1e-6 else ClaimVerdict.REFUTED
     witness = f"effective track {float_text(found[0])} in a slight curve, {float_text(found[-1])} in place"
     claim = "effective track of two treads in a slight curve over that in place, load in the middle"
-    return Claim(Kind.VEHICLES, claim, TREADS, ratio, 1.0, "", ratio - 1, verdict, witness)
+    return Claim(ClaimKind.VEHICLES, claim, TREADS, ratio, 1.0, "", ratio - 1, verdict, witness)

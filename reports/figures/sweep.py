@@ -9,8 +9,8 @@ from nonsmooth.reports.figures.sweep_cells import build_cells
 from nonsmooth.reports.figures.sweep_map import build_map
 from nonsmooth.reports.figures.sweep_strips import build_strips
 from nonsmooth.reports.sweeps.borders import has_place
-from nonsmooth.reports.sweeps.plan import Plan
 from nonsmooth.reports.sweeps.sweep_error import SweepError
+from nonsmooth.reports.sweeps.sweep_plan import SweepPlan
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from nonsmooth.reports.sweeps.sweep import Sweep
 
 
-def require_picture(plan: Plan) -> None:
+def require_picture(plan: SweepPlan) -> None:
     """Refuse what has no picture.
 
     Raises:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from nonsmooth.analysis.fields.contact_model import Floats
-    from nonsmooth.analysis.vehicles.curvature import Turn
+    from nonsmooth.analysis.vehicles.curvature import CurvedMotion
     from nonsmooth.analysis.vehicles.motion import VehicleMotion
     from nonsmooth.reports.vehicles.motion import VehicleReport
 
@@ -26,7 +26,7 @@ RIM = 0.05  # half of a rim's length, of the width of the view
 REACH = 0.22  # length of the largest arrow, of the width of the view
 
 
-def vehicle_figure(motion: VehicleMotion, turns: Sequence[Turn], suffix: str) -> bytes:
+def vehicle_figure(motion: VehicleMotion, turns: Sequence[CurvedMotion], suffix: str) -> bytes:
     """Wheels with slips and forces; beside them the instant centres over the commanded curvature."""
     return figure_bytes(lambda: _build(motion, turns), suffix)
 
@@ -36,7 +36,7 @@ def comparison_figure(reports: Sequence[VehicleReport], suffix: str) -> bytes:
     return figure_bytes(lambda: _compare(reports), suffix)
 
 
-def _build(motion: VehicleMotion, turns: Sequence[Turn]) -> Figure:
+def _build(motion: VehicleMotion, turns: Sequence[CurvedMotion]) -> Figure:
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(10 if turns else 5.5, 5.5), layout="constrained")
@@ -89,7 +89,7 @@ def _draw_arrows(
     )
 
 
-def _draw_turns(axes: Axes, turns: Sequence[Turn]) -> None:
+def _draw_turns(axes: Axes, turns: Sequence[CurvedMotion]) -> None:
     """Instant centres over the share of turning: 0 straight on, 1 in place."""
     share = [2 / np.pi * np.arctan2(turn.right - turn.left, turn.right + turn.left) for turn in turns]
     for k, (name, label) in enumerate((("left_centre", "left tread"), ("right_centre", "right tread"))):

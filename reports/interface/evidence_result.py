@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from nonsmooth.reports.evidence.claim import Kind
+from nonsmooth.reports.evidence.claim import ClaimKind
 from nonsmooth.reports.evidence.pack import Evidence, gather
 from nonsmooth.reports.interface.shown_result import ShownResult
 
@@ -24,7 +24,7 @@ class EvidenceResult(ShownResult):
         return self.shown.summary()
 
 
-def validate(only: Iterable[str] = tuple(Kind)) -> EvidenceResult:
+def validate(only: Iterable[str] = tuple(ClaimKind)) -> EvidenceResult:
     """Validate predictions against vehicles, measured pushes and published claims; all three take about a minute.
 
     Args:
@@ -33,4 +33,4 @@ def validate(only: Iterable[str] = tuple(Kind)) -> EvidenceResult:
     Raises:
         ValueError: for another name.
     """
-    return EvidenceResult(gather([Kind(name) for name in only]))
+    return EvidenceResult(gather([ClaimKind(name) for name in only]))

@@ -7,7 +7,7 @@ from typing import Any
 
 from nonsmooth.analysis.bodies.mass_comparison import outline_body_path, outline_mass_study
 from nonsmooth.analysis.dynamics.mass_study import mass_ladder, mass_study
-from nonsmooth.analysis.dynamics.newton_euler import Body, simulate_dynamics
+from nonsmooth.analysis.dynamics.newton_euler import RigidBody, simulate_dynamics
 from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
 from nonsmooth.reports.dynamics import ShownMasses, ShownPath, chosen_body
 from nonsmooth.reports.interface.argument_error import ArgumentError
@@ -72,7 +72,7 @@ def compare_masses(scene: Scene, run: PathRun) -> MassResult:
     return MassResult(ShownMasses(array, study(array, bodies, run.start, run.until)))
 
 
-def _body(scene: Scene, model: ContactModel, run: PathRun) -> Body:
+def _body(scene: Scene, model: ContactModel, run: PathRun) -> RigidBody:
     try:
         return chosen_body(scene, model, run.mass, run.inertia)
     except ValueError as error:

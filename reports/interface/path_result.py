@@ -15,7 +15,7 @@ from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.contact_rule import CellRule, ContactRule, SmoothRule, rule_of
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.trajectories.result import Trajectory
-from nonsmooth.reports.choices import Method
+from nonsmooth.reports.choices import PathMethod
 from nonsmooth.reports.files import PICTURES, output_path, write_whole
 from nonsmooth.reports.interface.rows import Tabular
 from nonsmooth.reports.interface.short_text import short_lines
@@ -149,7 +149,7 @@ def follow_array(scene: Scene, run: PathRun) -> PathResult:
         SceneError: for a body with an outline that this run does not follow.
         TrajectoryError: where the path cannot be followed.
     """
-    if run.method is Method.DYNAMICS:
+    if run.method is PathMethod.DYNAMICS:
         from nonsmooth.reports.interface.mass_result import follow_body
 
         return PathResult(scene.name, POSE, follow_body(scene, run), scene)
@@ -180,7 +180,7 @@ def _held_wheels(scene: Scene, run: PathRun) -> HeldWheels | None:
     """
     if scene.body is None:
         return None
-    if run.method is not Method.EVENTS or run.kinematics is not Kinematics.EXACT:
+    if run.method is not PathMethod.EVENTS or run.kinematics is not Kinematics.EXACT:
         require_no_outline(scene)
     held = HeldWheels(standing(scene))
     held.require_start(run.start)

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.reports.choices import LawName, Method
+from nonsmooth.reports.choices import LawName, PathMethod
 from nonsmooth.reports.simulate import PathRun
 
 
@@ -29,4 +29,4 @@ def path_run(  # one keyword for each option of the command
     if not (math.isfinite(gain) and gain > 0):
         raise ValueError(f"gain: required a positive number, received {gain}")
     law = None if feedback is False else LawName.CERTIFIED if feedback is True else LawName(feedback)
-    return PathRun((x, y, theta), until, Kinematics(kinematics), Method(method), law, width, gain)
+    return PathRun((x, y, theta), until, Kinematics(kinematics), PathMethod(method), law, width, gain)

@@ -14,8 +14,8 @@ from nonsmooth.reports.interface.short_text import short_lines
 from nonsmooth.reports.sweep_files import sweep_bytes, sweep_path
 from nonsmooth.reports.sweeps.base import base_of, with_wheels
 from nonsmooth.reports.sweeps.borders import Border
-from nonsmooth.reports.sweeps.plan import read_plan
 from nonsmooth.reports.sweeps.sweep import Means, Sweep, run_sweep
+from nonsmooth.reports.sweeps.sweep_plan import read_plan
 from nonsmooth.reports.sweeps.table import counted, flat_rows, sweep_record
 from nonsmooth.symbolic.notebook import html_table
 

@@ -135,12 +135,12 @@ class System(MadeSystem):
             ValueError: for a switching function without a gradient where it vanishes.
             TrajectoryError: where the integrator gives up.
         """
-        from nonsmooth.reports.choices import Method
+        from nonsmooth.reports.choices import PathMethod
         from nonsmooth.reports.interface.path_result import PathResult
         from nonsmooth.reports.system_paths import follow_system
 
         place = tuple(float(value) for value in start)
-        path = follow_system(self.system, place, until, Method(method), width)
+        path = follow_system(self.system, place, until, PathMethod(method), width)
         return PathResult(self.system.name, tuple(self.system.stated_states), path)
 
     def orbit(self, start: Sequence[float], until: float = ORBIT_UNTIL) -> OrbitResult:

@@ -10,8 +10,8 @@ from nonsmooth.analysis.fields.stated_field import StatedField
 from nonsmooth.proofs.systems.border_motion import BorderKind, BorderPart, sliding_velocity
 from nonsmooth.proofs.systems.local_cells import values_at_origin
 from nonsmooth.reports.document import Block, Entry, Math, Section, Text, display, point, table
-from nonsmooth.reports.plain_systems.formulas import polynomial_math, rate_name, stated_math
-from nonsmooth.reports.plain_systems.subject import SystemSubject
+from nonsmooth.reports.plain_systems.system_formulas import polynomial_math, rate_name, stated_math
+from nonsmooth.reports.plain_systems.system_subject import SystemSubject
 from nonsmooth.reports.prose import listed, paragraph
 from nonsmooth.symbolic.number_text import place_text
 

@@ -6,9 +6,8 @@ from collections.abc import Collection
 
 from nonsmooth.proofs.clauses.workspace import Announce, unheard
 from nonsmooth.reports.document import Bullets, Document, Section
-from nonsmooth.reports.part import Part, chosen_names, sections_of
+from nonsmooth.reports.part import ReportPart, chosen_names, sections_of
 from nonsmooth.reports.plain_systems.inclusion_sections import borders_section, cells_section, point_section
-from nonsmooth.reports.plain_systems.subject import SystemSubject
 from nonsmooth.reports.plain_systems.system_sections import (
     paths_section,
     portrait_section,
@@ -16,6 +15,7 @@ from nonsmooth.reports.plain_systems.system_sections import (
     system_section,
     verdict_section,
 )
+from nonsmooth.reports.plain_systems.system_subject import SystemSubject
 from nonsmooth.reports.plain_systems.v_sections import leading_section, lyapunov_section
 from nonsmooth.reports.prose import paragraph
 from nonsmooth.reports.sections.closing import reproduction_section
@@ -40,19 +40,19 @@ def _left_out(subject: SystemSubject) -> Section:
     return Section("What was left out, and why", (Bullets(tuple(items)) if items else paragraph("Nothing."),))
 
 
-SYSTEM_PARTS: tuple[Part[SystemSubject], ...] = (
-    Part("verdict", verdict_section),
-    Part("system", system_section),
-    Part("cells", cells_section),
-    Part("borders", borders_section, _several_fields),
-    Part("point", point_section),
-    Part("lyapunov", lyapunov_section),
-    Part("leading-terms", leading_section, _no_leading),
-    Part("portrait", portrait_section, _several_fields),
-    Part("trajectories", paths_section, _several_fields),
-    Part("left-out", _left_out),
-    Part("references", references_section),
-    Part("versions", lambda subject: reproduction_section(subject.invocation)),
+SYSTEM_PARTS: tuple[ReportPart[SystemSubject], ...] = (
+    ReportPart("verdict", verdict_section),
+    ReportPart("system", system_section),
+    ReportPart("cells", cells_section),
+    ReportPart("borders", borders_section, _several_fields),
+    ReportPart("point", point_section),
+    ReportPart("lyapunov", lyapunov_section),
+    ReportPart("leading-terms", leading_section, _no_leading),
+    ReportPart("portrait", portrait_section, _several_fields),
+    ReportPart("trajectories", paths_section, _several_fields),
+    ReportPart("left-out", _left_out),
+    ReportPart("references", references_section),
+    ReportPart("versions", lambda subject: reproduction_section(subject.invocation)),
 )
 SYSTEM_PART_NAMES = tuple(part.name for part in SYSTEM_PARTS)
 

@@ -23,7 +23,7 @@ from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.own_paths import ContradictionError
 from nonsmooth.reports.phase_portrait import PhasePortrait
-from nonsmooth.reports.progress import Report, progress
+from nonsmooth.reports.progress import ProgressCall, progress
 from nonsmooth.reports.terminal import two_columns
 from nonsmooth.symbolic.number_text import percent_text, place_text
 from nonsmooth.symbolic.scene_error import one_line
@@ -187,7 +187,7 @@ def build_system_map(portrait: PhasePortrait, count: int, until: float) -> Syste
     return found
 
 
-def _followed(portrait: PhasePortrait, starts: Floats, until: float, report: Report) -> Iterator[Floats]:
+def _followed(portrait: PhasePortrait, starts: Floats, until: float, report: ProgressCall) -> Iterator[Floats]:
     """The last place of every path."""
     field = system_field(portrait.system, starts.max(axis=0), centred=True)
     for k, start in enumerate(starts):

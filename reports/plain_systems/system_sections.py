@@ -8,7 +8,7 @@ from nonsmooth.analysis.trajectories.result import Trajectory, TrajectoryError
 from nonsmooth.proofs.systems.system_facts import rewriting_words, system_facts
 from nonsmooth.proofs.systems.system_stability import SystemResult
 from nonsmooth.proofs.verdicts import Translation
-from nonsmooth.reports.choices import Method
+from nonsmooth.reports.choices import PathMethod
 from nonsmooth.reports.document import (
     Block,
     Bullets,
@@ -25,7 +25,7 @@ from nonsmooth.reports.document import (
 )
 from nonsmooth.reports.facts import fact_rows
 from nonsmooth.reports.plain_systems.rewritten_text import tidied
-from nonsmooth.reports.plain_systems.subject import SystemSubject
+from nonsmooth.reports.plain_systems.system_subject import SystemSubject
 from nonsmooth.reports.prose import paragraph, with_formulas
 from nonsmooth.reports.references import BACCIOTTI_CERAGIOLI, FILIPPOV, HOMOGENEITY, SHEVITZ_PADEN, how_to_cite
 from nonsmooth.reports.system_paths import follow_system
@@ -112,7 +112,7 @@ def paths_section(subject: SystemSubject) -> Section:
     for shares in STARTS:
         start = tuple(m + share * radius for m, share in zip(middle, shares, strict=True))
         try:
-            path = follow_system(system, start, UNTIL, Method.EVENTS, 1.0).trajectory
+            path = follow_system(system, start, UNTIL, PathMethod.EVENTS, 1.0).trajectory
         except (SceneError, TrajectoryError, ValueError) as error:
             rows.append([place_text(start), "", "", "", f"not followed: {error}"])
             continue

@@ -6,8 +6,8 @@ from nonsmooth.proofs.systems.conclusion import Method
 from nonsmooth.proofs.systems.derivatives import LyapunovResult
 from nonsmooth.proofs.systems.system_facts import DERIVATIVES, proving_text, region_words
 from nonsmooth.reports.document import Block, Code, Entry, Section, number, point, table
-from nonsmooth.reports.plain_systems.formulas import polynomial_math
-from nonsmooth.reports.plain_systems.subject import SystemSubject
+from nonsmooth.reports.plain_systems.system_formulas import polynomial_math
+from nonsmooth.reports.plain_systems.system_subject import SystemSubject
 from nonsmooth.reports.prose import paragraph
 from nonsmooth.symbolic.scene_error import one_line
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.trajectories.result import EndReason, Trajectory, TrajectoryError
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
-from nonsmooth.reports.choices import LawName, Method
+from nonsmooth.reports.choices import LawName, PathMethod
 from nonsmooth.reports.document import Block, Entry, Figure, Section, table
 from nonsmooth.reports.feedback_loop import GAIN, FeedbackLoop
 from nonsmooth.reports.papers.murphey_burdick_2001.paper import is_paper_array
@@ -70,7 +70,7 @@ def _loop(subject: Subject) -> FeedbackLoop:
 
 
 def _run(start: Start, until: float) -> PathRun:
-    return PathRun(start, until, Kinematics.EXACT, Method.EVENTS, LawName.CERTIFIED, width=1e-3)
+    return PathRun(start, until, Kinematics.EXACT, PathMethod.EVENTS, LawName.CERTIFIED, width=1e-3)
 
 
 def _quarters(subject: Subject) -> list[Start]:

@@ -10,11 +10,11 @@ import math
 
 from nonsmooth.analysis.measurements.cases.near_collinear import COLLINEAR
 from nonsmooth.analysis.measurements.cases.support_edge import LOADS
+from nonsmooth.analysis.measurements.convergence import fitted_slopes
 from nonsmooth.analysis.measurements.harness import measure
-from nonsmooth.analysis.measurements.plan import LeftOut, Plan
 from nonsmooth.analysis.measurements.rows import ResultRow
-from nonsmooth.analysis.measurements.slopes import fitted_slopes
 from nonsmooth.analysis.measurements.studies.trajectories import TRAJECTORIES
+from nonsmooth.analysis.measurements.study_plan import LeftOut, StudyPlan
 from nonsmooth.analysis.measurements.timing import Limits
 from nonsmooth.reports.document import Code, Entry, Section, decimal, table
 from nonsmooth.reports.prose import paragraph
@@ -72,7 +72,7 @@ def stress_section(subject: Subject) -> Section:
     return Section("Stiff and extreme cases", (words, listing))
 
 
-def _measured(plan: Plan, method: str) -> list[ResultRow]:
+def _measured(plan: StudyPlan, method: str) -> list[ResultRow]:
     """The easy settings of a method, without a time limit, so that equal input gives equal rows."""
     trials = [trial for trial in plan.trials if trial.method == method]
     return [TRAJECTORIES.measure(trial, plan, ONCE) for trial in trials[:SETTINGS]]

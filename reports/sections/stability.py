@@ -11,7 +11,7 @@ from nonsmooth.proofs.clauses.equilibrium.on_cells import EquilibriumResult
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.clauses.rotation.on_cells import RotationResult
-from nonsmooth.proofs.clauses.translation.fan import FanResult
+from nonsmooth.proofs.clauses.translation.fan_stability import FanResult
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
 from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.theorem4_result import CellCheck, Check

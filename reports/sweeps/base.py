@@ -17,7 +17,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from nonsmooth.reports.sweeps.plan import Plan
+from nonsmooth.reports.sweeps.sweep_plan import SweepPlan
 from nonsmooth.reports.sweeps.values import Entry
 from nonsmooth.symbolic.files.key_paths import Path as KeyPath
 from nonsmooth.symbolic.files.key_paths import with_value
@@ -117,7 +117,7 @@ def with_wheels(base: Base, names: Iterable[str]) -> Base:
     return Base(one_by_one(base.document, base.scene((), ())), base.file, base.path)
 
 
-def require_heard(base: Base, plan: Plan) -> None:
+def require_heard(base: Base, plan: SweepPlan) -> None:
     """Refuse numbers of the scene that no wheel takes, since every wheel states its own.
 
     Raises:
@@ -133,7 +133,7 @@ def require_heard(base: Base, plan: Plan) -> None:
             raise SceneError(base.file, "", expected, axis.name)
 
 
-def entries_of(plan: Plan, k: int) -> tuple[Entry, ...]:
+def entries_of(plan: SweepPlan, k: int) -> tuple[Entry, ...]:
     """The values of scene k as a scene file would hold them."""
     return tuple(value.entry for value in plan.point(k))
 

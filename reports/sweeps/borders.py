@@ -16,8 +16,8 @@ from itertools import pairwise
 from typing import TypeAlias
 
 from nonsmooth.reports.sweeps.outcome import QUESTIONS, Outcome, questions_of
-from nonsmooth.reports.sweeps.plan import Plan, Point
-from nonsmooth.reports.sweeps.values import Formula, Range, Value, Values
+from nonsmooth.reports.sweeps.sweep_plan import Point, SweepPlan
+from nonsmooth.reports.sweeps.values import Range, Value, Values, WrittenValue
 
 WITHIN = Fraction(1, 10**9)  # of the axis: how near the two sides of a border come
 MOST = 4  # borders that one edge of the grid is searched for
@@ -108,7 +108,7 @@ def _distance(a: Value, b: Value) -> Fraction:
     return abs(a.constant - b.constant)
 
 
-def find_borders(plan: Plan, outcomes: Sequence[Outcome], ask: Ask) -> tuple[Border, ...]:
+def find_borders(plan: SweepPlan, outcomes: Sequence[Outcome], ask: Ask) -> tuple[Border, ...]:
     """All borders along the edges of a grid.
 
     Args:
@@ -140,7 +140,7 @@ def has_place(values: Values) -> bool:
     if isinstance(values, Range):
         return True
     listed = values.values
-    if any(isinstance(value, Formula) for value in listed):
+    if any(isinstance(value, WrittenValue) for value in listed):
         return False
     numbers = [value.number or 0.0 for value in listed]
     return len({value.unit for value in listed if isinstance(value, Value)}) == 1 and all(
@@ -148,7 +148,7 @@ def has_place(values: Values) -> bool:
     )
 
 
-def _gaps(plan: Plan, outcomes: Sequence[Outcome]) -> Iterator[_Gap]:
+def _gaps(plan: SweepPlan, outcomes: Sequence[Outcome]) -> Iterator[_Gap]:
     """The edges of the grid whose ends answer differently."""
     for k, outcome in enumerate(outcomes):
         places = plan.places(k)

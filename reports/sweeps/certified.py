@@ -16,9 +16,9 @@ from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.proofs.robust.decide import decided_statement
 from nonsmooth.proofs.verdicts import Certainty
 from nonsmooth.reports.sweeps.base import Base
-from nonsmooth.reports.sweeps.plan import Axis, Plan
 from nonsmooth.reports.sweeps.sweep_error import SweepError
-from nonsmooth.reports.sweeps.values import Entry, Formula, Value
+from nonsmooth.reports.sweeps.sweep_plan import Axis, SweepPlan
+from nonsmooth.reports.sweeps.values import Entry, Value, WrittenValue
 from nonsmooth.symbolic.contact_set import standing
 from nonsmooth.symbolic.files.key_paths import Path
 from nonsmooth.symbolic.scene_error import SceneError, one_line
@@ -72,7 +72,7 @@ def exact_base(base: Base) -> Base:
     return replace(base, document={key: value for key, value in base.document.items() if key != TABLE})
 
 
-def planned_cells(base: Base, plan: Plan) -> Cells:
+def planned_cells(base: Base, plan: SweepPlan) -> Cells:
     """The cells of a grid, before anything is proved.
 
     Raises:
@@ -89,7 +89,7 @@ def planned_cells(base: Base, plan: Plan) -> Cells:
     return Cells(whole, paths, sides, tuple(_entries(plan, cell, stated, radians=radians) for cell in sides))
 
 
-def _require_cells(plan: Plan) -> None:
+def _require_cells(plan: SweepPlan) -> None:
     if plan.draws is not None:
         raise SweepError("certify: required a grid of scenes, received random draws")
     for axis in plan.axes:
@@ -97,16 +97,16 @@ def _require_cells(plan: Plan) -> None:
             allowed = "positions, headings, speeds, mu_roll, mu_side of wheels or the checked point"
             raise SweepError(f"certify: required numbers that tolerances follow ({allowed}), received {axis.name}")
         values = [axis.values.value(k) for k in range(axis.values.count or 0)]
-        if len(values) < 2 or any(isinstance(value, Formula) for value in values) or not _ascends(values):
+        if len(values) < 2 or any(isinstance(value, WrittenValue) for value in values) or not _ascends(values):
             raise SweepError(f"certify: required two or more rational values of {axis.name} that ascend")
 
 
-def _ascends(values: Sequence[Value | Formula]) -> bool:
+def _ascends(values: Sequence[Value | WrittenValue]) -> bool:
     numbers = [value.number for value in values if value.number is not None]
     return all(a < b for a, b in pairwise(numbers))
 
 
-def _sides_of(plan: Plan) -> Iterator[Sides]:
+def _sides_of(plan: SweepPlan) -> Iterator[Sides]:
     """The sides of all cells, the last axis fastest."""
     intervals = []
     for axis in plan.axes:
@@ -116,7 +116,7 @@ def _sides_of(plan: Plan) -> Iterator[Sides]:
     yield from product(*intervals)
 
 
-def _entries(plan: Plan, sides: Sides, stated: Mapping[str, str], *, radians: bool) -> tuple[Entry, ...]:
+def _entries(plan: SweepPlan, sides: Sides, stated: Mapping[str, str], *, radians: bool) -> tuple[Entry, ...]:
     """The middle of a cell, and its tolerances."""
     middles = [low.between(high, Fraction(1, 2)) for low, high in sides]
     larger = dict.fromkeys(ENTRIES, Fraction(0))

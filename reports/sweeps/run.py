@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from itertools import islice
 from typing import TypeAlias
 
-from nonsmooth.reports.progress import Report, silent
+from nonsmooth.reports.progress import ProgressCall, silent
 from nonsmooth.reports.sweeps.outcome import Outcome
 from nonsmooth.reports.sweeps.store import Store
 from nonsmooth.reports.sweeps.values import Entry
@@ -31,7 +31,7 @@ class Runner:
         checked: how many were computed, and not read from the store.
     """
 
-    def __init__(self, work: Work, workers: Workers, store: Store | None = None, report: Report = silent) -> None:
+    def __init__(self, work: Work, workers: Workers, store: Store | None = None, report: ProgressCall = silent) -> None:
         self.work = work
         self.checked = 0
         self._workers, self._store, self._report = workers, store, report

@@ -8,15 +8,15 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from nonsmooth.reports.progress import Report, silent
+from nonsmooth.reports.progress import ProgressCall, silent
 from nonsmooth.reports.sweeps.base import Base, entries_of, require_heard
 from nonsmooth.reports.sweeps.borders import Border, find_borders
 from nonsmooth.reports.sweeps.certified import Cells, CertifiedCell, certified_cell, exact_base, planned_cells
 from nonsmooth.reports.sweeps.outcome import Outcome, outcome_of, questions_of
-from nonsmooth.reports.sweeps.plan import LARGE, Plan, Point
 from nonsmooth.reports.sweeps.run import Runner
 from nonsmooth.reports.sweeps.store import Store
 from nonsmooth.reports.sweeps.sweep_error import SweepError
+from nonsmooth.reports.sweeps.sweep_plan import LARGE, Point, SweepPlan
 from nonsmooth.reports.sweeps.system_outcome import REFUSED
 from nonsmooth.reports.sweeps.workers import Work, Workers, local_workers
 
@@ -38,7 +38,7 @@ class Sweep:
     """
 
     base: Base
-    plan: Plan
+    plan: SweepPlan
     outcomes: Sequence[Outcome]
     borders: tuple[Border, ...] | None
     checked: int
@@ -73,7 +73,7 @@ class Means:
     yes: bool = False
 
 
-def run_sweep(base: Base, plan: Plan, means: Means, report: Report = silent) -> Sweep:
+def run_sweep(base: Base, plan: SweepPlan, means: Means, report: ProgressCall = silent) -> Sweep:
     """Check all scenes of a plan.
 
     Raises:
@@ -112,7 +112,7 @@ def _require_array(means: Means) -> None:
             raise SweepError(f"{name}: required an array of wheels, received a plain switched system")
 
 
-def _certified(cells: Cells, means: Means, report: Report) -> tuple[CertifiedCell, ...]:
+def _certified(cells: Cells, means: Means, report: ProgressCall) -> tuple[CertifiedCell, ...]:
     """What is proved of the cells of the grid."""
     work = Work(cells.base, cells.paths, failures=False, cells=True)
     with _runner(work, means, report) as runner:
@@ -121,7 +121,7 @@ def _certified(cells: Cells, means: Means, report: Report) -> tuple[CertifiedCel
 
 
 @contextmanager
-def _runner(work: Work, means: Means, report: Report) -> Iterator[Runner]:
+def _runner(work: Work, means: Means, report: ProgressCall) -> Iterator[Runner]:
     """Workers and store, closed in the end whatever happens."""
     store = None if means.store is None else Store(means.store)
     try:
@@ -144,7 +144,7 @@ def _workers(work: Work, means: Means) -> Workers:
     return Cluster(work, means.scheduler)
 
 
-def _borders(plan: Plan, outcomes: Sequence[Outcome], runner: Runner) -> tuple[Border, ...]:
+def _borders(plan: SweepPlan, outcomes: Sequence[Outcome], runner: Runner) -> tuple[Border, ...]:
     def ask(points: Sequence[Point]) -> Sequence[Outcome]:
         scenes = (tuple(value.entry for value in point) for point in points)
         return runner.outcomes(scenes, len(points), "borders")
@@ -162,7 +162,7 @@ def _require_one_answer(outcomes: Sequence[Outcome]) -> None:
         raise SweepError(f"vary: required a scene that can be checked, received {outcomes[0]['why']}")
 
 
-def _estimate(base: Base, plan: Plan, means: Means) -> str:
+def _estimate(base: Base, plan: SweepPlan, means: Means) -> str:
     """What to say before a large sweep, from a few measured scenes."""
     paths = tuple(axis.path for axis in plan.axes)
     seconds = []

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from nonsmooth.proofs.many_states.decision import ManyStateResult
 from nonsmooth.proofs.system_decision import DecidedSystem, decide_system
-from nonsmooth.proofs.systems.decay_rate import Decay
+from nonsmooth.proofs.systems.decay_rate import DecayKind
 from nonsmooth.proofs.systems.scalar_stability import ScalarResult
 from nonsmooth.proofs.systems.system_facts import proving_text
 from nonsmooth.proofs.systems.system_stability import SystemResult
@@ -72,7 +72,7 @@ def _texts(result: DecidedSystem) -> dict[str, str | None]:
 def _numbers(result: SystemResult | ManyStateResult) -> dict[str, Any]:
     found: dict[str, Any] = {}
     if result.rate is not None:
-        found["rate" if result.rate.decay is Decay.EXPONENTIAL else "fall"] = result.rate.kappa
+        found["rate" if result.rate.decay is DecayKind.EXPONENTIAL else "fall"] = result.rate.kappa
     if result.region is not None:
         found |= {"level": result.region.level, "within": result.region.radius}
     return found

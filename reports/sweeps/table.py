@@ -16,8 +16,8 @@ from nonsmooth.reports.records import FAILURE
 from nonsmooth.reports.sweeps.borders import Border
 from nonsmooth.reports.sweeps.certified import CertifiedCell
 from nonsmooth.reports.sweeps.outcome import CLAUSES, NUMBERS, QUESTIONS, Outcome
-from nonsmooth.reports.sweeps.plan import Point
 from nonsmooth.reports.sweeps.sweep import Sweep
+from nonsmooth.reports.sweeps.sweep_plan import Point
 from nonsmooth.reports.sweeps.system_outcome import SYSTEM_COLUMNS, SYSTEM_NUMBERS
 from nonsmooth.reports.terminal import header_table, verdict_text
 from nonsmooth.symbolic.number_text import float_text

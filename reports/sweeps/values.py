@@ -56,7 +56,7 @@ class Value:
 
 
 @dataclass(frozen=True)
-class Formula:
+class WrittenValue:
     """A value that is no rational number, as it was written."""
 
     entry: Entry
@@ -86,14 +86,14 @@ class Range:
 class Listed:
     """Values one by one."""
 
-    values: tuple[Value | Formula, ...]
+    values: tuple[Value | WrittenValue, ...]
 
     @property
     def count(self) -> int:
         """How many."""
         return len(self.values)
 
-    def value(self, k: int) -> Value | Formula:
+    def value(self, k: int) -> Value | WrittenValue:
         """The k-th value, counted from 0."""
         return self.values[k]
 
@@ -140,12 +140,12 @@ def _count(text: str, keyword: str) -> int:
 def _rational(text: str, keyword: str) -> Value:
     """An end of a range."""
     value = _listed(text, keyword)
-    if isinstance(value, Formula):
+    if isinstance(value, WrittenValue):
         raise SweepError(f"{keyword}: required rational ends, or multiples of pi, received {shown(text)}")
     return value
 
 
-def _listed(text: str, keyword: str) -> Value | Formula:
+def _listed(text: str, keyword: str) -> Value | WrittenValue:
     """One value; a formula is kept as it was written."""
     named = _UNIT.fullmatch(text)
     number, unit = (named[1], named[2]) if named else (text, "")
@@ -157,5 +157,5 @@ def _listed(text: str, keyword: str) -> Value | Formula:
         try:
             return Value(*found.parts_in_pi(), unit)
         except ExpressionError:
-            return Formula(text)
+            return WrittenValue(text)
     return Value(found, unit=unit)

@@ -115,7 +115,7 @@ class InProcess:
         self._waiting.clear()
 
 
-class Pool:
+class ProcessPool:
     """Processes of this machine."""
 
     def __init__(self, work: Work, count: int) -> None:
@@ -219,7 +219,7 @@ class Pool:
 
 def local_workers(work: Work, count: int) -> Workers:
     """This process for a count of 1, else a pool."""
-    return InProcess(work) if count == 1 else Pool(work, count)
+    return InProcess(work) if count == 1 else ProcessPool(work, count)
 
 
 def processors() -> int:

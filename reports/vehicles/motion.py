@@ -10,7 +10,7 @@ from rich.console import Group, RenderableType
 from rich.text import Text
 
 from nonsmooth.analysis.cells.partition import RefusalError
-from nonsmooth.analysis.vehicles.curvature import Turn, friction_ratio, turns
+from nonsmooth.analysis.vehicles.curvature import CurvedMotion, friction_ratio, turns
 from nonsmooth.analysis.vehicles.motion import VehicleMotion, vehicle_motion, vehicle_motions
 from nonsmooth.reports.exact_record import Record, exact_texts, floats
 from nonsmooth.reports.terminal import header_table
@@ -55,7 +55,7 @@ class VehicleReport:
         return vehicle_motions(self.vehicle)
 
     @cached_property
-    def turns(self) -> tuple[Turn, ...]:
+    def turns(self) -> tuple[CurvedMotion, ...]:
         """From straight on to in place, sampled."""
         return turns(self.vehicle)
 
@@ -236,7 +236,7 @@ def _refusable(motion: VehicleMotion | RefusalError) -> Record:
     return {"refused": str(motion)} if isinstance(motion, RefusalError) else motion_record(motion)
 
 
-def turn_record(turn: Turn) -> Record:
+def turn_record(turn: CurvedMotion) -> Record:
     """The motion for one commanded curvature."""
     return {
         "left": turn.left,

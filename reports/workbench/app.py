@@ -19,7 +19,7 @@ from starlette.responses import JSONResponse, Response, StreamingResponse
 from starlette.routing import Route
 
 from nonsmooth.reports.console import own_version
-from nonsmooth.reports.workbench.pool import Job, Pool
+from nonsmooth.reports.workbench.pool import Job, WorkerPool
 from nonsmooth.reports.workbench.requests import RequestError, read_request
 from nonsmooth.reports.workbench.safety import Safety, refused
 
@@ -67,7 +67,7 @@ class Settings:
 
 def build_app(settings: Settings) -> Starlette:
     """The application."""
-    pool = Pool(settings.workers)
+    pool = WorkerPool(settings.workers)
     routes = Routes(pool, settings)
 
     @asynccontextmanager
@@ -94,7 +94,7 @@ async def _unknown(request: Request, error: Exception) -> Response:
 class Routes:
     """What is answered at which path."""
 
-    def __init__(self, pool: Pool, settings: Settings) -> None:
+    def __init__(self, pool: WorkerPool, settings: Settings) -> None:
         self._pool, self._settings = pool, settings
         self._started = secrets.token_hex(8)
         self._files = {path.name: path.read_bytes() for path in PAGE.iterdir() if path.suffix in TYPES}

@@ -51,7 +51,7 @@ class DiedError(StoppedError):
     """A job whose process ended."""
 
 
-class Pool:
+class WorkerPool:
     """A few warm workers.
 
     Args:

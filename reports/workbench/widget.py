@@ -10,7 +10,7 @@ from nonsmooth.reports.interface.load import load
 from nonsmooth.reports.interface.system import System
 
 if TYPE_CHECKING:
-    from nonsmooth.reports.workbench.notebook import NotebookView
+    from nonsmooth.reports.workbench.notebook_view import NotebookView
 
 NEEDED = "widget: required anywidget (pip install 'nonsmooth[notebook]'), received a Python without"
 
@@ -30,7 +30,7 @@ def widget(scene: Array | System | str | Path, *, start: tuple[float, ...] | Non
         TypeError: for a vehicle.
     """
     try:
-        from nonsmooth.reports.workbench.notebook import NotebookView
+        from nonsmooth.reports.workbench.notebook_view import NotebookView
     except ImportError:
         raise ImportError(NEEDED) from None
     made = load(scene) if isinstance(scene, str | Path) else scene

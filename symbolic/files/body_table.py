@@ -10,7 +10,7 @@ from pydantic import PlainValidator
 
 from nonsmooth.symbolic.body import Body, is_convex
 from nonsmooth.symbolic.continuum import Disc, Footprint, PolygonShape
-from nonsmooth.symbolic.files.scene_values import Angle, AngleField, Exact, Numbers, OptionalExact, Table, read_pair
+from nonsmooth.symbolic.files.scene_values import Angle, AngleField, Exact, Numbers, OptionalExact, TomlTable, read_pair
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.plane import Vector, around, cross, dot, minus, same_direction
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact
@@ -30,7 +30,7 @@ def read_vertices(value: object) -> tuple[tuple[Exact, Exact], ...]:
     return tuple(read_pair(point) for point in value)
 
 
-class BodyTable(Table):
+class BodyTable(TomlTable):
     """``[body]``: a disc, a rectangle (width along its own x axis) or a convex polygon.
 
     ``heading`` is the angle of the body's own frame at the checked pose, ``centre_of_mass`` a point of that frame: the

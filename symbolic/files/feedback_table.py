@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from nonsmooth.symbolic.files.scene_values import Angle, AngleField, Exact, ExactField, Numbers, Table
+from nonsmooth.symbolic.files.scene_values import Angle, AngleField, Exact, ExactField, Numbers, TomlTable
 from nonsmooth.symbolic.loop_errors import LoopErrors
 from nonsmooth.symbolic.number_text import short_text
 from nonsmooth.symbolic.numbers.number import Number
@@ -13,7 +13,7 @@ from nonsmooth.symbolic.scene_error import SceneError, StatedFact
 HALF_TURN = 1  # of pi: a heading that may be off by more is not known
 
 
-class FeedbackTable(Table):
+class FeedbackTable(TomlTable):
     """``[feedback]``: a time, a length in the scene's unit, and an angle."""
 
     delay: ExactField = Fraction(0)

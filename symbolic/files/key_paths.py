@@ -17,8 +17,8 @@ from types import UnionType
 from typing import Annotated, Any, TypeAlias, Union, get_args, get_origin
 
 from nonsmooth.symbolic.expression import Expression
-from nonsmooth.symbolic.files.scene_document import Document
-from nonsmooth.symbolic.files.scene_values import Angle, Table, keys_of
+from nonsmooth.symbolic.files.scene_document import SceneDocument
+from nonsmooth.symbolic.files.scene_values import Angle, TomlTable, keys_of
 from nonsmooth.symbolic.files.velocity_fields import Uniform
 from nonsmooth.symbolic.scene_error import MAX_SHOWN, SceneError
 
@@ -106,7 +106,7 @@ def numeric_paths(document: Mapping[str, Any]) -> Iterator[Path]:
     if "system" in document:
         yield from _of_system(document)
         return
-    for name, field in keys_of(Document).items():
+    for name, field in keys_of(SceneDocument).items():
         tables = list(_tables(field.annotation))
         value = document.get(name)
         if isinstance(value, list):
@@ -133,7 +133,7 @@ def _of_system(document: Mapping[str, Any]) -> Iterator[Path]:
 # ---- which numbers there are ---------------------------------------------------------------------
 
 
-def _of_table(tables: Sequence[type[Table]], given: object, path: Path) -> Iterator[Path]:
+def _of_table(tables: Sequence[type[TomlTable]], given: object, path: Path) -> Iterator[Path]:
     """The numbers of one table; of several kinds, of the one that it names."""
     if not isinstance(given, Mapping):
         return
@@ -150,7 +150,7 @@ def _of_table(tables: Sequence[type[Table]], given: object, path: Path) -> Itera
             yield place
 
 
-def _of_kind(tables: Sequence[type[Table]], given: Mapping[str, object]) -> type[Table]:
+def _of_kind(tables: Sequence[type[TomlTable]], given: Mapping[str, object]) -> type[TomlTable]:
     """The table whose ``kind`` is the given one."""
     kinds = {table.model_fields["kind"].default: table for table in tables if "kind" in table.model_fields}
     return kinds.get(given.get("kind"), tables[0])
@@ -169,9 +169,9 @@ def _inside(value: object, path: Path) -> Iterator[Path]:
         yield path
 
 
-def _tables(annotation: Any) -> Iterator[type[Table]]:
+def _tables(annotation: Any) -> Iterator[type[TomlTable]]:
     """The tables inside an annotation."""
-    if isinstance(annotation, type) and issubclass(annotation, Table):
+    if isinstance(annotation, type) and issubclass(annotation, TomlTable):
         yield annotation
     for inner in get_args(annotation):
         yield from _tables(inner)

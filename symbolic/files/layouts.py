@@ -16,7 +16,7 @@ from nonsmooth.symbolic.files.scene_values import (
     Numbers,
     OptionalExact,
     PairField,
-    Table,
+    TomlTable,
     angles,
 )
 from nonsmooth.symbolic.files.velocity_fields import Heading, HeadingField
@@ -39,7 +39,7 @@ class Own(NamedTuple):
     axis: Heading | None = None
 
 
-class Place(NamedTuple):
+class WheelPlace(NamedTuple):
     """A wheel whose position is known; ``key`` names it in errors."""
 
     key: str
@@ -53,11 +53,11 @@ class Layout(Protocol):
     def turns(self) -> Iterator[Fraction]:
         """Angles ``pi * turn`` that the number field must hold."""
 
-    def places(self, numbers: Numbers) -> Iterator[Place]:
+    def places(self, numbers: Numbers) -> Iterator[WheelPlace]:
         """The wheels in order."""
 
 
-class WheelTable(Table):
+class WheelTable(TomlTable):
     """One ``[[wheel]]``."""
 
     position: PairField
@@ -68,11 +68,11 @@ class WheelTable(Table):
     speed_limit: OptionalExact = None
     axis: HeadingField | None = None
 
-    def place(self, numbers: Numbers, key: str) -> Place:
+    def place(self, numbers: Numbers, key: str) -> WheelPlace:
         """This wheel at its exact position."""
         x, y = (numbers(value, f"{key}.position") for value in self.position)
         own = Own(self.heading, self.speed, self.mu_roll, self.mu_side, self.speed_limit, self.axis)
-        return Place(key, (x, y), own)
+        return WheelPlace(key, (x, y), own)
 
 
 class WheelList(NamedTuple):
@@ -84,12 +84,12 @@ class WheelList(NamedTuple):
         """See :class:`Layout`."""
         return angles(self.wheels)
 
-    def places(self, numbers: Numbers) -> Iterator[Place]:
+    def places(self, numbers: Numbers) -> Iterator[WheelPlace]:
         """See :class:`Layout`."""
         return (wheel.place(numbers, f"wheel[{k}]") for k, wheel in enumerate(self.wheels, 1))
 
 
-class Ring(Table):
+class Ring(TomlTable):
     """``count`` wheels at ``radius (cos, sin)(phase + 2 pi k/count)``, k = 0, 1, ...; ``[ring]``."""
 
     count: Annotated[StrictInt, Field(ge=2, le=MAX_RING)]
@@ -102,15 +102,15 @@ class Ring(Table):
         for k in range(self.count):
             yield self.phase.turn + Fraction(2 * k, self.count)
 
-    def places(self, numbers: Numbers) -> Iterator[Place]:
+    def places(self, numbers: Numbers) -> Iterator[WheelPlace]:
         """See :class:`Layout`."""
         radius = numbers.positive(self.radius, "ring.radius")
         for k in range(self.count):
             x, y = numbers.direction(Angle(self.phase.turn + Fraction(2 * k, self.count)))
-            yield Place(f"ring[{k + 1}]", (radius * x, radius * y), Own())
+            yield WheelPlace(f"ring[{k + 1}]", (radius * x, radius * y), Own())
 
 
-class Grid(Table):
+class Grid(TomlTable):
     """``rows x columns`` wheels at distance ``pitch``, centred on the origin; ``[grid]``.
 
     Numbered from the lowest row up, each row from left to right.
@@ -124,7 +124,7 @@ class Grid(Table):
         """See :class:`Layout`."""
         return angles(self.pitch)
 
-    def places(self, numbers: Numbers) -> Iterator[Place]:
+    def places(self, numbers: Numbers) -> Iterator[WheelPlace]:
         """See :class:`Layout`."""
         if not 2 <= self.rows * self.columns <= MAX_WHEELS:
             count = StatedFact(f"{self.rows} x {self.columns}")
@@ -134,4 +134,4 @@ class Grid(Table):
         xs = [pitch * (k - half_columns) for k in range(self.columns)]
         ys = [pitch * (k - half_rows) for k in range(self.rows)]
         positions = ((x, y) for y in ys for x in xs)
-        return (Place(f"grid[{k}]", position, Own()) for k, position in enumerate(positions, 1))
+        return (WheelPlace(f"grid[{k}]", position, Own()) for k, position in enumerate(positions, 1))

@@ -14,7 +14,7 @@ from nonsmooth.symbolic.files.parameters import parameter_texts, read_parameters
 from nonsmooth.symbolic.files.scene_document import Name
 from nonsmooth.symbolic.files.scene_file import builtin_modes, deep_nesting_refused, read_document
 from nonsmooth.symbolic.files.scene_validation import validate
-from nonsmooth.symbolic.files.scene_values import ExactField, Numbers, Table
+from nonsmooth.symbolic.files.scene_values import ExactField, Numbers, TomlTable
 from nonsmooth.symbolic.files.system_document import RESERVED, read_formulas, read_states
 from nonsmooth.symbolic.files.system_file import build_system
 from nonsmooth.symbolic.mode_system import ModeExit, ModeSystem, OwnMode
@@ -49,7 +49,7 @@ def read_exits(value: object) -> dict[str, object]:
     return dict(value)
 
 
-class ModeTable(Table):
+class ModeTable(TomlTable):
     """One ``[[mode]]``: its right-hand sides, guards towards other modes, and the least time in it."""
 
     name: Annotated[str, PlainValidator(read_name)]
@@ -58,14 +58,14 @@ class ModeTable(Table):
     dwell: ExactField = Fraction(0)
 
 
-class ModeStatesTable(Table):
+class ModeStatesTable(TomlTable):
     """``[system]`` beside modes: the states, and numbers that stand in formulas by name."""
 
     states: Annotated[tuple[str, ...], PlainValidator(read_states)]
     parameters: Annotated[dict[str, object], PlainValidator(read_parameters)] = Field(default_factory=dict)
 
 
-class ModeDocument(Table):
+class ModeDocument(TomlTable):
     """A whole scene file of a system with modes."""
 
     name: Name = None

@@ -17,7 +17,7 @@ from typing import Any
 from nonsmooth.symbolic.expression import ExpressionError, parse_tree
 from nonsmooth.symbolic.files.onnx_file import read_onnx
 from nonsmooth.symbolic.files.parameters import NAME
-from nonsmooth.symbolic.files.scene_values import Table, read_exact
+from nonsmooth.symbolic.files.scene_values import TomlTable, read_exact
 from nonsmooth.symbolic.files.text_files import path_beside, read_text
 from nonsmooth.symbolic.network import Layer, Network, NetworkError, build_network
 from nonsmooth.symbolic.piecewise import MAX_TEXT
@@ -29,7 +29,7 @@ MAX_ROWS = 64  # of a matrix that is read, and entries of a row
 SUFFIXES = (".json", ".onnx")
 
 
-class NetworkTable(Table):
+class NetworkTable(TomlTable):
     """``[[network]]``: its name in formulas, and its file or its layers."""
 
     name: str

@@ -14,7 +14,7 @@ from typing import Annotated, Any
 
 from pydantic import PlainValidator
 
-from nonsmooth.symbolic.files.scene_values import Table
+from nonsmooth.symbolic.files.scene_values import TomlTable
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact
 
 MAX_REGIONS = 12
@@ -36,7 +36,7 @@ def read_texts(value: object) -> tuple[object, ...]:
     return tuple(value)
 
 
-class RegionTable(Table):
+class RegionTable(TomlTable):
     """``[[region]]``: guards such as "x > 0" that all hold there, and one right-hand side for each state."""
 
     where: Annotated[tuple[object, ...], PlainValidator(read_texts)] = ()

@@ -2,7 +2,7 @@
 
 Parameters take their values, interval parameters all their ends; fractions are cleared by one positive factor
 (:mod:`nonsmooth.symbolic.cleared_fractions`); sines and cosines of states are enclosed
-(:mod:`nonsmooth.symbolic.enclosures`).  What comes out is one list of formulas, or several: arbitrary switching.
+(:mod:`nonsmooth.symbolic.sine_enclosures`).  What comes out is one list of formulas, or several: arbitrary switching.
 """
 
 from __future__ import annotations
@@ -13,13 +13,13 @@ from fractions import Fraction
 from typing import Any
 
 from nonsmooth.symbolic.cleared_fractions import Clearing
-from nonsmooth.symbolic.enclosures import Wave, enclosing_formulas, has_waves, named_formulas
 from nonsmooth.symbolic.expression import ExpressionError
 from nonsmooth.symbolic.files.interval_parameters import corners, require_affine
 from nonsmooth.symbolic.files.parameters import parameter_texts, with_parameters
 from nonsmooth.symbolic.files.scene_values import Exact
 from nonsmooth.symbolic.float_formulas import float_value
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact, requirement
+from nonsmooth.symbolic.sine_enclosures import Wave, enclosing_formulas, has_waves, named_formulas
 
 MAX_MEMBERS = 64  # right-hand sides
 

@@ -16,7 +16,7 @@ from nonsmooth.symbolic.files.scene_values import (
     AngleUnit,
     OptionalExact,
     PairField,
-    Table,
+    TomlTable,
 )
 from nonsmooth.symbolic.files.tolerance_table import ToleranceTable
 from nonsmooth.symbolic.files.velocity_fields import AnyField, HeadingField
@@ -51,7 +51,7 @@ Name = Annotated[str | None, PlainValidator(read_name)]
 RuleName = Annotated[str, PlainValidator(read_rule)]
 
 
-class UnitsTable(Table):
+class UnitsTable(TomlTable):
     """``[units]``: of lengths, of speeds (``length`` per second unless stated), and of angles that name no unit."""
 
     length: LengthUnit | None = None
@@ -71,13 +71,13 @@ class UnitsTable(Table):
         return self.speed.length.metres / self.length.metres
 
 
-class StatedUnits(Table):
+class StatedUnits(TomlTable):
     """The one table of a scene file that is read before the others."""
 
     units: UnitsTable = UnitsTable()
 
 
-class FrictionTable(Table):
+class FrictionTable(TomlTable):
     """``[friction]``: Coulomb coefficients, and the direction of the larger one, of every wheel that names none.
 
     Without an axis that direction is the rim of each wheel.
@@ -88,19 +88,19 @@ class FrictionTable(Table):
     axis: HeadingField | None = None
 
 
-class DriveTable(Table):
+class DriveTable(TomlTable):
     """``[drive]``: the largest speed of every wheel that names none; without it speeds are not limited."""
 
     speed_limit: OptionalExact = None
 
 
-class WheelFile(Table):
+class WheelFile(TomlTable):
     """``[wheels]``: a CSV table, its path relative to the scene file and in the scene's folder or below it."""
 
     file: StrictStr
 
 
-class ContactTable(Table):
+class ContactTable(TomlTable):
     """``[contact]``; ``table = [...]`` is short for ``loads = {table = [...]}``."""
 
     rule: RuleName = DEFAULT_RULE
@@ -108,7 +108,7 @@ class ContactTable(Table):
     table: Loads = None
 
 
-class CheckTable(Table):
+class CheckTable(TomlTable):
     """``[check]``: the equilibrium, the half-width of the square about it, a Lyapunov function V, and a length l.
 
     Without a radius it comes from the array (:func:`nonsmooth.symbolic.support_polygon.default_radius`), and so does
@@ -121,7 +121,7 @@ class CheckTable(Table):
     length: OptionalExact = None
 
 
-class Document(Table):
+class SceneDocument(TomlTable):
     """A whole scene file."""
 
     name: Name = None

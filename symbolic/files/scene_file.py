@@ -18,7 +18,7 @@ from typing import Any
 from nonsmooth.symbolic.files.body_table import build_body
 from nonsmooth.symbolic.files.feedback_table import build_loop_errors
 from nonsmooth.symbolic.files.layouts import Layout, WheelList
-from nonsmooth.symbolic.files.scene_document import Document, StatedUnits, UnitsTable
+from nonsmooth.symbolic.files.scene_document import SceneDocument, StatedUnits, UnitsTable
 from nonsmooth.symbolic.files.scene_parts import build_check, build_contact, build_continuum
 from nonsmooth.symbolic.files.scene_validation import validate
 from nonsmooth.symbolic.files.scene_values import Numbers, angle_remarks, angles, field_of
@@ -283,9 +283,9 @@ def _require_array(data: Mapping[str, Any], file: str) -> None:
             raise SceneError(file, key, f"this key in the table [{table}]", StatedFact("it outside of every table"))
 
 
-def _document(data: dict[str, Any], file: str) -> Document:
+def _document(data: dict[str, Any], file: str) -> SceneDocument:
     """The validated tables; the units come first, since they say how angles are read."""
-    return validate(Document, data, file, stated_units(data, file).angle)
+    return validate(SceneDocument, data, file, stated_units(data, file).angle)
 
 
 def stated_units(data: dict[str, Any], file: str) -> UnitsTable:
@@ -301,7 +301,7 @@ def stated_units(data: dict[str, Any], file: str) -> UnitsTable:
     return units
 
 
-def _layout(document: Document, file: str, table: Callable[[], str]) -> Layout:
+def _layout(document: SceneDocument, file: str, table: Callable[[], str]) -> Layout:
     """The one layout of the document; ``table`` reads the text of its table of wheels.
 
     Raises:
@@ -317,13 +317,13 @@ def _layout(document: Document, file: str, table: Callable[[], str]) -> Layout:
     return document.ring or document.grid or WheelList(document.wheel or [])
 
 
-def _turns(document: Document, layout: Layout) -> Iterator[Fraction]:
+def _turns(document: SceneDocument, layout: Layout) -> Iterator[Fraction]:
     yield from layout.turns()
     for table in (document.friction, document.drive, document.field, document.body, document.contact, document.check):
         yield from angles(table)
 
 
-def _remarks(document: Document, layout: Layout) -> Iterator[str]:
+def _remarks(document: SceneDocument, layout: Layout) -> Iterator[str]:
     """What a reader must know about how the files were read."""
     table = layout if isinstance(layout, WheelRows) else WheelRows("", [], [])
     yield from table.remarks

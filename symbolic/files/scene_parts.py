@@ -8,7 +8,7 @@ from nonsmooth.symbolic.body import Body
 from nonsmooth.symbolic.characteristic_length import default_length
 from nonsmooth.symbolic.continuum import ContinuousField
 from nonsmooth.symbolic.files.load_values import build_loads
-from nonsmooth.symbolic.files.scene_document import ContactTable, Document
+from nonsmooth.symbolic.files.scene_document import ContactTable, SceneDocument
 from nonsmooth.symbolic.files.scene_values import Exact, Numbers
 from nonsmooth.symbolic.files.velocity_fields import LINEAR_KINDS
 from nonsmooth.symbolic.files.wheel_builder import speed_of_field
@@ -32,7 +32,7 @@ def build_contact(table: ContactTable, numbers: Numbers, wheels: tuple[Wheel, ..
 
 
 def build_continuum(
-    document: Document, numbers: Numbers, wheels: tuple[Wheel, ...], body: Body | None
+    document: SceneDocument, numbers: Numbers, wheels: tuple[Wheel, ...], body: Body | None
 ) -> ContinuousField:
     """The continuous field that the wheels stand for: that of ``[field]``, or towards or away from the origin."""
     field, zero, one = document.field, numbers.field.zero, numbers.field.one
@@ -50,7 +50,7 @@ def build_continuum(
     return ContinuousField(field.kind, matrix, speed_of_field(document, numbers), (zero, zero), footprint)
 
 
-def build_check(document: Document, numbers: Numbers, wheels: tuple[Wheel, ...]) -> CheckedSquare:
+def build_check(document: SceneDocument, numbers: Numbers, wheels: tuple[Wheel, ...]) -> CheckedSquare:
     """What ``[check]`` says is checked; the square and the length follow from the wheels where it does not say.
 
     Raises:

@@ -7,10 +7,10 @@ from typing import Any, TypeVar, get_args
 
 from pydantic import ValidationError
 
-from nonsmooth.symbolic.files.scene_values import AngleUnit, Table, keys_of
+from nonsmooth.symbolic.files.scene_values import AngleUnit, TomlTable, keys_of
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact, requirement
 
-Model = TypeVar("Model", bound=Table)
+Model = TypeVar("Model", bound=TomlTable)
 
 
 def validate(model: type[Model], data: object, file: str, angle_unit: AngleUnit | None = None) -> Model:
@@ -70,7 +70,7 @@ _EXPECTED = {
 _NO_KIND = ("union_tag_not_found", "union_tag_invalid")
 
 
-def _expected(model: type[Table], detail: Any) -> str:
+def _expected(model: type[TomlTable], detail: Any) -> str:
     """What a pydantic error detail requires, in the words of a scene file."""
     context = detail.get("ctx", {})
     if isinstance(context.get("error"), ValueError):
@@ -84,7 +84,7 @@ def _expected(model: type[Table], detail: Any) -> str:
     return detail["msg"] if known is None else known.format(**context)
 
 
-def _keys(model: type[Table], location: tuple[int | str, ...]) -> list[str]:
+def _keys(model: type[TomlTable], location: tuple[int | str, ...]) -> list[str]:
     """Keys of the table that holds the unknown key."""
     if len(location) == 1:
         return list(keys_of(model))
@@ -93,8 +93,8 @@ def _keys(model: type[Table], location: tuple[int | str, ...]) -> list[str]:
     return list(next(tagged, tables[0]).model_fields)
 
 
-def _tables(annotation: Any) -> Iterator[type[Table]]:
-    if isinstance(annotation, type) and issubclass(annotation, Table):
+def _tables(annotation: Any) -> Iterator[type[TomlTable]]:
+    if isinstance(annotation, type) and issubclass(annotation, TomlTable):
         yield annotation
     for argument in get_args(annotation):
         yield from _tables(argument)

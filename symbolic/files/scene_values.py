@@ -35,13 +35,13 @@ _PLAIN_DECIMAL = re.compile(r"[+-]?([0-9]{1,60}(\.[0-9]{0,60})?([eE][+-]?[0-9]{1
 Exact: TypeAlias = Expression | Fraction
 
 
-class Table(BaseModel):
+class TomlTable(BaseModel):
     """One TOML table: unknown keys are refused."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=True, defer_build=True)
 
 
-def keys_of(table: type[Table]) -> dict[str, FieldInfo]:
+def keys_of(table: type[TomlTable]) -> dict[str, FieldInfo]:
     """The keys of a table as a file writes them."""
     return {field.alias or name: field for name, field in table.model_fields.items()}
 
@@ -181,7 +181,7 @@ def _parts(value: object) -> Iterator[Angle | Expression | PiecewiseExpression]:
         case list() | tuple():
             for item in value:
                 yield from _parts(item)
-        case Table():
+        case TomlTable():
             for _, item in value:
                 yield from _parts(item)
 

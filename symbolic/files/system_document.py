@@ -15,7 +15,7 @@ from nonsmooth.symbolic.files.network_tables import NetworkTable
 from nonsmooth.symbolic.files.parameters import read_parameters
 from nonsmooth.symbolic.files.region_tables import RegionTable
 from nonsmooth.symbolic.files.scene_document import Name
-from nonsmooth.symbolic.files.scene_values import Exact, ExactField, Table, read_exact
+from nonsmooth.symbolic.files.scene_values import Exact, ExactField, TomlTable, read_exact
 from nonsmooth.symbolic.piecewise import NUMBERS, SWITCHES
 
 MAX_STATES = 8
@@ -63,7 +63,7 @@ def read_numbers(value: object) -> tuple[Exact, ...]:
     return tuple(map(read_exact, value))
 
 
-class SystemTable(Table):
+class SystemTable(TomlTable):
     """``[system]``: the states, one right-hand side for each (or ``[[region]]`` tables), and named numbers in them."""
 
     states: Annotated[tuple[str, ...], PlainValidator(read_states)]
@@ -71,7 +71,7 @@ class SystemTable(Table):
     parameters: Annotated[dict[str, object], PlainValidator(read_parameters)] = Field(default_factory=dict)
 
 
-class SystemCheckTable(Table):
+class SystemCheckTable(TomlTable):
     """``[check]``: the equilibrium, the half-width of the cube about it, and a Lyapunov function V."""
 
     equilibrium: Annotated[tuple[Exact, ...] | None, PlainValidator(read_numbers)] = None
@@ -79,7 +79,7 @@ class SystemCheckTable(Table):
     lyapunov: object = None
 
 
-class SystemDocument(Table):
+class SystemDocument(TomlTable):
     """A whole scene file of a switched system."""
 
     name: Name = None

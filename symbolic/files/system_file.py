@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import Any
 
 from nonsmooth.symbolic.cleared_fractions import Clearing
-from nonsmooth.symbolic.enclosures import has_waves
 from nonsmooth.symbolic.expression import ExpressionError
 from nonsmooth.symbolic.files.interval_parameters import split_intervals
 from nonsmooth.symbolic.files.network_tables import called, read_networks
@@ -31,6 +30,7 @@ from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact, requirement
 from nonsmooth.symbolic.signed_roots import SignedRoots, find_rooted
+from nonsmooth.symbolic.sine_enclosures import has_waves
 from nonsmooth.symbolic.switched_system import SeenByRoots, SwitchedSystem, SystemCheck
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from nonsmooth.symbolic.files.scene_values import Angle, AngleField, Exact, ExactField, Numbers, Table
+from nonsmooth.symbolic.files.scene_values import Angle, AngleField, Exact, ExactField, Numbers, TomlTable
 from nonsmooth.symbolic.number_text import short_text
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact
@@ -13,7 +13,7 @@ from nonsmooth.symbolic.tolerances import Tolerance
 QUARTER = Fraction(1, 2)  # of pi: a rim that may turn farther has no direction
 
 
-class ToleranceTable(Table):
+class ToleranceTable(TomlTable):
     """``[tolerance]``: lengths in the scene's unit, ``heading`` an angle, the others shares of the scene's values."""
 
     position: ExactField = Fraction(0)

@@ -16,8 +16,15 @@ from pydantic import Field, StrictInt, StrictStr
 
 from nonsmooth.symbolic.characteristic_length import default_length
 from nonsmooth.symbolic.continuum import ContinuousField
-from nonsmooth.symbolic.files.layouts import Own, Place, WheelTable
-from nonsmooth.symbolic.files.scene_document import ContactTable, Document, DriveTable, FrictionTable, Name, UnitsTable
+from nonsmooth.symbolic.files.layouts import Own, WheelPlace, WheelTable
+from nonsmooth.symbolic.files.scene_document import (
+    ContactTable,
+    DriveTable,
+    FrictionTable,
+    Name,
+    SceneDocument,
+    UnitsTable,
+)
 from nonsmooth.symbolic.files.scene_file import (
     builtin_vehicles,
     deep_nesting_refused,
@@ -32,7 +39,7 @@ from nonsmooth.symbolic.files.scene_values import (
     Numbers,
     OptionalExact,
     PairField,
-    Table,
+    TomlTable,
     angle_remarks,
     angles,
     field_of,
@@ -46,7 +53,7 @@ from nonsmooth.symbolic.plane import Vector
 from nonsmooth.symbolic.scene import CheckedSquare, Scene, Wheel
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact
 from nonsmooth.symbolic.support_polygon import default_radius
-from nonsmooth.symbolic.vehicles.vehicle import Measured, Vehicle
+from nonsmooth.symbolic.vehicles.vehicle import Vehicle, VehicleMeasurement
 
 DEFAULT_RULE = "ellipse"  # rubber on ground, which rolls in no rollers
 MOST_ROWS = 500  # wheels of a side
@@ -54,7 +61,7 @@ FORWARD = Uniform((Fraction(1), Fraction(0)))
 _ZERO, _ONE = Fraction(0), Fraction(1)
 
 
-class VehicleTable(Table):
+class VehicleTable(TomlTable):
     """``[vehicle]``: where the wheels are, the centre of mass, the speeds of both sides, and what was measured.
 
     ``rows`` wheels stand evenly over ``wheel_base`` on each side, ``track`` apart; a tread is a row of many.  Without
@@ -74,7 +81,7 @@ class VehicleTable(Table):
     source: Name = None
 
 
-class VehicleDocument(Table):
+class VehicleDocument(TomlTable):
     """A whole scene file of a vehicle."""
 
     name: Name = None
@@ -125,7 +132,7 @@ def build_vehicle(data: dict[str, Any], file: str, path: Path, *, allow_outside:
     document = validate(VehicleDocument, _with_rule(data), file, stated_units(data, file).angle)
     numbers = Numbers(file, field_of(angles(document), angle_remarks(document)))
     layout = _Layout(document, numbers, _described(document, file, path, allow_outside=allow_outside))
-    common = Document.model_construct(units=document.units, friction=document.friction, drive=document.drive)
+    common = SceneDocument.model_construct(units=document.units, friction=document.friction, drive=document.drive)
     wheels = WheelBuilder(common, numbers).build(layout.places())
     return layout.vehicle(_scene(document, numbers, wheels, path))
 
@@ -196,15 +203,15 @@ class _Layout:
             required = "track and wheel_base, or wheels of [[wheel]] or of urdf"
             raise SceneError(numbers.file, "vehicle.wheel_base", required, StatedFact("nothing"))
 
-    def places(self) -> Iterator[Place]:
+    def places(self) -> Iterator[WheelPlace]:
         """All wheels with what they name themselves."""
         table = self._document.vehicle
         for position in self._rows():
-            yield Place("vehicle", position, Own(heading=FORWARD, speed=self._speed(position)))
+            yield WheelPlace("vehicle", position, Own(heading=FORWARD, speed=self._speed(position)))
         for wheel in self._described:
             x, y = (self._numbers(value, "vehicle.urdf") for value in wheel.position)
             own = Own(heading=Uniform(wheel.heading), speed=table.left if y.sign() > 0 else table.right)
-            yield Place(f"vehicle.urdf {wheel.joint}", (x, y), own)
+            yield WheelPlace(f"vehicle.urdf {wheel.joint}", (x, y), own)
         for k, own_table in enumerate(self._document.wheel, 1):
             place = own_table.place(self._numbers, f"wheel[{k}]")
             own = place.own if place.own.heading is not None else place.own._replace(heading=FORWARD)
@@ -220,7 +227,7 @@ class _Layout:
         measured = None
         if table.measured is not None:
             multiplier = numbers.positive(table.measured, "vehicle.measured")
-            measured = Measured(multiplier, table.source or "")
+            measured = VehicleMeasurement(multiplier, table.source or "")
         return Vehicle(
             scene,
             track=track,

@@ -21,7 +21,7 @@ from nonsmooth.symbolic.files.scene_values import (
     ExactField,
     Numbers,
     PlaneFormula,
-    Table,
+    TomlTable,
     read_angle,
     read_exact,
     read_pair,
@@ -59,7 +59,7 @@ class VelocityField(Protocol):
         """The map ``p -> Psi(p)`` in the scene's number field; ``key`` names it in errors."""
 
 
-class FieldTable(Table):
+class FieldTable(TomlTable):
     """Keys that every ``[field]`` has."""
 
     speed: Annotated[Speed, PlainValidator(read_speed)] = "unit"
@@ -141,7 +141,7 @@ class Formulas(FieldTable):
         return value
 
 
-class Outward(Table):
+class Outward(TomlTable):
     """``Psi = (x, y)``."""
 
     def psi(self, numbers: Numbers, key: str) -> Psi:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from nonsmooth.symbolic.files.layouts import Own, Place
-from nonsmooth.symbolic.files.scene_document import Document
+from nonsmooth.symbolic.files.layouts import Own, WheelPlace
+from nonsmooth.symbolic.files.scene_document import SceneDocument
 from nonsmooth.symbolic.files.scene_values import Exact, Numbers
 from nonsmooth.symbolic.files.velocity_fields import INWARD
 from nonsmooth.symbolic.number_text import short_text
@@ -18,7 +18,7 @@ from nonsmooth.symbolic.scene_error import SceneError, StatedFact
 class WheelBuilder:
     """Builds the wheels of one scene; equal friction is one shared object."""
 
-    def __init__(self, document: Document, numbers: Numbers) -> None:
+    def __init__(self, document: SceneDocument, numbers: Numbers) -> None:
         self._numbers, self._document = numbers, document
         self._psi = (document.field or INWARD).psi(numbers, "field")
         self._unit_speed = unit_speed(document, numbers)
@@ -27,7 +27,7 @@ class WheelBuilder:
         self._limits: dict[Exact | None, Number | None] = {}
         self._names: dict[frozenset[str], frozenset[str]] = {}
 
-    def build(self, places: Iterable[Place]) -> tuple[Wheel, ...]:
+    def build(self, places: Iterable[WheelPlace]) -> tuple[Wheel, ...]:
         """Wheels numbered from 1.
 
         Raises:
@@ -46,7 +46,7 @@ class WheelBuilder:
             raise self._error("wheel", "at least two wheels", StatedFact(f"{len(wheels)}"))
         return tuple(wheels)
 
-    def _wheel(self, index: int, place: Place) -> Wheel:
+    def _wheel(self, index: int, place: WheelPlace) -> Wheel:
         own = place.own
         if own.speed is not None:
             speed: Number | None = self._converted(self._numbers(own.speed, f"{place.key}.speed"))
@@ -61,12 +61,12 @@ class WheelBuilder:
             self._refuse_above(limit, wheel, place)
         return wheel
 
-    def _named(self, place: Place) -> frozenset[str]:
+    def _named(self, place: WheelPlace) -> frozenset[str]:
         """What a wheel states itself; equal sets are one shared object."""
         names = frozenset(key for key, value in zip(Own._fields, place.own, strict=True) if value is not None)
         return self._names.setdefault(names, names)
 
-    def _limit(self, place: Place) -> Number | None:
+    def _limit(self, place: WheelPlace) -> Number | None:
         """The largest speed of a wheel in lengths per second; equal limits are one shared number."""
         own = place.own.speed_limit
         if own not in self._limits:
@@ -75,7 +75,7 @@ class WheelBuilder:
             self._limits[own] = None if value is None else self._converted(self._numbers.positive(value, key))
         return self._limits[own]
 
-    def _refuse_above(self, limit: Number, wheel: Wheel, place: Place) -> None:
+    def _refuse_above(self, limit: Number, wheel: Wheel, place: WheelPlace) -> None:
         """Refuse a wheel whose own speed is above its limit.
 
         Raises:
@@ -91,7 +91,7 @@ class WheelBuilder:
         required = f"at wheel {wheel.index} a speed within its speed_limit {short_text(limit)}{unit}"
         raise self._error(key, required, StatedFact(f"{short_text(wheel.speed)}{unit}"))
 
-    def _direction(self, index: int, place: Place) -> Vector:
+    def _direction(self, index: int, place: WheelPlace) -> Vector:
         heading, key = place.own.heading, "field"
         if heading is None:
             direction = self._psi(place.position)
@@ -101,7 +101,7 @@ class WheelBuilder:
         self._refuse_none(direction, key, index, place, "a heading")
         return direction
 
-    def _axis(self, index: int, place: Place, direction: Vector) -> Vector | None:
+    def _axis(self, index: int, place: WheelPlace, direction: Vector) -> Vector | None:
         """The friction axis, on the side of the rim's heading; None where it is the rim."""
         own, common = place.own.axis, self._document.friction.axis
         key = "friction.axis" if own is None else f"{place.key}.axis"
@@ -114,7 +114,7 @@ class WheelBuilder:
             return None
         return (-axis[0], -axis[1]) if dot(axis, direction).sign() < 0 else axis
 
-    def _refuse_none(self, direction: Vector, key: str, index: int, place: Place, what: str) -> None:
+    def _refuse_none(self, direction: Vector, key: str, index: int, place: WheelPlace, what: str) -> None:
         """Refuse a vector of length zero, as inward is at the origin.
 
         Raises:
@@ -129,7 +129,7 @@ class WheelBuilder:
         """A speed of the file in lengths per second; large tables hold many, so nothing is done to most."""
         return speed if self._unit_speed is self._numbers.field.one else speed * self._unit_speed
 
-    def _friction(self, index: int, place: Place) -> Friction:
+    def _friction(self, index: int, place: WheelPlace) -> Friction:
         named = place.own.mu_roll, place.own.mu_side
         if named not in self._frictions:
             roll = self._coefficient("mu_roll", named[0], index, place)
@@ -140,7 +140,7 @@ class WheelBuilder:
             self._frictions[named] = Friction(roll, side)
         return self._frictions[named]
 
-    def _coefficient(self, name: str, own: Exact | None, index: int, place: Place) -> Number:
+    def _coefficient(self, name: str, own: Exact | None, index: int, place: WheelPlace) -> Number:
         key = f"friction.{name}" if own is None else f"{place.key}.{name}"
         value: Exact | None = getattr(self._document.friction, name) if own is None else own
         if value is None:
@@ -154,7 +154,7 @@ class WheelBuilder:
         return SceneError(self._numbers.file, key, expected, value)
 
 
-def speed_of_field(document: Document, numbers: Numbers) -> Number | None:
+def speed_of_field(document: SceneDocument, numbers: Numbers) -> Number | None:
     """What the field of a scene says of speeds, in lengths per second; None for its own magnitude."""
     speed = (document.field or INWARD).speed
     if speed == "magnitude":
@@ -163,7 +163,7 @@ def speed_of_field(document: Document, numbers: Numbers) -> Number | None:
     return unit if speed == "unit" else numbers(speed, "field.speed") * unit
 
 
-def unit_speed(document: Document, numbers: Numbers) -> Number:
+def unit_speed(document: SceneDocument, numbers: Numbers) -> Number:
     """The file's unit of speed in lengths per second."""
     factor = document.units.speed_factor
     return numbers.field.one if factor == 1 else numbers.field.rational(factor)

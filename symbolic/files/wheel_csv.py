@@ -15,7 +15,7 @@ from difflib import get_close_matches
 from fractions import Fraction
 from typing import Any, NamedTuple
 
-from nonsmooth.symbolic.files.layouts import MAX_WHEELS, Own, Place
+from nonsmooth.symbolic.files.layouts import MAX_WHEELS, Own, WheelPlace
 from nonsmooth.symbolic.files.scene_values import AngleUnit, Exact, Numbers, angles, read_exact
 from nonsmooth.symbolic.files.velocity_fields import Heading, read_heading
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact, requirement
@@ -49,11 +49,11 @@ class WheelRows(NamedTuple):
         """See :class:`nonsmooth.symbolic.files.layouts.Layout`."""
         return angles(self.cells)
 
-    def places(self, numbers: Numbers) -> Iterator[Place]:
+    def places(self, numbers: Numbers) -> Iterator[WheelPlace]:
         """See :class:`nonsmooth.symbolic.files.layouts.Layout`."""
         for row in self.rows:
             key = f"{self.name}:{row.line}"
-            yield Place(key, (numbers(row.x, f"{key}.x"), numbers(row.y, f"{key}.y")), row.own)
+            yield WheelPlace(key, (numbers(row.x, f"{key}.x"), numbers(row.y, f"{key}.y")), row.own)
 
     @property
     def remarks(self) -> tuple[str, ...]:

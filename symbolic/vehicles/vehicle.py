@@ -18,7 +18,7 @@ from nonsmooth.symbolic.scene import Scene
 
 
 @dataclass(frozen=True)
-class Measured:
+class VehicleMeasurement:
     """What somebody measured, or ships with the vehicle.
 
     Attributes:
@@ -51,7 +51,7 @@ class Vehicle:
     left: Number | None = None
     right: Number | None = None
     wheel_radius: Number | None = None
-    measured: Measured | None = None
+    measured: VehicleMeasurement | None = None
     description: str = ""
 
     @property

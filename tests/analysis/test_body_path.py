@@ -16,10 +16,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from nonsmooth.analysis.bodies.body_stretch import DenseStep
 from nonsmooth.analysis.bodies.contact_sets import ContactSets
 from nonsmooth.analysis.bodies.first_change import first_change
 from nonsmooth.analysis.bodies.path import BodyPath
-from nonsmooth.analysis.bodies.stretch import Part
 from nonsmooth.analysis.contact_rule import SmoothRule, contact_rule
 from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
 from nonsmooth.analysis.minimizers.ellipse_minimizer import WarmInterior
@@ -326,5 +326,5 @@ def test_a_change_that_only_many_states_together_show_is_the_end_of_its_interval
         above = 1.0 - states[:, :1]
         return above - 1e-12 if len(states) > 1 else above + 1e-12
 
-    part = Part(0.0, 1.0, lambda times: np.array([times]))
+    part = DenseStep(0.0, 1.0, lambda times: np.array([times]))
     assert first_change(signals, part, first=False) == (1.0, 0, 1)

@@ -13,7 +13,7 @@ from scipy.integrate import solve_ivp
 
 from nonsmooth.analysis.continuum.idealization import NoIdealizationError, footprints, idealization, predictions
 from nonsmooth.analysis.continuum.moments import moments
-from nonsmooth.analysis.continuum.prediction import Heading, Prediction, Rotation, predict
+from nonsmooth.analysis.continuum.prediction import HeadingEffect, MomentFreeHeading, Prediction, predict
 from nonsmooth.analysis.continuum.unit_fields import Floats, disc_stiffness, polygon_wrench
 from nonsmooth.symbolic.continuum import ContinuousField, Disc, PolygonShape
 from nonsmooth.symbolic.files.body_table import rectangle
@@ -193,7 +193,7 @@ def test_a_rectangle_lies_along_the_weaker_pull(speed: int | None) -> None:
             first, second = found.headings
             assert (first.theta, second.theta) == pytest.approx((0, math.pi / 2), abs=ROOT)
             assert (first.stable, second.stable) == ((True, False) if weaker_along_x == wide_shape else (False, True))
-            assert (found.rotation, found.attracts, found.offset) == (Rotation.ORIENTS, True, 0)
+            assert (found.rotation, found.attracts, found.offset) == (HeadingEffect.ORIENTS, True, 0)
 
 
 @pytest.mark.parametrize("shape", [TRIANGLE, ELL])
@@ -220,7 +220,7 @@ def test_the_moment_of_a_linear_field(shape: list[tuple[int, int]]) -> None:
 def test_a_square_is_turned_by_a_field_of_constant_size_only() -> None:
     """Its second moments are isotropic, so a linear field leaves it alone; the fourth harmonic does not."""
     square = rectangle(FIELD(1), FIELD(1))
-    assert predict(field(ELLIPTIC, None), square).rotation is Rotation.KEEPS
+    assert predict(field(ELLIPTIC, None), square).rotation is HeadingEffect.KEEPS
     found = predict(field(ELLIPTIC), square)
     assert [h.theta for h in found.headings] == pytest.approx([0, math.pi / 4, math.pi / 2, 3 * math.pi / 4], abs=ROOT)
     assert [h.stable for h in found.headings] == [False, True, False, True]
@@ -230,7 +230,7 @@ def test_a_disc_keeps_its_heading() -> None:
     for matrix in (RADIAL, ELLIPTIC, SADDLE):
         for speed in (None, 1):
             found = predict(field(matrix, speed), Disc(FIELD(1)))
-            assert (found.rotation, found.headings) == (Rotation.KEEPS, ())
+            assert (found.rotation, found.headings) == (HeadingEffect.KEEPS, ())
             assert found.attracts == (matrix is not SADDLE)
 
 
@@ -239,7 +239,7 @@ def test_a_radial_field_has_a_pivot_and_no_heading(shape: list[tuple[int, int]])
     """The body point at the field's centre is the same at every heading, and the moment there vanishes."""
     body = polygon(shape)
     found = predict(field(RADIAL), body)
-    assert (found.rotation, found.attracts) == (Rotation.KEEPS, True)
+    assert (found.rotation, found.attracts) == (HeadingEffect.KEEPS, True)
     assert found.offset > 0.05
     a, vertices = np.array(RADIAL, dtype=float), floats(body)
     result = solve_ivp(
@@ -258,7 +258,7 @@ def test_a_radial_field_has_a_pivot_and_no_heading(shape: list[tuple[int, int]])
 def test_a_spiral_turns_everything(speed: int | None) -> None:
     for shape in (Disc(FIELD(1)), rectangle(FIELD(2), FIELD(1)), polygon(ELL)):
         found = predict(field(SPIRAL, speed), shape)
-        assert (found.rotation, found.attracts, found.headings) == (Rotation.TURNS, True, ())
+        assert (found.rotation, found.attracts, found.headings) == (HeadingEffect.TURNS, True, ())
     outward = ((4, 3), (-3, 4))
     assert predict(field(outward, speed), Disc(FIELD(1))).attracts is False
     for shape in (Disc(FIELD(1)), rectangle(FIELD(2), FIELD(1)), polygon(ELL)):  # no pull inward at all: it circles
@@ -349,7 +349,7 @@ def test_only_directions_matter(tmp_path: Path) -> None:
 
 def test_outward_wheels_drive_away() -> None:
     for found in predictions(load_scene("outward")):
-        assert (found.field.kind, found.attracts, found.rotation) == ("outward", False, Rotation.KEEPS)
+        assert (found.field.kind, found.attracts, found.rotation) == ("outward", False, HeadingEffect.KEEPS)
 
 
 def test_an_object_of_the_scene_is_used(tmp_path: Path) -> None:
@@ -357,7 +357,7 @@ def test_an_object_of_the_scene_is_used(tmp_path: Path) -> None:
     (found,) = predictions(scene_of(tmp_path, f'{law}[body]\nshape = "rectangle"\nwidth = 3\nheight = 1\n'))
     assert isinstance(found.footprint, PolygonShape)
     assert floats(found.footprint).tolist() == [[-1.5, -0.5], [1.5, -0.5], [1.5, 0.5], [-1.5, 0.5]]
-    assert found.headings == (Heading(0.0, True), Heading(math.pi / 2, False))
+    assert found.headings == (MomentFreeHeading(0.0, True), MomentFreeHeading(math.pi / 2, False))
 
 
 def test_wheels_in_line_are_covered_by_a_disc_alone(tmp_path: Path) -> None:

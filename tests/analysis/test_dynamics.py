@@ -10,7 +10,7 @@ from cvxpy.atoms.quad_over_lin import quad_over_lin
 from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.analysis.dynamics.friction_forces import EllipseFriction
 from nonsmooth.analysis.dynamics.moving_loads import MovingLoads
-from nonsmooth.analysis.dynamics.newton_euler import Body, NewtonEuler, array_size, disc, simulate_dynamics
+from nonsmooth.analysis.dynamics.newton_euler import NewtonEuler, RigidBody, array_size, disc, simulate_dynamics
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contact_model
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.analysis.minimizers.float_loads import loads_at
@@ -61,7 +61,7 @@ def test_load_table_is_followed_and_its_slope_is_its_own() -> None:
 @pytest.mark.parametrize("seed", range(4))
 def test_jacobian_is_the_derivative_of_the_rate(seed: int) -> None:
     model, rng = random_model(seed), np.random.default_rng(seed)
-    equations = NewtonEuler(model, Body(0.3, 0.2), MovingLoads(model, np.zeros(2)), creep=0.1)
+    equations = NewtonEuler(model, RigidBody(0.3, 0.2), MovingLoads(model, np.zeros(2)), creep=0.1)
     for _ in range(10):
         state = rng.uniform(-0.3, 0.3, 6)
         step = 1e-6
@@ -125,7 +125,7 @@ def test_parallel_rims_brake_by_their_own_coefficient(axis: int, mu: float) -> N
 def test_spin_about_the_middle_brakes_by_the_friction_of_all_wheels_across_their_rims() -> None:
     """Inward rims: ``I omega' = -mu_S R`` with R the distance of the wheels."""
     model = stopped((1.0, 0.5), rims=-np.array(SQUARE))
-    body = Body(0.1, 0.3)
+    body = RigidBody(0.1, 0.3)
     path = simulate_dynamics(model, body, (0.0, 0.0, 0.0), 0.3, (0.0, 0.0, 2.0))
     expected = 2.0 * 0.3 - 0.5 * np.sqrt(2) / 0.3 * 0.3**2 / 2
     assert np.allclose(path.trajectory.end.state, (0.0, 0.0, expected), atol=PATH)
@@ -153,7 +153,7 @@ def test_faster_wheels_under_a_lighter_body_follow_the_same_path_sooner(factor: 
     fast = ContactModel.build(model.positions, model.rims, factor * model.speeds, model.friction.reshape(-1, 2))
     body = disc(model, 0.2)
     slow_path = simulate_dynamics(model, body, START, 1.0)
-    lighter = Body(body.mass / factor**2, body.inertia / factor**2)
+    lighter = RigidBody(body.mass / factor**2, body.inertia / factor**2)
     fast_path = simulate_dynamics(fast, lighter, START, 1.0 / factor)
     times = np.linspace(0, 1, 21)
     difference = slow_path.trajectory.sample(times) - fast_path.trajectory.sample(times / factor)
@@ -190,7 +190,7 @@ def test_stopped_wheels_only_take_energy(seed: int) -> None:
 # ---- another integrator --------------------------------------------------------------------------
 
 
-def moreau_path(model: ContactModel, body: Body, start: tuple[float, ...], until: float, steps: int) -> Floats:
+def moreau_path(model: ContactModel, body: RigidBody, start: tuple[float, ...], until: float, steps: int) -> Floats:
     """Poses by Moreau's time stepping: set-valued friction, no creep speed, one cone program for each step.
 
     ``min_z (z - z_k)^T M (z - z_k)/2 + h D(z)`` for the velocity z at the end of a step of length h.
@@ -255,7 +255,7 @@ def test_start_without_loads_is_refused() -> None:
 @pytest.mark.parametrize(("mass", "inertia"), [(0.0, 1.0), (1.0, -1.0), (np.inf, 1.0), (1.0, np.nan)])
 def test_body_without_positive_mass_is_refused(mass: float, inertia: float) -> None:
     with pytest.raises(ValueError, match="required a positive number"):
-        Body(mass, inertia)
+        RigidBody(mass, inertia)
 
 
 def test_disc_is_as_large_as_the_array() -> None:

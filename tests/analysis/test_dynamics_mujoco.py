@@ -22,7 +22,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from nonsmooth.analysis.dynamics.newton_euler import Body, simulate_dynamics
+from nonsmooth.analysis.dynamics.newton_euler import RigidBody, simulate_dynamics
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
@@ -178,7 +178,7 @@ def test_engines_path_is_that_of_full_dynamics(friction: tuple[float, float], un
     wheels, start = array(friction, speed=1e-3), (0.2, 0.45)
     plate = engine(wheels, start, timestep=5e-3, time_constant=0.02)
     inertia = plate.model.body_inertia[1, 2]
-    body = Body(1 / GRAVITY, inertia / GRAVITY)  # the plate weighs one kilogram
+    body = RigidBody(1 / GRAVITY, inertia / GRAVITY)  # the plate weighs one kilogram
     path = simulate_dynamics(wheels, body, (*start, 0.0), until).trajectory
     for quarter in range(1, 5):
         plate.step(until / 4)

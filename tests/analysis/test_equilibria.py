@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from nonsmooth.analysis.cells.box import build_box_partition
-from nonsmooth.analysis.cells.equilibria import Place, RestPlace, find_equilibria, shared_sides
+from nonsmooth.analysis.cells.equilibria import EquilibriumPlace, RestPlace, find_equilibria, shared_sides
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.cells.polygon import Point
@@ -44,7 +44,7 @@ def test_with_side_friction_first_both_axes_are_equilibria(arrays: Arrays) -> No
 
 def test_the_rest_area_of_rule_box_is_one_diamond(arrays: Arrays) -> None:
     (area,) = find_equilibria(build_box_partition(arrays.four_wheel((1, Fraction(1, 5)))))
-    assert area.place is Place.AREA
+    assert area.place is EquilibriumPlace.AREA
     assert {(str(x), str(y)) for x, y in area.points} == {("1/5", "0"), ("-1/5", "0"), ("0", "1/5"), ("0", "-1/5")}
 
 
@@ -60,7 +60,7 @@ def test_a_cell_may_turn_about_a_point_of_its_own(arrays: Arrays) -> None:
     """Three tangential rims: every cell turns about the origin, which all of them share."""
     scene = arrays.scene(arrays.inward([(1, 0), (-1, 0), (0, 1), (0, -1)], turn=(0, 1)), friction=(1, Fraction(1, 10)))
     found = find_equilibria(build_box_partition(replace(scene, check=replace(scene.check, radius=scene.field(1) / 4))))
-    assert (str(Place.CENTRE), frozenset({("0", "0")})) in places(found)
+    assert (str(EquilibriumPlace.CENTRE), frozenset({("0", "0")})) in places(found)
 
 
 @pytest.mark.parametrize("count", keep(1, [100, 300]))
@@ -71,7 +71,7 @@ def test_motions_that_tie_in_a_cell_may_cancel_along_a_line_or_everywhere(arrays
         n = len(equilibrium.points)
         assert holds_zero(partition, tuple(sum(p[k] for p in equilibrium.points) / n for k in (0, 1)))
     scanned = np.random.default_rng(0).uniform(-0.5, 0.5, (count, 2))
-    areas = [e for e in find_equilibria(partition) if e.place is Place.AREA]
+    areas = [e for e in find_equilibria(partition) if e.place is EquilibriumPlace.AREA]
     assert not areas
     assert not any(holds_zero(partition, (Fraction(x), Fraction(y))) for x, y in scanned)
 
@@ -112,7 +112,11 @@ def test_equilibria_on_sides_against_a_scan(arrays: Arrays, seed: int) -> None:
     rng = np.random.default_rng(seed)
     scene = arrays.with_friction(arrays.random(seed, int(rng.integers(3, 7))), ROLL)
     partition = build_nearest_partition(scene)
-    found = [np.array([float(x) for x in e.points[0]]) for e in find_equilibria(partition) if e.place is Place.SIDE]
+    found = [
+        np.array([float(x) for x in e.points[0]])
+        for e in find_equilibria(partition)
+        if e.place is EquilibriumPlace.SIDE
+    ]
     crossings = opposed = 0
     for side in shared_sides(partition):
         a, b = side.first.twists[0], side.second.twists[0]

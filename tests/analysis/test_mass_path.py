@@ -11,7 +11,7 @@ import pytest
 
 from nonsmooth.analysis.bodies.mass_path import HELD, MassPath
 from nonsmooth.analysis.bodies.plate import plate
-from nonsmooth.analysis.dynamics.newton_euler import Body, DynamicPath, simulate_dynamics
+from nonsmooth.analysis.dynamics.newton_euler import DynamicPath, RigidBody, simulate_dynamics
 from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind
 from nonsmooth.symbolic.contact_set import whole
@@ -31,7 +31,7 @@ OFF = 3e-3  # lengths and radians: what that creep and the steps change
 POSE_ERROR = 1e-9
 
 
-def followed(scene: Scene, body: Body, start: tuple[float, float, float], until: float) -> DynamicPath:
+def followed(scene: Scene, body: RigidBody, start: tuple[float, float, float], until: float) -> DynamicPath:
     array = whole(scene)
     return MassPath(array, contact_model(array), body).follow(start, until)
 
@@ -47,7 +47,7 @@ def carton() -> tuple[Scene, Depths]:
 def test_wheels_enter_and_leave_as_in_small_steps(until: float, steps: int) -> None:
     scene, depths = carton()
     start, masses = (1.3, 0.15, 0.0), (0.1, 0.15)
-    path = followed(scene, Body(*masses), start, until)
+    path = followed(scene, RigidBody(*masses), start, until)
     kinds = [event.kind for event in path.trajectory.events]
     assert kinds == [EventKind.LEAVE, EventKind.LEAVE, EventKind.ENTER, EventKind.ENTER]
     expected = small_steps_of_mass(scene, depths, np.array(start), until, steps, masses, CREEP)
@@ -73,7 +73,7 @@ def pushed_back(arrays: Arrays) -> tuple[Scene, Depths]:
 def test_a_wheel_that_swings_across_the_edge_is_held_there(arrays: Arrays) -> None:
     scene, depths = pushed_back(arrays)
     start, until, masses = (0.3, -0.2, 0.0), 0.45, (0.01, 0.015)
-    path = followed(scene, Body(*masses), start, until)
+    path = followed(scene, RigidBody(*masses), start, until)
     *swings, held = path.trajectory.events
     assert {event.kind for event in swings} == {EventKind.ENTER, EventKind.LEAVE}
     assert len(swings) > 20
@@ -88,7 +88,7 @@ def test_a_wheel_that_swings_across_the_edge_is_held_there(arrays: Arrays) -> No
 
 def test_a_body_over_all_wheels_moves_as_without_an_outline(arrays: Arrays) -> None:
     scene = arrays.four_wheel(turn=(Fraction(4, 5), Fraction(3, 5)))
-    body, start = Body(0.1, 0.05), (0.35, 0.2, 0.4)
+    body, start = RigidBody(0.1, 0.05), (0.35, 0.2, 0.4)
     path = followed(on(scene, Disc(scene.field(9))), body, start, 1.0)
     expected = simulate_dynamics(contact_model(scene), body, start, 1.0)
     assert not path.trajectory.events
@@ -98,7 +98,7 @@ def test_a_body_over_all_wheels_moves_as_without_an_outline(arrays: Arrays) -> N
 def test_a_body_tips_over_the_side_its_centre_crosses(arrays: Arrays) -> None:
     corners: list[Pair] = [(1, 1), (-1, 1), (-1, -1), (1, -1)]
     scene = arrays.scene([WheelData(at, (20, 1), 1) for at in corners])
-    path = followed(on(scene, Disc(scene.field(9))), Body(0.1, 0.1), (0.1, 0.05, 0.0), 5.0).trajectory
+    path = followed(on(scene, Disc(scene.field(9))), RigidBody(0.1, 0.1), (0.1, 0.05, 0.0), 5.0).trajectory
     assert path.end.reason is EndReason.TIPS
     assert path.end.state[0] == pytest.approx(1, abs=POSE_ERROR)
     assert path.events[-1].surface == "over the line through wheels 4 and 1"
@@ -107,7 +107,7 @@ def test_a_body_tips_over_the_side_its_centre_crosses(arrays: Arrays) -> None:
 def test_a_start_that_tips_is_refused() -> None:
     scene, _ = carton()
     with pytest.raises(ValueError, match="received one where it tips"):
-        followed(scene, Body(0.1, 0.1), (2.9, 2.9, 0.0), 1.0)
+        followed(scene, RigidBody(0.1, 0.1), (2.9, 2.9, 0.0), 1.0)
 
 
 def test_inertia_is_that_of_the_plate(arrays: Arrays) -> None:

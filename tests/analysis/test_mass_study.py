@@ -10,7 +10,7 @@ import pytest
 from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.analysis.dynamics.ellipse_path import ellipse_path
 from nonsmooth.analysis.dynamics.mass_study import MassStudy, mass_ladder, mass_study, path_distance, rule_path
-from nonsmooth.analysis.dynamics.newton_euler import Body, disc, simulate_dynamics
+from nonsmooth.analysis.dynamics.newton_euler import RigidBody, disc, simulate_dynamics
 from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.analysis.minimizers.float_loads import loads_at
@@ -41,7 +41,7 @@ def test_study_is_a_table_in_a_notebook(study: MassStudy) -> None:
 
 
 def test_ladder_keeps_the_shape_of_the_body() -> None:
-    ladder = mass_ladder(Body(0.1, 0.3), 3)
+    ladder = mass_ladder(RigidBody(0.1, 0.3), 3)
     assert [body.mass for body in ladder] == pytest.approx([0.1, 0.01, 0.001])
     assert [body.inertia / body.mass for body in ladder] == pytest.approx([3.0] * 3)
 

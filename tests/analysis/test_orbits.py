@@ -11,9 +11,9 @@ from nonsmooth.analysis.cells.full_turns import Growth, full_turns
 from nonsmooth.analysis.cells.polygon import HalfPlane, square
 from nonsmooth.analysis.fields.constant_field import ConstantField, piecewise_constant
 from nonsmooth.analysis.fields.system_field import constant_system
-from nonsmooth.analysis.trajectories import constant
-from nonsmooth.analysis.trajectories.constant import MAX_LEGS
+from nonsmooth.analysis.trajectories import piecewise_constant as paths
 from nonsmooth.analysis.trajectories.junction import signs_of
+from nonsmooth.analysis.trajectories.piecewise_constant import MAX_LEGS
 from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.analysis.trajectories.turns import Turns
@@ -80,7 +80,7 @@ def test_states_within_the_turns_are_exact_too() -> None:
 
 @pytest.mark.parametrize("legs", keep(1, [1_000, MAX_LEGS]))
 def test_floats_take_turns_at_once_only_where_the_orbit_closes(legs: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(constant, "MAX_LEGS", legs)
+    monkeypatch.setattr(paths, "MAX_LEGS", legs)
     start = (0.25, 0.25, 0.0)  # binary fractions: the orbit closes to the last bit
     path = simulate(relay(exact=False), start, 2e6 + 0.125)
     assert path.end.state[:2] == pytest.approx((0.375, 0.125), abs=1e-9)

@@ -10,13 +10,13 @@ from scipy.optimize import minimize
 
 import nonsmooth as ns
 from nonsmooth.analysis.fields.contact_model import Floats
-from nonsmooth.analysis.pushes import records
+from nonsmooth.analysis.pushes import measured_pushes
 from nonsmooth.analysis.pushes.contacts import Contacts, Push, Tip, push
+from nonsmooth.analysis.pushes.limit_surfaces import exponents, fit_surface, monomials
+from nonsmooth.analysis.pushes.measured_pushes import angles, load_pushes
 from nonsmooth.analysis.pushes.models import MODELS, isotropic_contacts
 from nonsmooth.analysis.pushes.ranking import Direction, Ranked, differences, median_interval, rank
-from nonsmooth.analysis.pushes.records import angles, load_pushes
 from nonsmooth.analysis.pushes.supports import SUPPORTS, support_loads, support_points
-from nonsmooth.analysis.pushes.surfaces import exponents, fit_surface, monomials
 from tests.thorough import keep, thorough
 
 BODIES = 60  # random pushes
@@ -156,7 +156,7 @@ def test_the_table_holds_eight_logs_of_fifty_pushes_and_says_where_it_is_from() 
     assert [(log.surface, log.support_set, len(log)) for log in load_pushes()] == [
         (surface, number, 50) for surface in ("plywood", "hardboard") for number in SUPPORTS
     ]
-    page = (Path(records.__file__).parent / "data" / "README.md").read_text(encoding="utf-8")
+    page = (Path(measured_pushes.__file__).parent / "data" / "README.md").read_text(encoding="utf-8")
     assert all(word in page for word in ("1602.06056", "robinzhoucmu/Pushing", "Apache", "Changes"))
 
 
@@ -190,7 +190,7 @@ def test_fitted_models_are_judged_on_pushes_that_they_have_not_seen(name: str) -
     found: Ranked = rank(Direction.WRENCH, [model], [log])[0]
     assert found.median < 25
     dealt = np.random.default_rng(4).permutation(50)
-    mixed = records.PushLog(log.surface, log.support_set, log.motions, log.wrenches[dealt])
+    mixed = measured_pushes.PushLog(log.surface, log.support_set, log.motions, log.wrenches[dealt])
     assert rank(Direction.WRENCH, [model], [mixed])[0].median > 50
 
 

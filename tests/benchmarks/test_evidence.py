@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
-from nonsmooth.reports.evidence.claim import Kind
+from nonsmooth.reports.evidence.claim import ClaimKind
 from nonsmooth.reports.evidence.pack import gather
 from nonsmooth.reports.evidence.page import claims_table, ranking_table
 from tests.engine_arrays import ARRAYS, table
@@ -30,7 +30,7 @@ def test_all_pushes_and_claims_are_those_of_the_page(stopwatch: Stopwatch) -> No
     seconds = time.perf_counter() - start
     stopwatch.report(f"the evidence pack: {seconds:.0f} s")
     assert seconds < SECONDS
-    assert all(claims_table(found, kind) in PAGE for kind in Kind)
+    assert all(claims_table(found, kind) in PAGE for kind in ClaimKind)
     assert found.pushes is not None
     assert ranking_table(found.pushes) in PAGE
 

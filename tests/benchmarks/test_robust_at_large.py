@@ -10,7 +10,7 @@ import pytest
 
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.analysis.minimizers.float_loads import loads_at
-from nonsmooth.proofs.robust.box import BoxRule
+from nonsmooth.proofs.robust.box import BoxRingProof
 from nonsmooth.proofs.robust.nearest import inner_radius
 from nonsmooth.proofs.robust.smooth_disc import SmoothDisc
 from nonsmooth.symbolic.files.scene_file import load_scene
@@ -34,7 +34,7 @@ ROUNDING = 1e-7
 def test_no_array_breaks_the_disc(name: str, radius: str, stopwatch: Stopwatch) -> None:
     scene = load_scene(name, rule="box", radius=radius).recentred()
     within, rng = small_box(scene), np.random.default_rng(20)
-    rule = BoxRule(scene)
+    rule = BoxRingProof(scene)
     found, rests = rule.disc(within, Fraction(radius)), float(rule.rest_radius(within, Fraction(radius)))
     assert found is not None
     slowest, moved = np.inf, 0.0

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import pytest
 
 from nonsmooth.reports.sweeps.base import base_of
-from nonsmooth.reports.sweeps.plan import read_plan
 from nonsmooth.reports.sweeps.sweep import Means, run_sweep
-from nonsmooth.reports.sweeps.workers import Pool, Task, Work
+from nonsmooth.reports.sweeps.sweep_plan import read_plan
+from nonsmooth.reports.sweeps.workers import ProcessPool, Task, Work
 from nonsmooth.symbolic.files.scene_file import read_document
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ def tasks(first: int) -> list[Task]:
     return [Task(f"{k}", (f"{k}/1009",)) for k in range(first, first + SCENES)]
 
 
-def run_all(pool: Pool, waiting: list[Task]) -> None:
+def run_all(pool: ProcessPool, waiting: list[Task]) -> None:
     done = 0
     while done < SCENES:
         room = max(pool.room, 0)
@@ -44,7 +44,7 @@ def run_all(pool: Pool, waiting: list[Task]) -> None:
 
 
 def test_a_warm_worker_takes_little_longer_than_this_process(stopwatch: Stopwatch) -> None:
-    shared, pool = work(), Pool(work(), 1)
+    shared, pool = work(), ProcessPool(work(), 1)
     try:
         run_all(pool, tasks(1))  # warm
         starts = iter(range(100, 1000, SCENES))

@@ -11,7 +11,7 @@ import pytest
 
 from nonsmooth.analysis.cells.region import Region
 from nonsmooth.proofs.inequalities.prover import Proof, Sense, prove
-from nonsmooth.proofs.systems.decay_rate import Decay, DecayRate
+from nonsmooth.proofs.systems.decay_rate import DecayKind, DecayRate
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.invariance import Staying, decide_staying
 from nonsmooth.proofs.systems.lyapunov_audit import AuditVerdict, audit
@@ -157,4 +157,4 @@ def test_no_rate_and_no_invariance_where_v_bends_along_a_curve(load: Load) -> No
     assert result is not None
     assert result.verdict is Decrease.STRICT
     assert decide_staying(result.cells) is Staying.UNDECIDED
-    assert not DecayRate(Decay.EXPONENTIAL, Fraction(1, 64)).check(result.cells)
+    assert not DecayRate(DecayKind.EXPONENTIAL, Fraction(1, 64)).check(result.cells)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from nonsmooth.proofs.systems.decay_rate import Decay
+from nonsmooth.proofs.systems.decay_rate import DecayKind
 from nonsmooth.proofs.systems.system_stability import SystemResult, system_check
 from nonsmooth.symbolic.files.system_file import build_system
 from tests.thorough import keep
@@ -77,7 +77,7 @@ def test_no_disturbance_does_more(rhs: tuple[str, str], lyapunov: str, share: fl
     speed = max(float(np.abs(value(text, *starts.T)).max()) for text in rhs) + delta
     slack = 4 * gamma * STEP * (speed + 1)  # what a step across an edge adds
     times = STEP * np.arange(len(values))[:, None]
-    if gain.rate.decay is Decay.EXPONENTIAL:
+    if gain.rate.decay is DecayKind.EXPONENTIAL:
         assert gain.ultimate == gain.gamma / gain.rate.kappa
         bound = np.exp(-kappa * times) * values[0] + gamma * delta / kappa * (1 - np.exp(-kappa * times))
     else:
@@ -123,6 +123,6 @@ def test_a_corner_at_which_a_disturbance_may_hold_a_solution_counts() -> None:
     gain = checked(rhs, "Abs(x) + Abs(y)").gain
     assert gain is not None
     kappa, gamma = float(gain.rate.kappa), float(gain.gamma)
-    assert gain.rate.decay is Decay.FINITE
+    assert gain.rate.decay is DecayKind.FINITE
     least = np.hypot(0.5, 0.5)  # the shortest velocity there
     assert kappa <= gamma * least + 1e-12

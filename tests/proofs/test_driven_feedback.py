@@ -15,7 +15,7 @@ from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contac
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.analysis.minimizers.float_loads import loads_at
-from nonsmooth.proofs.clauses.feedback.box_twists import Drives, HeldTwist, candidate_twists
+from nonsmooth.proofs.clauses.feedback.box_twists import Drives, RealizableTwist, candidate_twists
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback, decide_driven_feedback
 from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, gains, rim_speeds
 from nonsmooth.proofs.clauses.feedback.ellipse_twists import BalancedTwist, balance_twist, exclude_twist
@@ -352,7 +352,7 @@ def test_a_balance_that_no_shift_of_the_load_resolves_is_named(arrays: Arrays) -
 def test_kinds_of_twists_do_not_mix(arrays: Arrays) -> None:
     box = decide_driven_feedback(centred(load_scene("ring-3"), "box"))
     ellipse = decide_driven_feedback(centred(load_scene("ring-3"), "ellipse"))
-    assert all(isinstance(held, HeldTwist) for held in box.cones[0].twists)
+    assert all(isinstance(held, RealizableTwist) for held in box.cones[0].twists)
     assert all(isinstance(balanced, BalancedTwist) for balanced in ellipse.cones[0].twists)
     assert ellipse.reach is None
 

@@ -12,7 +12,7 @@ import pytest
 
 from nonsmooth.analysis.cells.fan import Cone, build_fan
 from nonsmooth.analysis.cells.moves import slide_speed
-from nonsmooth.proofs.clauses.translation.fan import Evidence, FanResult, Move, decide_cones
+from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, Move, MoveEvidence, decide_cones
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.numbers.number_field import NumberField
@@ -250,7 +250,7 @@ def test_random_fans_against_simulation(seed: int) -> None:
         assert farthest <= math.sqrt(float(result.squared_overshoot)) * 1.3 + 0.1
 
 
-def repels(evidence: Evidence, rays: list[Vector], motions: list[tuple[int | Fraction, ...]]) -> bool:
+def repels(evidence: MoveEvidence, rays: list[Vector], motions: list[tuple[int | Fraction, ...]]) -> bool:
     """A slide on a ray that the motions on its two sides do not both push towards."""
     if evidence.move is not Move.SLIDE:
         return False

@@ -20,7 +20,16 @@ from nonsmooth.analysis.cells.polygon import square
 from nonsmooth.analysis.cells.region import Region, cone_region, polygon_region, quadrants
 from nonsmooth.proofs.inequalities.cells import EXTENDED, PLANE
 from nonsmooth.proofs.inequalities.products import ProductEvidence
-from nonsmooth.proofs.inequalities.prover import Outcome, Proof, Question, Sense, Undecided, Witness, ZeroBetween, prove
+from nonsmooth.proofs.inequalities.prover import (
+    Counterexample,
+    Outcome,
+    Proof,
+    Question,
+    Sense,
+    Undecided,
+    ZeroBetween,
+    prove,
+)
 from nonsmooth.proofs.inequalities.subdivision import Leaf, Split, Tree
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
@@ -85,45 +94,45 @@ def unit_square(field: NumberField) -> Region:
     [
         # extreme rays decide linear forms
         (">=0", "x + 2*y", quadrant, Proof),
-        (">0", "x + 2*y", quadrant, Witness),  # zero at the apex
-        (">=0", "x - y", quadrant, Witness),
+        (">0", "x + 2*y", quadrant, Counterexample),  # zero at the apex
+        (">=0", "x - y", quadrant, Counterexample),
         ("<=0", "-sqrt(2)*x - y", quadrant, Proof),
         ("<0", "x + y - 3", unit_square, Proof),
-        ("<0", "x + y - 2", unit_square, Witness),
+        ("<0", "x + y - 2", unit_square, Counterexample),
         # perfect squares with their zeros inside the cell
         (">=0", "(x - y)**2", quadrant, Proof),
         (">=0", "(x - sqrt(2)*y)**2", quadrant, Proof),
-        (">0", "(x - sqrt(2)*y)**2", quadrant, Witness),
+        (">0", "(x - sqrt(2)*y)**2", quadrant, Counterexample),
         (">=0", "(x - sqrt(2)*y)**2*(x**2 - x*y + y**2)", wide, Proof),
         (">=0", "(3*x - 7*y + 1/5)**2", unit_square, Proof),
         (">=0", "(x**2 - 2*y**2)**2*(x + 2)", unit_square, Proof),
         (">=0", "(x**3 - 3*x*y**2 + y**3)**2", wide, Proof),
-        ("<=0", "(x - y)**2*(x + y)", wide, Witness),
+        ("<=0", "(x - y)**2*(x + y)", wide, Counterexample),
         # isolated zeros inside, on a side, at a corner
         (">=0", "(x - 1/3)**2 + (y - 1/5)**2", unit_square, Proof),
-        (">0", "(x - 1/3)**2 + (y - 1/5)**2", unit_square, Witness),
+        (">0", "(x - 1/3)**2 + (y - 1/5)**2", unit_square, Counterexample),
         (">0", "(x - 1/3)**2 + (y - 1/5)**2 + 1/1000000", unit_square, Proof),
         (">=0", "y + 1 + (x - 1/3)**2", unit_square, Proof),
-        (">0", "y + 1 + (x - 1/3)**2", unit_square, Witness),
+        (">0", "y + 1 + (x - 1/3)**2", unit_square, Counterexample),
         (">=0", "y + 1 + (x**2 - 1/2)**2", unit_square, Proof),
         (">=0", "16*x**2*y**2 + (x/2 + y)**2", unit_square, Proof),
         (">=0", "x**4 + (x - 3*y)**2", unit_square, Proof),
         # unbounded cells and polynomials of mixed degree
         (">=0", "x**3 - 3*x + 2 + y", quadrant, Proof),
-        (">=0", "x**3 - 3*x + 199/100 + y", quadrant, Witness),
-        ("<=0", "x**3/100 - x**2 - y**2", quadrant, Witness),  # far away
+        (">=0", "x**3 - 3*x + 199/100 + y", quadrant, Counterexample),
+        ("<=0", "x**3/100 - x**2 - y**2", quadrant, Counterexample),  # far away
         # r, theta and |theta|
         (">=0", "r - x", wide, Proof),
         (">=0", "x + y - r", quadrant, Proof),
         (">=0", "sqrt(2)*r - x - y", quadrant, Proof),
-        (">=0", "7*r/5 - x - y", quadrant, Witness),
+        (">=0", "7*r/5 - x - y", quadrant, Counterexample),
         (">=0", "x**2 + abs_theta*r - theta*y", quadrant, Proof),
-        (">=0", "x*theta + abs_theta*r*9/10", wide, Witness),
+        (">=0", "x*theta + abs_theta*r*9/10", wide, Counterexample),
         (">=0", "r**2 + theta**2 - x*theta", wide, Proof),
         (">=0", "x**2 + y**2 - r**2", wide, Proof),
         (">=0", "3/2 - r", unit_square, Proof),
-        (">=0", "7/5 - r", unit_square, Witness),
-        (">=0", "r - x + theta**2 - theta", unit_square, Witness),
+        (">=0", "7/5 - r", unit_square, Counterexample),
+        (">=0", "r - x + theta**2 - theta", unit_square, Counterexample),
         (">=0", "5/4 + r - x + theta**2 - theta", unit_square, Proof),
     ],
 )  # fmt: skip
@@ -144,7 +153,7 @@ def test_decided(sense: str, text: str, region: Callable[[NumberField], Region],
 )
 def test_strictness_leaves_out_the_origin_on_demand(text: str, region: Callable[[NumberField], Region]) -> None:
     strict = decide(">0", text, region)
-    assert isinstance(strict, Witness)
+    assert isinstance(strict, Counterexample)
     assert not any(strict.point)
     assert isinstance(decide(">0", text, region, except_origin=True), Proof)
 
@@ -152,7 +161,7 @@ def test_strictness_leaves_out_the_origin_on_demand(text: str, region: Callable[
 def test_leaving_out_the_origin_leaves_out_nothing_else() -> None:
     for text, region in [("x*y", quadrant), ("x", wide), ("(x - 2*y)**2", quadrant), ("x**2", unit_square)]:
         outcome = decide(">0", text, region, except_origin=True)
-        assert isinstance(outcome, Witness)
+        assert isinstance(outcome, Counterexample)
         assert any(outcome.point)
 
 
@@ -161,7 +170,7 @@ def test_limits_of_an_unbounded_region_are_no_points_of_it() -> None:
     field = NumberField()
     region = cone(field, (1, 0), (0, 1), apex=(1, 0))
     assert isinstance(prove(">0", polynomial("x", field=field), region), Proof)
-    assert isinstance(prove(">0", polynomial("x - 1", field=field), region), Witness)
+    assert isinstance(prove(">0", polynomial("x - 1", field=field), region), Counterexample)
 
 
 def test_a_zero_without_a_name_is_isolated() -> None:
@@ -177,10 +186,10 @@ def test_a_zero_without_a_name_is_isolated() -> None:
 
 def test_motzkin_is_undecided_or_proved_but_never_refuted() -> None:
     outcome = decide(">=0", "x**4*y**2 + x**2*y**4 - 3*x**2*y**2 + 1", wide)
-    assert not isinstance(outcome, Witness)
+    assert not isinstance(outcome, Counterexample)
     if isinstance(outcome, Undecided):
         assert "corners" in outcome.reason
-    assert isinstance(decide(">=0", "x**4*y**2 + x**2*y**4 - 301/100*x**2*y**2 + 1", wide), Witness)
+    assert isinstance(decide(">=0", "x**4*y**2 + x**2*y**4 - 301/100*x**2*y**2 + 1", wide), Counterexample)
 
 
 def test_a_curved_cell_is_where_its_guards_are_positive() -> None:
@@ -188,7 +197,7 @@ def test_a_curved_cell_is_where_its_guards_are_positive() -> None:
     disc = replace(box(field, 2), guards=(polynomial("1 - x**2 - y**2", field=field),))
     assert isinstance(prove("<0", polynomial("x - 11/10", field=field), disc), Proof)
     witness = prove("<0", polynomial("x - 9/10", field=field), disc)
-    assert isinstance(witness, Witness)
+    assert isinstance(witness, Counterexample)
     assert float(witness.point[0]) ** 2 + float(witness.point[1]) ** 2 < 1
     empty = replace(disc, guards=(*disc.guards, polynomial("x - 3/2", field=field)))
     assert isinstance(prove(">=0", polynomial("-1", field=field), empty), Proof)
@@ -220,7 +229,7 @@ def test_four_wheel_feedback(corner: Pair, start: Pair, end: Pair, sign: int) ->
     assert isinstance(proof, Proof)
     assert proof.check()
     refuted = prove("<=0", rate(-sign), region)
-    assert isinstance(refuted, Witness)
+    assert isinstance(refuted, Counterexample)
     assert refuted.check()
 
 
@@ -302,11 +311,11 @@ def check_outcome(outcome: Outcome, points: list[tuple[float, ...]]) -> None:
         for point in points:
             value, error = float_value(question.polynomial, point)
             assert holds(question.sense, value, error + 1e-300)
-    elif isinstance(outcome, Witness):
+    elif isinstance(outcome, Counterexample):
         refutes(question, outcome)
 
 
-def refutes(question: Question, witness: Witness) -> None:
+def refutes(question: Question, witness: Counterexample) -> None:
     x, y, *more = witness.point
     assert question.region.contains((x, y))
     point = (float(x), float(y))
@@ -441,7 +450,7 @@ def test_evidence_proves_nothing_on_a_larger_region(
     proof = proof_of(text, region)
     claim = replace(proof.question, region=larger(proof.question.polynomial.field))
     assert not replace(proof, question=claim).check()
-    assert isinstance(decide(">=0", text, larger), Witness)
+    assert isinstance(decide(">=0", text, larger), Counterexample)
 
 
 def test_a_tree_cut_elsewhere_proves_nothing() -> None:
@@ -483,7 +492,7 @@ def test_factors_must_multiply_to_the_form() -> None:
 
 def test_a_witness_outside_the_cell_or_with_another_value_is_none() -> None:
     witness = decide(">=0", "x - y", quadrant)
-    assert isinstance(witness, Witness)
+    assert isinstance(witness, Counterexample)
     field = witness.question.polynomial.field
     assert not replace(witness, point=(field(-2), field(-1))).check()
     assert not replace(witness, value=witness.value + 1).check()

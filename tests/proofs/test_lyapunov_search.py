@@ -12,7 +12,7 @@ import pytest
 from nonsmooth.analysis.cells.switched_cells import square_regions, system_cells
 from nonsmooth.proofs.systems.certified_reach import scene_cells
 from nonsmooth.proofs.systems.conclusion import Method
-from nonsmooth.proofs.systems.decay_rate import Decay, DecayRate, decay_rate
+from nonsmooth.proofs.systems.decay_rate import DecayKind, DecayRate, decay_rate
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.domain import Domain
 from nonsmooth.proofs.systems.local_cells import conic_germ
@@ -170,15 +170,15 @@ def test_regions_touch_the_border(load: Load, first: str, second: str, lyapunov:
             "-sign(x)",
             "-2*sign(y) + x",
             "Abs(x) + Abs(y)",
-            Decay.FINITE,
+            DecayKind.FINITE,
             Fraction(1),
         ),  # V' = -1 at worst, sliding on x = 0
-        ("-x", "-x**2*y - 2*y", "x**2 + y**2", Decay.EXPONENTIAL, Fraction(2)),
-        ("y", "-x - y", "x**2 + x*y + y**2", Decay.EXPONENTIAL, Fraction(1)),
+        ("-x", "-x**2*y - 2*y", "x**2 + y**2", DecayKind.EXPONENTIAL, Fraction(2)),
+        ("y", "-x - y", "x**2 + x*y + y**2", DecayKind.EXPONENTIAL, Fraction(1)),
     ],
 )
 def test_rates_are_below_the_exact_ones(
-    load: Load, first: str, second: str, lyapunov: str, decay: Decay, bound: Fraction
+    load: Load, first: str, second: str, lyapunov: str, decay: DecayKind, bound: Fraction
 ) -> None:
     result = system_check(load(first, second, lyapunov=f'"{lyapunov}"'))
     assert result.certificate is not None

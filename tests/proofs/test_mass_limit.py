@@ -14,7 +14,7 @@ import pytest
 import nonsmooth as ns
 from nonsmooth.analysis.cells.loads import load_regions
 from nonsmooth.analysis.dynamics.moving_loads import MovingLoads
-from nonsmooth.analysis.dynamics.newton_euler import CREEP, Body, NewtonEuler, simulate_dynamics
+from nonsmooth.analysis.dynamics.newton_euler import CREEP, NewtonEuler, RigidBody, simulate_dynamics
 from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.proofs.clauses.at_point.ellipse import ellipse_point
 from nonsmooth.proofs.clauses.at_point.mass import MassLimit
@@ -54,7 +54,7 @@ def growth(scene: Scene, omega: float, mass: float) -> float:
     state = np.array([0.0, 0.0, 0.0, 0.0, 0.0, omega])
     radius = np.sqrt(((model.positions - model.positions.mean(axis=0)) ** 2).sum(axis=1).mean() / 2)
     loads = MovingLoads(model, state[:2])
-    equations = NewtonEuler(model, Body(mass, mass * radius**2), loads, CREEP * float(np.abs(model.targets).max()))
+    equations = NewtonEuler(model, RigidBody(mass, mass * radius**2), loads, CREEP * float(np.abs(model.targets).max()))
     matrix = equations.jacobian(0.0, state)
     kept = [0, 1, 3, 4, 5]
     return float(np.linalg.eigvals(matrix[np.ix_(kept, kept)]).real.max())
@@ -110,7 +110,7 @@ def test_paths_beside_the_limit(share: float, grows: bool) -> None:
     limit = limit_of(scene)
     assert limit is not None
     mass = share * float(limit.stable_to)
-    body = Body(mass, mass * float(limit.squared_radius))
+    body = RigidBody(mass, mass * float(limit.squared_radius))
     spin = (0.0, 0.0, float(limit.linearization.omega))
     path = simulate_dynamics(contact_model(scene), body, (1e-3, 0.0, 0.0), 60.0, spin)
     late = [np.hypot(*path.state(t)[:2]) for t in np.linspace(50.0, 60.0, 50)]

@@ -15,7 +15,7 @@ from nonsmooth.analysis.fields.constant_field import array_field
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.clauses.equilibrium.on_cells import decide_equilibrium
-from nonsmooth.proofs.clauses.translation.fan import FanResult, Move, decide_fan
+from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, Move, decide_fan
 from nonsmooth.proofs.clauses.translation.on_cells import decide_translation
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.scene import Scene

@@ -13,8 +13,8 @@ from nonsmooth.analysis.contact_rule import rule_of
 from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.minimizers.float_loads import loads_at
-from nonsmooth.analysis.motion.frames import Contact, Frames, build_frames
-from nonsmooth.reports.choices import Method
+from nonsmooth.analysis.motion.frames import Frames, WheelContact, build_frames
+from nonsmooth.reports.choices import PathMethod
 from nonsmooth.reports.interface.path_result import PathResult
 from nonsmooth.reports.simulate import PathRun, follow, loop_of
 from tests.thorough import thorough
@@ -90,12 +90,12 @@ def test_a_law_gives_the_acting_wheels_what_their_rows_ask_for() -> None:
     frames = frames_of(followed("closed"), 101)
     acting = np.isfinite(frames.speeds)
     assert set(acting.sum(axis=1)) == {2}
-    assert (frames.contacts[acting] != Contact.FREE).all()
-    assert (frames.contacts[~acting] == Contact.FREE).all()
+    assert (frames.contacts[acting] != WheelContact.FREE).all()
+    assert (frames.contacts[~acting] == WheelContact.FREE).all()
     assert np.abs(frames.slips[..., 0][acting]).max() < 1e-6
     across = np.where(acting, np.abs(frames.slips[..., 1]), np.inf)
     assert across.min(axis=1).max() < 1e-6
-    assert (frames.contacts == Contact.STICKS).any()
+    assert (frames.contacts == WheelContact.STICKS).any()
 
 
 @thorough  # the small one: test_twists_are_in_the_hull_of_the_cells_that_hold_the_point
@@ -106,7 +106,7 @@ def test_rule_ellipse_moves_with_its_minimizer_and_is_carried_by_loaded_wheels()
     rule, model = rule_of(path.scene), contact_model(path.scene)
     expected = rule.minima(path.scene, frames.poses[:, :2]).twists  # type: ignore[attr-defined]
     assert np.abs(frames.twists - expected).max() < 1e-5
-    assert np.array_equal(frames.contacts != Contact.FREE, loads_at(model, frames.poses[:, :2]) > 1e-9)
+    assert np.array_equal(frames.contacts != WheelContact.FREE, loads_at(model, frames.poses[:, :2]) > 1e-9)
 
 
 def test_leading_order_kinematics_and_samples_without_pieces() -> None:
@@ -115,7 +115,7 @@ def test_leading_order_kinematics_and_samples_without_pieces() -> None:
     partition = array.partition
     radius = float(array.scene.check.radius)
     x, y = (float(entry) + 0.3 * radius for entry in array.scene.check.equilibrium)
-    for method in (Method.EVENTS, Method.HYSTERESIS):
+    for method in (PathMethod.EVENTS, PathMethod.HYSTERESIS):
         run = PathRun((x, y, 0.0), 0.05, Kinematics.LEADING, method, None, 1e-3)
         path = follow(partition, run, loop_of(partition, run))
         frames = build_frames(array.scene, path, [0.01], partition=partition, pivot=(0.0, 0.0))

@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from nonsmooth.analysis.measurements.harness import Study, measure
-from nonsmooth.analysis.measurements.plan import Finding, LeftOut, Order, Plan, Trial
+from nonsmooth.analysis.measurements.study_plan import Assessment, LeftOut, Order, StudyPlan, Trial
 from nonsmooth.analysis.measurements.timing import Clock, Limits
 from nonsmooth.proofs.measurements import registry
 from nonsmooth.proofs.measurements.registry import STUDIES
@@ -55,9 +55,9 @@ def interrupted(clock: Clock) -> float:
 
 def study(works: dict[str, Callable[[float], Callable[[Clock], float]]], name: str = "test") -> Study:
     """Methods whose error is what their work returns."""
-    trials = tuple(Trial(method, make(s), Finding, "width", s) for method, make in works.items() for s in SETTINGS)
+    trials = tuple(Trial(method, make(s), Assessment, "width", s) for method, make in works.items() for s in SETTINGS)
     orders = dict.fromkeys(works, Order(1.0, "by construction"))
-    return Study(name, f"{name}: a title", "error [length]", lambda scene: Plan("what is known", trials, orders))
+    return Study(name, f"{name}: a title", "error [length]", lambda scene: StudyPlan("what is known", trials, orders))
 
 
 def proportional(setting: float) -> Callable[[Clock], float]:
@@ -144,7 +144,7 @@ def test_an_interrupt_keeps_the_finished_rows(invoke: Invoke, monkeypatch: pytes
 
 
 def test_an_interrupt_while_building_keeps_earlier_studies() -> None:
-    def build(scene: Scene) -> Plan:
+    def build(scene: Scene) -> StudyPlan:
         raise KeyboardInterrupt
 
     found = measured(study({"exact": proportional}, "first"), Study("second", "second", "error [1]", build))
@@ -153,7 +153,7 @@ def test_an_interrupt_while_building_keeps_earlier_studies() -> None:
 
 
 def test_a_study_that_is_left_out_says_why() -> None:
-    def build(scene: Scene) -> Plan:
+    def build(scene: Scene) -> StudyPlan:
         raise LeftOut("there is no reference")
 
     found = measured(Study("absent", "absent", "error [1]", build), study({"exact": proportional}))

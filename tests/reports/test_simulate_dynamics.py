@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from nonsmooth.analysis.dynamics.newton_euler import Body, simulate_dynamics
+from nonsmooth.analysis.dynamics.newton_euler import RigidBody, simulate_dynamics
 from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import BAD_INPUT, run
@@ -33,7 +33,7 @@ def invoke(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
 def test_record_is_that_of_a_trajectory_with_body_and_velocity(capsys: pytest.CaptureFixture[str]) -> None:
     record: dict[str, Any] = json.loads(invoke(capsys, *DYNAMICS, "--mass", "0.02", "--inertia", "0.01", "--json"))
     model = contact_model(load_scene("four-wheel"))
-    path = simulate_dynamics(model, Body(0.02, 0.01), (0.2, 0.4, 0.0), 2.0)
+    path = simulate_dynamics(model, RigidBody(0.02, 0.01), (0.2, 0.4, 0.0), 2.0)
     assert (record["schema"], record["method"], record["kinematics"]) == ("nonsmooth-trajectory/1", "dynamics", "exact")
     assert (record["mass"], record["inertia"], record["creep_speed"]) == (0.02, 0.01, path.creep)
     assert record["t"] == path.times.tolist()

@@ -14,9 +14,9 @@ from hypothesis import strategies as st
 
 from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.analysis.fields.wave_weights import wave_weight
-from nonsmooth.symbolic.enclosures import Wave
 from nonsmooth.symbolic.files.system_file import build_system
 from nonsmooth.symbolic.scene_error import SceneError
+from nonsmooth.symbolic.sine_enclosures import Wave
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 from tests.thorough import examples
 

@@ -13,7 +13,7 @@ import numpy as np
 from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.measurements.harness import Case
-from nonsmooth.analysis.measurements.references.least_dissipation import LeastDissipation
+from nonsmooth.analysis.measurements.references.least_dissipation import ReferenceMinimization
 from nonsmooth.analysis.measurements.rows import EPSILON, Rows, judged, refused
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.choice import Minimizer
@@ -51,7 +51,7 @@ def friction_rows(scene: Scene) -> Rows:
             return
         for minimizer in MINIMIZERS:
             found = minimizer.minimize(model, loads)
-            problem = LeastDissipation(minimizer.functional, model, loads[0])
+            problem = ReferenceMinimization(minimizer.functional, model, loads[0])
             rest = problem.at(np.zeros(3))
             least = problem.least()
             error = abs(float(((problem.at(found.twists[0]) - least) / rest).mid())) if rest > 0 else 0.0

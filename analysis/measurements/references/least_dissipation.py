@@ -23,7 +23,7 @@ HALVINGS = 200  # of a step: where minimizers are many the first ones are long
 DECREMENT = 1e-60  # squared Newton decrement, relative to D_delta: beside a kink a larger one says little
 
 
-class LeastDissipation:
+class ReferenceMinimization:
     """The minimization of D for one vector of loads, at 100 digits.
 
     Args:

@@ -18,7 +18,7 @@ import sympy
 from flint import arb, arb_mat, ctx
 
 from nonsmooth.analysis.measurements.harness import Study
-from nonsmooth.analysis.measurements.plan import Finding, LeftOut, Order, Plan, Trial
+from nonsmooth.analysis.measurements.study_plan import Assessment, LeftOut, Order, StudyPlan, Trial
 from nonsmooth.analysis.measurements.timing import Clock
 from nonsmooth.symbolic.constraints import Row, scene_rows
 from nonsmooth.symbolic.contact_states import ContactState, solve_rows
@@ -35,7 +35,7 @@ SAME = arb(10) ** -DIGITS
 HALVED = Order(1.0, "every bit halves the radius of the balls")
 
 
-def build_derivation(scene: Scene) -> Plan:
+def build_derivation(scene: Scene) -> StudyPlan:
     """The plan for a sample of the array's regular triples.
 
     Raises:
@@ -56,7 +56,7 @@ def build_derivation(scene: Scene) -> Plan:
         work = partial(_by_balls, triples, bits)
         trials.append(Trial("balls", work, partial(_judge, exact), "unit roundoff", 2.0**-bits))
     reference = f"exact twists of {len(triples)} regular row triples, each put back into its rows"
-    return Plan(reference, tuple(trials), {"balls": HALVED}, rounding=10.0**-DIGITS)
+    return StudyPlan(reference, tuple(trials), {"balls": HALVED}, rounding=10.0**-DIGITS)
 
 
 DERIVATION = Study(
@@ -109,7 +109,7 @@ def _by_balls(triples: Sequence[RowTriple], bits: int, clock: Clock) -> list[Exa
 # ---- errors --------------------------------------------------------------------------------------
 
 
-def _judge(exact: Sequence[Exact], found: Sequence[Exact]) -> Finding:
+def _judge(exact: Sequence[Exact], found: Sequence[Exact]) -> Assessment:
     """Largest distance of an entry's middle from the exact value."""
     with ctx.workprec(PRECISION):
         gaps = [
@@ -117,10 +117,10 @@ def _judge(exact: Sequence[Exact], found: Sequence[Exact]) -> Finding:
             for right, mine in zip(exact, found, strict=True)
             for a, b in zip(right, mine, strict=True)
         ]
-        return Finding(max(float(gap.mid()) for gap in gaps), work={"triples": len(found)})
+        return Assessment(max(float(gap.mid()) for gap in gaps), work={"triples": len(found)})
 
 
-def _judge_symbols(exact: Sequence[Exact], found: Sequence[sympy.Matrix]) -> Finding:
+def _judge_symbols(exact: Sequence[Exact], found: Sequence[sympy.Matrix]) -> Assessment:
     """SymPy's answers are exact or wrong: what agrees to :data:`DIGITS` digits is called equal."""
     with ctx.workprec(PRECISION):
         gaps = [
@@ -129,10 +129,10 @@ def _judge_symbols(exact: Sequence[Exact], found: Sequence[sympy.Matrix]) -> Fin
             for a, b in zip(right, mine, strict=True)
         ]
         error = max(0.0 if gap < SAME else float(gap.mid()) for gap in gaps)
-    return Finding(error, work={"triples": len(found)}, note=f"compared to {DIGITS} digits")
+    return Assessment(error, work={"triples": len(found)}, note=f"compared to {DIGITS} digits")
 
 
-def _judge_residuals(triples: Sequence[RowTriple], found: Sequence[ContactState | None]) -> Finding:
+def _judge_residuals(triples: Sequence[RowTriple], found: Sequence[ContactState | None]) -> Assessment:
     """The twists put back into their rows: exactly zero, or wrong."""
     residuals = [
         abs(float(row.residual(state.twist)))
@@ -140,4 +140,4 @@ def _judge_residuals(triples: Sequence[RowTriple], found: Sequence[ContactState 
         if state is not None
         for row in rows
     ]
-    return Finding(max(residuals), work={"triples": len(found)}, note="put back into their rows, exactly")
+    return Assessment(max(residuals), work={"triples": len(found)}, note="put back into their rows, exactly")

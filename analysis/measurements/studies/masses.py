@@ -17,7 +17,7 @@ from nonsmooth.analysis.dynamics.mass_study import massless_limit, path_distance
 from nonsmooth.analysis.dynamics.newton_euler import DynamicPath, disc, simulate_dynamics
 from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
 from nonsmooth.analysis.measurements.harness import Study
-from nonsmooth.analysis.measurements.plan import Finding, LeftOut, Order, Plan, Trial
+from nonsmooth.analysis.measurements.study_plan import Assessment, LeftOut, Order, StudyPlan, Trial
 from nonsmooth.analysis.measurements.timing import Clock
 from nonsmooth.analysis.trajectories.result import Trajectory, TrajectoryError
 from nonsmooth.symbolic.scene import Scene
@@ -32,7 +32,7 @@ LIKE_MASS = Order(
 )
 
 
-def build_masses(scene: Scene) -> Plan:
+def build_masses(scene: Scene) -> StudyPlan:
     """The plan, from one start in every scene's own units.
 
     Raises:
@@ -59,7 +59,7 @@ def build_masses(scene: Scene) -> Plan:
         if not rule.is_massless_limit
     ]
     reference = f"path of rule ellipse, {RELATIVE_TOLERANCE:g} per step, from ({x:g}, {y:g}) until t = {until:g}"
-    return Plan(reference, tuple(trials), {"full dynamics": LIKE_MASS}, rounding=RELATIVE_TOLERANCE * 100)
+    return StudyPlan(reference, tuple(trials), {"full dynamics": LIKE_MASS}, rounding=RELATIVE_TOLERANCE * 100)
 
 
 def _with_mass(model: ContactModel, mass: float, start: Pose, until: float, clock: Clock) -> DynamicPath:
@@ -70,11 +70,11 @@ def _by_rule(scene: Scene, rule: str, start: Pose, until: float, clock: Clock) -
     return rule_path(scene, rule, start, until)
 
 
-def _judge(limit: Trajectory, until: float, path: Any) -> Finding:
+def _judge(limit: Trajectory, until: float, path: Any) -> Assessment:
     work = {"evaluations": path.evaluations} if isinstance(path, DynamicPath) else {}
     trajectory = path.trajectory if isinstance(path, DynamicPath) else path
     apart = path_distance(massless_limit(), trajectory, limit, until)
-    return Finding(apart.position, {"theta": apart.rotation}, work)
+    return Assessment(apart.position, {"theta": apart.rotation}, work)
 
 
 MASS = Study(

@@ -19,13 +19,13 @@ from nonsmooth.analysis.cells.box import build_box_partition
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contact_model
 from nonsmooth.analysis.measurements.harness import Study
-from nonsmooth.analysis.measurements.plan import Finding, LeftOut, Order, Plan, Trial
 from nonsmooth.analysis.measurements.references.reference_twists import (
     DIGITS,
     ReferenceTwist,
     box_references,
     ellipse_references,
 )
+from nonsmooth.analysis.measurements.study_plan import Assessment, LeftOut, Order, StudyPlan, Trial
 from nonsmooth.analysis.measurements.timing import Clock
 from nonsmooth.analysis.minimizers.box_minimizers import MAX_WHEELS, BoxEnumeration, BoxHighs
 from nonsmooth.analysis.minimizers.choice import Minimizer
@@ -49,7 +49,7 @@ CONIC = (ConeSolver.CLARABEL, ConeSolver.SCS)
 FEWEST = 4  # points: fewer are no comparison
 
 
-def build_box(scene: Scene) -> Plan:
+def build_box(scene: Scene) -> StudyPlan:
     """The plan for rule ``box``, whatever the scene's own rule.
 
     Raises:
@@ -74,10 +74,10 @@ def build_box(scene: Scene) -> Plan:
     named += _by_cvxpy(Functional.BOX, ConeSolver)
     trials += _minimizing(named, model, references)
     orders = {"HiGHS": VERTEX} | _cvxpy_orders(ConeSolver, GAP_BOX)
-    return Plan(f"exact twist of the cell at {len(points)} points", tuple(trials), orders)
+    return StudyPlan(f"exact twist of the cell at {len(points)} points", tuple(trials), orders)
 
 
-def build_ellipse(scene: Scene) -> Plan:
+def build_ellipse(scene: Scene) -> StudyPlan:
     """The plan for rule ``ellipse``, whatever the scene's own rule.
 
     Raises:
@@ -94,7 +94,7 @@ def build_ellipse(scene: Scene) -> Plan:
     judge = partial(_judge, references)
     trials += [Trial("BFGS", partial(_by_bfgs, model, points, t), judge, "tolerance", t) for t in TOLERANCES]
     orders = _cvxpy_orders(CONIC, GAP_ELLIPSE) | {"BFGS": DIFFERENCES}
-    return Plan(f"minimizer by Newton's method to {DIGITS} digits at {len(points)} points", tuple(trials), orders)
+    return StudyPlan(f"minimizer by Newton's method to {DIGITS} digits at {len(points)} points", tuple(trials), orders)
 
 
 QUANTITY = "twist error [length/time, rad/time]"
@@ -164,5 +164,5 @@ def _by_bfgs(model: ContactModel, points: Floats, tolerance: float, clock: Clock
     return np.array([minimizer_at(load) for load in loads_at(model, points)])
 
 
-def _judge(references: Sequence[ReferenceTwist], found: Floats) -> Finding:
-    return Finding(max(reference.error(twist) for reference, twist in zip(references, found, strict=True)))
+def _judge(references: Sequence[ReferenceTwist], found: Floats) -> Assessment:
+    return Assessment(max(reference.error(twist) for reference, twist in zip(references, found, strict=True)))

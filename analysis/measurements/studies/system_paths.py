@@ -19,10 +19,10 @@ from nonsmooth.analysis.fields.sign_field import SignField, Signs
 from nonsmooth.analysis.fields.switched_field import Vector, Velocity
 from nonsmooth.analysis.measurements.cases.followed_field import FollowedField, followed_system
 from nonsmooth.analysis.measurements.harness import Study
-from nonsmooth.analysis.measurements.plan import Finding, LeftOut, Order, Plan, Trial
 from nonsmooth.analysis.measurements.references.reference_paths import STARTS
 from nonsmooth.analysis.measurements.references.taylor import Reached
 from nonsmooth.analysis.measurements.studies.trajectories import EVENT_TOLERANCES, IMPLICIT, SOLVERS, TOLERANCES, WIDTHS
+from nonsmooth.analysis.measurements.study_plan import Assessment, LeftOut, Order, StudyPlan, Trial
 from nonsmooth.analysis.measurements.timing import Clock
 from nonsmooth.analysis.trajectories.hysteresis import simulate_hysteresis, simulate_smoothed
 from nonsmooth.analysis.trajectories.result import State, Trajectory
@@ -40,7 +40,7 @@ Route: TypeAlias = tuple[tuple[float, ...], Reached]
 Follow: TypeAlias = Callable[[tuple[float, ...], float, Clock], tuple[State, int]]
 
 
-def build_system_paths(scene: SwitchedSystem) -> Plan:
+def build_system_paths(scene: SwitchedSystem) -> StudyPlan:
     """The plan for a planar system.
 
     Raises:
@@ -57,7 +57,7 @@ def build_system_paths(scene: SwitchedSystem) -> Plan:
     reference = f"{len(routes)} paths, at 60 digits or exact, to where they end or slide"
     crosses = followed.reference.exact is not None or any(reached.crossings for _, reached in routes)
     note = "" if crosses else "no reference path crosses a surface before it ends"
-    return Plan(reference, trials, _orders() if crosses else {}, note)
+    return StudyPlan(reference, trials, _orders() if crosses else {}, note)
 
 
 SYSTEM_PATHS = Study("paths", "paths: largest error of a state", "error of a state [half-widths]", build_system_paths)
@@ -100,11 +100,11 @@ def _follow_all(follow: Follow, routes: Sequence[Route], clock: Clock) -> list[t
     return [follow(start, reached.time, clock) for start, reached in routes]
 
 
-def _judge(followed: FollowedField, routes: Sequence[Route], results: Sequence[tuple[State, int]]) -> Finding:
+def _judge(followed: FollowedField, routes: Sequence[Route], results: Sequence[tuple[State, int]]) -> Assessment:
     """The largest error over all starts."""
     pairs = zip(routes, results, strict=True)
     errors = [followed.distance(state, reached.state) for (_, reached), (state, _) in pairs]
-    return Finding(max(errors), {}, {"steps": sum(steps for _, steps in results)})
+    return Assessment(max(errors), {}, {"steps": sum(steps for _, steps in results)})
 
 
 # ---- methods -------------------------------------------------------------------------------------

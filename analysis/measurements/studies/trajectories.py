@@ -26,8 +26,8 @@ from nonsmooth.analysis.fields.constant_field import ConstantField
 from nonsmooth.analysis.fields.polygon_field import PolygonField
 from nonsmooth.analysis.fields.switched_field import Member, Vector, Velocity
 from nonsmooth.analysis.measurements.harness import Study
-from nonsmooth.analysis.measurements.plan import Finding, LeftOut, Order, Plan, Trial
 from nonsmooth.analysis.measurements.references.reference_paths import ExactPath, reference_paths
+from nonsmooth.analysis.measurements.study_plan import Assessment, LeftOut, Order, StudyPlan, Trial
 from nonsmooth.analysis.measurements.timing import Clock
 from nonsmooth.analysis.trajectories.hysteresis import simulate_hysteresis, simulate_smoothed
 from nonsmooth.analysis.trajectories.result import Event, State
@@ -59,7 +59,7 @@ class Followed:
 Follow = Callable[[ExactPath, Clock], Followed]
 
 
-def build_trajectories(scene: Scene) -> Plan:
+def build_trajectories(scene: Scene) -> StudyPlan:
     """The plan for the cells of the scene's contact rule.
 
     Raises:
@@ -81,7 +81,7 @@ def build_trajectories(scene: Scene) -> Plan:
     switching = sum(bool(path.events) for path in paths)
     note = "" if switching else "no path meets a switch: every method follows one smooth motion"
     reference = f"exact paths from {len(paths)} starts, leading-order kinematics, exact numbers"
-    return Plan(reference, trials, orders if switching else {}, note)
+    return StudyPlan(reference, trials, orders if switching else {}, note)
 
 
 TRAJECTORIES = Study(
@@ -113,7 +113,7 @@ def _follow_all(follow: Follow, paths: Sequence[ExactPath], clock: Clock) -> lis
     return [follow(path, clock) for path in paths]
 
 
-def _judge(paths: Sequence[ExactPath], method: str, results: Sequence[Followed]) -> Finding:
+def _judge(paths: Sequence[ExactPath], method: str, results: Sequence[Followed]) -> Assessment:
     """The largest errors over all starts."""
     pairs = list(zip(paths, results, strict=True))
     errors = [path.path_error(r.times, r.states) for path, r in pairs]
@@ -123,7 +123,7 @@ def _judge(paths: Sequence[ExactPath], method: str, results: Sequence[Followed])
         known = [error for error in late if error is not None]
         details |= {"event time": max(known)} if known else {}
     steps = sum(r.steps for r in results)
-    return Finding(max(errors), details, {"steps": steps}, "the reference, found again" if method == EXACT else "")
+    return Assessment(max(errors), details, {"steps": steps}, "the reference, found again" if method == EXACT else "")
 
 
 # ---- methods -------------------------------------------------------------------------------------

@@ -20,7 +20,7 @@ from nonsmooth.analysis.cells.filippov import cell_derivatives
 from nonsmooth.analysis.cells.partition import Partition, RefusalError
 from nonsmooth.analysis.contact_rule import CellRule, rule_of
 from nonsmooth.analysis.measurements.harness import Study
-from nonsmooth.analysis.measurements.plan import Finding, LeftOut, Order, Plan, Trial
+from nonsmooth.analysis.measurements.study_plan import Assessment, LeftOut, Order, StudyPlan, Trial
 from nonsmooth.analysis.measurements.timing import Clock
 from nonsmooth.analysis.minimizers.cvxpy_hulls import hull_upper_derivative_on
 from nonsmooth.analysis.minimizers.cvxpy_solvers import ConeSolver, import_solvers
@@ -37,7 +37,7 @@ STOPS = Order(None, "the tolerance bounds residuals, and with two unknowns split
 GAP = Order(1.0, "the tolerance bounds the gap, which is the error of the value")
 
 
-def build_upper_derivative(scene: Scene) -> Plan:
+def build_upper_derivative(scene: Scene) -> StudyPlan:
     """The plan for the cells of the scene's contact rule.
 
     Raises:
@@ -64,7 +64,7 @@ def build_upper_derivative(scene: Scene) -> Plan:
         side = 2 * round(count**0.5 / 2)  # even: the centre itself is no midpoint
         work = partial(_sampled, centred, [partial(_grid_points, side)])
         trials.append(Trial("grid of samples", work, judge, "samples", side**2))
-    return Plan(
+    return StudyPlan(
         f"max V* at the vertices of {len(partition.cells)} closed cells, exact", tuple(trials), _orders(partition)
     )
 
@@ -153,10 +153,10 @@ def _grid_points(side: int, radius: float) -> Points:
 # ---- errors --------------------------------------------------------------------------------------
 
 
-def _judge(exact: float, found: float | list[float]) -> Finding:
-    return Finding(float(np.mean(np.abs(np.atleast_1d(found) - exact))))
+def _judge(exact: float, found: float | list[float]) -> Assessment:
+    return Assessment(float(np.mean(np.abs(np.atleast_1d(found) - exact))))
 
 
-def _judge_exactly(exact: Number, found: Number) -> Finding:
+def _judge_exactly(exact: Number, found: Number) -> Assessment:
     """Numbers of one scene, built twice: their difference in floats would hide what is left of it."""
-    return Finding(0.0 if found.field is exact.field and found == exact else abs(float(found) - float(exact)))
+    return Assessment(0.0 if found.field is exact.field and found == exact else abs(float(found) - float(exact)))

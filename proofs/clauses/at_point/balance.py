@@ -35,7 +35,7 @@ from nonsmooth.symbolic.constraints import (
     side_row,
     total,
 )
-from nonsmooth.symbolic.friction_set import FrictionSet, Piece
+from nonsmooth.symbolic.friction_set import BorderPiece, FrictionSet
 from nonsmooth.symbolic.numbers.lazy import divided
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import Scene, Wheel
@@ -135,7 +135,7 @@ def rest_balance(scene: Scene, region: LoadRegion) -> RestBalance:
 
 def _slips_smoothly(slip: Slip) -> bool:
     """Whether the wheel's term of D has a gradient at rest: it slips, and that costs."""
-    return slip.piece is not Piece.KINK
+    return slip.piece is not BorderPiece.KINK
 
 
 def _sticking_rows(wheel: Wheel, limits: FrictionSet) -> list[tuple[Row, Number]]:

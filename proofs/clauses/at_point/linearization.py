@@ -37,7 +37,7 @@ from nonsmooth.symbolic.constraints import (
     side_row,
     total,
 )
-from nonsmooth.symbolic.friction_set import FrictionSet, Piece
+from nonsmooth.symbolic.friction_set import BorderPiece, FrictionSet
 from nonsmooth.symbolic.number_text import Real
 from nonsmooth.symbolic.numbers.lazy import Lazy, divided
 from nonsmooth.symbolic.numbers.number import Number
@@ -137,14 +137,14 @@ class Slip:
         return self.limits.along * self.limits.along, self.limits.across * self.limits.across
 
     @cached_property
-    def piece(self) -> Piece:
+    def piece(self) -> BorderPiece:
         """Where the force lies on the border of the set."""
         return self.limits.piece(self.along, self.across)
 
     @property
     def is_smooth(self) -> bool:
         """Whether the wheel's term of D has two derivatives here."""
-        return self.piece in (Piece.ARC, Piece.CORNER)
+        return self.piece in (BorderPiece.ARC, BorderPiece.CORNER)
 
     @property
     def squared_size(self) -> Number:
@@ -155,13 +155,13 @@ class Slip:
     @cached_property
     def size(self) -> Number:
         """What :attr:`pull` is divided by: f on the arc, one at a corner."""
-        return self.squared_size.sqrt() if self.piece is Piece.ARC else self.along.field.one
+        return self.squared_size.sqrt() if self.piece is BorderPiece.ARC else self.along.field.one
 
     @cached_property
     def pull(self) -> Triple:
         """On the arc ``(alpha^2 r_i a_i + beta^2 s_i b_i)``, the gradient of ``f_i^2/2``; at a corner that of f."""
         a, b = self.rows
-        if self.piece is Piece.ARC:
+        if self.piece is BorderPiece.ARC:
             roll, side = self.squares
             return added(scaled(a, roll * self.along), scaled(b, side * self.across))
         x, y = self.limits.corner * self.along.sign(), self.limits.cut * self.across.sign()
@@ -214,7 +214,7 @@ def linearize(scene: Scene, region: LoadRegion, omega: Number) -> Linearization 
     hessian = [[zero] * 3 for _ in range(3)]
     slopes = [(zero, zero, zero), (zero, zero, zero)]
     for slip in slips:
-        if slip.piece is Piece.ARC:
+        if slip.piece is BorderPiece.ARC:
             _add_curvature(hessian, slip)
         slopes = [added(g, scaled(slip.pull, slip.force[1 + axis] / slip.size)) for axis, g in enumerate(slopes)]
     rows = [(row[0], row[1], row[2]) for row in hessian]

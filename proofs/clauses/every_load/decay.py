@@ -42,7 +42,7 @@ SHARES = (1, 2, 4, 8)  # parts of a corner in a load beside it under which every
 
 
 @dataclass(frozen=True)
-class Decay:
+class DecayUnderLoads:
     """The linearization about rest as a function of the loads.
 
     Attributes:

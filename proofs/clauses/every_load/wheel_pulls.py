@@ -22,7 +22,7 @@ from nonsmooth.analysis.cells.loads import LoadRegion
 from nonsmooth.analysis.cells.polygon import square
 from nonsmooth.proofs.clauses.at_point.linearization import slips_at
 from nonsmooth.symbolic.constraints import Triple, added, combine, scaled
-from nonsmooth.symbolic.friction_set import Piece
+from nonsmooth.symbolic.friction_set import BorderPiece
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.plane import Vector, cross
 from nonsmooth.symbolic.scene import Scene
@@ -49,7 +49,7 @@ def wheel_pulls(scene: Scene, omega: Number) -> tuple[WheelPull, ...] | None:
     for wheel, slip in zip(scene.wheels, slips, strict=True):
         (a, b), (roll, side) = slip.rows, slip.squares
         bend, w = scene.field.zero, a
-        if slip.piece is Piece.ARC:
+        if slip.piece is BorderPiece.ARC:
             w = added(scaled(a, slip.across), scaled(b, -slip.along))
             bend = roll * side / (slip.size * slip.squared_size)
         found.append(WheelPull(wheel.position, scaled(slip.pull, slip.size.inverse()), bend, w))

@@ -45,7 +45,7 @@ _DIGITS = 10  # binary: candidates have length one up to this
 
 
 @dataclass(frozen=True)
-class HeldTwist:
+class RealizableTwist:
     """A twist with the slopes of D there that are not certainly positive in a load region.
 
     Attributes:
@@ -95,7 +95,7 @@ class Drives:
         self.region = region
         self._arrangement = Arrangement(scene, region)
 
-    def hold(self, twist: Triple) -> HeldTwist:
+    def hold(self, twist: Triple) -> RealizableTwist:
         """The twist with its slopes, for speeds at which no rim slips along; of an excluded one a negative slope."""
         rows = self._arrangement.rows
         slips = (0 if row.kind is RowKind.ROLL else sign(inner(row.normal, twist)) for row in rows)
@@ -104,7 +104,7 @@ class Drives:
         table = Slopes(self._arrangement, signs)
         falling = table.falling(np.array([[1.0, 0.0, 0.0]]))
         slopes = table if falling is None else (falling,)
-        return HeldTwist(twist, tuple(slope.form for slope in slopes), self.region, len(independent(tight)) == 3)
+        return RealizableTwist(twist, tuple(slope.form for slope in slopes), self.region, len(independent(tight)) == 3)
 
 
 def candidate_twists(scene: Scene) -> Iterator[Triple]:

@@ -12,7 +12,7 @@ from itertools import pairwise
 from nonsmooth.analysis.cells.fan import by_angle
 from nonsmooth.analysis.cells.loads import LoadRegion
 from nonsmooth.analysis.cells.polygon import Point
-from nonsmooth.proofs.clauses.feedback.box_twists import Drives, HeldTwist
+from nonsmooth.proofs.clauses.feedback.box_twists import Drives, RealizableTwist
 from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, best_three, between, rank_of
 from nonsmooth.symbolic.constraints import Triple
 from nonsmooth.symbolic.number_text import brief_text
@@ -52,7 +52,7 @@ def drives_in(scene: Scene, regions: Iterable[LoadRegion]) -> Iterator[Drives]:
 
 
 def _cones(
-    scene: Scene, regions: Sequence[LoadRegion], by_region: Sequence[Sequence[HeldTwist]]
+    scene: Scene, regions: Sequence[LoadRegion], by_region: Sequence[Sequence[RealizableTwist]]
 ) -> list[tuple[Point, Point]]:
     """Cones of directions inside which no slope that vanishes at c* changes its sign, nor the loads their form."""
     zero, one = scene.field.zero, scene.field.one

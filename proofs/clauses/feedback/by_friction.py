@@ -33,7 +33,7 @@ from typing import TYPE_CHECKING
 from nonsmooth.analysis.cells.fan import by_angle
 from nonsmooth.analysis.cells.loads import LoadRegion, load_regions
 from nonsmooth.analysis.contact_rule import CellRule, rule_of
-from nonsmooth.proofs.clauses.feedback.box_twists import HeldTwist
+from nonsmooth.proofs.clauses.feedback.box_twists import RealizableTwist
 from nonsmooth.proofs.clauses.feedback.by_direction import drives_in, law_by_direction
 from nonsmooth.proofs.clauses.feedback.control_lyapunov import ControlLyapunov, sum_of_squares
 from nonsmooth.proofs.clauses.feedback.driven_law import (
@@ -305,7 +305,7 @@ def is_driven_by(feedback: DrivenFeedback, scene: Scene) -> bool:
     imposed = (*shown, *feedback.candidates)
     numbers = {wheel.index for wheel in scene.wheels}
     return all(
-        held.region in regions if isinstance(held, HeldTwist) else {w.index for w in held.wheels} <= numbers
+        held.region in regions if isinstance(held, RealizableTwist) else {w.index for w in held.wheels} <= numbers
         for held in imposed
     )
 

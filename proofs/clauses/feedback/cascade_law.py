@@ -29,7 +29,7 @@ from enum import StrEnum
 
 from nonsmooth.analysis.cells.fan import CellCone, Cone
 from nonsmooth.analysis.cells.moves import slide_speed
-from nonsmooth.proofs.clauses.translation.fan import FanResult, decide_cones
+from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, decide_cones
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.numbers.number import sign

@@ -11,14 +11,14 @@ from typing import TypeAlias
 import numpy as np
 
 from nonsmooth.analysis.cells.polygon import Point
-from nonsmooth.proofs.clauses.feedback.box_twists import HeldTwist
+from nonsmooth.proofs.clauses.feedback.box_twists import RealizableTwist
 from nonsmooth.proofs.clauses.feedback.ellipse_twists import BalancedTwist
 from nonsmooth.proofs.clauses.feedback.feedback_rate import rounded_down
 from nonsmooth.symbolic.constraints import Triple, gram, independent, inner, outer, roll_row, side_row
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.scene import Scene, Wheel
 
-ImposedTwist: TypeAlias = HeldTwist | BalancedTwist
+ImposedTwist: TypeAlias = RealizableTwist | BalancedTwist
 
 CHOICES = 16  # unique minimizers among which the best three are sought
 _SMALLER = Fraction(9, 10)  # next try where rounding made the proposed rate too large
@@ -50,7 +50,7 @@ class LawCone:
         As numerators and denominators: over many square roots a quotient is long work, and one of all is asked for.
         """
         for held in (*self.twists, *self.elsewhere):
-            if isinstance(held, HeldTwist):
+            if isinstance(held, RealizableTwist):
                 affine = [(side.offset, *side.normal) for side in held.region.polygon.sides]
                 for constant, x, y in (*affine, *held.slopes):
                     size = abs(x) + abs(y)
@@ -64,7 +64,7 @@ class LawCone:
     def _is_unique(self, imposed: ImposedTwist) -> bool:
         if self.rays is None:
             return imposed.is_unique
-        return isinstance(imposed, HeldTwist) and imposed.is_unique_towards(between(*self.rays))
+        return isinstance(imposed, RealizableTwist) and imposed.is_unique_towards(between(*self.rays))
 
 
 def in_scene(twist: Triple, length: Fraction) -> Triple:

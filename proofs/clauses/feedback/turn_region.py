@@ -48,7 +48,7 @@ Floats: TypeAlias = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Turn:
+class TurnBounds:
     """The bounds of one turn about the equilibrium, as balls.
 
     Attributes:
@@ -152,7 +152,7 @@ class TurnRegion:
         return units, [float(constant.mid()) for constant in turn.constants], float(turn.mean.mid())
 
 
-def build_turn(cascade: CascadeLaw) -> Turn | None:
+def build_turn(cascade: CascadeLaw) -> TurnBounds | None:
     """The bounds of one turn; None where a cone is not within a quarter turn of its wheel's direction."""
     ranges: list[tuple[arb, arb]] = []
     for cone, wheel in zip(cascade.fan.cones, cascade.wheels, strict=True):
@@ -173,7 +173,7 @@ def build_turn(cascade: CascadeLaw) -> Turn | None:
     borders = [abs(k + _chi(z, mean)) for k, pair in zip(constants, ranges, strict=True) for z in pair]
     swing = _largest([*borders, shift + mean * mean.sqrt() * 2 / 3])  # the extremes lie at the ends or at z^2 = m
     bend = largest**4 / 3 + mean * largest**2 + 2 * shift * largest  # h = z^4/3 + m z^2 - 2 z constant
-    return Turn(mean, largest, tuple(constants), swing, bend)
+    return TurnBounds(mean, largest, tuple(constants), swing, bend)
 
 
 def build_turn_region(
@@ -191,7 +191,7 @@ def build_turn_region(
     return None
 
 
-def _proposals(turn: Turn) -> Iterator[tuple[Fraction, Fraction]]:
+def _proposals(turn: TurnBounds) -> Iterator[tuple[Fraction, Fraction]]:
     """Pairs (x_0, q) that verify, those of the largest range of c times that of theta first."""
     tops = [Fraction(f"{top:.2g}") for top in np.logspace(*_TOPS, _STEPS)]
     weights = [Fraction(f"{weight:.2g}") for weight in np.logspace(*_WEIGHTS, _STEPS)]

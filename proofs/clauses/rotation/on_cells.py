@@ -18,7 +18,7 @@ from dataclasses import dataclass
 
 from nonsmooth.analysis.cells.filippov import CellDerivative, filippov_twists
 from nonsmooth.analysis.cells.partition import Partition
-from nonsmooth.proofs.clauses.translation.fan import FanResult
+from nonsmooth.proofs.clauses.translation.fan_stability import FanResult
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
 from nonsmooth.proofs.inequalities.linear_program import Column, Mixture, best_mixture, mixtures_to_zero
 from nonsmooth.proofs.verdicts import Rotation, Translation

@@ -31,14 +31,14 @@ BARRIER_BITS = 48
 
 
 @dataclass(frozen=True)
-class Disc:
+class CertifiedDisc:
     """Squared radius of the disc (None where V* does not keep its sign near the point), and barriers by state."""
 
     squared_radius: Number | None
     barriers: dict[State, list[Fraction]]
 
 
-def certified_disc(partition: Partition) -> Disc:
+def certified_disc(partition: Partition) -> CertifiedDisc:
     """The largest disc in the square on which V* is as on the closed cells at the checked point, or a little less.
 
     It lies in the support polygon too: beyond, the body tips.
@@ -65,7 +65,7 @@ def certified_disc(partition: Partition) -> Disc:
     if nearest * (1 - ROOM) < size:
         size = nearest * (1 - ROOM)
         squared = partition.scene.field.rational(_rounded(size * size * (1 - ROOM)))
-    return Disc(squared, {state: growth.barrier(size) for state, growth in growing.items()})
+    return CertifiedDisc(squared, {state: growth.barrier(size) for state, growth in growing.items()})
 
 
 def _largest_sign(cell: Cell, twist: Twist) -> int:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from nonsmooth.analysis.cells.load_sets import Loads
 from nonsmooth.proofs.clauses.cocircular import CocircularArray
-from nonsmooth.proofs.clauses.every_load.decay import Decay
+from nonsmooth.proofs.clauses.every_load.decay import DecayUnderLoads
 from nonsmooth.proofs.clauses.every_load.point import EveryLoad, EveryLoadPoint, is_admissible, load_text
 from nonsmooth.proofs.clauses.every_load.wheel_pulls import WheelPull, inward_pull, wheel_pulls
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
@@ -135,12 +135,12 @@ def _squared_reach(wheel: WheelPull) -> Number:
     return wheel.w[0] * wheel.w[0] + wheel.w[1] * wheel.w[1]
 
 
-def _decay(point: EveryLoadPoint) -> Decay | None:
+def _decay(point: EveryLoadPoint) -> DecayUnderLoads | None:
     """The linearization about rest; None where the point spins or is not smooth."""
     if point.twist is None or point.slope is None or point.twist.omega:
         return None
     pulls = wheel_pulls(point.scene, point.twist.omega)
-    return None if pulls is None else Decay(pulls, point.slope, point.loads)
+    return None if pulls is None else DecayUnderLoads(pulls, point.slope, point.loads)
 
 
 def _by_linearization(point: EveryLoadPoint, lemma: CocircularArray | None) -> EveryLoadTranslation:
@@ -157,7 +157,7 @@ def _by_linearization(point: EveryLoadPoint, lemma: CocircularArray | None) -> E
     return EveryLoadTranslation(point, Translation.UNDECIDED, _why_open(decay), lemma)
 
 
-def _why_open(decay: Decay) -> str:
+def _why_open(decay: DecayUnderLoads) -> str:
     if decay.soft_load is not None:
         return f"under the load {load_text(decay.soft_load)} the Hessian of D is singular at the point"
     return "bounds of trace and determinant over all loads do not show that the linearization is Hurwitz"

@@ -1,4 +1,4 @@
-"""A fan of cones judged again, by other means than those of :mod:`nonsmooth.proofs.clauses.translation.fan`.
+"""A fan of cones judged again, by other means than those of :mod:`nonsmooth.proofs.clauses.translation.fan_stability`.
 
 - *Escape*: the closed cone holds the velocity, and where that lies along one of its rays omega does not bend the path
   out of it there.

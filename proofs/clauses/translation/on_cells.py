@@ -31,7 +31,7 @@ from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.support import Support, limiting_support
 from nonsmooth.proofs.clauses.cocircular import CocircularArray
 from nonsmooth.proofs.clauses.translation.decrease_region import region_radius, squared_reach
-from nonsmooth.proofs.clauses.translation.fan import FanResult, decide_fan
+from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, decide_fan
 from nonsmooth.proofs.clauses.translation.quadratic import QuadraticCertificate, find_quadratic
 from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.verdicts import Translation

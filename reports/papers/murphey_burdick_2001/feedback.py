@@ -9,7 +9,7 @@ from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.clauses.feedback.input_cell import InputCell
 from nonsmooth.proofs.theorem4_result import CellCheck
 from nonsmooth.reports.document import Block, Code, Entry, display, number, table
-from nonsmooth.reports.papers.murphey_burdick_2001.finding import Finding, Outcome
+from nonsmooth.reports.papers.murphey_burdick_2001.finding import ClaimOutcome, Finding
 from nonsmooth.reports.prose import paragraph, prose
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.plane import dot, turned
@@ -74,13 +74,13 @@ def audit_feedback(roll: CellCheck) -> Finding:
     kappa = roll.partition.scene.field.sqrt(2) / 2
     proved = all(law.proves(kappa) for law in laws)
     wrong = [str(law.data.cell.index) for law in laws if law.lever.sign() < 0]
-    outcome = Outcome.CONFIRMED if not wrong else Outcome.CORRECTED
+    outcome = ClaimOutcome.CONFIRMED if not wrong else ClaimOutcome.CORRECTED
     words = "`u_j = -k theta` has the wrong sign in {} of the {} cells ({}). With the sign of `Delta` the law gives "
     words += "`V' <= -sqrt(2) k V` on every closed cell." if proved else "no proved rate."
     return Finding(
         5,
         "The printed feedback law",
-        outcome if proved else Outcome.REFUTED,
+        outcome if proved else ClaimOutcome.REFUTED,
         prose("`u_i = |u_j| + k |(x, y)|` and `u_j = -k theta` stabilize the array for `mu_S < mu_R`."),
         (
             paragraph("In each cell `d_i . d_j = 0`, so `theta' = u_j/Delta` with `Delta = d_j . J(p_j - p_i)`:"),

@@ -8,7 +8,7 @@ from enum import StrEnum
 from nonsmooth.reports.document import Block, Paragraph, Section, Text
 
 
-class Outcome(StrEnum):
+class ClaimOutcome(StrEnum):
     """How a printed claim fares."""
 
     CONFIRMED = "confirmed"
@@ -32,7 +32,7 @@ class Finding:
 
     item: int
     title: str
-    outcome: Outcome
+    outcome: ClaimOutcome
     claim: Text
     computed: tuple[Block, ...]
     conclusion: Text

@@ -17,7 +17,7 @@ from nonsmooth.analysis.minimizers.minimum import Minimum
 from nonsmooth.proofs.theorem4 import check_cells, check_smooth
 from nonsmooth.proofs.verdicts import Theorem4
 from nonsmooth.reports.document import Block, Entry, display, number, table
-from nonsmooth.reports.papers.murphey_burdick_2001.finding import Finding, Outcome
+from nonsmooth.reports.papers.murphey_burdick_2001.finding import ClaimOutcome, Finding
 from nonsmooth.reports.prose import paragraph, prose
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.numbers.number import Number
@@ -52,7 +52,7 @@ def audit_largest_weights() -> Finding:
     return Finding(
         4,
         "The three largest weights",
-        Outcome.REFUTED if losses[best] < losses[SPEEDS[0]] else Outcome.CONFIRMED,
+        ClaimOutcome.REFUTED if losses[best] < losses[SPEEDS[0]] else ClaimOutcome.CONFIRMED,
         prose("the minimum of D satisfies the three constraints with the largest weights, so those nearest to c."),
         computed,
         prose(
@@ -83,7 +83,7 @@ def audit_every_array() -> Finding:
     return Finding(
         7,
         "Theorem 4 for every planar array",
-        Outcome.REFUTED if refuted else Outcome.CONFIRMED,
+        ClaimOutcome.REFUTED if refuted else ClaimOutcome.CONFIRMED,
         prose("for a discrete planar array the motion is stable in (x, y) and unstable in theta."),
         (table(("array", "Theorem 4", "witness"), rows, (0.2, 0.2, 0.6)),),
         prose(
@@ -119,7 +119,7 @@ def audit_uniqueness() -> Finding:
     return Finding(
         8,
         "Uniqueness and isotropic friction",
-        Outcome.CORRECTED if circle_is_unique and _tied_cells(tied) else Outcome.CONFIRMED,
+        ClaimOutcome.CORRECTED if circle_is_unique and _tied_cells(tied) else ClaimOutcome.CONFIRMED,
         prose("the minimum is non-unique only when the friction ellipse is a circle (mu_S = mu_R)."),
         computed,
         prose(
@@ -162,7 +162,7 @@ def audit_friction_ellipse() -> Finding:
     return Finding(
         9,
         "The friction ellipse of Fig. 3",
-        Outcome.REFUTED if result.verdict is Theorem4.FAILS else Outcome.CONFIRMED,
+        ClaimOutcome.REFUTED if result.verdict is Theorem4.FAILS else ClaimOutcome.CONFIRMED,
         prose("friction may vary smoothly with direction, as in Fig. 3, and theta is unstable."),
         (paragraph("Minimizer of the ellipse functional near the origin, elastic loads, exactly:"), formula),
         prose(

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from nonsmooth.analysis.cells.partition import Cell
 from nonsmooth.proofs.theorem4_result import CellCheck
 from nonsmooth.reports.document import Entry, Math, display, point, table
-from nonsmooth.reports.papers.murphey_burdick_2001.finding import Finding, Outcome
+from nonsmooth.reports.papers.murphey_burdick_2001.finding import ClaimOutcome, Finding
 from nonsmooth.reports.papers.murphey_burdick_2001.pair_equations import pair_equations
 from nonsmooth.reports.papers.murphey_burdick_2001.printed_equations import (
     equation_3,
@@ -59,7 +59,7 @@ def audit_equations_3_and_4(roll: CellCheck, side: CellCheck) -> Finding:
     return Finding(
         1,
         "Equations (3) and (4)",
-        Outcome.CONFIRMED if equal == len(comparisons) else Outcome.REFUTED,
+        ClaimOutcome.CONFIRMED if equal == len(comparisons) else ClaimOutcome.REFUTED,
         prose("the motion of the four-wheel array is eq. (3) for `mu_S > mu_R` and eq. (4) for `mu_S < mu_R`."),
         (table(header, [_comparison_row(comparison) for comparison in comparisons], (1.9, 2, 3, 4, 2)),),
         prose(
@@ -139,7 +139,7 @@ def audit_theorem_4_displays() -> Finding:
     return Finding(
         6,
         "Theorem 4's displays",
-        Outcome.CORRECTED if confirmed else Outcome.REFUTED,
+        ClaimOutcome.CORRECTED if confirmed else ClaimOutcome.REFUTED,
         prose("the governing equations of a pair (i, j) and V' of `V = x^2 + y^2 + theta^2`."),
         computed,
         conclusion,

@@ -11,7 +11,7 @@ from nonsmooth.proofs.inequalities.linear_program import best_mixture, mixtures_
 from nonsmooth.proofs.theorem4_result import CellCheck
 from nonsmooth.proofs.verdicts import Rotation
 from nonsmooth.reports.document import Block, Entry, display, number, point, table
-from nonsmooth.reports.papers.murphey_burdick_2001.finding import Finding, Outcome
+from nonsmooth.reports.papers.murphey_burdick_2001.finding import ClaimOutcome, Finding
 from nonsmooth.reports.papers.murphey_burdick_2001.printed_equations import (
     equation_3,
     plane_symbols,
@@ -112,7 +112,7 @@ def audit_translation(roll: CellCheck, side: CellCheck) -> Finding:
     return Finding(
         2,
         "V' and V* of section 3.2",
-        Outcome.CORRECTED if confirmed else Outcome.REFUTED,
+        ClaimOutcome.CORRECTED if confirmed else ClaimOutcome.REFUTED,
         prose(
             "V' as displayed; on x = 0 the set-valued term is `sgn(y^2 - x^2)`, and `V* = 0` there; `V* < 0` "
             "for `mu_S < mu_R`."
@@ -153,7 +153,7 @@ def audit_rotation(roll: CellCheck, side: CellCheck) -> Finding:
     return Finding(
         3,
         "Instability of theta",
-        Outcome.STRENGTHENED if unstable else Outcome.REFUTED,
+        ClaimOutcome.STRENGTHENED if unstable else ClaimOutcome.REFUTED,
         prose("theta is unstable because the equations do not depend on it."),
         (
             paragraph(

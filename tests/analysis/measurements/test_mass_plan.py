@@ -11,9 +11,9 @@ import pytest
 from nonsmooth.analysis.dynamics.mass_study import mass_study
 from nonsmooth.analysis.dynamics.newton_euler import disc
 from nonsmooth.analysis.fields.contact_model import contact_model
-from nonsmooth.analysis.measurements.plan import LeftOut, Plan
-from nonsmooth.analysis.measurements.slopes import log_slope
+from nonsmooth.analysis.measurements.convergence import log_slope
 from nonsmooth.analysis.measurements.studies.masses import MASS, MASSES
+from nonsmooth.analysis.measurements.study_plan import LeftOut, StudyPlan
 from nonsmooth.analysis.measurements.timing import Clock
 from tests.thorough import thorough
 
@@ -24,7 +24,7 @@ WITHIN = 0.2  # of the slope 1
 SCALED = 1e-6  # relative: integrators take other steps in other units
 
 
-def errors(plan: Plan, method: str, own: slice = slice(None)) -> list[float]:
+def errors(plan: StudyPlan, method: str, own: slice = slice(None)) -> list[float]:
     """Those of the trials of a method, or of some of them."""
     trials = [trial for trial in plan.trials if trial.method == method]
     return [trial.judge(trial.work(Clock(60.0))).error for trial in trials[own]]

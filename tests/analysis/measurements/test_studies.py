@@ -8,10 +8,10 @@ from typing import Any
 
 import pytest
 
+from nonsmooth.analysis.measurements.convergence import FEWEST, fitted_slopes, log_slope
 from nonsmooth.analysis.measurements.harness import Study, measure
-from nonsmooth.analysis.measurements.plan import Finding, Order, Plan, Trial
 from nonsmooth.analysis.measurements.rows import Outcome, ResultRow
-from nonsmooth.analysis.measurements.slopes import FEWEST, fitted_slopes, log_slope
+from nonsmooth.analysis.measurements.study_plan import Assessment, Order, StudyPlan, Trial
 from nonsmooth.analysis.measurements.timing import REPEATED, Clock, Limits, OutOfTime
 from nonsmooth.symbolic.files.scene_file import load_scene
 
@@ -19,8 +19,8 @@ LIMITS = Limits(runs=3, seconds=0.2)
 PAUSE = 0.01  # seconds of work
 
 
-def judged(result: Any) -> Finding:
-    return Finding(float(result))
+def judged(result: Any) -> Assessment:
+    return Assessment(float(result))
 
 
 def trial(method: str, work: Callable[[Clock], Any], setting: float | None = None, repeats: int = 1) -> Trial:
@@ -28,7 +28,7 @@ def trial(method: str, work: Callable[[Clock], Any], setting: float | None = Non
 
 
 def measured(*trials: Trial, limits: Limits = LIMITS) -> list[ResultRow]:
-    plan = Plan("what is known", trials)
+    plan = StudyPlan("what is known", trials)
     study = Study("test", "a test", "error [1]", lambda scene: plan)
     return measure(load_scene("four-wheel"), [study], limits).rows
 
@@ -154,7 +154,7 @@ def test_errors_at_rounding_level_are_left_out_of_a_slope() -> None:
     settings = [10.0**-k for k in range(1, 9)]
     errors = [max(s**2, 3e-15) for s in settings]
     rows = [ResultRow("test", "square", "width", s, error=e) for s, e in zip(settings, errors, strict=True)]
-    plan = Plan("known", (), {"square": order})
+    plan = StudyPlan("known", (), {"square": order})
     (slope,) = fitted_slopes("test", plan, rows)
     assert slope.value == pytest.approx(2, abs=1e-12)
     assert (slope.first, slope.last, slope.parameter) == (0.1, 1e-6, "width")

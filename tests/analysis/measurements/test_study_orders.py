@@ -18,14 +18,14 @@ import pytest
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.fields.constant_field import ConstantField, array_field
 from nonsmooth.analysis.fields.kinematics import Kinematics
+from nonsmooth.analysis.measurements.convergence import log_slope
 from nonsmooth.analysis.measurements.harness import Study
-from nonsmooth.analysis.measurements.plan import Plan
 from nonsmooth.analysis.measurements.references.reference_paths import ExactPath
-from nonsmooth.analysis.measurements.slopes import log_slope
 from nonsmooth.analysis.measurements.studies.derivation import DERIVATION
 from nonsmooth.analysis.measurements.studies.minimizers import BOX_MINIMIZERS, ELLIPSE_MINIMIZERS
 from nonsmooth.analysis.measurements.studies.trajectories import TRAJECTORIES, follow_without_events
 from nonsmooth.analysis.measurements.studies.upper_derivative import UPPER_DERIVATIVE, codimension_of_largest
+from nonsmooth.analysis.measurements.study_plan import StudyPlan
 from nonsmooth.analysis.measurements.timing import Clock
 from nonsmooth.analysis.minimizers.cvxpy_solvers import ConeSolver
 from nonsmooth.analysis.trajectories.result import EventKind
@@ -45,7 +45,7 @@ MOST_TOLERANCES = 1_000  # the error of a solver in units of its tolerance: the 
 SLACK = 1.01  # of the ends of a range
 
 
-def errors_of(plan: Plan, method: str, easiest: float, hardest: float) -> dict[float, float]:
+def errors_of(plan: StudyPlan, method: str, easiest: float, hardest: float) -> dict[float, float]:
     """Error by setting over a closed range of settings."""
     low, high = sorted((easiest, hardest))
     found = {}

@@ -9,10 +9,10 @@ from typing import Any
 
 import pytest
 
+from nonsmooth.analysis.measurements.convergence import fitted_slopes
 from nonsmooth.analysis.measurements.harness import measure
-from nonsmooth.analysis.measurements.plan import Plan
-from nonsmooth.analysis.measurements.slopes import fitted_slopes
 from nonsmooth.analysis.measurements.studies.system_paths import SYSTEM_PATHS, build_system_paths
+from nonsmooth.analysis.measurements.study_plan import StudyPlan
 from nonsmooth.analysis.measurements.timing import Limits
 from nonsmooth.symbolic.files.system_file import build_system, load_system
 from nonsmooth.symbolic.switched_system import SwitchedSystem
@@ -27,7 +27,7 @@ def built(rhs: list[str]) -> SwitchedSystem:
 def measured(scene: SwitchedSystem, *methods: str) -> Any:
     """What the study measures, of some of its methods."""
 
-    def plan(scene: SwitchedSystem) -> Plan:
+    def plan(scene: SwitchedSystem) -> StudyPlan:
         whole = build_system_paths(scene)
         return replace(whole, trials=tuple(trial for trial in whole.trials if trial.method in methods))
 

@@ -19,7 +19,7 @@ from nonsmooth.analysis.contact_rule import smooth_rule_of
 from nonsmooth.analysis.fields.contact_model import ContactModel
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.proofs.answers.answer import Heading, Position
-from nonsmooth.proofs.answers.headings import HeadingsOfRest, Kind, headings_of_rest
+from nonsmooth.proofs.answers.headings import HeadingKind, HeadingsOfRest, headings_of_rest
 from nonsmooth.proofs.headings.isolated import decide_edge_pose
 from nonsmooth.proofs.headings.search import equilibrium_headings
 from nonsmooth.proofs.headings.set_motion import set_motion
@@ -151,7 +151,7 @@ def test_a_grid_of_headings_finds_what_is_listed_and_no_more(
         for entry in found.found
         if entry.low is not None and entry.high is not None
     ]
-    singles = [entry for entry in found.found if entry.kind is Kind.ISOLATED]
+    singles = [entry for entry in found.found if entry.kind is HeadingKind.ISOLATED]
     assert all(one.edge for one in found.undecided)  # no range of headings is left open here
     oracle = Oracle(scene, (float(eval_fraction(size[0])) / 2, float(eval_fraction(size[1])) / 2))
     centre = np.array([float(x) for x in scene.check.equilibrium])
@@ -201,7 +201,7 @@ def test_a_heading_returns_where_paths_come_back(tmp_path: Path) -> None:
 
 def test_a_body_leaves_where_its_place_and_heading_are_said_to(tmp_path: Path) -> None:
     scene = scene_of(tmp_path, SKEW, ("13/5", "8/5"), 5, "1/2")
-    found = [entry for entry in found_at_point(scene).found if entry.kind is Kind.ISOLATED]
+    found = [entry for entry in found_at_point(scene).found if entry.kind is HeadingKind.ISOLATED]
     leaves = next(entry for entry in found if entry.edge == (7, 14))
     assert (leaves.position, leaves.verdict) == (Position.LEAVES, Heading.LEAVES)
     start = np.array([1e-3, -7e-4, float(leaves.heading or 0.0) - 5e-4])
@@ -273,7 +273,7 @@ def test_the_search_finds_the_mirror_images_of_what_it_finds(tmp_path: Path) -> 
     found = headings_of_rest(swirl(tmp_path), around=True)
     assert found is not None
     assert found.reach == pytest.approx(1)
-    single = [entry for entry in found.found if entry.kind is Kind.ISOLATED and len(entry.edge) == 1]
+    single = [entry for entry in found.found if entry.kind is HeadingKind.ISOLATED and len(entry.edge) == 1]
     assert len(single) >= 20
     assert all(entry.proved for entry in single)
     poses = np.array([[*map(float, entry.at), float(entry.heading or 0.0)] for entry in single])

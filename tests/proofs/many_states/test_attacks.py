@@ -12,11 +12,11 @@ from flint import fmpq
 from numpy.typing import NDArray
 
 from nonsmooth.proofs.many_states.audit import audit_many
-from nonsmooth.proofs.many_states.conclusion import Method
+from nonsmooth.proofs.many_states.conclusion import ManyStateMethod
 from nonsmooth.proofs.many_states.decision import decide_many
 from nonsmooth.proofs.many_states.linear_part import Spectrum, spectrum_of
 from nonsmooth.proofs.many_states.sign_cells import build_cells, is_empty
-from nonsmooth.proofs.systems.decay_rate import Decay
+from nonsmooth.proofs.systems.decay_rate import DecayKind
 from nonsmooth.proofs.systems.lyapunov_audit import AuditVerdict
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.reports.interface.system import System
@@ -134,7 +134,7 @@ def test_sines_fractions_and_intervals() -> None:
 def test_the_point_need_not_be_the_origin() -> None:
     result = decide_many(built(["-sgn(x - 1)", "-sgn(y - 2)", "-(z + 1)"], equilibrium=[1, 2, -1]))
     assert result.verdict is ATTRACTS
-    assert result.method is Method.LYAPUNOV
+    assert result.method is ManyStateMethod.LYAPUNOV
     assert decide_many(built(["-sgn(x - 1)", "-y", "-z"])).evidence.equilibrium is Equilibrium.FAILS
 
 
@@ -142,7 +142,7 @@ def test_rays_that_leave() -> None:
     """``(1, 1, 1)`` grows at the rate 1/2 in its cone; with other signs no such ray lies in its own cone."""
     leaves = ["-x/2 + Abs(y)", "-y/2 + Abs(z)", "-z/2 + Abs(x)"]
     result = decide_many(built(leaves))
-    assert result.method is Method.ESCAPE
+    assert result.method is ManyStateMethod.ESCAPE
     assert result.evidence.ray_rate is not None
     assert 0 < result.evidence.ray_rate <= 1 / 2
     assert result.check()
@@ -222,7 +222,7 @@ def test_a_chain_of_relays_arrives_in_time() -> None:
     """``V = |x| + |y| + |z|``: the proved bound on the time of arrival is kept by a solution that slides twice."""
     result = decide_many(built(CHAIN, lyapunov="Abs(x) + Abs(y) + Abs(z)"))
     assert result.rate is not None
-    assert result.rate.decay is Decay.FINITE
+    assert result.rate.decay is DecayKind.FINITE
     start = (0.2, -0.15, 0.1)
     path = System(["x", "y", "z"], CHAIN).simulate(start, 2.0).trajectory
     sizes = np.array([np.abs(np.asarray(place, dtype=float)).sum() for place in path.states])

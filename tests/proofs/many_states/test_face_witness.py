@@ -17,7 +17,7 @@ from scipy.optimize import linprog
 from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.many_states.audit import ManyStateAudit, audit_many
-from nonsmooth.proofs.many_states.examination import SLIDES_UP, Failure, by_face, find_slide, questions_on
+from nonsmooth.proofs.many_states.examination import SLIDES_UP, FailurePoint, by_face, find_slide, questions_on
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.lyapunov_audit import AuditVerdict
 from nonsmooth.symbolic.files.system_file import build_system, parse_lyapunov
@@ -106,7 +106,7 @@ def test_a_face_that_solutions_leave_at_once_refutes_nothing() -> None:
     assert not slides(["-sgn(x)", "-sgn(y)", "-sgn(z)"], (1, 1, 1))
 
 
-def slides(rhs: Sequence[str], weights: Sequence[int]) -> list[Failure]:
+def slides(rhs: Sequence[str], weights: Sequence[int]) -> list[FailurePoint]:
     system = built(rhs)
     formula = parse_lyapunov(bent(weights), system.states, "t", "lyapunov")
     cells, questions = questions_on(system, formula, system.check.radius)

@@ -21,7 +21,7 @@ from nonsmooth.proofs.many_state_checker import check_certificate
 from nonsmooth.proofs.many_states.audit import audit_many
 from nonsmooth.proofs.many_states.decision import decide_many
 from nonsmooth.proofs.many_states.examination import Inequality, answers, by_face, questions_on
-from nonsmooth.proofs.many_states.many_certificate import Function
+from nonsmooth.proofs.many_states.many_certificate import CertifiedFunction
 from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.system_decision import certificate_of, decide_system
 from nonsmooth.proofs.systems.system_certificate import NoCertificateError
@@ -124,7 +124,7 @@ def test_faces_come_from_the_checker(more: str, planes: int, face: str) -> None:
             shown += answers(asked, Effort.STRICT)
     assert all(inequality.proved is not None for inequality in shown)
     base = decide_many(built(["-sgn(x)", "-sgn(y)", "-z"], lyapunov=BENDS))
-    record = Function(system, formula, system.check.radius, cells).record(base, shown, direction=None)
+    record = CertifiedFunction(system, formula, system.check.radius, cells).record(base, shown, direction=None)
     assert record["verdict"] == "asymptotically stable"
     assert check_certificate(record) == f"multipliers for face {face}"
     assert audit_many(system, text).proves is None

@@ -13,7 +13,7 @@ import pytest
 from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.many_states.audit import audit_many
-from nonsmooth.proofs.many_states.conclusion import Method
+from nonsmooth.proofs.many_states.conclusion import ManyStateMethod
 from nonsmooth.proofs.many_states.decision import decide_many
 from nonsmooth.proofs.many_states.many_certificate import build_many_certificate
 from nonsmooth.proofs.systems.lyapunov_audit import AuditVerdict
@@ -69,7 +69,7 @@ def test_a_held_relay_keeps_its_oscillation() -> None:
 
 def test_the_check_asks_the_named_v_after_its_searches() -> None:
     result = decide_many(built(["y", "-x**3 - y**3", "-z"], lyapunov="x**4/2 + y**2 + z**2"))
-    assert (result.verdict, result.method) == (ATTRACTS, Method.INVARIANCE)
+    assert (result.verdict, result.method) == (ATTRACTS, ManyStateMethod.INVARIANCE)
     assert result.evidence.searched is None
     assert result.check()
 
@@ -77,13 +77,13 @@ def test_the_check_asks_the_named_v_after_its_searches() -> None:
 @pytest.mark.usefixtures("strict_search")
 def test_the_check_decides_by_the_principle() -> None:
     result = decide_many(built(["y", "-x - z", "y - z**5"]))
-    assert (result.verdict, result.method) == (ATTRACTS, Method.INVARIANCE)
+    assert (result.verdict, result.method) == (ATTRACTS, ManyStateMethod.INVARIANCE)
     assert result.check()
     assert not replace(result, evidence=replace(result.evidence, left=False)).check()
     stays = decide_many(built(["y", "-x + z", "-y - sgn(z)"]))
     assert stays.verdict is STAYS
     claimed = replace(stays, evidence=replace(stays.evidence, left=True))
-    assert not replace(claimed, verdict=ATTRACTS, reason=result.reason, method=Method.INVARIANCE).check()
+    assert not replace(claimed, verdict=ATTRACTS, reason=result.reason, method=ManyStateMethod.INVARIANCE).check()
     with pytest.raises(NoCertificateError, match="invariance principle"):
         build_many_certificate(result)
 

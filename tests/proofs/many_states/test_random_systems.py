@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from nonsmooth.proofs.many_states.audit import audit_many
 from nonsmooth.proofs.many_states.decision import ManyStateResult, decide_many
-from nonsmooth.proofs.systems.decay_rate import Decay
+from nonsmooth.proofs.systems.decay_rate import DecayKind
 from nonsmooth.proofs.systems.lyapunov_audit import AuditVerdict
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.reports.interface.system import System
@@ -113,7 +113,7 @@ def _follow_inside(rhs: list[str], result: ManyStateResult, rng: np.random.Gener
     assert values[-1] < values[0]
     if result.rate is None:
         bound = np.full(len(times), values[0])
-    elif result.rate.decay is Decay.EXPONENTIAL:
+    elif result.rate.decay is DecayKind.EXPONENTIAL:
         bound = values[0] * np.exp(-float(result.rate.kappa) * times)
     else:
         bound = np.maximum(values[0] - float(result.rate.kappa) * times, 0)

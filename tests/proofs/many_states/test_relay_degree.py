@@ -13,7 +13,7 @@ import sympy as sp
 from numpy.typing import NDArray
 
 import nonsmooth as ns
-from nonsmooth.proofs.many_states.conclusion import Method
+from nonsmooth.proofs.many_states.conclusion import ManyStateMethod
 from nonsmooth.proofs.many_states.decision import ManyStateResult, decide_many, first_cells
 from nonsmooth.proofs.many_states.relay_degree import high_degree_relay
 from nonsmooth.proofs.verdicts import Translation
@@ -44,11 +44,11 @@ def test_known_degrees(rhs: list[str], degree: int) -> None:
     result = decided(rhs)
     assert result.verdict is Translation.UNSTABLE
     assert result.check()
-    if result.method is Method.RELAY:
+    if result.method is ManyStateMethod.RELAY:
         assert result.evidence.relay is not None
         assert result.evidence.relay.degree == degree
     else:
-        assert result.method is Method.ESCAPE
+        assert result.method is ManyStateMethod.ESCAPE
 
 
 @pytest.mark.parametrize(

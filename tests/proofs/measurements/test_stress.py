@@ -26,7 +26,7 @@ from nonsmooth.analysis.measurements.cases.switches import SWITCHES
 from nonsmooth.analysis.measurements.harness import Case, measure
 from nonsmooth.analysis.measurements.rows import Outcome, ResultRow, Rows, judged
 from nonsmooth.analysis.trajectories import guards
-from nonsmooth.analysis.trajectories.motion import Free
+from nonsmooth.analysis.trajectories.cell_motion import Free
 from nonsmooth.analysis.trajectories.stiffness import IMPLICIT
 from nonsmooth.proofs.measurements import array_verdicts
 from nonsmooth.proofs.measurements.array_verdicts import ARRAY_VERDICTS

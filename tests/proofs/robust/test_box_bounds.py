@@ -14,8 +14,8 @@ from nonsmooth.analysis.fields.contact_model import ContactModel
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.proofs.robust import rings
-from nonsmooth.proofs.robust.annulus import Piece, polygon_about, ring
-from nonsmooth.proofs.robust.box import BoxRule
+from nonsmooth.proofs.robust.annulus import AnnulusPiece, polygon_about, ring
+from nonsmooth.proofs.robust.box import BoxRingProof
 from nonsmooth.proofs.robust.decide import decide_robust
 from nonsmooth.proofs.robust.rings import EndDisc
 from nonsmooth.proofs.verdicts import Certainty
@@ -64,9 +64,9 @@ def twists(model: ContactModel, points: Floats) -> Floats:
 def disc_of(name: str, radius: str, monkeypatch: pytest.MonkeyPatch) -> tuple[Scene, EndDisc]:
     """A disc that is found in a few rings."""
     monkeypatch.setattr(rings, "RINGS", 8)
-    monkeypatch.setattr(BoxRule, "halvings", 0)
+    monkeypatch.setattr(BoxRingProof, "halvings", 0)
     scene = load_scene(name, rule="box", radius=radius).recentred()
-    found = BoxRule(scene).disc(small_box(scene), Fraction(radius))
+    found = BoxRingProof(scene).disc(small_box(scene), Fraction(radius))
     assert found is not None
     return scene, found
 
@@ -106,7 +106,7 @@ def test_paths_end_in_the_disc_in_time(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_every_body_within_the_rest_disc_stays_where_it_is(name: str) -> None:
     scene = load_scene(name, rule="box").recentred()
     within, rng = small_box(scene), np.random.default_rng(3)
-    radius = BoxRule(scene).rest_radius(within, Fraction(1, 2))
+    radius = BoxRingProof(scene).rest_radius(within, Fraction(1, 2))
     assert radius > Fraction(1, 5)
     for k in range(12):
         model = drawn(scene, within, rng, corner=k % 2 == 0)
@@ -118,7 +118,7 @@ def test_every_body_within_the_rest_disc_stays_where_it_is(name: str) -> None:
 def test_without_tolerances_the_rest_disc_is_that_of_the_closed_form() -> None:
     """The four-wheel array rests where ``|x| + |y| <= mu_S/mu_R``: a disc of radius ``sqrt(1/8)``."""
     scene = load_scene("four-wheel", rule="box").recentred()
-    rule, none = BoxRule(scene), small_box(scene, Fraction(0))
+    rule, none = BoxRingProof(scene), small_box(scene, Fraction(0))
     exact = 8**-0.5
     assert exact * 0.95 < float(rule.rest_radius(none, Fraction(1, 2))) <= exact
     assert rule.rest_radius(none, Fraction(1, 5)) == Fraction(1, 5)
@@ -127,7 +127,7 @@ def test_without_tolerances_the_rest_disc_is_that_of_the_closed_form() -> None:
 def test_a_larger_box_breaks_what_is_said() -> None:
     """At the rest disc's edge some corner of a box twenty times as large moves."""
     scene = load_scene("four-wheel", rule="box").recentred()
-    radius = float(BoxRule(scene).rest_radius(small_box(scene), Fraction(1, 2)))
+    radius = float(BoxRingProof(scene).rest_radius(small_box(scene), Fraction(1, 2)))
     rng, angles = np.random.default_rng(4), np.pi / 4 * np.arange(8)
     points = radius * np.column_stack([np.cos(angles), np.sin(angles)])
     models = [drawn(scene, small_box(scene, Fraction(20)), rng, corner=True) for _ in range(20)]
@@ -148,7 +148,7 @@ def test_quadrangles_cover_their_ring() -> None:
     assert all(x * x + y * y > Fraction(1, 4) for x, y in polygon_about(Fraction(1, 2), 16))
 
 
-def corners_of(piece: Piece) -> Floats:
+def corners_of(piece: AnnulusPiece) -> Floats:
     return np.array([[float(x) for x in corner] for corner in piece.corners])
 
 
@@ -159,7 +159,7 @@ def holds(corners: Floats, point: Floats) -> bool:
 
 def test_what_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(rings, "RINGS", 8)
-    monkeypatch.setattr(BoxRule, "halvings", 0)
+    monkeypatch.setattr(BoxRingProof, "halvings", 0)
     scene = load_scene("four-wheel", rule="box", radius="13/20")
     one = replace(small_box(scene).times(Fraction(0)), mu_side=scene.field(Fraction(1, 400)))
     found = decide_robust(replace(scene, tolerances=one))

@@ -15,7 +15,7 @@ import pytest
 from numpy.typing import NDArray
 
 from nonsmooth.proofs.robust.decide import decide_robust
-from nonsmooth.proofs.robust.nearest import UltimateBound, is_bounded, ultimate_bound
+from nonsmooth.proofs.robust.nearest import RobustUltimateBound, is_bounded, ultimate_bound
 from nonsmooth.proofs.robust.robust import Robust
 from nonsmooth.proofs.verdicts import Certainty
 from nonsmooth.symbolic.files.scene_file import load_scene
@@ -92,7 +92,7 @@ def velocities(arrays: Arrays, points: Floats) -> Floats:
     return twist[:, :2] + twist[:, 2:] * np.stack([-points[:, 1], points[:, 0]], axis=1)
 
 
-def bound_of(scene: Scene) -> tuple[Scene, UltimateBound]:
+def bound_of(scene: Scene) -> tuple[Scene, RobustUltimateBound]:
     centred = scene.recentred()
     assert centred.tolerances is not None
     bound = ultimate_bound(centred, centred.tolerances)

@@ -11,7 +11,13 @@ import pytest
 from flint import fmpq
 
 from nonsmooth.proofs.sums_of_squares.ansatz import Condition
-from nonsmooth.proofs.sums_of_squares.certificate import Claim, SquareTerm, SumOfSquares, is_definite, is_semidefinite
+from nonsmooth.proofs.sums_of_squares.gram_certificate import (
+    GuardedClaim,
+    SquareTerm,
+    SumOfSquares,
+    is_definite,
+    is_semidefinite,
+)
 from nonsmooth.proofs.sums_of_squares.prove import Effort, prove_positive
 from nonsmooth.proofs.sums_of_squares.rounding import particular_solution
 
@@ -129,7 +135,7 @@ def test_changed_evidence_is_refused() -> None:
 
 
 def test_a_sum_of_squares_must_separate_the_origin() -> None:
-    claim = Claim(exact({(2, 0): 1}), (), 2)
+    claim = GuardedClaim(exact({(2, 0): 1}), (), 2)
     square = SumOfSquares((SquareTerm((), ((1, 0),), ((fmpq(1),),)),))
     assert not square.proves(claim)
     assert square.proves(replace(claim, strict=False))

@@ -16,10 +16,10 @@ import pytest
 from scipy.integrate import dblquad
 
 import nonsmooth as ns
+from nonsmooth.analysis.pushes.measured_pushes import load_pushes
 from nonsmooth.analysis.pushes.models import MODELS
 from nonsmooth.analysis.pushes.ranking import Direction, differences, rank
-from nonsmooth.analysis.pushes.records import load_pushes
-from nonsmooth.reports.evidence.claim import Kind, Verdict, measured_verdict, published
+from nonsmooth.reports.evidence.claim import ClaimKind, ClaimVerdict, measured_verdict, published
 from nonsmooth.reports.evidence.force_fields import TRIANGLE, centred, linear_moment, stable_headings
 from nonsmooth.reports.evidence.literature import literature_claims
 from nonsmooth.reports.evidence.pack import COLUMNS, Evidence, gather
@@ -39,8 +39,8 @@ PAGE = (ROOT / "docs" / "evidence.md").read_text(encoding="utf-8")
 def found(request: pytest.FixtureRequest) -> Evidence:
     """The rows of vehicles, and of the claims of papers the first two or all, which take some seconds."""
     if request.param == "all claims":
-        return gather([Kind.VEHICLES, Kind.CLAIMS])
-    return Evidence((*gather([Kind.VEHICLES]).claims, *islice(literature_claims(), 2)), None)
+        return gather([ClaimKind.VEHICLES, ClaimKind.CLAIMS])
+    return Evidence((*gather([ClaimKind.VEHICLES]).claims, *islice(literature_claims(), 2)), None)
 
 
 # ---- rows ----------------------------------------------------------------------------------------
@@ -49,27 +49,27 @@ def found(request: pytest.FixtureRequest) -> Evidence:
 @pytest.mark.parametrize(
     ("error", "verdict"),
     [
-        (0.0, Verdict.AGREES),
-        (-0.05, Verdict.AGREES),
-        (0.051, Verdict.NEAR),
-        (-0.15, Verdict.NEAR),
-        (0.16, Verdict.MISSES),
+        (0.0, ClaimVerdict.AGREES),
+        (-0.05, ClaimVerdict.AGREES),
+        (0.051, ClaimVerdict.NEAR),
+        (-0.15, ClaimVerdict.NEAR),
+        (0.16, ClaimVerdict.MISSES),
     ],
 )
-def test_verdicts_of_measurements_follow_from_the_error(error: float, verdict: Verdict) -> None:
+def test_verdicts_of_measurements_follow_from_the_error(error: float, verdict: ClaimVerdict) -> None:
     assert measured_verdict(error) is verdict
 
 
 def test_verdicts_of_claims_follow_from_the_numbers() -> None:
-    assert published("a", "b", 2, 2, "").verdict is Verdict.AGREES
+    assert published("a", "b", 2, 2, "").verdict is ClaimVerdict.AGREES
     refuted = published("a", "b", 1, 2, "w")
-    assert (refuted.verdict, refuted.error, refuted.witness) == (Verdict.REFUTED, -0.5, "w")
+    assert (refuted.verdict, refuted.error, refuted.witness) == (ClaimVerdict.REFUTED, -0.5, "w")
 
 
 def test_claims_have_a_source_and_a_witness(found: Evidence) -> None:
-    claims = [claim for claim in found.claims if claim.kind is Kind.CLAIMS]
+    claims = [claim for claim in found.claims if claim.kind is ClaimKind.CLAIMS]
     assert all(claim.source and claim.witness for claim in claims)
-    assert {claim.verdict for claim in claims} == {Verdict.AGREES, Verdict.REFUTED}
+    assert {claim.verdict for claim in claims} == {ClaimVerdict.AGREES, ClaimVerdict.REFUTED}
     assert all(claim.fitted == 0 for claim in claims)
 
 
@@ -80,8 +80,8 @@ def test_eight_claims_and_more() -> None:
     assert len({claim.source for claim in claims}) >= 6
 
 
-@pytest.mark.parametrize("kind", [Kind.VEHICLES, Kind.CLAIMS])
-def test_the_page_holds_the_figures(found: Evidence, kind: Kind) -> None:
+@pytest.mark.parametrize("kind", [ClaimKind.VEHICLES, ClaimKind.CLAIMS])
+def test_the_page_holds_the_figures(found: Evidence, kind: ClaimKind) -> None:
     table = claims_table(found, kind).rstrip()
     assert table
     assert table in PAGE
@@ -194,4 +194,4 @@ def test_claims_on_pushes_say_what_was_fitted() -> None:
     evidence = PushEvidence({Direction.WRENCH: rank(Direction.WRENCH, MODELS[:2])}, {Direction.WRENCH: ()})
     assert [row["model"] for row in evidence.record()] == ["isotropic", "naive"]
     first = next(push_claims(evidence))
-    assert (first.verdict, first.fitted, round(first.predicted, 1)) == (Verdict.AGREES, 0, 10.9)
+    assert (first.verdict, first.fitted, round(first.predicted, 1)) == (ClaimVerdict.AGREES, 0, 10.9)

@@ -21,18 +21,18 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from nonsmooth.reports.interface.sweep_result import SweepResult
-from nonsmooth.reports.progress import Report, silent
+from nonsmooth.reports.progress import ProgressCall, silent
 from nonsmooth.reports.sweeps import store as store_module
 from nonsmooth.reports.sweeps import workers as workers_module
 from nonsmooth.reports.sweeps.base import base_of
 from nonsmooth.reports.sweeps.outcome import Outcome
-from nonsmooth.reports.sweeps.plan import read_plan
 from nonsmooth.reports.sweeps.run import Runner
 from nonsmooth.reports.sweeps.store import Store
 from nonsmooth.reports.sweeps.sweep import Means, run_sweep
 from nonsmooth.reports.sweeps.sweep_error import SweepError
+from nonsmooth.reports.sweeps.sweep_plan import read_plan
 from nonsmooth.reports.sweeps.values import Entry
-from nonsmooth.reports.sweeps.workers import ALONE, DIED, TOGETHER, InProcess, Pool, Task, Work
+from nonsmooth.reports.sweeps.workers import ALONE, DIED, TOGETHER, InProcess, ProcessPool, Task, Work
 from nonsmooth.symbolic.files.scene_file import read_document
 from tests.thorough import keep
 
@@ -56,7 +56,7 @@ def rows(store: Path) -> int:
         return int(database.execute("SELECT count(*) FROM outcomes").fetchone()[0]) if tables else 0
 
 
-def result(means: Means, report: Report = silent) -> SweepResult:
+def result(means: Means, report: ProgressCall = silent) -> SweepResult:
     base = base_of(*read_document("four-wheel"))
     return SweepResult(run_sweep(base, read_plan(VARY, base.document, base.file), means, report))
 
@@ -200,7 +200,7 @@ def test_a_scene_that_kills_its_workers_is_refused_and_no_other(
 ) -> None:
     monkeypatch.setattr(workers_module, "TOGETHER", together)
     monkeypatch.setattr(workers_module, "ALONE", alone)
-    pool = Pool(Deadly(*work()), 2)
+    pool = ProcessPool(Deadly(*work()), 2)
     try:
         waiting = [Task(f"key {name}", (name,)) for name in ("a", "deadly", "b", "c", "d")]
         found: dict[str, tuple[str, bool]] = {}

@@ -18,8 +18,8 @@ from nonsmooth.reports.designs.toml_text import toml_text
 from nonsmooth.reports.sweeps.base import Base, base_of
 from nonsmooth.reports.sweeps.borders import Border, find_borders, said
 from nonsmooth.reports.sweeps.outcome import QUESTIONS, Outcome, outcome_of
-from nonsmooth.reports.sweeps.plan import LARGE, Plan, Point, read_plan
 from nonsmooth.reports.sweeps.sweep import Means, Sweep, run_sweep
+from nonsmooth.reports.sweeps.sweep_plan import LARGE, Point, SweepPlan, read_plan
 from nonsmooth.symbolic.files.one_by_one import one_by_one
 from nonsmooth.symbolic.files.scene_file import load_scene, read_document
 from tests.thorough import thorough
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 WITHIN = Fraction(1, 10**9)
 
 
-def based(scene: str, vary: dict[str, str], **given: str) -> tuple[Base, Plan]:
+def based(scene: str, vary: dict[str, str], **given: str) -> tuple[Base, SweepPlan]:
     base = base_of(*read_document(scene, **given))
     return base, read_plan(vary, base.document, base.file)
 

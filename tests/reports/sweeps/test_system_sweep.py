@@ -13,8 +13,8 @@ import pytest
 
 import nonsmooth as ns
 from nonsmooth.reports.sweeps.base import base_of
-from nonsmooth.reports.sweeps.plan import read_plan
 from nonsmooth.reports.sweeps.sweep import Means, Sweep, run_sweep
+from nonsmooth.reports.sweeps.sweep_plan import read_plan
 from tests.thorough import thorough
 
 if TYPE_CHECKING:

@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from nonsmooth.reports.sweeps.borders import simplest_fraction
-from nonsmooth.reports.sweeps.plan import Plan, read_plan
 from nonsmooth.reports.sweeps.sweep_error import SweepError
+from nonsmooth.reports.sweeps.sweep_plan import SweepPlan, read_plan
 from nonsmooth.reports.sweeps.values import Range, read_values
 from nonsmooth.symbolic.files.key_paths import find_path, numeric_paths, path_text, with_value
 from nonsmooth.symbolic.files.scene_file import read_document
@@ -23,7 +23,7 @@ def entries(text: str) -> list[int | str]:
     return [values.value(k).entry for k in range(values.count or 0)]
 
 
-def plan_of(vary: dict[str, str], draws: int | None = None, seed: int = 0) -> Plan:
+def plan_of(vary: dict[str, str], draws: int | None = None, seed: int = 0) -> SweepPlan:
     document, file, _ = read_document("four-wheel")
     return read_plan(vary, document, file, draws, seed)
 

@@ -16,7 +16,7 @@ from playwright.sync_api import Browser, Page
 import nonsmooth as ns
 from nonsmooth.reports.workbench import bundle
 from nonsmooth.reports.workbench import notebook as notebook_module
-from nonsmooth.reports.workbench.notebook import NotebookView
+from nonsmooth.reports.workbench.notebook_view import NotebookView
 from tests.browser import needs_chromium
 
 Json = dict[str, Any]
@@ -195,6 +195,6 @@ def test_a_wheel_is_dragged_in_a_notebook(cell: tuple[Page, Kernel, list[str]]) 
 
 
 def test_without_its_package_it_says_how_to_install_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "nonsmooth.reports.workbench.notebook", None)
+    monkeypatch.setitem(sys.modules, "nonsmooth.reports.workbench.notebook_view", None)
     with pytest.raises(ImportError, match=r"nonsmooth\[notebook\]"):
         ns.widget("four-wheel")

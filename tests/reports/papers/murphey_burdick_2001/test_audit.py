@@ -21,7 +21,7 @@ from nonsmooth.proofs.theorem4_result import CellCheck
 from nonsmooth.reports.document import Inline, Math, Table
 from nonsmooth.reports.papers.murphey_burdick_2001 import functional, kinematics, stability
 from nonsmooth.reports.papers.murphey_burdick_2001.feedback import CorrectedLaw, audit_feedback, corrected_law
-from nonsmooth.reports.papers.murphey_burdick_2001.finding import Outcome
+from nonsmooth.reports.papers.murphey_burdick_2001.finding import ClaimOutcome
 from nonsmooth.reports.papers.murphey_burdick_2001.kinematics import (
     audit_equations_3_and_4,
     compare_cells,
@@ -68,15 +68,15 @@ def laws(roll: CellCheck) -> list[CorrectedLaw]:
 def test_outcomes() -> None:
     outcomes = {finding.item: finding.outcome for finding in audit_paper()}
     assert outcomes == {
-        1: Outcome.CONFIRMED,
-        2: Outcome.CORRECTED,
-        3: Outcome.STRENGTHENED,
-        5: Outcome.CORRECTED,
-        6: Outcome.CORRECTED,
-        4: Outcome.REFUTED,
-        7: Outcome.REFUTED,
-        8: Outcome.CORRECTED,
-        9: Outcome.REFUTED,
+        1: ClaimOutcome.CONFIRMED,
+        2: ClaimOutcome.CORRECTED,
+        3: ClaimOutcome.STRENGTHENED,
+        5: ClaimOutcome.CORRECTED,
+        6: ClaimOutcome.CORRECTED,
+        4: ClaimOutcome.REFUTED,
+        7: ClaimOutcome.REFUTED,
+        8: ClaimOutcome.CORRECTED,
+        9: ClaimOutcome.REFUTED,
     }
 
 
@@ -104,7 +104,7 @@ def test_a_changed_print_is_refuted(roll: CellCheck, side: CellCheck, monkeypatc
     changed[2] = -changed[2]
     monkeypatch.setattr(kinematics, "equation_4", lambda: changed)
     finding = audit_equations_3_and_4(roll, side)
-    assert finding.outcome is Outcome.REFUTED
+    assert finding.outcome is ClaimOutcome.REFUTED
     assert "8" in finding.conclusion
 
 
@@ -128,7 +128,7 @@ def test_upper_derivatives_in_closed_form(roll: CellCheck, side: CellCheck) -> N
     assert rate_is(roll.partition, larger=True)
     assert not rate_is(side.partition, larger=True)
     assert not rate_is(roll.partition, larger=False)
-    assert audit_translation(side, roll).outcome is Outcome.REFUTED  # exchanged
+    assert audit_translation(side, roll).outcome is ClaimOutcome.REFUTED  # exchanged
 
 
 def test_what_jumps_on_axes_and_diagonals(side: CellCheck) -> None:
@@ -196,7 +196,7 @@ def test_the_law_needs_rims_at_right_angles() -> None:
 def test_an_unproved_bound_is_refuted(roll: CellCheck, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(CorrectedLaw, "proves", lambda self, kappa: False)
     finding = audit_feedback(roll)
-    assert finding.outcome is Outcome.REFUTED
+    assert finding.outcome is ClaimOutcome.REFUTED
 
 
 # ---- 6: Theorem 4's displays ---------------------------------------------------------------------
@@ -212,7 +212,7 @@ def test_a_changed_display_is_refuted(monkeypatch: pytest.MonkeyPatch) -> None:
     changed = theorem_4_kinematics()
     changed[0] = -changed[0]
     monkeypatch.setattr(kinematics, "theorem_4_kinematics", lambda: changed)
-    assert kinematics.audit_theorem_4_displays().outcome is Outcome.REFUTED
+    assert kinematics.audit_theorem_4_displays().outcome is ClaimOutcome.REFUTED
 
 
 # ---- items 4, 7, 8, 9: the functional ------------------------------------------------------------

@@ -20,7 +20,7 @@ RationalMatrix: TypeAlias = tuple[tuple[fmpq, ...], ...]
 
 
 @dataclass(frozen=True)
-class Claim:
+class GuardedClaim:
     """``p > 0`` where all guards are ``>= 0``, at the origin only if ``at_origin``; or ``p >= 0`` there.
 
     Attributes:
@@ -71,7 +71,7 @@ class SumOfSquares:
 
     terms: tuple[SquareTerm, ...]
 
-    def proves(self, claim: Claim) -> bool:
+    def proves(self, claim: GuardedClaim) -> bool:
         """Whether the claim follows."""
         if not self.terms or self.terms[0].factors:
             return False

@@ -5,16 +5,16 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from nonsmooth.analysis.trajectories.motion import Free, Rest
+from nonsmooth.analysis.trajectories.cell_motion import Free, Rest
 from nonsmooth.analysis.trajectories.slides import Slide
-from nonsmooth.analysis.trajectories.turns import Spiral
+from nonsmooth.analysis.trajectories.turns import CornerSpiral
 
 ARC_STEP = math.pi / 36  # turn between samples (radian): a drawn chord leaves its arc by less than 0.1 % of the radius
 SLIDE_SAMPLES = 33  # along a slide whose speed varies
 SPIRAL_SAMPLES = 129  # over a spiral whose turns accumulate; the first few turns are what can be seen
 
 
-def sample_times(motion: Free | Slide | Rest | Spiral, span: Any | None) -> tuple[Any, ...]:
+def sample_times(motion: Free | Slide | Rest | CornerSpiral, span: Any | None) -> tuple[Any, ...]:
     """Times since the start of a piece at which it is sampled, first zero, last ``span`` where that is finite."""
     if isinstance(motion, Slide) and span is None:
         return _approach(motion)
@@ -26,7 +26,7 @@ def sample_times(motion: Free | Slide | Rest | Spiral, span: Any | None) -> tupl
     bends = isinstance(motion, Slide) and (motion.coefficients[1] or motion.coefficients[3])
     if bends:
         return _even(span, SLIDE_SAMPLES - 1)
-    if isinstance(motion, Spiral) and isinstance(span, float):
+    if isinstance(motion, CornerSpiral) and isinstance(span, float):
         return _even(span, SPIRAL_SAMPLES - 1)
     return (zero, span) if span > zero else (zero,)
 
@@ -42,5 +42,5 @@ def _approach(slide: Slide) -> tuple[float, ...]:
     return tuple(slide.time_to(slide.stop * (1 - 2.0**-k)) for k in range(SLIDE_SAMPLES))
 
 
-def _zero(motion: Free | Rest | Slide | Spiral) -> Any:
+def _zero(motion: Free | Rest | Slide | CornerSpiral) -> Any:
     return motion.theta * 0

@@ -25,7 +25,7 @@ from nonsmooth.symbolic.plane import dot, turned
 State: TypeAlias = tuple[Any, Any, Any]
 
 
-class Crossing(NamedTuple):
+class SideCrossing(NamedTuple):
     """A side that a free motion reaches, and when."""
 
     time: Any
@@ -51,16 +51,16 @@ class Free:
         across = math.sin(half) ** 2 * 2 / w
         return self.point[0] + along * vx - across * vy, self.point[1] + along * vy + across * vx, theta
 
-    def first_crossing(self, sides: Iterable[HalfPlane], active: frozenset[int], slack: float) -> Crossing | None:
+    def first_crossing(self, sides: Iterable[HalfPlane], active: frozenset[int], slack: float) -> SideCrossing | None:
         """The side through which the path leaves a convex cell.
 
         It departs from the active sides; from those along which it moves, within a slack of the speed, it bends away.
         """
-        best: Crossing | None = None
+        best: SideCrossing | None = None
         for k, side in enumerate(sides):
             time = self._time_to(side) if k not in active else self._time_back(side, slack)
             if time is not None and (best is None or time < best.time):
-                best = Crossing(time, k)
+                best = SideCrossing(time, k)
         return best
 
     def _time_to(self, side: HalfPlane) -> Any | None:

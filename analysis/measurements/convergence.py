@@ -10,8 +10,8 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from nonsmooth.analysis.measurements.plan import Order, Plan
 from nonsmooth.analysis.measurements.rows import ResultRow
+from nonsmooth.analysis.measurements.study_plan import Order, StudyPlan
 
 FEWEST = 4  # settings: fewer make no line
 
@@ -43,7 +43,7 @@ def log_slope(settings: Sequence[float], errors: Sequence[float]) -> float:
     return sum((x - middle) * (y - height) for x, y in zip(xs, ys, strict=True)) / spread
 
 
-def fitted_slopes(study: str, plan: Plan, rows: Iterable[ResultRow]) -> list[FittedSlope]:
+def fitted_slopes(study: str, plan: StudyPlan, rows: Iterable[ResultRow]) -> list[FittedSlope]:
     """The slope of every method of a study that has a setting."""
     known = [row for row in rows if row.name == study]
     slopes = []

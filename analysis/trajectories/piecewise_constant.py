@@ -1,7 +1,7 @@
 """Event-driven Filippov paths on cells with constant twist: closed forms from event to event.
 
-At an edge or corner every continuation is listed (:mod:`nonsmooth.analysis.trajectories.choices`) and one is followed
-to its end: through a cell to its border, along an edge to where sliding ends, around a corner to the limit of
+At an edge or corner every continuation is listed (:mod:`nonsmooth.analysis.trajectories.continuations`) and one is
+followed to its end: through a cell to its border, along an edge to where sliding ends, around a corner to the limit of
 infinitely many turns, or at rest.  There is no step size and no error that accumulates with time: a path is exact to
 the rounding of one closed form per event, and exact altogether for exact numbers.
 
@@ -19,11 +19,11 @@ from typing import Any, TypeAlias
 from nonsmooth.analysis.cells.cell_complex import AtCorner, InCell, OnEdge, Place
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.fields.constant_field import ConstantField
-from nonsmooth.analysis.trajectories.choices import Choice, choices_at
+from nonsmooth.analysis.trajectories.cell_motion import Free, Rest, State
+from nonsmooth.analysis.trajectories.continuations import Choice, choices_at
 from nonsmooth.analysis.trajectories.junction import junction_at, signs_of
 from nonsmooth.analysis.trajectories.log import EventLog
 from nonsmooth.analysis.trajectories.lyapunov_watch import LyapunovWatch
-from nonsmooth.analysis.trajectories.motion import Free, Rest, State
 from nonsmooth.analysis.trajectories.orbits import OrbitMemory
 from nonsmooth.analysis.trajectories.result import (
     End,
@@ -34,16 +34,16 @@ from nonsmooth.analysis.trajectories.result import (
     TrajectoryError,
     samples,
 )
-from nonsmooth.analysis.trajectories.sampling import sample_times
+from nonsmooth.analysis.trajectories.sample_times import sample_times
 from nonsmooth.analysis.trajectories.slides import Slide
-from nonsmooth.analysis.trajectories.turns import Spiral, Turns
+from nonsmooth.analysis.trajectories.turns import CornerSpiral, Turns
 from nonsmooth.symbolic.plane import cross, dot, minus
 
 MAX_LEGS = (
     10_000  # between events; a path of the built-in scenes has fewer than 20, a spiral of gain 0.99 some thousand
 )
 
-Motion: TypeAlias = Free | Slide | Rest | Spiral
+Motion: TypeAlias = Free | Slide | Rest | CornerSpiral
 
 
 @dataclass(frozen=True)
@@ -192,7 +192,7 @@ class _Path:
         arrival: Place = AtCorner(ray.corner) if arrives else OnEdge(ray.edge)
         return _Leg(slide, self.field.place_name(OnEdge(ray.edge)), chosen.cells, slide.duration(), arrival)
 
-    def _spiral(self, spiral: Spiral) -> _Leg:
+    def _spiral(self, spiral: CornerSpiral) -> _Leg:
         place = AtCorner(spiral.turn.corner)
         name = self.field.place_name(place)
         note = "infinitely many switches accumulate at this corner"

@@ -34,7 +34,7 @@ UNKNOWNS = 1e-9  # error of twists and forces within a step; after it they are e
 
 
 @dataclass(frozen=True)
-class Part:
+class DenseStep:
     """The dense output of a step, and the times between which it holds."""
 
     start: float
@@ -54,7 +54,7 @@ class Parts:
         self._weights = np.full(len(mode.sliding), 0.5)
         self._scale, self._size, self._drags = scale, size, drags
 
-    def from_pose(self, pose: Floats, start: float, until: float) -> Iterator[Part]:
+    def from_pose(self, pose: Floats, start: float, until: float) -> Iterator[DenseStep]:
         """One after the other, up to the last time.
 
         Raises:
@@ -68,7 +68,7 @@ class Parts:
                 break
         yield from self._stiff_parts(pose, time, until)
 
-    def _stiff_parts(self, pose: Floats, time: float, until: float) -> Iterator[Part]:
+    def _stiff_parts(self, pose: Floats, time: float, until: float) -> Iterator[DenseStep]:
         """Steps of implicit methods: LSODA, and where its steps become lost in rounding backward differentiation."""
         from scipy.integrate import BDF, LSODA
 
@@ -82,7 +82,7 @@ class Parts:
 
     def _steps_of(
         self, method: Any, tolerances: tuple[float, float], pose: Floats, time: float, until: float
-    ) -> Iterator[Part]:
+    ) -> Iterator[DenseStep]:
         """Steps of one of SciPy's methods, to the end."""
         if time >= until:
             return
@@ -91,7 +91,7 @@ class Parts:
         solver = method(self._rate, time, pose, until, rtol=relative, atol=absolute, **options)
         while solver.status == "running":
             before, state = solver.t, _stepped(solver)
-            yield Part(before, solver.t, state)
+            yield DenseStep(before, solver.t, state)
 
     def _rate(self, time: float, pose: Floats) -> Floats:
         rate, self._weights = self._switching.rate(self._mode, pose, self._weights)
@@ -108,7 +108,7 @@ class Parts:
 
     # ---- regimes ---------------------------------------------------------------------------------
 
-    def _smooth_parts(self, pose: Floats, time: float, until: float) -> Iterator[Part]:
+    def _smooth_parts(self, pose: Floats, time: float, until: float) -> Iterator[DenseStep]:
         """Runge-Kutta steps, each in one regime; they end early where a regime cannot be held."""
         from scipy.integrate import DOP853
 
@@ -125,7 +125,7 @@ class Parts:
             end = self._end_of_regime(state, time, solver.t)
             if end is None:
                 return
-            yield Part(time, end, lambda t, state=state: state(t)[:3])
+            yield DenseStep(time, end, lambda t, state=state: state(t)[:3])
             kept = self._kept(solver.y) if end == solver.t else None
             time, pose, length = end, state(end)[:3], float(solver.h_abs)
             whole = self._held(pose, time) if kept is None else kept

@@ -13,14 +13,14 @@ from fractions import Fraction
 from typing import Any, TypeAlias
 
 from nonsmooth.reports.sweeps.sweep_error import SweepError
-from nonsmooth.reports.sweeps.values import Formula, Listed, Range, Value, Values, read_values
+from nonsmooth.reports.sweeps.values import Listed, Range, Value, Values, WrittenValue, read_values
 from nonsmooth.symbolic.files.key_paths import Path, find_path, path_text
 
 DRAW_BITS = 20  # of a random share of a range: short fractions keep exact arithmetic fast
 LARGE = 10**6  # scenes beyond which a sweep asks first
 MAX_DRAWS = 10**12
 
-Point: TypeAlias = tuple[Value | Formula, ...]  # one value for each axis
+Point: TypeAlias = tuple[Value | WrittenValue, ...]  # one value for each axis
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class Axis:
 
 
 @dataclass(frozen=True)
-class Plan:
+class SweepPlan:
     """The scenes of a sweep.
 
     Attributes:
@@ -96,7 +96,7 @@ class Plan:
         return tuple(_draw(axis.values, source) for axis in self.axes)
 
 
-def _draw(values: Values, source: random.Random) -> Value | Formula:
+def _draw(values: Values, source: random.Random) -> Value | WrittenValue:
     """One of a list, or a rational number of a range."""
     if isinstance(values, Listed):
         return values.values[source.randrange(values.count)]
@@ -105,7 +105,7 @@ def _draw(values: Values, source: random.Random) -> Value | Formula:
 
 def read_plan(
     vary: Mapping[str, str], document: Mapping[str, Any], file: str, draws: int | None = None, seed: int = 0
-) -> Plan:
+) -> SweepPlan:
     """The plan of what a user wrote.
 
     Args:
@@ -130,7 +130,7 @@ def read_plan(
         _require_counts(axes)
     else:
         _require_draws(axes, draws)
-    return Plan(axes, draws, seed)
+    return SweepPlan(axes, draws, seed)
 
 
 def _axes(vary: Mapping[str, str], document: Mapping[str, Any], file: str) -> Iterator[Axis]:

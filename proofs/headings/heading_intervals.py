@@ -14,7 +14,7 @@ from flint import arb, ctx
 
 from nonsmooth.proofs.headings.stay import Stay, Stays, StaysAt
 from nonsmooth.symbolic.contact_set import whole
-from nonsmooth.symbolic.edge_headings import BallOutline, Cluster, Gap, clusters, gaps, places_of, seen
+from nonsmooth.symbolic.edge_headings import BallOutline, Gap, HeadingCluster, clusters, gaps, places_of, seen
 from nonsmooth.symbolic.numbers.enclosures import PRECISION
 from nonsmooth.symbolic.plane import Vector
 from nonsmooth.symbolic.scene import Scene
@@ -78,7 +78,7 @@ class HeadingsAt:
             self.places = places_of([wheel.position for wheel in self.scene.wheels], point)
             self.stays = StaysAt(self.scene)
 
-    def clusters(self) -> list[Cluster]:
+    def clusters(self) -> list[HeadingCluster]:
         """Headings with wheels under the edge, in ascending order."""
         with ctx.workprec(PRECISION):
             return clusters([edge for k, at in enumerate(self.places) for edge in self.outline.edge_headings(k, at)])

@@ -68,7 +68,7 @@ class Move(StrEnum):
 
 
 @dataclass(frozen=True)
-class Evidence:
+class MoveEvidence:
     """One move with the exact data that shows it.
 
     Attributes:
@@ -114,7 +114,7 @@ class FanResult:
 
     verdict: Translation
     cones: tuple[Cone, ...]
-    evidence: tuple[Evidence, ...]
+    evidence: tuple[MoveEvidence, ...]
     turns: tuple[FullTurn, ...]
     squared_overshoot: Any
 
@@ -152,7 +152,7 @@ class FanResult:
         stable = Translation.STABLE if resting else Translation.ASYMPTOTICALLY_STABLE
         return not out and not is_open(self.cones, self.turns) and told and self.verdict is stable
 
-    def _is_genuine(self, entry: Evidence) -> bool:
+    def _is_genuine(self, entry: MoveEvidence) -> bool:
         """Whether one move happens in the fan."""
         match entry.move:
             case Move.ESCAPE:
@@ -199,14 +199,14 @@ def decide_cones(cones: Sequence[Cone]) -> FanResult:
 # ---- moves -------------------------------------------------------------------------------
 
 
-def _escapes(fan: Sequence[Cone]) -> Iterator[Evidence]:
+def _escapes(fan: Sequence[Cone]) -> Iterator[MoveEvidence]:
     for cone in fan:
         for twist in cone.twists:
             if any(twist.velocity) and all(departure_sign(normal, twist) >= 0 for normal in cone.inward_normals):
-                yield Evidence(Move.ESCAPE, twist.velocity, (twist,), None)
+                yield MoveEvidence(Move.ESCAPE, twist.velocity, (twist,), None)
 
 
-def _slides(fan: Sequence[Cone], *, outward: bool) -> Iterator[Evidence]:
+def _slides(fan: Sequence[Cone], *, outward: bool) -> Iterator[MoveEvidence]:
     """Slides that lead outward, or the rays of equilibria."""
     for ray, before, after in rays_of(fan):
         twists = tuple(dict.fromkeys(before.twists + after.twists))
@@ -215,14 +215,14 @@ def _slides(fan: Sequence[Cone], *, outward: bool) -> Iterator[Evidence]:
             if speed is None:
                 continue
             if outward and sign(speed) > 0:
-                yield Evidence(Move.SLIDE, ray, (first, second), speed)
+                yield MoveEvidence(Move.SLIDE, ray, (first, second), speed)
                 break
             if not outward and not sign(speed):
-                yield Evidence(Move.REST, ray, (first, second), speed)
+                yield MoveEvidence(Move.REST, ray, (first, second), speed)
                 break
 
 
-def _ties(fan: Sequence[Cone]) -> Iterator[Evidence]:
+def _ties(fan: Sequence[Cone]) -> Iterator[MoveEvidence]:
     """Cells that turn the body about the equilibrium itself, and are the plane or have other motions too.
 
     A cone with this motion alone is only crossed: the distance is kept.
@@ -231,26 +231,26 @@ def _ties(fan: Sequence[Cone]) -> Iterator[Evidence]:
         for twist in cone.twists:
             crossed = len(cone.twists) == 1 and not is_plane(cone)
             if not any(twist.velocity) and twist.omega and not crossed:
-                yield Evidence(Move.TIE, cone.start, (twist,), "the body turns about the equilibrium itself")
+                yield MoveEvidence(Move.TIE, cone.start, (twist,), "the body turns about the equilibrium itself")
 
 
-def _rests(fan: Sequence[Cone]) -> Iterator[Evidence]:
+def _rests(fan: Sequence[Cone]) -> Iterator[MoveEvidence]:
     """Cones in which the body does not move at all."""
     for cone in fan:
         for twist in cone.twists:
             if not any(twist):
-                yield Evidence(Move.REST, cone.start, (twist,), twist.omega)
+                yield MoveEvidence(Move.REST, cone.start, (twist,), twist.omega)
 
 
-def _turn_evidence(fan: Sequence[Cone], turn: FullTurn) -> Evidence:
+def _turn_evidence(fan: Sequence[Cone], turn: FullTurn) -> MoveEvidence:
     twists = tuple(cone.twists[0] for cone in fan)
-    return Evidence(Move.TURN, _first_ray(fan, turn), twists, turn)
+    return MoveEvidence(Move.TURN, _first_ray(fan, turn), twists, turn)
 
 
-def _turn_tie(fan: Sequence[Cone], turn: FullTurn) -> Evidence:
+def _turn_tie(fan: Sequence[Cone], turn: FullTurn) -> MoveEvidence:
     is_one = turn.gain is not None and not sign(turn.gain - 1)
     why = "a full turn has gain one" if is_one else "the leading terms of a full turn cancel or mix"
-    return Evidence(Move.TIE, _first_ray(fan, turn), (), why)
+    return MoveEvidence(Move.TIE, _first_ray(fan, turn), (), why)
 
 
 def _first_ray(fan: Sequence[Cone], turn: FullTurn) -> Point:

@@ -14,7 +14,7 @@ class LeftOut(Exception):
 
 
 @dataclass(frozen=True)
-class Finding:
+class Assessment:
     """What a result is worth.
 
     Attributes:
@@ -45,7 +45,7 @@ class Trial:
 
     method: str
     work: Callable[[Clock], Any]
-    judge: Callable[[Any], Finding]
+    judge: Callable[[Any], Assessment]
     parameter: str | None = None
     setting: float | None = None
     repeats: int = 1
@@ -70,7 +70,7 @@ class Order:
 
 
 @dataclass(frozen=True)
-class Plan:
+class StudyPlan:
     """What a study does for one scene.
 
     Attributes:
