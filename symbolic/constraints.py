@@ -123,7 +123,7 @@ def constraint_matrix(wheel: Wheel) -> tuple[tuple[Number, ...], tuple[Number, .
     return first, second
 
 
-def outer(a: Triple, b: Triple) -> Triple:
+def cross_product(a: Triple, b: Triple) -> Triple:
     """Cross product in three dimensions."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
@@ -140,7 +140,7 @@ def inner(a: Triple, b: Triple) -> Number:
 
 def cofactors(a: Triple, b: Triple, c: Triple) -> tuple[Triple, Triple, Triple]:
     """Columns of ``det(M) M^-1`` for the matrix M with rows a, b, c: ``b x c, c x a, a x b``."""
-    return outer(b, c), outer(c, a), outer(a, b)
+    return cross_product(b, c), cross_product(c, a), cross_product(a, b)
 
 
 def gram(columns: Sequence[Triple]) -> tuple[Triple, Triple, Triple]:
@@ -194,9 +194,9 @@ def complement(basis: Sequence[Triple]) -> tuple[Triple, ...]:
     if len(basis) == 1:
         one = basis[0][0].field.one
         zero = one - one
-        crossed = [outer(basis[0], axis) for axis in ((one, zero, zero), (zero, one, zero), (zero, zero, one))]
+        crossed = [cross_product(basis[0], axis) for axis in ((one, zero, zero), (zero, one, zero), (zero, zero, one))]
         return tuple(leading_one(crossed[k]) for k in independent(crossed))
-    return (leading_one(outer(basis[0], basis[1])),) if len(basis) == 2 else ()
+    return (leading_one(cross_product(basis[0], basis[1])),) if len(basis) == 2 else ()
 
 
 def independent(vectors: Iterable[Triple]) -> tuple[int, ...]:
@@ -221,7 +221,7 @@ def _first_independent(vectors: Iterable[Triple]) -> Iterator[tuple[int, Triple]
                 first = vector
                 yield k, vector
         elif normal is None:
-            crossed = outer(first, vector)
+            crossed = cross_product(first, vector)
             if any(crossed):
                 normal = crossed
                 yield k, vector

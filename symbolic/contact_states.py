@@ -19,9 +19,9 @@ from nonsmooth.symbolic.constraints import (
     added,
     cofactors,
     combine,
+    cross_product,
     independent,
     inner,
-    outer,
     rows_with_friction,
     scaled,
 )
@@ -122,7 +122,7 @@ def triples_with_friction(scene: Scene) -> int:
 def regular_states(scene: Scene) -> list[ContactState]:
     """Every regular triple of rows with friction, in lexicographic order."""
     rows = list(rows_with_friction(scene))
-    crosses = {(i, j): outer(rows[i].normal, rows[j].normal) for i, j in combinations(range(len(rows)), 2)}
+    crosses = {(i, j): cross_product(rows[i].normal, rows[j].normal) for i, j in combinations(range(len(rows)), 2)}
     states: list[ContactState] = []
     for i, j, k in combinations(range(len(rows)), 3):
         determinant = inner(rows[i].normal, crosses[j, k])

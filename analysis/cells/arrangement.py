@@ -26,7 +26,17 @@ from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.loads import Affine, LoadRegion, value_at
 from nonsmooth.analysis.cells.polygon import Point, Polygon
-from nonsmooth.symbolic.constraints import Row, Triple, Twist, added, inner, outer, scaled, scene_rows, subtracted
+from nonsmooth.symbolic.constraints import (
+    Row,
+    Triple,
+    Twist,
+    added,
+    cross_product,
+    inner,
+    scaled,
+    scene_rows,
+    subtracted,
+)
 from nonsmooth.symbolic.numbers.coefficients import rational_quotient
 from nonsmooth.symbolic.numbers.lazy import is_clear
 from nonsmooth.symbolic.numbers.number import HUGE, TINY, Number, sign
@@ -109,7 +119,7 @@ class Arrangement:
         """``a_k x a_l`` of two rows by their numbers, the direction along which both stay as they are (cached)."""
         first, second = pair.tolist()
         if (first, second) not in self._edges:
-            self._edges[first, second] = outer(self.rows[first].normal, self.rows[second].normal)
+            self._edges[first, second] = cross_product(self.rows[first].normal, self.rows[second].normal)
         return self._edges[first, second]
 
     def float_dissipation(self, twist: Twist, point: Point) -> float:

@@ -15,7 +15,7 @@ from itertools import pairwise
 from typing import Any, TypeAlias
 
 from nonsmooth.analysis.cells.polygon import Point, Polygon
-from nonsmooth.symbolic.constraints import outer
+from nonsmooth.symbolic.constraints import cross_product
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.polynomial import Polynomial, in_generators
 from nonsmooth.symbolic.plane import cross
@@ -39,7 +39,7 @@ class Region:
     @cached_property
     def sides(self) -> tuple[Triple, ...]:
         """Linear functionals ``(a, b, c)``, one per side from generator k to k + 1, with ``a x + b y + c w >= 0``."""
-        return tuple(outer(g, h) for g, h in self._pairs())
+        return tuple(cross_product(g, h) for g, h in self._pairs())
 
     def _pairs(self) -> Iterator[Segment]:
         return pairwise([*self.generators, self.generators[0]])

@@ -5,7 +5,7 @@ A wheel that slips across, with sign s, carries any force ``(cos phi, s sin phi)
 inside.  Where the ellipse is cut (rule ``roller``), ``sin phi`` stops at the cut: there rollers turn, and the rim does
 not slip.  With columns ``N mu_R [d; d . J p]`` and ``N mu_S [n; n . J p]`` the forces must add up to zero: three
 equations, many unknowns, curved.  Newton steps of least norm from many random starts at once find points of that
-set; the one with the most room to all limits is taken.  The search may fail where there is little room.
+set; the one with the largest margin to all limits is taken.  The search may fail where the margins are small.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ STARTS = 256
 STEPS = 15
 LONGEST_STEP = 0.5  # radian, or parts of an axis
 BALANCED = 1e-9  # residual, relative to the largest entries of columns: Newton ends at 1e-15 or does not converge
-LEAST_ROOM = 0.01  # parts of an axis: with less a wheel would have to spin a hundred times as fast as it slips
+LEAST_MARGIN = 0.01  # parts of an axis: with less a wheel would have to spin a hundred times as fast as it slips
 REGULARIZATION = 1e-12  # of the normal matrix, in units of the largest column, where columns do not span
 SEED = 0
 
@@ -32,17 +32,17 @@ class FrictionForces:
 
     Attributes:
         angles: phi of each wheel that slips across, in (0, pi).
-        held: (along, across) of each wheel that does not.
+        sticking: (along, across) of each wheel that does not.
     """
 
     angles: Floats
-    held: Floats
+    sticking: Floats
 
 
 def search_forces(
     along: Floats, across: Floats, signs: NDArray[np.int_], cuts: Floats | None = None
 ) -> FrictionForces | None:
-    """Forces that add up to zero; None where no start leads to any with room.
+    """Forces that add up to zero; None where no start leads to any with a margin.
 
     Args:
         along: columns of forces along the rims, (n, 3).
@@ -52,15 +52,15 @@ def search_forces(
     """
     along, across = in_common_units(along, across)
     balance = _AngleBalance(along, across, signs, np.ones(len(signs)) if cuts is None else cuts)
-    angles, held = balance.starts(np.random.default_rng(SEED))
+    angles, sticking = balance.starts(np.random.default_rng(SEED))
     for _ in range(STEPS):
-        angles, held = balance.stepped(angles, held)
-    pairs = np.stack(np.split(held, 2, axis=1), axis=-1)
+        angles, sticking = balance.stepped(angles, sticking)
+    pairs = np.stack(np.split(sticking, 2, axis=1), axis=-1)
     inside = ((angles > 0) & (angles < np.pi)).all(axis=1)
-    inside &= np.abs(balance.force(angles, held)).max(axis=1) < BALANCED
-    room = np.minimum(balance.room(np.sin(angles)), balance.room_of_held(pairs))
-    best = int(np.argmax(np.where(inside, room, -1)))
-    if not inside[best] or room[best] < LEAST_ROOM:
+    inside &= np.abs(balance.force(angles, sticking)).max(axis=1) < BALANCED
+    margin = np.minimum(balance.slipping_margin(np.sin(angles)), balance.sticking_margin(pairs))
+    best = int(np.argmax(np.where(inside, margin, -1)))
+    if not inside[best] or margin[best] < LEAST_MARGIN:
         return None
     return FrictionForces(angles[best], pairs[best])
 
@@ -78,20 +78,20 @@ class ForceMargins:
     cuts: Floats
     still_cuts: Floats
 
-    def room(self, heights: Floats) -> Floats:
+    def slipping_margin(self, heights: Floats) -> Floats:
         """Least distance of slipping wheels' forces from the ends of their half circles, and from corners, (m,)."""
         parts = heights / self.cuts
         to_corner = np.where(self.cuts < 1, np.abs(parts - 1), 1)
         return np.minimum(parts.min(axis=1, initial=1), to_corner.min(axis=1, initial=1))
 
-    def room_of_held(self, pairs: Floats) -> Floats:
+    def sticking_margin(self, pairs: Floats) -> Floats:
         """Least distance of sticking wheels' forces (m, l, 2) from their limits, (m,)."""
         to_cut = np.where(self.still_cuts < 1, 1 - np.abs(pairs[..., 1]) / self.still_cuts, 1)
         return np.minimum((1 - np.linalg.norm(pairs, axis=-1)).min(axis=1, initial=1), to_cut.min(axis=1, initial=1))
 
 
 class _AngleBalance(ForceMargins):
-    """The sum of all forces for many starts at once: angles (m, k) of slipping wheels, held (m, 2l) of the others."""
+    """The sum of all forces for many starts at once: angles (m, k) of slipping wheels, sticking (m, 2l) of others."""
 
     def __init__(self, along: Floats, across: Floats, signs: NDArray[np.int_], cuts: Floats) -> None:
         slips, still = np.flatnonzero(signs), np.flatnonzero(signs == 0)
@@ -107,18 +107,18 @@ class _AngleBalance(ForceMargins):
         across = self.still_cuts * lengths * np.sin(turns)
         return angles, np.concatenate([lengths * np.cos(turns), across], axis=1)
 
-    def force(self, angles: Floats, held: Floats) -> Floats:
+    def force(self, angles: Floats, sticking: Floats) -> Floats:
         """What is left of the balance, (m, 3)."""
         heights = np.minimum(np.sin(angles), self.cuts)
-        return np.asarray(np.cos(angles) @ self.first + heights @ self.second + held @ self.fixed)
+        return np.asarray(np.cos(angles) @ self.first + heights @ self.second + sticking @ self.fixed)
 
-    def stepped(self, angles: Floats, held: Floats) -> tuple[Floats, Floats]:
+    def stepped(self, angles: Floats, sticking: Floats) -> tuple[Floats, Floats]:
         """A Newton step of least norm, shortened where it is long."""
         rising = np.where(np.sin(angles) < self.cuts, np.cos(angles), 0)
         turning = rising[..., None] * self.second - np.sin(angles)[..., None] * self.first
         columns = np.concatenate([turning, np.broadcast_to(self.fixed, (len(angles), *self.fixed.shape))], axis=1)
         normal = np.einsum("ska,skb->sab", columns, columns) + REGULARIZATION * np.eye(3)
-        multipliers = np.linalg.solve(normal, self.force(angles, held)[..., None])[..., 0]
+        multipliers = np.linalg.solve(normal, self.force(angles, sticking)[..., None])[..., 0]
         step = -np.einsum("ska,sa->sk", columns, multipliers)
         step *= np.minimum(1, LONGEST_STEP / np.maximum(np.abs(step).max(axis=1, keepdims=True), LONGEST_STEP))
-        return angles + step[:, : len(self.first)], held + step[:, len(self.first) :]
+        return angles + step[:, : len(self.first)], sticking + step[:, len(self.first) :]

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from nonsmooth.analysis.minimizers.friction_search import (
     BALANCED,
-    LEAST_ROOM,
+    LEAST_MARGIN,
     REGULARIZATION,
     SEED,
     STEPS,
@@ -26,7 +26,7 @@ from nonsmooth.analysis.minimizers.friction_search import (
 MANY = 34  # wheels; of so many or fewer the search in angles finds forces
 STARTS = 256
 FEWEST_STARTS = 16
-UNKNOWNS = 8_192  # of all starts together: many wheels leave more room, and each start finds it
+UNKNOWNS = 8_192  # of all starts together: of many wheels most starts lead to forces with a margin
 LONGEST_STEP = 0.5  # of z and q
 FARTHEST_START = 2.0  # of z: there a wheel spins four times as fast as it slips
 
@@ -34,7 +34,7 @@ FARTHEST_START = 2.0  # of z: there a wheel spins four times as fast as it slips
 def search_many_forces(
     along: Floats, across: Floats, signs: NDArray[np.int_], cuts: Floats | None = None
 ) -> FrictionForces | None:
-    """Forces that add up to zero; None where no start leads to any with room.
+    """Forces that add up to zero; None where no start leads to any with a margin.
 
     Args:
         along: columns of forces along the rims, (n, 3).
@@ -47,13 +47,13 @@ def search_many_forces(
     z, q = balance.starts(np.random.default_rng(SEED))
     for _ in range(STEPS):
         z, q = balance.stepped(z, q)
-    held = _in_disc(q)
-    balanced = np.abs(balance.force(z, held)).max(axis=1) < BALANCED
-    room = np.minimum(balance.room(1 / np.cosh(z)), balance.room_of_held(held))
-    best = int(np.argmax(np.where(balanced, room, -1)))
-    if not balanced[best] or room[best] < LEAST_ROOM:
+    sticking = _in_disc(q)
+    balanced = np.abs(balance.force(z, sticking)).max(axis=1) < BALANCED
+    margin = np.minimum(balance.slipping_margin(1 / np.cosh(z)), balance.sticking_margin(sticking))
+    best = int(np.argmax(np.where(balanced, margin, -1)))
+    if not balanced[best] or margin[best] < LEAST_MARGIN:
         return None
-    return FrictionForces(2 * np.arctan(np.exp(-z[best])), held[best])
+    return FrictionForces(2 * np.arctan(np.exp(-z[best])), sticking[best])
 
 
 def _in_disc(q: Floats) -> Floats:
@@ -76,20 +76,20 @@ class _PlaneBalance(ForceMargins):
         count = int(np.clip(UNKNOWNS // (len(self.first) + 2 * still), FEWEST_STARTS, STARTS))
         z = np.arctanh(np.cos(rng.uniform(0, np.pi, (count, len(self.first)))))
         turns, lengths = rng.uniform(0, 2 * np.pi, (count, still)), np.sqrt(rng.uniform(0, 1, (count, still)))
-        held = np.stack([lengths * np.cos(turns), lengths * np.sin(turns)], axis=-1)
-        return z.clip(-FARTHEST_START, FARTHEST_START), held / np.sqrt(1 - lengths**2)[..., None]
+        sticking = np.stack([lengths * np.cos(turns), lengths * np.sin(turns)], axis=-1)
+        return z.clip(-FARTHEST_START, FARTHEST_START), sticking / np.sqrt(1 - lengths**2)[..., None]
 
-    def force(self, z: Floats, held: Floats) -> Floats:
+    def force(self, z: Floats, sticking: Floats) -> Floats:
         """What is left of the balance, (m, 3)."""
         slipping = np.tanh(z) @ self.first + np.minimum(1 / np.cosh(z), self.cuts) @ self.second
-        return np.asarray(slipping + held.reshape(len(z), -1) @ self.fixed.reshape(-1, 3))
+        return np.asarray(slipping + sticking.reshape(len(z), -1) @ self.fixed.reshape(-1, 3))
 
     def stepped(self, z: Floats, q: Floats) -> tuple[Floats, Floats]:
         """A Newton step of least norm, shortened where it is long."""
-        held = _in_disc(q)
-        columns = np.concatenate([self._turning(z), self._moving(q, held)], axis=1)
+        sticking = _in_disc(q)
+        columns = np.concatenate([self._turning(z), self._moving(q, sticking)], axis=1)
         normal = columns.transpose(0, 2, 1) @ columns + REGULARIZATION * np.eye(3)
-        step = -(columns @ np.linalg.solve(normal, self.force(z, held)[..., None]))[..., 0]
+        step = -(columns @ np.linalg.solve(normal, self.force(z, sticking)[..., None]))[..., 0]
         step *= np.minimum(1, LONGEST_STEP / np.maximum(np.abs(step).max(axis=1, keepdims=True), LONGEST_STEP))
         return z + step[:, : len(self.first)], q + step[:, len(self.first) :].reshape(q.shape)
 
@@ -99,8 +99,8 @@ class _PlaneBalance(ForceMargins):
         rising = np.where(1 / np.cosh(z) < self.cuts, np.tanh(z), 0)[..., None]
         return np.asarray(across * (across * self.first - rising * self.second))
 
-    def _moving(self, q: Floats, held: Floats) -> Floats:
+    def _moving(self, q: Floats, sticking: Floats) -> Floats:
         """Derivative of the force by each coordinate of q, (m, 2l, 3)."""
         size = np.sqrt(1 + (q**2).sum(axis=-1))[..., None, None]
-        slopes = (np.eye(2) - held[..., :, None] * held[..., None, :]) / size
+        slopes = (np.eye(2) - sticking[..., :, None] * sticking[..., None, :]) / size
         return np.asarray((slopes @ self.fixed).reshape(len(q), -1, 3))

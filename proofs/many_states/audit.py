@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from nonsmooth.proofs.many_states.conclusion import ProvedLyapunov
 from nonsmooth.proofs.many_states.denominators import require_denominators
 from nonsmooth.proofs.many_states.examination import NotZeroError, examine
+from nonsmooth.proofs.many_states.examined_lyapunov import ExaminedLyapunov
 from nonsmooth.proofs.many_states.invariance import nothing_stays
 from nonsmooth.proofs.many_states.sign_cells import BeyondReachError
 from nonsmooth.proofs.systems.derivatives import Decrease
@@ -38,7 +38,7 @@ class ManyStateAudit(ShortRepr):
     verdict: AuditVerdict
     proves: Translation | None
     reason: str
-    function: ProvedLyapunov | None
+    function: ExaminedLyapunov | None
 
     def _repr_html_(self) -> str:
         rows = [(self.lyapunov, self.verdict, self.proves or "nothing", self.reason)]
@@ -71,7 +71,7 @@ def audit_many(scene: SwitchedSystem, lyapunov: str) -> ManyStateAudit:
     if not all(scene.field.has_angle(turn) for turn in formula.turns()):
         raise SceneError(scene.origin, KEY, "angles that occur in the scene, or multiples of pi/12", lyapunov)
     try:
-        found = ProvedLyapunov(formula, scene.check.radius, examine(scene, formula, scene.check.radius))
+        found = ExaminedLyapunov(formula, scene.check.radius, examine(scene, formula, scene.check.radius))
     except BeyondReachError as error:
         verdict = AuditVerdict.INVALID if isinstance(error, NotZeroError) else AuditVerdict.UNDECIDED
         return ManyStateAudit(scene, lyapunov, verdict, None, str(error), None)
@@ -80,7 +80,7 @@ def audit_many(scene: SwitchedSystem, lyapunov: str) -> ManyStateAudit:
     return _result(scene, lyapunov, found)
 
 
-def _result(scene: SwitchedSystem, lyapunov: str, found: ProvedLyapunov) -> ManyStateAudit:
+def _result(scene: SwitchedSystem, lyapunov: str, found: ExaminedLyapunov) -> ManyStateAudit:
     """The verdict that follows from the conditions."""
     examination = found.examination
     if examination.verdict is Decrease.WEAK and nothing_stays(examination):

@@ -19,11 +19,12 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from nonsmooth.proofs.inequalities.linear_program import best_mixture, mixtures_to_zero
-from nonsmooth.proofs.many_states.conclusion import ManyStateMethod, ProvedLyapunov, StabilityEvidence, conclude
+from nonsmooth.proofs.many_states.conclusion import ManyStateMethod, StabilityEvidence, conclude
 from nonsmooth.proofs.many_states.decay import ProvedDecay, decay_rate
 from nonsmooth.proofs.many_states.denominators import require_denominators
 from nonsmooth.proofs.many_states.escape import escaping_rate, escaping_velocity
 from nonsmooth.proofs.many_states.examination import examine
+from nonsmooth.proofs.many_states.examined_lyapunov import ExaminedLyapunov
 from nonsmooth.proofs.many_states.instability import find_growth
 from nonsmooth.proofs.many_states.invariance import nothing_stays
 from nonsmooth.proofs.many_states.linear_part import Spectrum, linear_part, quadratic_text, unstable_mixture
@@ -62,7 +63,7 @@ class ManyStateResult(StabilityResult):
     rate: ProvedDecay | None = None
 
     @property
-    def proving(self) -> ProvedLyapunov | None:
+    def proving(self) -> ExaminedLyapunov | None:
         """The V that shows stability, where the verdict is that or stronger."""
         stable = (Translation.ASYMPTOTICALLY_STABLE, Translation.STABLE)
         return self.evidence.proving if self.verdict in stable else None
@@ -204,14 +205,14 @@ def _with_named(scene: SwitchedSystem, evidence: StabilityEvidence, *, hasty: bo
         examined = examine(scene, formula, radius, effort=Effort.HASTY if hasty else Effort.FULL)
     except BeyondReachError:
         return evidence
-    return replace(evidence, named=ProvedLyapunov(formula, radius, examined))
+    return replace(evidence, named=ExaminedLyapunov(formula, radius, examined))
 
 
 def _with_searched(scene: SwitchedSystem, evidence: StabilityEvidence) -> StabilityEvidence:
     """A V that falls."""
     found = find_lyapunov(scene)
     if found is not None:
-        return replace(evidence, searched=ProvedLyapunov(found.formula, found.radius, found.examination))
+        return replace(evidence, searched=found)
     linear = evidence.linear
     if linear is None or linear.quadratic is None:
         return evidence
@@ -223,7 +224,7 @@ def _with_searched(scene: SwitchedSystem, evidence: StabilityEvidence) -> Stabil
         except BeyondReachError:
             continue
         if examined.verdict is Decrease.STRICT:
-            return replace(evidence, searched=ProvedLyapunov(formula, radius, examined))
+            return replace(evidence, searched=ExaminedLyapunov(formula, radius, examined))
     return evidence
 
 

@@ -7,10 +7,10 @@ from fractions import Fraction
 
 from nonsmooth.proofs.facts import Fact, Quantity, row_fact, text_fact, unsaid
 from nonsmooth.proofs.many_states.audit import ManyStateAudit
-from nonsmooth.proofs.many_states.conclusion import ProvedLyapunov
 from nonsmooth.proofs.many_states.decay import ProvedDecay
 from nonsmooth.proofs.many_states.decision import ManyStateResult
 from nonsmooth.proofs.many_states.examination import FailurePoint
+from nonsmooth.proofs.many_states.examined_lyapunov import ExaminedLyapunov
 from nonsmooth.proofs.many_states.sublevel import SublevelSet
 from nonsmooth.proofs.systems.stability_result import stability_facts
 from nonsmooth.proofs.systems.system_facts import rewriting_words
@@ -50,7 +50,7 @@ def many_state_facts(result: ManyStateResult) -> Iterator[Fact]:
         yield row_fact("rate", str(result.rate))
 
 
-def domain_words(function: ProvedLyapunov) -> str:
+def domain_words(function: ExaminedLyapunov) -> str:
     """Where the conditions on a V are looked at."""
     if function.examination.is_homogeneous:
         return "the whole space"
@@ -84,7 +84,7 @@ def _potential(result: ManyStateResult) -> Iterator[Fact]:
     yield Fact("tried", None if own is None else unsaid(_conditions(own)))
 
 
-def _conditions(function: ProvedLyapunov) -> Iterator[Fact]:
+def _conditions(function: ExaminedLyapunov) -> Iterator[Fact]:
     whole = function.examination.is_homogeneous
     radius = None if whole else function.radius
     yield Fact("V", function.formula.text)

@@ -9,13 +9,13 @@ instability, Chetaev), because a solution that starts there cannot stay near.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 
 from flint import fmpq
 
 from nonsmooth.proofs.many_states.conditions import ConditionSense, Pieces, Questions, build_questions
-from nonsmooth.proofs.many_states.examination import Examination, examine
+from nonsmooth.proofs.many_states.examination import examine
+from nonsmooth.proofs.many_states.examined_lyapunov import ExaminedLyapunov
 from nonsmooth.proofs.many_states.function_families import PiecewiseFunction, families, formula_text
 from nonsmooth.proofs.many_states.sign_cells import (
     BeyondReachError,
@@ -41,22 +41,7 @@ MOST_UNKNOWNS = 12_000  # entries of Gram matrices in one program
 Problems = list[tuple[Condition, Ansatz]]
 
 
-@dataclass(frozen=True)
-class FoundOnCube:
-    """A V that was searched and proved.
-
-    Attributes:
-        formula: V, in the displacement under the states' names.
-        radius: half the side of the cube on which it is proved.
-        examination: the conditions with their evidence.
-    """
-
-    formula: PiecewiseExpression
-    radius: Number
-    examination: Examination
-
-
-def find_lyapunov(system: SwitchedSystem) -> FoundOnCube | None:
+def find_lyapunov(system: SwitchedSystem) -> ExaminedLyapunov | None:
     """A V that is positive and falls along every solution on a cube about the point; None where none is found.
 
     Raises:
@@ -65,7 +50,7 @@ def find_lyapunov(system: SwitchedSystem) -> FoundOnCube | None:
     for radius, formula in proposals(system, positive=True):
         examined = examine(system, formula, radius, effort=Effort.STRICT)
         if examined.verdict is Decrease.STRICT:
-            return FoundOnCube(formula, radius, examined)
+            return ExaminedLyapunov(formula, radius, examined)
     return None
 
 

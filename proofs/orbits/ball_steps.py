@@ -22,7 +22,7 @@ ORDER = 20  # of a step
 ACCURACY = -80  # binary digits of the last terms of a step, relative to the state
 LOOSEST = 2.0**-56  # the last terms, enclosed over all of a step, may be much larger than at its start
 ENCLOSURES = 2  # attempts to enclose a step, before it is shortened
-ROOM = 2.0**-16  # by which a box is larger than the solutions from it, relative
+INFLATION = 2.0**-16  # by which a box is larger than the solutions from it, relative
 SHORTENINGS = 60  # of a step, before enclosing it is given up
 
 Ball: TypeAlias = Any  # arb
@@ -165,9 +165,9 @@ def _enclosed(rates: Rates, series: Sequence[Sequence[Ball]], span: Ball) -> Enc
     times = interval(arb(0), span)
     main = [arb_poly(list(entry[:ORDER]))(times) for entry in series]
     # radii of balls have 30 bits, so that a box has to be larger by more than they resolve
-    room = [4 * abs(entry[ORDER]) * span**ORDER + width(x) * ROOM for entry, x in zip(series, main, strict=True)]
+    radii = [4 * abs(entry[ORDER]) * span**ORDER + width(x) * INFLATION for entry, x in zip(series, main, strict=True)]
     for _ in range(ENCLOSURES):
-        hull = [x + interval(-r, r) for x, r in zip(main, room, strict=True)]
+        hull = [x + interval(-r, r) for x, r in zip(main, radii, strict=True)]
         last = [over[ORDER] for over in expanded(rates, hull)]
         rest = [c * times**ORDER for c in last]
         if not all(x.is_finite() for x in rest):
@@ -175,5 +175,5 @@ def _enclosed(rates: Rates, series: Sequence[Sequence[Ball]], span: Ball) -> Enc
         if all(box.contains(x + r) for box, x, r in zip(hull, main, rest, strict=True)):
             ends = zip(series, last, strict=True)
             return EnclosedStep(span, tuple((*first[:ORDER], c) for first, c in ends), hull)
-        room = [2 * upper(abs(r)) + width(x) * ROOM for r, x in zip(rest, main, strict=True)]
+        radii = [2 * upper(abs(r)) + width(x) * INFLATION for r, x in zip(rest, main, strict=True)]
     return None

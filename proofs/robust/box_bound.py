@@ -11,7 +11,7 @@ Pushed along c with ``G = (lambda c, 0)`` that is a bound of ``c . v``.
 Loads are affine in the place of the body.  So forces at the corners of a polygon, mixed, are forces at each of its
 points: with one ``xi^`` and one lambda the corners decide about the polygon.
 
-For an array of the box the shares of the rows that are held are corrected until they balance exactly: three linear
+For an array of the box the shares of the rows that are satisfied are corrected until they balance exactly: three linear
 equations, whose solution is enclosed.
 """
 
@@ -56,13 +56,13 @@ class BoxBound:
         return None if shares is None else self._gap(proposal, loads, shares, twist)
 
     def _balanced(self, proposal: Proposal, loads: Balls, push: Balls) -> dict[int, arb] | None:
-        """Shares of the rows that are held, of their limits at the middle of the box, for every array; else None."""
+        """Shares of the satisfied rows, of their limits at the middle of the box, for every array; else None."""
         forces = [self._forces(proposal, k) for k in range(len(self._wheels))]
         correction = self._correction(proposal, loads, forces, push)
         if correction is None:
             return None
         shares = {}
-        for row in map(int, proposal.held.nonzero()[0]):
+        for row in map(int, proposal.satisfied.nonzero()[0]):
             response = [arb(float(entry)) for entry in proposal.response[row]]
             first = self._unbalanced(loads, forces, push, self._twist(response))
             second = sum((response[k] * correction[k] for k in range(3)), arb(0))
@@ -77,7 +77,7 @@ class BoxBound:
     ) -> list[arb] | None:
         """``(M - 1) w`` with ``M w = -r``: M is what the responses give, r what is missing; None where singular."""
         matrix = [[arb(0)] * 3 for _ in range(3)]
-        for row in map(int, proposal.held.nonzero()[0]):
+        for row in map(int, proposal.satisfied.nonzero()[0]):
             wheel, kind = divmod(row, KINDS)
             limit = loads[wheel] * self._wheels[wheel].nominal[kind]
             for k in range(3):
@@ -97,7 +97,7 @@ class BoxBound:
         for kind in range(KINDS):
             row = KINDS * k + kind
             force = wheel.nominal[kind] * float(proposal.shares[row])
-            found.append(force if proposal.held[row] else force * wheel.shares[kind])
+            found.append(force if proposal.satisfied[row] else force * wheel.shares[kind])
         return found[0], found[1]
 
     def _unbalanced(self, loads: Balls, forces: Sequence[tuple[arb, arb]], push: Balls, twist: Balls) -> arb:

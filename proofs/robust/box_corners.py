@@ -22,7 +22,7 @@ Floats: TypeAlias = NDArray[np.float64]
 MAX_WHEELS = 30  # 34,220 triples of rows
 REGULAR = 2.0**-30  # volume of three unit rows below which they count as dependent
 SATISFIED = 2.0**-30  # of the fastest wheel's speed: a smaller slip is rounding
-ROOM = 0.999  # largest share of a limit that is proposed for a row that is satisfied
+LARGEST_SHARE = 0.999  # largest share of a limit that is proposed for a row that is satisfied
 
 
 @dataclass(frozen=True)
@@ -31,12 +31,12 @@ class Proposal:
 
     Attributes:
         shares: of each row's limit; ``+-1`` where it slips (2n).
-        held: rows that are satisfied (2n).
+        satisfied: rows that are satisfied (2n).
         response: how these shares change with the force that is missing, zero elsewhere (2n, 3).
     """
 
     shares: Floats
-    held: NDArray[np.bool_]
+    satisfied: NDArray[np.bool_]
     response: Floats
 
 
@@ -70,24 +70,24 @@ class BoxCorners(ArrayRows):
     def proposal(self, place: Sequence[float], push: Floats, twist: Floats) -> Proposal | None:
         """Forces that balance a push while the body moves with a twist at which ``D - push . xi`` is least."""
         limits, slips = self.limits(place), self.rows @ twist - self.speeds
-        held = (np.abs(slips) <= SATISFIED * (self.fastest or 1.0)) & (self.friction > 0)
-        if (limits[held] <= 0).any():
+        satisfied = (np.abs(slips) <= SATISFIED * (self.fastest or 1.0)) & (self.friction > 0)
+        if (limits[satisfied] <= 0).any():
             return None
-        shares = np.where(held | (self.friction <= 0), 0.0, np.sign(slips))
+        shares = np.where(satisfied | (self.friction <= 0), 0.0, np.sign(slips))
         missing = push - self.rows.T @ (limits * shares)
-        columns = self.rows[held] * limits[held][:, None]
+        columns = self.rows[satisfied] * limits[satisfied][:, None]
         square = columns.T @ columns
         if np.linalg.matrix_rank(square) < 3:
             return None
         response = np.zeros((len(limits), 3))
-        response[held] = columns @ np.linalg.inv(square)
-        shares[held] = _within(columns, missing, response[held] @ missing)
-        return Proposal(shares, held, response) if np.abs(shares[held]).max() < ROOM else None
+        response[satisfied] = columns @ np.linalg.inv(square)
+        shares[satisfied] = _within(columns, missing, response[satisfied] @ missing)
+        return Proposal(shares, satisfied, response) if np.abs(shares[satisfied]).max() < LARGEST_SHARE else None
 
 
 def _within(columns: Floats, missing: Floats, shares: Floats) -> Floats:
     """Shares of least square, or where one is too large those whose largest is least, by a linear program."""
-    if np.abs(shares).max() < ROOM or len(shares) == 3:
+    if np.abs(shares).max() < LARGEST_SHARE or len(shares) == 3:
         return shares
     from scipy.optimize import linprog
 

@@ -18,7 +18,7 @@ from nonsmooth.analysis.cells.switched_cells import FieldCell
 from nonsmooth.analysis.fields.stated_field import StatedField
 from nonsmooth.proofs.inequalities.dense_polynomials import Coefficients, trimmed, value
 from nonsmooth.proofs.inequalities.real_roots import RealRoot, positive_roots, separated
-from nonsmooth.symbolic.constraints import outer
+from nonsmooth.symbolic.constraints import cross_product
 from nonsmooth.symbolic.numbers.polynomial import Polynomial, in_generators
 from nonsmooth.symbolic.plane import dot
 
@@ -69,7 +69,7 @@ def are_parted(first: FieldCell, second: FieldCell) -> bool:
 
 
 def _parts(first: FieldCell, second: FieldCell, edge: Segment) -> Iterator[BorderPart]:
-    a, b, _ = outer(*edge)  # positive inside the first cell
+    a, b, _ = cross_product(*edge)  # positive inside the first cell
     normal = [[along_edge(f * a + g * b, edge) for f, g in cell.velocities] for cell in (first, second)]
     curves = [curve for side in normal for curve in side if curve]
     roots = separated(root for curve in curves if len(curve) > 1 for root in positive_roots(curve))

@@ -21,7 +21,7 @@ from nonsmooth.analysis.cells.region import Segment, common_edges
 from nonsmooth.analysis.cells.switched_cells import FieldCell
 from nonsmooth.analysis.fields.stated_field import PlaneWave, StatedField
 from nonsmooth.proofs.systems.border_motion import BorderKind, BorderPart, are_parted, border_kind
-from nonsmooth.symbolic.constraints import outer
+from nonsmooth.symbolic.constraints import cross_product
 from nonsmooth.symbolic.numbers.lazy import evaluated
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 
@@ -149,7 +149,7 @@ def wave_border_parts(cells: Sequence[FieldCell], fields: Sequence[StatedField])
 
 
 def _parts(first: StatedField, second: StatedField, edge: Segment) -> Iterator[BorderPart]:
-    a, b, _ = outer(*edge)  # positive inside the first cell
+    a, b, _ = cross_product(*edge)  # positive inside the first cell
     start, end = ((x / w, y / w) for x, y, w in edge)
     (f, g), (h, k) = first.rates, second.rates
     signs = [

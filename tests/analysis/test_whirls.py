@@ -76,7 +76,7 @@ def test_a_mean_lasts_as_long_as_turns_do_not_grow(gain: float, lasts: bool) -> 
     assert sorted(names) == sorted(fields.values())
     order = [(1, -1), (1, 1), (-1, 1), (-1, -1), (1, -1)]  # left through y = 0, x = 0, y = 0, ...
     turn = [
-        whirls.Crossing(float(k), np.zeros(2), fields[flows[signs]], surfaces[(k + 1) % 2])
+        whirls.SurfaceCrossing(float(k), np.zeros(2), fields[flows[signs]], surfaces[(k + 1) % 2])
         for k, signs in enumerate(order)
     ]
     motion = whirls.whirl_around(faces, turn, 5.0, np.zeros(2))

@@ -15,14 +15,14 @@ from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contac
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.analysis.minimizers.float_loads import loads_at
-from nonsmooth.proofs.clauses.feedback.box_twists import Drives, RealizableTwist, candidate_twists
+from nonsmooth.proofs.clauses.feedback.box_twists import BoxTwist, Drives, candidate_twists
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback, decide_driven_feedback
 from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, gains, rim_speeds
 from nonsmooth.proofs.clauses.feedback.ellipse_twists import BalancedTwist, balance_twist, exclude_twist
 from nonsmooth.proofs.clauses.feedback.exclusion import BUDGET, HALVES, Divided, Excluded, Search, enclosure
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.verdicts import Feedback, Rotation, Theorem4, Translation
-from nonsmooth.symbolic.constraints import independent, inner, outer, side_row
+from nonsmooth.symbolic.constraints import cross_product, independent, inner, side_row
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import LoadTable, Scene, Wheel
@@ -132,24 +132,24 @@ def test_kappa_is_what_three_twists_give(arrays: Arrays) -> None:
         assert not wrong.check()
 
 
-# ---- which twists are held ------------------------------------------------------------------------
+# ---- which twists are realizable ------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("seed", [0, 1, 2, 3, 4, 6, 7, 8, 9, 11])
-def test_under_box_a_minimizer_tells_which_twists_are_held(arrays: Arrays, seed: int) -> None:
+def test_under_box_a_minimizer_tells_which_twists_are_realizable(arrays: Arrays, seed: int) -> None:
     """Firm: the only minimizer for its speeds.  Lost: for these speeds D is smaller elsewhere."""
     scene = small(centred(arrays.cocircular(seed, (1, Fraction(1 + seed % 5, 6))), "box"))
     model, zero = contact_model(scene), scene.field.zero
     drives = Drives(scene, load_regions(scene, (zero, zero))[0])
     for twist in list(candidate_twists(scene))[:6]:
-        held = drives.hold(twist)
+        examined = drives.examine(twist)
         exact = np.array([float(x) for x in twist])
-        found = minimizer("box", model, np.zeros(2), np.array(rim_speeds(scene, held)))
-        if held.is_unique:
+        found = minimizer("box", model, np.zeros(2), np.array(rim_speeds(scene, examined)))
+        if examined.is_unique:
             assert np.abs(found - exact).max() < BOX_ERROR
-        if held.is_excluded:
+        if examined.is_excluded:
             assert np.abs(found - exact).max() > BOX_ERROR
-        assert not (held.is_unique and held.is_excluded)
+        assert not (examined.is_unique and examined.is_excluded)
 
 
 @pytest.mark.parametrize(("seed", "count"), keep(1, [(1, 2), (1, 4), (0, 4), (2, 4)]))  # of candidate twists
@@ -167,8 +167,8 @@ def test_under_ellipse_forces_and_separators_exclude_each_other(arrays: Arrays, 
         assert not shifted.is_unique  # the Newton step leaves the box around values that do not balance
 
 
-def test_a_held_twist_near_an_edge_is_held_with_its_edges(arrays: Arrays) -> None:
-    """The reason why edges suffice: what is held inside a cone of the arrangement is held on its boundary."""
+def test_a_realizable_twist_near_an_edge_is_so_with_its_edges(arrays: Arrays) -> None:
+    """Why edges suffice: what is realizable inside a cone of the arrangement is realizable on its boundary."""
     scene = centred(arrays.four_wheel((1, Fraction(1, 5)), turn=(Fraction(3, 5), Fraction(4, 5))), "box")
     zero = scene.field.zero
     drives = Drives(scene, load_regions(scene, (zero, zero))[0])
@@ -177,8 +177,8 @@ def test_a_held_twist_near_an_edge_is_held_with_its_edges(arrays: Arrays) -> Non
     inside = 0
     for _ in range(60):
         x, y, w = (scene.field(int(k)) for k in rng.integers(-9, 10, 3))
-        held = drives.hold((x, y, w))
-        if held.is_excluded or not any((x, y, w)):
+        examined = drives.examine((x, y, w))
+        if examined.is_excluded or not any((x, y, w)):
             continue
         inside += 1
         sides = [inner(row.normal, (x, y, w)).sign() for row in side_rows]
@@ -188,7 +188,7 @@ def test_a_held_twist_near_an_edge_is_held_with_its_edges(arrays: Arrays) -> Non
             if all(inner(row.normal, edge).sign() in (0, s) for row, s in zip(side_rows, sides, strict=True))
         ]
         assert len(independent(closure)) >= 1
-        assert not any(drives.hold(edge).is_excluded for edge in closure)
+        assert not any(drives.examine(edge).is_excluded for edge in closure)
     assert inside > 10
 
 
@@ -240,7 +240,7 @@ def test_the_plane_of_twists_is_one_of_the_array_whatever_its_length(arrays: Arr
     )
     assert one.obstruction is not None
     assert other.obstruction is not None
-    assert all(outer_entry == 0 for outer_entry in outer(one.obstruction, other.obstruction))
+    assert all(outer_entry == 0 for outer_entry in cross_product(one.obstruction, other.obstruction))
     assert one.obstruction[2]
     for feedback in (one, other):
         assert feedback.check()
@@ -327,7 +327,7 @@ def scene_load(scene: Scene, load: int) -> tuple[Number, Number, Number]:
 
 
 def test_opposite_inward_rims_balance_exactly_and_turn_by_their_loads(arrays: Arrays) -> None:
-    """Four equal loads: at c* no twist with omega is held alone; beside it the loads differ, and some are."""
+    """Four equal loads: at c* no twist with omega is the only minimizer; beside it the loads differ, and some are."""
     feedback = decide_driven_feedback(centred(arrays.four_wheel(), "box"))
     assert len(feedback.cones) > 1
     assert "balance exactly" in feedback.reason
@@ -352,7 +352,7 @@ def test_a_balance_that_no_shift_of_the_load_resolves_is_named(arrays: Arrays) -
 def test_kinds_of_twists_do_not_mix(arrays: Arrays) -> None:
     box = decide_driven_feedback(centred(load_scene("ring-3"), "box"))
     ellipse = decide_driven_feedback(centred(load_scene("ring-3"), "ellipse"))
-    assert all(isinstance(held, RealizableTwist) for held in box.cones[0].twists)
+    assert all(isinstance(held, BoxTwist) for held in box.cones[0].twists)
     assert all(isinstance(balanced, BalancedTwist) for balanced in ellipse.cones[0].twists)
     assert ellipse.reach is None
 

@@ -19,7 +19,7 @@ from nonsmooth.proofs.clauses.feedback.by_friction import decide_driven_feedback
 from nonsmooth.proofs.clauses.feedback.promising import PromisingTwists
 from nonsmooth.proofs.clauses.feedback.wheel_forces import wheel_forces
 from nonsmooth.proofs.verdicts import Feedback
-from nonsmooth.symbolic.constraints import Triple, inner, outer
+from nonsmooth.symbolic.constraints import Triple, cross_product, inner
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.numbers.coefficients import rational_quotient
 from nonsmooth.symbolic.numbers.number_field import NumberField
@@ -64,7 +64,7 @@ def test_proposals_are_candidates_and_come_once(tmp_path: Path) -> None:
     proposals = PromisingTwists(scene, load_regions(scene, (zero, zero))[0])
     taken: list[Triple] = []
     while (twist := proposals.next([])) is not None and len(taken) < 20:
-        assert not any(not any(outer(twist, earlier)) for earlier in taken)
+        assert not any(not any(cross_product(twist, earlier)) for earlier in taken)
         taken.append(twist)
     candidates = set(candidate_twists(scene))
     assert len(taken) == 20
@@ -82,10 +82,10 @@ def test_forces_of_many_wheels_balance_within_their_limits(tmp_path: Path) -> No
     rho, tau = np.empty(len(wheels)), np.empty(len(wheels))
     slips = signs != 0
     rho[slips], tau[slips] = np.cos(forces.angles), signs[slips] * np.sin(forces.angles)
-    rho[~slips], tau[~slips] = forces.held.T
+    rho[~slips], tau[~slips] = forces.sticking.T
     assert np.abs(rho @ along + tau @ across).max() < 1e-9
     assert ((forces.angles > 0) & (forces.angles < np.pi)).all()
-    assert (np.linalg.norm(forces.held, axis=1) < 1).all()
+    assert (np.linalg.norm(forces.sticking, axis=1) < 1).all()
 
 
 @pytest.mark.parametrize("name", ["four-wheel", "elliptic", "ring-5"])
@@ -99,9 +99,9 @@ def test_slopes_against_all_pairs(name: str) -> None:
     sides = [row.normal for row in arrangement.rows if row.kind == "S"]
     for a in sides:
         for b in sides:
-            direction = outer(a, b)
+            direction = cross_product(a, b)
             if any(direction):
-                known = [s for s in table if not any(outer(s.direction, direction))]
+                known = [s for s in table if not any(cross_product(s.direction, direction))]
                 slopes = arrangement.slopes_along(direction, signs)
                 positive = [value_at(s.form, p).sign() > 0 for s in slopes for p in region.polygon.vertices]
                 assert all(positive) or any(inner(s.direction, direction).sign() > 0 for s in known)

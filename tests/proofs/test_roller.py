@@ -16,7 +16,7 @@ from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.minimizers.proved import proved
 from nonsmooth.proofs.certificate import CertificateError, build_certificate
 from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, Situation, ellipse_point
-from nonsmooth.proofs.clauses.feedback.box_twists import RealizableTwist, candidate_twists
+from nonsmooth.proofs.clauses.feedback.box_twists import BoxTwist, candidate_twists
 from nonsmooth.proofs.clauses.feedback.by_friction import decide_driven_feedback
 from nonsmooth.proofs.clauses.feedback.driven_law import between, rim_speeds
 from nonsmooth.proofs.clauses.feedback.ellipse_twists import BalancedTwist, balance_twist, exclude_twist
@@ -153,7 +153,7 @@ def test_speeds_impose_their_twists(name: str, ratio: Fraction) -> None:
 def test_boxes_inside_the_sets_prove_what_forces_leave_open() -> None:
     feedback = decide_driven_feedback(scene_of("four-wheel", Fraction(1, 50)))
     assert "boxes inside the friction sets" in feedback.reason
-    assert all(isinstance(imposed, RealizableTwist) for cone in feedback.cones for imposed in cone.twists)
+    assert all(isinstance(imposed, BoxTwist) for cone in feedback.cones for imposed in cone.twists)
     assert feedback.reach is not None
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 import nonsmooth.symbolic.files.scene_file
-from nonsmooth.symbolic.constraints import Twist, outer, scene_rows, side_row
+from nonsmooth.symbolic.constraints import Twist, cross_product, scene_rows, side_row
 from nonsmooth.symbolic.contact_set import standing
 from nonsmooth.symbolic.files.scene_file import builtin_descriptions, builtin_scenes, load_scene
 from nonsmooth.symbolic.plane import cross, dot
@@ -137,7 +137,7 @@ def test_the_differential_drive_is_carried_about_the_middle_of_its_axle() -> Non
     zero, one = scene.field.zero, scene.field.one
     assert all(not row.residual(Twist(zero, zero, -one)) for row in scene_rows(scene))
     first, second = (side_row(wheel).normal for wheel in scene.wheels[:2])
-    assert not any(outer(first, second))
+    assert not any(cross_product(first, second))
 
 
 def test_omniwheels_stand_along_their_ring() -> None:

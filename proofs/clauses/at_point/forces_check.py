@@ -15,7 +15,7 @@ from nonsmooth.analysis.cells.loads import Affine, LoadRegion
 from nonsmooth.analysis.contact_rule import smooth_rule_of
 from nonsmooth.proofs.clauses.at_point.balance import RestBalance
 from nonsmooth.proofs.clauses.at_point.linearization import Linearization
-from nonsmooth.symbolic.constraints import Triple, independent, inner, outer, roll_row, scaled, total
+from nonsmooth.symbolic.constraints import Triple, cross_product, independent, inner, roll_row, scaled, total
 from nonsmooth.symbolic.friction_set import FrictionSet
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.plane import Vector, cross, dot, turned
@@ -131,7 +131,7 @@ def _hessian_row(scene: Scene, slips: Iterable[_Slip], k: int) -> Triple:
 def _is_definite(rows: tuple[Triple, ...]) -> bool:
     """Whether a symmetric matrix is positive definite, by the minors from its last corner."""
     a, b, c = rows
-    return c[2].sign() > 0 and (b[1] * c[2] - b[2] * c[1]).sign() > 0 and inner(a, outer(b, c)).sign() > 0
+    return c[2].sign() > 0 and (b[1] * c[2] - b[2] * c[1]).sign() > 0 and inner(a, cross_product(b, c)).sign() > 0
 
 
 def is_held(scene: Scene, region: LoadRegion, balance: RestBalance) -> bool:

@@ -30,8 +30,8 @@ from nonsmooth.symbolic.constraints import (
     added,
     cofactors,
     combine,
+    cross_product,
     inner,
-    outer,
     roll_row,
     scaled,
     side_row,
@@ -92,7 +92,7 @@ class Linearization:
     def is_positive_definite(self) -> bool:
         """Whether H is positive definite, so that the minimizer is unique and smooth in c (Sylvester)."""
         a, b, c = self.hessian
-        return a[0].sign() > 0 and (a[0] * b[1] - a[1] * b[0]).sign() > 0 and inner(a, outer(b, c)).sign() > 0
+        return a[0].sign() > 0 and (a[0] * b[1] - a[1] * b[0]).sign() > 0 and inner(a, cross_product(b, c)).sign() > 0
 
     @property
     def rotation_map(self) -> tuple[Number, Number]:
@@ -100,7 +100,7 @@ class Linearization:
 
         So ``(m, 1)`` is orthogonal to both columns of ``M = -H^-1 G``, thus parallel to ``H (G_x x G_y)``.
         """
-        normal = outer(*self.slope)
+        normal = cross_product(*self.slope)
         x, y, z = (inner(row, normal) for row in self.hessian)
         return divided(x, z), divided(y, z)
 

@@ -31,7 +31,16 @@ from nonsmooth.analysis.cells.filippov import filippov_twists
 from nonsmooth.analysis.cells.load_sets import LoadPolytope, Loads, LoadSet, priced
 from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.proofs.clauses.every_load.float_loads import float_loads
-from nonsmooth.symbolic.constraints import Row, Triple, Twist, independent, inner, outer, rows_with_friction, scaled
+from nonsmooth.symbolic.constraints import (
+    Row,
+    Triple,
+    Twist,
+    cross_product,
+    independent,
+    inner,
+    rows_with_friction,
+    scaled,
+)
 from nonsmooth.symbolic.measured_loads import carried_table
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.plane import separating_direction
@@ -115,7 +124,7 @@ def _rays(tight: Sequence[Row]) -> tuple[Triple, ...] | None:
     normals = [row.normal for row in tight]
     if len(independent(normals)) < 3:
         return None
-    products = {outer(a, b): None for a, b in combinations(normals, 2)}
+    products = {cross_product(a, b): None for a, b in combinations(normals, 2)}
     return tuple(scaled(ray, side) for ray in products if any(ray) for side in (1, -1))
 
 

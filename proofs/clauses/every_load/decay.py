@@ -34,7 +34,7 @@ from itertools import combinations
 from nonsmooth.analysis.cells.load_sets import AdmissibleLoads, LoadPolytope, Loads, LoadSet, SpringLoads, priced
 from nonsmooth.proofs.clauses.every_load.simplices import is_positive_on_hull
 from nonsmooth.proofs.clauses.every_load.wheel_pulls import Slope, WheelPull
-from nonsmooth.symbolic.constraints import Triple, inner, outer, scaled, total
+from nonsmooth.symbolic.constraints import Triple, cross_product, inner, scaled, total
 from nonsmooth.symbolic.numbers.number import Number
 
 MOST_CORNERS = 100  # of the set of loads: the form is evaluated at all pairs
@@ -68,7 +68,7 @@ class DecayUnderLoads:
     def is_definite(self, loads: Loads) -> bool:
         """Whether ``H(N)`` is positive definite."""
         a, b, c = self.hessian(loads)
-        return a[0].sign() > 0 and (a[0] * b[1] - a[1] * b[0]).sign() > 0 and inner(a, outer(b, c)).sign() > 0
+        return a[0].sign() > 0 and (a[0] * b[1] - a[1] * b[0]).sign() > 0 and inner(a, cross_product(b, c)).sign() > 0
 
     @cached_property
     def soft_load(self) -> Loads | None:
@@ -86,7 +86,7 @@ class DecayUnderLoads:
     @cached_property
     def determinant_prices(self) -> list[Number]:
         """``e_z . H m`` per load."""
-        normal = outer(*self.slope)
+        normal = cross_product(*self.slope)
         return [wheel.bend * wheel.w[2] * inner(wheel.w, normal) for wheel in self.pulls]
 
     @cached_property
@@ -96,7 +96,7 @@ class DecayUnderLoads:
         matrix = [[zero] * len(self.pulls) for _ in self.pulls]
         for i, j in combinations(range(len(self.pulls)), 2):
             first, second = self.pulls[i], self.pulls[j]
-            q = outer(first.w, second.w)
+            q = cross_product(first.w, second.w)
             spread = q[0] * inner(q, self.slope[0]) + q[1] * inner(q, self.slope[1])
             matrix[i][j] = matrix[j][i] = first.bend * second.bend * spread / 2
         return matrix

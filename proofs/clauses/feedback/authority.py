@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
-from nonsmooth.symbolic.constraints import Triple, complement, independent, inner, outer
+from nonsmooth.symbolic.constraints import Triple, complement, cross_product, independent, inner
 from nonsmooth.symbolic.plane import Vector, dot, minus, turned
 from nonsmooth.symbolic.scene import Scene, Wheel
 
@@ -79,8 +79,8 @@ def _has_minor(vectors: Sequence[Triple]) -> bool:
     if len(vectors) < 2:
         return all(map(any, vectors))
     if len(vectors) == 2:
-        return any(outer(vectors[0], vectors[1]))
-    return len(vectors) == 3 and bool(inner(outer(vectors[0], vectors[1]), vectors[2]))
+        return any(cross_product(vectors[0], vectors[1]))
+    return len(vectors) == 3 and bool(inner(cross_product(vectors[0], vectors[1]), vectors[2]))
 
 
 def _roll_normals(scene: Scene, wheels: Iterable[Wheel]) -> Iterator[Triple]:

@@ -1,15 +1,17 @@
-"""Held twists: the motions that some speeds of the wheels impose under rule ``box``.
+"""Realizable twists: the motions that some speeds of the wheels impose under rule ``box``.
 
-A twist xi is *held* at c if it minimizes D for some speeds.  Then it also does for ``u_i = d_i . v(p_i)``, the speeds
-at which no rim slips along: the friction along a rim may be anything within its limit, and across it has the sign of
-the slip.  So with ``a_k`` the rows, ``beta_k(c)`` their weights and Z all roll rows with the side rows that do not slip
+A twist xi is *realizable* at c if it minimizes D for some speeds.  Then it also does for ``u_i = d_i . v(p_i)``, the
+speeds at which no rim slips along: the friction along a rim may be anything within its limit, and across it has the
+sign of the slip.  So with ``a_k`` the rows, ``beta_k(c)`` their weights and Z all roll rows with the side rows that
+do not slip
 
     sum_{k not in Z} beta_k s_k a_k  in  sum_{k in Z} [-1, 1] beta_k a_k,
 
-and only the signs ``s_k`` of the side slips count.  Hence the held twists are a union of cones of the arrangement of
-the planes ``S_k . xi = 0``, closed and symmetric; with a cone its edges are held too, since there a sign may be
-anything in [-1, 1].  So *the edges that are held span all that is held*: at most one candidate for each pair of
-wheels.  (Where the side rows do not span, the coordinate planes are added; a finer arrangement has the same property.)
+and only the signs ``s_k`` of the side slips count.  Hence the realizable twists are a union of cones of the
+arrangement of the planes ``S_k . xi = 0``, closed and symmetric; with a cone its edges are realizable too, since
+there a sign may be anything in [-1, 1].  So *the realizable edges span all that is realizable*: at most one candidate
+for each pair of wheels.  (Where the side rows do not span, the coordinate planes are added; a finer arrangement has
+the same property.)
 
 The condition is the one of :mod:`nonsmooth.analysis.cells.arrangement`: no slope of D is negative.  Slopes are
 affine in c.  Where all are positive at the equilibrium, they are near it: the twist is the only minimizer there.
@@ -31,10 +33,10 @@ from nonsmooth.analysis.cells.slopes import Slopes
 from nonsmooth.symbolic.constraints import (
     RowKind,
     Triple,
+    cross_product,
     independent,
     inner,
     leading_one,
-    outer,
     scaled,
     side_row,
 )
@@ -45,14 +47,14 @@ _DIGITS = 10  # binary: candidates have length one up to this
 
 
 @dataclass(frozen=True)
-class RealizableTwist:
+class BoxTwist:
     """A twist with the slopes of D there that are not certainly positive in a load region.
 
     Attributes:
         twist: xi.
-        slopes: affine forms of c; xi is not held where one is negative.  Where the rows that it satisfies are of rank
-            three, it is held iff none is negative, and alone iff all are positive.  Where it is excluded at the
-            equilibrium, one that is negative there stands alone.
+        slopes: affine forms of c; xi is not realizable where one is negative.  Where the rows that it satisfies are of
+            rank three, it is realizable iff none is negative, and the only minimizer iff all are positive.  Where it
+            is excluded at the equilibrium, one that is negative there stands alone.
         region: where the forms hold.
         determined: whether the rows that it satisfies are of rank three; if not, it is nowhere the only minimizer.
     """
@@ -64,7 +66,7 @@ class RealizableTwist:
 
     @property
     def is_excluded(self) -> bool:
-        """Whether it is not held at the equilibrium, hence nowhere near it."""
+        """Whether it is not realizable at the equilibrium, hence nowhere near it."""
         return any(sign(form[0]) < 0 for form in self.slopes)
 
     @property
@@ -89,13 +91,13 @@ class RealizableTwist:
 
 
 class Drives:
-    """What the wheels of one load region can hold."""
+    """What the wheels of one load region can impose."""
 
     def __init__(self, scene: Scene, region: LoadRegion) -> None:
         self.region = region
         self._arrangement = Arrangement(scene, region)
 
-    def hold(self, twist: Triple) -> RealizableTwist:
+    def examine(self, twist: Triple) -> BoxTwist:
         """The twist with its slopes, for speeds at which no rim slips along; of an excluded one a negative slope."""
         rows = self._arrangement.rows
         slips = (0 if row.kind is RowKind.ROLL else sign(inner(row.normal, twist)) for row in rows)
@@ -104,14 +106,14 @@ class Drives:
         table = Slopes(self._arrangement, signs)
         falling = table.falling(np.array([[1.0, 0.0, 0.0]]))
         slopes = table if falling is None else (falling,)
-        return RealizableTwist(twist, tuple(slope.form for slope in slopes), self.region, len(independent(tight)) == 3)
+        return BoxTwist(twist, tuple(slope.form for slope in slopes), self.region, len(independent(tight)) == 3)
 
 
 def candidate_twists(scene: Scene) -> Iterator[Triple]:
     """The edges of the arrangement of side rows, each once (up to a factor), of length about one."""
     known: set[Triple] = set()
     for a, b in combinations(side_planes(scene), 2):
-        edge = outer(a, b)
+        edge = cross_product(a, b)
         if any(edge) and (canonical := leading_one(edge)) not in known:
             known.add(canonical)
             yield _of_length_one(canonical)
@@ -128,7 +130,7 @@ def side_planes(scene: Scene) -> list[Triple]:
 
 def edge_of(first: Triple, second: Triple) -> Triple:
     """The candidate in two planes that differ."""
-    return _of_length_one(leading_one(outer(first, second)))
+    return _of_length_one(leading_one(cross_product(first, second)))
 
 
 def _of_length_one(twist: Triple) -> Triple:

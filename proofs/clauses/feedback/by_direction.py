@@ -12,7 +12,7 @@ from itertools import pairwise
 from nonsmooth.analysis.cells.fan import by_angle
 from nonsmooth.analysis.cells.loads import LoadRegion
 from nonsmooth.analysis.cells.polygon import Point
-from nonsmooth.proofs.clauses.feedback.box_twists import Drives, RealizableTwist
+from nonsmooth.proofs.clauses.feedback.box_twists import BoxTwist, Drives
 from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, best_three, between, rank_of
 from nonsmooth.symbolic.constraints import Triple
 from nonsmooth.symbolic.number_text import brief_text
@@ -25,12 +25,12 @@ def law_by_direction(
     scene: Scene, regions: Sequence[LoadRegion], twists: Sequence[Triple]
 ) -> tuple[tuple[LawCone, ...], str]:
     """The cones of a law and a sentence; no cones, and why, where some directions have no three twists."""
-    by_region = [[drives.hold(twist) for twist in twists] for drives in drives_in(scene, regions)]
+    by_region = [[drives.examine(twist) for twist in twists] for drives in drives_in(scene, regions)]
     cones: list[LawCone] = []
     for start, end in _cones(scene, regions, by_region):
         middle = between(start, end)
-        here = next(held for region, held in zip(regions, by_region, strict=True) if _points_into(region, middle))
-        unique = [held for held in here if held.is_unique_towards(middle)]
+        here = next(twists for region, twists in zip(regions, by_region, strict=True) if _points_into(region, middle))
+        unique = [twist for twist in here if twist.is_unique_towards(middle)]
         if rank_of(unique) < 3:
             x, y = (brief_text(entry) for entry in middle)
             reason = (
@@ -47,18 +47,18 @@ def law_by_direction(
 
 
 def drives_in(scene: Scene, regions: Iterable[LoadRegion]) -> Iterator[Drives]:
-    """What the wheels can hold, region by region."""
+    """What the wheels can impose, region by region."""
     return (Drives(scene, region) for region in regions)
 
 
 def _cones(
-    scene: Scene, regions: Sequence[LoadRegion], by_region: Sequence[Sequence[RealizableTwist]]
+    scene: Scene, regions: Sequence[LoadRegion], by_region: Sequence[Sequence[BoxTwist]]
 ) -> list[tuple[Point, Point]]:
     """Cones of directions inside which no slope that vanishes at c* changes its sign, nor the loads their form."""
     zero, one = scene.field.zero, scene.field.one
     lines: list[Point] = [(one, zero), (zero, one)]
     lines += [side.normal for region in regions for side in region.polygon.sides if not sign(side.offset)]
-    lines += [(form[1], form[2]) for held in by_region for entry in held for form in entry.ties if any(form)]
+    lines += [(form[1], form[2]) for twists in by_region for twist in twists for form in twist.ties if any(form)]
     rays = sorted(((-b * s, a * s) for a, b in lines for s in (1, -1)), key=by_angle)
     rays = [rays[0], *(ray for last, ray in pairwise(rays) if cross(last, ray))]  # none is a half turn from the next
     return around(rays)

@@ -33,7 +33,7 @@ from typing import TYPE_CHECKING
 from nonsmooth.analysis.cells.fan import by_angle
 from nonsmooth.analysis.cells.loads import LoadRegion, load_regions
 from nonsmooth.analysis.contact_rule import CellRule, rule_of
-from nonsmooth.proofs.clauses.feedback.box_twists import RealizableTwist
+from nonsmooth.proofs.clauses.feedback.box_twists import BoxTwist
 from nonsmooth.proofs.clauses.feedback.by_direction import drives_in, law_by_direction
 from nonsmooth.proofs.clauses.feedback.control_lyapunov import ControlLyapunov, sum_of_squares
 from nonsmooth.proofs.clauses.feedback.driven_law import (
@@ -242,10 +242,11 @@ def _decide(scene: Scene, length: Fraction) -> DrivenFeedback:
     if found.verdict is not Feedback.UNDECIDED or isinstance(rule_of(scene), CellRule):
         return found
     boxed = inscribed_boxes(scene)
-    held = None if boxed is None else _decide_by_twists(boxed, length)
-    if held is None or held.verdict is not Feedback.STABILIZABLE:
+    inside = None if boxed is None else _decide_by_twists(boxed, length)
+    if inside is None or inside.verdict is not Feedback.STABILIZABLE:
         return found
-    return replace(held, reason=f"{held.reason}; no rim slips along, and rollers turn (boxes inside the friction sets)")
+    words = f"{inside.reason}; no rim slips along, and rollers turn (boxes inside the friction sets)"
+    return replace(inside, reason=words)
 
 
 def _decide_by_twists(scene: Scene, length: Fraction) -> DrivenFeedback:
@@ -257,7 +258,7 @@ def _decide_by_twists(scene: Scene, length: Fraction) -> DrivenFeedback:
         reason = "some speeds impose three independent twists at c*, each as the only minimizer of D"
         three = best_three(unique)
         others = regions[1:] if isinstance(rule_of(scene), CellRule) else ()
-        elsewhere = tuple(drives.hold(held.twist) for drives in drives_in(scene, others) for held in three)
+        elsewhere = tuple(drives.examine(one.twist) for drives in drives_in(scene, others) for one in three)
         return _stabilizable(reason, (LawCone(None, three, elsewhere),))
     if not complete:
         return _decide_by_ties(scene, regions, candidates)
@@ -287,7 +288,7 @@ def _decide_by_ties(scene: Scene, regions: Sequence[LoadRegion], candidates: Seq
 
 
 def is_driven_by(feedback: DrivenFeedback, scene: Scene) -> bool:
-    """Whether all that is held is held in a load region of the centred scene, or by its wheels."""
+    """Whether all that is imposed is imposed in a load region of the centred scene, or by its wheels."""
     zero = scene.field.zero
     if feedback.length != scene.check.length:
         return False
@@ -301,12 +302,12 @@ def is_driven_by(feedback: DrivenFeedback, scene: Scene) -> bool:
             return False
         own = replace(own, contact=replace(own.contact, loads=None))
     regions = load_regions(own, (zero, zero))
-    shown = [held for cone in feedback.cones for held in (*cone.twists, *cone.elsewhere)]
+    shown = [twist for cone in feedback.cones for twist in (*cone.twists, *cone.elsewhere)]
     imposed = (*shown, *feedback.candidates)
     numbers = {wheel.index for wheel in scene.wheels}
     return all(
-        held.region in regions if isinstance(held, RealizableTwist) else {w.index for w in held.wheels} <= numbers
-        for held in imposed
+        twist.region in regions if isinstance(twist, BoxTwist) else {w.index for w in twist.wheels} <= numbers
+        for twist in imposed
     )
 
 

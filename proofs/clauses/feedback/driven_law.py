@@ -11,14 +11,14 @@ from typing import TypeAlias
 import numpy as np
 
 from nonsmooth.analysis.cells.polygon import Point
-from nonsmooth.proofs.clauses.feedback.box_twists import RealizableTwist
+from nonsmooth.proofs.clauses.feedback.box_twists import BoxTwist
 from nonsmooth.proofs.clauses.feedback.ellipse_twists import BalancedTwist
 from nonsmooth.proofs.clauses.feedback.feedback_rate import rounded_down
-from nonsmooth.symbolic.constraints import Triple, gram, independent, inner, outer, roll_row, side_row
+from nonsmooth.symbolic.constraints import Triple, cross_product, gram, independent, inner, roll_row, side_row
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.scene import Scene, Wheel
 
-ImposedTwist: TypeAlias = RealizableTwist | BalancedTwist
+ImposedTwist: TypeAlias = BoxTwist | BalancedTwist
 
 CHOICES = 16  # unique minimizers among which the best three are sought
 _SMALLER = Fraction(9, 10)  # next try where rounding made the proposed rate too large
@@ -49,10 +49,10 @@ class LawCone:
 
         As numerators and denominators: over many square roots a quotient is long work, and one of all is asked for.
         """
-        for held in (*self.twists, *self.elsewhere):
-            if isinstance(held, RealizableTwist):
-                affine = [(side.offset, *side.normal) for side in held.region.polygon.sides]
-                for constant, x, y in (*affine, *held.slopes):
+        for imposed in (*self.twists, *self.elsewhere):
+            if isinstance(imposed, BoxTwist):
+                affine = [(side.offset, *side.normal) for side in imposed.region.polygon.sides]
+                for constant, x, y in (*affine, *imposed.slopes):
                     size = abs(x) + abs(y)
                     if sign(constant) > 0 and sign(size):
                         yield constant, size
@@ -64,7 +64,7 @@ class LawCone:
     def _is_unique(self, imposed: ImposedTwist) -> bool:
         if self.rays is None:
             return imposed.is_unique
-        return isinstance(imposed, RealizableTwist) and imposed.is_unique_towards(between(*self.rays))
+        return isinstance(imposed, BoxTwist) and imposed.is_unique_towards(between(*self.rays))
 
 
 def in_scene(twist: Triple, length: Fraction) -> Triple:
@@ -96,7 +96,7 @@ def best_three(unique: Sequence[ImposedTwist]) -> tuple[ImposedTwist, ...]:
 def certified_gain(twists: Sequence[Triple]) -> Fraction:
     """A rational kappa > 0 with ``max_l (g . xi_l)^2 > kappa |g|^2``, just below what the least eigenvalue gives."""
     rows = gram(twists)
-    volume, trace = float(inner(outer(rows[0], rows[1]), rows[2])), float(rows[0][0] + rows[1][1] + rows[2][2])
+    volume, trace = float(inner(cross_product(rows[0], rows[1]), rows[2])), float(rows[0][0] + rows[1][1] + rows[2][2])
     least = np.linalg.eigvalsh(np.array([[float(x) for x in row] for row in rows]))[0]
     kappa = rounded_down(max(least, 4 * volume / trace**2) / len(twists))  # the second bound sees no cancellation
     while not gains(twists, kappa):
@@ -112,7 +112,7 @@ def gains(twists: Sequence[Triple], kappa: Fraction) -> bool:
     (xx, xy, xz), (_, yy, yz), (_, _, zz) = gram(twists)
     shift = kappa * len(twists)
     rows = (xx - shift, xy, xz), (xy, yy - shift, yz), (xz, yz, zz - shift)
-    normal = outer(rows[0], rows[1])
+    normal = cross_product(rows[0], rows[1])
     return rows[0][0].sign() > 0 and normal[2].sign() > 0 and inner(normal, rows[2]).sign() > 0
 
 

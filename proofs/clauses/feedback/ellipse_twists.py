@@ -139,9 +139,9 @@ def balance_twist(scene: Scene, region: LoadRegion, twist: Triple) -> BalancedTw
     forces = search(along, across, np.array([wheel.side for wheel in wheels]), cuts)
     if forces is None:
         return BalancedTwist(twist, wheels)
-    angles, held = iter(forces.angles), iter(forces.held)
+    angles, sticking = iter(forces.angles), iter(forces.sticking)
     values = [
-        x for wheel in wheels for x in ([np.tan(np.pi / 4 - next(angles) / 2)] if wheel.side else list(next(held)))
+        x for wheel in wheels for x in ([np.tan(np.pi / 4 - next(angles) / 2)] if wheel.side else list(next(sticking)))
     ]
     proposal = BalancedTwist(twist, wheels, tuple(rounded(x) for x in values))
     return replace(proposal, pivots=_best_pivots(proposal))

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from nonsmooth.symbolic.constraints import Triple, independent, leading_one, outer
+from nonsmooth.symbolic.constraints import Triple, cross_product, independent, leading_one
 from nonsmooth.symbolic.number_text import brief_text
 from nonsmooth.symbolic.numbers.number_field import NumberField
 
@@ -28,7 +28,7 @@ def common_normal(twists: Sequence[Triple], field: NumberField) -> Triple | None
         return None
     span = [*basis, (zero, zero, one), (one, zero, zero), (zero, one, zero)]
     first, second = (span[k] for k in independent(span)[:2])
-    return leading_one(outer(first, second))
+    return leading_one(cross_product(first, second))
 
 
 def obstruction_text(normal: Triple) -> str:

@@ -1,4 +1,4 @@
-"""Which candidates of a large array to look at first: those that forces seem to balance with the most room.
+"""Which candidates of a large array to look at first: those that forces seem to balance with the largest margin.
 
 Two hundred wheels have twenty thousand candidates (:func:`.box_twists.candidate_twists`), and three that are imposed
 decide the clause.  A twist is imposed iff the forces that wheels can carry add up to zero.  They are convex sets
@@ -25,8 +25,8 @@ DIRECTIONS = 64  # m: those in which the array has least grip
 PAIRS = 20_000  # of planes: all of two hundred wheels
 BLOCK = 2_000  # candidates at once, for the memory
 SAME = 2.0**-40  # relative: a wheel slips less than this, or not at all
-LEAST_ROOM = 2.0**-20  # of all friction: below that the room may be rounding
-USED = -1.0  # in place of the room of a candidate that was proposed
+LEAST_MARGIN = 2.0**-20  # of all friction: below that the margin may be rounding
+USED = -1.0  # in place of the margin of a candidate that was proposed
 LEAST_ANGLE = 2.0**-13  # of a twist of length one with the span of others: below that it would give no rate
 
 Floats = NDArray[np.float64]
@@ -49,18 +49,18 @@ class PromisingTwists:
         self._edges = np.divide(edges, lengths, out=np.zeros_like(edges), where=lengths > 0)
         grip = _Grip(scene, region)
         blocks = range(0, len(edges), BLOCK)
-        self._room = np.concatenate([grip.room(self._edges[k : k + BLOCK]) for k in blocks])
+        self._margin = np.concatenate([grip.margin(self._edges[k : k + BLOCK]) for k in blocks])
 
     def next(self, span: Sequence[Triple]) -> Triple | None:
         """The best candidate off the span of these twists; None where there seems to be none.  Each comes once."""
         off = self._off(span)
-        return self._take(self._room * off, (self._room > LEAST_ROOM) & (off > LEAST_ANGLE))
+        return self._take(self._margin * off, (self._margin > LEAST_MARGIN) & (off > LEAST_ANGLE))
 
     def ties(self, span: Sequence[Triple], most: int) -> Iterator[Triple]:
         """Candidates off the span whose forces seem to balance exactly, those farthest off first."""
         off = self._off(span)
         for _ in range(most):
-            twist = self._take(off, (np.abs(self._room) <= LEAST_ROOM) & (off > LEAST_ANGLE))
+            twist = self._take(off, (np.abs(self._margin) <= LEAST_MARGIN) & (off > LEAST_ANGLE))
             if twist is None:
                 return
             yield twist
@@ -75,7 +75,7 @@ class PromisingTwists:
         if not usable.any():
             return None
         best = int(np.argmax(np.where(usable, merit, -1)))
-        self._room[np.abs(self._edges @ self._edges[best]) > 1 - LEAST_ANGLE**2] = USED
+        self._margin[np.abs(self._edges @ self._edges[best]) > 1 - LEAST_ANGLE**2] = USED
         a, b = (self._planes[k] for k in self._pairs[best])
         return edge_of(a, b)
 
@@ -104,7 +104,7 @@ class _Grip:
             disc = weighted_size(Functional.ELLIPSE, np.stack([a, b], axis=-1).swapaxes(0, 1), cuts).T
             self.still, self.left, self.right = disc, np.where(b < 0, disc, a), np.where(b > 0, disc, a)
 
-    def room(self, twists: Floats) -> Floats:
+    def margin(self, twists: Floats) -> Floats:
         """The least support in both senses of each direction, in parts of all friction."""
         slips = twists @ self.sides.T
         slips[np.abs(slips) <= SAME * (np.abs(twists) @ np.abs(self.sides).T)] = 0

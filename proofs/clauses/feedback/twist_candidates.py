@@ -8,7 +8,7 @@ from math import comb
 
 from nonsmooth.analysis.cells.loads import LoadRegion
 from nonsmooth.analysis.contact_rule import CellRule, rule_of
-from nonsmooth.proofs.clauses.feedback.box_twists import Drives, RealizableTwist, candidate_twists
+from nonsmooth.proofs.clauses.feedback.box_twists import BoxTwist, Drives, candidate_twists
 from nonsmooth.proofs.clauses.feedback.driven_law import ImposedTwist, rank_of
 from nonsmooth.proofs.clauses.feedback.ellipse_twists import balance_twist, exclude_twist
 from nonsmooth.proofs.clauses.feedback.promising import PromisingTwists
@@ -45,7 +45,7 @@ def candidates_of(scene: Scene, region: LoadRegion, enough: int = ENOUGH) -> tup
 def imposer(scene: Scene, region: LoadRegion) -> Callable[[Triple], ImposedTwist]:
     """What imposes a twist under the rule of the scene."""
     if isinstance(rule_of(scene), CellRule):
-        return Drives(scene, region).hold
+        return Drives(scene, region).examine
     return partial(balance_twist, scene, region)
 
 
@@ -73,7 +73,7 @@ def with_exclusions(candidates: Sequence[ImposedTwist]) -> list[ImposedTwist]:
     tried = 0
     for candidate in candidates:
         open_ones = [entry for entry in judged if not entry.is_excluded]
-        if isinstance(candidate, RealizableTwist) or candidate.is_unique or rank_of(open_ones) == 3 or tried == TRIED:
+        if isinstance(candidate, BoxTwist) or candidate.is_unique or rank_of(open_ones) == 3 or tried == TRIED:
             judged.append(candidate)
         else:
             tried += 1

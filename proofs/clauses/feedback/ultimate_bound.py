@@ -122,10 +122,10 @@ def _near_the_point(law: _Law, delay: Fraction, wrong: Fraction) -> UltimateBoun
 def _radius(law: _Law, delay: Fraction, wrong: Fraction, level: Fraction) -> Fraction | None:
     """R; None where the delay is too long."""
     lag = delay * law.lag(level)
-    room = 1 - law.gain * lag
-    if room <= 0 or not wrong:
-        return None if room <= 0 else Fraction(0)
-    return -rounded_down(-float(law.gain * wrong * (1 + lag) / room))
+    left = 1 - law.gain * lag
+    if left <= 0 or not wrong:
+        return None if left <= 0 else Fraction(0)
+    return -rounded_down(-float(law.gain * wrong * (1 + lag) / left))
 
 
 def _open(reason: str) -> UltimateBound:

@@ -25,8 +25,8 @@ from nonsmooth.symbolic.plane import around, between, dot, minus
 Floats: TypeAlias = tuple[float, float]
 State: TypeAlias = tuple[int, int]  # position of a cell, and of a state in it
 
-# Relative size of the room that a disc leaves for the rounding of its barriers; they are verified exactly.
-ROOM = 2.0**-20
+# Relative margin that a disc leaves for the rounding of its barriers; they are verified exactly.
+MARGIN = 2.0**-20
 BARRIER_BITS = 48
 
 
@@ -62,9 +62,9 @@ def certified_disc(partition: Partition) -> CertifiedDisc:
     if support is not None:
         squared = min(squared, support.squared_distance)
     size = math.sqrt(float(squared))
-    if nearest * (1 - ROOM) < size:
-        size = nearest * (1 - ROOM)
-        squared = partition.scene.field.rational(_rounded(size * size * (1 - ROOM)))
+    if nearest * (1 - MARGIN) < size:
+        size = nearest * (1 - MARGIN)
+        squared = partition.scene.field.rational(_rounded(size * size * (1 - MARGIN)))
     return CertifiedDisc(squared, {state: growth.barrier(size) for state, growth in growing.items()})
 
 
@@ -106,11 +106,11 @@ class _Growth:
         n, v = (self.nearest[0] * scale, self.nearest[1] * scale), self.velocity
         lower, upper = 0.0, math.inf
         for p in self.vertices:
-            rate, room = dot(v, p), dot(n, p) - 1
+            rate, slack = dot(v, p), dot(n, p) - 1
             if rate > 0:
-                upper = min(upper, room / rate)
+                upper = min(upper, slack / rate)
             elif rate < 0:
-                lower = max(lower, room / rate)
+                lower = max(lower, slack / rate)
         t = (lower + upper) / 2 if upper < math.inf else 2 * lower
         return [_rounded(x) for x in (n[0] - t * v[0], n[1] - t * v[1], t)]
 

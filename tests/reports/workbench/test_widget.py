@@ -15,7 +15,7 @@ from playwright.sync_api import Browser, Page
 
 import nonsmooth as ns
 from nonsmooth.reports.workbench import bundle
-from nonsmooth.reports.workbench import notebook as notebook_module
+from nonsmooth.reports.workbench import notebook_view as notebook_module
 from nonsmooth.reports.workbench.notebook_view import NotebookView
 from tests.browser import needs_chromium
 
