@@ -12,7 +12,7 @@ Rational radicands are split into primes first, so ``sqrt(8)`` is ``2 sqrt(2)`` 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from itertools import count
 from typing import TYPE_CHECKING
 
@@ -164,8 +164,13 @@ def _inner_generators(field: NumberField, radicand: Number) -> set[int]:
 
 
 def _characters(field: NumberField, inner: set[int], numbers: list[Number]) -> Iterator[list[int]]:
-    """Residue bits of the numbers at primes where the base and the inner roots have residues."""
+    """Residue bits of the numbers at primes where the base and the inner roots have residues.
+
+    A root that occurs in no other root may be taken with either sign.  Both are asked: for ``p = 3 mod 4`` the root
+    that is found is a residue itself, so that of nested roots the first sign alone would say nothing.
+    """
     step = max(field.order, 1)
+    outermost = set(inner) - {i for k in inner for mask in field.radicands[k].terms for i in bits(mask)}
     for k in count((1 << 40) // step):
         p = fmpz(k * step + 1)
         if not p.is_prime():
@@ -173,9 +178,11 @@ def _characters(field: NumberField, inner: set[int], numbers: list[Number]) -> I
         residues = _ResidueMap(field, p, sorted(inner))
         if not residues.exists:
             continue
-        values = [residues(number) for number in numbers]
-        if all(v is not None and v != 0 for v in values):
-            yield [0 if fmpz(v).jacobi(p) == 1 else 1 for v in values if v is not None]
+        for _ in range(2 if outermost else 1):
+            values = [residues(number) for number in numbers]
+            if all(v is not None and v != 0 for v in values):
+                yield [0 if fmpz(v).jacobi(p) == 1 else 1 for v in values if v is not None]
+            residues.negate(outermost)
 
 
 class _ResidueMap:
@@ -196,6 +203,11 @@ class _ResidueMap:
                 self.exists = False
                 return
             self.roots[i] = value.sqrtmod(p)
+
+    def negate(self, generators: Iterable[int]) -> None:
+        """Take the other roots of generators that occur in no other root."""
+        for i in generators:
+            self.roots[i] = self.p - self.roots[i]
 
     def __call__(self, number: Number) -> fmpz | None:
         """Residue of a number, or None where p divides a denominator."""

@@ -9,11 +9,12 @@ from fractions import Fraction
 from typing import Any
 
 import pytest
-from flint import fmpq
+from flint import fmpq, fmpz
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from mpmath import mp, mpf
 
+from nonsmooth.symbolic.numbers import square_roots
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField, base_order
 from nonsmooth.symbolic.numbers.root_masks import bits
@@ -307,6 +308,23 @@ def test_root_of_a_negative_number_is_refused() -> None:
         field.sqrt(-1)
     with pytest.raises(ValueError, match="non-negative"):
         field.sqrt(1 - field.sqrt(2))
+
+
+def test_few_primes_show_that_nested_roots_are_new(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Modulo ``p = 3 mod 4`` the root that is found of a residue is one itself: its other sign tells more."""
+    primes = []
+
+    class Counted(square_roots._ResidueMap):
+        def __init__(self, field: NumberField, p: fmpz, inner: list[int]) -> None:
+            primes.append(p)
+            super().__init__(field, p, inner)
+
+    monkeypatch.setattr(square_roots, "_ResidueMap", Counted)
+    root = NumberField().rational(2)
+    for _ in range(8):
+        root = root.sqrt()
+    assert len(primes) < 2_000
+    assert (root**256).as_rational() == 2
 
 
 def test_too_deep_nesting_is_refused() -> None:
