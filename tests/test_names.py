@@ -8,7 +8,7 @@ from collections import defaultdict
 from tests.sources import PACKAGES, ROOT, sources, statements_in, text_of
 from tests.test_lengths import CHECKERS
 
-# What a script or a notebook holds in place of the class of the same name: a scene's wheel, and a vehicle with its scene.
+# What scripts and notebooks hold of the class of the same name.
 IN_SCRIPTS = {"reports/interface/wheel.py": "Wheel", "reports/interface/vehicle.py": "Vehicle"}
 
 

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from nonsmooth.analysis.contact_rule import smooth_rule_of
 from nonsmooth.proofs.robust.annulus import AnnulusPiece
 from nonsmooth.proofs.robust.array_rows import ArrayRows
+from nonsmooth.proofs.robust.wheel_force import HAS_ROLLERS
 from nonsmooth.symbolic.scene import Scene
 
 Floats: TypeAlias = NDArray[np.float64]
@@ -102,7 +103,7 @@ class PlaneMinima:
         slips = self._rows.rows @ twist - self._rows.speeds
         r, s = slips[::2], slips[1::2]
         roll, side = limits[::2], limits[1::2]
-        if self._scene.contact.rule == "roller":
+        if HAS_ROLLERS[self._scene.contact.rule]:
             size = np.hypot(r, s)
             across = np.clip(roll * s / size, -side, side)
             forces = np.sign(r) * np.sqrt(roll**2 - across**2), across

@@ -24,7 +24,7 @@ from flint import arb, arb_mat, ctx
 
 from nonsmooth.analysis.contact_rule import smooth_rule_of
 from nonsmooth.proofs.robust.load_box import LoadBox, load_box
-from nonsmooth.proofs.robust.wheel_force import LOAD, TWIST, WheelBox
+from nonsmooth.proofs.robust.wheel_force import HAS_ROLLERS, LOAD, TWIST, WheelBox
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.tolerances import Tolerance
@@ -66,7 +66,7 @@ class _Springs:
     """All wheels and their loads."""
 
     def __init__(self, scene: Scene, box: Tolerance, loads: LoadBox, nominal: LoadBox) -> None:
-        has_rollers = scene.contact.rule == "roller"
+        has_rollers = HAS_ROLLERS[scene.contact.rule]
         self._wheels = [WheelBox.of(wheel, box, has_rollers=has_rollers) for wheel in scene.wheels]
         self._loads, self._nominal = loads, nominal
 

@@ -22,6 +22,8 @@ from nonsmooth.symbolic.tolerances import Tolerance
 TWIST, OWN = 3, 7  # the twist; x, y, angle, speed, the two frictions, and the load
 COUNT = TWIST + OWN
 LOAD = COUNT - 1
+# The rules whose forces are written here, and whether rollers cut the disc; another rule has no entry and is a fault.
+HAS_ROLLERS = {"ellipse": False, "roller": True}
 
 Balls: TypeAlias = Sequence[arb]
 Wrench: TypeAlias = tuple[Jet, Jet, Jet]

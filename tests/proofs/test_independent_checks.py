@@ -11,7 +11,7 @@ from nonsmooth.analysis.cells.full_turns import Growth
 from nonsmooth.analysis.cells.loads import load_regions
 from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, Situation, ellipse_point
 from nonsmooth.proofs.clauses.rotation.at_point import says_the_spin, spin_of
-from nonsmooth.proofs.clauses.translation import fan as fans
+from nonsmooth.proofs.clauses.translation import fan_stability as fans
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, Move, decide_cones, decide_fan
 from nonsmooth.proofs.systems.system_stability import system_check
 from nonsmooth.proofs.theorem4 import check_cells
