@@ -32,6 +32,29 @@ class Import(NamedTuple):
     for_types: bool
 
 
+class Definition(NamedTuple):
+    """A class or a function, also one inside another.
+
+    Attributes:
+        name: as it is defined.
+        lines: from its first to its last line.
+        is_class: whether it is a class.
+        is_outermost: whether it stands in no other definition.
+    """
+
+    name: str
+    lines: int
+    is_class: bool
+    is_outermost: bool
+
+
+class Summary(NamedTuple):
+    """What tests ask of a file: one tree serves them all, and is not kept."""
+
+    imports: tuple[Import, ...]
+    definitions: tuple[Definition, ...]
+
+
 @cache
 def sources(folder: str) -> list[Path]:
     """The Python files of a folder and of those in it."""
@@ -45,9 +68,10 @@ def text_of(path: Path) -> str:
 
 
 @cache
-def imports_of_file(path: Path) -> tuple[Import, ...]:
-    """Every import of a file, also those inside functions."""
-    return tuple(imports_in(ast.parse(text_of(path), filename=str(path))))
+def summary_of(path: Path) -> Summary:
+    """The imports of a file, also those inside functions, and its classes and functions."""
+    tree = ast.parse(text_of(path), filename=str(path))
+    return Summary(tuple(imports_in(tree)), tuple(definitions_in(tree)))
 
 
 def imports_in(node: ast.AST, in_function: bool = False, for_types: bool = False) -> Iterator[Import]:
@@ -62,6 +86,18 @@ def imports_in(node: ast.AST, in_function: bool = False, for_types: bool = False
         else:
             is_function = isinstance(child, ast.FunctionDef | ast.AsyncFunctionDef)
             yield from imports_in(child, in_function or is_function, for_types or is_type_checking_block(child))
+
+
+def definitions_in(node: ast.AST, is_outermost: bool = True) -> Iterator[Definition]:
+    """Every class and function below a node."""
+    for child in statements_in(node):
+        is_class = isinstance(child, ast.ClassDef)
+        if isinstance(child, ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
+            lines = (child.end_lineno or child.lineno) - child.lineno + 1
+            yield Definition(child.name, lines, is_class, is_outermost)
+            yield from definitions_in(child, is_outermost=False)
+        else:
+            yield from definitions_in(child, is_outermost)
 
 
 def statements_in(node: ast.AST) -> Iterator[ast.AST]:

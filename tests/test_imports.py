@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.sources import PACKAGES, ROOT, Import, imports_in, imports_of_file, sources
+from tests.sources import PACKAGES, ROOT, Import, imports_in, sources, summary_of
 
 # Circles that are known; the list may only become shorter. Each with the reason why it still stands.
 KNOWN_RINGS: dict[frozenset[str], str] = {}
@@ -45,7 +45,7 @@ def imported_files(imports: Iterable[Import], modules: Mapping[str, object]) -> 
 @cache
 def import_graph() -> Graph:
     files = source_files()
-    return {name: imported_files(imports_of_file(path), files) - {name} for name, path in files.items()}
+    return {name: imported_files(summary_of(path).imports, files) - {name} for name, path in files.items()}
 
 
 def folder_of(path: Path) -> str:

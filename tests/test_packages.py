@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.sources import PACKAGES, ROOT, Import, imports_of_file, sources, text_of, tokens
+from tests.sources import PACKAGES, ROOT, Import, sources, summary_of, text_of, tokens
 
 NEVER_IMPORTED = {"symbolic": {"scipy"}, "analysis": {"matplotlib"}}
 LAZILY_IMPORTED = {"cvxpy", "matplotlib", "jinja2"}
@@ -30,7 +30,7 @@ def place(path: Path, line: int) -> str:
 @cache
 def imports(package: str) -> list[tuple[str, Import]]:
     """Every import of a package and where it stands, also those inside functions."""
-    return [(place(path, found.line), found) for path in sources(package) for found in imports_of_file(path)]
+    return [(place(path, found.line), found) for path in sources(package) for found in summary_of(path).imports]
 
 
 def listed_packages() -> list[str]:
