@@ -11,7 +11,7 @@ import numpy as np
 from rich.console import Group, RenderableType
 from rich.text import Text
 
-from nonsmooth.analysis.bodies.destinations import TOGETHER, Gathering, destinations
+from nonsmooth.analysis.bodies.destinations import TOGETHER, PathEnd, destinations
 from nonsmooth.analysis.bodies.many_paths import ENDS, BodyEnd, BodyEnds, ManyPaths
 from nonsmooth.analysis.contact_rule import CellRule, SmoothRule, rule_of
 from nonsmooth.analysis.fields.contact_model import Floats
@@ -74,7 +74,7 @@ class ShownBodyMap:
     distance: float
 
     @cached_property
-    def destinations(self) -> list[Gathering]:
+    def destinations(self) -> list[PathEnd]:
         """Where the paths end, with shares."""
         return destinations(self.found, self.distance)
 
@@ -156,7 +156,7 @@ class ShownBodyMap:
         return Text(f"{self.title}: {count}"), Text(square)
 
 
-def _record(one: Gathering) -> dict[str, Any]:
+def _record(one: PathEnd) -> dict[str, Any]:
     pose = None if one.pose is None else list(one.pose)
     headings = None if one.headings is None else list(one.headings)
     return {"reason": one.reason.value, "share": one.share, "pose": pose, "headings": headings}

@@ -22,10 +22,10 @@ from nonsmooth.reports.formats.html import render_html
 from nonsmooth.reports.formats.json import derivation_record
 from nonsmooth.reports.formats.latex import render_latex
 from nonsmooth.reports.formats.markdown import render_markdown
-from nonsmooth.reports.part import sections_of
 from nonsmooth.reports.parts import PART_NAMES, PARTS
 from nonsmooth.reports.plain_systems.report import SYSTEM_PART_NAMES, system_document, system_subject
 from nonsmooth.reports.records import check_record, partition_record, states_record
+from nonsmooth.reports.report_part import sections_of
 from nonsmooth.reports.subject import Invocation, Subject
 from nonsmooth.symbolic.notebook import ShortRepr
 from nonsmooth.symbolic.scene import Scene

@@ -15,7 +15,7 @@ from nonsmooth.proofs.theorem4_result import CellCheck
 from nonsmooth.reports.document import Section
 from nonsmooth.reports.papers.murphey_burdick_2001.paper import audit_section, is_paper_array
 from nonsmooth.reports.papers.murphey_burdick_2001.sign_form_section import sign_form_section, without_sign_form
-from nonsmooth.reports.part import ReportPart, chosen_names
+from nonsmooth.reports.report_part import ReportPart, chosen_names
 from nonsmooth.reports.sections.answers import answers_section
 from nonsmooth.reports.sections.cells import cells_section
 from nonsmooth.reports.sections.closing import left_out_section, references_section, reproduction_section

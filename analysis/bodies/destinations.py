@@ -18,7 +18,7 @@ TOGETHER = 0.02  # of the wheels' spacing or the body's size: bodies that rest c
 
 
 @dataclass(frozen=True)
-class Gathering:
+class PathEnd:
     """One place at which bodies rest, or another way to end.
 
     Attributes:
@@ -46,7 +46,7 @@ class Gathering:
         return f"{self.reason.value} at ({x}, {y}), {heading}"
 
 
-def destinations(ends: BodyEnds, distance: float) -> list[Gathering]:
+def destinations(ends: BodyEnds, distance: float) -> list[PathEnd]:
     """Places of rest, largest share first, then the other ends.
 
     Args:
@@ -61,11 +61,11 @@ def destinations(ends: BodyEnds, distance: float) -> list[Gathering]:
     for reason in BodyEnd:
         starts = np.flatnonzero(ends.by(reason))
         if reason is not BodyEnd.REST and len(starts):
-            found.append(Gathering(reason, starts, len(starts) / len(ends.starts)))
+            found.append(PathEnd(reason, starts, len(starts) / len(ends.starts)))
     return found
 
 
-def _at_rest(ends: BodyEnds, starts: Numbers) -> Gathering:
+def _at_rest(ends: BodyEnds, starts: Numbers) -> PathEnd:
     """The middle of the poses: means of x and y, and the heading that is the middle one around the first."""
     poses = ends.poses[starts]
     first = poses[0, 2]
@@ -77,7 +77,7 @@ def _at_rest(ends: BodyEnds, starts: Numbers) -> Gathering:
     headings = headings + turn
     middle = (float(x), float(y), float(headings[len(headings) // 2]))
     share = len(starts) / len(ends.starts)
-    return Gathering(BodyEnd.REST, starts, share, middle, (float(headings[0]), float(headings[-1])))
+    return PathEnd(BodyEnd.REST, starts, share, middle, (float(headings[0]), float(headings[-1])))
 
 
 def _linked(places: Floats, distance: float) -> list[Numbers]:

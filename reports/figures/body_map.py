@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from nonsmooth.analysis.bodies.destinations import Gathering
+from nonsmooth.analysis.bodies.destinations import PathEnd
 from nonsmooth.analysis.bodies.many_paths import BodyEnd
 from nonsmooth.reports.figures.cell_map import PALETTE, figure_bytes
 from nonsmooth.reports.figures.labels import WIDE_TITLE, centre_labels, length_label, wrapped
@@ -56,7 +56,7 @@ def build_figure(shown: ShownBodyMap) -> Figure:
     return figure
 
 
-def _colors(found: list[Gathering]) -> list[str]:
+def _colors(found: list[PathEnd]) -> list[str]:
     """One for each destination."""
     colors = []
     for k, one in enumerate(found):
@@ -115,7 +115,7 @@ def _draw_wheels(axes: Axes, shown: ShownBodyMap) -> None:
     axes.set(xlim=limits[0], ylim=limits[1])
 
 
-def _legend(found: list[Gathering]) -> list[Patch]:
+def _legend(found: list[PathEnd]) -> list[Patch]:
     """An entry for each color."""
     from matplotlib.patches import Patch
 

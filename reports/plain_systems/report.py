@@ -6,7 +6,6 @@ from collections.abc import Collection
 
 from nonsmooth.proofs.clauses.workspace import Announce, unheard
 from nonsmooth.reports.document import Bullets, Document, Section
-from nonsmooth.reports.part import ReportPart, chosen_names, sections_of
 from nonsmooth.reports.plain_systems.inclusion_sections import borders_section, cells_section, point_section
 from nonsmooth.reports.plain_systems.system_sections import (
     paths_section,
@@ -18,6 +17,7 @@ from nonsmooth.reports.plain_systems.system_sections import (
 from nonsmooth.reports.plain_systems.system_subject import SystemSubject
 from nonsmooth.reports.plain_systems.v_sections import leading_section, lyapunov_section
 from nonsmooth.reports.prose import paragraph
+from nonsmooth.reports.report_part import ReportPart, chosen_names, sections_of
 from nonsmooth.reports.sections.closing import reproduction_section
 from nonsmooth.reports.subject import Invocation
 from nonsmooth.symbolic.scene_error import one_line
