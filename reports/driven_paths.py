@@ -12,7 +12,7 @@ from typing import Any
 
 from rich.console import RenderableType
 
-from nonsmooth.analysis.bodies.held_wheels import HeldWheels
+from nonsmooth.analysis.bodies.one_contact_set import OneContactSet
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.trajectories.result import Trajectory
 from nonsmooth.proofs.clauses.feedback.by_friction import decide_whatever_friction
@@ -158,6 +158,6 @@ def _followed(loop: DrivenLoop, start: tuple[float, float, float], until: float)
         return loop.follow(start, until)
     if loop.is_sampled:
         require_no_outline(loop.scene)
-    held = HeldWheels(loop.scene)
-    held.require_start(start)
-    return held.until_change(loop.follow(start, until))
+    contacts = OneContactSet(loop.scene)
+    contacts.require_start(start)
+    return contacts.until_change(loop.follow(start, until))

@@ -19,7 +19,7 @@ from nonsmooth.reports.report_part import ReportPart, chosen_names
 from nonsmooth.reports.sections.answers import answers_section
 from nonsmooth.reports.sections.cells import cells_section
 from nonsmooth.reports.sections.closing import left_out_section, references_section, reproduction_section
-from nonsmooth.reports.sections.contact import constraints_section, contact_states_section, held_wheels
+from nonsmooth.reports.sections.contact import constraining_wheels, constraints_section, contact_states_section
 from nonsmooth.reports.sections.continuum import continuum_section
 from nonsmooth.reports.sections.ellipse import ellipse_derivative_section, situation_section
 from nonsmooth.reports.sections.law import law_section, without_law
@@ -82,8 +82,8 @@ def _continuum(subject: Subject) -> Section:
 
 def _constraints(subject: Subject) -> Section:
     result = subject.result
-    held = held_wheels(result) if isinstance(result, CellCheck) else subject.scene.recentred().wheels
-    return constraints_section(held)
+    wheels = constraining_wheels(result) if isinstance(result, CellCheck) else subject.scene.recentred().wheels
+    return constraints_section(wheels)
 
 
 def _situation(subject: Subject) -> Section:

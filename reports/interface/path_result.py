@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.bodies.cell_path import CellPath
-from nonsmooth.analysis.bodies.held_wheels import HeldWheels
+from nonsmooth.analysis.bodies.one_contact_set import OneContactSet
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.contact_rule import CellRule, ContactRule, SmoothRule, rule_of
 from nonsmooth.analysis.fields.kinematics import Kinematics
@@ -163,15 +163,15 @@ def follow_array(scene: Scene, run: PathRun) -> PathResult:
     if run.law is not None and scene.loop_errors is not None:
         expected = "one of the other contact rules for a law whose pose is late or wrong"
         raise SceneError(scene.origin, "feedback", expected, StatedFact("nearest: it may lie in another contact state"))
-    held = _held_wheels(scene, run)
+    contacts = _one_contact_set(scene, run)
     partition = build_partition(standing(scene))
     loop = loop_of(partition, run)
     path = follow(partition, run, loop)
-    path = path if held is None else held.until_change(path)
+    path = path if contacts is None else contacts.until_change(path)
     return PathResult(scene.name, POSE, ShownTrajectory(partition, run, path, loop), scene)
 
 
-def _held_wheels(scene: Scene, run: PathRun) -> HeldWheels | None:
+def _one_contact_set(scene: Scene, run: PathRun) -> OneContactSet | None:
     """The wheels on which a closed loop starts, and ends when they change; None without an outline.
 
     Raises:
@@ -182,9 +182,9 @@ def _held_wheels(scene: Scene, run: PathRun) -> HeldWheels | None:
         return None
     if run.method is not PathMethod.EVENTS or run.kinematics is not Kinematics.EXACT:
         require_no_outline(scene)
-    held = HeldWheels(standing(scene))
-    held.require_start(run.start)
-    return held
+    contacts = OneContactSet(standing(scene))
+    contacts.require_start(run.start)
+    return contacts
 
 
 def _path(scene: Scene, rule: ContactRule, run: PathRun) -> Trajectory:

@@ -55,7 +55,7 @@ def _askew(wheels: Iterable[Wheel]) -> list[Block]:
     return [paragraph("Where the friction axis `a_i` is not the rim, the rows are those along and across it:"), rows]
 
 
-def held_wheels(result: CellCheck) -> list[Wheel]:
+def constraining_wheels(result: CellCheck) -> list[Wheel]:
     """The wheels whose rows are held somewhere in the square."""
     held = {row.wheel.index for state in result.partition.states for row in state.rows}
     return [wheel for wheel in result.partition.scene.wheels if wheel.index in held]

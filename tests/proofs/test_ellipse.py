@@ -156,4 +156,4 @@ def test_wheels_that_stick_hold_the_body(arrays: Arrays) -> None:
     zero = scene.field.zero
     wheels = tuple(replace(w, given_speed=zero) if w.index % 2 == 0 else w for w in scene.wheels)
     point = point_of(replace(scene, wheels=wheels))
-    assert (point.situation, point.translation) == (Situation.HELD, Translation.STABLE)
+    assert (point.situation, point.translation) == (Situation.STICKING, Translation.STABLE)

@@ -100,7 +100,7 @@ def test_the_motion_at_the_point_verifies_by_forces_and_moments(name: str, monke
     zero, one = point.scene.field.zero, point.scene.field.one
     forged = [replace(point, twist=Twist(zero, zero, point.twist.omega + one))]
     forged += [replace(point, twist=Twist(one, zero, zero)), replace(point, twist=None)]
-    forged += [replace(point, situation=s) for s in (Situation.CARRIED, Situation.HELD) if s is not point.situation]
+    forged += [replace(point, situation=s) for s in (Situation.CARRIED, Situation.STICKING) if s is not point.situation]
     assert not [k for k, other in enumerate(forged) if other.check()]
 
 

@@ -113,7 +113,7 @@ def test_sticking_wheels_hold_the_body_inside_their_cut_discs(arrays: Arrays, ra
     wheels = tuple(replace(w, given_speed=zero) if w.index % 2 == 0 else w for w in scene.wheels)
     scene = replace(scene, wheels=wheels)
     point = point_of(scene)
-    assert (point.situation, point.translation) == (Situation.HELD, Translation.STABLE)
+    assert (point.situation, point.translation) == (Situation.STICKING, Translation.STABLE)
     assert np.abs(twists_near(scene, np.array([(0.0, 0.0), (1e-3, -2e-3)]))).max() < 1e-9
 
 

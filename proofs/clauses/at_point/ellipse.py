@@ -6,7 +6,7 @@ Five situations are told apart, each by exact evidence:
   rigidly with the wheels (a rotation about the equilibrium is stable, not attractive);
 - *smooth rest* and *smooth spin*: the gradient of D vanishes at ``(0, 0, omega)`` and H is positive definite there: the
   field is smooth, and the eigenvalues of its linearization decide (Hurwitz: exponentially stable);
-- *held*: wheels that stick answer the balance strictly inside their friction sets: rest fills a neighbourhood;
+- *sticking*: wheels that stick answer the balance strictly inside their friction sets: rest fills a neighbourhood;
 - *moved*: the best rotation about the point is enclosed between two rational rates, and over the enclosure the
   gradient of D in the translation directions stays away from zero (balls): no equilibrium;
 - otherwise the point is not decided, and the reason says why.  So it is, under rule ``roller``, where rollers turn at
@@ -24,7 +24,7 @@ from flint import arb, ctx, fmpq
 from nonsmooth.analysis.cells.loads import LoadRegion, load_regions
 from nonsmooth.analysis.contact_rule import smooth_rule_of
 from nonsmooth.proofs.clauses.at_point.balance import RestBalance, rest_balance
-from nonsmooth.proofs.clauses.at_point.forces_check import balances, carries, is_held, is_smooth_minimum
+from nonsmooth.proofs.clauses.at_point.forces_check import balances, carries, is_smooth_minimum, rests_by_sticking
 from nonsmooth.proofs.clauses.at_point.linearization import (
     Linearization,
     Slip,
@@ -51,7 +51,7 @@ class Situation(StrEnum):
 
     CARRIED = "carried by all wheels without slip"
     SMOOTH = "smooth minimizer"
-    HELD = "held at rest by sticking wheels"
+    STICKING = "held at rest by sticking wheels"
     MOVED = "driven away"
     OPEN = "not decided"
 
@@ -95,7 +95,7 @@ class EllipsePoint:
         """Strong stability of (x, y)."""
         if self.equilibrium is not Equilibrium.HOLDS:
             return Translation.UNDECIDED
-        if self.situation in (Situation.CARRIED, Situation.HELD):
+        if self.situation in (Situation.CARRIED, Situation.STICKING):
             return Translation.STABLE
         if self.linearization is None:
             return Translation.UNDECIDED
@@ -116,8 +116,8 @@ class EllipsePoint:
             return twist is None and self.situation in (Situation.MOVED, Situation.OPEN)
         if self.situation is Situation.CARRIED:
             return carries(scene, region, twist.velocity, twist.omega)
-        if self.situation is Situation.HELD:
-            return not any(twist) and is_held(scene, region, self.balance)
+        if self.situation is Situation.STICKING:
+            return not any(twist) and rests_by_sticking(scene, region, self.balance)
         spins = not any(twist.velocity)
         if self.situation is Situation.OPEN:
             return spins and balances(scene, region, twist.omega)
@@ -143,7 +143,7 @@ def ellipse_point(scene: Scene, regions: tuple[LoadRegion, ...]) -> EllipsePoint
     if balance.strict and balance.holds:
         what = "friction limits" if any(force.limits.is_cut for force in balance.stuck or ()) else "friction ellipses"
         reason = f"the sticking wheels balance the others strictly inside their {what}"
-        return point(Situation.HELD, reason, Twist(zero, zero, zero))
+        return point(Situation.STICKING, reason, Twist(zero, zero, zero))
     rates = [zero, *(rate for rate in spin_candidates(scene, region) if rate)]
     resting = _resting_slips(scene, region)
     for rate in rates:

@@ -134,7 +134,7 @@ def _is_definite(rows: tuple[Triple, ...]) -> bool:
     return c[2].sign() > 0 and (b[1] * c[2] - b[2] * c[1]).sign() > 0 and inner(a, cross_product(b, c)).sign() > 0
 
 
-def is_held(scene: Scene, region: LoadRegion, balance: RestBalance) -> bool:
+def rests_by_sticking(scene: Scene, region: LoadRegion, balance: RestBalance) -> bool:
     """Whether forces of the wheels at rest, strictly inside their friction sets, answer those of the others."""
     stuck = {force.wheel: force for force in balance.stuck or ()}
     forces: list[Triple] = []

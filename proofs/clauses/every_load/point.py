@@ -16,7 +16,7 @@ from nonsmooth.analysis.cells.load_sets import LoadPolytope, Loads, LoadSet, loa
 from nonsmooth.analysis.contact_rule import CellRule, rule_of, smooth_rule_of
 from nonsmooth.proofs.clauses.at_point.balance import rest_balance
 from nonsmooth.proofs.clauses.at_point.ellipse import common_twist, ellipse_point
-from nonsmooth.proofs.clauses.at_point.forces_check import carries, is_held
+from nonsmooth.proofs.clauses.at_point.forces_check import carries, rests_by_sticking
 from nonsmooth.proofs.clauses.at_point.linearization import spin_candidates
 from nonsmooth.proofs.clauses.cocircular import cocircular_array
 from nonsmooth.proofs.clauses.every_load.box_slopes import build_slopes, is_driven_away, moving_loads
@@ -42,7 +42,7 @@ class EveryLoad(StrEnum):
 
     CARRIED = "carried by all wheels without slip"
     SMOOTH = "smooth minimizer"
-    HELD = "held: no other motion near the point"
+    UNIQUE = "held: no other motion near the point"
     TIED = "a minimizer, under some loads not the only one"
     MOVED = "driven away under some load"
     OPEN = "not decided"
@@ -133,9 +133,9 @@ def _smooth_point(scene: Scene, loads: LoadSet) -> EveryLoadPoint:
         reason = f"the twist ({', '.join(map(brief_text, carried))}) satisfies every row with friction of every wheel"
         situation = EveryLoad.CARRIED if _fix_the_motion(scene, loads.bound) else EveryLoad.TIED
         return EveryLoadPoint(scene, loads, situation, carried, None, None, reason)
-    if _is_held(scene, loads):
+    if _rests_by_sticking(scene, loads):
         reason = "under every load the sticking wheels balance the others strictly inside their friction limits"
-        return EveryLoadPoint(scene, loads, EveryLoad.HELD, Twist(zero, zero, zero), None, None, reason)
+        return EveryLoadPoint(scene, loads, EveryLoad.UNIQUE, Twist(zero, zero, zero), None, None, reason)
     rates = [zero, *(rate for rate in spin_candidates(scene, region) if rate)]
     for rate in rates:
         pulls = wheel_pulls(scene, rate)
@@ -194,12 +194,12 @@ def _rolls(scene: Scene, twist: Twist) -> bool:
     return not any(row.residual(twist) for row in rows_with_friction(scene))
 
 
-def _is_held(scene: Scene, loads: LoadSet) -> bool:
+def _rests_by_sticking(scene: Scene, loads: LoadSet) -> bool:
     """Whether sticking wheels hold the body at every corner of the set; strictly inside is a convex condition too."""
     if all(wheel.scaled_speed and wheel.friction.roll for wheel in scene.wheels) or loads.bound.corners is None:
         return False
     regions = (under_load(scene, corner) for corner in loads.bound.corners)
-    return all(is_held(scene, region, rest_balance(scene, region)) for region in regions)
+    return all(rests_by_sticking(scene, region, rest_balance(scene, region)) for region in regions)
 
 
 def _suspects(scene: Scene, loads: LoadSet, rates: list[Number]) -> Iterator[Loads]:
@@ -239,7 +239,7 @@ def _box_point(scene: Scene, loads: LoadSet) -> EveryLoadPoint:
         least = -1 if slopes is None else slopes.least_sign(loads.bound)
         rolls = _rolls(scene, Twist(zero, zero, rate))
         if least > 0 or (least == 0 and (rolls or cocircular_array(scene) is not None)):
-            situation = EveryLoad.HELD if least > 0 else EveryLoad.TIED
+            situation = EveryLoad.UNIQUE if least > 0 else EveryLoad.TIED
             what = f"the spin {brief_text(rate)}" if rate else "rest"
             how = "D rises in every direction" if least > 0 else "D falls in no direction"
             reason = f"at {what} {how}, under every load"

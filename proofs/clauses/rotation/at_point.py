@@ -19,7 +19,7 @@ def spin_of(point: EllipsePoint) -> RotationResult:
     if point.twist.omega:
         reason = f"at the point the body turns at the rate {brief_text(point.twist.omega)} for ever"
         return RotationResult(Rotation.UNSTABLE, drift, None, reason)
-    if point.situation in (Situation.HELD, Situation.CARRIED):
+    if point.situation in (Situation.STICKING, Situation.CARRIED):
         reason = "near the point the body does not move at all"
         return RotationResult(Rotation.NEUTRAL, drift, None, reason)
     if point.translation is Translation.ASYMPTOTICALLY_STABLE and point.linearization is not None:
@@ -45,7 +45,7 @@ def says_the_spin(result: RotationResult, point: EllipsePoint) -> bool:
         return False
     if result.verdict is Rotation.UNDECIDED:
         return not twist.omega
-    still = point.situation in (Situation.HELD, Situation.CARRIED)
+    still = point.situation in (Situation.STICKING, Situation.CARRIED)
     attracted = point.linearization is not None and point.translation is Translation.ASYMPTOTICALLY_STABLE
     return result.verdict is (Rotation.UNSTABLE if twist.omega else Rotation.NEUTRAL) and (
         bool(twist.omega) or still or attracted

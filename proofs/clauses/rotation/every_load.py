@@ -27,7 +27,7 @@ def rotation_for_every_load(translation: EveryLoadTranslation) -> RotationResult
     if point.twist.omega:
         reason = f"at the point the body turns at the rate {brief_text(point.twist.omega)} for ever, whatever the load"
         return RotationResult(Rotation.UNSTABLE, drift, None, reason)
-    if point.situation in (EveryLoad.HELD, EveryLoad.CARRIED):
+    if point.situation in (EveryLoad.UNIQUE, EveryLoad.CARRIED):
         return RotationResult(Rotation.NEUTRAL, drift, None, AT_REST)
     if point.situation is EveryLoad.TIED:
         return RotationResult(Rotation.UNDECIDED, drift, None, TIED)

@@ -94,7 +94,7 @@ def decide_for_every_load(point: EveryLoadPoint, lemma: CocircularArray | None) 
     radius = None if lemma is None else point.scene.check.radius
     if point.equilibrium is not Equilibrium.HOLDS or point.twist is None:
         return EveryLoadTranslation(point, Translation.UNDECIDED, point.reason, lemma)
-    if point.situation in (EveryLoad.CARRIED, EveryLoad.HELD):
+    if point.situation in (EveryLoad.CARRIED, EveryLoad.UNIQUE):
         reason = f"{point.situation}: {point.reason}"
         return EveryLoadTranslation(point, Translation.STABLE, reason, lemma, region_radius=radius)
     if point.situation is EveryLoad.SMOOTH:

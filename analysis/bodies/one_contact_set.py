@@ -26,7 +26,7 @@ LOOKS = 12  # places within a step where depths are looked at
 Change: TypeAlias = tuple[float, int]  # when a wheel comes or goes, and its place among all
 
 
-class HeldWheels:
+class OneContactSet:
     """The wheels that carry the body of a scene at its checked pose.
 
     Raises:
