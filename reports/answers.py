@@ -13,7 +13,7 @@ from rich.text import Text
 from nonsmooth.analysis.contact_rule import rule_of
 from nonsmooth.proofs.answers.answer import Answer
 from nonsmooth.proofs.answers.answers import Answers
-from nonsmooth.proofs.answers.contact import contact_facts
+from nonsmooth.proofs.answers.contact_wheels import contact_facts
 from nonsmooth.proofs.answers.other_rules import OtherRule
 from nonsmooth.proofs.facts import Quantity
 from nonsmooth.proofs.theorem4_result import Check

@@ -24,7 +24,7 @@ from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.analysis.minimizers.proved import proved
 from nonsmooth.analysis.trajectories.held_law import HeldLaw, PoseErrors, follow_held
 from nonsmooth.analysis.trajectories.result import Trajectory, TrajectoryError
-from nonsmooth.analysis.trajectories.smooth import follow_smooth
+from nonsmooth.analysis.trajectories.smooth_path import follow_smooth
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, rim_speeds
 from nonsmooth.proofs.own_paths import ContradictionError

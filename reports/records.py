@@ -8,7 +8,7 @@ from typing import Any
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.contact_rule import rule_of
 from nonsmooth.proofs.answers.answers import Answers, answers_of
-from nonsmooth.proofs.answers.contact import contact_facts
+from nonsmooth.proofs.answers.contact_wheels import contact_facts
 from nonsmooth.proofs.answers.failures import Failure, worst_failure
 from nonsmooth.proofs.clauses.clause import Clause
 from nonsmooth.proofs.theorem4_result import Check

@@ -1,10 +1,10 @@
 """The path of a body with an outline under a rule with cells, from event to event.
 
 It is a solution of a switched field of poses (:mod:`nonsmooth.analysis.bodies.outline_field`) and is followed as every
-other one (:mod:`nonsmooth.analysis.trajectories.smooth`): through the cells of the wheels that carry, along borders of
-cells and along edges over wheels, where Filippov's construction mixes motions.  Here its switches are
-told apart: wheels that ``enter`` and ``leave``, wheels under the edge that the body slides along (``slide``), and where
-it ``tips``.  All is counted in the scene's length l, so that a path is the same in every unit of length.
+other one (:mod:`nonsmooth.analysis.trajectories.smooth_path`): through the cells of the wheels that carry, along
+borders of cells and along edges over wheels, where Filippov's construction mixes motions.  Here its switches are told
+apart: wheels that ``enter`` and ``leave``, wheels under the edge that the body slides along (``slide``), and where it
+``tips``.  All is counted in the scene's length l, so that a path is the same in every unit of length.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from nonsmooth.analysis.bodies.tipping import tipping_edge
 from nonsmooth.analysis.contact_rule import CellRule
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.trajectories.result import EndReason, Event, EventKind, Piece, Trajectory
-from nonsmooth.analysis.trajectories.smooth import follow_smooth
+from nonsmooth.analysis.trajectories.smooth_path import follow_smooth
 from nonsmooth.symbolic.contact_set import require_elastic
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.similar_scenes import counted_in_own_length

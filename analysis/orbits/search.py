@@ -20,7 +20,7 @@ from nonsmooth.analysis.orbits.shooting import shoot
 from nonsmooth.analysis.trajectories.guards import find_root
 from nonsmooth.analysis.trajectories.legs import Leg
 from nonsmooth.analysis.trajectories.result import TrajectoryError
-from nonsmooth.analysis.trajectories.smooth import follow_legs
+from nonsmooth.analysis.trajectories.smooth_path import follow_legs
 
 NEARBY = 0.1  # of the extent of the path: a start that returns so near is beside an orbit
 RETURNS = 12  # that are compared: an orbit may pass the section several times in a turn

@@ -18,7 +18,7 @@ from nonsmooth.analysis.orbits.variation import monodromy
 from nonsmooth.analysis.trajectories.face_motion import largest
 from nonsmooth.analysis.trajectories.legs import Leg
 from nonsmooth.analysis.trajectories.result import Trajectory
-from nonsmooth.analysis.trajectories.smooth import follow_legs, onto
+from nonsmooth.analysis.trajectories.smooth_path import follow_legs, onto
 
 STEPS = 12  # of Newton's method; five are usual
 CLOSED = 1e-9  # relative to the size of the states: a turn that closes no better is none

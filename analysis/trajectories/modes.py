@@ -25,7 +25,7 @@ from nonsmooth.analysis.trajectories.result import (
     TrajectoryError,
     samples,
 )
-from nonsmooth.analysis.trajectories.smooth import MAX_EVENTS, follow_legs
+from nonsmooth.analysis.trajectories.smooth_path import MAX_EVENTS, follow_legs
 from nonsmooth.symbolic.mode_system import ModeSystem, OwnMode
 
 

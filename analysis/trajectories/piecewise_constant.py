@@ -5,8 +5,8 @@ followed to its end: through a cell to its border, along an edge to where slidin
 infinitely many turns, or at rest.  There is no step size and no error that accumulates with time: a path is exact to
 the rounding of one closed form per event, and exact altogether for exact numbers.
 
-It fails where nothing is constant (feedback, plain systems): :mod:`nonsmooth.analysis.trajectories.smooth`.  A path
-that spirals out of a corner is not drawn (the drawn path rests there), only said to exist.
+It fails where nothing is constant (feedback, plain systems): :mod:`nonsmooth.analysis.trajectories.smooth_path`.  A
+path that spirals out of a corner is not drawn (the drawn path rests there), only said to exist.
 """
 
 from __future__ import annotations

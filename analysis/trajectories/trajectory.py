@@ -19,7 +19,7 @@ from nonsmooth.analysis.fields.switched_field import SwitchedField
 from nonsmooth.analysis.trajectories.lyapunov_watch import LyapunovWatch, distance_watch
 from nonsmooth.analysis.trajectories.piecewise_constant import follow_constant
 from nonsmooth.analysis.trajectories.result import Trajectory
-from nonsmooth.analysis.trajectories.smooth import follow_smooth
+from nonsmooth.analysis.trajectories.smooth_path import follow_smooth
 
 __all__ = ["SwitchedField", "simulate"]
 

@@ -33,7 +33,7 @@ from nonsmooth.analysis.bodies.rests import EdgeRest
 from nonsmooth.analysis.contact_rule import smooth_rule_of
 from nonsmooth.proofs.headings.ball_motion import BallMotion, Pull, UndecidedMotionError, add
 from nonsmooth.proofs.headings.krawczyk import contracted, zero_near
-from nonsmooth.proofs.headings.slides import Fate, Fates, driven_off, edge_rate, fates_of_slide, slide
+from nonsmooth.proofs.headings.pose_slides import Fate, Fates, driven_off, edge_rate, fates_of_slide, slide
 from nonsmooth.symbolic.edge_headings import BallOutline, BallVector, ball_of, halved, seen
 from nonsmooth.symbolic.numbers.enclosures import PRECISION
 from nonsmooth.symbolic.plane import dot

@@ -26,8 +26,8 @@ from flint import arb, arb_mat, ctx
 
 from nonsmooth.proofs.headings.ball_motion import UndecidedMotionError
 from nonsmooth.proofs.headings.heading_intervals import HeadingsAt, RestInterval, Wheels
+from nonsmooth.proofs.headings.pose_slides import Fate, Fates, driven_off, edge_rate, fates_of_slide, slide
 from nonsmooth.proofs.headings.set_motion import EnclosedMotion
-from nonsmooth.proofs.headings.slides import Fate, Fates, driven_off, edge_rate, fates_of_slide, slide
 from nonsmooth.proofs.headings.stay import Stays, is_half_turned
 from nonsmooth.symbolic.body import Body
 from nonsmooth.symbolic.edge_headings import BallVector, HeadingCluster, ball_of

@@ -1,10 +1,10 @@
 """Signs of forms on simplicial cones, read off their coefficients in the generators.
 
 A polynomial on a polygon, a cone or a cone x line is a form on cones of linearly independent generators
-(:mod:`nonsmooth.proofs.inequalities.cells`).  Written in the generators, ``F(sum lambda_i g_i) = sum c_e lambda^e``,
-it is non-negative if all ``c_e`` are (Bernstein's form without the binomials), and then it vanishes on a face exactly
-if no monomial with a positive coefficient lives on that face alone: strictness is read off.  Where some coefficient
-is negative the cone is cut in two (:mod:`nonsmooth.proofs.inequalities.subdivision`).
+(:mod:`nonsmooth.proofs.inequalities.cell_forms`).  Written in the generators, ``F(sum lambda_i g_i) = sum c_e
+lambda^e``, it is non-negative if all ``c_e`` are (Bernstein's form without the binomials), and then it vanishes on a
+face exactly if no monomial with a positive coefficient lives on that face alone: strictness is read off.  Where some
+coefficient is negative the cone is cut in two (:mod:`nonsmooth.proofs.inequalities.subdivision`).
 
 F may hold the distance: ``F = A + r B`` with ``r = sqrt(x^2 + y^2)``.  Then ``A, B >= 0``, or ``A >= 0`` and
 ``A^2 >= r^2 B^2``, or ``B >= 0`` and ``r^2 B^2 >= A^2`` prove it; where F > 0 one of the three holds strictly nearby.

@@ -26,7 +26,7 @@ from flint import Ordering, arb, ctx, fmpq, fmpq_mpoly, fmpq_mpoly_ctx, fmpq_pol
 
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.region import Region
-from nonsmooth.proofs.inequalities.cells import directions
+from nonsmooth.proofs.inequalities.cell_forms import directions
 from nonsmooth.proofs.inequalities.dense_polynomials import trimmed
 from nonsmooth.proofs.inequalities.real_roots import Sturm
 from nonsmooth.symbolic.numbers.number import Number, sign

@@ -29,7 +29,7 @@ from typing import Any, TypeAlias
 
 from nonsmooth.analysis.cells.region import Region
 from nonsmooth.proofs.inequalities.binary_forms import RootEvidence, Zero, decide_binary, line_of
-from nonsmooth.proofs.inequalities.cells import EXTENDED, PLANE, CellClaim, CellPart, build_parts
+from nonsmooth.proofs.inequalities.cell_forms import EXTENDED, PLANE, CellClaim, CellPart, build_parts
 from nonsmooth.proofs.inequalities.copositive import QuadraticEvidence, decide_quadratic
 from nonsmooth.proofs.inequalities.cuts import zero_cut
 from nonsmooth.proofs.inequalities.forms import Problem

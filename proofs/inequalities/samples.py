@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.region import Triple
-from nonsmooth.proofs.inequalities.cells import CellClaim, triangles
+from nonsmooth.proofs.inequalities.cell_forms import CellClaim, triangles
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 

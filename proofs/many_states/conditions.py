@@ -21,7 +21,7 @@ from itertools import combinations
 
 from flint import fmpq
 
-from nonsmooth.proofs.many_states.faces import AffineFace, build_face, unit, whole_space
+from nonsmooth.proofs.many_states.affine_faces import AffineFace, build_face, unit, whole_space
 from nonsmooth.proofs.many_states.sign_cells import (
     BeyondReachError,
     Pattern,

@@ -16,7 +16,7 @@ import numpy as np
 from flint import fmpq, fmpq_mat
 
 from nonsmooth.proofs.inequalities.linear_program import best_mixture
-from nonsmooth.proofs.many_states.faces import AffineFace, build_face, unit
+from nonsmooth.proofs.many_states.affine_faces import AffineFace, build_face, unit
 from nonsmooth.proofs.many_states.samples import Point, exact_value
 from nonsmooth.proofs.many_states.sign_cells import RationalTerms, SignCell, SignCells, rational_terms
 from nonsmooth.symbolic.numbers.polynomial import Exponents

@@ -26,9 +26,9 @@ from typing import TypeAlias
 
 from flint import fmpq, fmpq_mat
 
+from nonsmooth.proofs.many_states.affine_faces import unit
 from nonsmooth.proofs.many_states.conditions import ConditionSense
 from nonsmooth.proofs.many_states.examination import Examination, with_values
-from nonsmooth.proofs.many_states.faces import unit
 from nonsmooth.proofs.many_states.sign_cells import RationalTerms, SignCell, rational_terms
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.symbolic.numbers.polynomial import Exponents, add_terms, multiply_terms

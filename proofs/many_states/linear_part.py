@@ -20,7 +20,7 @@ from itertools import combinations, combinations_with_replacement, pairwise
 import numpy as np
 from flint import fmpq, fmpq_mat, fmpq_poly
 
-from nonsmooth.proofs.many_states.faces import unit
+from nonsmooth.proofs.many_states.affine_faces import unit
 from nonsmooth.proofs.many_states.function_families import PiecewiseFunction, formula_text
 from nonsmooth.proofs.many_states.sign_cells import RationalTerms, SignCells, adjoining
 from nonsmooth.proofs.sums_of_squares.gram_certificate import RationalMatrix, is_definite

@@ -26,8 +26,8 @@ from nonsmooth.proofs.many_states.sign_cells import (
 )
 from nonsmooth.proofs.sums_of_squares.ansatz import Ansatz, Condition, build_ansatz
 from nonsmooth.proofs.sums_of_squares.conic_program import solve_inside
-from nonsmooth.proofs.sums_of_squares.parameters import round_parameters
 from nonsmooth.proofs.sums_of_squares.prove import Effort, normalized
+from nonsmooth.proofs.sums_of_squares.rounded_parameters import round_parameters
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.symbolic.expression import ExpressionError
 from nonsmooth.symbolic.numbers.number import Number

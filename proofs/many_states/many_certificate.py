@@ -17,13 +17,13 @@ from flint import fmpq
 from numpy.typing import NDArray
 
 from nonsmooth.proofs.many_state_checker import SCHEMA, check_certificate, pattern
+from nonsmooth.proofs.many_states.affine_faces import AffineFace, build_face, unit
 from nonsmooth.proofs.many_states.conclusion import ManyStateMethod
 from nonsmooth.proofs.many_states.conditions import ConditionSense, ScaledInequality, bending_surfaces, scaled
 from nonsmooth.proofs.many_states.decay import falling, rate_conditions
 from nonsmooth.proofs.many_states.decision import ManyStateResult, first_cells
 from nonsmooth.proofs.many_states.empty_patterns import empty_patterns
 from nonsmooth.proofs.many_states.examination import Inequality, potential_pieces, with_values
-from nonsmooth.proofs.many_states.faces import AffineFace, build_face, unit
 from nonsmooth.proofs.many_states.instability import find_growth
 from nonsmooth.proofs.many_states.sign_cells import Pattern, RationalTerms, SignCells, adjoining, rational_terms
 from nonsmooth.proofs.many_states.sublevel import named_border

@@ -14,9 +14,9 @@ from itertools import product
 import numpy as np
 from flint import fmpq
 
+from nonsmooth.proofs.many_states.affine_faces import build_face, unit
 from nonsmooth.proofs.many_states.conditions import ConditionSense
 from nonsmooth.proofs.many_states.examination import Examination, Inequality
-from nonsmooth.proofs.many_states.faces import build_face, unit
 from nonsmooth.proofs.many_states.samples import values_at
 from nonsmooth.proofs.sums_of_squares.ansatz import Condition
 from nonsmooth.proofs.sums_of_squares.prove import Proved, prove_positive

@@ -6,8 +6,8 @@ from nonsmooth.analysis.measurements.cases.feedback_gain import FEEDBACK
 from nonsmooth.analysis.measurements.cases.friction_ratio import FRICTION
 from nonsmooth.analysis.measurements.cases.hysteresis_width import HYSTERESIS
 from nonsmooth.analysis.measurements.cases.near_collinear import COLLINEAR
+from nonsmooth.analysis.measurements.cases.near_starts import STARTS
 from nonsmooth.analysis.measurements.cases.scales import SCALES
-from nonsmooth.analysis.measurements.cases.starts import STARTS
 from nonsmooth.analysis.measurements.cases.support_edge import LOADS
 from nonsmooth.analysis.measurements.cases.switches import SWITCHES
 from nonsmooth.analysis.measurements.harness import Case, Study

@@ -19,8 +19,8 @@ from nonsmooth.proofs.robust.factor import binding_entry, largest_factor
 from nonsmooth.proofs.robust.nearest import inner_radius, is_bounded, ultimate_bound, why_not_nearest
 from nonsmooth.proofs.robust.rings import RingProof
 from nonsmooth.proofs.robust.robust import Robust, above, beside
-from nonsmooth.proofs.robust.smooth import equilibrium_box
 from nonsmooth.proofs.robust.smooth_disc import SmoothDisc
+from nonsmooth.proofs.robust.smooth_rules import equilibrium_box
 from nonsmooth.proofs.robust.ultimate_bound import root_above
 from nonsmooth.proofs.verdicts import Certainty
 from nonsmooth.symbolic.contact_set import contact_set

@@ -23,7 +23,7 @@ from typing import Any
 
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.switched_cells import LyapunovCell
-from nonsmooth.proofs.inequalities.cells import CellClaim, build_parts
+from nonsmooth.proofs.inequalities.cell_forms import CellClaim, build_parts
 from nonsmooth.proofs.inequalities.germs import Adherence, adherence
 from nonsmooth.proofs.inequalities.kinks import Trend, worst
 from nonsmooth.proofs.inequalities.ladder import Interval

@@ -27,7 +27,7 @@ from itertools import combinations
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.region import Region, common_edges
 from nonsmooth.analysis.cells.switched_cells import LyapunovCell, PlaneField
-from nonsmooth.proofs.inequalities.cells import directions
+from nonsmooth.proofs.inequalities.cell_forms import directions
 from nonsmooth.proofs.inequalities.prover import Proof, Sense, prove
 from nonsmooth.proofs.inequalities.strata import bends_along_a_curve
 from nonsmooth.proofs.systems.border_motion import along_edge

@@ -23,7 +23,7 @@ from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.region import Region, cone_region
 from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell, PlaneField
 from nonsmooth.analysis.minimizers.cvxpy_import import load_cvxpy
-from nonsmooth.proofs.inequalities.cells import directions
+from nonsmooth.proofs.inequalities.cell_forms import directions
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.plane import cross, same_direction

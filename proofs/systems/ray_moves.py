@@ -21,7 +21,7 @@ from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell, PlaneField, velocities_at
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, Move, decide_cones
 from nonsmooth.proofs.inequalities.binary_forms import RadicalFunction
-from nonsmooth.proofs.inequalities.cells import directions
+from nonsmooth.proofs.inequalities.cell_forms import directions
 from nonsmooth.proofs.inequalities.dense_polynomials import trimmed, value
 from nonsmooth.proofs.inequalities.germs import Adherence, ray_adherence
 from nonsmooth.proofs.inequalities.ladder import mixtures

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.switched_cells import LyapunovCell
-from nonsmooth.proofs.inequalities.cells import directions
+from nonsmooth.proofs.inequalities.cell_forms import directions
 from nonsmooth.symbolic.number_text import brief_text
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.polynomial import Polynomial

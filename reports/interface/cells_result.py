@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.reports.choices import Drawing
 from nonsmooth.reports.files import PICTURES, output_path, write_whole
-from nonsmooth.reports.interface.rows import Tabular
+from nonsmooth.reports.interface.row_results import Tabular
 from nonsmooth.reports.interface.short_text import short_lines
 from nonsmooth.symbolic.number_text import brief_text
 

@@ -13,7 +13,7 @@ from nonsmooth.proofs.clauses.workspace import Announce, unheard
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.theorem4_result import Check
 from nonsmooth.proofs.verified import verified
-from nonsmooth.reports.interface.rows import Tabular
+from nonsmooth.reports.interface.row_results import Tabular
 from nonsmooth.reports.interface.short_text import short_lines
 from nonsmooth.reports.records import check_record
 from nonsmooth.symbolic.contact_set import ContactSet, contact_set, standing

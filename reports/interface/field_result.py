@@ -11,7 +11,7 @@ import numpy as np
 from nonsmooth.analysis.minimizers.sampled_field import SampledField, sample_field
 from nonsmooth.reports.exact_record import floats
 from nonsmooth.reports.files import PICTURES, output_path, write_whole
-from nonsmooth.reports.interface.rows import Tabular
+from nonsmooth.reports.interface.row_results import Tabular
 from nonsmooth.reports.interface.short_text import short_lines
 from nonsmooth.symbolic.number_text import float_text, percent_text
 

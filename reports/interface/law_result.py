@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from nonsmooth.reports.files import output_path, write_whole
-from nonsmooth.reports.interface.rows import Tabular
+from nonsmooth.reports.interface.row_results import Tabular
 from nonsmooth.reports.interface.short_text import short_lines
 from nonsmooth.reports.law_program import law_program
 from nonsmooth.reports.law_table import LawTable, law_table

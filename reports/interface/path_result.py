@@ -17,7 +17,7 @@ from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.trajectories.result import Trajectory
 from nonsmooth.reports.choices import PathMethod
 from nonsmooth.reports.files import PICTURES, output_path, write_whole
-from nonsmooth.reports.interface.rows import Tabular
+from nonsmooth.reports.interface.row_results import Tabular
 from nonsmooth.reports.interface.short_text import short_lines
 from nonsmooth.reports.mode_paths import ShownModePath
 from nonsmooth.reports.shown import file_bytes

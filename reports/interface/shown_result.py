@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from nonsmooth.reports.files import PICTURES, output_path, write_whole
-from nonsmooth.reports.interface.rows import Tabular
+from nonsmooth.reports.interface.row_results import Tabular
 from nonsmooth.reports.shown import Shown, file_bytes
 
 SHOWN_FORMATS = (".csv", ".json", *PICTURES)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from nonsmooth.reports.files import write_whole
 from nonsmooth.reports.interface.entries import entry
-from nonsmooth.reports.interface.rows import Tabular
+from nonsmooth.reports.interface.row_results import Tabular
 from nonsmooth.reports.interface.short_text import short_lines
 from nonsmooth.reports.sweep_files import sweep_bytes, sweep_path
 from nonsmooth.reports.sweeps.base import base_of, with_wheels

@@ -11,7 +11,7 @@ from nonsmooth.proofs.systems.scalar_stability import ScalarResult
 from nonsmooth.proofs.systems.system_facts import proving_text
 from nonsmooth.proofs.verified import verified
 from nonsmooth.reports.facts import fact_rows
-from nonsmooth.reports.interface.rows import Tabular
+from nonsmooth.reports.interface.row_results import Tabular
 from nonsmooth.reports.interface.short_text import short_lines
 from nonsmooth.reports.system_views import facts_of, system_record
 from nonsmooth.symbolic.notebook import html_table

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from nonsmooth.analysis.contact_rule import rule_of
 from nonsmooth.proofs.answers.answer import Answer
-from nonsmooth.proofs.answers.contact import contact_facts
+from nonsmooth.proofs.answers.contact_wheels import contact_facts
 from nonsmooth.proofs.answers.destinations import Destination, Destinations
 from nonsmooth.proofs.answers.headings import HeadingsOfRest
 from nonsmooth.proofs.answers.other_rules import OtherRule

@@ -26,7 +26,7 @@ from nonsmooth.analysis.fields.switched_field import Surface, SwitchedField, Vec
 from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.analysis.trajectories.lyapunov_watch import LyapunovViolationError, LyapunovWatch, distance_watch
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory, TrajectoryError
-from nonsmooth.analysis.trajectories.smooth import follow_smooth
+from nonsmooth.analysis.trajectories.smooth_path import follow_smooth
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.files.system_file import load_system

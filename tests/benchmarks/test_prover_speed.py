@@ -19,7 +19,7 @@ import pytest
 import z3
 
 from nonsmooth.analysis.cells.region import cone_region
-from nonsmooth.proofs.inequalities.cells import EXTENDED
+from nonsmooth.proofs.inequalities.cell_forms import EXTENDED
 from nonsmooth.proofs.inequalities.prover import Outcome, Proof, Undecided, prove
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField

@@ -18,7 +18,7 @@ from nonsmooth.analysis.fields.sign_field import SignField
 from nonsmooth.analysis.fields.switched_field import affine_surface
 from nonsmooth.analysis.trajectories.hysteresis import simulate_hysteresis
 from nonsmooth.analysis.trajectories.maps import grid_starts, settle_map
-from nonsmooth.analysis.trajectories.smooth import follow_smooth
+from nonsmooth.analysis.trajectories.smooth_path import follow_smooth
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.files.scene_file import load_scene
 

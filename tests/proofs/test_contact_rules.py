@@ -13,8 +13,8 @@ from nonsmooth.analysis.cells.box import build_box_partition
 from nonsmooth.analysis.cells.filippov import cell_derivatives
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.fields.contact_model import Floats, contact_model
-from nonsmooth.analysis.minimizers.closed_loop import SampledLaw, relative_rates, sample_closed_loop
 from nonsmooth.analysis.minimizers.dissipation import Functional
+from nonsmooth.analysis.minimizers.sampled_feedback import SampledLaw, relative_rates, sample_closed_loop
 from nonsmooth.analysis.minimizers.sampling import sample_smooth_derivative
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.rotation.on_cells import RotationResult

@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 
 from nonsmooth.analysis.cells.polygon import square
 from nonsmooth.analysis.cells.region import Region, cone_region, polygon_region, quadrants
-from nonsmooth.proofs.inequalities.cells import EXTENDED, PLANE
+from nonsmooth.proofs.inequalities.cell_forms import EXTENDED, PLANE
 from nonsmooth.proofs.inequalities.products import ProductEvidence
 from nonsmooth.proofs.inequalities.prover import (
     Counterexample,

@@ -18,7 +18,7 @@ from nonsmooth.analysis.measurements.harness import Case
 from nonsmooth.analysis.measurements.references.reference_fields import gradient_reference
 from nonsmooth.analysis.measurements.rows import ResultRow, Rows, counted, judged, refused
 from nonsmooth.analysis.trajectories.result import EndReason, Trajectory
-from nonsmooth.analysis.trajectories.smooth import follow_smooth
+from nonsmooth.analysis.trajectories.smooth_path import follow_smooth
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.number_text import power_text
 from nonsmooth.symbolic.scene import Scene

@@ -22,7 +22,7 @@ from nonsmooth.analysis.measurements.references.reference_fields import (
     array_reference,
     system_reference,
 )
-from nonsmooth.analysis.trajectories.smooth import onto
+from nonsmooth.analysis.trajectories.smooth_path import onto
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.switched_system import SwitchedSystem

@@ -26,7 +26,7 @@ from nonsmooth.analysis.measurements.study_plan import Assessment, LeftOut, Orde
 from nonsmooth.analysis.measurements.timing import Clock
 from nonsmooth.analysis.trajectories.hysteresis import simulate_hysteresis, simulate_smoothed
 from nonsmooth.analysis.trajectories.result import State, Trajectory
-from nonsmooth.analysis.trajectories.smooth import follow_smooth
+from nonsmooth.analysis.trajectories.smooth_path import follow_smooth
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 COMPARED = 4  # of the starts that arrays have

@@ -31,7 +31,7 @@ from nonsmooth.analysis.measurements.study_plan import Assessment, LeftOut, Orde
 from nonsmooth.analysis.measurements.timing import Clock
 from nonsmooth.analysis.trajectories.hysteresis import simulate_hysteresis, simulate_smoothed
 from nonsmooth.analysis.trajectories.result import Event, State
-from nonsmooth.analysis.trajectories.smooth import follow_smooth
+from nonsmooth.analysis.trajectories.smooth_path import follow_smooth
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.scene import Scene
 

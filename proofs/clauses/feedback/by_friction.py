@@ -19,7 +19,7 @@ in every unit.  A twist ``(v, omega)`` there is ``(v, omega/l)`` in the scene's 
 
 Between the two stand, under rule ``box``, an exact balance of frictions at c* (a slope of D that vanishes there), and
 under rules without cells twists that are neither proved nor excluded.  Two laws of the field are sampled beside that
-(:mod:`nonsmooth.analysis.minimizers.closed_loop`); samples decide nothing.
+(:mod:`nonsmooth.analysis.minimizers.sampled_feedback`); samples decide nothing.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ from nonsmooth.symbolic.similar_scenes import in_own_length
 from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
 if TYPE_CHECKING:
-    from nonsmooth.analysis.minimizers.closed_loop import LoopSample
+    from nonsmooth.analysis.minimizers.sampled_feedback import LoopSample
     from nonsmooth.proofs.clauses.feedback.every_load_law import EveryLoadLaw
 
 LAW = "impose -k (g . xi_l) xi_l, g = (c, theta), with the xi_l of the largest |g . xi_l|"

@@ -12,7 +12,7 @@ from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.similar_scenes import in_own_length
 
 if TYPE_CHECKING:
-    from nonsmooth.analysis.minimizers.closed_loop import LoopSample
+    from nonsmooth.analysis.minimizers.sampled_feedback import LoopSample
     from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 
 

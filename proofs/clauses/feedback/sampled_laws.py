@@ -7,8 +7,8 @@ from dataclasses import replace
 
 from nonsmooth.analysis.contact_rule import rule_of
 from nonsmooth.analysis.fields.contact_model import contact_model
-from nonsmooth.analysis.minimizers.closed_loop import LoopSample, SampledLaw, sample_closed_loop
 from nonsmooth.analysis.minimizers.proved import free_motions
+from nonsmooth.analysis.minimizers.sampled_feedback import LoopSample, SampledLaw, sample_closed_loop
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.similar_scenes import in_own_length

@@ -21,9 +21,9 @@ from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.proofs.answers.answer import Heading, Position
 from nonsmooth.proofs.answers.headings import HeadingKind, HeadingsOfRest, headings_of_rest
 from nonsmooth.proofs.headings.isolated import decide_edge_pose
+from nonsmooth.proofs.headings.pose_slides import Fate
 from nonsmooth.proofs.headings.search import equilibrium_headings
 from nonsmooth.proofs.headings.set_motion import set_motion
-from nonsmooth.proofs.headings.slides import Fate
 from nonsmooth.symbolic.contact_set import whole
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene

@@ -19,8 +19,8 @@ from nonsmooth.analysis.measurements.cases.feedback_gain import FEEDBACK, feedba
 from nonsmooth.analysis.measurements.cases.friction_ratio import RATIOS, TINY
 from nonsmooth.analysis.measurements.cases.hysteresis_width import HYSTERESIS
 from nonsmooth.analysis.measurements.cases.near_collinear import DETERMINANTS, collinear_rows
+from nonsmooth.analysis.measurements.cases.near_starts import STARTS
 from nonsmooth.analysis.measurements.cases.scales import OFFSETS, POWERS, SCALES, array_scale_rows, system_scale_rows
-from nonsmooth.analysis.measurements.cases.starts import STARTS
 from nonsmooth.analysis.measurements.cases.support_edge import scale_rows, support_rows
 from nonsmooth.analysis.measurements.cases.switches import SWITCHES
 from nonsmooth.analysis.measurements.harness import Case, measure

@@ -17,7 +17,7 @@ from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.proofs.answers.robust import robust_facts
 from nonsmooth.proofs.robust.decide import decide_robust
 from nonsmooth.proofs.robust.robust import Robust
-from nonsmooth.proofs.robust.smooth import equilibrium_box
+from nonsmooth.proofs.robust.smooth_rules import equilibrium_box
 from nonsmooth.proofs.verdicts import Certainty
 from nonsmooth.symbolic.contact_set import standing
 from nonsmooth.symbolic.files.scene_file import load_scene

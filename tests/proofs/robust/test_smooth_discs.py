@@ -19,8 +19,8 @@ from nonsmooth.proofs.robust.intervals import Intervals, cosine
 from nonsmooth.proofs.robust.nearest import inner_radius
 from nonsmooth.proofs.robust.rings import EndDisc
 from nonsmooth.proofs.robust.robust import Robust
-from nonsmooth.proofs.robust.smooth import equilibrium_box
 from nonsmooth.proofs.robust.smooth_disc import SmoothDisc
+from nonsmooth.proofs.robust.smooth_rules import equilibrium_box
 from nonsmooth.proofs.verdicts import Certainty
 from nonsmooth.symbolic.contact_set import standing
 from nonsmooth.symbolic.files.scene_file import load_scene

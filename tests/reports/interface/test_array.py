@@ -179,7 +179,7 @@ def test_a_table_of_pandas_where_there_is_one(monkeypatch: pytest.MonkeyPatch) -
     class Pandas:
         DataFrame: Any = staticmethod(list)
 
-    monkeypatch.setattr("nonsmooth.reports.interface.rows.import_module", lambda name: Pandas)
+    monkeypatch.setattr("nonsmooth.reports.interface.row_results.import_module", lambda name: Pandas)
     assert ring().check().to_dataframe() == ring().check().rows()
     assert len(ns.load("eq-4").check().to_dataframe()) > 3
     assert len(ring().simulate((0.1, 0.2, 0)).to_dataframe()) > 1
