@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from nonsmooth.reports.files import OutputError
+from nonsmooth.symbolic import removed
 from nonsmooth.symbolic.scene_error import SceneError, one_line
 
 if TYPE_CHECKING:
@@ -94,11 +95,23 @@ def _refuse(message: str) -> int:
 
 
 def _usage_line(error: Any) -> str:
-    """Typer's message on one line, with the place where help is."""
+    """Typer's message on one line, with the place where help is; of what was removed, what to do without."""
     message = " ".join(error.format_message().split()).removesuffix(".").replace("Value error, ", "")
     context = getattr(error, "ctx", None)
+    instead = _instead(message, "" if context is None else context.info_name, getattr(error, "option_name", ""))
+    if instead is not None:
+        return instead
     command = PROGRAM if context is None else context.command_path
     return f"{message}; see '{command} --help'"
+
+
+def _instead(message: str, command: str, option: str) -> str | None:
+    """What to do without a removed option or command, if Typer did not know one."""
+    if (command, option) in removed.OPTIONS:
+        return f"{option} was removed: {removed.OPTIONS[command, option]}"
+    unknown = (name for name in removed.COMMANDS if message.startswith(f"No such command '{name}'"))
+    name = next(unknown, None)
+    return None if name is None else f"the command {name} was removed: {removed.COMMANDS[name]}"
 
 
 def _drop_output() -> None:

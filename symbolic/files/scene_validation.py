@@ -7,6 +7,7 @@ from typing import Any, TypeVar, get_args
 
 from pydantic import ValidationError
 
+from nonsmooth.symbolic import removed
 from nonsmooth.symbolic.files.scene_values import AngleUnit, TomlTable, keys_of
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact, requirement
 
@@ -24,6 +25,10 @@ def validate(model: type[Model], data: object, file: str, angle_unit: AngleUnit 
     except ValidationError as error:
         details = error.errors(include_url=False)
         first = next((d for d in details if d["type"] == "extra_forbidden"), details[0])
+        table = first["loc"][0]
+        if first["type"] == "extra_forbidden" and table in removed.TABLES:
+            without = f"a scene without it: {removed.TABLES[table]}"
+            raise SceneError(file, str(table), without, StatedFact("a table that was removed")) from None
         raise SceneError(file, _key(first), _expected(model, first), _received(first)) from None
 
 

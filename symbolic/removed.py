@@ -1,0 +1,19 @@
+"""What earlier versions read and this one does not: each is refused in one line that names the way to do without.
+
+Whoever removes a command, an option, a table of scene files or an ending of files adds a line here, and a case to
+``tests/test_removed.py``.  A line ends a sentence: "--front was removed: ...".
+"""
+
+from __future__ import annotations
+
+COMMANDS: dict[str, str] = {}
+"""By the name of the command."""
+
+OPTIONS: dict[tuple[str, str], str] = {}
+"""By the names of the command and of the option, such as ``("design", "--front")``."""
+
+TABLES: dict[str, str] = {}
+"""By the key of a table in a scene file, such as ``mode``."""
+
+ENDINGS: dict[str, str] = {}
+"""By the ending of a file that was read or written, such as ``.mp4``."""

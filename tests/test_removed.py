@@ -1,0 +1,41 @@
+"""What was removed is refused in one line, exit status 2, that names the way to do without it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from nonsmooth.reports.cli import app
+from nonsmooth.reports.console import BAD_INPUT, run
+from nonsmooth.symbolic import removed
+
+
+@pytest.fixture(autouse=True)
+def _old_names(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A command, an option and a table that never were, so that the mechanism itself is tested."""
+    monkeypatch.setitem(removed.COMMANDS, "divine", "toss a coin")
+    monkeypatch.setitem(removed.OPTIONS, ("check", "--guess"), "use --radius")
+    monkeypatch.setitem(removed.TABLES, "tarot", "state [friction]")
+
+
+def test_removed_options_and_commands_are_refused_with_the_way_to_do_without(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert run(app, ["check", "four-wheel", "--guess"]) == BAD_INPUT
+    assert capsys.readouterr() == ("", "nonsmooth: --guess was removed: use --radius\n")
+    assert run(app, ["divine"]) == BAD_INPUT
+    assert capsys.readouterr() == ("", "nonsmooth: the command divine was removed: toss a coin\n")
+
+
+def test_other_mistakes_are_told_as_before(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(app, ["check", "four-wheel", "--guesses"]) == BAD_INPUT
+    assert "see 'nonsmooth check --help'" in capsys.readouterr().err
+
+
+def test_a_removed_table_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    scene = tmp_path / "old.toml"
+    scene.write_text('name = "old"\n[[wheel]]\nposition = [1, 0]\nheading = "inward"\nspeed = 1\n[tarot]\ncards = 1\n')
+    assert run(app, ["check", str(scene)]) == BAD_INPUT
+    required = "tarot: required a scene without it: state [friction], received a table that was removed"
+    assert capsys.readouterr().err == f"nonsmooth: {scene}: {required}\n"
