@@ -171,6 +171,19 @@ def test_options_replace_the_scene(invoke: Invoke) -> None:
     assert record["theorem4"]["verdict"] == "hypotheses not met"
 
 
+@pytest.mark.parametrize("places", [((1, 0), (-1, 0)), ((1, 0), (-1, 0), (2, 0))])
+def test_wheels_on_one_line_have_no_support_polygon(
+    invoke: Invoke, tmp_path: Path, places: tuple[tuple[int, int], ...]
+) -> None:
+    """The body tips, which is said; there is no distance from a border that does not exist."""
+    wheels = "".join(f"[[wheel]]\nposition = {list(place)}\n" for place in places)
+    (tmp_path / "line.toml").write_text(f'[friction]\nmu_roll = 1\nmu_side = "1/2"\n{wheels}', encoding="utf-8")
+    support = invoke("check", "line.toml", "--json").record["translation"]["support"]
+    assert support["distance"] is None
+    assert "the body tips at c*" in support["note"]
+    assert "the body tips at c*" in " ".join(invoke("check", "line.toml").out.split())
+
+
 # ---- the rules box and ellipse -------------------------------------------------------------------
 
 

@@ -124,5 +124,6 @@ def _support(result: AnyTranslation) -> Iterator[Fact]:
     if not isinstance(result, TranslationResult) or result.support is None:
         yield Fact("support")
         return
-    record = {"distance": Quantity(result.support.distance), "note": result.support_note}
+    distance = Quantity(result.support.distance) if result.support.stands else None
+    record = {"distance": distance, "note": result.support_note}
     yield Fact("support", record, result.support_note, explained=True)
