@@ -30,7 +30,7 @@ unexport PYTHONDONTWRITEBYTECODE
 export PYTHONPYCACHEPREFIX := $(CURDIR)/.venv/bytecode
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test lowest tools lint format bench precision evidence gallery clean
+.PHONY: help demo test golden lowest tools lint format bench precision evidence gallery clean
 
 help: ## show this list
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "make %-9s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -46,6 +46,9 @@ demo: $(PACKAGE) ## check the four-wheel array under every contact rule and writ
 
 test: $(INSTALLED) $(TOOLS) ## run the tests
 	$(BIN)/python -m pytest -n $(WORKERS) --dist worksteal --ignore=tests/benchmarks -m "not thorough" -q
+
+golden: $(INSTALLED) ## compare what commands and calls say with what they said before (tests/golden; some minutes)
+	$(BIN)/python -m tests.golden
 
 lowest: $(LOWEST)/installed ## run a part of the tests with the oldest versions of all libraries
 	$(LOWEST)/bin/python -m pytest -n 2 --dist worksteal -m "not thorough" -q $(LOWEST_TESTS)
