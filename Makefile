@@ -30,7 +30,7 @@ unexport PYTHONDONTWRITEBYTECODE
 export PYTHONPYCACHEPREFIX := $(CURDIR)/.venv/bytecode
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test golden lowest tools lint format bench precision evidence gallery clean
+.PHONY: help demo test golden lowest tools lint format measure bench precision evidence gallery clean
 
 help: ## show this list
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "make %-9s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -66,6 +66,9 @@ lint: $(INSTALLED) ## ruff and mypy, changing nothing
 format: $(INSTALLED) ## format the code and mend what ruff can mend
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
+
+measure: $(INSTALLED) ## size of the product beside the last row of tests/measure.csv; ROW="what was done" appends one
+	@$(BIN)/python -m tests.measure $(if $(ROW),--row "$$ROW")
 
 bench: $(INSTALLED) ## run the further cases that `make test` leaves out, and the comparisons in tests/benchmarks
 	@$(PIP_INSTALL) --no-build-isolation -e '.[bench]'
