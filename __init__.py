@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from nonsmooth.reports.interface.check_result import CheckResult as CheckResult
     from nonsmooth.reports.interface.comparison_result import ComparisonResult as ComparisonResult
     from nonsmooth.reports.interface.design_result import DesignResult as DesignResult
-    from nonsmooth.reports.interface.evidence_result import EvidenceResult as EvidenceResult
-    from nonsmooth.reports.interface.evidence_result import validate as validate
     from nonsmooth.reports.interface.field_result import FieldResult as FieldResult
     from nonsmooth.reports.interface.filippov_set import FilippovSet as FilippovSet
     from nonsmooth.reports.interface.law_result import LawResult as LawResult
@@ -34,7 +32,6 @@ if TYPE_CHECKING:
     from nonsmooth.reports.interface.modes import Modes as Modes
     from nonsmooth.reports.interface.orbit_result import OrbitResult as OrbitResult
     from nonsmooth.reports.interface.path_result import PathResult as PathResult
-    from nonsmooth.reports.interface.pushed_body import PushedBody as PushedBody
     from nonsmooth.reports.interface.report_result import ReportResult as ReportResult
     from nonsmooth.reports.interface.sweep_result import SweepResult as SweepResult
     from nonsmooth.reports.interface.system import System as System
@@ -55,7 +52,6 @@ _MODULES = {
     "CheckResult": "reports.interface.check_result",
     "ComparisonResult": "reports.interface.comparison_result",
     "DesignResult": "reports.interface.design_result",
-    "EvidenceResult": "reports.interface.evidence_result",
     "FieldResult": "reports.interface.field_result",
     "FilippovSet": "reports.interface.filippov_set",
     "Heading": "proofs.answers.answer",
@@ -68,7 +64,6 @@ _MODULES = {
     "PathResult": "reports.interface.path_result",
     "Pose": "proofs.answers.answer",
     "Position": "proofs.answers.answer",
-    "PushedBody": "reports.interface.pushed_body",
     "RefusalError": "analysis.cells.partition",
     "ReportResult": "reports.interface.report_result",
     "SceneError": "symbolic.scene_error",
@@ -82,7 +77,6 @@ _MODULES = {
     "builtin_scenes": "symbolic.files.scene_file",
     "builtin_vehicles": "symbolic.files.scene_file",
     "load": "reports.interface.load",
-    "validate": "reports.interface.evidence_result",
     "widget": "reports.workbench.widget",
 }
 _PACKAGES = ("analysis", "proofs", "reports", "symbolic")

@@ -6,7 +6,9 @@ Whoever removes a command, an option, a table of scene files or an ending of fil
 
 from __future__ import annotations
 
-COMMANDS: dict[str, str] = {}
+COMMANDS: dict[str, str] = {
+    "validate": "run `make evidence` in a checkout of the repository, or read its page docs/evidence.md",
+}
 """By the name of the command."""
 
 OPTIONS: dict[tuple[str, str], str] = {}

@@ -39,3 +39,20 @@ def test_a_removed_table_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[
     assert run(app, ["check", str(scene)]) == BAD_INPUT
     required = "tarot: required a scene without it: state [friction], received a table that was removed"
     assert capsys.readouterr().err == f"nonsmooth: {scene}: {required}\n"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "line"),
+    [
+        (
+            ["validate", "--only", "vehicles"],
+            "the command validate was removed: run `make evidence` in a checkout of the repository, "
+            "or read its page docs/evidence.md",
+        ),
+    ],
+)
+def test_what_was_removed_names_the_way_to_do_without(
+    capsys: pytest.CaptureFixture[str], arguments: list[str], line: str
+) -> None:
+    assert run(app, arguments) == BAD_INPUT
+    assert capsys.readouterr() == ("", f"nonsmooth: {line}\n")

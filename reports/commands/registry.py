@@ -67,10 +67,6 @@ COMMANDS = {  # in the order of the help
         "Search for the headings, speeds and positions of the wheels that meet requirements and do best.",
         "design four-wheel --free headings --require position,heading --rule ellipse -o better.toml",
     ),
-    "validate": Entry(
-        "Validate predictions against vehicles, 400 measured pushes and published claims; nothing is fitted to them.",
-        "validate --only vehicles,pushes -o evidence.svg",
-    ),
     "export": Entry(
         "Export a scene to MuJoCo's MJCF; comments state the predicted twist and motion, and a bound on creep.",
         "export ring-6 -o ring-6.xml",

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-import nonsmooth as ns
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.pushes import measured_pushes
 from nonsmooth.analysis.pushes.contacts import Contacts, Push, Tip, push
@@ -104,49 +103,18 @@ def test_a_literal_search_finds_the_motion_of_a_wrench() -> None:
 
 
 def test_a_tip_that_leaves_moves_nothing() -> None:
-    body = ns.PushedBody([[1, 0], [-1, 1], [-1, -1]])
-    found = body.push((0, 1), (0, -1), (1, 0.5))
+    body = Contacts.isotropic(np.array([[1.0, 0], [-1, 1], [-1, -1]]), np.array([0.5, 0.25, 0.25]))
+    found = push(body, np.array([0.0, 1]), np.array([0.0, -1]), np.array([1, 0.5]), 0.0)
     assert found.tip is Tip.LEAVES
     assert not found.twist.any()
 
 
 def test_a_push_through_the_middle_does_not_turn_a_symmetric_body() -> None:
-    body = ns.PushedBody([[1, 1], [-1, 1], [-1, -1], [1, -1]], loads=[1, 1, 1, 1])
-    found = body.push((-1, 0), (2, 0), (0.5, 0))
+    body = Contacts.isotropic(np.array([[1.0, 1], [-1, 1], [-1, -1], [1, -1]]), np.full(4, 0.25))
+    found = push(body, np.array([-1.0, 0]), np.array([1.0, 0]), np.array([0.5, 0]), 0.0)
     assert found.twist == pytest.approx([0.5, 0, 0], abs=CLOSE)
     assert found.force == pytest.approx([1, 0], abs=CLOSE)
-    assert body.wrench((1, 0, 0)) == pytest.approx((1, 0, 0))
-    assert repr(body) == "PushedBody on 4 supports"
-
-
-@pytest.mark.parametrize(
-    ("supports", "loads", "line"),
-    [
-        ([[1, 0], [2, 0], [3, 0]], None, "required three points that are not collinear"),
-        ([[1, 0], [2, 0], [3, 1]], None, "required a centre of mass above the supports"),
-        ([[1, 0], [2, 0]], None, "required the loads of 2 supports"),
-        ([[1, 0], [-1, 0]], [1, -1], "required 2 loads of at least 0"),
-        ([1, 2], None, r"required supports \[\[x, y\]"),
-    ],
-)
-def test_bodies_that_do_not_stand_are_refused(supports: list[list[float]], loads: list[float], line: str) -> None:
-    with pytest.raises(ValueError, match=line):
-        ns.PushedBody(supports, loads)
-
-
-@pytest.mark.parametrize(
-    ("point", "normal", "friction", "line"),
-    [
-        ((0, 0), (0, 0), 0.0, "required a normal of nonzero length"),
-        ((0, 0), (1, 0), -1.0, "required a friction of at least 0"),
-        ((0, float("nan")), (1, 0), 0.0, "all finite"),
-    ],
-)
-def test_pushes_that_say_nothing_are_refused(
-    point: tuple[float, float], normal: tuple[float, float], friction: float, line: str
-) -> None:
-    with pytest.raises(ValueError, match=line):
-        ns.PushedBody([[1, 0], [-1, 1], [-1, -1]]).push(point, normal, (1, 0), friction)
+    assert body.wrenches(np.array([[1.0, 0, 0]]))[0] == pytest.approx([1, 0, 0])
 
 
 # ---- the measured pushes -------------------------------------------------------------------------

@@ -43,7 +43,6 @@ CASES = {
     "precision four-wheel --study derivation --runs 1": "nonsmooth-precision/1",
     "vehicle husky-a200 --spin 2": "nonsmooth-vehicle/1",
     "vehicle": "nonsmooth-vehicles/1",
-    "validate --only vehicles": "nonsmooth-evidence/1",
     "scenes": "nonsmooth-scenes/1",
     "rules": "nonsmooth-rules/1",
 }

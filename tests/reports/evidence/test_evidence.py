@@ -3,33 +3,27 @@
 from __future__ import annotations
 
 import csv
-import json
 import math
 import re
 from fractions import Fraction
 from itertools import islice
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
 from scipy.integrate import dblquad
 
-import nonsmooth as ns
 from nonsmooth.analysis.pushes.measured_pushes import load_pushes
 from nonsmooth.analysis.pushes.models import MODELS
 from nonsmooth.analysis.pushes.ranking import Direction, differences, rank
 from nonsmooth.reports.evidence.claim import ClaimKind, ClaimVerdict, measured_verdict, published
 from nonsmooth.reports.evidence.force_fields import TRIANGLE, centred, linear_moment, stable_headings
 from nonsmooth.reports.evidence.literature import literature_claims
-from nonsmooth.reports.evidence.pack import COLUMNS, Evidence, gather
+from nonsmooth.reports.evidence.pack import Evidence, gather
 from nonsmooth.reports.evidence.page import claims_table, page_text, ranking_table
 from nonsmooth.reports.evidence.pushes import PushEvidence, push_claims
 from nonsmooth.symbolic.number_text import float_text
 from tests.thorough import keep, thorough
-
-if TYPE_CHECKING:
-    from tests.reports.conftest import Invoke
 
 ROOT = Path(__file__).resolve().parents[3]
 PAGE = (ROOT / "docs" / "evidence.md").read_text(encoding="utf-8")
@@ -157,37 +151,16 @@ def test_the_stable_pose_is_where_the_potential_is_least() -> None:
     assert abs((best - stable + math.pi) % (2 * math.pi) - math.pi) < 0.3
 
 
-# ---- the command ---------------------------------------------------------------------------------
+# ---- pushes ---------------------------------------------------------------------------------------
 
 
-def test_the_command_prints_rows_and_files(invoke: Invoke, tmp_path: Path) -> None:
-    record = invoke("validate", "--only", "vehicles", "--json").record
-    assert [row["kind"] for row in record["rows"]] == ["vehicles"] * 12
-    assert record["ranking"] is None
-    assert record["verdicts"] == {"agrees": 7, "near": 3, "misses": 2}
-    assert invoke("validate", "--only", "vehicles", "-o", "e.csv").status == 0
-    header, *rows = csv.reader((tmp_path / "e.csv").read_text(encoding="utf-8").splitlines())
-    assert (tuple(header), len(rows)) == (COLUMNS, 12)
-    own = ns.validate(["vehicles"])
-    assert json.loads(json.dumps(own.to_dict())) == record
-    assert repr(own) == "12 rows: 7 agrees, 3 near, 2 misses"
-
-
-def test_pictures_are_drawn_and_views_fit(found: Evidence, invoke: Invoke, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_pictures_are_drawn(found: Evidence) -> None:
     logs = load_pushes()[:1]
     ranked = {direction: rank(direction, MODELS[:2], logs) for direction in Direction}
     whole = Evidence(found.claims, PushEvidence(ranked, {d: differences(one) for d, one in ranked.items()}))
     assert whole.picture(".png").startswith(b"\x89PNG")
     assert len(whole.record()["ranking"]) == 4
     assert "above the one before" in ranking_table(whole.pushes or PushEvidence({}, {}))
-    monkeypatch.setenv("COLUMNS", "80")
-    assert max(map(len, invoke("validate", "--only", "vehicles").out.splitlines())) <= 80
-
-
-def test_bad_names_are_refused(invoke: Invoke) -> None:
-    done = invoke("validate", "--only", "tea")
-    assert (done.status, done.err.count("\n")) == (2, 1)
-    assert "--only: required names among vehicles, pushes, claims, received 'tea'" in done.err
 
 
 def test_claims_on_pushes_say_what_was_fitted() -> None:
