@@ -79,8 +79,7 @@ precision: $(PACKAGE) ## measure error against run time and write docs/precision
 	$(BIN)/python -m nonsmooth.reports.precision_page docs
 
 evidence: $(INSTALLED) ## compare with data that others made and write docs/evidence.md (some minutes)
-	$(BIN)/python -m tests.engine_arrays docs/evidence/engine.csv
-	$(BIN)/python -m nonsmooth.reports.evidence.page docs
+	$(BIN)/python -m tests.evidence.page docs
 
 gallery: $(PACKAGE) ## rebuild docs/gallery.md and the reports in it
 	$(BIN)/python -m nonsmooth.reports.gallery docs

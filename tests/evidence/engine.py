@@ -4,16 +4,11 @@
 - free plate: a plate with an outline over a grid of 36 wheels, on those that the engine itself finds under it;
 - rollers: wheels with real rollers on bearings, which rule ``roller`` is about.
 
-``python -m tests.engine_arrays FILE`` writes the table; ``make evidence`` does so before it writes the page.
+Errors are those of the twist, relative to its largest entry.
 """
 
 from __future__ import annotations
 
-import csv
-import io
-import sys
-from fractions import Fraction
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -28,7 +23,6 @@ from tests.roller_engine import random_array, relative_errors
 
 ARRAYS = 100
 MARGIN = 0.05  # pitches: plates with a wheel nearer to their edge are left out
-COLUMNS = ("kind", "rule", "arrays", "median", "nine of ten below", "largest")
 
 
 class Kind(NamedTuple):
@@ -39,6 +33,7 @@ class Kind(NamedTuple):
     errors: Floats
 
     def row(self) -> tuple[str, ...]:
+        """Kind, rule, number of arrays, median, what nine of ten are below, the largest."""
         numbers = np.median(self.errors), np.quantile(self.errors, 0.9), self.errors.max()
         return self.name, self.rule, str(len(self.errors)), *(f"{value:.1e}" for value in numbers)
 
@@ -46,29 +41,25 @@ class Kind(NamedTuple):
 def random_document(seed: int) -> dict[str, object]:
     """Four to eight wheels with rims and friction axes of all kinds, and a place for the body."""
     rng = np.random.default_rng(seed)
-    count, side = int(rng.integers(4, 9)), Fraction(int(rng.integers(2, 21)), 20)
-    places = [[Fraction(int(x), 100) for x in row] for row in rng.integers(-150, 151, (count, 2))]
-    headings = [[int(x), int(y)] for x, y in rng.integers(-9, 10, (count, 2))]
-    shares = rng.dirichlet(np.full(count, 3.0))
-    centre = shares @ np.array([[float(x) for x in place] for place in places])
+    count, side = int(rng.integers(4, 9)), int(rng.integers(2, 21))
+    places = rng.integers(-150, 151, (count, 2))
+    headings = rng.integers(-9, 10, (count, 2)).tolist()
+    centre = rng.dirichlet(np.full(count, 3.0)) @ (places / 100)
     wheels = [
-        {"position": place, "heading": heading if any(heading) else [1, 0], "speed": Fraction(int(speed), 10)}
+        {"position": _hundredths(place), "heading": heading if any(heading) else [1, 0], "speed": f"{speed}/10"}
         for place, heading, speed in zip(places, headings, rng.integers(3, 11, count), strict=True)
     ]
-    at = [Fraction(round(100 * x), 100) for x in centre]
     return {
         "name": f"random {seed}",
-        "friction": {"mu_roll": 1, "mu_side": str(side)},
-        "wheel": [{key: _entry(value) for key, value in wheel.items()} for wheel in wheels],
-        "check": {"equilibrium": _entry(at)},
+        "friction": {"mu_roll": 1, "mu_side": f"{side}/20"},
+        "wheel": wheels,
+        "check": {"equilibrium": _hundredths(100 * centre)},
         "contact": {"rule": "ellipse"},
     }
 
 
-def _entry(value: object) -> object:
-    if isinstance(value, list):
-        return [_entry(part) for part in value]
-    return str(value) if isinstance(value, Fraction) else value
+def _hundredths(place: Floats) -> list[str]:
+    return [f"{round(x)}/100" for x in place]
 
 
 def fixed_wheels(count: int) -> Kind:
@@ -101,17 +92,6 @@ def rollers(count: int) -> list[Kind]:
     return [Kind("rollers", rule, column) for rule, column in zip(("roller", "ellipse", "box"), errors.T, strict=True)]
 
 
-def table(count: int = ARRAYS) -> list[Kind]:
+def engine_errors(count: int = ARRAYS) -> list[Kind]:
     """All kinds."""
     return [fixed_wheels(count), free_plates(count), *rollers(count)]
-
-
-def text(kinds: list[Kind]) -> str:
-    """The table as CSV."""
-    stream = io.StringIO()
-    csv.writer(stream, lineterminator="\n").writerows([COLUMNS, *(kind.row() for kind in kinds)])
-    return stream.getvalue()
-
-
-if __name__ == "__main__":
-    Path(sys.argv[1]).write_text(text(table()), encoding="utf-8")

@@ -28,12 +28,7 @@ MOST_STEPS = 100
 
 @dataclass(frozen=True, eq=False)
 class LimitSurface:
-    """``H(w) = sum_k a_k w^{e_k}``, homogeneous and convex.
-
-    Attributes:
-        degree: d, 2 or 4.
-        coefficients: ``a_k`` in the order of :func:`exponents`.
-    """
+    """``H(w) = sum_k a_k w^{e_k}``, homogeneous of degree 2 or 4 and convex; a in the order of :func:`exponents`."""
 
     degree: int
     coefficients: Floats
@@ -48,17 +43,14 @@ class LimitSurface:
 
     def hessians(self, wrenches: Floats) -> Floats:
         """Second derivatives, shape (n, 3, 3)."""
-        return np.asarray(hessian_monomials(self.degree, wrenches) @ self.coefficients)
+        derivatives = np.array([[monomials(self.degree, wrenches, i, j) for j in range(3)] for i in range(3)])
+        return np.asarray(np.moveaxis(derivatives, 2, 0) @ self.coefficients)
 
     def wrenches(self, motions: Floats) -> Floats:
-        """Wrenches of motions (n, 3), up to their size: where ``H(w) - V . w`` is least."""
-        found = motions.copy()
-        for k, motion in enumerate(motions):
-            found[k] = self._wrench(motion / np.linalg.norm(motion))
-        return found
+        """Wrenches of motions (n, 3), up to their size: where ``H(w) - V . w`` is least, by damped Newton steps."""
+        return np.array([self._wrench(motion / np.linalg.norm(motion)) for motion in motions])
 
     def _wrench(self, motion: Floats) -> Floats:
-        """Damped Newton steps on the convex function ``H(w) - motion . w``."""
         w = motion.copy()
         for _ in range(MOST_STEPS):
             slope = self.gradients(w[None])[0] - motion
@@ -104,34 +96,35 @@ def fit_surface(degree: int, motions: Floats, wrenches: Floats) -> LimitSurface:
 
 
 def _convexity(degree: int) -> tuple[Floats, Floats, int]:
-    """``Hessian(w)[z, z] = y^T Q y``, coefficient by coefficient: matrices on those of H and of Q, and Q's size."""
-    parts = list(_products(degree))
-    size = 3 * len(exponents(degree // 2 - 1))
+    """``z^T (Hessian of H)(w) z = y^T Q y``, coefficient by coefficient: matrices on those of H and of Q, and Q's size.
+
+    A monomial ``z_i z_j w^e`` is the key ``(i, j, *e)`` with ``i <= j``.
+    """
+    basis = [(z, e) for z in range(3) for e in exponents(degree // 2 - 1)]
+    parts = list(_hessian_terms(degree))
     keys = sorted({key for key, _, _ in parts})
-    left, right = np.zeros((len(keys), len(exponents(degree)))), np.zeros((len(keys), size * size))
+    left, right = np.zeros((len(keys), len(exponents(degree)))), np.zeros((len(keys), len(basis) ** 2))
     for key, k, factor in parts:
         left[keys.index(key), k] += factor
-    basis = [(z, e) for z in range(3) for e in exponents(degree // 2 - 1)]
     for i, (zi, ei) in enumerate(basis):
         for j, (zj, ej) in enumerate(basis):
             key = (*sorted((zi, zj)), *(p + q for p, q in zip(ei, ej, strict=True)))
-            right[keys.index(key), i * size + j] += 1
-    return left, right, size
+            right[keys.index(key), i * len(basis) + j] += 1
+    return left, right, len(basis)
 
 
-def _products(degree: int) -> Iterator[tuple[tuple[int, ...], int, float]]:
+def _hessian_terms(degree: int) -> Iterator[tuple[tuple[int, ...], int, float]]:
     """Monomials ``z_i z_j w^e`` of ``z^T Hessian z`` with the coefficient of H and the factor that they have."""
-    powers = exponents(degree)
-    for k, power in enumerate(powers):
+    for k, power in enumerate(exponents(degree)):
         for i in range(3):
             for j in range(3):
-                first = list(power)
-                factor = first[i]
-                first[i] -= 1
-                factor *= first[j]
-                first[j] -= 1
+                left = list(power)
+                factor = left[i]
+                left[i] -= 1
+                factor *= left[j]
+                left[j] -= 1
                 if factor:
-                    yield (*sorted((i, j)), *first), k, float(factor)
+                    yield (*sorted((i, j)), *left), k, float(factor)
 
 
 def exponents(degree: int) -> list[tuple[int, int, int]]:
@@ -140,27 +133,16 @@ def exponents(degree: int) -> list[tuple[int, int, int]]:
     return [(c.count(0), c.count(1), c.count(2)) for c in chosen]
 
 
-def monomials(degree: int, wrenches: Floats) -> Floats:
-    """``w^{e_k}``, shape (n, K)."""
-    return np.asarray(np.prod(wrenches[:, None, :] ** np.array(exponents(degree)), axis=2))
-
-
-def gradient_monomials(degree: int, wrenches: Floats) -> Floats:
-    """``d w^{e_k}/d w_i``, shape (n, 3, K)."""
-    return np.stack([_derived(degree, wrenches, (i,)) for i in range(3)], axis=1)
-
-
-def hessian_monomials(degree: int, wrenches: Floats) -> Floats:
-    """``d^2 w^{e_k}/d w_i d w_j``, shape (n, 3, 3, K)."""
-    rows = [[_derived(degree, wrenches, (i, j)) for j in range(3)] for i in range(3)]
-    return np.stack([np.stack(row, axis=1) for row in rows], axis=1)
-
-
-def _derived(degree: int, wrenches: Floats, variables: tuple[int, ...]) -> Floats:
+def monomials(degree: int, wrenches: Floats, *variables: int) -> Floats:
+    """``w^{e_k}``, or its derivatives by some variables one after the other, shape (n, K)."""
     powers = np.array(exponents(degree))
     factor = np.ones(len(powers))
     for i in variables:
         factor = factor * powers[:, i]
-        powers = powers.copy()
         powers[:, i] = np.maximum(powers[:, i] - 1, 0)
     return np.asarray(factor * np.prod(wrenches[:, None, :] ** powers, axis=2))
+
+
+def gradient_monomials(degree: int, wrenches: Floats) -> Floats:
+    """``d w^{e_k}/d w_i``, shape (n, 3, K)."""
+    return np.stack([monomials(degree, wrenches, i) for i in range(3)], axis=1)

@@ -1,4 +1,4 @@
-"""Point contacts carried by the body: the wrench that moves it, and the motion that a wrench or a pusher causes.
+"""A body that drags point contacts over the ground: the wrench that moves it, and the motion that a push causes.
 
 The ground is at rest and contact i, with load N_i, is dragged over it with ``v(p_i)``: the array of wheels with the
 contacts fixed to the body and all speeds zero.  Its dissipation is ``D(xi) = sum_i N_i |M v(p_i)|``, with M the
@@ -19,6 +19,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import NamedTuple
 
 import numpy as np
 
@@ -30,23 +31,9 @@ GRIP = 1e3  # of a constraint, in units of the largest wrench that it can need
 CLEARANCE = 1e-9  # relative: a tip whose friction exceeds its cone by less sticks
 
 
-class Tip(StrEnum):
-    """What the tip of a pusher does on the body."""
-
-    STICKS = "sticks"
-    SLIDES = "slides"
-    LEAVES = "leaves"
-
-
 @dataclass(frozen=True, eq=False)
 class Contacts:
-    """Point contacts of a body, measured from its centre of mass.
-
-    Attributes:
-        points: ``p_i``, shape (n, 2).
-        loads: ``N_i``, shape (n,).
-        shape: M, shape (2, 2): the identity for isotropic friction of coefficient 1.
-    """
+    """Point contacts of a body: points (n, 2) from its centre of mass, loads (n,) and M (2, 2)."""
 
     points: Floats
     loads: Floats
@@ -54,7 +41,7 @@ class Contacts:
 
     @classmethod
     def isotropic(cls, points: Floats, loads: Floats) -> Contacts:
-        """With one friction in all directions."""
+        """With one friction coefficient in all directions, which is the unit of forces."""
         return cls(points, loads, np.eye(2))
 
     def velocities(self, twists: Floats) -> Floats:
@@ -100,15 +87,16 @@ class Contacts:
         return np.asarray(np.concatenate([frames, moments], axis=2).reshape(-1, 3))
 
 
-@dataclass(frozen=True, eq=False)
-class Push:
-    """What a pusher does.
+class Tip(StrEnum):
+    """What the tip of a pusher does on the body."""
 
-    Attributes:
-        tip: whether it sticks, slides or leaves.
-        twist: of the body, shape (3,); zero where the pusher leaves.
-        force: of the pusher on the body, shape (2,), in units of the friction coefficient times the weight.
-    """
+    STICKS = "sticks"
+    SLIDES = "slides"
+    LEAVES = "leaves"
+
+
+class Push(NamedTuple):
+    """What a pusher does: the twist (3,) of the body, zero where the pusher leaves, and its force (2,) on the body."""
 
     tip: Tip
     twist: Floats
@@ -124,11 +112,7 @@ def push(contacts: Contacts, point: Floats, normal: Floats, velocity: Floats, fr
         normal: unit vector into the body there, shape (2,).
         velocity: of the tip, shape (2,).
         friction: coefficient of the tip on the body, at least 0.
-
-    Raises:
-        ValueError: for a negative friction, a normal that is no unit vector, or numbers that are not finite.
     """
-    _require_push(point, normal, velocity, friction)
     approach = float(normal @ velocity)
     if approach <= 0:
         return Push(Tip.LEAVES, np.zeros(3), np.zeros(2))
@@ -147,12 +131,25 @@ def _row(direction: Floats, point: Floats) -> Floats:
     return np.array([*direction, direction @ turned(point)])
 
 
-def _require_push(point: Floats, normal: Floats, velocity: Floats, friction: float) -> None:
-    values = np.array([*point, *normal, *velocity, friction], float)
-    if values.shape != (7,) or not np.isfinite(values).all():
-        required = "required a point, a normal, a velocity and a friction, all finite"
-        raise ValueError(f"{required}, received {values.tolist()}")
-    if friction < 0:
-        raise ValueError(f"required a friction of at least 0, received {friction}")
-    if abs(float(np.hypot(*normal)) - 1) > CLEARANCE:
-        raise ValueError(f"required a unit normal, received {np.asarray(normal).tolist()}")
+# ---- random pushes -------------------------------------------------------------------------------
+
+
+def random_push(rng: np.random.Generator) -> tuple[Contacts, tuple[Floats, Floats, Floats, float]]:
+    """A body on three to five supports, and a tip that comes nearer: the other arguments of :func:`push`."""
+    points = rng.normal(size=(int(rng.integers(3, 6)), 2))
+    loads = rng.dirichlet(np.ones(len(points)))
+    angle = rng.uniform(0, 2 * np.pi)
+    aside = angle + rng.uniform(-1.2, 1.2)
+    normal, velocity = (np.array([np.cos(a), np.sin(a)]) for a in (angle, aside))
+    contacts = Contacts.isotropic(points - loads @ points, loads)
+    return contacts, (rng.normal(size=2), normal, velocity, float(rng.uniform(0, 1)))
+
+
+def masons_vote(point: Floats, normal: Floats, velocity: Floats, friction: float) -> float:
+    """The sense of rotation by Mason's voting theorem (1986), which knows nothing of the supports.
+
+    Both edges of the tip's friction cone and the direction of the push vote, each by its moment about the centre of
+    mass.
+    """
+    voters = (normal + friction * turned(normal), normal - friction * turned(normal), velocity)
+    return float(np.sign(sum(np.sign(point[0] * voter[1] - point[1] * voter[0]) for voter in voters)))
