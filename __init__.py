@@ -38,7 +38,6 @@ if TYPE_CHECKING:
     from nonsmooth.reports.interface.system_result import SystemCheckResult as SystemCheckResult
     from nonsmooth.reports.interface.vehicle import Vehicle as Vehicle
     from nonsmooth.reports.interface.vehicle import VehicleResult as VehicleResult
-    from nonsmooth.reports.interface.vehicle import VehiclesResult as VehiclesResult
     from nonsmooth.reports.interface.wheel import Wheel as Wheel
     from nonsmooth.reports.sweeps.sweep import Means as Means
     from nonsmooth.reports.workbench.widget import widget as widget
@@ -72,7 +71,6 @@ _MODULES = {
     "SystemCheckResult": "reports.interface.system_result",
     "Vehicle": "reports.interface.vehicle",
     "VehicleResult": "reports.interface.vehicle",
-    "VehiclesResult": "reports.interface.vehicle",
     "Wheel": "reports.interface.wheel",
     "builtin_scenes": "symbolic.files.scene_file",
     "builtin_vehicles": "symbolic.files.scene_file",

@@ -106,9 +106,11 @@ def _usage_line(error: Any) -> str:
 
 
 def _instead(message: str, command: str, option: str) -> str | None:
-    """What to do without a removed option or command, if Typer did not know one."""
+    """What to do without a removed option, command or argument, if Typer did not take one."""
     if (command, option) in removed.OPTIONS:
         return f"{option} was removed: {removed.OPTIONS[command, option]}"
+    if command in removed.ARGUMENTS and message.startswith(("Missing argument", "Got unexpected extra argument")):
+        return f"{command}: required {removed.ARGUMENTS[command]}"
     unknown = (name for name in removed.COMMANDS if message.startswith(f"No such command '{name}'"))
     name = next(unknown, None)
     return None if name is None else f"the command {name} was removed: {removed.COMMANDS[name]}"

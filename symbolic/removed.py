@@ -19,3 +19,8 @@ TABLES: dict[str, str] = {}
 
 ENDINGS: dict[str, str] = {}
 """By the ending of a file that was read or written, such as ``.mp4``."""
+
+ARGUMENTS: dict[str, str] = {
+    "vehicle": "one scene: run it for each; `make evidence` in a checkout compares all with measurements",
+}
+"""By the name of a command that takes one scene and took any number of them."""

@@ -49,6 +49,14 @@ def test_a_removed_table_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[
             "the command validate was removed: run `make evidence` in a checkout of the repository, "
             "or read its page docs/evidence.md",
         ),
+        *(
+            (
+                arguments,
+                "vehicle: required one scene: run it for each; "
+                "`make evidence` in a checkout compares all with measurements",
+            )
+            for arguments in (["vehicle"], ["vehicle", "jackal", "rosbot"], ["vehicle", "--json"])
+        ),
     ],
 )
 def test_what_was_removed_names_the_way_to_do_without(

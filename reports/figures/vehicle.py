@@ -1,4 +1,4 @@
-"""Pictures of vehicles: wheels with slips and forces, instant centres over curvature, and vehicles side by side."""
+"""The picture of a vehicle: its wheels with slips and forces, and the instant centres over the commanded curvature."""
 
 from __future__ import annotations
 
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from nonsmooth.analysis.fields.contact_model import Floats
     from nonsmooth.analysis.vehicles.curvature import CurvedMotion
     from nonsmooth.analysis.vehicles.motion import VehicleMotion
-    from nonsmooth.reports.vehicles.motion import VehicleReport
 
 RIM = 0.05  # half of a rim's length, of the width of the view
 REACH = 0.22  # length of the largest arrow, of the width of the view
@@ -29,11 +28,6 @@ REACH = 0.22  # length of the largest arrow, of the width of the view
 def vehicle_figure(motion: VehicleMotion, turns: Sequence[CurvedMotion], suffix: str) -> bytes:
     """Wheels with slips and forces; beside them the instant centres over the commanded curvature."""
     return figure_bytes(lambda: _build(motion, turns), suffix)
-
-
-def comparison_figure(reports: Sequence[VehicleReport], suffix: str) -> bytes:
-    """Predicted over measured multipliers."""
-    return figure_bytes(lambda: _compare(reports), suffix)
 
 
 def _build(motion: VehicleMotion, turns: Sequence[CurvedMotion]) -> Figure:
@@ -104,24 +98,3 @@ def _draw_turns(axes: Axes, turns: Sequence[CurvedMotion]) -> None:
     axes.set_title("instant centres of rotation, sampled", fontsize="medium")
     axes.grid(color="0.9", linewidth=0.6)
     axes.legend(frameon=False, fontsize="small")
-
-
-def _compare(reports: Sequence[VehicleReport]) -> Figure:
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(6.4, 5), layout="constrained")
-    axes = figure.subplots()
-    known = [report for report in reports if report.error is not None]
-    for k, report in enumerate(known):
-        measured = report.vehicle.measured
-        predicted = report.own.multiplier
-        if measured is not None and predicted is not None:
-            label = f"{one_line(report.vehicle.name)} {100 * (report.error or 0):+.1f} %"
-            axes.plot([float(measured.multiplier)], [predicted], "o", color=COLORS[k % len(COLORS)], label=label)
-    low, high = axes.get_xlim()
-    axes.plot([low, high], [low, high], color="0.6", linewidth=0.8, linestyle="--", zorder=1)
-    axes.set(xlabel="multiplier measured or shipped", ylabel="multiplier predicted, nothing fitted")
-    axes.set_title("effective track of an in-place turn over the track", fontsize="medium")
-    if known:
-        axes.legend(frameon=False, fontsize="small", loc="upper left", bbox_to_anchor=(1.01, 1.0))
-    return figure

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 from nonsmooth.reports.interface.entries import table
 from nonsmooth.reports.interface.shown_result import ShownResult
-from nonsmooth.reports.vehicles.comparison import VehicleComparison
 from nonsmooth.reports.vehicles.motion import VehicleReport
 
 if TYPE_CHECKING:
@@ -106,11 +105,6 @@ class Vehicle:
         _ = report.own
         return VehicleResult(report)
 
-    @staticmethod
-    def compare(vehicles: Sequence[Vehicle]) -> VehiclesResult:
-        """Several vehicles side by side: predicted and measured multipliers."""
-        return VehiclesResult(VehicleComparison(tuple(VehicleReport(vehicle.exact) for vehicle in vehicles)))
-
     def __repr__(self) -> str:
         return f"Vehicle {self.exact.name!r}: {len(self.exact.scene.wheels)} wheels"
 
@@ -138,17 +132,3 @@ class VehicleResult(ShownResult):
 
     def __repr__(self) -> str:
         return f"{self.shown.summary()}: twist {self.twist}, multiplier {self.multiplier}"
-
-
-@dataclass(frozen=True, repr=False)
-class VehiclesResult(ShownResult):
-    """Several vehicles side by side.
-
-    Attributes:
-        shown: their reports.
-    """
-
-    shown: VehicleComparison
-
-    def __repr__(self) -> str:
-        return self.shown.summary()

@@ -42,7 +42,6 @@ CASES = {
     "precision relay-oscillator --runs 1 --time-limit 0.02": "nonsmooth-precision/1",
     "precision four-wheel --study derivation --runs 1": "nonsmooth-precision/1",
     "vehicle husky-a200 --spin 2": "nonsmooth-vehicle/1",
-    "vehicle": "nonsmooth-vehicles/1",
     "scenes": "nonsmooth-scenes/1",
     "rules": "nonsmooth-rules/1",
 }

@@ -29,21 +29,7 @@ def test_the_record_of_a_vehicle(invoke: Invoke) -> None:
     assert by_rule["box"]["exact"]["multiplier"] == "1"
 
 
-def test_all_measured_vehicles_stand_side_by_side(invoke: Invoke) -> None:
-    rows = invoke("vehicle", "--json").record["vehicles"]
-    errors = {row["vehicle"]: round(100 * row["error"], 1) for row in rows}
-    assert errors == {
-        "lynx-wh05": 0.3,
-        "jackal": -0.9,
-        "husky-a200": -1.3,
-        "leo-rover": -1.9,
-        "panther-wh01": -6.8,
-        "rosbot": -8.6,
-        "warthog": 10.8,
-    }
-
-
-@pytest.mark.parametrize("arguments", [("husky-a200",), (), ("tracked-base", "--rule", "nearest"), ("swerve-base",)])
+@pytest.mark.parametrize("arguments", [("husky-a200",), ("tracked-base", "--rule", "nearest"), ("swerve-base",)])
 def test_views_fit_80_columns(invoke: Invoke, monkeypatch: pytest.MonkeyPatch, arguments: tuple[str, ...]) -> None:
     monkeypatch.setenv("COLUMNS", "80")
     out = invoke("vehicle", *arguments).out
@@ -51,14 +37,14 @@ def test_views_fit_80_columns(invoke: Invoke, monkeypatch: pytest.MonkeyPatch, a
 
 
 @pytest.mark.parametrize(
-    ("scenes", "suffix"),
-    [(("husky-a200",), ".svg"), (("husky-a200",), ".json"), (("mecanum-base",), ".svg"), ((), ".svg"), ((), ".csv")],
+    ("scene", "suffix"),
+    [("husky-a200", ".svg"), ("husky-a200", ".json"), ("mecanum-base", ".svg"), ("husky-a200", ".csv")],
 )
-def test_files_are_reproducible(invoke: Invoke, tmp_path: Path, scenes: tuple[str, ...], suffix: str) -> None:
+def test_files_are_reproducible(invoke: Invoke, tmp_path: Path, scene: str, suffix: str) -> None:
     file = tmp_path / f"v{suffix}"
-    assert invoke("vehicle", *scenes, "-o", file.name).status == 0
+    assert invoke("vehicle", scene, "-o", file.name).status == 0
     first = file.read_bytes()
-    assert invoke("vehicle", *scenes, "-o", file.name).status == 0
+    assert invoke("vehicle", scene, "-o", file.name).status == 0
     assert file.read_bytes() == first
 
 
@@ -79,10 +65,8 @@ def test_parameters_of_the_controller(invoke: Invoke, tmp_path: Path) -> None:
         (("none",), "required a scene file or a built-in scene"),
         (("jackal", "--spin", "0"), "--spin: required a finite rate other than 0, received 0.0"),
         (("jackal", "--spin", "nan"), "--spin: required a finite rate"),
-        (("jackal", "rosbot", "--spin", "1"), "--spin: required one vehicle, received 2"),
         (("swerve-base", "--spin", "1"), "swerve-base: vehicle: required a track and two sides that run at different"),
         (("jackal", "-o", "x.txt"), "required a file name that ends in"),
-        (("jackal", "rosbot", "-o", "x.yaml"), "required a file name that ends in"),
         (("swerve-base", "-o", "x.yaml"), "swerve-base: required a vehicle with a track"),
     ],
 )
@@ -135,8 +119,6 @@ def test_python_holds_the_record_of_the_command(invoke: Invoke, tmp_path: Path) 
     found.save(tmp_path / "own.csv")
     invoke("vehicle", "jackal", "-o", "other.csv")
     assert (tmp_path / "own.csv").read_bytes() == (tmp_path / "other.csv").read_bytes()
-    compared = ns.Vehicle.compare([loaded, ns.Vehicle.load("rosbot")])
-    assert [row["vehicle"] for row in compared.rows()] == ["jackal", "rosbot"]
     assert repr(loaded) == "Vehicle 'jackal': 4 wheels"
     assert len(repr(found)) < 200
 
