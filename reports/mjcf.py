@@ -1,7 +1,7 @@
 """A scene as an MJCF file for a physics engine (MuJoCo), with what is predicted of it: a test for friction solvers.
 
 The frame is reversed: the body is the ground, a plane, and the array rides on it as a vehicle does, with its centre of
-mass where that of the body is.  Slips, loads and friction are the same (module ``symbolic.vehicles.vehicle``), and the
+mass where that of the body is.  Slips, loads and friction are the same (module ``symbolic.vehicles``), and the
 engine aligns the tangents of the contact of a capsule and a plane with the capsule's axis, so that an elliptic friction
 cone has mu_roll along the friction axis and mu_side across it, whichever way that points.  Each wheel is a capsule so
 short that it counts as a point; its surface runs at the wheel's speed.  Loads come from contacts alike, as springs.
@@ -21,7 +21,7 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 
 from nonsmooth.analysis.contact_rule import SmoothRule, contact_rule
-from nonsmooth.analysis.vehicles.motion import require_friction
+from nonsmooth.analysis.vehicles import require_friction
 from nonsmooth.symbolic.contact_set import standing
 from nonsmooth.symbolic.number_text import float_text, place_text
 from nonsmooth.symbolic.scene import Scene, require_known_loads

@@ -47,8 +47,7 @@ def vehicle(
     """
     from nonsmooth.reports.files import PICTURES, output_path, write_whole
     from nonsmooth.reports.shown import show
-    from nonsmooth.reports.vehicles.controller import controller_lines
-    from nonsmooth.reports.vehicles.motion import VehicleReport
+    from nonsmooth.reports.vehicles import VehicleReport
     from nonsmooth.symbolic.files.vehicle_file import load_vehicle
 
     path = None if output is None else output_path(output, (*PICTURES, ".csv", ".json", YAML))
@@ -60,7 +59,7 @@ def vehicle(
     if path is None or path.suffix.lower() != YAML:
         show(report, path, json=json)
         return 0
-    lines = controller_lines(report.vehicle, report.own.multiplier)
+    lines = report.controller_lines()
     if lines is None:
         required = "required a vehicle with a track whose sides run at different speeds"
         raise RefusedError(f"{report.vehicle.scene.origin}: {required}, received one without a multiplier")

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from nonsmooth.analysis.plane_arrays import turned
 from nonsmooth.reports.figures.cell_map import figure_bytes
 from nonsmooth.reports.figures.labels import length_label, wrapped
 from nonsmooth.reports.figures.measurements import COLORS
@@ -18,62 +19,53 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from nonsmooth.analysis.fields.contact_model import Floats
-    from nonsmooth.analysis.vehicles.curvature import CurvedMotion
-    from nonsmooth.analysis.vehicles.motion import VehicleMotion
+    from nonsmooth.analysis.vehicles import CurvedMotion, VehicleMotion
 
 RIM = 0.05  # half of a rim's length, of the width of the view
 REACH = 0.22  # length of the largest arrow, of the width of the view
 
 
 def vehicle_figure(motion: VehicleMotion, turns: Sequence[CurvedMotion], suffix: str) -> bytes:
-    """Wheels with slips and forces; beside them the instant centres over the commanded curvature."""
-    return figure_bytes(lambda: _build(motion, turns), suffix)
+    """Wheels with slips and forces; beside them the instant centres, where there are turns."""
 
+    def build() -> Figure:
+        from matplotlib.figure import Figure
 
-def _build(motion: VehicleMotion, turns: Sequence[CurvedMotion]) -> Figure:
-    from matplotlib.figure import Figure
+        figure = Figure(figsize=(10 if turns else 5.5, 5.5), layout="constrained")
+        panels = figure.subplots(1, 2 if turns else 1, squeeze=False)[0]
+        _draw_vehicle(panels[0], motion)
+        if turns:
+            _draw_turns(panels[1], turns)
+        return figure
 
-    figure = Figure(figsize=(10 if turns else 5.5, 5.5), layout="constrained")
-    panels = figure.subplots(1, 2 if turns else 1, squeeze=False)[0]
-    _draw_vehicle(panels[0], motion)
-    if turns:
-        _draw_turns(panels[1], turns)
-    return figure
+    return figure_bytes(build, suffix)
 
 
 def _draw_vehicle(axes: Axes, motion: VehicleMotion) -> None:
     scene = motion.vehicle.scene
     places = np.array([floats(wheel.position) for wheel in scene.wheels])
     half = 0.75 * float(np.ptp(places, axis=0).max())
-    middle = (places.min(axis=0) + places.max(axis=0)) / 2
+    x, y = (places.min(axis=0) + places.max(axis=0)) / 2
     for wheel in scene.wheels:
         draw_wheel(axes, wheel, 2 * half * RIM, named=len(scene.wheels) <= 12)
-    frames = np.array([[floats(wheel.unit_grip), _across(floats(wheel.unit_grip))] for wheel in scene.wheels])
+    along = np.array([floats(wheel.unit_grip) for wheel in scene.wheels])
+    frames = np.stack([along, turned(along)], axis=1)
     _draw_arrows(axes, places, frames, motion.slips, 2 * half * REACH, COLORS[1], "slip over the ground")
     _draw_arrows(axes, places, frames, motion.forces, 2 * half * REACH, COLORS[0], "friction force")
-    x, y = floats(motion.vehicle.centre_of_mass)
-    axes.plot([x], [y], marker="+", color=INK, markersize=11, linestyle="none", label="centre of mass")
+    centre = floats(motion.vehicle.centre_of_mass)
+    axes.plot(*centre, marker="+", color=INK, markersize=11, linestyle="none", label="centre of mass")
     if motion.icr is not None:
-        axes.plot(*([value] for value in motion.icr), "o", color=COLORS[2], fillstyle="none", label="instant centre")
-    axes.set(
-        xlim=(middle[0] - half, middle[0] + half),
-        ylim=(middle[1] - half, middle[1] + half),
-        aspect="equal",
-        xlabel=length_label("x (forward)", scene.units),
-        ylabel=length_label("y (left)", scene.units),
-    )
+        axes.plot(*motion.icr, "o", color=COLORS[2], fillstyle="none", label="instant centre")
+    axes.set(xlim=(x - half, x + half), ylim=(y - half, y + half), aspect="equal")
+    axes.set(xlabel=length_label("x (forward)", scene.units), ylabel=length_label("y (left)", scene.units))
     axes.set_title(wrapped(f"{one_line(scene.name)}, rule {motion.rule.name}"), parse_math=False, fontsize="medium")
     axes.legend(loc="lower center", bbox_to_anchor=(0.5, -0.32), ncols=2, frameon=False, fontsize="small")
-
-
-def _across(along: tuple[float, float]) -> tuple[float, float]:
-    return -along[1], along[0]
 
 
 def _draw_arrows(
     axes: Axes, places: Floats, frames: Floats, parts: Floats | None, reach: float, color: str, label: str
 ) -> None:
-    """Vectors given along and across the friction axes, the longest as long as ``reach``."""
+    """Vectors (n, 2) given along and across the friction axes, the longest as long as ``reach``."""
     if parts is None or not np.abs(parts).max() > 0:
         return
     vectors = (parts[:, :, None] * frames).sum(axis=1)
@@ -86,15 +78,15 @@ def _draw_arrows(
 def _draw_turns(axes: Axes, turns: Sequence[CurvedMotion]) -> None:
     """Instant centres over the share of turning: 0 straight on, 1 in place."""
     share = [2 / np.pi * np.arctan2(turn.right - turn.left, turn.right + turn.left) for turn in turns]
-    for k, (name, label) in enumerate((("left_centre", "left tread"), ("right_centre", "right tread"))):
-        found = [(x, getattr(turn, name)) for x, turn in zip(share, turns, strict=True)]
-        points = [(x, y) for x, y in found if y is not None]
-        axes.plot(*zip(*points, strict=True), marker=".", color=COLORS[k], label=label)
-    centres = [(x, turn.icr[1]) for x, turn in zip(share, turns, strict=True) if turn.icr is not None]
     reach = 4 * max(abs(turn.left_centre or 0) for turn in turns)
-    shown = [(x, y) for x, y in centres if abs(y) <= reach]
-    axes.plot(*zip(*shown, strict=True), marker=".", color=COLORS[2], label="vehicle")
+    own = [turn.icr[1] if turn.icr is not None and abs(turn.icr[1]) <= reach else None for turn in turns]
+    treads = {"left tread": [turn.left_centre for turn in turns], "right tread": [turn.right_centre for turn in turns]}
+    for color, (label, centres) in zip(COLORS, (treads | {"vehicle": own}).items(), strict=False):
+        points = [(x, y) for x, y in zip(share, centres, strict=True) if y is not None]
+        if points:
+            axes.plot(*zip(*points, strict=True), marker=".", color=color, label=label)
     axes.set(xlabel="commanded turn: 0 straight on, 1 in place", ylabel="y of the instant centre", xlim=(0, 1.02))
     axes.set_title("instant centres of rotation, sampled", fontsize="medium")
     axes.grid(color="0.9", linewidth=0.6)
-    axes.legend(frameon=False, fontsize="small")
+    if axes.lines:
+        axes.legend(frameon=False, fontsize="small")

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any
 
 from nonsmooth.reports.interface.entries import table
 from nonsmooth.reports.interface.shown_result import ShownResult
-from nonsmooth.reports.vehicles.motion import VehicleReport
+from nonsmooth.reports.vehicles import VehicleReport
 
 if TYPE_CHECKING:
     from nonsmooth.reports.interface.wheel import Wheel
-    from nonsmooth.symbolic.vehicles.vehicle import Vehicle as ExactVehicle
+    from nonsmooth.symbolic.vehicles import Vehicle as ExactVehicle
 
 
 @dataclass(frozen=True, init=False, repr=False)

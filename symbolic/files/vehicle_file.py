@@ -15,7 +15,6 @@ from typing import Annotated, Any
 from pydantic import Field, StrictInt, StrictStr
 
 from nonsmooth.symbolic.characteristic_length import default_length
-from nonsmooth.symbolic.continuum import ContinuousField
 from nonsmooth.symbolic.files.layouts import Own, WheelPlace, WheelTable
 from nonsmooth.symbolic.files.scene_document import (
     ContactTable,
@@ -53,7 +52,7 @@ from nonsmooth.symbolic.plane import Vector
 from nonsmooth.symbolic.scene import CheckedSquare, Scene, Wheel
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact
 from nonsmooth.symbolic.support_polygon import default_radius
-from nonsmooth.symbolic.vehicles.vehicle import Vehicle, VehicleMeasurement
+from nonsmooth.symbolic.vehicles import Vehicle
 
 DEFAULT_RULE = "ellipse"  # rubber on ground, which rolls in no rollers
 MOST_ROWS = 500  # wheels of a side
@@ -115,11 +114,6 @@ def vehicle_descriptions() -> dict[str, str]:
     return {name: read_document(name)[0]["description"] for name in builtin_vehicles()}
 
 
-def measured_vehicles() -> tuple[str, ...]:
-    """Names of the built-in vehicles that state what was measured of them."""
-    return tuple(name for name in builtin_vehicles() if "measured" in read_document(name)[0]["vehicle"])
-
-
 def build_vehicle(data: dict[str, Any], file: str, path: Path, *, allow_outside: bool = False) -> Vehicle:
     """The vehicle of a document, by the parts that ``read_document`` returns.
 
@@ -163,7 +157,6 @@ def _scene(document: VehicleDocument, numbers: Numbers, wheels: tuple[Wheel, ...
         has_default_length=True,
         has_default_radius=True,
     )
-    zero, one = numbers.field.zero, numbers.field.one
     return Scene(
         name=document.name or path.stem,
         field=numbers.field,
@@ -171,7 +164,6 @@ def _scene(document: VehicleDocument, numbers: Numbers, wheels: tuple[Wheel, ...
         contact=build_contact(document.contact, numbers, wheels),
         check=check,
         source=numbers.file,
-        continuum=ContinuousField("radial", ((-one, zero), (zero, -one)), one, (zero, zero), None),
         units=document.units.labels,
     )
 
@@ -224,10 +216,7 @@ class _Layout:
         if self._described:
             xs, ys = zip(*(wheel.position for wheel in scene.wheels), strict=True)
             track, base = track or max(ys) - min(ys), base or max(xs) - min(xs)
-        measured = None
-        if table.measured is not None:
-            multiplier = numbers.positive(table.measured, "vehicle.measured")
-            measured = VehicleMeasurement(multiplier, table.source or "")
+        measured = None if table.measured is None else numbers.positive(table.measured, "vehicle.measured")
         return Vehicle(
             scene,
             track=track,
@@ -236,7 +225,7 @@ class _Layout:
             right=side_speed(wheel for wheel in scene.wheels if wheel.position[1].sign() <= 0),
             wheel_radius=self._radius(),
             measured=measured,
-            description=self._document.description or "",
+            source=table.source or "",
         )
 
     def _rows(self) -> Iterator[Vector]:

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from nonsmooth.analysis.vehicles.curvature import turns
-from nonsmooth.analysis.vehicles.motion import vehicle_motion
+from nonsmooth.analysis.vehicles import turns, vehicle_motion
 from nonsmooth.symbolic.files.scene_file import builtin_vehicles
 from nonsmooth.symbolic.files.vehicle_file import load_vehicle
 from nonsmooth.symbolic.number_text import float_text
@@ -23,11 +22,10 @@ TREADS = "Mandow and others 2007 (cited from memory): the instant centres of tre
 
 def vehicle_comparisons() -> Iterator[Comparison]:
     """A row for each built-in vehicle that states a constant, for what others say of them, and for treads."""
-    shipped = [(vehicle.name, vehicle.measured) for vehicle in map(load_vehicle, builtin_vehicles())]
-    for name, constant in shipped:
-        if constant is not None:
-            source = constant.source
-            yield measured(f"{MULTIPLIER}, {name}", source, multiplier(name), float(constant.multiplier))
+    for name in builtin_vehicles():
+        vehicle = load_vehicle(name)
+        if vehicle.measured is not None:
+            yield measured(f"{MULTIPLIER}, {name}", vehicle.source, multiplier(name), float(vehicle.measured))
     for name, where, number, source in OTHERS:
         yield measured(f"{MULTIPLIER}, {name} {where}", source, multiplier(name), number)
     yield _treads()

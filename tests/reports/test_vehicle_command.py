@@ -48,6 +48,15 @@ def test_files_are_reproducible(invoke: Invoke, tmp_path: Path, scene: str, suff
     assert file.read_bytes() == first
 
 
+def test_a_vehicle_that_never_turns_has_a_picture(invoke: Invoke, tmp_path: Path) -> None:
+    """Its heavier side drags the other along at every curvature: there is no instant centre to draw."""
+    sides = '[vehicle]\ntrack = 0.6\nwheel_base = 0.5\ncentre_of_mass = [0, "0.02"]\n'
+    text = f"{sides}[friction]\nmu_roll = 1\nmu_side = 5\n"
+    (tmp_path / "uneven.toml").write_text(text, encoding="utf-8")
+    assert invoke("vehicle", "uneven.toml", "-o", "uneven.svg").status == 0
+    assert "instant centres of rotation" in (tmp_path / "uneven.svg").read_text(encoding="utf-8")
+
+
 def test_parameters_of_the_controller(invoke: Invoke, tmp_path: Path) -> None:
     assert invoke("vehicle", "jackal", "-o", "j.yaml").status == 0
     assert (tmp_path / "j.yaml").read_text(encoding="utf-8").splitlines() == [

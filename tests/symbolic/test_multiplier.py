@@ -9,20 +9,29 @@ import sympy
 
 from nonsmooth.symbolic.files.scene_file import read_document
 from nonsmooth.symbolic.files.vehicle_file import build_vehicle, load_vehicle
-from nonsmooth.symbolic.vehicles.multiplier import (
-    FORMULA,
-    derive_multiplier,
-    exact_friction_ratio,
-    has_four_equal_wheels,
-    weighted_slips_squared,
-)
+from nonsmooth.symbolic.vehicles import FORMULA
 
 BASE, TRACK, ROLL, SIDE, SPEED = sympy.symbols("L W mu_R mu_S u", positive=True)
+OMEGA = sympy.Symbol("omega")
 CLAIMED = 1 + (SIDE / ROLL) ** 2 * (BASE / TRACK) ** 2
 
 
+def weighted_slips_squared() -> list[sympy.Expr]:
+    """``mu_R^2 r_i^2 + mu_S^2 s_i^2`` of four wheels at ``(+-L/2, +-W/2)``, left ones at the speed ``-u``."""
+    squares = []
+    for ahead in (1, -1):
+        for left in (1, -1):
+            x, y = ahead * BASE / 2, left * TRACK / 2
+            along, across = -OMEGA * y + left * SPEED, OMEGA * x  # v(p) = omega J p, less u_i d_i with u_i = -left u
+            squares.append((ROLL * along) ** 2 + (SIDE * across) ** 2)
+    return squares
+
+
 def test_the_derivation_ends_in_the_formula() -> None:
-    assert sympy.simplify(derive_multiplier() - CLAIMED) == 0
+    """All weighted slips are alike, so D is the root of one quadratic, least where that is least."""
+    square = sympy.expand(weighted_slips_squared()[0])
+    (rate,) = sympy.solve(sympy.diff(square, OMEGA), OMEGA)
+    assert sympy.simplify(2 * SPEED / (rate * TRACK) - CLAIMED) == 0
     written = FORMULA.replace("(mu_S/mu_R)", "(mu_S/mu_R)*1").replace("^2 (L", "**2*(L").replace("^2", "**2")
     assert sympy.simplify(sympy.parse_expr(written.replace("*1**2", "**2"), _names()) - CLAIMED) == 0
 
@@ -59,10 +68,10 @@ def test_the_ratio_is_the_inverse_of_the_formula(name: str) -> None:
     assert vehicle.track is not None
     assert vehicle.wheel_base is not None
     assert vehicle.measured is not None
-    ratio = exact_friction_ratio(vehicle, vehicle.measured.multiplier)
+    ratio = vehicle.friction_ratio(vehicle.measured)
     assert ratio is not None
-    assert 1 + (ratio * vehicle.wheel_base / vehicle.track) ** 2 == vehicle.measured.multiplier
-    assert exact_friction_ratio(vehicle, vehicle.scene.field.rational(Fraction(1, 2))) is None
+    assert 1 + (ratio * vehicle.wheel_base / vehicle.track) ** 2 == vehicle.measured
+    assert vehicle.friction_ratio(vehicle.scene.field.rational(Fraction(1, 2))) is None
 
 
 @pytest.mark.parametrize(
@@ -71,6 +80,6 @@ def test_the_ratio_is_the_inverse_of_the_formula(name: str) -> None:
 def test_the_formula_is_about_four_equal_wheels(change: str, value: object) -> None:
     data, file, path = read_document("jackal")
     other = build_vehicle({**data, "vehicle": {**data["vehicle"], change: value}}, file, path)
-    assert has_four_equal_wheels(load_vehicle("jackal"))
-    assert not has_four_equal_wheels(other)
-    assert exact_friction_ratio(other, other.scene.field.rational(2)) is None
+    assert load_vehicle("jackal").has_four_equal_wheels
+    assert not other.has_four_equal_wheels
+    assert other.friction_ratio(other.scene.field.rational(2)) is None

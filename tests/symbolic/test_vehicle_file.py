@@ -11,7 +11,7 @@ from nonsmooth.symbolic.files.scene_file import builtin_scenes, builtin_systems,
 from nonsmooth.symbolic.files.urdf import read_urdf
 from nonsmooth.symbolic.files.vehicle_file import load_vehicle, vehicle_descriptions
 from nonsmooth.symbolic.scene_error import SceneError
-from nonsmooth.symbolic.vehicles.vehicle import Vehicle
+from nonsmooth.symbolic.vehicles import Vehicle
 
 FRICTION = "[friction]\nmu_roll = 1\nmu_side = 1\n"
 SIDES = "[vehicle]\ntrack = 0.6\nwheel_base = 0.5\n"
@@ -63,7 +63,7 @@ def test_wheels_of_their_own_leave_no_side_speeds(tmp_path: Path) -> None:
     built = vehicle(tmp_path, text)
     assert len(built.scene.wheels) == 5
     assert (built.left, str(built.right)) == (None, "1")
-    assert not built.turns_by_sides
+    assert built.turn is None
 
 
 def test_units_of_speed_are_converted(tmp_path: Path) -> None:
