@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from nonsmooth.reports.interface.load import load as load
     from nonsmooth.reports.interface.map_result import MapResult as MapResult
     from nonsmooth.reports.interface.mass_result import MassResult as MassResult
-    from nonsmooth.reports.interface.modes import Modes as Modes
     from nonsmooth.reports.interface.orbit_result import OrbitResult as OrbitResult
     from nonsmooth.reports.interface.path_result import PathResult as PathResult
     from nonsmooth.reports.interface.report_result import ReportResult as ReportResult
@@ -58,7 +57,6 @@ _MODULES = {
     "MapResult": "reports.interface.map_result",
     "MassResult": "reports.interface.mass_result",
     "Means": "reports.sweeps.sweep",
-    "Modes": "reports.interface.modes",
     "OrbitResult": "reports.interface.orbit_result",
     "PathResult": "reports.interface.path_result",
     "Pose": "proofs.answers.answer",

@@ -65,15 +65,11 @@ def _rule_option(*more: str) -> Any:
 
 def complete_scene(incomplete: str) -> list[str]:
     """Built-in names and scene files that begin as typed, for the shell."""
-    from nonsmooth.symbolic.files.scene_file import builtin_modes, builtin_scenes, builtin_systems
+    from nonsmooth.symbolic.files.scene_file import builtin_scenes, builtin_systems
 
     folder = Path(incomplete).parent if "/" in incomplete else Path()
     files = [str(folder / path.name) for path in sorted(folder.glob("*.toml"))]
-    return [
-        name
-        for name in (*builtin_scenes(), *builtin_systems(), *builtin_modes(), *files)
-        if name.startswith(incomplete)
-    ]
+    return [name for name in (*builtin_scenes(), *builtin_systems(), *files) if name.startswith(incomplete)]
 
 
 def complete_vehicle(incomplete: str) -> list[str]:

@@ -46,7 +46,6 @@ class Options:
         gain: of the law.
         mass, inertia, compare_masses: of a body with mass.
         orbit: whether a periodic orbit of a plain system is looked for.
-        mode: the mode in which a path of a system with modes begins.
         refuse: refuses parameters that were given on the command line.
     """
 
@@ -63,7 +62,6 @@ class Options:
     inertia: float | None
     compare_masses: bool
     orbit: bool
-    mode: str | None
     refuse: Refuse
 
     def check(self) -> None:
@@ -229,7 +227,6 @@ def _start_value(name: str, text: str, *, is_angle: bool) -> float:
 
 def _refuse_system_options(options: Options) -> None:
     options.refuse(("orbit",), "a plain switched system", "an array of wheels")
-    options.refuse(("mode",), "a system with modes", "an array of wheels")
 
 
 def _refuse_map_options(options: Options) -> None:

@@ -1,4 +1,4 @@
-"""What ``nonsmooth simulate`` can do with plain switched systems and with modes: paths, maps, periodic orbits."""
+"""What ``nonsmooth simulate`` can do with plain switched systems: paths, maps, periodic orbits."""
 
 from __future__ import annotations
 
@@ -19,11 +19,10 @@ from nonsmooth.reports.simulation_modes import (
 
 if TYPE_CHECKING:
     from nonsmooth.reports.shown import Shown
-    from nonsmooth.symbolic.mode_system import ModeSystem
     from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 OF_ARRAYS = ("heading", "kinematics", *OF_LOOPS, *OF_SCENES, *OF_BODIES)
-SYSTEM_UNTIL = 10.0  # last time of the paths of a map, and of a system with modes
+SYSTEM_UNTIL = 10.0  # last time of the paths of a map
 
 
 class SystemPathMode(SimulationMode):
@@ -35,7 +34,6 @@ class SystemPathMode(SimulationMode):
     def refuse_others(self, options: Options) -> None:
         """All that is for arrays."""
         options.refuse(OF_ARRAYS, "an array of wheels", "a plain switched system")
-        _refuse_mode(options)
         if options.method is PathMethod.DYNAMICS:
             raise RefusedError("--method dynamics: required an array of wheels, received a plain switched system")
 
@@ -65,7 +63,6 @@ class SystemOrbitMode(SimulationMode):
         """All that is for arrays, for maps, and for paths that are followed otherwise than by events."""
         options.refuse(OF_ARRAYS, "an array of wheels", "a plain switched system")
         options.refuse(("grid", "method", "width"), "one path or a map (orbits are found by events)", "--orbit")
-        _refuse_mode(options)
 
     def shown(self, options: Options) -> Shown:
         """The orbit that the start is near, or that its path approaches."""
@@ -97,7 +94,6 @@ class SystemStartsMap(SimulationMode):
         """All that is for arrays, and for one path."""
         options.refuse(OF_ARRAYS, "an array of wheels", "a plain switched system")
         options.refuse(("start", "method", "width"), "one path (maps are by events)", "--grid")
-        _refuse_mode(options)
 
     def shown(self, options: Options) -> Shown:
         """The last places of a grid of paths."""
@@ -115,37 +111,3 @@ def system_mode(options: Options, load: Callable[[], SwitchedSystem]) -> Simulat
     if options.orbit:
         return SystemOrbitMode(load)
     return SystemPathMode(load) if options.grid is None else SystemStartsMap(load)
-
-
-class ModesPathMode(SimulationMode):
-    """One path of a system with modes."""
-
-    def __init__(self, load: Callable[[], ModeSystem]) -> None:
-        self._load = load
-
-    def refuse_others(self, options: Options) -> None:
-        """All that is for arrays and for plain systems without modes."""
-        options.refuse(OF_ARRAYS, "an array of wheels", "a system with modes")
-        options.refuse(("grid", "method", "width", "orbit"), "a plain switched system", "a system with modes")
-
-    def shown(self, options: Options) -> Shown:
-        """By events, from mode to mode."""
-        from nonsmooth.analysis.trajectories.result import TrajectoryError
-        from nonsmooth.reports.mode_paths import follow_mode_system
-        from nonsmooth.symbolic.scene_error import SceneError
-
-        system = self._load()
-        start = read_start(options.start, system.states)
-        names = [mode.name for mode in system.modes]
-        if options.mode is not None and options.mode not in names:
-            raise RefusedError(f"--mode: required one of {', '.join(names)}, received {options.mode!r}")
-        try:
-            return follow_mode_system(system, start, options.until or SYSTEM_UNTIL, options.mode)
-        except SceneError:
-            raise
-        except (ValueError, TrajectoryError) as error:
-            raise RefusedError(f"{system.origin}: {error}") from None
-
-
-def _refuse_mode(options: Options) -> None:
-    options.refuse(("mode",), "a system with modes", "a plain switched system")

@@ -11,10 +11,14 @@ COMMANDS: dict[str, str] = {
 }
 """By the name of the command."""
 
-OPTIONS: dict[tuple[str, str], str] = {}
+OPTIONS: dict[tuple[str, str], str] = {
+    ("simulate", "--mode"): "follow each mode as a [system] of its own",
+}
 """By the names of the command and of the option, such as ``("design", "--front")``."""
 
-TABLES: dict[str, str] = {}
+TABLES: dict[str, str] = {
+    "mode": "let one [system] rhs switch by the signs of formulas, or follow each mode as a [system] of its own",
+}
 """By the key of a table in a scene file, such as ``mode``."""
 
 ENDINGS: dict[str, str] = {}

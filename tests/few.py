@@ -51,7 +51,6 @@ FEW = {
     "analysis/test_minimizers.py::test_results_prove_themselves": 8,
     "analysis/test_minimizers.py::test_unique_twists_agree": 8,
     "analysis/test_minimizers.py::test_values_agree": 8,
-    "analysis/test_modes.py::test_random_relays_with_hysteresis": 1,
     "analysis/test_nearest.py::test_a_generic_point_lies_in_one_cell_only": 6,
     "analysis/test_nearest.py::test_cells_say_which_wheels_are_nearest": 6,
     "analysis/test_nearest.py::test_cells_tile_the_square_exactly": 6,

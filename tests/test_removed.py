@@ -64,3 +64,31 @@ def test_what_was_removed_names_the_way_to_do_without(
 ) -> None:
     assert run(app, arguments) == BAD_INPUT
     assert capsys.readouterr() == ("", f"nonsmooth: {line}\n")
+
+
+MODES = """
+[system]
+states = ["T"]
+[[mode]]
+name = "heating"
+rhs = ["26 - T"]
+leave = { idle = "T - 21" }
+[[mode]]
+name = "idle"
+rhs = ["10 - T"]
+"""
+
+
+@pytest.mark.parametrize("command", ["check", "simulate --from 15"])
+def test_systems_with_modes_are_refused(command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    scene = tmp_path / "heater.toml"
+    scene.write_text(MODES)
+    assert run(app, [*command.split(), str(scene)]) == BAD_INPUT
+    without = "let one [system] rhs switch by the signs of formulas, or follow each mode as a [system] of its own"
+    required = f"mode: required a scene without it: {without}, received a table that was removed"
+    assert capsys.readouterr() == ("", f"nonsmooth: {scene}: {required}\n")
+
+
+def test_the_first_mode_of_a_path_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(app, ["simulate", "eq-3", "--from", "1,1", "--mode", "heating"]) == BAD_INPUT
+    assert capsys.readouterr() == ("", "nonsmooth: --mode was removed: follow each mode as a [system] of its own\n")

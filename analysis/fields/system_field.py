@@ -83,18 +83,6 @@ def _shortened(polynomial: Polynomial, count: int) -> dict[tuple[int, ...], Numb
     return {e[:count]: c * scale for e, c in polynomial.terms.items()}
 
 
-def guarded_field(field: SignField, guards: Sequence[Polynomial]) -> tuple[SignField, tuple[Surface, ...]]:
-    """A field with further surfaces, at which nothing switches, and these surfaces: one for each guard."""
-    own = len(field.surfaces)
-    added = {guard: _surface(guard) for guard in guards}
-    surfaces = (*field.surfaces, *added.values())
-
-    def flow(signs: Signs) -> Velocity:
-        return field.flow(signs[:own])
-
-    return SignField(field.states, surfaces, flow, field.size), tuple(added[guard] for guard in guards)
-
-
 def _as_stated(system: SwitchedSystem, sign_of: SignOf, states: Sequence[Polynomial]) -> Velocity:
     """The stated field from right-hand sides that are scaled, or enclose it.
 

@@ -34,7 +34,6 @@ class EventKind(StrEnum):
     NONUNIQUE = "nonunique"
     LIMIT = "limit"
     FREE = "free"
-    SWITCH = "switch"  # of a mode to another
 
 
 class EndReason(StrEnum):

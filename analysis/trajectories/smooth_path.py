@@ -74,22 +74,18 @@ def follow_smooth(
     return _begun(field, start, until, watch, (rtol, atol)).follow(max_events)
 
 
-def follow_legs(
-    field: FacedField, start: Sequence[float], until: float, stops: Sequence[Surface] = ()
-) -> tuple[Trajectory, tuple[Leg, ...]]:
+def follow_legs(field: FacedField, start: Sequence[float], until: float) -> tuple[Trajectory, tuple[Leg, ...]]:
     """The same solution with the motions of its stretches; limits of accumulating switches are no legs.
 
     Args:
         field: the field.
         start: initial state.
         until: last time.
-        stops: surfaces at which it ends.
 
     Raises:
         ValueError, TrajectoryError: as for :func:`follow_smooth`.
     """
     path = _begun(field, start, until, None, (RELATIVE_TOLERANCE, ABSOLUTE_TOLERANCE * field.size))
-    path.stops = tuple(stops)
     return path.follow(MAX_EVENTS), tuple(path.legs)
 
 
@@ -125,8 +121,6 @@ class _SmoothPath:
         self.events: list[Event] = []
         self.pieces: list[Piece] = []
         self.legs: list[Leg] = []
-        self.stops: tuple[Surface, ...] = ()
-        self.stopped = False
         self.unique: bool | None = True
         self.method = EXPLICIT
         self.memory = LoopMemory()
@@ -135,7 +129,7 @@ class _SmoothPath:
     def follow(self, max_events: int) -> Trajectory:
         """Face after face."""
         reason = EndReason.TIME
-        while self.time < self.until and not self.stopped:
+        while self.time < self.until:
             choices = face_choices(self.field, self.faces, self.time, self.x)
             if not choices and not self.field.on_border(self.x):
                 raise TrajectoryError(f"no Filippov continuation found at t = {self.time:.6g}, {self.x.tolist()}")
@@ -163,8 +157,7 @@ class _SmoothPath:
         self._add(_piece(stretch, face))
         self._arrive(float(stretch.times[-1]), stretch.end, [*face.keep, *stretch.met])
         self.legs.append(Leg(choice.motion, stretch, self.x))
-        self.stopped = any(surface in self.stops for surface in stretch.met)
-        if stretch.met and not face.keep and not self.stopped:
+        if stretch.met and not face.keep:
             self._look_for_limits(face, stretch.met[0])
 
     def _look_for_limits(self, face: Face, surface: Surface) -> None:

@@ -80,7 +80,7 @@ COMMANDS = {  # in the order of the help
         "workbench four-wheel",
     ),
     "scenes": Entry(
-        "List the built-in scenes: arrays of wheels, then plain switched systems, systems with modes, and vehicles.",
+        "List the built-in scenes: arrays of wheels, then plain switched systems and vehicles.",
         "scenes",
     ),
     "rules": Entry(

@@ -7,8 +7,7 @@ from nonsmooth.reports.options import Json
 
 
 def scenes(json: Json = False) -> int:
-    """List the built-in scenes: arrays of wheels, then plain switched systems, systems with modes, and vehicles."""
-    from nonsmooth.symbolic.files.mode_file import mode_descriptions
+    """List the built-in scenes: arrays of wheels, then plain switched systems and vehicles."""
     from nonsmooth.symbolic.files.scene_file import builtin_descriptions
     from nonsmooth.symbolic.files.system_file import system_descriptions
     from nonsmooth.symbolic.files.vehicle_file import vehicle_descriptions
@@ -16,7 +15,6 @@ def scenes(json: Json = False) -> int:
     descriptions = {
         **builtin_descriptions(),
         **system_descriptions(),
-        **mode_descriptions(),
         **vehicle_descriptions(),
     }
     if json:

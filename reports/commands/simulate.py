@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 PATH = "One path"
 LOOP = "Closed loop of an array"
 MAP = "Map of many starts of an array"
-MODES = "Path of a system with modes"
 ORBIT = "Periodic orbit of a plain system"
 BODY = "A body with mass (--method dynamics)"
 
@@ -125,12 +124,6 @@ OrbitOption = Annotated[
         "Floquet multipliers, stability, and whether that is proved.",
     ),
 ]
-ModeOption = Annotated[
-    str | None,
-    typer.Option(
-        "--mode", rich_help_panel=MODES, metavar="NAME", help="The mode it begins in; the first unless given."
-    ),
-]
 Output = Annotated[
     str | None,
     typer.Option(
@@ -160,7 +153,6 @@ def simulate(  # noqa: PLR0913, PLR0917  # one parameter for each option of the 
     inertia: Inertia = None,
     compare_masses: CompareMasses = False,
     orbit: OrbitOption = False,
-    mode: ModeOption = None,
     output: Output = None,
     rule: RuleOption = None,
     radius: Radius = None,
@@ -192,7 +184,6 @@ def simulate(  # noqa: PLR0913, PLR0917  # one parameter for each option of the 
         inertia=inertia,
         compare_masses=compare_masses,
         orbit=orbit,
-        mode=mode,
         refuse=partial(refuse_given, context),
     )
     path = None if output is None else _path(output, films=grid is None and not compare_masses)
@@ -214,18 +205,11 @@ def _path(output: str, *, films: bool) -> Path:
 
 
 def _mode(scene: str, options: Options, load: Callable[[], Scene], *, plain: bool) -> SimulationMode:
-    """What runs, for an array, a plain system, or a system with modes; options of others are refused."""
+    """What runs, for an array or a plain system; options of the other are refused."""
     from nonsmooth.reports.simulation_modes import array_mode
-    from nonsmooth.reports.system_simulations import ModesPathMode, system_mode
-    from nonsmooth.symbolic.files.mode_file import holds_modes, load_modes
+    from nonsmooth.reports.system_simulations import system_mode
     from nonsmooth.symbolic.files.system_file import load_system
 
-    run: SimulationMode
-    if holds_modes(scene):
-        run = ModesPathMode(partial(load_modes, scene))
-    elif plain:
-        run = system_mode(options, partial(load_system, scene))
-    else:
-        run = array_mode(options, load)
+    run = system_mode(options, partial(load_system, scene)) if plain else array_mode(options, load)
     run.refuse_others(options)
     return run

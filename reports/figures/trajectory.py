@@ -36,7 +36,6 @@ MARKERS = {  # a form for every kind, so that color is not needed to tell them a
     EventKind.NONUNIQUE: "D",
     EventKind.LIMIT: "v",
     EventKind.FREE: "P",
-    EventKind.SWITCH: "d",
 }
 SAMPLES = 400  # times at which the curves are drawn
 SMALL = 0.2  # of the half-width of the square: a path that keeps to less is drawn enlarged

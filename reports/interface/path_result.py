@@ -19,7 +19,6 @@ from nonsmooth.reports.choices import PathMethod
 from nonsmooth.reports.files import PICTURES, output_path, write_whole
 from nonsmooth.reports.interface.row_results import Tabular
 from nonsmooth.reports.interface.short_text import short_lines
-from nonsmooth.reports.mode_paths import ShownModePath
 from nonsmooth.reports.shown import file_bytes
 from nonsmooth.reports.simulate import POSE, PathRun, ShownTrajectory, follow, loop_of
 from nonsmooth.reports.smooth_paths import SmoothPath
@@ -53,7 +52,7 @@ class PathResult(Tabular):
 
     name: str
     states: tuple[str, ...]
-    shown: ShownTrajectory | SmoothPath | SystemPath | ShownModePath | ShownPath | DrivenPath
+    shown: ShownTrajectory | SmoothPath | SystemPath | ShownPath | DrivenPath
     scene: Scene | None = None
 
     @property

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 from nonsmooth.reports.interface.entries import entry, table
-from nonsmooth.reports.interface.made_system import MadeSystem
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.systems.larger_region import LargerRegion
@@ -27,7 +26,7 @@ ORBIT_UNTIL = 100.0
 
 
 @dataclass(frozen=True, init=False, repr=False)
-class System(MadeSystem):
+class System:
     """``x' = f(x)`` with ``sign`` and ``Abs`` on the right; Filippov solutions.
 
     Immutable: :meth:`with_` returns another one.
@@ -68,6 +67,21 @@ class System(MadeSystem):
             document["network"] = [{"name": key, "layers": entry(layers)} for key, layers in networks.items()]
         self._set(_changed(document, at=at, radius=radius, lyapunov=lyapunov, name=name))
 
+    @classmethod
+    def of_document(cls, document: Mapping[str, Any]) -> Self:
+        """The system of a scene file's tables.
+
+        Raises:
+            SceneError: for whatever cannot be used.
+        """
+        system = cls.__new__(cls)
+        system._set(document)
+        return system
+
+    def _set(self, document: Mapping[str, Any]) -> None:
+        object.__setattr__(self, "document", document)
+        _ = self.system  # refuse what cannot be used at once
+
     def with_(self, **changes: Any) -> Self:
         """Another system in which at, radius, lyapunov, name or some parameters are changed.
 
@@ -79,12 +93,16 @@ class System(MadeSystem):
 
     @cached_property
     def system(self) -> SwitchedSystem:
-        """The exact system."""
+        """The exact system; errors name it as the document does."""
         from nonsmooth.symbolic.files.network_tables import require_layers
+        from nonsmooth.symbolic.files.scene_file import deep_nesting_refused
         from nonsmooth.symbolic.files.system_file import build_system
 
         require_layers(self.document, str(self.document.get("name", "system")))
-        return self._read(build_system, "system")
+        name = self.document.get("name")
+        label = name if isinstance(name, str) and name.strip() else "system"
+        with deep_nesting_refused(label):
+            return build_system(dict(self.document), label, Path(f"{label}.toml"))
 
     def __repr__(self) -> str:
         states, rhs = self.document["system"]["states"], self.document["system"]["rhs"]

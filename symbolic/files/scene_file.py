@@ -34,7 +34,6 @@ __all__ = [
     "SceneError",
     "build_scene",
     "builtin_descriptions",
-    "builtin_modes",
     "builtin_scenes",
     "builtin_systems",
     "builtin_vehicles",
@@ -84,7 +83,6 @@ _SYSTEMS = (
     "stick-slip",
     "relay-chain",
 )
-_MODES = ("thermostat",)
 _VEHICLES = (
     "lynx-wh05",
     "jackal",
@@ -107,11 +105,6 @@ def builtin_scenes() -> tuple[str, ...]:
 def builtin_systems() -> tuple[str, ...]:
     """Names of the built-in plain switched systems (see :mod:`nonsmooth.symbolic.files.system_file`)."""
     return _SYSTEMS
-
-
-def builtin_modes() -> tuple[str, ...]:
-    """Names of the built-in systems with modes (see :mod:`nonsmooth.symbolic.files.mode_file`)."""
-    return _MODES
 
 
 def builtin_vehicles() -> tuple[str, ...]:
@@ -181,8 +174,6 @@ def _path(source: str | Path) -> Path:
         return _SCENES / f"{source}.toml"
     if isinstance(source, str) and source in _SYSTEMS:
         return _SCENES / "systems" / f"{source}.toml"
-    if isinstance(source, str) and source in _MODES:
-        return _SCENES / "modes" / f"{source}.toml"
     if isinstance(source, str) and source in _VEHICLES:
         return _SCENES / "vehicles" / f"{source}.toml"
     return Path(source)
@@ -203,7 +194,7 @@ def _read_toml(path: Path, file: str) -> dict[str, Any]:
 
 def _wanted(file: str) -> str:
     """What a missing scene should have been."""
-    close = get_close_matches(file[:80], (*_BUILTIN, *_SYSTEMS, *_MODES, *_VEHICLES), 2) or _BUILTIN[:2]
+    close = get_close_matches(file[:80], (*_BUILTIN, *_SYSTEMS, *_VEHICLES), 2) or _BUILTIN[:2]
     return f"a scene file or a built-in scene such as {' or '.join(close)}"
 
 

@@ -109,9 +109,6 @@ def build_system(data: dict[str, Any], file: str, path: Path) -> SwitchedSystem:
     Raises:
         SceneError: for whatever cannot be used.
     """
-    if "mode" in data:
-        expected = "a Filippov system, [system] rhs (verdicts are about such; modes are for simulate)"
-        raise SceneError(file, "mode", expected, StatedFact("modes"))
     document = validate(SystemDocument, data, file)
     document = _without_networks(document, file, path)
     roots = _signed_roots(document, file)

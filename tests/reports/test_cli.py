@@ -25,7 +25,6 @@ from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import BAD_INPUT, run
 from nonsmooth.symbolic.expression import parse
-from nonsmooth.symbolic.files.mode_file import mode_descriptions
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, builtin_systems, builtin_vehicles
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
@@ -272,7 +271,7 @@ def test_partition_picture_is_whole_and_reproducible(invoke: Invoke, tmp_path: P
 
 def test_scenes_lists_the_built_in_names(invoke: Invoke) -> None:
     record = invoke("scenes", "--json").record
-    names = (*builtin_scenes(), *builtin_systems(), *mode_descriptions(), *builtin_vehicles())
+    names = (*builtin_scenes(), *builtin_systems(), *builtin_vehicles())
     assert tuple(scene["name"] for scene in record["scenes"]) == names
     text = invoke("scenes").out
     assert all(name in text for name in builtin_scenes())

@@ -35,7 +35,6 @@ CASES = {
     "simulate four-wheel --from 0.2,0.4,0 --method dynamics": "nonsmooth-trajectory/1",
     "simulate four-wheel --from 0.2,0.4,0 --until 0.01 --method dynamics --compare-masses": "nonsmooth-masses/1",
     "simulate stick-slip --from 2,0 --orbit": "nonsmooth-orbit/1",
-    "simulate thermostat --from 15 --until 5": "nonsmooth-trajectory/1",
     "simulate four-wheel --grid 4": "nonsmooth-map/1",
     "simulate eq-4 --grid 2 --until 1": "nonsmooth-system-map/1",
     "audit four-wheel --lyapunov x**2+y**2": "nonsmooth-audit/1",
