@@ -20,7 +20,7 @@ from nonsmooth.symbolic.expression import Expression, ExpressionError, parse, pa
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.scene_error import shown
 
-MAX_TEXT = 20_000  # characters: of formulas with networks written out
+MAX_TEXT = 20_000  # characters: of a layer of rectifiers written out
 MAX_DEPTH = 60  # nested operations
 MAX_DEGREE = 16  # of a smooth piece
 

@@ -18,6 +18,7 @@ OPTIONS: dict[tuple[str, str], str] = {
 
 TABLES: dict[str, str] = {
     "mode": "let one [system] rhs switch by the signs of formulas, or follow each mode as a [system] of its own",
+    "network": "write its functions as formulas with relu in [system] rhs",
 }
 """By the key of a table in a scene file, such as ``mode``."""
 

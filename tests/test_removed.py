@@ -92,3 +92,12 @@ def test_systems_with_modes_are_refused(command: str, tmp_path: Path, capsys: py
 def test_the_first_mode_of_a_path_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
     assert run(app, ["simulate", "eq-3", "--from", "1,1", "--mode", "heating"]) == BAD_INPUT
     assert capsys.readouterr() == ("", "nonsmooth: --mode was removed: follow each mode as a [system] of its own\n")
+
+
+def test_networks_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    scene = tmp_path / "loop.toml"
+    scene.write_text('[system]\nstates = ["x"]\nrhs = ["u(x)"]\n[[network]]\nname = "u"\nfile = "net.onnx"\n')
+    assert run(app, ["check", str(scene)]) == BAD_INPUT
+    without = "a scene without it: write its functions as formulas with relu in [system] rhs"
+    required = f"network: required {without}, received a table that was removed"
+    assert capsys.readouterr() == ("", f"nonsmooth: {scene}: {required}\n")

@@ -6,7 +6,6 @@ from pathlib import Path
 
 from nonsmooth.reports.interface.array import Array
 from nonsmooth.reports.interface.system import System
-from nonsmooth.symbolic.files.network_tables import with_layers
 from nonsmooth.symbolic.files.scene_file import read_document
 
 
@@ -16,8 +15,8 @@ def load(source: str | Path) -> Array | System:
     Raises:
         SceneError: for whatever cannot be used.
     """
-    document, file, path = read_document(source)
+    document, _, path = read_document(source)
     named = {"name": path.stem, **document}
     if "system" in document:
-        return System.of_document(with_layers(named, file, path))
+        return System.of_document(named)
     return Array.of_document(named, path.parent)

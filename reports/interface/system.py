@@ -40,7 +40,6 @@ class System:
         lyapunov: a Lyapunov function to try, as a formula.
         name: what it is called in results.
         parameters: numbers that stand in the formulas by name, such as ``{"k": 2}``.
-        networks: layers of functions that formulas call, by name: ``{"u": [{"weights": [[1, 2]], "biases": [0]}]}``.
 
     Raises:
         SceneError: for whatever cannot be used, naming key, requirement and what was received.
@@ -58,13 +57,10 @@ class System:
         lyapunov: Any = None,
         name: str | None = None,
         parameters: Mapping[str, Any] | None = None,
-        networks: Mapping[str, Any] | None = None,
     ) -> None:
         document: dict[str, Any] = {"system": {"states": list(states), "rhs": entry(list(rhs))}}
         if parameters is not None:
             document["system"]["parameters"] = table(parameters)
-        if networks is not None:
-            document["network"] = [{"name": key, "layers": entry(layers)} for key, layers in networks.items()]
         self._set(_changed(document, at=at, radius=radius, lyapunov=lyapunov, name=name))
 
     @classmethod
@@ -94,11 +90,9 @@ class System:
     @cached_property
     def system(self) -> SwitchedSystem:
         """The exact system; errors name it as the document does."""
-        from nonsmooth.symbolic.files.network_tables import require_layers
         from nonsmooth.symbolic.files.scene_file import deep_nesting_refused
         from nonsmooth.symbolic.files.system_file import build_system
 
-        require_layers(self.document, str(self.document.get("name", "system")))
         name = self.document.get("name")
         label = name if isinstance(name, str) and name.strip() else "system"
         with deep_nesting_refused(label):

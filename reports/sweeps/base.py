@@ -21,7 +21,6 @@ from nonsmooth.reports.sweeps.sweep_plan import SweepPlan
 from nonsmooth.reports.sweeps.values import Entry
 from nonsmooth.symbolic.files.key_paths import Path as KeyPath
 from nonsmooth.symbolic.files.key_paths import with_value
-from nonsmooth.symbolic.files.network_tables import with_layers
 from nonsmooth.symbolic.files.one_by_one import one_by_one
 from nonsmooth.symbolic.files.scene_file import build_scene, wheel_table
 from nonsmooth.symbolic.files.system_file import build_system
@@ -101,7 +100,7 @@ def base_of(document: Mapping[str, Any], file: str, path: Path, *, allow_outside
     if "system" in document:
         if "contact" in document:
             raise SceneError(file, "contact.rule", "no contact rule for a plain switched system", document["contact"])
-        base = Base(with_layers(document, file, path), file, path)
+        base = Base(document, file, path)
         base.system((), ())
         return base
     base = Base(document, file, path, wheel_table(document, file, path, allow_outside=allow_outside))

@@ -25,31 +25,6 @@ def formulas_of(document: SystemDocument) -> Iterator[object]:
         yield from (*region.where, *region.rhs)
 
 
-def rewritten(document: SystemDocument, write: Callable[[object, str], object]) -> SystemDocument:
-    """The document with every formula of the states rewritten, each with its key."""
-
-    def fields(side: Any, key: str) -> list[object]:
-        return [write(formula, f"{key}[{k}]") for k, formula in enumerate(side, 1)]
-
-    rhs = document.system.rhs
-    if rhs is not None:
-        nested = bool(rhs) and all(isinstance(side, list) for side in rhs)
-        sides = [fields(side, f"system.rhs[{k}]") for k, side in enumerate(rhs, 1)] if nested else []
-        rhs = tuple(sides) if nested else tuple(fields(rhs, "system.rhs"))
-    regions = tuple(
-        region.model_copy(
-            update={
-                "where": tuple(fields(region.where, f"region[{k}].where")),
-                "rhs": tuple(fields(region.rhs, f"region[{k}].rhs")),
-            }
-        )
-        for k, region in enumerate(document.region, 1)
-    )
-    check = document.check.model_copy(update={"lyapunov": write(document.check.lyapunov, "check.lyapunov")})
-    system = document.system.model_copy(update={"rhs": rhs})
-    return document.model_copy(update={"system": system, "region": regions, "check": check})
-
-
 def rooted_documents(
     document: SystemDocument, roots: SignedRoots, file: str
 ) -> tuple[SystemDocument, SystemDocument, SystemDocument]:

@@ -11,7 +11,6 @@ from typing import Annotated
 
 from pydantic import Field, PlainValidator
 
-from nonsmooth.symbolic.files.network_tables import NetworkTable
 from nonsmooth.symbolic.files.parameters import read_parameters
 from nonsmooth.symbolic.files.region_tables import RegionTable
 from nonsmooth.symbolic.files.scene_document import Name
@@ -86,5 +85,4 @@ class SystemDocument(TomlTable):
     description: Name = None
     system: SystemTable
     region: tuple[RegionTable, ...] = ()
-    network: tuple[NetworkTable, ...] = ()
     check: SystemCheckTable = SystemCheckTable()

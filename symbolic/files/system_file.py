@@ -15,11 +15,10 @@ from typing import Any
 from nonsmooth.symbolic.cleared_fractions import Clearing
 from nonsmooth.symbolic.expression import ExpressionError
 from nonsmooth.symbolic.files.interval_parameters import split_intervals
-from nonsmooth.symbolic.files.network_tables import called, read_networks
 from nonsmooth.symbolic.files.parameters import parameter_texts, with_parameters
 from nonsmooth.symbolic.files.region_tables import regions_as_formulas
 from nonsmooth.symbolic.files.right_hand_sides import float_point, read_right_hand_sides
-from nonsmooth.symbolic.files.rooted_documents import formulas_of, rewritten, rooted_documents
+from nonsmooth.symbolic.files.rooted_documents import formulas_of, rooted_documents
 from nonsmooth.symbolic.files.scene_file import build_scene, builtin_systems, deep_nesting_refused, read_document
 from nonsmooth.symbolic.files.scene_validation import validate
 from nonsmooth.symbolic.files.scene_values import Exact, Numbers, angles, field_of
@@ -110,7 +109,6 @@ def build_system(data: dict[str, Any], file: str, path: Path) -> SwitchedSystem:
         SceneError: for whatever cannot be used.
     """
     document = validate(SystemDocument, data, file)
-    document = _without_networks(document, file, path)
     roots = _signed_roots(document, file)
     return _plain_system(document, file, path) if roots is None else _seen_by_roots(document, roots, file, path)
 
@@ -148,26 +146,6 @@ def _plain_system(document: SystemDocument, file: str, path: Path) -> SwitchedSy
         for side in (1, -1):
             _try_pieces(member, side)
     return system
-
-
-def _without_networks(document: SystemDocument, file: str, path: Path) -> SystemDocument:
-    """The document with calls of its networks written out.
-
-    Raises:
-        SceneError: for networks and calls that cannot be used.
-    """
-    if not document.network:
-        return document
-    taken = {*document.system.states, *document.system.parameters, *RESERVED}
-    functions = read_networks(document.network, taken, file, path)
-
-    def write(formula: object, key: str) -> object:
-        try:
-            return called(formula, functions)
-        except ExpressionError as error:
-            raise SceneError(file, key, requirement(error), StatedFact(_received(error))) from None
-
-    return rewritten(document, write)
 
 
 def _signed_roots(document: SystemDocument, file: str) -> SignedRoots | None:
