@@ -13,14 +13,16 @@ COMMANDS: dict[str, str] = {
 
 OPTIONS: dict[tuple[str, str], str] = {
     ("simulate", "--mode"): "follow each mode as a [system] of its own",
+    ("vehicle", "--allow-outside"): "vehicles name no other files",
 }
 """By the names of the command and of the option, such as ``("design", "--front")``."""
 
 TABLES: dict[str, str] = {
     "mode": "let one [system] rhs switch by the signs of formulas, or follow each mode as a [system] of its own",
     "network": "write its functions as formulas with relu in [system] rhs",
+    "vehicle.urdf": "place the wheels by track and wheel_base, or one by one in [[wheel]]",
 }
-"""By the key of a table in a scene file, such as ``mode``."""
+"""By the key of a table in a scene file, such as ``mode``, or of an entry, such as ``vehicle.urdf``."""
 
 ENDINGS: dict[str, str] = {}
 """By the ending of a file that was read or written, such as ``.mp4``."""

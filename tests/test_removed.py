@@ -101,3 +101,17 @@ def test_networks_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]
     without = "a scene without it: write its functions as formulas with relu in [system] rhs"
     required = f"network: required {without}, received a table that was removed"
     assert capsys.readouterr() == ("", f"nonsmooth: {scene}: {required}\n")
+
+
+VEHICLE = '[vehicle]\nurdf = "robot.urdf"\n[friction]\nmu_roll = 1\nmu_side = 1\n'
+
+
+def test_robot_descriptions_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    scene = tmp_path / "robot.toml"
+    scene.write_text(VEHICLE)
+    assert run(app, ["vehicle", str(scene)]) == BAD_INPUT
+    without = "a scene without it: place the wheels by track and wheel_base, or one by one in [[wheel]]"
+    required = f"vehicle.urdf: required {without}, received a key that was removed"
+    assert capsys.readouterr() == ("", f"nonsmooth: {scene}: {required}\n")
+    assert run(app, ["vehicle", "husky-a200", "--allow-outside"]) == BAD_INPUT
+    assert capsys.readouterr() == ("", "nonsmooth: --allow-outside was removed: vehicles name no other files\n")

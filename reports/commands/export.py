@@ -40,7 +40,7 @@ def export(
         if is_vehicle and place is not None:
             raise RefusedError(f"{label}: --from: required none for a vehicle, which states its centre of mass")
         if is_vehicle:
-            loaded = build_vehicle(data, label, file, allow_outside=allow_outside).scene
+            loaded = build_vehicle(data, label, file).scene
         else:
             loaded = build_scene(data, label, file, allow_outside=allow_outside)
     stated = place is not None or is_vehicle

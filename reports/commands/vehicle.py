@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from nonsmooth.reports.console import RefusedError, refusals_named, write
-from nonsmooth.reports.options import AllowOutside, Json, RuleOption, complete_vehicle
+from nonsmooth.reports.options import Json, RuleOption, complete_vehicle
 
 YAML = ".yaml"
 
@@ -38,7 +38,6 @@ def vehicle(
     output: Output = None,
     rule: RuleOption = None,
     spin: Spin = None,
-    allow_outside: AllowOutside = False,
     json: Json = False,
 ) -> int:
     """Predict how a vehicle on its own wheels moves and turns: twist, slips, forces, effective track.
@@ -53,7 +52,7 @@ def vehicle(
     path = None if output is None else output_path(output, (*PICTURES, ".csv", ".json", YAML))
     if spin is not None and (spin == 0 or not math.isfinite(spin)):
         raise RefusedError(f"--spin: required a finite rate other than 0, received {spin}")
-    report = VehicleReport(load_vehicle(scene, rule=rule, allow_outside=allow_outside), spin)
+    report = VehicleReport(load_vehicle(scene, rule=rule), spin)
     with refusals_named(report.vehicle.scene):
         _ = report.own
     if path is None or path.suffix.lower() != YAML:

@@ -48,7 +48,7 @@ MAX_TOML_BYTES = 1 << 20
 MAX_CSV_BYTES = 64 << 20
 KEYS_OF_OTHERS = {  # tables of other documents, with the keys that tell them
     "system": {"states", "rhs"},
-    "vehicle": {"track", "wheel_base", "urdf"},
+    "vehicle": {"track", "wheel_base"},
 }
 _SCENES = Path(__file__).parents[1] / "scenes"
 _BUILTIN = (

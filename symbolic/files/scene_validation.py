@@ -25,10 +25,10 @@ def validate(model: type[Model], data: object, file: str, angle_unit: AngleUnit 
     except ValidationError as error:
         details = error.errors(include_url=False)
         first = next((d for d in details if d["type"] == "extra_forbidden"), details[0])
-        table = first["loc"][0]
-        if first["type"] == "extra_forbidden" and table in removed.TABLES:
-            without = f"a scene without it: {removed.TABLES[table]}"
-            raise SceneError(file, str(table), without, StatedFact("a table that was removed")) from None
+        key = key_text(first["loc"])
+        if first["type"] == "extra_forbidden" and key in removed.TABLES:
+            without, kind = f"a scene without it: {removed.TABLES[key]}", "a key" if "." in key else "a table"
+            raise SceneError(file, key, without, StatedFact(f"{kind} that was removed")) from None
         raise SceneError(file, _key(first), _expected(model, first), _received(first)) from None
 
 
