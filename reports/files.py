@@ -7,6 +7,8 @@ import os
 from collections.abc import Collection
 from pathlib import Path
 
+from nonsmooth.symbolic import removed
+
 ATTEMPTS = 10  # to find a free name of 128 random bits
 PICTURES = (".svg", ".png", ".pdf")  # what Matplotlib writes for us
 
@@ -33,8 +35,11 @@ def output_path(text: str, suffixes: Collection[str]) -> Path:
         OutputError: for an unknown suffix, a missing or unwritable folder, and anything but a regular file.
     """
     path = Path(text)
-    if path.suffix.lower() not in suffixes:
-        raise OutputError(path, f"a file name that ends in {_either(suffixes)}", repr(path.suffix or path.name))
+    ending = path.suffix.lower()
+    if ending not in suffixes:
+        gone = f", which was removed: {removed.ENDINGS[ending]}" if ending in removed.ENDINGS else ""
+        received = repr(path.suffix or path.name) + gone
+        raise OutputError(path, f"a file name that ends in {_either(suffixes)}", received)
     try:
         target = path.resolve()
         if not target.parent.is_dir():

@@ -24,7 +24,9 @@ TABLES: dict[str, str] = {
 }
 """By the key of a table in a scene file, such as ``mode``, or of an entry, such as ``vehicle.urdf``."""
 
-ENDINGS: dict[str, str] = {}
+ENDINGS: dict[str, str] = {
+    ".mp4": "a film is a .gif, or an .html page with a slider",
+}
 """By the ending of a file that was read or written, such as ``.mp4``."""
 
 ARGUMENTS: dict[str, str] = {

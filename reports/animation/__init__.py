@@ -1,1 +1,1 @@
-"""A path as a moving picture: a film by Matplotlib's writers, and a page that needs no network."""
+"""A path as a moving picture: a film by Matplotlib's writer, and a page that needs no network."""

@@ -1,4 +1,4 @@
-"""A film as a .gif or .mp4 file: Matplotlib draws every frame, and its writers put them together."""
+"""A film as a .gif file: Matplotlib draws every frame, and its writer puts them together."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from nonsmooth.reports.figures.wheels import AXIS_COLOR, INK, draw_axis, floats
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-SIZE, DPI = (5.0, 5.6), 100  # inches, and pixels for each: an even number of pixels, as MPEG-4 asks
+SIZE, DPI = (5.0, 5.6), 100  # inches, and pixels for each
 SLIP, STICK, QUIET = "#D55E00", "#009E73", "0.65"  # of Okabe and Ito's palette, as in all figures
 RING = 2.4  # radius of the mark of a wheel that carries, in half-lengths of the rim
 HEADING = 7.0  # length of the heading's line in half-lengths of the rim
@@ -28,38 +28,13 @@ FAINT = 0.3  # opacity of the slip of a wheel that carries nothing
 WIDTH = 0.0035  # of an arrow's shaft, of the view's width
 
 
-class MissingWriterError(ValueError):
-    """A format whose writer is not installed; ``str(error)`` is one line."""
-
-
-def require_writer(suffix: str) -> None:
-    """Refuse a format that cannot be written on this machine.
-
-    Raises:
-        MissingWriterError: for .mp4 without ffmpeg.
-    """
-    if suffix != ".mp4":
-        return
-    from matplotlib.animation import FFMpegWriter
-
-    if not FFMpegWriter.isAvailable():
-        raise MissingWriterError("required ffmpeg on the path for .mp4, received none; .gif and .html work without it")
-
-
-def movie_bytes(film: Film, suffix: str) -> bytes:
-    """The film as the bytes of a .gif or .mp4 file.
-
-    Raises:
-        MissingWriterError: for .mp4 without ffmpeg.
-    """
-    require_writer(suffix)
+def gif_bytes(film: Film) -> bytes:
+    """The film as the bytes of a .gif file."""
     import matplotlib as mpl
-    from matplotlib.animation import FFMpegWriter, PillowWriter
+    from matplotlib.animation import PillowWriter
 
-    exact = ["-fflags", "+bitexact", "-flags:v", "+bitexact", "-pix_fmt", "yuv420p"]
     with tempfile.TemporaryDirectory() as folder, mpl.rc_context({"font.size": LABEL} | INKED):
-        file = Path(folder) / f"film{suffix}"
-        writer: Any = PillowWriter(fps=RATE) if suffix == ".gif" else FFMpegWriter(fps=RATE, extra_args=exact)
+        file, writer = Path(folder) / "film.gif", PillowWriter(fps=RATE)
         stage = Stage.build(film)
         with writer.saving(stage.figure, str(file), DPI):
             for k in range(len(film.frames)):

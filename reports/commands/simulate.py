@@ -131,7 +131,7 @@ Output = Annotated[
         "--output",
         metavar="FILE",
         help="Samples: .csv or .json; picture: .svg, .png or .pdf; of one path of an array also the motion itself: "
-        ".html (a page with a slider), .gif or .mp4 (needs ffmpeg).",
+        ".html (a page with a slider) or .gif.",
     ),
 ]
 

@@ -111,11 +111,11 @@ class PathResult(Tabular):
         return plot_path(self, ax)
 
     def animate(self, file: str | Path) -> Path:
-        """Write the motion of the body over the wheels: .html (a page with a slider), .gif or .mp4 (needs ffmpeg).
+        """Write the motion of the body over the wheels: .html (a page with a slider) or .gif.
 
         Raises:
             OutputError: for another suffix, or a file that cannot be written.
-            ValueError: for the path of a plain system; for .mp4 without ffmpeg.
+            ValueError: for the path of a plain system.
         """
         from nonsmooth.reports.animation.film import build_film
         from nonsmooth.reports.animation.output import FILMS, film_bytes
