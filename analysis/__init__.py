@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING
 from nonsmooth.symbolic.notebook import on_demand
 
 if TYPE_CHECKING:
+    from nonsmooth.analysis.bodies.mass_study import MassStudy as MassStudy
+    from nonsmooth.analysis.bodies.mass_study import mass_ladder as mass_ladder
+    from nonsmooth.analysis.bodies.mass_study import mass_study as mass_study
     from nonsmooth.analysis.cells.contact_partition import build_partition as build_partition
     from nonsmooth.analysis.cells.equilibria import find_equilibria as find_equilibria
     from nonsmooth.analysis.cells.partition import Partition as Partition
     from nonsmooth.analysis.cells.partition import RefusalError as RefusalError
     from nonsmooth.analysis.dynamics.ellipse_path import ellipse_path as ellipse_path
-    from nonsmooth.analysis.dynamics.mass_study import MassStudy as MassStudy
-    from nonsmooth.analysis.dynamics.mass_study import mass_ladder as mass_ladder
-    from nonsmooth.analysis.dynamics.mass_study import mass_study as mass_study
     from nonsmooth.analysis.dynamics.newton_euler import DynamicPath as DynamicPath
     from nonsmooth.analysis.dynamics.newton_euler import RigidBody as RigidBody
     from nonsmooth.analysis.dynamics.newton_euler import disc as disc
@@ -42,9 +42,9 @@ __getattr__ = on_demand(
     __name__,
     {
         "ellipse_path": "dynamics.ellipse_path",
-        "MassStudy": "dynamics.mass_study",
-        "mass_ladder": "dynamics.mass_study",
-        "mass_study": "dynamics.mass_study",
+        "MassStudy": "bodies.mass_study",
+        "mass_ladder": "bodies.mass_study",
+        "mass_study": "bodies.mass_study",
         "DynamicPath": "dynamics.newton_euler",
         "RigidBody": "dynamics.newton_euler",
         "disc": "dynamics.newton_euler",

@@ -12,8 +12,8 @@ from typing import Any
 from rich.console import Group, RenderableType
 from rich.text import Text
 
+from nonsmooth.analysis.bodies.mass_study import MassStudy, PathDistance, massless_limit, rules_by_limit
 from nonsmooth.analysis.bodies.plate import plate
-from nonsmooth.analysis.dynamics.mass_study import MassStudy, PathDistance, massless_limit, rules_by_limit
 from nonsmooth.analysis.dynamics.newton_euler import DynamicPath, RigidBody, disc
 from nonsmooth.analysis.fields.contact_model import ContactModel
 from nonsmooth.analysis.trajectories.result import Trajectory

@@ -16,7 +16,7 @@ rest that the true law keeps for ever is left slowly: see :mod:`nonsmooth.analys
 
 Scaling: with speeds ``s u`` and mass ``m/s^2`` the same path is followed s times faster.  Slow wheels and light bodies
 are one limit, and in it the path is that of rule ``ellipse``
-(:mod:`nonsmooth.analysis.dynamics.mass_study` measures how fast).
+(:mod:`nonsmooth.analysis.bodies.mass_study` measures how fast).
 """
 
 from __future__ import annotations

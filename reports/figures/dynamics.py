@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from nonsmooth.analysis.bodies.mass_study import MassStudy, massless_limit, rules_by_limit
 from nonsmooth.analysis.contact_rule import smooth_rules
-from nonsmooth.analysis.dynamics.mass_study import MassStudy, massless_limit, rules_by_limit
 from nonsmooth.analysis.dynamics.newton_euler import DynamicPath
 from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
 from nonsmooth.analysis.trajectories.result import Trajectory, TrajectoryError

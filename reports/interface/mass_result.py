@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from nonsmooth.analysis.bodies.mass_comparison import outline_body_path, outline_mass_study
-from nonsmooth.analysis.dynamics.mass_study import mass_ladder, mass_study
-from nonsmooth.analysis.dynamics.newton_euler import RigidBody, simulate_dynamics
-from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
+from nonsmooth.analysis.bodies.mass_study import body_path, mass_ladder, mass_study
+from nonsmooth.analysis.dynamics.newton_euler import RigidBody
+from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.reports.dynamics import ShownMasses, ShownPath, chosen_body
 from nonsmooth.reports.interface.argument_error import ArgumentError
 from nonsmooth.reports.interface.short_text import short_lines
@@ -46,12 +45,8 @@ def follow_body(scene: Scene, run: PathRun) -> ShownPath:
         SceneError: for a table of loads beside an outline.
         TrajectoryError: where the path cannot be followed.
     """
-    if scene.body is None:
-        model = contact_model(scene)
-        return ShownPath(scene, simulate_dynamics(model, _body(scene, model, run), run.start, run.until))
     array = whole(scene)
-    body = _body(array, contact_model(array), run)
-    return ShownPath(array, outline_body_path(array, body, run.start, run.until))
+    return ShownPath(array, body_path(array, _body(array, run), run.start, run.until))
 
 
 def compare_masses(scene: Scene, run: PathRun) -> MassResult:
@@ -63,18 +58,17 @@ def compare_masses(scene: Scene, run: PathRun) -> MassResult:
         RefusalError: where the motion is not determined.
         TrajectoryError: where a path cannot be followed.
     """
-    array = scene if scene.body is None else whole(scene)
+    array = whole(scene)
     try:
-        bodies = mass_ladder(_body(array, contact_model(array), run))
+        bodies = mass_ladder(_body(array, run))
     except ValueError as error:  # the lightest of them
         raise ArgumentError(str(error)) from None
-    study = mass_study if scene.body is None else outline_mass_study
-    return MassResult(ShownMasses(array, study(array, bodies, run.start, run.until)))
+    return MassResult(ShownMasses(array, mass_study(array, bodies, run.start, run.until)))
 
 
-def _body(scene: Scene, model: ContactModel, run: PathRun) -> RigidBody:
+def _body(scene: Scene, run: PathRun) -> RigidBody:
     try:
-        return chosen_body(scene, model, run.mass, run.inertia)
+        return chosen_body(scene, contact_model(scene), run.mass, run.inertia)
     except ValueError as error:
         raise ArgumentError(str(error)) from None
 

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.analysis.bodies.cell_path import CellPath
+from nonsmooth.analysis.bodies.mass_study import rule_path
 from nonsmooth.analysis.bodies.one_contact_set import OneContactSet
 from nonsmooth.analysis.cells.contact_partition import build_partition
-from nonsmooth.analysis.contact_rule import CellRule, ContactRule, SmoothRule, rule_of
+from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.trajectories.result import Trajectory
 from nonsmooth.reports.choices import PathMethod
@@ -23,7 +23,7 @@ from nonsmooth.reports.shown import file_bytes
 from nonsmooth.reports.simulate import POSE, PathRun, ShownTrajectory, follow, loop_of
 from nonsmooth.reports.smooth_paths import SmoothPath
 from nonsmooth.reports.system_paths import SystemPath
-from nonsmooth.symbolic.contact_set import require_no_outline, standing, whole
+from nonsmooth.symbolic.contact_set import require_no_outline, standing
 from nonsmooth.symbolic.number_text import float_text, place_text
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact
 
@@ -154,7 +154,7 @@ def follow_array(scene: Scene, run: PathRun) -> PathResult:
         return PathResult(scene.name, POSE, follow_body(scene, run), scene)
     rule = rule_of(scene)
     if run.is_plain and (isinstance(rule, SmoothRule) or scene.body is not None):
-        return PathResult(scene.name, POSE, SmoothPath(scene, _path(scene, rule, run)), scene)
+        return PathResult(scene.name, POSE, SmoothPath(scene, rule_path(scene, rule.name, run.start, run.until)), scene)
     if run.law is not None and not rule.keeps_rows:
         from nonsmooth.reports.driven_paths import follow_driven
 
@@ -184,12 +184,3 @@ def _one_contact_set(scene: Scene, run: PathRun) -> OneContactSet | None:
     contacts = OneContactSet(standing(scene))
     contacts.require_start(run.start)
     return contacts
-
-
-def _path(scene: Scene, rule: ContactRule, run: PathRun) -> Trajectory:
-    """The path by a rule without cells, or by the cells on the wheels that carry a body with an outline."""
-    if isinstance(rule, SmoothRule):
-        return rule.path(scene, run.start, run.until)
-    if not isinstance(rule, CellRule):
-        raise TypeError(f"required a rule with or without cells, received {rule.name}")
-    return CellPath(whole(scene), rule).follow(run.start, run.until)

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from nonsmooth.analysis.bodies.mass_comparison import outline_mass_study, outline_rule_path
+from nonsmooth.analysis.bodies import mass_study as studies
+from nonsmooth.analysis.bodies.mass_study import MassStudy, mass_ladder, mass_study, rule_path
 from nonsmooth.analysis.bodies.plate import plate
-from nonsmooth.analysis.dynamics.mass_study import MassStudy, mass_ladder, mass_study
 from nonsmooth.analysis.trajectories.result import EventKind, Trajectory
 from nonsmooth.reports.dynamics import ShownMasses
 from nonsmooth.symbolic.contact_set import whole
@@ -30,7 +30,7 @@ SLOPE = 0.15  # of log distance against log mass, where 1 is expected
 
 def ladder_study(scene: Scene, mass: float, count: int, start: tuple[float, float, float], until: float) -> MassStudy:
     assert scene.body is not None
-    return outline_mass_study(scene, mass_ladder(plate(scene.body, mass), count), start, until)
+    return mass_study(scene, mass_ladder(plate(scene.body, mass), count), start, until)
 
 
 @thorough  # the small one: test_masses_are_compared_where_wheels_leave, reports/test_bodies.py
@@ -38,7 +38,7 @@ def test_the_distance_from_rule_ellipse_falls_like_the_mass_through_changes_of_t
     scene = whole(load_scene("carton-on-6x6"))
     start = (1.3, 0.15, 0.0)
     study = ladder_study(scene, 1e-3, 2, start, UNTIL)
-    assert EventKind.LEAVE in {event.kind for event in outline_rule_path(scene, "ellipse", start, UNTIL).events}
+    assert EventKind.LEAVE in {event.kind for event in rule_path(scene, "ellipse", start, UNTIL).events}
     for heavy, light in pairwise(study.rows):
         fall = heavy.distance("ellipse").position / light.distance("ellipse").position
         assert np.log10(fall) == pytest.approx(1, abs=SLOPE)
@@ -65,16 +65,19 @@ def test_no_limit_is_stated_where_the_path_slides_along_an_edge(arrays: Arrays) 
 
 
 @pytest.mark.parametrize(("rules", "until"), keep(1, [("ellipse alone", 0.215), ("all", 0.215), ("all", 0.25)]))
-def test_a_path_that_slides_along_an_edge_is_no_limit(arrays: Arrays, rules: str, until: float) -> None:
+def test_a_path_that_slides_along_an_edge_is_no_limit(
+    arrays: Arrays, monkeypatch: pytest.MonkeyPatch, rules: str, until: float
+) -> None:
     scene, start = whole(pushed_back(arrays)[0]), (0.3, -0.2, 0.0)
-    path = outline_rule_path(scene, "ellipse", start, until)
+    path = rule_path(scene, "ellipse", start, until)
     assert EventKind.SLIDE in {event.kind for event in path.events}
     before = next(event.t for event in path.events if event.kind is EventKind.SLIDE)
 
     def of_rule(scene: Scene, rule: str, start: Sequence[float], until: float) -> Trajectory:
         if rule != "ellipse" and rules != "all":
             raise ValueError("left out")
-        return outline_rule_path(scene, rule, start, until)
+        return rule_path(scene, rule, start, until)
 
-    assert mass_study(scene, (), start, until, of_rule).limits is None
-    assert mass_study(scene, (), start, float(before) / 2, of_rule).limits is not None
+    monkeypatch.setattr(studies, "rule_path", of_rule)
+    assert mass_study(scene, (), start, until).limits is None
+    assert mass_study(scene, (), start, float(before) / 2).limits is not None

@@ -10,10 +10,10 @@ from __future__ import annotations
 from functools import partial
 from typing import Any
 
+from nonsmooth.analysis.bodies.mass_study import massless_limit, path_distance, rule_path
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.contact_rule import all_rules
 from nonsmooth.analysis.dynamics.ellipse_path import RELATIVE_TOLERANCE
-from nonsmooth.analysis.dynamics.mass_study import massless_limit, path_distance, rule_path
 from nonsmooth.analysis.dynamics.newton_euler import DynamicPath, disc, simulate_dynamics
 from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
 from nonsmooth.analysis.measurements.harness import Study

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from nonsmooth.analysis.dynamics.mass_study import mass_study
+from nonsmooth.analysis.bodies.mass_study import mass_study
 from nonsmooth.analysis.dynamics.newton_euler import disc
 from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.measurements.convergence import log_slope

@@ -8,8 +8,11 @@ narrow strip, and until m is small beside that strip the distance falls like ``s
 wheels in a ring, from (0.2, 0.4), down to m = 1e-7).  The distances to the paths of rules ``nearest`` and ``box`` do
 not go to zero: they go to the distance of these paths from that of ``ellipse``, which is listed as their limit.
 
-A body with an outline may slide along the edge at which a wheel enters and leaves it.  There the swings of a light body
-mix the loads, while the rule's path mixes the motions (Filippov): such a path is no limit, and none is stated.
+Of a body with an outline both sides follow the wheels that enter and leave
+(:mod:`nonsmooth.analysis.bodies.mass_path`, :mod:`nonsmooth.analysis.bodies.path`,
+:mod:`nonsmooth.analysis.bodies.cell_path`).  It may slide along the edge at which a wheel enters and leaves it.  There
+the swings of a light body mix the loads, while the rule's path mixes the motions (Filippov): such a path is no limit,
+and none is stated.
 
 Distances are the largest over common times: the end of either path, where it leaves the checked square or tips, ends
 the comparison, a rest does not.  Paths are compared at sampled times: a sampled maximum is a lower bound.
@@ -17,22 +20,23 @@ the comparison, a rest does not.  Paths are compared at sampled times: a sampled
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TypeAlias
 
 import numpy as np
 
+from nonsmooth.analysis.bodies.cell_path import CellPath
+from nonsmooth.analysis.bodies.mass_path import MassPath
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.partition import RefusalError
-from nonsmooth.analysis.contact_rule import SmoothRule, all_rules, contact_rule
+from nonsmooth.analysis.contact_rule import CellRule, SmoothRule, all_rules, contact_rule
 from nonsmooth.analysis.dynamics.newton_euler import DynamicPath, RigidBody, simulate_dynamics
 from nonsmooth.analysis.fields.constant_field import array_field
 from nonsmooth.analysis.fields.contact_model import Floats, contact_model
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory, TrajectoryError
 from nonsmooth.analysis.trajectories.trajectory import simulate
+from nonsmooth.symbolic.contact_set import whole
 from nonsmooth.symbolic.notebook import ShortRepr, html_table
 from nonsmooth.symbolic.number_text import float_text
 from nonsmooth.symbolic.scene import Scene
@@ -40,9 +44,6 @@ from nonsmooth.symbolic.scene import Scene
 COMPARED = 1001  # times at which two paths are compared, both ends included
 LADDER = 5  # masses of a ladder, each a tenth of the one before
 BROKEN_OFF = frozenset({EndReason.OUTSIDE, EndReason.TIPS, EndReason.LOADS, EndReason.EVENTS})
-
-RulePath: TypeAlias = Callable[[Scene, str, Sequence[float], float], Trajectory]
-BodyPath: TypeAlias = Callable[[Scene, RigidBody, Sequence[float], float], DynamicPath]
 
 
 @dataclass(frozen=True)
@@ -70,13 +71,11 @@ class MassRow:
         body: mass and inertia.
         distances: from the path of each contact rule that has one.
         evaluations: how often forces were computed.
-        seconds: run time of the path under full dynamics.
     """
 
     body: RigidBody
     distances: tuple[PathDistance, ...]
     evaluations: int
-    seconds: float
 
     def distance(self, rule: str) -> PathDistance:
         """The distance from the path of one rule.
@@ -97,7 +96,6 @@ class MassStudy(ShortRepr):
         rows: one per mass, in the order given.
         limits: distances of the other rules' paths from that of rule ``ellipse``: what their columns tend to; None
             where that path slides along an edge of the body's outline.
-        seconds: run time of each rule's own path, preparation included.
         skipped: rules without a path, and why.
     """
 
@@ -105,7 +103,6 @@ class MassStudy(ShortRepr):
     until: float
     rows: tuple[MassRow, ...]
     limits: tuple[PathDistance, ...] | None
-    seconds: Mapping[str, float]
     skipped: Mapping[str, str]
 
     def _repr_html_(self) -> str:
@@ -124,33 +121,38 @@ def mass_ladder(body: RigidBody, count: int = LADDER) -> tuple[RigidBody, ...]:
 
 
 def rule_path(scene: Scene, rule: str, start: Sequence[float], until: float) -> Trajectory:
-    """The quasi-static path of one contact rule, exact kinematics.
+    """The quasi-static path of one contact rule, exact kinematics; of a body with an outline from set to set of wheels.
 
     Raises:
         RefusalError: where the rule has no cells, or no loads exist.
-        ValueError: for a start outside the checked square.
+        ValueError: for a start outside the checked square, or at which a body with an outline tips.
+        SceneError: for a table of loads beside an outline.
         TrajectoryError: where the path cannot be followed.
     """
     chosen = replace(scene, contact=replace(scene.contact, rule=rule))
     own = contact_rule(rule)
     if isinstance(own, SmoothRule):
         return own.path(chosen, start, until)
+    if scene.body is not None and isinstance(own, CellRule):
+        return CellPath(whole(chosen), own).follow(start, until)
     return simulate(array_field(build_partition(chosen), Kinematics.EXACT), start, until)
 
 
 def body_path(scene: Scene, body: RigidBody, start: Sequence[float], until: float) -> DynamicPath:
-    """Full dynamics of a body that lies on all wheels, from rest."""
+    """Full dynamics from rest: on all wheels, or of a body with an outline on those under it.
+
+    Raises:
+        ValueError: for a start at which a body with an outline tips.
+        SceneError: for a table of loads beside an outline.
+        TrajectoryError: where the path cannot be followed.
+    """
+    if scene.body is not None:
+        array = whole(scene)
+        return MassPath(array, contact_model(array), body).follow(start, until)
     return simulate_dynamics(contact_model(scene), body, start, until)
 
 
-def mass_study(
-    scene: Scene,
-    bodies: Sequence[RigidBody],
-    start: Sequence[float],
-    until: float,
-    follow_rule: RulePath = rule_path,
-    follow_body: BodyPath = body_path,
-) -> MassStudy:
+def mass_study(scene: Scene, bodies: Sequence[RigidBody], start: Sequence[float], until: float) -> MassStudy:
     """Follow full dynamics for every body, and every contact rule, from one start.
 
     Args:
@@ -158,8 +160,6 @@ def mass_study(
         bodies: see :func:`mass_ladder`.
         start: ``(x, y, theta)``.
         until: last time.
-        follow_rule: gives the path of a contact rule.
-        follow_body: gives the path of a body with mass.
 
     Raises:
         ValueError: for a last time that is not positive, or numbers that are not finite.
@@ -168,23 +168,20 @@ def mass_study(
     """
     x, y, theta = (float(value) for value in start)
     paths: dict[str, Trajectory] = {}
-    seconds: dict[str, float] = {}
     skipped: dict[str, str] = {}
     for rule in all_rules():
-        began = time.perf_counter()
         try:
-            paths[rule.name] = follow_rule(scene, rule.name, (x, y, theta), until)
-            seconds[rule.name] = time.perf_counter() - began
+            paths[rule.name] = rule_path(scene, rule.name, (x, y, theta), until)
         except (RefusalError, ValueError, TrajectoryError) as error:
             if rule.is_massless_limit:
                 raise
             skipped[rule.name] = str(error)
     samples, rows = PathSamples(), []
     for body in bodies:
-        began = time.perf_counter()
-        path = follow_body(scene, body, (x, y, theta), until)
-        rows.append(_row(path, until, paths, samples, time.perf_counter() - began))
-    return MassStudy((x, y, theta), float(until), tuple(rows), _limits(paths, until, samples), seconds, skipped)
+        path = body_path(scene, body, (x, y, theta), until)
+        apart = (path_distance(rule, path.trajectory, other, until, samples) for rule, other in paths.items())
+        rows.append(MassRow(body, tuple(apart), path.evaluations))
+    return MassStudy((x, y, theta), float(until), tuple(rows), _limits(paths, until, samples), skipped)
 
 
 class PathSamples:
@@ -228,11 +225,3 @@ def path_distance(
     last = min([until, *(float(own.end.t) for own in (path, other) if own.end.reason in BROKEN_OFF)])
     apart = samples.until(path, last) - samples.until(other, last)
     return PathDistance(rule, float(np.hypot(apart[:, 0], apart[:, 1]).max()), float(np.abs(apart[:, 2]).max()), last)
-
-
-def _row(
-    path: DynamicPath, until: float, paths: Mapping[str, Trajectory], samples: PathSamples, seconds: float
-) -> MassRow:
-    trajectory = path.trajectory
-    distances = tuple(path_distance(rule, trajectory, other, until, samples) for rule, other in paths.items())
-    return MassRow(path.body, distances, path.evaluations, seconds)
