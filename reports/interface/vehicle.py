@@ -42,7 +42,6 @@ class Vehicle:
     """
 
     document: Mapping[str, Any]
-    folder: Path
 
     def __init__(
         self,
@@ -61,11 +60,10 @@ class Vehicle:
             "wheel": [wheel.table() for wheel in wheels],
             "contact": table({"rule": rule}),
         }
-        self._set(document, Path())
+        self._set(document)
 
-    def _set(self, document: Mapping[str, Any], folder: Path) -> None:
+    def _set(self, document: Mapping[str, Any]) -> None:
         object.__setattr__(self, "document", document)
-        object.__setattr__(self, "folder", folder)
         _ = self.exact  # refuse what cannot be used at once
 
     @classmethod
@@ -79,7 +77,7 @@ class Vehicle:
 
         document, _, path = read_document(source)
         vehicle = cls.__new__(cls)
-        vehicle._set({"name": path.stem, **document}, path.parent)
+        vehicle._set({"name": path.stem, **document})
         return vehicle
 
     @cached_property
@@ -90,7 +88,7 @@ class Vehicle:
 
         name = str(self.document["name"])
         with deep_nesting_refused(name):
-            return build_vehicle(dict(self.document), name, self.folder / f"{name}.toml")
+            return build_vehicle(dict(self.document), name, Path(f"{name}.toml"))
 
     def motion(self, *, spin: float | None = None) -> VehicleResult:
         """How it moves under every contact rule.
