@@ -30,7 +30,7 @@ class QuadraticEvidence:
 
 
 def decide_quadratic(problem: Problem) -> QuadraticEvidence | Violation | None:
-    """Decide the claim for a form of degree two without r and guards; None where a refutation has no point."""
+    """Decide the claim for a form of degree two without guards; None where a refutation has no point."""
     matrix = gram_matrix(problem)
     count = len(matrix)
     zeros: list[list[Any]] = []
@@ -55,8 +55,8 @@ def decide_quadratic(problem: Problem) -> QuadraticEvidence | Violation | None:
 
 def gram_matrix(problem: Problem) -> Matrix:
     """M in the generators."""
-    terms, count = problem.coefficients.plain, len(problem.generators)
-    zero = problem.form.plain.field.zero
+    terms, count = problem.coefficients.form, len(problem.generators)
+    zero = problem.form.field.zero
 
     def entry(i: int, j: int) -> Any:
         value = terms.get(tuple(int(k == i) + int(k == j) for k in range(count)), zero)

@@ -95,4 +95,4 @@ def _is_empty(region: Region, like: Polynomial) -> bool:
     """Whether no point of a region but the origin is found to have all guards nonnegative, with little work."""
     minus_one = Polynomial.constant(like.field, like.variables, -1)
     parts = build_parts(CellClaim(minus_one, region, strict=True, except_origin=True))
-    return all(isinstance(subdivide(part.problem, EMPTINESS_WORK), Leaf | Split) for part in parts)
+    return all(isinstance(subdivide(part, EMPTINESS_WORK), Leaf | Split) for part in parts)

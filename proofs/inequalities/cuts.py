@@ -13,12 +13,13 @@ from typing import Any, TypeAlias
 
 from flint import fmpq
 
-from nonsmooth.proofs.inequalities.binary_forms import RadicalFunction, edge_line
-from nonsmooth.proofs.inequalities.forms import Problem, Vector
-from nonsmooth.proofs.inequalities.real_roots import positive_roots
+from nonsmooth.proofs.inequalities.binary_forms import edge_line
+from nonsmooth.proofs.inequalities.dense_polynomials import Coefficients, trimmed, value
+from nonsmooth.proofs.inequalities.forms import Problem
+from nonsmooth.proofs.inequalities.real_roots import positive_roots, samples_between
 from nonsmooth.proofs.inequalities.subdivision import SubCone, Violation
 from nonsmooth.symbolic.numbers.lazy import evaluated
-from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.polynomial import Terms
 
 CUT_DEPTH = 3  # zeros are looked for in the first parts only
@@ -33,49 +34,49 @@ def zero_cut(problem: Problem, part: SubCone) -> tuple[int, int, Any] | Violatio
         return None
     generators = [tuple(map(evaluated, g)) for g in part.generators]
     for edge in combinations(range(len(generators)), 2):
-        line = edge_line(problem, generators, part.pieces, edge)
+        line = edge_line(problem, part.pieces, edge)
         for t, is_zero in _suspects(line):
             point = tuple(a + b * t for a, b in zip(generators[edge[0]], generators[edge[1]], strict=True))
             if problem.is_violated_at(point):
                 return Violation(point)
             if is_zero:
                 return (*edge, t / (1 + t))
-    if len(generators) == 3 and problem.form.radial is None:
-        for edge, line in _lowest_terms(problem, generators, part.pieces.plain):
+    if len(generators) == 3:
+        for edge, line in _lowest_terms(problem, part.pieces.form):
             for t, is_zero in _suspects(line):
                 if is_zero:
                     return (*edge, t / (1 + t))
     return None
 
 
-def _suspects(line: RadicalFunction) -> Iterator[tuple[Any, bool]]:
-    """Parameters at which the line is negative, or zero without a name of higher degree."""
-    if not line.critical or _root_work(line) > ROOT_WORK:
+def _suspects(line: Coefficients) -> Iterator[tuple[Any, bool]]:
+    """Parameters at which a form on an edge is negative, or zero without a name of higher degree."""
+    curve = trimmed(line)
+    if not curve or _root_work(curve) > ROOT_WORK:
         return
-    roots = positive_roots(line.critical)
-    for t in line.samples(roots):
-        if line.sign_at(t) < 0:
+    roots = positive_roots(curve)
+    for t in samples_between(roots):
+        if sign(value(curve, t)) < 0:
             yield fmpq(t.numerator, t.denominator), False
     for root in roots:
-        exact = root.exact() if not line.sign_at_root(root) else None
+        exact = root.exact()
         if exact is not None:
             yield exact, True
 
 
-def _root_work(line: RadicalFunction) -> int:
+def _root_work(curve: Coefficients) -> int:
     masks = 0
-    for c in line.critical:
+    for c in curve:
         for mask in c.terms:
             masks |= mask
-    return (len(line.critical) - 1) << masks.bit_count()
+    return (len(curve) - 1) << masks.bit_count()
 
 
-def _lowest_terms(problem: Problem, generators: list[Vector], plain: Terms) -> Iterator[tuple[Edge, RadicalFunction]]:
+def _lowest_terms(problem: Problem, terms: Terms) -> Iterator[tuple[Edge, Coefficients]]:
     """For each corner, the coefficients of its highest power as a form on the opposite edge."""
-    field = problem.form.plain.field
+    field = problem.form.field
     for corner, edge in ((0, (1, 2)), (1, (0, 2)), (2, (0, 1))):
-        top = max((e[corner] for e in plain), default=0)
+        top = max((e[corner] for e in terms), default=0)
         degree = problem.form.degree - top
-        found = {e[edge[1]]: c for e, c in plain.items() if e[corner] == top}
-        curve: tuple[Number, ...] = tuple(field(evaluated(found.get(k, 0))) for k in range(degree + 1))
-        yield edge, RadicalFunction(curve, (), (field.one, field.zero, field.one))
+        found = {e[edge[1]]: c for e, c in terms.items() if e[corner] == top}
+        yield edge, tuple(field(evaluated(found.get(k, 0))) for k in range(degree + 1))

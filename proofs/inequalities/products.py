@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, TypeAlias
 
-from nonsmooth.proofs.inequalities.forms import Form, Problem
+from nonsmooth.proofs.inequalities.forms import Problem
 from nonsmooth.proofs.inequalities.subdivision import Stuck, Violation
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
@@ -39,7 +39,7 @@ class ProductEvidence:
 
     def check(self, problem: Problem, confirms: Confirm) -> bool:
         """Multiply out, re-verify the evidence of each factor, and count signs."""
-        product = Polynomial.constant(problem.form.plain.field, problem.form.plain.variables, self.constant)
+        product = Polynomial.constant(problem.form.field, problem.form.variables, self.constant)
         total = self.constant.sign()
         for factor in self.factors:
             product = product * factor.polynomial**factor.exponent
@@ -49,12 +49,12 @@ class ProductEvidence:
                     return False
             elif not confirms(factor.evidence, _signed(problem, factor.polynomial, factor.sign)):
                 return False
-        return not product - problem.form.plain and total > 0
+        return not product - problem.form and total > 0
 
 
 def decide_product(problem: Problem, decide: Decide) -> ProductEvidence | Violation | None:
     """Prove the claim factor by factor; None where the form has one factor only, or factors without a sign."""
-    factored = factorize(problem.form.plain)
+    factored = factorize(problem.form)
     if factored is None or (len(factored[1]) == 1 and factored[1][0][1] == 1):
         return None
     constant, total, found = factored[0], factored[0].sign(), list[SignedFactor]()
@@ -73,7 +73,7 @@ def decide_product(problem: Problem, decide: Decide) -> ProductEvidence | Violat
 
 
 def _signed(problem: Problem, polynomial: Polynomial, sign: int) -> Problem:
-    return replace(problem, form=Form(polynomial * sign, None, problem.form.weighted))
+    return replace(problem, form=polynomial * sign)
 
 
 def _sign_inside(problem: Problem, polynomial: Polynomial) -> int:

@@ -1,9 +1,8 @@
 """Inequalities between polynomials on closed cells: a proof, a witness, or where the search got stuck.
 
 ``prove(sense, polynomial, region)`` decides ``polynomial < 0``, ``<= 0``, ``> 0`` or ``>= 0`` on a closed region of the
-plane, bounded or not, with coefficients in the scene's field; with theta (any real), ``|theta|`` and
-``r = sqrt(x^2 + y^2)`` where the polynomial holds them.  Where a curve cuts the cell, rational points are tried first
-(:mod:`nonsmooth.proofs.inequalities.samples`), elsewhere last.  Each simplicial part goes through the same ways:
+plane, bounded or not, with coefficients in the scene's field.  Where a curve cuts the cell, rational points are tried
+first (:mod:`nonsmooth.proofs.inequalities.samples`), elsewhere last.  Each simplicial part goes through the same ways:
 
 1. non-negative coefficients in the generators, with a few bisections (extreme rays for a linear form);
 2. what is complete: real roots for two generators, principal minors for a quadratic form;
@@ -29,7 +28,7 @@ from typing import Any, TypeAlias
 
 from nonsmooth.analysis.cells.region import Region
 from nonsmooth.proofs.inequalities.binary_forms import RootEvidence, Zero, decide_binary, line_of
-from nonsmooth.proofs.inequalities.cell_forms import EXTENDED, PLANE, CellClaim, CellPart, build_parts
+from nonsmooth.proofs.inequalities.cell_forms import PLANE, CellClaim, build_parts, place_of
 from nonsmooth.proofs.inequalities.copositive import QuadraticEvidence, decide_quadratic
 from nonsmooth.proofs.inequalities.cuts import zero_cut
 from nonsmooth.proofs.inequalities.forms import Problem
@@ -84,7 +83,7 @@ class Question:
     def fails_at(self, point: tuple[Any, ...]) -> bool:
         """Whether a point of the cell (inside all guards) refutes the claim."""
         place = (point[0], point[1])
-        here = sign(self.claim.value(point))
+        here = sign(self.claim.polynomial(point))
         exempt = self.except_origin and not any(point)
         inside = self.region.contains(place) and all(sign(guard(place)) > 0 for guard in self.region.guards)
         return inside and not exempt and (here < 0 or (here == 0 and self.sense.strict))
@@ -116,7 +115,7 @@ class Proof:
         claims = (claim,) if self.share is None else _without_share(claim, self.share)
         parts = [part for asked in claims for part in build_parts(asked)]
         return len(parts) == len(self.evidence) and all(
-            confirms(evidence, part.problem) for evidence, part in zip(self.evidence, parts, strict=True)
+            confirms(evidence, part) for evidence, part in zip(self.evidence, parts, strict=True)
         )
 
 
@@ -126,7 +125,7 @@ class Counterexample:
 
     Attributes:
         question: the claim.
-        point: (x, y) or (x, y, theta).
+        point: (x, y).
         value: the polynomial there.
     """
 
@@ -136,10 +135,7 @@ class Counterexample:
 
     def check(self) -> bool:
         """Evaluate again."""
-        claim = self.question.claim
-        return (
-            self.question.fails_at(self.point) and not self.value - claim.value(self.point) * self.question.sense.factor
-        )
+        return self.question.fails_at(self.point) and not self.value - self.question.polynomial(self.point)
 
 
 @dataclass(frozen=True)
@@ -153,20 +149,20 @@ class ZeroBetween:
     """
 
     question: Question
-    part: CellPart
+    part: Problem
     zero: Zero
 
     @property
     def point(self) -> tuple[Any, ...]:
         """A point close to the zero (the bounds of t enclose it)."""
-        first, second = self.part.problem.generators
+        first, second = self.part.generators
         near = tuple(a + b * self.zero.root.low for a, b in zip(first, second, strict=True))
-        return self.part.point(near, self.question.claim)
+        return place_of(near, self.part, self.question.claim)
 
     def check(self) -> bool:
         """Re-verify that a root lies between the bounds and the form vanishes there."""
         genuine = self.part in build_parts(self.question.claim) and self.zero.root.check()
-        return self.question.sense.strict and genuine and not line_of(self.part.problem).sign_at_root(self.zero.root)
+        return self.question.sense.strict and genuine and not self.zero.root.sign_of(line_of(self.part))
 
 
 @dataclass(frozen=True)
@@ -175,7 +171,7 @@ class Undecided:
 
     Attributes:
         question: the claim.
-        part: corners ``(x, y[, theta])`` of the part on which the search ended; directions where unbounded.
+        part: corners ``(x, y)`` of the part on which the search ended; directions where unbounded.
     """
 
     question: Question
@@ -196,15 +192,15 @@ def prove(sense: Sense | str, polynomial: Polynomial, region: Region, *, except_
 
     Args:
         sense: "<0", "<=0", ">0" or ">=0".
-        polynomial: in ("x", "y"), or in ("x", "y", "theta", "abs_theta", "r") for region x line.
+        polynomial: in ("x", "y").
         region: the closed region of the plane.
         except_origin: leave the origin out of a strict claim.
 
     Raises:
         ValueError: for a polynomial in other variables.
     """
-    if polynomial.variables not in (PLANE, EXTENDED):
-        raise ValueError(f"required a polynomial in {PLANE} or {EXTENDED}, received {polynomial.variables}")
+    if polynomial.variables != PLANE:
+        raise ValueError(f"required a polynomial in {PLANE}, received {polynomial.variables}")
     question = Question(Sense(sense), polynomial, region, except_origin)
     claim = question.claim
     if question.fails_at(_origin(claim)):
@@ -213,20 +209,20 @@ def prove(sense: Sense | str, polynomial: Polynomial, region: Region, *, except_
     if refuting is not None:
         return _witness(question, refuting)
     for share in _shares(claim):
-        pieces = [decide(part.problem) for asked in _without_share(claim, share) for part in build_parts(asked)]
+        pieces = [decide(part) for asked in _without_share(claim, share) for part in build_parts(asked)]
         shown = [piece for piece in pieces if not isinstance(piece, Violation | Zero | Stuck)]
         if len(shown) == len(pieces):
             return Proof(question, tuple(shown), share)
     evidence: list[Evidence] = []
     stuck: Undecided | None = None
     for part in build_parts(claim):
-        found = decide(part.problem)
+        found = decide(part)
         if isinstance(found, Violation):
-            return _witness(question, part.point(found.point, claim))
+            return _witness(question, place_of(found.point, part, claim))
         if isinstance(found, Zero):
             return ZeroBetween(question, part, found)
         if isinstance(found, Stuck):
-            stuck = stuck or Undecided(question, tuple(part.point(g, claim) for g in found.generators))
+            stuck = stuck or Undecided(question, tuple(place_of(g, part, claim) for g in found.generators))
         else:
             evidence.append(found)
     if stuck is not None and not region.guards and (refuting := counterexample(claim)) is not None:
@@ -236,7 +232,7 @@ def prove(sense: Sense | str, polynomial: Polynomial, region: Region, *, except_
 
 def _shares(claim: CellClaim) -> Iterator[Share]:
     """Factors c > 0 of guards q through the origin such that ``p - c q`` has no linear part."""
-    if claim.free_theta or claim.polynomial.terms.get((0, 0)):
+    if claim.polynomial.terms.get((0, 0)):
         return
     for k, guard in enumerate(claim.region.guards):
         (a, b), (s, t) = _linear_part(claim.polynomial), _linear_part(guard)
@@ -264,12 +260,11 @@ def decide(problem: Problem) -> Evidence | Violation | Zero | Stuck:
     found = subdivide(problem, LITTLE_WORK)
     if not isinstance(found, Stuck):
         return found
-    smooth = problem.form.radial is None and not problem.guards
-    if len(problem.generators) == 2 and len(problem.form.plain.field.radicands) <= MAX_EXACT_ROOTS:
+    if len(problem.generators) == 2 and len(problem.form.field.radicands) <= MAX_EXACT_ROOTS:
         return decide_binary(problem)
-    if smooth and problem.form.degree == 2:
+    if not problem.guards and problem.form.degree == 2:
         return decide_quadratic(problem) or found
-    if smooth:
+    if not problem.guards:
         product = decide_product(problem, decide)
         if product is not None:
             return product
@@ -288,11 +283,11 @@ def confirms(evidence: Evidence, problem: Problem) -> bool:
 
 
 def _origin(claim: CellClaim) -> tuple[Number, ...]:
-    return (claim.polynomial.field.zero,) * (3 if claim.free_theta else 2)
+    return (claim.polynomial.field.zero,) * 2
 
 
 def _witness(question: Question, point: tuple[Any, ...]) -> Counterexample:
-    return Counterexample(question, point, question.claim.value(point) * question.sense.factor)
+    return Counterexample(question, point, question.polynomial(point))
 
 
 def _number(value: Any) -> Any:

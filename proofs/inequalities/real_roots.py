@@ -8,7 +8,7 @@ quickly with the degree over a field of many square roots: meant for degrees up 
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -130,6 +130,11 @@ def positive_roots(coefficients: Coefficients) -> list[RealRoot]:
     while found and not found[0].low:
         found[0] = found[0].halved()
     return found
+
+
+def samples_between(roots: Sequence[RealRoot]) -> list[Fraction]:
+    """One point between any two neighbours of zero, ascending roots and infinity."""
+    return [root.low for root in roots[:1]] + [root.high for root in roots] or [Fraction(1)]
 
 
 def separated(roots: Iterable[RealRoot]) -> list[RealRoot]:

@@ -27,9 +27,7 @@ Weights: TypeAlias = tuple[int, int, int]
 
 
 def counterexample(claim: CellClaim) -> tuple[Any, Any] | None:
-    """A point of the region inside all guards at which a claim on (x, y) fails; None where none was found."""
-    if claim.free_theta:
-        return None
+    """A point of the region inside all guards at which a claim fails; None where none was found."""
     for triangle in triangles(claim.region, holds_origin=claim.holds_origin):
         for weights in _suspects(claim, triangle):
             point = _point(triangle, weights)

@@ -149,7 +149,7 @@ def _edge_to_halve(part: SubCone) -> tuple[int, int]:
     give similar parts for ever: every second time only edges between other corners are looked at.
     """
     corners = range(len(part.generators))
-    others = [k for k in corners if face_sign(part.pieces, part.generators, 1 << k)] if part.depth % 2 else []
+    others = [k for k in corners if face_sign(part.pieces, 1 << k)] if part.depth % 2 else []
     if part.depth % 2 and len(others) < 2 and any(part.pieces.guards):
         # beside a curve that ends at the origin, and zero at another corner too: halving at the origin leads nowhere
         others = [k for k in corners if any(part.generators[k][:-1])]
@@ -202,7 +202,7 @@ def _violation(problem: Problem, node: SubCone) -> Violation | None:
     generators, count = node.generators, len(node.generators)
     faces = problem.strict_faces(generators, except_origin=problem.except_origin) if problem.strict else []
     for face in dict.fromkeys([*(1 << k for k in range(count)), (1 << count) - 1, *faces]):
-        here = face_sign(node.pieces, generators, face)
+        here = face_sign(node.pieces, face)
         if here < 0 or (here == 0 and face in faces):
             point = face_sum(generators, face)
             if problem.is_violated_at(point):

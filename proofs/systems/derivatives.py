@@ -142,7 +142,7 @@ def _is_empty(cell: LyapunovCell) -> bool:
     """Whether the claim ``-1 >= 0`` is found to hold on the cell with little work (the origin alone would be none)."""
     minus_one = Polynomial.constant(cell.potential.field, cell.potential.variables, -1)
     parts = build_parts(CellClaim(minus_one, cell.region, strict=False, except_origin=True))
-    return all(isinstance(subdivide(part.problem, EMPTINESS_WORK), Leaf | Split) for part in parts)
+    return all(isinstance(subdivide(part, EMPTINESS_WORK), Leaf | Split) for part in parts)
 
 
 def conclude(

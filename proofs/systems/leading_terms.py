@@ -25,9 +25,8 @@ from typing import Any
 
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.switched_cells import PlaneField
-from nonsmooth.proofs.inequalities.binary_forms import RadicalFunction
 from nonsmooth.proofs.inequalities.dense_polynomials import trimmed, value
-from nonsmooth.proofs.inequalities.real_roots import RealRoot, positive_roots
+from nonsmooth.proofs.inequalities.real_roots import RealRoot, positive_roots, samples_between
 from nonsmooth.proofs.systems.fused_focus import FusedFocus, fused_focus
 from nonsmooth.proofs.systems.lyapunov_basis import lines_through
 from nonsmooth.proofs.systems.tangent_fan import (
@@ -255,7 +254,7 @@ def _inner_motions(cone: TangentCone, degree: int) -> Iterator[RadialMotion]:
 def _everywhere_radial(cone: TangentCone, radial: Sequence[Number]) -> Iterator[RadialMotion]:
     """A cone in which every ray is radial: one of each direction."""
     roots = positive_roots(radial) if radial else []
-    places: list[Fraction | RealRoot] = [*RadicalFunction.samples(roots), *roots]
+    places: list[Fraction | RealRoot] = [*samples_between(roots), *roots]
     for place in places:
         here = place.sign_of(radial) if isinstance(place, RealRoot) else value(radial, place).sign() if radial else 0
         t = place.low if isinstance(place, RealRoot) else place

@@ -20,12 +20,11 @@ from nonsmooth.analysis.cells.fan import Cone, by_angle
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell, PlaneField, velocities_at
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, Move, decide_cones
-from nonsmooth.proofs.inequalities.binary_forms import RadicalFunction
 from nonsmooth.proofs.inequalities.cell_forms import directions
 from nonsmooth.proofs.inequalities.dense_polynomials import trimmed, value
 from nonsmooth.proofs.inequalities.germs import Adherence, ray_adherence
 from nonsmooth.proofs.inequalities.ladder import mixtures
-from nonsmooth.proofs.inequalities.real_roots import RealRoot, positive_roots
+from nonsmooth.proofs.inequalities.real_roots import RealRoot, positive_roots, samples_between
 from nonsmooth.proofs.systems.local_cells import conic_germ
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.constraints import Twist
@@ -161,7 +160,7 @@ def _inner_moves(first: Point, second: Point, velocity: tuple[Polynomial, Polyno
     across, radial = _along(x * g - y * f, first, second), _along(x * f + y * g, first, second)
     places: list[Fraction | RealRoot] = list(positive_roots(across or radial)) if across or radial else []
     if not across:
-        places += RadicalFunction.samples([place for place in places if isinstance(place, RealRoot)])
+        places += samples_between([place for place in places if isinstance(place, RealRoot)])
     for place in places:
         isolated = isinstance(place, RealRoot)
         here = place.sign_of(radial) if isinstance(place, RealRoot) else sign(value(radial, place))

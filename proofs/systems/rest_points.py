@@ -20,10 +20,9 @@ from itertools import combinations
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.region import Region, Segment, Triple, common_edges, line_of
 from nonsmooth.analysis.cells.switched_cells import FieldCell, PlaneField, distinct, velocities_at
-from nonsmooth.proofs.inequalities.binary_forms import RadicalFunction
 from nonsmooth.proofs.inequalities.dense_polynomials import Coefficients, trimmed, value
 from nonsmooth.proofs.inequalities.prover import Counterexample, Proof, Sense, prove
-from nonsmooth.proofs.inequalities.real_roots import positive_roots
+from nonsmooth.proofs.inequalities.real_roots import positive_roots, samples_between
 from nonsmooth.proofs.systems.border_motion import along_edge, are_parted
 from nonsmooth.symbolic.numbers.lazy import evaluated
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
@@ -220,7 +219,7 @@ def _opposed_everywhere(along: Coefficients) -> bool:
     if not along:
         return True
     roots = positive_roots(along)
-    return bool(roots) or any(value(along, t).sign() < 0 for t in RadicalFunction.samples(roots))
+    return bool(roots) or any(value(along, t).sign() < 0 for t in samples_between(roots))
 
 
 def _opposed_at_a_root(across: Coefficients, along: Coefficients) -> bool:

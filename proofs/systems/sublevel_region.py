@@ -18,10 +18,9 @@ from fractions import Fraction
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.region import Region, Segment
 from nonsmooth.analysis.cells.switched_cells import LyapunovCell
-from nonsmooth.proofs.inequalities.binary_forms import RadicalFunction
 from nonsmooth.proofs.inequalities.dense_polynomials import Coefficients, trimmed
 from nonsmooth.proofs.inequalities.prover import Counterexample, Proof, Sense, prove
-from nonsmooth.proofs.inequalities.real_roots import positive_roots, separated
+from nonsmooth.proofs.inequalities.real_roots import positive_roots, samples_between, separated
 from nonsmooth.proofs.systems.rising_points import first_rise, short_below
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.polynomial import Polynomial, in_generators
@@ -239,7 +238,7 @@ def _point_below(polynomial: Polynomial, edge: Segment, guards: Sequence[Polynom
     curves = [along for along in (_along(p, edge) for p in (polynomial, *guards)) if along]
     roots = separated(root for along in curves for root in positive_roots(along))
     places = [(x / w, y / w) for x, y, w in edge]
-    for t in RadicalFunction.samples(roots):
+    for t in samples_between(roots):
         x, y, w = (a + b * t for a, b in zip(*edge, strict=True))
         places.append((x / w, y / w))
     for place in places:

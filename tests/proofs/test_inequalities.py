@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from fractions import Fraction
@@ -18,7 +17,7 @@ from hypothesis import strategies as st
 
 from nonsmooth.analysis.cells.polygon import square
 from nonsmooth.analysis.cells.region import Region, cone_region, polygon_region, quadrants
-from nonsmooth.proofs.inequalities.cell_forms import EXTENDED, PLANE
+from nonsmooth.proofs.inequalities.cell_forms import PLANE
 from nonsmooth.proofs.inequalities.products import ProductEvidence
 from nonsmooth.proofs.inequalities.prover import (
     Counterexample,
@@ -45,10 +44,10 @@ Pair: TypeAlias = tuple[int, int]
 Rational: TypeAlias = int | Fraction
 
 
-def polynomial(text: str, variables: tuple[str, ...] = PLANE, field: NumberField | None = None) -> Polynomial:
+def polynomial(text: str, field: NumberField | None = None) -> Polynomial:
     here = field or NumberField()
-    values = {name: Polynomial.variable(here, variables, name) for name in variables}
-    return parse_piecewise(text, variables).polynomial(values, no_switch)
+    values = {name: Polynomial.variable(here, PLANE, name) for name in PLANE}
+    return parse_piecewise(text, PLANE).polynomial(values, no_switch)
 
 
 def no_switch(surface: Polynomial) -> int:
@@ -67,8 +66,7 @@ def box(field: NumberField, radius: Rational, centre: Pair = (0, 0)) -> Region:
 def decide(sense: str, text: str, region: Callable[[NumberField], Region], **options: bool) -> Outcome:
     """The outcome; its own check must agree."""
     field = NumberField()
-    variables = EXTENDED if re.search(r"\b(r|theta|abs_theta)\b", text) else PLANE
-    outcome = prove(sense, polynomial(text, variables, field), region(field), **options)
+    outcome = prove(sense, polynomial(text, field=field), region(field), **options)
     assert isinstance(outcome, Undecided) or outcome.check()
     return outcome
 
@@ -121,19 +119,6 @@ def unit_square(field: NumberField) -> Region:
         (">=0", "x**3 - 3*x + 2 + y", quadrant, Proof),
         (">=0", "x**3 - 3*x + 199/100 + y", quadrant, Counterexample),
         ("<=0", "x**3/100 - x**2 - y**2", quadrant, Counterexample),  # far away
-        # r, theta and |theta|
-        (">=0", "r - x", wide, Proof),
-        (">=0", "x + y - r", quadrant, Proof),
-        (">=0", "sqrt(2)*r - x - y", quadrant, Proof),
-        (">=0", "7*r/5 - x - y", quadrant, Counterexample),
-        (">=0", "x**2 + abs_theta*r - theta*y", quadrant, Proof),
-        (">=0", "x*theta + abs_theta*r*9/10", wide, Counterexample),
-        (">=0", "r**2 + theta**2 - x*theta", wide, Proof),
-        (">=0", "x**2 + y**2 - r**2", wide, Proof),
-        (">=0", "3/2 - r", unit_square, Proof),
-        (">=0", "7/5 - r", unit_square, Counterexample),
-        (">=0", "r - x + theta**2 - theta", unit_square, Counterexample),
-        (">=0", "5/4 + r - x + theta**2 - theta", unit_square, Proof),
     ],
 )  # fmt: skip
 def test_decided(sense: str, text: str, region: Callable[[NumberField], Region], kind: type) -> None:
@@ -147,8 +132,6 @@ def test_decided(sense: str, text: str, region: Callable[[NumberField], Region],
         ("x**2 + y**2 - x**3/2", unit_square),
         ("x + y + x*y", quadrant),
         ("(x - y)**2 + x**4", unit_square),
-        ("r", wide),
-        ("x**2 + y**2 + theta**2 - x*theta", wide),
     ],
 )
 def test_strictness_leaves_out_the_origin_on_demand(text: str, region: Callable[[NumberField], Region]) -> None:
@@ -203,36 +186,6 @@ def test_a_curved_cell_is_where_its_guards_are_positive() -> None:
     assert isinstance(prove(">=0", polynomial("-1", field=field), empty), Proof)
 
 
-# ---- the paper's feedback law ------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("corner", "start", "end", "sign"), [((1, -1), (1, 0), (1, 1), -1), ((-1, 1), (1, 1), (0, 1), 1)]
-)
-def test_four_wheel_feedback(corner: Pair, start: Pair, end: Pair, sign: int) -> None:
-    """THEORY, section 9.5: with u_j = -g k theta, u_i = |u_j| + k |c|, V' <= -sqrt2 k V; not with the other sign."""
-    field = NumberField()
-    x, y, theta, size, r = (Polynomial.variable(field, EXTENDED, name) for name in EXTENDED)
-    root = field.sqrt(2) / 2
-    nearest, second = (1, 1), corner
-    d_i, d_j = ((-root * p[0], -root * p[1]) for p in (nearest, second))
-    gap = (second[0] - nearest[0], second[1] - nearest[1])
-    torque = d_j[1] * gap[0] - d_j[0] * gap[1]
-    b = (theta + x * nearest[1] - y * nearest[0]) * torque.inverse()
-    a = x * d_i[0] + y * d_i[1] - b * (d_i[0] * d_j[0] + d_i[1] * d_j[1])
-    region = cone(field, start, end)
-
-    def rate(g: int) -> Polynomial:
-        return (a * (size + r) + b * theta * -g) * 2 + (r * r + theta * theta) * field.sqrt(2)
-
-    proof = prove("<=0", rate(sign), region)
-    assert isinstance(proof, Proof)
-    assert proof.check()
-    refuted = prove("<=0", rate(-sign), region)
-    assert isinstance(refuted, Counterexample)
-    assert refuted.check()
-
-
 # ---- random forms ------------------------------------------------------------------------------
 
 # Drawn from a list, which is much faster than st.fractions: between -3 and 3, small sizes first.
@@ -244,7 +197,6 @@ RAYS = st.tuples(st.integers(-6, 6), st.integers(-6, 6)).filter(any)
 @st.composite
 def forms(
     draw: st.DrawFn,
-    variables: tuple[str, ...],
     degrees: tuple[int, ...],
     roots: bool = True,
     field: NumberField | None = None,
@@ -253,12 +205,12 @@ def forms(
     field = field or NumberField()
     root = field.sqrt(2)
     terms: dict[tuple[int, ...], Number] = {}
-    for exponents in np.ndindex(*[max(degrees) + 1] * len(variables)):
+    for exponents in np.ndindex(*[max(degrees) + 1] * len(PLANE)):
         if sum(exponents) in degrees:
             c = field(draw(COEFFICIENTS)) + (root * draw(st.integers(-1, 1)) if roots else 0)
             if c:
                 terms[exponents] = c
-    return Polynomial(field, variables, terms)
+    return Polynomial(field, PLANE, terms)
 
 
 @st.composite
@@ -316,11 +268,9 @@ def check_outcome(outcome: Outcome, points: list[tuple[float, ...]]) -> None:
 
 
 def refutes(question: Question, witness: Counterexample) -> None:
-    x, y, *more = witness.point
+    x, y = witness.point
     assert question.region.contains((x, y))
     point = (float(x), float(y))
-    if more:
-        point = (*point, float(more[0]), abs(float(more[0])), math.hypot(*point))  # type: ignore[assignment]
     value, error = float_value(question.polynomial, point)
     assert value == pytest.approx(float(witness.value), rel=1e-9, abs=error + 1e-12)
     sign = witness.value.sign() * question.sense.factor
@@ -330,7 +280,7 @@ def refutes(question: Question, witness: Counterexample) -> None:
 @RANDOM
 @given(st.data(), st.sampled_from(SENSES), st.integers(1, 5), st.booleans())
 def test_forms_on_plane_cones_are_always_decided(data: st.DataObject, sense: Sense, degree: int, apex: bool) -> None:
-    form = data.draw(forms(PLANE, (degree,)))
+    form = data.draw(forms((degree,)))
     region = data.draw(cones(form.field))
     outcome = prove(sense, form, region, except_origin=apex)
     assert not isinstance(outcome, Undecided)
@@ -340,7 +290,7 @@ def test_forms_on_plane_cones_are_always_decided(data: st.DataObject, sense: Sen
 @RANDOM
 @given(st.data(), st.sampled_from(SENSES), st.booleans())
 def test_squares_on_plane_cones_are_always_decided(data: st.DataObject, sense: Sense, apex: bool) -> None:
-    form = data.draw(forms(PLANE, (2,)))
+    form = data.draw(forms((2,)))
     region = data.draw(cones(form.field))
     outcome = prove(sense, form * form, region, except_origin=apex)
     assert not isinstance(outcome, Undecided)
@@ -351,7 +301,7 @@ def test_squares_on_plane_cones_are_always_decided(data: st.DataObject, sense: S
 @RANDOM
 @given(st.data(), st.sampled_from(SENSES), st.booleans(), st.booleans())
 def test_polynomials_on_polygons_and_cones(data: st.DataObject, sense: Sense, apex: bool, bounded: bool) -> None:
-    form = data.draw(forms(PLANE, (0, 1, 2, 3)))
+    form = data.draw(forms((0, 1, 2, 3)))
     region = data.draw(polygons(form.field) if bounded else cones(form.field))
     check_outcome(prove(sense, form, region, except_origin=apex), list(samples(region)))
 
@@ -359,23 +309,12 @@ def test_polynomials_on_polygons_and_cones(data: st.DataObject, sense: Sense, ap
 @examples(60)
 @given(st.data(), st.sampled_from(SENSES))
 def test_quadratics_on_polygons_are_always_decided(data: st.DataObject, sense: Sense) -> None:
-    form = data.draw(forms(PLANE, (0, 1)))
+    form = data.draw(forms((0, 1)))
     region = data.draw(polygons(form.field))
-    for quadratic in (form * form, data.draw(forms(PLANE, (0, 1, 2), field=form.field))):
+    for quadratic in (form * form, data.draw(forms((0, 1, 2), field=form.field))):
         outcome = prove(sense, quadratic, region)
         assert not isinstance(outcome, Undecided)
         check_outcome(outcome, list(samples(region)))
-
-
-@examples(60)
-@given(st.data(), st.sampled_from(SENSES), st.sampled_from([(1,), (2,), (0, 1, 2)]))
-def test_theta_and_distance(data: st.DataObject, sense: Sense, degrees: tuple[int, ...]) -> None:
-    form = data.draw(forms(EXTENDED, degrees, roots=False))
-    region = data.draw(cones(form.field))
-    outcome = prove(sense, form, region, except_origin=data.draw(st.booleans()))
-    angles = (-20.0, -1.0, 0.0, 0.3, 5.0)
-    points = [(x, y, t, abs(t), math.hypot(x, y)) for x, y in samples(region, 30) for t in angles]
-    check_outcome(outcome, points)  # type: ignore[arg-type]
 
 
 # ---- Z3 ----------------------------------------------------------------------------------------
@@ -384,7 +323,7 @@ def test_theta_and_distance(data: st.DataObject, sense: Sense, degrees: tuple[in
 @examples(50)
 @given(st.data(), st.sampled_from(SENSES), st.booleans(), st.booleans())
 def test_agrees_with_z3(data: st.DataObject, sense: Sense, apex: bool, bounded: bool) -> None:
-    form = data.draw(forms(PLANE, (2, 3) if bounded else (3,), roots=False))
+    form = data.draw(forms((2, 3) if bounded else (3,), roots=False))
     region = data.draw(polygons(form.field) if bounded else cones(form.field))
     outcome = prove(sense, form, region, except_origin=apex)
     x, y = z3.Reals("x y")
@@ -424,7 +363,6 @@ def proof_of(text: str, region: Callable[[NumberField], Region]) -> Proof:
         ("(3*x - 7*y + 1/5)**2", unit_square),
         ("(x**2 - 2*y**2)**2*(x + 2)", unit_square),
         ("y + 1 + (x**2 - 1/2)**2", unit_square),
-        ("x**2 + abs_theta*r - theta*y", quadrant),
     ],
 )
 def test_evidence_proves_nothing_else(text: str, region: Callable[[NumberField], Region]) -> None:
@@ -549,7 +487,7 @@ def test_generators_of_a_polygon_run_counterclockwise() -> None:
 
 
 @RANDOM
-@given(forms(PLANE, (0, 1, 2, 3)), st.integers(-3, 3), st.integers(-3, 3))
+@given(forms((0, 1, 2, 3)), st.integers(-3, 3), st.integers(-3, 3))
 def test_polynomials_against_their_values(form: Polynomial, a: int, b: int) -> None:
     field = form.field
     x, y = (Polynomial.variable(field, PLANE, name) for name in PLANE)
@@ -566,7 +504,7 @@ def test_polynomials_against_their_values(form: Polynomial, a: int, b: int) -> N
 
 
 @RANDOM
-@given(forms(PLANE, (0, 1, 2, 3)))
+@given(forms((0, 1, 2, 3)))
 def test_derivatives_against_differences(form: Polynomial) -> None:
     field, h = form.field, Fraction(1, 10**12)
     point, ahead = (field(1), field(-2)), (field(1 + h), field(-2))

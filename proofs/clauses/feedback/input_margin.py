@@ -35,7 +35,6 @@ from nonsmooth.analysis.cells.fan import CellCone
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.proofs.clauses.feedback.control_lyapunov import ControlLyapunov
 from nonsmooth.proofs.clauses.witness import Witness
-from nonsmooth.proofs.inequalities.forms import surd_sign
 from nonsmooth.symbolic.constraints import independent
 from nonsmooth.symbolic.number_text import float_text
 from nonsmooth.symbolic.numbers.lazy import divided
@@ -227,7 +226,15 @@ def _conflicts(fan: Sequence[CellCone]) -> Iterator[tuple[Point, Point]]:
 def _half_sine_sign(gap: tuple[Point, Point], squared: Any) -> int:
     """Sign of ``sin^2(gap/2) - squared``, by ``2 sin^2(gap/2) = 1 - cos gap``."""
     a, b = gap
-    return surd_sign(-dot(a, b), 1 - 2 * squared, dot(a, a) * dot(b, b))
+    return _surd_sign(-dot(a, b), 1 - 2 * squared, dot(a, a) * dot(b, b))
+
+
+def _surd_sign(plain: Any, factor: Any, square: Any) -> int:
+    """Sign of ``plain + factor sqrt(square)``."""
+    first, second = sign(plain), sign(factor) * sign(square)
+    if first * second >= 0:
+        return first or second
+    return first * sign(plain * plain - factor * factor * square)
 
 
 def _lower_bound(gaps: Sequence[tuple[Point, Point]]) -> Fraction:
