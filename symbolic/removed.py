@@ -14,6 +14,7 @@ COMMANDS: dict[str, str] = {
 OPTIONS: dict[tuple[str, str], str] = {
     ("simulate", "--mode"): "follow each mode as a [system] of its own",
     ("vehicle", "--allow-outside"): "vehicles name no other files",
+    ("design", "--front"): "use --maximize rate, then --maximize tolerance",
 }
 """By the names of the command and of the option, such as ``("design", "--front")``."""
 

@@ -28,6 +28,12 @@ def test_removed_options_and_commands_are_refused_with_the_way_to_do_without(
     assert capsys.readouterr() == ("", "nonsmooth: the command divine was removed: toss a coin\n")
 
 
+def test_designs_have_no_front(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(app, ["design", "four-wheel", "--front", "front.svg"]) == BAD_INPUT
+    said = "nonsmooth: --front was removed: use --maximize rate, then --maximize tolerance\n"
+    assert capsys.readouterr() == ("", said)
+
+
 def test_other_mistakes_are_told_as_before(capsys: pytest.CaptureFixture[str]) -> None:
     assert run(app, ["check", "four-wheel", "--guesses"]) == BAD_INPUT
     assert "see 'nonsmooth check --help'" in capsys.readouterr().err

@@ -3,17 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+from typing import Annotated, Any
 
 import typer
 
 from nonsmooth.reports.console import RefusedError, write_json, write_views
 from nonsmooth.reports.options import AllowOutside, At, Json, Radius, RuleOption, SceneText
-
-if TYPE_CHECKING:
-    from nonsmooth.reports.designs.freedom import Freedom
-    from nonsmooth.reports.designs.search import Wish
-    from nonsmooth.symbolic.scene import Scene
 
 MEASUREMENTS = "precision,stress"  # sections of a report that take minutes
 
@@ -53,14 +48,6 @@ ReportFile = Annotated[
     str | None,
     typer.Option("--report", metavar="FILE", help="Write the derivation report of what was found: .html, .md, ..."),
 ]
-Front = Annotated[
-    str | None,
-    typer.Option(
-        "--front",
-        metavar="FILE",
-        help="Instead of one array the Pareto front of rate against tolerance: .svg, .png, .pdf, .csv or .json.",
-    ),
-]
 
 
 def design(  # noqa: PLR0913, PLR0917  # one parameter for each option of the command
@@ -74,7 +61,6 @@ def design(  # noqa: PLR0913, PLR0917  # one parameter for each option of the co
     seed: Seed = 1,
     output: SceneFile = None,
     report: ReportFile = None,
-    front: Front = None,
     rule: RuleOption = None,
     radius: Radius = None,
     at: At = None,
@@ -85,74 +71,39 @@ def design(  # noqa: PLR0913, PLR0917  # one parameter for each option of the co
 
     Exit status: 0 found, 1 nothing found that meets the requirements, 2 bad input.
     """
+    from nonsmooth.reports.derivation import REPORT_FORMATS
+    from nonsmooth.reports.designs.named import find_named
     from nonsmooth.reports.designs.request import DesignError, read_freedom, read_wish
+    from nonsmooth.reports.designs.toml_text import toml_text
+    from nonsmooth.reports.designs.views import design_record, design_view
+    from nonsmooth.reports.files import output_path, write_whole
+    from nonsmooth.reports.progress import progress
     from nonsmooth.symbolic.files.scene_file import build_scene, deep_nesting_refused, read_document
 
-    files = _Files.asked(output, report, front)
+    scene_path = None if output is None else output_path(output, (".toml",))
+    report_path = None if report is None else output_path(report, REPORT_FORMATS)
     with deep_nesting_refused(scene):
         document, label, path = read_document(scene, rule=rule, radius=radius, at=at)
         given = build_scene(document, label, path, allow_outside=allow_outside)
     try:
-        wish = read_wish(given, require, "tolerance" if files.front else maximize, checks, seed)
+        wish = read_wish(given, require, maximize, checks, seed)
         freedom = read_freedom(given, free, move, symmetry)
     except DesignError as error:
         raise RefusedError(f"--{error}") from None
-    asked = _Asked(document, path.parent, given, freedom, wish)
-    if files.front is not None:
-        return _front(asked, files.front, json=json)
-    return _best(asked, files, json=json)
-
-
-class _Files(NamedTuple):
-    """Files that were asked for, all of which can be written."""
-
-    scene: Path | None
-    report: Path | None
-    front: Path | None
-
-    @classmethod
-    def asked(cls, scene: str | None, report: str | None, front: str | None) -> _Files:
-        from nonsmooth.reports.derivation import REPORT_FORMATS
-        from nonsmooth.reports.files import PICTURES, output_path
-
-        if front is not None and (scene is not None or report is not None):
-            raise RefusedError("--front: required without -o and --report, which are about one array")
-        named = ((scene, (".toml",)), (report, REPORT_FORMATS), (front, (*PICTURES, ".csv", ".json")))
-        return cls(*(None if text is None else output_path(text, kinds) for text, kinds in named))
-
-
-class _Asked(NamedTuple):
-    """What a search is about."""
-
-    document: dict[str, Any]
-    folder: Path
-    scene: Scene
-    freedom: Freedom
-    wish: Wish
-
-
-def _best(asked: _Asked, files: _Files, *, json: bool) -> int:
-    """The best array: shown, and written where it meets what is required."""
-    from nonsmooth.reports.designs.named import find_named
-    from nonsmooth.reports.designs.toml_text import toml_text
-    from nonsmooth.reports.designs.views import design_record, design_view
-    from nonsmooth.reports.files import write_whole
-    from nonsmooth.reports.progress import progress
-
-    with progress("checked") as report:
-        found = find_named(*asked, report)
-    if files.scene is not None and found.is_found:
-        write_whole(files.scene, toml_text(found.document).encode())
-    if files.report is not None and found.is_found:
-        _write_report(found.document, asked, files.report, files.scene)
+    with progress("checked") as told:
+        found = find_named(document, path.parent, given, freedom, wish, told)
+    if scene_path is not None and found.is_found:
+        write_whole(scene_path, toml_text(found.document).encode())
+    if report_path is not None and found.is_found:
+        _write_report(found.document, path.parent, report_path, scene_path)
     if json:
-        write_json(design_record(found, asked.wish))
+        write_json(design_record(found, wish))
     else:
-        write_views([design_view(found, asked.wish)])
+        write_views([design_view(found, wish)])
     return 0 if found.is_found else 1
 
 
-def _write_report(document: dict[str, Any], asked: _Asked, path: Path, written: Path | None) -> None:
+def _write_report(document: dict[str, Any], folder: Path, path: Path, written: Path | None) -> None:
     """The derivation report of a scene that need not be on the disk, without what takes minutes."""
     from nonsmooth.reports.interface.report_result import derive_scene, named_parts
     from nonsmooth.reports.subject import Invocation
@@ -160,33 +111,7 @@ def _write_report(document: dict[str, Any], asked: _Asked, path: Path, written: 
     from nonsmooth.symbolic.files.scene_file import build_scene
 
     name = str(document["name"])
-    file = asked.folder / f"{name}.toml"
+    file = folder / f"{name}.toml"
     how = Invocation(str(written or file), (), ("--without", MEASUREMENTS, "-o", str(path)))
     scene = standing(build_scene(document, name, file))
     derive_scene(scene, named_parts(None, MEASUREMENTS), invocation=how).save(path)
-
-
-def _front(asked: _Asked, path: Path, *, json: bool) -> int:
-    """The front: shown, and written."""
-    from nonsmooth.reports.console import json_text
-    from nonsmooth.reports.designs.freedom import WHEELS
-    from nonsmooth.reports.designs.front import find_front
-    from nonsmooth.reports.designs.front_views import front_csv, front_record, front_view
-    from nonsmooth.reports.figures.design_front import front_figure
-    from nonsmooth.reports.files import write_whole
-    from nonsmooth.reports.progress import progress
-
-    if WHEELS in asked.freedom.kinds:
-        raise RefusedError("--front: required headings, speeds or positions that are free, received wheels")
-    with progress("checked") as report:
-        found = find_front(*asked, report)
-    record, suffix = front_record(found, asked.scene, asked.wish), path.suffix.lower()
-    if suffix in (".csv", ".json"):
-        write_whole(path, front_csv(found) if suffix == ".csv" else json_text(record).encode())
-    else:
-        write_whole(path, front_figure(found, asked.scene, suffix))
-    if json:
-        write_json(record)
-    else:
-        write_views([front_view(found, asked.scene)])
-    return 0 if found.points else 1

@@ -11,9 +11,8 @@ from itertools import combinations
 from pathlib import Path
 from typing import Any
 
-from nonsmooth.reports.designs.candidates import Told
 from nonsmooth.reports.designs.objective import OBJECTIVES, Evaluation, evaluate
-from nonsmooth.reports.designs.search import Design, Fewest, Wish
+from nonsmooth.reports.designs.search import Design, Fewest, Told, Wish
 from nonsmooth.reports.designs.symmetry import Orbits, orbits_of
 from nonsmooth.symbolic.contact_set import standing
 from nonsmooth.symbolic.files.one_by_one import one_by_one

@@ -7,10 +7,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from nonsmooth.reports.designs.candidates import Told
 from nonsmooth.reports.designs.fewest import find_fewest
 from nonsmooth.reports.designs.freedom import WHEELS, Freedom
-from nonsmooth.reports.designs.search import Design, Wish, find_design
+from nonsmooth.reports.designs.search import Design, Told, Wish, find_design
 from nonsmooth.symbolic.scene import Scene
 
 
@@ -20,11 +19,6 @@ def find_named(base: Mapping[str, Any], folder: Path, scene: Scene, freedom: Fre
         design = find_fewest(base, folder, scene, freedom.order, wish, told)
     else:
         design = find_design(base, folder, scene, freedom, wish, told)
-    document = named_document(design.document, scene, f"{', '.join(wish.required)} required, {wish.maximize} maximized")
-    return replace(design, document=document)
-
-
-def named_document(document: Mapping[str, Any], scene: Scene, how: str) -> dict[str, Any]:
-    """A document with a name and a description that say from which scene it comes."""
-    rest = {key: value for key, value in document.items() if key not in ("name", "description")}
-    return {"name": f"{scene.name}-designed", "description": f"designed from {scene.name}: {how}", **rest}
+    how = f"designed from {scene.name}: {', '.join(wish.required)} required, {wish.maximize} maximized"
+    rest = {key: value for key, value in design.document.items() if key not in ("name", "description")}
+    return replace(design, document={"name": f"{scene.name}-designed", "description": how, **rest})

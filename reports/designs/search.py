@@ -8,19 +8,19 @@ exists is not shown.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.proofs.answers.answer import Pose
-from nonsmooth.reports.designs.candidates import Candidates, Told
 from nonsmooth.reports.designs.freedom import Freedom
 from nonsmooth.reports.designs.objective import OBJECTIVES, Evaluation, evaluate
+from nonsmooth.symbolic.files.scene_file import build_scene
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import SceneError
 
@@ -31,19 +31,7 @@ WIDE = 0.6  # share of the checks before those around the best
 STEP = 0.06  # of a range: where the search around the best begins
 
 Floats: TypeAlias = NDArray[np.float64]
-
-
-class Costed(Protocol):
-    """What a search makes small."""
-
-    @property
-    def checks(self) -> int:
-        """How many candidates were checked."""
-        ...
-
-    def cost(self, vector: Sequence[float], told: Told) -> float:
-        """Of the candidate of a vector."""
-        ...
+Told: TypeAlias = Callable[[int, int], None]  # candidates checked, and allowed
 
 
 class SpentError(Exception):
@@ -112,22 +100,34 @@ class Design:
         return not self.best.unmet
 
 
-class _Search(Candidates[Evaluation]):
-    """All candidates of one search, and the best."""
+class _Search:
+    """The candidates of one search: each is built and judged once, however often the search comes back to it."""
 
     def __init__(self, base: Mapping[str, Any], folder: Path, scene: Scene, freedom: Freedom, wish: Wish) -> None:
-        super().__init__(base, folder, scene, freedom, wish.checks)
-        self._wish = wish
+        self._base, self._folder, self._scene, self._freedom, self._wish = base, folder, scene, freedom, wish
+        self._known: dict[str, Evaluation] = {}
         self.best: tuple[Evaluation, dict[str, Any], Scene] | None = None
 
+    @property
+    def checks(self) -> int:
+        """How many were checked."""
+        return len(self._known)
+
     def cost(self, vector: Sequence[float], told: Told) -> float:
-        """What the search makes small."""
-        return self.worth(vector, told).cost
+        """What the search makes small, of the candidate that a vector names."""
+        document = self._freedom.document(self._base, self._scene, vector)
+        key = repr(document["wheel"])
+        if key not in self._known:
+            self._known[key] = self._judged(document)
+            told(self.checks, self._wish.checks)
+        return self._known[key].cost
 
-    def _refused(self, error: SceneError) -> Evaluation:
-        return Evaluation((), self._wish.required, None, float("inf"), str(error))
-
-    def _judge(self, scene: Scene, document: dict[str, Any]) -> Evaluation:
+    def _judged(self, document: dict[str, Any]) -> Evaluation:
+        name = str(document.get("name") or self._scene.name)
+        try:
+            scene = build_scene(document, name, self._folder / f"{name}.toml")
+        except SceneError as error:
+            return Evaluation((), self._wish.required, None, float("inf"), str(error))
         found = evaluate(scene, self._wish.required, OBJECTIVES[self._wish.maximize])
         if self.best is None or found.cost < self.best[0].cost:
             self.best = found, document, scene
@@ -151,7 +151,7 @@ def find_design(
     impossible = _why_impossible(own, freedom, wish)
     search = _Search(base, folder, scene, freedom, wish)
     if not impossible:
-        evolve(search, scene, freedom, wish, told, wish.checks)
+        _evolve(search, scene, freedom, wish, told)
     if search.best is None or own.cost <= search.best[0].cost:  # nothing better than the scene itself
         return Design(dict(base), scene, own, own, search.checks, impossible)
     best, document, found = search.best
@@ -166,28 +166,19 @@ def _why_impossible(own: Evaluation, freedom: Freedom, wish: Wish) -> str:
     return pose.sentence if pose.verdict is Pose.CANNOT_BE_HELD else ""
 
 
-def evolve(search: Costed, scene: Scene, freedom: Freedom, wish: Wish, told: Told, budget: int) -> None:
-    """Let costs fall: all wheels alike, then far and wide, then around the best, until the budget is spent.
-
-    Args:
-        search: what is made small.
-        scene: the given array, which is a candidate too.
-        freedom: what may change.
-        wish: what is asked for.
-        told: called with the candidates checked and allowed.
-        budget: how many new candidates may be checked.
-    """
+def _evolve(search: _Search, scene: Scene, freedom: Freedom, wish: Wish, told: Told) -> None:
+    """Let costs fall: all wheels alike, then far and wide, then around the best, until all checks are done."""
     from scipy.optimize import differential_evolution, minimize, minimize_scalar
 
     tried = _Tried(search, told, np.array(freedom.start(scene)))
     bounds = [(0.0, 1.0)] * len(tried.best)
     with suppress(SpentError):
-        tried.allow(round(ALIKE * budget))
+        tried.limit = round(ALIKE * wish.checks)
         for direction in map(np.array, freedom.together(scene)):
             line = _Line(tried, direction)
             minimize_scalar(line.cost, bounds=(-1.0, 1.0), method="bounded", options={"maxiter": LINE})
     with suppress(SpentError):
-        tried.allow(round(WIDE * budget))
+        tried.limit = round(WIDE * wish.checks)
         differential_evolution(
             tried.cost,
             bounds,
@@ -200,24 +191,21 @@ def evolve(search: Costed, scene: Scene, freedom: Freedom, wish: Wish, told: Tol
             tol=0.0,
         )
     with suppress(SpentError):
-        tried.allow(budget)
+        tried.limit = wish.checks
         corners = tried.best + STEP * np.where(tried.best > 0.5, -1.0, 1.0) * np.eye(len(bounds))
         simplex = np.vstack([tried.best, corners])
         minimize(tried.cost, tried.best, method="Nelder-Mead", bounds=bounds, options={"initial_simplex": simplex})
 
 
 class _Tried:
-    """The costs of a search with the best vector so far, within a budget."""
+    """The costs of a search with the best vector so far, up to a limit of checks."""
 
-    def __init__(self, search: Costed, told: Told, start: Floats) -> None:
-        self._search, self._told, self._begun = search, told, search.checks
-        self._limit, self._least, self.best = 0, math.inf, start
-
-    def allow(self, budget: int) -> None:
-        self._limit = self._begun + budget
+    def __init__(self, search: _Search, told: Told, start: Floats) -> None:
+        self._search, self._told = search, told
+        self.limit, self._least, self.best = 0, math.inf, start
 
     def cost(self, vector: Floats) -> float:
-        if self._search.checks >= self._limit:
+        if self._search.checks >= self.limit:
             raise SpentError
         found = self._search.cost(vector.tolist(), self._told)
         if found < self._least:

@@ -210,44 +210,6 @@ def test_every_built_in_scene_survives_being_written(tmp_path: Path) -> None:
             assert np.allclose([float(x) for x in own.position], [float(x) for x in found.position])
 
 
-FRONT_SCENE = """
-friction = { mu_roll = 1, mu_side = "1/2" }
-wheel = [
-  { position = ["1/10", "1/10"], speed = "1/10" }, { position = ["-1/10", "1/10"], speed = "1/10" },
-  { position = ["-1/10", "-1/10"], speed = "1/10" }, { position = ["1/10", "-1/10"], speed = "1/10" },
-]
-[tolerance]
-position = "1/1000"
-"""
-
-
-@thorough  # the small one: test_a_front_is_drawn
-def test_no_array_on_the_front_beats_another_and_checks_confirm_both_numbers(invoke: Invoke, tmp_path: Path) -> None:
-    (tmp_path / "table.toml").write_text(FRONT_SCENE, encoding="utf-8")
-    options = ("--free", "headings,speeds", "--checks", "9", "--seed", "3")
-    record = invoke("design", "table.toml", *options, "--front", "front.csv", "--json").record
-    points = record["points"]
-    assert record["checks"] == 9
-    assert points
-    for first, second in pairwise(points):
-        assert first["rate"] < second["rate"]
-        assert first["tolerance"] > second["tolerance"]
-    assert len((tmp_path / "front.csv").read_text().splitlines()) == 2 + len(points)
-    file = tmp_path / "last.toml"
-    file.write_text(toml_text(points[-1]["scene"]), encoding="utf-8")
-    checked = invoke("check", "last.toml", "--json").record
-    assert checked["answers"]["position"]["seconds_per_distance"] == pytest.approx(1 / points[-1]["rate"])
-    assert checked["robust"]["factor"] == pytest.approx(points[-1]["tolerance"])
-
-
-def test_a_front_is_drawn(invoke: Invoke, tmp_path: Path) -> None:
-    (tmp_path / "table.toml").write_text(FRONT_SCENE, encoding="utf-8")
-    outcome = invoke("design", "table.toml", "--checks", "2", "--front", "front.svg")
-    assert outcome.status == 0
-    assert "on the front, of 2 checked" in outcome.out
-    assert (tmp_path / "front.svg").stat().st_size > 1000
-
-
 def test_the_fewest_wheels_are_too_few_without_any_one(invoke: Invoke, tmp_path: Path) -> None:
     """Every wheel that is left is needed, by checks of their own; all smaller choices were refuted."""
     options = ("--free", "wheels", "--symmetry", "1", "--checks", "40", "-o", "few.toml", "--json")
@@ -277,9 +239,6 @@ def test_a_report_of_the_winner(invoke: Invoke, tmp_path: Path, monkeypatch: pyt
     ("options", "said"),
     [
         (("--free", "wheels,speeds"), "--free: required wheels alone"),
-        (("--front", "front.svg"), "tolerance: required a [tolerance] table"),
-        (("--front", "front.svg", "-o", "a.toml"), "--front: required without -o and --report"),
-        (("--front", "front.toml"), "front.toml"),
         (("--report", "a.txt"), "a.txt"),
     ],
 )
