@@ -39,10 +39,6 @@ class SystemOrbit:
     orbit: Orbit
     proof: OrbitProof
 
-    def check(self) -> bool:
-        """Verify what is proved of the orbit by another way than it was proved; true where nothing is."""
-        return self.proof.check(self.system)
-
     @property
     def stability(self) -> str:
         """``attracting``, ``repelling``, ``saddle`` or ``neutral``: proved, or by the multipliers as computed."""

@@ -18,10 +18,8 @@ from nonsmooth.analysis.orbits.orbit import Orbit
 from nonsmooth.analysis.trajectories.legs import Leg
 from nonsmooth.proofs.orbits.ball_cell import BallCell
 from nonsmooth.proofs.orbits.ball_steps import Ball, Box, UnprovedError, precision
-from nonsmooth.proofs.orbits.orbit_check import segment_holds, slides_hold
 from nonsmooth.proofs.orbits.return_map import CrossedLeg, ReturnMap, proved_maps
-from nonsmooth.proofs.orbits.slide_map import SlideChain, SlideEnd, TangencySlide, proved_period
-from nonsmooth.proofs.orbits.solution_steps import double_precision
+from nonsmooth.proofs.orbits.slide_map import SlideChain, TangencySlide, proved_period
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
 
@@ -36,7 +34,6 @@ class OrbitProof:
         period: enclosed; None where nothing is proved.
         multiplier: the Floquet multiplier, enclosed; None likewise.
         segment: the longest segment across the orbit on which the return map was enclosed; None for orbits that slide.
-        ends: of the slides of one turn, in order.
     """
 
     attracts: bool | None
@@ -44,33 +41,11 @@ class OrbitProof:
     period: Ball | None = None
     multiplier: Ball | None = None
     segment: ReturnMap | None = None
-    ends: tuple[SlideEnd, ...] = ()
 
     @property
     def is_proved(self) -> bool:
         """Whether the orbit is shown to exist, and to attract or to repel."""
         return self.attracts is not None
-
-    def check(self, system: SwitchedSystem) -> bool:
-        """Verify what is proved by another way (:mod:`nonsmooth.proofs.orbits.orbit_check`).
-
-        Args:
-            system: whose orbit it is.
-        """
-        claims = self.period, self.multiplier, self.segment
-        if self.attracts is None:
-            return claims == (None, None, None) and not self.ends
-        if self.period is None or self.multiplier is None or len(system.states) != len(PLANE) or system.written:
-            return False
-        try:
-            with double_precision():
-                if self.segment is not None:
-                    known = self.period, self.multiplier, self.attracts
-                    return not self.ends and segment_holds(system, self.segment, *known)
-                finite = self.attracts and self.multiplier == 0
-                return finite and slides_hold(system, self.ends, self.period)
-        except UnprovedError:
-            return False
 
 
 def prove_orbit(system: SwitchedSystem, orbit: Orbit) -> OrbitProof:
@@ -134,9 +109,8 @@ class _Prover:
         parts = [turned[k : n or None] for k, n in zip(starts, [*starts[1:], 0], strict=True)]
         chains = [self._chain(part) for part in parts]
         period = proved_period(chains)
-        ends = tuple(SlideEnd(c.slide.number, c.slide.leaving.signs, c.slide.end_place) for c in chains)
         reason = "a slide of the orbit ends in one point wherever it began, and that point returns to the slide"
-        return OrbitProof(True, reason, period, arb(0), ends=ends)
+        return OrbitProof(True, reason, period, arb(0))
 
     def _chain(self, legs: Sequence[_Part]) -> SlideChain:
         """A slide and the legs behind it."""

@@ -115,21 +115,6 @@ class TangencySlide:
 
 
 @dataclass(frozen=True)
-class SlideEnd:
-    """Where a slide ends.
-
-    Attributes:
-        number: of the switching surface.
-        signs: of the cell that the solution departs to.
-        place: along the surface, in its gradient turned by a right angle, from the point nearest to the origin.
-    """
-
-    number: int
-    signs: tuple[int, ...]
-    place: Ball
-
-
-@dataclass(frozen=True)
 class SlideChain:
     """A slide and what follows it until the next slide begins.
 

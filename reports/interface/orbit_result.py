@@ -52,10 +52,6 @@ class OrbitResult(ShownResult):
         """How it is proved, or why it is not, in one sentence."""
         return self.shown.proof.reason
 
-    def check(self) -> bool:
-        """Verify what is proved by another way than it was proved; true where nothing is. Takes seconds."""
-        return self.shown.check()
-
     @property
     def t(self) -> NDArray[np.float64]:
         """Sample times of one turn, shape (m,)."""
