@@ -151,7 +151,7 @@ Require = Annotated[
     typer.Option(
         "--require",
         metavar="NAME,...",
-        help=f"What exit status 0 means, of {', '.join(REQUIRABLE)}: comes home, keeps or returns, can be held, holds.",
+        help=f"What exit status 0 means, of {', '.join(REQUIRABLE)}: comes home, keeps, can be held, holds.",
     ),
 ]
 Fail = Annotated[

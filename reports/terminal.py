@@ -26,7 +26,6 @@ VERDICT_WIDTH = 14  # columns: "asymptotically"
 _STYLES = {
     "comes home": "green",
     "can be held": "green",
-    "returns": "green",
     "keeps": "green",
     "stays near": "yellow",
     "drifts": "yellow",

@@ -33,12 +33,10 @@ class EdgeHeading:
     Attributes:
         wheel: its place in the list of wheels.
         theta: encloses the heading, in radians from the checked one, within half a turn of zero but for its radius.
-        side: the side of the outline, by the number of its first corner; None of a disc.
     """
 
     wheel: int
     theta: arb
-    side: int | None
 
 
 class BallOutline:
@@ -63,10 +61,8 @@ class BallOutline:
         reach = length_of(place)
         for side, (share, direction) in enumerate(self._lines(place, reach)):
             for theta in _headings(place, direction, share):
-                if self.radius is not None:
-                    yield EdgeHeading(wheel, theta, None)
-                elif not self._is_beyond(side, seen(place, theta)):
-                    yield EdgeHeading(wheel, theta, side)
+                if self.radius is not None or not self._is_beyond(side, seen(place, theta)):
+                    yield EdgeHeading(wheel, theta)
 
     def side_of(self, place: BallVector) -> int:
         """1 for a place that is certainly under the outline, seen from the body; -1 if it is certainly not, else 0."""
@@ -80,14 +76,6 @@ class BallOutline:
         if self.radius is not None:
             return [self.radius - length_of(minus(place, self.middle))]
         return [height - dot(normal, place) for normal, height in zip(self.normals, self.heights, strict=True)]
-
-    def outward(self, side: int | None, place: BallVector, theta: arb) -> BallVector:
-        """The outward unit normal of the edge in the directions of the world, where a wheel at ``q`` lies on it."""
-        if side is not None:
-            return turned_by(self.normals[side], theta)
-        x, y = minus(place, turned_by(self.middle, theta))
-        size = length_of((x, y))
-        return x / size, y / size
 
     def _lines(self, place: BallVector, reach: arb) -> Iterator[tuple[arb, BallVector]]:
         """Cosine of the angle between the wheel and a direction of the body at which it lies on each line or circle."""
@@ -110,29 +98,24 @@ def _headings(place: BallVector, direction: BallVector, share: arb) -> list[arb]
     between = arb.atan2(cross(direction, place), dot(direction, place))
     if share < 1 and share > -1:
         half = share.acos()
-        return [halved(between - half), halved(between + half)]
+        return [_within_half_a_turn(between - half), _within_half_a_turn(between + half)]
     if share > 0:
         reach = arb(min(share.lower(), arb(1))).acos() if share.lower() < 1 else arb(0)
-        return [halved(between + arb(0, reach.upper()))]
+        return [_within_half_a_turn(between + arb(0, reach.upper()))]
     reach = (-arb(max(share.upper(), arb(-1)))).acos() if share.upper() > -1 else arb(0)
-    return [halved(between + arb.pi() + arb(0, reach.upper()))]
+    return [_within_half_a_turn(between + arb.pi() + arb(0, reach.upper()))]
 
 
-def halved(angle: arb) -> arb:
+def _within_half_a_turn(angle: arb) -> arb:
     """The angle without full turns."""
     turns = ((angle / (2 * arb.pi())).mid() + arb(1) / 2).floor().mid()
     return angle - 2 * arb.pi() * turns
 
 
-def turned_by(vector: BallVector, theta: arb) -> BallVector:
-    """``R(theta) vector``."""
-    s, c = theta.sin_cos()
-    return c * vector[0] - s * vector[1], s * vector[0] + c * vector[1]
-
-
 def seen(place: BallVector, theta: arb) -> BallVector:
     """``R(theta)^T q``: a place as the body sees it."""
-    return turned_by(place, -theta)
+    s, c = theta.sin_cos()
+    return c * place[0] + s * place[1], c * place[1] - s * place[0]
 
 
 def length_of(vector: BallVector) -> arb:
@@ -160,7 +143,7 @@ class HeadingCluster:
 
     Attributes:
         theta: encloses them, in radians from the checked heading.
-        edges: wheels with their sides.
+        edges: the wheels, each once for every side that it lies under.
     """
 
     theta: arb

@@ -369,11 +369,11 @@ def engine_heading(scene: Scene, start: Floats, until: float) -> float:
 
 
 def returning_heading(offset: float, folder: Path) -> tuple[float, float]:
-    """The nearest heading that ``check`` proves to return, and where a plate in the engine, turned off it, ends at."""
+    """The nearest heading that ``check`` sees a body turn to, and where a plate in the engine, put beside it, ends."""
     file = folder / "swirl.toml"
     file.write_text(SWIRL, encoding="utf-8")
     found = command("check", str(file), "--rule", "ellipse")["answers"]["equilibrium_headings"]["found"]
-    heading = min((each["heading"] for each in found if each["verdict"] == "returns"), key=abs)
+    heading = min((each["heading"] for each in found if "turns to it" in (each["reason"] or "")), key=abs)
     return heading, engine_heading(load_scene(file), np.array([0.01, -0.01, heading + offset]), RETURN)
 
 

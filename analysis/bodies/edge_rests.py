@@ -8,7 +8,8 @@ equations for ``(x, y, w)``, which know nothing of the heading; that is one at w
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from flint import arb
@@ -16,8 +17,6 @@ from flint import arb
 from nonsmooth.analysis.bodies.many_contacts import Mask, Numbers
 from nonsmooth.analysis.bodies.motions_on_sets import MotionsOnSets
 from nonsmooth.analysis.bodies.moving_outline import MovingOutline
-from nonsmooth.analysis.bodies.rests import ALIKE, EdgeRest, MetSets, SetRest
-from nonsmooth.analysis.bodies.set_guesses import nearly_stuck, spatial
 from nonsmooth.analysis.contact_rule import SmoothRule
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
 from nonsmooth.symbolic.edge_headings import BallOutline
@@ -39,6 +38,41 @@ SHORTEST = 1e-9  # step, of the body's size
 AT_REST = 1e-3  # speed on both sets, of the fastest wheel's, below which the body rests on either
 BALANCED = 1e-9  # force and moment of a body at rest, of all friction
 LOADED_SETS = 10  # that are tried for one contact set
+ALIKE = 1e-5  # of the body's size: places closer together are one
+
+
+@dataclass(frozen=True)
+class SeenRest:
+    """A pose at which a body may rest.
+
+    Attributes:
+        place: ``(x, y)``.
+        theta: the heading, or one at which the same wheels carry where none lies under the edge.
+        wheels: places, in the list of wheels, of those well under the body, ascending.
+        edge: of the one under its edge, if there is one.
+    """
+
+    place: tuple[float, float]
+    theta: float
+    wheels: tuple[int, ...]
+    edge: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True)
+class MetSets:
+    """What was met on the grid.
+
+    Attributes:
+        sets: contact sets (k, n).
+        pairs: contact sets without a wheel (m, n), of pairs that differ by it; one row for each place.
+        wheels: the wheels by which they differ (m,).
+        centres: places at which the pairs were met (m, 2).
+    """
+
+    sets: Mask
+    pairs: Mask
+    wheels: Numbers
+    centres: Floats
 
 
 class RestSearch:
@@ -60,19 +94,6 @@ class RestSearch:
         self._motions = MotionsOnSets(self.model, self._outline.size)
         self._pulls = self._forces_at_rest()
         self.reach = self._spacing()
-
-    @property
-    def size(self) -> float:
-        """Of the body (length)."""
-        return self._outline.size
-
-    def distance(self, place: tuple[float, float]) -> float:
-        """Of a place from the point."""
-        return float(np.hypot(*(np.array(place) - self._point)))
-
-    def is_at_the_point(self, place: tuple[float, float]) -> bool:
-        """Whether a place is the point itself, but for rounding."""
-        return self.distance(place) <= ALIKE * self.size
 
     def meet(self) -> MetSets:
         """The contact sets about the point."""
@@ -98,55 +119,55 @@ class RestSearch:
             np.array([without for without, _ in pairs.values()]).reshape(-1, count),
             np.array([wheel for _, wheel, _ in pairs], int),
             np.array([place for _, place in pairs.values()]).reshape(-1, 2),
-            self.reach,
         )
 
-    def under_the_edge(self, met: MetSets) -> Iterator[EdgeRest]:
-        """Rest with one wheel under the edge, on the pairs met."""
+    def under_the_edge(self, met: MetSets) -> list[SeenRest]:
+        """Rest off the point with one wheel under the edge, on the pairs met."""
         if not len(met.pairs):
-            return
+            return []
         without, wheels, including, start = self._nearly_at_rest(met)
         unknowns, settled = self._newton(without, including, start)
         first, second = (self._motions.at(sets, unknowns[:, :2]) for sets in (without, including))
         fast = np.minimum(*(np.abs(found.rates).max(axis=1) for found in (first, second))) > AT_REST * self._fastest
         inside = (unknowns[:, 2] > 0) & (unknowns[:, 2] < 1)
         near = np.abs(unknowns[:, :2] - self._point).max(axis=1) <= self.reach
+        kept: list[SeenRest] = []
         for k in np.flatnonzero(settled & fast & inside & near & first.known & second.known):
-            kept = [int(j) for j in np.flatnonzero(without[k])]
-            wheel, place = int(wheels[k]), unknowns[k, :2]
-            twists = [spatial(found.rates[k], place, self.size) for found in (first, second)]
-            groups = (kept, [*kept, wheel])
-            loaded = [
-                tuple(bool(found.loads[k, j] > 0) for j in group)
-                for found, group in zip((first, second), groups, strict=True)
-            ]
-            stuck = [nearly_stuck(self.model, twist, group) for twist, group in zip(twists, groups, strict=True)]
-            share, (x, y) = unknowns[k, 2], (float(value) for value in place)
-            vx, vy, omega = (float(value) for value in twists[0])
-            for theta in self._headings(without[k], wheel, (x, y)):
-                yield EdgeRest(
-                    (x, y, theta),
-                    wheel,
-                    tuple(kept),
-                    (vx, vy, omega),
-                    float((1 - share) / share),
-                    (loaded[0], loaded[1]),
-                    (stuck[0], stuck[1]),
-                )
+            x, y = (float(value) for value in unknowns[k, :2])
+            carrying = tuple(int(j) for j in np.flatnonzero(without[k]))
+            for theta in self._headings(without[k], int(wheels[k]), (x, y)):
+                rest = SeenRest((x, y), theta, carrying, (int(wheels[k]),))
+                if self._distance(rest) > ALIKE * self._outline.size and not any(map(partial(self._alike, rest), kept)):
+                    kept.append(rest)
+        return kept
 
-    def on_one_set(self, met: MetSets) -> Iterator[SetRest]:
-        """Rest on one set of wheels, where all of them slip: forces and moment balance."""
+    def on_one_set(self, met: MetSets) -> list[SeenRest]:
+        """Rest off the point on one set of wheels, where all slip: forces and moment balance; the nearest first."""
+        found = []
         for carrying in met.sets:
             place = self._balanced(carrying)
             if place is None or np.abs(place - self._point).max() > self.reach:
                 continue
             headings = np.linspace(-np.pi, np.pi, HEADINGS, endpoint=False)
             under = self._outline.depths(np.column_stack([np.tile(place, (HEADINGS, 1)), headings])) > 0
-            found = np.flatnonzero((under == carrying).all(axis=1))
-            if len(found):
-                middle = float(headings[found[len(found) // 2]])
+            same = np.flatnonzero((under == carrying).all(axis=1))
+            if len(same):
                 wheels = tuple(int(k) for k in np.flatnonzero(carrying))
-                yield SetRest(wheels, (float(place[0]), float(place[1])), middle)
+                found.append(
+                    SeenRest((float(place[0]), float(place[1])), float(headings[same[len(same) // 2]]), wheels)
+                )
+        away = [rest for rest in found if self._distance(rest) > ALIKE * self._outline.size]
+        return sorted(away, key=lambda rest: (self._distance(rest), rest.wheels))
+
+    def _distance(self, rest: SeenRest) -> float:
+        """From the point."""
+        return float(np.hypot(*(np.array(rest.place) - self._point)))
+
+    def _alike(self, first: SeenRest, second: SeenRest) -> bool:
+        """Whether two poses of rest are one: the same wheel under the edge, and nearly the same pose."""
+        size = self._outline.size
+        apart = [*np.subtract(first.place, second.place), (first.theta - second.theta) * size]
+        return first.edge == second.edge and bool(np.abs(apart).max() <= ALIKE * size)
 
     def _nearly_at_rest(self, met: MetSets) -> tuple[Mask, Numbers, Mask, Floats]:
         """The pairs whose motions nearly cancel: without the wheel, the wheel, with it, and ``(x, y, w)`` to start at.
@@ -267,10 +288,10 @@ class RestSearch:
         """The middle one of the wheels' distances from their nearest neighbours, at most the body's size."""
         places = self.model.positions
         if len(places) < 2:
-            return self.size
+            return self._outline.size
         distances = np.linalg.norm(places[:, None] - places, axis=2)
         np.fill_diagonal(distances, np.inf)
-        return min(float(np.median(distances.min(axis=1))), self.size)
+        return min(float(np.median(distances.min(axis=1))), self._outline.size)
 
 
 def _least(left: Floats, met: MetSets) -> Numbers:

@@ -46,19 +46,19 @@ class SetGuesses:
         found = self._motions.at(carrying, np.array([place]))
         if not found.known[0]:
             return None
-        vx, vy, omega = spatial(found.rates[0], np.array(place), self._size)
+        vx, vy, omega = _spatial(found.rates[0], np.array(place), self._size)
         twist = np.array([vx, vy, omega])
         loaded = tuple(bool(found.loads[0, k] > 0) for k in wheels)
-        return SetGuess((float(vx), float(vy), float(omega)), loaded, nearly_stuck(self.model, twist, wheels))
+        return SetGuess((float(vx), float(vy), float(omega)), loaded, _nearly_stuck(self.model, twist, wheels))
 
 
-def spatial(rate: Floats, place: Floats, size: float) -> Floats:
+def _spatial(rate: Floats, place: Floats, size: float) -> Floats:
     """``(v, omega)`` of a rate ``(c', size theta')``."""
     omega = rate[2] / size
     return np.array([rate[0] + omega * place[1], rate[1] - omega * place[0], omega])
 
 
-def nearly_stuck(model: ContactModel, twist: Floats, wheels: Sequence[int]) -> tuple[bool, ...]:
+def _nearly_stuck(model: ContactModel, twist: Floats, wheels: Sequence[int]) -> tuple[bool, ...]:
     """Which wheels hardly slip."""
     fastest = float(np.abs(model.speeds).max()) or 1.0
     slips = np.abs(model.slips(twist)).max(axis=-1)[list(wheels)]

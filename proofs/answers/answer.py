@@ -31,10 +31,8 @@ class Position(StrEnum):
 class Heading(StrEnum):
     """What its heading does."""
 
-    RETURNS = "returns"
     KEEPS = "keeps"
     DRIFTS = "drifts"
-    LEAVES = "leaves"  # a pose with a wheel under the edge of the body, from which it is driven off
     UNDECIDED = "undecided"
 
 
@@ -46,7 +44,7 @@ class Pose(StrEnum):
     UNDECIDED = "undecided"
 
 
-GOOD = frozenset({Position.COMES_HOME, Heading.RETURNS, Heading.KEEPS, Pose.CAN_BE_HELD, Certainty.CERTIFIED})
+GOOD = frozenset({Position.COMES_HOME, Heading.KEEPS, Pose.CAN_BE_HELD, Certainty.CERTIFIED})
 
 
 @dataclass(frozen=True, repr=False)

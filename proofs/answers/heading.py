@@ -14,7 +14,7 @@ from nonsmooth.proofs.verdicts import Equilibrium, Rotation
 from nonsmooth.symbolic.number_text import float_text
 from nonsmooth.symbolic.scene import Scene
 
-# On one set of wheels no open loop brings the heading back; with wheels under an edge some do (``proofs/headings/``).
+# On one set of wheels no open loop brings the heading back.
 OF_ROTATION = {
     Rotation.UNSTABLE: Heading.DRIFTS,
     Rotation.NEUTRAL: Heading.KEEPS,

@@ -8,26 +8,22 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING
 
 from flint import arb
 
 from nonsmooth.proofs.answers.answer import Heading, Position
 from nonsmooth.proofs.answers.heading import OF_ROTATION
 from nonsmooth.proofs.answers.position import OF_TRANSLATION
-from nonsmooth.proofs.headings.search import EquilibriumHeadings, SampledRest, can_search, equilibrium_headings
+from nonsmooth.proofs.headings.search import EquilibriumHeadings, can_search, equilibrium_headings
 from nonsmooth.proofs.headings.stay import Stays
 from nonsmooth.proofs.verified import verified
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import Scene
 
 if TYPE_CHECKING:
-    from nonsmooth.proofs.headings.at_point import OpenHeadings
+    from nonsmooth.proofs.headings.at_point import OpenHeadings, SampledRest
     from nonsmooth.proofs.headings.heading_intervals import RestInterval
-    from nonsmooth.proofs.headings.isolated import EdgePose
-    from nonsmooth.proofs.headings.turned_back import TurnedBack
-
-Real: TypeAlias = Number | arb | float
 
 
 class HeadingKind(StrEnum):
@@ -59,8 +55,8 @@ class HeadingOfRest:
     kind: HeadingKind
     low: arb | None
     high: arb | None
-    heading: arb | float | None
-    at: tuple[Real, Real]
+    heading: float | None
+    at: tuple[Number | float, Number | float]
     wheels: tuple[int, ...]
     edge: tuple[int, ...]
     position: Position
@@ -86,7 +82,7 @@ class HeadingOfRest:
 
 @dataclass(frozen=True)
 class HeadingsOfRest:
-    """All entries: those that attract first, isolated ones before intervals.
+    """All entries: those that attract first.
 
     Attributes:
         found: the entries.
@@ -101,11 +97,6 @@ class HeadingsOfRest:
     reach: float | None
     left_out: int
     can_search: bool = False
-
-    @property
-    def returning(self) -> tuple[HeadingOfRest, ...]:
-        """Those to which a heading is proved to return."""
-        return tuple(entry for entry in self.found if entry.verdict is Heading.RETURNS)
 
 
 def headings_of_rest(scene: Scene, *, around: bool = False) -> HeadingsOfRest | None:
@@ -123,8 +114,6 @@ def headings_of_rest(scene: Scene, *, around: bool = False) -> HeadingsOfRest | 
 
 
 def _entries(found: EquilibriumHeadings) -> Iterator[HeadingOfRest]:
-    yield from (_of_turned_back(pose) for pose in found.turned_back)
-    yield from (_of_pose(pose) for pose in found.isolated)
     yield from (_of_interval(interval) for interval in found.intervals)
     yield from (_of_sample(sample) for sample in found.sampled)
 
@@ -145,58 +134,17 @@ def _of_interval(interval: RestInterval) -> HeadingOfRest:
     return HeadingOfRest(kind, gap.low, gap.high, None, at, wheels, edge, position, verdict, proved=True)
 
 
-def _of_turned_back(pose: TurnedBack) -> HeadingOfRest:
-    position, verdict = _OF_FATE[pose.position][0], _OF_FATE[pose.heading][1]
-    at, theta = pose.scene.check.equilibrium, pose.cluster.theta
-    return HeadingOfRest(
-        HeadingKind.ISOLATED,
-        None,
-        None,
-        theta,
-        at,
-        pose.inside,
-        pose.edge,
-        position,
-        verdict,
-        proved=True,
-        reason=pose.reason,
-    )
-
-
-_OF_FATE = {
-    "returns": (Position.COMES_HOME, Heading.RETURNS),
-    "leaves": (Position.LEAVES, Heading.LEAVES),
-    "undecided": (Position.UNDECIDED, Heading.UNDECIDED),
-}
-
-
-def _of_pose(pose: EdgePose) -> HeadingOfRest:
-    scene, candidate = pose.scene, pose.candidate
-    wheels = tuple(scene.wheels[k].index for k in candidate.inside)
-    edge = (scene.wheels[candidate.wheel].index,)
-    position, verdict = _OF_FATE[pose.position][0], _OF_FATE[pose.heading][1]
-    x, y, theta = candidate.pose
-    at: tuple[Real, Real] = (x, y)
-    if pose.box is not None and pose.theta is not None:
-        at = pose.box[0, 0], pose.box[1, 0]
-    heading = theta if pose.theta is None else pose.theta
-    return HeadingOfRest(
-        HeadingKind.ISOLATED, None, None, heading, at, wheels, edge, position, verdict, pose.is_proved, pose.reason
-    )
-
-
 def _of_sample(sample: SampledRest) -> HeadingOfRest:
-    why = "its exact point takes too much arithmetic, or is none"
-    unknown = (Position.UNDECIDED, Heading.UNDECIDED)
     return HeadingOfRest(
-        HeadingKind.INTERVAL,
+        HeadingKind.ISOLATED if sample.edge else HeadingKind.INTERVAL,
         None,
         None,
         sample.theta,
         sample.place,
         sample.wheels,
-        (),
-        *unknown,
+        sample.edge,
+        Position.UNDECIDED,
+        Heading.UNDECIDED,
         proved=False,
-        reason=why,
+        reason=sample.reason,
     )

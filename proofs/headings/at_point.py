@@ -1,4 +1,4 @@
-"""Every heading with the centre of mass at one point: where the body rests, where it turns back, what is undecided."""
+"""Every heading with the centre of mass at one point: where the body rests, where its turns meet, what is undecided."""
 
 from __future__ import annotations
 
@@ -11,13 +11,15 @@ from flint import arb, arb_mat, ctx
 from nonsmooth.proofs.headings.ball_motion import UndecidedMotionError
 from nonsmooth.proofs.headings.heading_intervals import HeadingsAt, RestInterval, Wheels
 from nonsmooth.proofs.headings.stay import Stays
-from nonsmooth.proofs.headings.turned_back import TurnedBack, is_one_heading, meets, turned_back
 from nonsmooth.symbolic.edge_headings import HeadingCluster, seen
 from nonsmooth.symbolic.numbers.enclosures import PRECISION
 
 MOST_AT_ONCE = 4  # wheels under the edge at one heading whose motions are looked at: 16 sets
 STEPS = 200  # towards the shortest mixture of motions
 MOVES = "whether mixtures of the motions on both sides rest is not decided"
+CORNER = "a wheel that may lie under a corner of the body"
+TOWARDS = "the body turns to it from both sides; whether it comes back to it is not decided"
+AWAY = "the body turns away from it on both sides; what becomes of it is not decided"
 
 
 @dataclass(frozen=True)
@@ -38,24 +40,43 @@ class OpenHeadings:
 
 
 @dataclass(frozen=True)
+class SampledRest:
+    """A pose at which a body seems to rest, and nothing is proved.
+
+    Attributes:
+        place: ``(x, y)``, in floats.
+        theta: the heading, or one at which the same wheels carry where none lies under the edge.
+        wheels: numbers of those well under the body.
+        edge: numbers of those under its edge.
+        reason: what is not decided.
+    """
+
+    place: tuple[float, float]
+    theta: float
+    wheels: Wheels
+    edge: Wheels
+    reason: str
+
+
+@dataclass(frozen=True)
 class PointHeadings:
     """All headings at one point.  At those that are in none of these lists the body does not rest.
 
     Attributes:
         intervals: those in which the centre of mass stays.
-        turned_back: single headings of rest with wheels under the edge.
+        sampled: single headings with wheels under the edge, at which turns one way meet turns the other way.
         undecided: the headings left open.
     """
 
     intervals: tuple[RestInterval, ...]
-    turned_back: tuple[TurnedBack, ...]
+    sampled: tuple[SampledRest, ...]
     undecided: tuple[OpenHeadings, ...]
 
 
 def point_headings(here: HeadingsAt) -> PointHeadings:
     """Decide every heading at a point; the ends of intervals of rest are headings of rest too, and not listed."""
     sectors = list(here.sectors())
-    singles: list[TurnedBack] = []
+    singles: list[SampledRest] = []
     left = [
         OpenHeadings(sector.gap.low, sector.gap.high, (), sector.stay.reason)
         for sector in sectors
@@ -64,7 +85,7 @@ def point_headings(here: HeadingsAt) -> PointHeadings:
     for k, cluster in enumerate(here.clusters()):
         with ctx.workprec(PRECISION):
             found = _at_edge(here, cluster, sectors[k - 1], sectors[k])
-        if isinstance(found, TurnedBack):
+        if isinstance(found, SampledRest):
             singles.append(found)
         elif found is not None:
             left.append(found)
@@ -74,22 +95,22 @@ def point_headings(here: HeadingsAt) -> PointHeadings:
 
 def _at_edge(
     here: HeadingsAt, cluster: HeadingCluster, below: RestInterval, above: RestInterval
-) -> TurnedBack | OpenHeadings | None:
+) -> SampledRest | OpenHeadings | None:
     """The heading between two intervals; None where it is an end of rest or of what is left open, or no rest."""
     kinds = {below.stay.kind, above.stay.kind}
     if kinds & {Stays.RESTS, Stays.UNDECIDED}:
         return None
-    inside = _inside(here, cluster)
-    signs, single = meets(below, above), is_one_heading(here, cluster)
-    if signs is not None and single and inside is not None:
-        return turned_back(here, cluster, inside, signs)
-    if signs is None and len(cluster.edges) == 1 and _passes(here, kinds):
+    inside, edge = _inside(here, cluster), tuple(here.scene.wheels[k].index for k in cluster.wheels)
+    turns_meet = kinds == {Stays.TURNS} and below.stay.turning * above.stay.turning < 0
+    if turns_meet and inside is not None:
+        x, y = (float(entry) for entry in here.scene.check.equilibrium)
+        reason = TOWARDS if below.stay.turning > 0 else AWAY
+        return SampledRest((x, y), float(cluster.theta.mid()), inside, edge, reason)
+    if not turns_meet and len(cluster.edges) == 1 and _passes(here, kinds):
         return None
-    reason = MOVES if inside is not None else "a wheel that may lie under a corner of the body"
-    if inside is not None and signs is None and _moves_off(here, cluster, inside):
+    if not turns_meet and inside is not None and _moves_off(here, cluster, inside):
         return None
-    edge = tuple(here.scene.wheels[k].index for k in cluster.wheels)
-    return OpenHeadings(cluster.theta, cluster.theta, edge, reason)
+    return OpenHeadings(cluster.theta, cluster.theta, edge, CORNER if inside is None else MOVES)
 
 
 def _passes(here: HeadingsAt, kinds: set[Stays]) -> bool:

@@ -68,7 +68,7 @@ class BallWheel:
         """Gradient (2, 1) and Hessian (2, 2) of f at the slips of a twist (3, 1).
 
         Raises:
-            UnprovedError: where they may not exist.
+            UndecidedMotionError: where they may not exist.
         """
         slips = self.row.transpose() * twist - self.speed
         r, s = slips.entries()
@@ -139,7 +139,7 @@ class BallMotion:
         """Elastic loads, total weight 1, with a guess of which wheels they press, and which stick.
 
         Raises:
-            UnprovedError: where the loaded wheels may stand on one line.
+            UndecidedMotionError: where the loaded wheels may stand on one line.
         """
         self._wheels = [BallWheel.of(wheel, rule.friction_set(wheel.friction)) for wheel in wheels]
         self._loaded = tuple(loaded)
@@ -160,7 +160,7 @@ class BallMotion:
         """Refuse guesses that are not certain: then loads are affine around, and what sticks goes on sticking.
 
         Raises:
-            UnprovedError: where a loaded wheel may be free, a free one pressed, or one that sticks may slip.
+            UndecidedMotionError: where a loaded wheel may be free, a free one pressed, or one that sticks may slip.
         """
         point = _with_one(centre)
         for form, pressed in zip(self._forms, self._loaded, strict=True):
@@ -176,7 +176,7 @@ class BallMotion:
         """The equations at a twist (3, 1), forces (2 z, 1) of the wheels that stick, and a centre of mass (2, 1).
 
         Raises:
-            UnprovedError: where another wheel may stick.
+            UndecidedMotionError: where another wheel may stick.
         """
         point, size = _with_one(centre), 3 + self.forces
         values, state, slope = arb_mat(size, 1), arb_mat(size, size), arb_mat(size, 2)
@@ -188,20 +188,20 @@ class BallMotion:
             if stuck:
                 force = arb_mat([[forces[row - 3, 0]], [forces[row - 2, 0]]])
                 way, rows = wheel.grip * force, wheel.row.transpose()
-                add(values, row, 0, rows * twist - wheel.speed)
-                add(state, row, 0, rows)
-                add(state, 0, row, wheel.grip * load)
+                _add(values, row, 0, rows * twist - wheel.speed)
+                _add(state, row, 0, rows)
+                _add(state, 0, row, wheel.grip * load)
                 row += 2
             else:
                 gradient, bend = wheel.force(twist)
                 way = wheel.row * gradient
-                add(state, 0, 0, (wheel.row * bend * wheel.row.transpose()) * load)
-            add(values, 0, 0, way * load)
-            add(slope, 0, 0, way * arb_mat([[form[1, 0], form[2, 0]]]))
+                _add(state, 0, 0, (wheel.row * bend * wheel.row.transpose()) * load)
+            _add(values, 0, 0, way * load)
+            _add(slope, 0, 0, way * arb_mat([[form[1, 0], form[2, 0]]]))
         return Pull(values, state, slope)
 
 
-def add(matrix: arb_mat, row: int, column: int, block: arb_mat) -> None:
+def _add(matrix: arb_mat, row: int, column: int, block: arb_mat) -> None:
     """Add a block to a part of a matrix, in place."""
     for r in range(block.nrows()):
         for k in range(block.ncols()):

@@ -1,9 +1,9 @@
 """Equilibrium headings of a body with an outline: where it rests for a range of headings, and where for one.
 
-At the checked point every heading is decided or named as undecided, under every contact rule.  Under a rule without
-cells rest is also looked for around that point, in floats, and what is found is decided: exactly on one set of wheels,
-in ball arithmetic with one wheel under the edge.  That search may miss poses, among them all off the point with several
-wheels under the edge; what it finds and cannot prove is called sampled.
+At the checked point every range of headings is decided or named as undecided, under every contact rule.  Under a rule
+without cells rest is also looked for around that point, in floats; on one set of wheels what is found is decided
+exactly.  That search may miss poses, among them all off the point with several wheels under the edge.  What is not
+proved, among it every single heading with wheels under the edge, is called sampled.
 """
 
 from __future__ import annotations
@@ -19,11 +19,9 @@ import numpy as np
 from nonsmooth.analysis.cells.loads import LoadRegion, load_regions
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
-from nonsmooth.proofs.headings.at_point import OpenHeadings, point_headings
+from nonsmooth.proofs.headings.at_point import OpenHeadings, SampledRest, point_headings
 from nonsmooth.proofs.headings.heading_intervals import HeadingsAt, RestInterval, Wheels
-from nonsmooth.proofs.headings.isolated import EdgePose, decide_edge_pose
 from nonsmooth.proofs.headings.stay import Stay
-from nonsmooth.proofs.headings.turned_back import TurnedBack
 from nonsmooth.symbolic.contact_set import whole
 from nonsmooth.symbolic.continuum import Disc
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, work_limit
@@ -33,27 +31,13 @@ from nonsmooth.symbolic.scene_error import SceneError
 from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
 if TYPE_CHECKING:
-    from nonsmooth.analysis.bodies.edge_rests import RestSearch
-    from nonsmooth.analysis.bodies.rests import SetRest
+    from nonsmooth.analysis.bodies.edge_rests import SeenRest
 
 MOST_POINTS = 24  # points of rest on one set of wheels that are decided, the nearest first
 UNITS = 400_000  # of exact arithmetic for one of them
+UNDER_THE_EDGE = "rest with a wheel under the edge is seen in floats, not proved"
+TOO_MUCH = "its exact point takes too much arithmetic, or is none"
 NEAR = 10**6  # denominator of a rational point beside a sampled one: the same wheels are loaded there
-
-
-@dataclass(frozen=True)
-class SampledRest:
-    """A point at which a body seems to rest on one set of wheels, and nothing is proved.
-
-    Attributes:
-        wheels: numbers of those that carry.
-        place: ``(x, y)``, in floats.
-        theta: a heading at which they do.
-    """
-
-    wheels: tuple[int, ...]
-    place: tuple[float, float]
-    theta: float
 
 
 @dataclass(frozen=True)
@@ -62,28 +46,22 @@ class EquilibriumHeadings:
 
     Attributes:
         intervals: ranges of headings on one set of wheels, proved.
-        turned_back: single headings at the checked point, between turns that lead to them or away.
         undecided: headings at the checked point of which nothing is proved.
-        isolated: poses with one wheel under the edge; ``is_proved`` says which are.
-        sampled: points on one set of wheels that are not proved.
+        sampled: what seems to be rest: single headings with wheels under the edge, and points on one set of wheels.
         reach: half-width of the square of places that was searched; None where it was the checked point alone.
         left_out: points on one set of wheels that were found but not decided, for there were too many.
     """
 
     intervals: tuple[RestInterval, ...]
-    turned_back: tuple[TurnedBack, ...] = ()
     undecided: tuple[OpenHeadings, ...] = ()
-    isolated: tuple[EdgePose, ...] = ()
     sampled: tuple[SampledRest, ...] = ()
     reach: float | None = None
     left_out: int = 0
 
     def check(self) -> bool:
-        """Verify every claim again; what a set of wheels does at a point is decided again once."""
+        """Verify every interval again; what a set of wheels does at a point is decided again once."""
         known: dict[tuple[Vector, Wheels], Stay] = {}
-        intervals = all(interval.check(known) for interval in self.intervals)
-        singles = all(pose.check() for pose in self.turned_back) and all(pose.check() for pose in self.isolated)
-        return intervals and singles
+        return all(interval.check(known) for interval in self.intervals)
 
 
 def heading_matters(scene: Scene) -> bool:
@@ -117,7 +95,7 @@ def equilibrium_headings(scene: Scene, *, around: bool = False) -> EquilibriumHe
     if not heading_matters(scene) or (rule.needs_loads and isinstance(scene.contact.loads, UnknownLoads)):
         return None
     found = point_headings(HeadingsAt(scene, scene.check.equilibrium))
-    at_point = EquilibriumHeadings(found.intervals, found.turned_back, found.undecided)
+    at_point = EquilibriumHeadings(found.intervals, found.undecided, found.sampled)
     if not around or not isinstance(rule, SmoothRule) or not can_search(scene):
         return at_point
     return _with_surroundings(at_point, whole(scene), rule)
@@ -131,41 +109,27 @@ def can_search(scene: Scene) -> bool:
 def _with_surroundings(at_point: EquilibriumHeadings, every: Scene, rule: SmoothRule) -> EquilibriumHeadings:
     """What is found around the point beside what is known at it."""
     from nonsmooth.analysis.bodies.edge_rests import RestSearch  # SciPy: only a search loads it
-    from nonsmooth.analysis.bodies.rests import distinct
 
     search = RestSearch(every, rule)
     met = search.meet()
-    poses = [
-        rest for rest in distinct(search.under_the_edge(met), search.size) if not search.is_at_the_point(rest.place)
-    ]
-    isolated = tuple(decide_edge_pose(every, rest) for rest in poses)
-    elsewhere = _elsewhere(search, list(search.on_one_set(met)))
-    intervals, sampled = list(at_point.intervals), []
-    for found in elsewhere[:MOST_POINTS]:
-        proved = _intervals_of(every, found)
+    intervals, sampled = list(at_point.intervals), list(at_point.sampled)
+    sampled += [_sampled(every, seen, UNDER_THE_EDGE) for seen in search.under_the_edge(met)]
+    elsewhere = search.on_one_set(met)
+    for seen in elsewhere[:MOST_POINTS]:
+        proved = _intervals_of(every, seen)
         intervals += proved
         if not proved:
-            wheels = tuple(every.wheels[k].index for k in found.wheels)
-            sampled.append(SampledRest(wheels, found.place, found.theta))
+            sampled.append(_sampled(every, seen, TOO_MUCH))
     left_out = max(len(elsewhere) - MOST_POINTS, 0)
-    return replace(
-        at_point,
-        intervals=tuple(intervals),
-        isolated=isolated,
-        sampled=tuple(sampled),
-        reach=search.reach,
-        left_out=left_out,
-    )
+    return replace(at_point, intervals=tuple(intervals), sampled=tuple(sampled), reach=search.reach, left_out=left_out)
 
 
-def _elsewhere(search: RestSearch, found: list[SetRest]) -> list[SetRest]:
-    """Rest on one set of wheels at other points than the checked one, the nearest first."""
-    away = [search.distance(rest.place) for rest in found]
-    order = sorted(range(len(found)), key=lambda k: (away[k], found[k].wheels))
-    return [found[k] for k in order if not search.is_at_the_point(found[k].place)]
+def _sampled(scene: Scene, seen: SeenRest, reason: str) -> SampledRest:
+    wheels, edge = (tuple(scene.wheels[k].index for k in some) for some in (seen.wheels, seen.edge))
+    return SampledRest(seen.place, seen.theta, wheels, edge, reason)
 
 
-def _intervals_of(scene: Scene, found: SetRest) -> list[RestInterval]:
+def _intervals_of(scene: Scene, found: SeenRest) -> list[RestInterval]:
     """The intervals of one candidate: its exact point, and the headings at which its wheels carry."""
     try:
         with work_limit(scene.field, UNITS):
@@ -177,7 +141,7 @@ def _intervals_of(scene: Scene, found: SetRest) -> list[RestInterval]:
     return [sector for sector in sectors if sector.stay.is_equilibrium]
 
 
-def _exact_points(scene: Scene, found: SetRest) -> Iterator[Vector]:
+def _exact_points(scene: Scene, found: SeenRest) -> Iterator[Vector]:
     """Where forces balance on these wheels, for each form that the loads have near the sampled point."""
     if any(scene.wheels[k].axis is not None for k in found.wheels):
         return  # forces along friction axes are no numbers of the scene

@@ -104,7 +104,7 @@ class StaysAt:
         """Rows ``(c', omega)``, (1, 3), whose hull holds all motions on the wheels with some numbers.
 
         Raises:
-            UnprovedError: where they are not known, or the body tips.
+            UndecidedMotionError: where they are not known, or the body tips.
         """
         stay = self.on(numbers)
         if stay.kind is Stays.TIPS:
@@ -127,7 +127,7 @@ class StaysAt:
         """The enclosed motion on the wheels with some numbers, under a rule without cells and with elastic loads.
 
         Raises:
-            UnprovedError: where none is proved.
+            UndecidedMotionError: where none is proved.
         """
         if self.rule is None:
             raise UndecidedMotionError("a rule with cells, or loads of one set of wheels")

@@ -12,7 +12,6 @@ if TYPE_CHECKING:
 # Exact colors of answers, from Okabe and Ito's palette; equal words are equal colors.
 COLORS = {
     "comes home": "#009E73",
-    "returns": "#009E73",
     "can be held": "#009E73",
     "holds": "#009E73",
     "stays near": "#F0E442",

@@ -118,7 +118,9 @@ def test_headings_of_rest(stopwatch: Stopwatch, tmp_path: Path) -> None:
         found = resting_heading(next(seeds), tmp_path)
         resting += [] if found is None else [found]
     apart = [max(abs(said - seen) for said, seen in pairs) for pairs in (returning, resting)]
-    stopwatch.report(f"headings that return: within {apart[0]:.4f} rad; of paths that end at rest: {apart[1]:.4f}")
+    stopwatch.report(
+        f"headings that the body turns to: within {apart[0]:.4f} rad; of paths that end at rest: {apart[1]:.4f}"
+    )
     assert max(apart) < HEADING
 
 

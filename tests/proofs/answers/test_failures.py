@@ -77,7 +77,7 @@ def test_loads_by_a_table_say_nothing_about_fewer_wheels() -> None:
 
 def test_the_worst_is_the_one_with_the_worst_position_first() -> None:
     one = failures_of(load_scene("four-wheel"))[0]
-    leaves = replace(one, wheel=2, position=ns.Position.LEAVES, heading=ns.Heading.RETURNS)
+    leaves = replace(one, wheel=2, position=ns.Position.LEAVES, heading=ns.Heading.KEEPS)
     drifts = replace(one, wheel=3, position=ns.Position.COMES_HOME, heading=ns.Heading.DRIFTS)
     tips = replace(one, wheel=4, position=ns.Position.TIPS)
     assert worst_failure((leaves, drifts)) is leaves
