@@ -8,8 +8,7 @@ from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.reports.document import Code, Section
 from nonsmooth.reports.feedback_loop import certified_law
-from nonsmooth.reports.papers.murphey_burdick_2001.feedback import law_of_section_3_3
-from nonsmooth.reports.papers.murphey_burdick_2001.paper import is_paper_array
+from nonsmooth.reports.papers.murphey_burdick_2001.paper import is_paper_array, law_of_section_3_3
 from nonsmooth.reports.prose import paragraph
 from nonsmooth.reports.sections.driven_loop import driven_law_section
 from nonsmooth.reports.sections.feedback import law_formulas, region_blocks

@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import cache
 
 from nonsmooth.reports.derivation import Report, derive_report, render_report
-from nonsmooth.reports.papers.murphey_burdick_2001.paper import audit_section
+from nonsmooth.reports.papers.murphey_burdick_2001.audit import audit_section
 from nonsmooth.reports.subject import Invocation
 from nonsmooth.symbolic.files.scene_file import load_scene
 

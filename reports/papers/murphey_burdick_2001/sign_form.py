@@ -1,42 +1,107 @@
-"""Piecewise constant functions on the sectors of lines through the origin, written with ``sgn`` of polynomials.
+"""Governing equations with ``sgn`` in one formula for all cells, as the paper prints eqs. (3) and (4).
 
-Murphey & Burdick print eqs. (3) and (4) in this form.  A line is a *factor* (``x``, ``y``, ``a x + b y``); two lines
-that mirror each other in an axis are one factor (``b^2 y^2 - a^2 x^2``).  A function on the sectors is then sought as
-one or two terms ``number * sgn(product of factors)``: every candidate's numbers follow from two sectors and are
-tested exactly on all.  It fails, and says nothing, where two terms are too few (rings of many wheels).
+Where the cells are the sectors of lines through the checked point, every component of the twist is constant on each.
+A line is a *factor* (``x``, ``y``, ``a x + b y``); two lines that mirror each other in an axis are one factor
+(``b^2 y^2 - a^2 x^2``).  A function on the sectors is sought as one or two terms ``number * sgn(product of factors)``:
+every candidate's numbers follow from two sectors and are tested exactly on all.  It fails, and says nothing, where two
+terms are too few (rings of many wheels).
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import reduce
 from itertools import combinations
 from math import prod
 from typing import Any, TypeAlias
 
+from nonsmooth.analysis.cells.partition import Partition
+from nonsmooth.reports.document import Block, Math, Paragraph, Section, display
+from nonsmooth.reports.prose import listed, paragraph, prose
+from nonsmooth.reports.subject import Subject
 from nonsmooth.symbolic.formulas import Formula, number_latex
-from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.enclosures import EXACT_ROOTS
+from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.polynomial import Terms, multiply_terms
 from nonsmooth.symbolic.numbers.printing import number_summands
+from nonsmooth.symbolic.plane import cross
 
 MOST_FACTORS = 6  # 2^6 products make 2016 pairs
+NAMES = (Math("v_x", "v_x"), Math("v_y", "v_y"), Math(r"\omega", "omega"))
 
-FactorPolynomial: TypeAlias = Terms  # coefficient of x^i y^j by (i, j)
 Direction: TypeAlias = tuple[Number, Number]
+Factor: TypeAlias = Terms  # coefficient of x^i y^j by (i, j)
 Product: TypeAlias = tuple[int, ...]  # numbers of the factors, ascending
 
 
-@dataclass(frozen=True)
-class Factor:
-    """A polynomial that changes its sign on one line through the origin, or on two that mirror each other."""
+# ---- the section ---------------------------------------------------------------------------------
 
-    polynomial: FactorPolynomial
 
-    def sign_at(self, x: Any, y: Any) -> int:
-        """Its sign at a point."""
-        total = sum(number * x**i * y**j for (i, j), number in self.polynomial.items())
-        return int(total.sign())
+def sign_form_section(subject: Subject) -> Section:
+    """The twist of all cells in one formula, each component that has a short one."""
+    forms = list(zip(NAMES, partition_forms(subject.cells.partition), strict=True))
+    found = [(name, form) for name, form in forms if form is not None]
+    latex = " \\\\\n".join(rf"{name.latex} &= {form.latex}" for name, form in found)
+    blocks: list[Block] = [
+        paragraph("The cells are the sectors of lines through the checked point, so the spatial twist is, exactly:"),
+        display(
+            f"\\begin{{aligned}}\n{latex}\n\\end{{aligned}}",
+            "\n".join(f"{name.plain} = {form.plain}" for name, form in found),
+        ),
+    ]
+    missing = [name for name, form in forms if form is None]
+    if missing:
+        words = prose("No sum of two products of signs equals the others, which the contact states list cell by cell: ")
+        blocks.append(Paragraph((*words, *listed(missing), ".")))
+    return Section("Governing equations in sgn form", tuple(blocks))
+
+
+def without_sign_form(subject: Subject) -> str:
+    """Why the cells allow no such formula; empty where they do."""
+    partition = subject.cells.partition
+    if len(partition.scene.field.radicands) > EXACT_ROOTS:
+        return "exact coordinates of the cells would take minutes over so many square roots"
+    if any(len(set(cell.twists)) > 1 for cell in partition.cells):
+        return "several motions tie in a cell"
+    if separating_lines(partition) is None:
+        return "the cells are not the sectors of lines through the checked point"
+    return "" if any(partition_forms(partition)) else "no sum of two products of signs gives the twist"
+
+
+def partition_forms(partition: Partition) -> list[SignForm | None]:
+    """The forms of ``v_x, v_y, omega``; None for a component that has no short one."""
+    lines = separating_lines(partition)
+    if not lines:
+        return [None, None, None]
+    factors = line_factors(lines)
+    centres = [_exact(cell.polygon.centre) for cell in partition.cells]
+    components = zip(*(cell.twists[0] for cell in partition.cells), strict=True)
+    return [find_sign_form(factors, list(zip(centres, values, strict=True))) for values in components]
+
+
+def separating_lines(partition: Partition) -> list[Direction] | None:
+    """Directions of the lines through the origin that part the cells; None where another edge does."""
+    lines: list[Direction] = []
+    for edge in partition.complex.edges:
+        if edge.left is None or edge.right is None:
+            continue
+        first, last = partition.complex.points[edge.start], partition.complex.points[edge.end]
+        if sign(cross(first, last)):
+            return None
+        direction = _exact(first if any(sign(value) for value in first) else last)
+        if all(sign(cross(direction, line)) for line in lines):
+            lines.append(direction)
+    return lines
+
+
+def _exact(point: tuple[Any, Any]) -> Direction:
+    """A point as exact numbers."""
+    x, y = (value if isinstance(value, Number) else value.exact() for value in point)
+    return x, y
+
+
+# ---- forms ---------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -56,46 +121,58 @@ class SignForm:
         """The same in plain text."""
         return self._written(latex=False)
 
-    def value_at(self, x: Any, y: Any) -> Number:
-        """The sum at a point, exactly."""
-        signs = [factor.sign_at(x, y) for factor in self.factors]
-        zero = next(iter(self.factors[0].polynomial.values())) * 0
-        return sum((number * prod(signs[k] for k in product) for number, product in self.terms), zero)
-
     def _written(self, *, latex: bool) -> str:
-        if not self.terms:
-            return "0"
         if len(self.terms) == 2:
             (first, common), (second, whole) = self.terms
-            rest = tuple(k for k in whole if k not in common)
             if set(common) <= set(whole) and first in (second, -second):
-                bracket = f"{self._sign(rest, latex)} {'+' if first == second else '-'} 1"
-                bracket = rf"\left({bracket}\right)" if latex and common else f"({bracket})"
-                return _joined(second, [*([self._sign(common, latex)] if common else []), bracket], latex)
-        parts = [_joined(number, [self._sign(p, latex)] if p else [], latex) for number, p in self.terms if number]
-        return " + ".join(parts).replace("+ -", "- ")
+                rest = self._sign(tuple(k for k in whole if k not in common), latex)
+                bracket = f"({rest} {'+' if first == second else '-'} 1)"
+                if latex and common:
+                    bracket = rf"\left{bracket[:-1]}\right)"
+                return _joined(second, [self._sign(common, latex), bracket], latex)
+        terms = [_joined(number, [self._sign(product, latex)], latex) for number, product in self.terms if number]
+        return " + ".join(terms).replace("+ -", "- ") or "0"
 
     def _sign(self, product: Product, latex: bool) -> str:
-        polynomial = multiplied([self.factors[k].polynomial for k in product])
-        ordered = sorted(polynomial.items(), key=lambda item: (item[0][0], item[0][1]))
-        formula = Formula(tuple((number, _powers(i, j)) for (i, j), number in ordered))
-        inner = formula.latex() if latex else formula.plain().replace("*", " ")
-        return rf"\operatorname{{sgn}}({inner})" if latex else f"sgn({inner})"
+        """``sgn`` of a product, empty where that is."""
+        if not product:
+            return ""
+        polynomial = reduce(multiply_terms, (self.factors[k] for k in product))
+        formula = Formula(tuple((polynomial[powers], _monomial(*powers)) for powers in sorted(polynomial)))
+        if latex:
+            return rf"\operatorname{{sgn}}({formula.latex()})"
+        return f"sgn({formula.plain().replace('*', ' ')})"
+
+
+def _monomial(i: int, j: int) -> tuple[str, ...]:
+    return tuple(name if power == 1 else f"{name}^{power}" for name, power in (("x", i), ("y", j)) if power)
+
+
+def _joined(number: Number, signs: list[str], latex: bool) -> str:
+    """``number sign sign``; a number that is a sum stands in parentheses."""
+    signs = [sign for sign in signs if sign]
+    written = number_latex(number) if latex else str(number)
+    if signs and len(number_summands(number)) > 1:
+        written = rf"\left({written}\right)" if latex else f"({written})"
+    if signs and written in ("1", "-1"):
+        return written[:-1] + " ".join(signs)
+    return (r"\, " if latex else " ").join([written, *signs])
 
 
 def line_factors(lines: Sequence[Direction]) -> tuple[Factor, ...]:
     """The factors of lines through the origin, given by their directions, no two of them parallel."""
-    left = list(lines)
-    factors: list[Factor] = []
+    left, factors = list(lines), list[Factor]()
     while left:
         a, b = left.pop(0)
-        mirrored = next((k for k, (c, d) in enumerate(left) if a * b and not a * d + b * c), None)
-        if mirrored is None:
-            factors.append(Factor(_line(a, b)))
-        else:
-            c, d = left.pop(mirrored)
-            factors.append(Factor(_scaled(multiplied([_line(a, b), _line(c, d)]))))
-    return tuple(sorted(factors, key=lambda f: (sum(next(iter(f.polynomial))), (0, 1) in f.polynomial)))
+        mirrored = [(c, d) for c, d in left if a * b and not a * d + b * c]
+        left = [line for line in left if line not in mirrored]
+        # the product of a y - b x, with the coefficient of the highest power of y, or x, made 1
+        lines_of_factor: list[Factor] = [{(0, 1): c, (1, 0): -d} for c, d in [(a, b), *mirrored]]
+        product = reduce(multiply_terms, lines_of_factor)
+        polynomial = {powers: number for powers, number in product.items() if number}
+        leading = polynomial[max(polynomial, key=lambda powers: powers[1])]
+        factors.append({powers: number / leading for powers, number in polynomial.items()})
+    return tuple(sorted(factors, key=lambda factor: (sum(next(iter(factor))), (0, 1) in factor)))
 
 
 def find_sign_form(factors: tuple[Factor, ...], samples: Sequence[tuple[Direction, Number]]) -> SignForm | None:
@@ -110,64 +187,33 @@ def find_sign_form(factors: tuple[Factor, ...], samples: Sequence[tuple[Directio
     """
     if len(factors) > MOST_FACTORS:
         return None
-    signs = [[factor.sign_at(*point) for factor in factors] for point, _ in samples]
     values = [value for _, value in samples]
     if not any(values):
         return SignForm(factors, ())
+    signs = [[sign_at(factor, point) for factor in factors] for point, _ in samples]
     products = [p for size in range(len(factors) + 1) for p in combinations(range(len(factors)), size)]
     columns = {product: [prod(row[k] for k in product) for row in signs] for product in products}
-    for terms in _candidates(products, columns, values):
+    for terms in _candidates(columns, values):
         if all(value == sum(n * columns[p][k] for n, p in terms) for k, value in enumerate(values)):
-            return SignForm(factors, tuple(terms))
+            return SignForm(factors, terms)
     return None
 
 
+def sign_at(factor: Factor, point: Direction) -> int:
+    """The sign of a factor at a point."""
+    x, y = point
+    return sign(sum(number * x**i * y**j for (i, j), number in factor.items()))
+
+
 def _candidates(
-    products: Sequence[Product], columns: dict[Product, list[int]], values: Sequence[Number]
-) -> Iterator[list[tuple[Number, Product]]]:
+    columns: dict[Product, list[int]], values: Sequence[Number]
+) -> Iterator[tuple[tuple[Number, Product], ...]]:
     """One term, then two terms by total degree, with the numbers that the first sectors call for."""
-    for product in products:
-        yield [(values[0] * columns[product][0], product)]
-    pairs = sorted(combinations(products, 2), key=lambda pair: (len(pair[0]) + len(pair[1]), pair))
-    for first, second in pairs:
+    for product, column in columns.items():
+        yield ((values[0] * column[0], product),)
+    for first, second in sorted(combinations(columns, 2), key=lambda pair: (len(pair[0]) + len(pair[1]), pair)):
         one, two = columns[first], columns[second]
-        equal = next((k for k in range(len(values)) if one[k] == two[k]), None)
-        apart = next((k for k in range(len(values)) if one[k] != two[k]), None)
-        if equal is None or apart is None:
-            continue
-        total, difference = values[equal] * one[equal], values[apart] * one[apart]
-        yield [((total + difference) / 2, first), ((total - difference) / 2, second)]
-
-
-def multiplied(polynomials: Iterable[FactorPolynomial]) -> FactorPolynomial:
-    """The product of at least one polynomial, without terms that cancel."""
-    return reduce(multiply_terms, polynomials)
-
-
-def _line(a: Number, b: Number) -> FactorPolynomial:
-    """``a y - b x`` on the line of direction (a, b), scaled so that its first coefficient is 1: y where it occurs."""
-    if not a:
-        return {(1, 0): b / b}
-    return {(0, 1): a / a} if not b else _scaled({(0, 1): a, (1, 0): -b})
-
-
-def _scaled(polynomial: FactorPolynomial) -> FactorPolynomial:
-    """Divided by the coefficient of the highest power of y."""
-    leading = polynomial[max(polynomial, key=lambda power: power[1])]
-    return {power: number / leading for power, number in polynomial.items()}
-
-
-def _powers(i: int, j: int) -> tuple[str, ...]:
-    return tuple(name if power == 1 else f"{name}^{power}" for name, power in (("x", i), ("y", j)) if power)
-
-
-def _joined(number: Number, factors: list[str], latex: bool) -> str:
-    """``number factor factor``; a number that is a sum stands in parentheses."""
-    written = number_latex(number) if latex else str(number)
-    if not factors:
-        return written
-    if len(number_summands(number)) > 1:
-        written = rf"\left({written}\right)" if latex else f"({written})"
-    written = {"1": "", "-1": "-"}.get(written, written)
-    space = r"\, " if latex else " "
-    return written + (space if written not in {"", "-"} else "") + space.join(factors)
+        # By whether the two signs are equal: the sum or the difference of the numbers, from the first such sector.
+        told = {one[k] == two[k]: values[k] * one[k] for k in reversed(range(len(values)))}
+        if len(told) == 2:
+            yield ((told[True] + told[False]) / 2, first), ((told[True] - told[False]) / 2, second)

@@ -19,23 +19,33 @@ from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.theorem4 import check_cells
 from nonsmooth.proofs.theorem4_result import CellCheck
 from nonsmooth.reports.document import Inline, Math, Table
-from nonsmooth.reports.papers.murphey_burdick_2001 import functional, kinematics, stability
-from nonsmooth.reports.papers.murphey_burdick_2001.feedback import CorrectedLaw, audit_feedback, corrected_law
-from nonsmooth.reports.papers.murphey_burdick_2001.finding import ClaimOutcome
-from nonsmooth.reports.papers.murphey_burdick_2001.kinematics import (
+from nonsmooth.reports.papers.murphey_burdick_2001 import audit
+from nonsmooth.reports.papers.murphey_burdick_2001.audit import (
+    RAYS,
+    ClaimOutcome,
+    CorrectedLaw,
+    agrees,
     audit_equations_3_and_4,
-    compare_cells,
-    theorem_4_identities,
-)
-from nonsmooth.reports.papers.murphey_burdick_2001.paper import audit_paper, is_paper_array
-from nonsmooth.reports.papers.murphey_burdick_2001.printed_equations import equation_3, equation_4, theorem_4_kinematics
-from nonsmooth.reports.papers.murphey_burdick_2001.stability import (
+    audit_feedback,
+    audit_paper,
+    audit_theorem_4_displays,
     audit_translation,
+    corrected_law,
+    lowest_terms,
     missing_factor,
+    pair_rate,
+    pair_twist,
     rate_is,
-    rays,
+    ray_point,
     rests,
     sign_sets,
+)
+from nonsmooth.reports.papers.murphey_burdick_2001.paper import is_paper_array
+from nonsmooth.reports.papers.murphey_burdick_2001.printed_equations import (
+    EQUATION_3,
+    EQUATION_4,
+    THEOREM_4_KINEMATICS,
+    THEOREM_4_RATE,
 )
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
 from tests.hulls import hull_holds_zero
@@ -90,19 +100,21 @@ def test_the_audit_belongs_to_the_paper_array_only(arrays: Arrays) -> None:
 
 
 def test_both_equations_agree_with_all_cells(roll: CellCheck, side: CellCheck) -> None:
-    comparisons = compare_cells(roll, 4) + compare_cells(side, 3)
+    comparisons = [agrees(EQUATION_4, cell) for cell in roll.partition.cells]
+    comparisons += [agrees(EQUATION_3, cell) for cell in side.partition.cells]
     assert len(comparisons) == 16
-    assert all(comparison.agrees for comparison in comparisons)
+    assert all(comparisons)
 
 
 def test_exchanged_equations_agree_with_no_cell(roll: CellCheck, side: CellCheck) -> None:
-    assert not any(comparison.agrees for comparison in compare_cells(roll, 3) + compare_cells(side, 4))
+    assert not any(agrees(EQUATION_3, cell) for cell in roll.partition.cells)
+    assert not any(agrees(EQUATION_4, cell) for cell in side.partition.cells)
 
 
 def test_a_changed_print_is_refuted(roll: CellCheck, side: CellCheck, monkeypatch: pytest.MonkeyPatch) -> None:
-    changed = equation_4()
+    changed = EQUATION_4.as_mutable()
     changed[2] = -changed[2]
-    monkeypatch.setattr(kinematics, "equation_4", lambda: changed)
+    monkeypatch.setattr(audit, "EQUATION_4", changed)
     finding = audit_equations_3_and_4(roll, side)
     assert finding.outcome is ClaimOutcome.REFUTED
     assert "8" in finding.conclusion
@@ -116,9 +128,9 @@ def test_the_displayed_rate_lacks_a_factor() -> None:
 
 
 def test_a_rate_that_is_no_multiple_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    changed = equation_3()
+    changed = EQUATION_3.as_mutable()
     changed[0] = changed[0] * 2
-    monkeypatch.setattr(stability, "equation_3", lambda: changed)
+    monkeypatch.setattr(audit, "EQUATION_3", changed)
     with pytest.raises(ValueError, match="constant quotient"):
         missing_factor()
 
@@ -132,8 +144,8 @@ def test_upper_derivatives_in_closed_form(roll: CellCheck, side: CellCheck) -> N
 
 
 def test_what_jumps_on_axes_and_diagonals(side: CellCheck) -> None:
-    for name, place in rays(side.partition).items():
-        x, y, diagonal = (len(signs) for signs in sign_sets(side.partition, place))
+    for name in RAYS:
+        x, y, diagonal = (len(signs) for signs in sign_sets(side.partition, ray_point(side.partition, name)))
         if "=" in name:
             assert (x, y, diagonal) == (1, 1, 2)
         else:
@@ -141,10 +153,10 @@ def test_what_jumps_on_axes_and_diagonals(side: CellCheck) -> None:
 
 
 def test_axes_are_equilibria_of_equation_3_only(roll: CellCheck, side: CellCheck) -> None:
-    assert [name for name, place in rays(side.partition).items() if rests(side.partition, place)] == [
+    assert [name for name in RAYS if rests(side.partition, ray_point(side.partition, name))] == [
         "x > 0", "y > 0", "x < 0", "y < 0",
     ]  # fmt: skip
-    assert not any(rests(roll.partition, place) for place in rays(roll.partition).values())
+    assert not any(rests(roll.partition, ray_point(roll.partition, name)) for name in RAYS)
 
 
 # ---- 5: the feedback law -------------------------------------------------------------------------
@@ -203,16 +215,16 @@ def test_an_unproved_bound_is_refuted(roll: CellCheck, monkeypatch: pytest.Monke
 
 
 def test_theorem_4_identities() -> None:
-    identities = theorem_4_identities()
-    assert identities.kinematics
-    assert identities.rate_ratio == 2
+    twist = pair_twist()
+    assert all(lowest_terms(entry) == 0 for entry in twist - THEOREM_4_KINEMATICS)
+    assert lowest_terms(pair_rate(twist) / THEOREM_4_RATE) == 2
 
 
 def test_a_changed_display_is_refuted(monkeypatch: pytest.MonkeyPatch) -> None:
-    changed = theorem_4_kinematics()
+    changed = THEOREM_4_KINEMATICS.as_mutable()
     changed[0] = -changed[0]
-    monkeypatch.setattr(kinematics, "theorem_4_kinematics", lambda: changed)
-    assert kinematics.audit_theorem_4_displays().outcome is ClaimOutcome.REFUTED
+    monkeypatch.setattr(audit, "THEOREM_4_KINEMATICS", changed)
+    assert audit_theorem_4_displays().outcome is ClaimOutcome.REFUTED
 
 
 # ---- items 4, 7, 8, 9: the functional ------------------------------------------------------------
@@ -220,7 +232,7 @@ def test_a_changed_display_is_refuted(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_the_shares_of_the_paper_rule_are_one_minus_twice_the_ratio() -> None:
     """The rule's twists minimize D beyond the strips |x| <= mu or |y| <= mu: 1 - 2 mu_S/mu_R, for ratios up to 1/2."""
-    (shown,) = (block for block in functional.audit_largest_weights().computed if isinstance(block, Table))
+    (shown,) = (block for block in audit.audit_largest_weights().computed if isinstance(block, Table))
     for row in shown.rows:
         ratio, cells, share, rest = (entry[0] for entry in row)
         value = Fraction(plain_of(ratio))
@@ -230,7 +242,7 @@ def test_the_shares_of_the_paper_rule_are_one_minus_twice_the_ratio() -> None:
 
 
 def test_the_counterexamples_are_shown_with_their_verdicts() -> None:
-    finding = functional.audit_every_array()
+    finding = audit.audit_every_array()
     (shown,) = finding.computed
     assert isinstance(shown, Table)
     assert {plain_of(row[0][0]): plain_of(row[1][0]) for row in shown.rows} == {
