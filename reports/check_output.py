@@ -9,7 +9,7 @@ from nonsmooth.reports.console import write_json, write_views
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-    from nonsmooth.analysis.continuum.prediction import Prediction
+    from nonsmooth.analysis.continuum import Prediction
     from nonsmooth.proofs.answers.failures import Failure
     from nonsmooth.proofs.clauses.workspace import Announce
     from nonsmooth.reports.interface.check_result import CheckResult

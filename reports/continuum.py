@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 from rich.console import Group, RenderableType
 from rich.text import Text
 
-from nonsmooth.analysis.continuum.prediction import HeadingEffect, MomentFreeHeading, Prediction
+from nonsmooth.analysis.continuum import HeadingEffect, NoIdealizationError, Prediction, predictions
 from nonsmooth.proofs.theorem4_result import Check
+from nonsmooth.reports.document import Section, display, table
 from nonsmooth.reports.exact_record import Record, with_exact
+from nonsmooth.reports.prose import paragraph
 from nonsmooth.reports.terminal import header_table
 from nonsmooth.symbolic.body import outline_text
 from nonsmooth.symbolic.continuum import ContinuousField, Disc
 from nonsmooth.symbolic.number_text import float_text, short_text
-from nonsmooth.symbolic.scene import Scene
 
 HEADER = ("what moves", "position", "rotation")
 NOTE = "predicted in floats for force per area along the field; position settles first; not proved, not in the verdict"
@@ -23,30 +23,50 @@ NOTE = "predicted in floats for force per area along the field; position settles
 Row = tuple[str, str, str]
 
 
-def continuum_rows(found: Sequence[Prediction], results: Sequence[Check]) -> list[Row]:
-    """What moves, what its position does, what its heading does: each object on the field, then the array."""
-    return [*(_row(prediction) for prediction in found), *(_array_row(result) for result in results)]
+def continuum_section(result: Check) -> Section | None:
+    """What a continuous field would do to an object, beside what the array does; None where no field stands for it."""
+    try:
+        found = predictions(result.scene)
+    except NoIdealizationError:
+        return None
+    words = paragraph(
+        "The wheels sample one field: {}. If every point p of the object's footprint were pushed by a force per area "
+        "along it, force and moment about the centroid would be",
+        _field_text(found[0].field),
+    )
+    balance = display(
+        r"F = \int f \, dA, \qquad M = \int (p - c) \times f \, dA",
+        "F = int f dA, M = int (p - c) x f dA",
+    )
+    rest = paragraph(
+        "and the object would rest where both vanish, at stable headings where the moment turns back. That is what "
+        "many small actuators would do; the last row is what these few wheels do."
+    )
+    rows = table(HEADER, [*map(_row, found), _array_row(result)], (3, 4, 6))
+    return Section(
+        "The continuous idealization", (words, balance, rest, rows, paragraph("The first rows are {}.", NOTE))
+    )
 
 
 def continuum_view(found: Sequence[Prediction], results: Sequence[Check]) -> RenderableType:
     """The table on a terminal."""
     rows = header_table(*HEADER)
     rows.show_lines = True
-    for row in continuum_rows(found, results):
-        rows.add_row(*(Text(entry) for entry in row))
-    head = f"continuous idealization: {field_text(found[0].field)}{_objects_text(results[0].scene)}"
-    return Group(Text(head), rows, Text(NOTE, "dim"))
+    for row in (*map(_row, found), *map(_array_row, results)):
+        rows.add_row(*map(Text, row))
+    given = "" if _is_given(results[0]) else "; no [body] in the scene: objects that just cover the wheels"
+    return Group(Text(f"continuous idealization: {_field_text(found[0].field)}{given}"), rows, Text(NOTE, "dim"))
 
 
 def continuum_record(found: Sequence[Prediction], result: Check) -> Record:
     """JSON: the predictions, and the array's verdicts beside them."""
-    field, scene, drift = found[0].field, result.scene, result.rotation.drift
+    field, drift = found[0].field, result.rotation.drift
     return {
         "field": {"kind": field.kind, **with_exact({"speed": field.speed, "centre": field.centre})},
-        "given": _is_given(scene),
+        "given": _is_given(result),
         "objects": [_object_record(prediction) for prediction in found],
         "array": {
-            "rule": str(scene.contact.rule),
+            "rule": str(result.scene.contact.rule),
             "equilibrium": str(result.equilibrium.verdict),
             "translation": str(result.translation.verdict),
             "rotation": str(result.rotation.verdict),
@@ -58,11 +78,10 @@ def continuum_record(found: Sequence[Prediction], result: Check) -> Record:
 
 def _object_record(prediction: Prediction) -> Record:
     footprint = prediction.footprint
-    shape: dict[str, Any] = {"shape": "disc" if isinstance(footprint, Disc) else footprint.name}
     if isinstance(footprint, Disc):
-        shape |= with_exact({"radius": footprint.radius})
+        shape = {"shape": "disc", **with_exact({"radius": footprint.radius})}
     else:
-        shape |= with_exact({"vertices": footprint.vertices})
+        shape = {"shape": footprint.name, **with_exact({"vertices": footprint.vertices})}
     return {
         **shape,
         "attracts": prediction.attracts,
@@ -73,54 +92,41 @@ def _object_record(prediction: Prediction) -> Record:
     }
 
 
-def field_text(field: ContinuousField) -> str:
-    """The field in words."""
+def _is_given(result: Check) -> bool:
+    return result.scene.body is not None
+
+
+def _field_text(field: ContinuousField) -> str:
     size = "proportional to the distance" if field.kind == "radial" else "as large as the field's vector"
     if field.speed is not None:
         size = f"of constant size {short_text(field.speed)}"
-    x, y = (short_text(entry) for entry in field.centre)
+    x, y = map(short_text, field.centre)
     return f"{field.kind} field about ({x}, {y}), {size}"
 
 
-def _objects_text(scene: Scene) -> str:
-    return "" if _is_given(scene) else "; no [body] in the scene: objects that just cover the wheels"
-
-
-def _is_given(scene: Scene) -> bool:
-    return scene.continuum is not None and scene.continuum.footprint is not None
-
-
 def _row(prediction: Prediction) -> Row:
-    return _object_text(prediction), _position_text(prediction), _rotation_text(prediction)
-
-
-def _object_text(prediction: Prediction) -> str:
-    return f"{outline_text(prediction.footprint)} on the field"
-
-
-def _position_text(prediction: Prediction) -> str:
-    if prediction.rotation is HeadingEffect.UNKNOWN:
-        return "not found"
+    """An object on the field: what it is, what its position does, what its heading does."""
     where = "centre of the field"
     if prediction.offset:
-        where = f"centroid up to {float_text(prediction.offset)} from the centre of the field"
-    said = {True: "attracts", False: "does not attract", None: "not decided"}
-    return f"{where}: {said[prediction.attracts]}"
-
-
-def _rotation_text(prediction: Prediction) -> str:
-    found = f": {', '.join(_heading_text(h) for h in prediction.headings)} (and half a turn on)"
-    return f"{prediction.rotation}{found if prediction.headings else ''}; {prediction.reason}"
-
-
-def _heading_text(heading: MomentFreeHeading) -> str:
-    stable = {True: "stable", False: "unstable", None: "not decided"}[heading.stable]
-    return f"theta = {float_text(heading.theta)} {stable}"
+        where = f"centroid up to {float_text(prediction.offset)} from the {where}"
+    attracts = {True: "attracts", False: "does not attract", None: "not decided"}[prediction.attracts]
+    is_known = prediction.rotation is not HeadingEffect.UNKNOWN
+    stability = {True: "stable", False: "unstable", None: "not decided"}
+    said = [f"theta = {float_text(heading.theta)} {stability[heading.stable]}" for heading in prediction.headings]
+    headings = f": {', '.join(said)} (and half a turn on)" if said else ""
+    return (
+        f"{outline_text(prediction.footprint)} on the field",
+        f"{where}: {attracts}" if is_known else "not found",
+        f"{prediction.rotation}{headings}; {prediction.reason}",
+    )
 
 
 def _array_row(result: Check) -> Row:
-    scene, drift = result.scene, result.rotation.drift
-    x, y = (short_text(entry) for entry in scene.check.equilibrium)
-    position = f"equilibrium at ({x}, {y}): {result.equilibrium.verdict}; {result.translation.verdict}"
+    drift = result.rotation.drift
+    x, y = map(short_text, result.scene.check.equilibrium)
     spin = "" if drift is None else f"; drift at rest [{', '.join(map(float_text, drift.interval))}]"
-    return f"the array, rule {scene.contact.rule}", position, f"{result.rotation.verdict}{spin}"
+    return (
+        f"the array, rule {result.scene.contact.rule}",
+        f"equilibrium at ({x}, {y}): {result.equilibrium.verdict}; {result.translation.verdict}",
+        f"{result.rotation.verdict}{spin}",
+    )

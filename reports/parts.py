@@ -12,6 +12,7 @@ from nonsmooth.analysis.contact_rule import rule_of
 from nonsmooth.proofs.clauses.equilibrium.at_point import EllipseEquilibrium
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
 from nonsmooth.proofs.theorem4_result import CellCheck
+from nonsmooth.reports.continuum import continuum_section
 from nonsmooth.reports.document import Section
 from nonsmooth.reports.papers.murphey_burdick_2001.paper import is_paper_array
 from nonsmooth.reports.papers.murphey_burdick_2001.sign_form import sign_form_section, without_sign_form
@@ -20,7 +21,6 @@ from nonsmooth.reports.sections.answers import answers_section
 from nonsmooth.reports.sections.cells import cells_section
 from nonsmooth.reports.sections.closing import left_out_section, references_section, reproduction_section
 from nonsmooth.reports.sections.contact import constraining_wheels, constraints_section, contact_states_section
-from nonsmooth.reports.sections.continuum import continuum_section
 from nonsmooth.reports.sections.ellipse import ellipse_derivative_section, situation_section
 from nonsmooth.reports.sections.law import law_section, without_law
 from nonsmooth.reports.sections.measurements import precision_section, stress_section, without_precision

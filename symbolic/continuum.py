@@ -51,14 +51,12 @@ class ContinuousField:
         matrix: rows of A; None where the field is not linear in the position.
         speed: constant size of the field; None for ``|A (p - p_0)|``.
         centre: ``p_0`` (length).
-        footprint: of the object, if the scene has one.
     """
 
     kind: str
     matrix: tuple[Vector, Vector] | None
     speed: Number | None
     centre: Vector
-    footprint: Footprint | None = None
 
     def is_followed_by(self, wheel: Wheel) -> bool:
         """Whether a wheel points along the field at its place, runs at the field's speed, and grips along its rim."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from nonsmooth.analysis.continuum.moments import moments
+from nonsmooth.analysis.continuum import moments
 from nonsmooth.analysis.dynamics.newton_euler import RigidBody
 from nonsmooth.symbolic import body
 

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
-    from nonsmooth.analysis.continuum.prediction import Prediction
+    from nonsmooth.analysis.continuum import Prediction
     from nonsmooth.proofs.clauses.workspace import Announce
     from nonsmooth.symbolic.contact_set import TipsError
     from nonsmooth.symbolic.scene import Scene
@@ -185,7 +185,7 @@ def _with_rule(scene: Scene, announce: Announce) -> Announce:
 
 def _predictions(scene: Scene) -> tuple[Prediction, ...]:
     """The continuous idealization, refused where no field stands for the array."""
-    from nonsmooth.analysis.continuum.idealization import NoIdealizationError, predictions
+    from nonsmooth.analysis.continuum import NoIdealizationError, predictions
 
     try:
         return predictions(scene)

@@ -254,7 +254,7 @@ def build_scene(
         contact=build_contact(document.contact, numbers, built),
         check=build_check(document, numbers, built),
         source=file,
-        continuum=build_continuum(document, numbers, built, body),
+        continuum=build_continuum(document, numbers, built),
         units=document.units.labels,
         body=body,
         tolerances=None if document.tolerances is None else build_tolerance(document.tolerances, numbers),

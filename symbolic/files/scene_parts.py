@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from nonsmooth.symbolic.body import Body
 from nonsmooth.symbolic.characteristic_length import default_length
 from nonsmooth.symbolic.continuum import ContinuousField
 from nonsmooth.symbolic.files.load_values import build_loads
@@ -31,23 +30,20 @@ def build_contact(table: ContactTable, numbers: Numbers, wheels: tuple[Wheel, ..
     return Contact(table.rule, build_loads(stated, numbers, [wheel.position for wheel in wheels]))
 
 
-def build_continuum(
-    document: SceneDocument, numbers: Numbers, wheels: tuple[Wheel, ...], body: Body | None
-) -> ContinuousField:
+def build_continuum(document: SceneDocument, numbers: Numbers, wheels: tuple[Wheel, ...]) -> ContinuousField:
     """The continuous field that the wheels stand for: that of ``[field]``, or towards or away from the origin."""
     field, zero, one = document.field, numbers.field.zero, numbers.field.one
-    footprint = None if body is None else body.outline
     if field is None:  # inward or outward, as the first wheel is, at its speed
         first = wheels[0]
         outward = dot(first.direction, first.position).sign() > 0
         kind, pull = ("outward", one) if outward else ("radial", -one)
-        return ContinuousField(kind, ((pull, zero), (zero, pull)), first.speed, (zero, zero), footprint)
+        return ContinuousField(kind, ((pull, zero), (zero, pull)), first.speed, (zero, zero))
     matrix = None
     if field.kind in LINEAR_KINDS:
         psi = field.psi(numbers, "field")
         (a, c), (b, d) = psi((one, zero)), psi((zero, one))
         matrix = ((a, b), (c, d))
-    return ContinuousField(field.kind, matrix, speed_of_field(document, numbers), (zero, zero), footprint)
+    return ContinuousField(field.kind, matrix, speed_of_field(document, numbers), (zero, zero))
 
 
 def build_check(document: SceneDocument, numbers: Numbers, wheels: tuple[Wheel, ...]) -> CheckedSquare:

@@ -11,10 +11,19 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from nonsmooth.analysis.continuum.idealization import NoIdealizationError, footprints, idealization, predictions
-from nonsmooth.analysis.continuum.moments import moments
-from nonsmooth.analysis.continuum.prediction import HeadingEffect, MomentFreeHeading, Prediction, predict
-from nonsmooth.analysis.continuum.unit_fields import Floats, disc_stiffness, polygon_wrench
+from nonsmooth.analysis.continuum import (
+    HeadingEffect,
+    MomentFreeHeading,
+    NoIdealizationError,
+    Prediction,
+    footprints,
+    idealization,
+    moments,
+    polygon_wrench,
+    predict,
+    predictions,
+)
+from nonsmooth.analysis.plane_arrays import Floats
 from nonsmooth.symbolic.continuum import ContinuousField, Disc, PolygonShape
 from nonsmooth.symbolic.files.body_table import rectangle
 from nonsmooth.symbolic.files.scene_file import load_scene
@@ -165,15 +174,17 @@ def test_sampled_force_and_moment() -> None:
 
 
 def test_a_disc_is_a_polygon_of_very_many_sides() -> None:
-    """No moment about the centre, and the stiffness of a regular polygon in the limit; radial: -pi r."""
+    """No moment about the centre, and a stiffness that returns where the disc does; radial: -pi r."""
     angle = 2 * np.pi * np.arange(20_000) / 20_000
     vertices = 0.7 * np.stack([np.cos(angle), np.sin(angle)], axis=1)
     for matrix in (RADIAL, ELLIPTIC, SADDLE):
-        a = np.array(matrix, dtype=float)
-        found = polygon_wrench(a, 2.0, vertices, np.zeros(2))
-        assert abs(found.moment) <= ROOT
-        assert disc_stiffness(a, 2.0, 0.7, 512) == pytest.approx(found.stiffness, abs=1e-6)
-    assert disc_stiffness(np.array(RADIAL, dtype=float), 1.0, 0.7, 512) == pytest.approx(-0.7 * math.pi * np.eye(2))
+        for speed in (2, -2):
+            found = polygon_wrench(np.array(matrix, dtype=float), speed, vertices, np.zeros(2))
+            assert abs(found.moment) <= ROOT
+            returns = bool((np.linalg.eigvals(found.stiffness).real < 0).all())
+            assert predict(field(matrix, speed), Disc(FIELD(Fraction(7, 10)))).attracts is returns
+    radial = polygon_wrench(np.array(RADIAL, dtype=float), 1.0, vertices, np.zeros(2))
+    assert radial.stiffness == pytest.approx(-0.7 * math.pi * np.eye(2), abs=1e-6)
 
 
 # ---- predictions ---------------------------------------------------------------------------------

@@ -14,8 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from nonsmooth.analysis.continuum.prediction import predict
-from nonsmooth.analysis.continuum.settling import SettlingBody
+from nonsmooth.analysis.continuum import PolygonOnField, predict
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.proofs.answers.answers import full_answers
 from nonsmooth.proofs.theorem4 import check_theorem4
@@ -106,7 +105,7 @@ def stable_headings(part: Points, constant: float) -> list[float]:
     """
     numbers = NumberField()
     shape = PolygonShape(tuple((numbers.rational(x), numbers.rational(y)) for x, y in part))
-    body = SettlingBody(_inward(numbers, 1, 1, unit=True), shape)
+    body = PolygonOnField(_inward(numbers, 1, 1, unit=True), shape)
     (ax, ay), (bx, by), (cx, cy) = part
     area = float(abs((bx - ax) * (cy - ay) - (by - ay) * (cx - ax)) / 2)
     place, moments = np.zeros(2), []
@@ -119,7 +118,7 @@ def stable_headings(part: Points, constant: float) -> list[float]:
     return [float(theta) % (2 * math.pi) for theta in (thetas[:-1] + thetas[1:])[falls] / 2]
 
 
-def _settled(body: SettlingBody, theta: float, place: Floats, force: float) -> Floats:
+def _settled(body: PolygonOnField, theta: float, place: Floats, force: float) -> Floats:
     """The place without force, by Newton's method from a place nearby.
 
     Raises:
@@ -128,7 +127,7 @@ def _settled(body: SettlingBody, theta: float, place: Floats, force: float) -> F
     for _ in range(STEPS):
         wrench = body.wrench(theta, place)
         rest = wrench.force + np.array([force, 0.0])
-        if np.abs(rest).max() <= SETTLED * body.force_scale:
+        if np.abs(rest).max() <= SETTLED * body.area:
             return place
         step = np.linalg.solve(wrench.stiffness, rest)
         place = place - step * min(1.0, body.size / (2 * float(np.hypot(*step))))

@@ -16,10 +16,9 @@ HEAD = '[friction]\nmu_roll = 1\nmu_side = "1/2"\n[ring]\ncount = 4\n[body]\n'
 def footprint(folder: Path, text: str) -> Footprint:
     file = folder / "my.toml"
     file.write_text(HEAD + text)
-    continuum = load_scene(file).continuum
-    assert continuum is not None
-    assert continuum.footprint is not None
-    return continuum.footprint
+    body = load_scene(file).body
+    assert body is not None
+    return body.outline
 
 
 def texts(shape: Footprint) -> list[tuple[str, str]]:

@@ -1,1 +1,0 @@
-"""The continuous idealization: force and moment of a force field on a footprint, and where it comes to rest."""
