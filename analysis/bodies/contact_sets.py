@@ -11,7 +11,7 @@ from nonsmooth.analysis.bodies.set_motion import SetMotion
 from nonsmooth.analysis.bodies.some_contacts import contacts_of
 from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.analysis.contact_rule import SmoothRule
-from nonsmooth.analysis.dynamics.drag import needs_drag
+from nonsmooth.analysis.dynamics.ellipse_path import needs_drag
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.symbolic.scene import Scene
 

@@ -11,8 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from nonsmooth.analysis.dynamics.drag import needs_drag
-from nonsmooth.analysis.dynamics.ellipse_path import path_minimizer, proved_twist
+from nonsmooth.analysis.dynamics.ellipse_path import needs_drag, path_minimizer, proved_twist
 from nonsmooth.analysis.dynamics.moving_loads import MovingLoads
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
 from nonsmooth.analysis.minimizers.regime import NOBODY

@@ -4,25 +4,28 @@
 Under rule ``ellipse`` the field is continuous, smooth where no wheel sticks, and stiff where mu_S is much smaller than
 mu_R (near an equilibrium it decays like ``(mu_R/mu_S)^2``), so LSODA follows it, which turns implicit where that pays.
 Newton steps from the last minimizer take a tenth of a millisecond.  Where they do not prove that theirs is the only
-minimizer, that of the interior point method is taken, which costs a millisecond or more.  Where friction sets have
-corners (rule ``roller``) the twist may jump, and the path slide: there the field has a little drag
-(:mod:`nonsmooth.analysis.dynamics.drag`), and is so stiff that backward differentiation formulas follow it from the
-start.
+minimizer, that of the interior point method is taken, which costs a millisecond or more.
+
+Where friction sets have corners (rule ``roller``) D is linear in pieces, as under rule ``box``: at some loads its
+minimizers are a whole face, and beyond them the twist is another one.  Solutions slide along such places (Filippov),
+which no integrator of smooth fields can follow.  So a little drag is added, ``sum_k epsilon sqrt(x_k^2 + g^2)`` over
+the entries x of ``(v_x, v_y, L omega)``: smooth, strictly convex, least at rest.  The twist then passes from one to the
+other while the slope of D along the face changes by the drag's.  It moves a twist that does not jump by the order of
+epsilon.  The result is proved as ever: as the minimizer of D plus drag, whose value is within ``epsilon (|x|_1 + 3 g)``
+of the least D.  The field is so stiff that backward differentiation formulas follow it from the start.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from functools import partial
 from typing import TypeAlias
 
 import numpy as np
 
-from nonsmooth.analysis.dynamics.continuous_path import as_trajectory, integrate
-from nonsmooth.analysis.dynamics.drag import loads_with_drag, needs_drag, with_drag
+from nonsmooth.analysis.dynamics.continuous_path import continuous_path, finite_start
 from nonsmooth.analysis.dynamics.moving_loads import MovingLoads
-from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
+from nonsmooth.analysis.fields.contact_model import ContactModel, ContactRows, Floats
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior, WarmInterior
 from nonsmooth.analysis.minimizers.minimum import Minima
 from nonsmooth.analysis.minimizers.proved import resists_every_motion
@@ -35,6 +38,7 @@ Minimize: TypeAlias = Callable[[Floats], Minima]  # from loads (n,)
 RELATIVE_TOLERANCE = 1e-9  # per step; the minimizer itself is right to about 1e-12
 ABSOLUTE_TOLERANCE = 1e-11  # length and radians
 LOOSER = 100.0  # of both with drag, which moves a path by more, and turns rounding of forces into 1e-9 of a twist
+DRAG = 1e-6  # of the friction of the whole weight
 
 
 def ellipse_path(model: ContactModel, start: Sequence[float], until: float) -> Trajectory:
@@ -46,9 +50,7 @@ def ellipse_path(model: ContactModel, start: Sequence[float], until: float) -> T
         nonsmooth.analysis.trajectories.result.TrajectoryError: where the integrator gives up, or a minimizer is not
             proved to be the motion.
     """
-    state = np.array(start, float)
-    if not (np.isfinite(state).all() and 0 < until < math.inf):
-        raise ValueError(f"required a finite start and a positive last time, received {state.tolist()} and {until}")
+    state = finite_start(start, until)
     loads, dragged = MovingLoads(model, state[:2]), needs_drag(model)
     minimize = path_minimizer(model) if dragged else partial(EllipseInterior().minimize, model)
     quick = None if dragged else SmoothNewton(model)
@@ -59,8 +61,8 @@ def ellipse_path(model: ContactModel, start: Sequence[float], until: float) -> T
 
     looser = LOOSER if dragged else 1.0
     tolerances = {"rtol": looser * RELATIVE_TOLERANCE, "atol": looser * ABSOLUTE_TOLERANCE}
-    solution = integrate(rate, loads, state, until, method="BDF" if dragged else "LSODA", **tolerances)
-    return as_trajectory("minimizer", solution, loads)
+    method = "BDF" if dragged else "LSODA"
+    return continuous_path("minimizer", rate, loads, state, until, method=method, **tolerances)[0]
 
 
 def proved_twist(
@@ -92,9 +94,25 @@ def proved_twist(
     return np.asarray(twist)
 
 
+def needs_drag(model: ContactModel) -> bool:
+    """Whether D is linear in pieces somewhere: a friction set has corners."""
+    return bool((model.cuts < 1).any())
+
+
 def path_minimizer(model: ContactModel) -> Minimize:
     """The minimizer at loads (n,), one after the other along a path: of D, plus drag where the twist may jump."""
     if not needs_drag(model):
         return WarmInterior(model).minimize
-    minimizer = WarmInterior(with_drag(model))
-    return lambda loads: minimizer.minimize(loads_with_drag(loads))
+    # three contacts more: along x, along y and around, each with a slip g across that never vanishes
+    size = float(np.hypot(*(model.positions - model.positions.mean(axis=0)).T).max())
+    speed = float(np.abs(model.targets).max()) or 1.0
+    rows = np.zeros((6, 3))
+    rows[[0, 2, 4], [0, 1, 2]] = 1.0, 1.0, size
+    dragged = ContactRows(
+        np.concatenate([model.rows, rows]),
+        np.concatenate([model.targets, np.tile([0.0, speed], 3)]),
+        np.concatenate([model.friction, np.full(6, model.friction.max())]),
+        cuts=np.concatenate([model.cuts, np.ones(3)]),
+    )
+    minimizer = WarmInterior(dragged)
+    return lambda loads: minimizer.minimize(np.concatenate([loads, np.full(3, DRAG * loads.sum())]))

@@ -12,7 +12,7 @@ The equations are stiff: velocities settle within a time of order ``m |u|/mu``, 
 with one small system per step and an analytic Jacobian, so the cost hardly grows as m -> 0; friction's part of that
 Jacobian is symmetric and negative, where these formulas are stable.  Radau IIA gives the same paths for ten to a
 hundred times as many evaluations where wheels stick.  Sticking is a creep of at most some multiples of ``creep``, so a
-rest that the true law keeps for ever is left slowly: see :mod:`nonsmooth.analysis.dynamics.friction_forces`.
+rest that the true law keeps for ever is left slowly: see :class:`EllipseFriction`.
 
 Scaling: with speeds ``s u`` and mass ``m/s^2`` the same path is followed s times faster.  Slow wheels and light bodies
 are one limit, and in it the path is that of rule ``ellipse``
@@ -21,22 +21,24 @@ are one limit, and in it the path is that of rule ``ellipse``
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from nonsmooth.analysis.dynamics.continuous_path import as_trajectory, integrate
-from nonsmooth.analysis.dynamics.friction_forces import EllipseFriction
+from nonsmooth.analysis.dynamics.continuous_path import continuous_path, finite_start
 from nonsmooth.analysis.dynamics.moving_loads import MovingLoads
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
+from nonsmooth.analysis.plane_arrays import turned
 from nonsmooth.analysis.trajectories.result import Trajectory
 
 RELATIVE_TOLERANCE = 1e-8  # of BDF, per step: below the difference between the models for every mass above 1e-7
 ABSOLUTE_TOLERANCE = 1e-10  # in units of the array's size and of the largest speed
 CREEP = 1e-6  # creep speed over the largest speed: changes paths by as much, and costs a few steps where wheels stick
 LARGEST = 1e100  # mass and inertia, and their inverses: products of two are still doubles
+
+
+# ---- bodies --------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -55,12 +57,16 @@ class RigidBody:
     inertia: float
 
     def __post_init__(self) -> None:
-        for name in ("mass", "inertia"):
-            value = getattr(self, name)
+        for name, value in vars(self).items():
             if not 1 / LARGEST <= value <= LARGEST:
                 raise ValueError(
                     f"{name}: required a positive number, {1 / LARGEST:g} to {LARGEST:g}, received {value}"
                 )
+
+    @property
+    def masses(self) -> Floats:
+        """``(m, m, I)``."""
+        return np.array([self.mass, self.mass, self.inertia])
 
 
 def disc(model: ContactModel, mass: float) -> RigidBody:
@@ -74,32 +80,106 @@ def array_size(model: ContactModel) -> float:
     return float(np.sqrt((offsets**2).sum(axis=1).mean())) or 1.0
 
 
+def speed_scale(model: ContactModel, velocity: Floats) -> float:
+    """The largest speed that drives: of a wheel's surface, or of the body at the start; one if all stands still."""
+    at_rim = array_size(model) * abs(velocity[2])
+    return max(float(np.abs(model.targets).max()), float(np.hypot(*velocity[:2])), at_rim) or 1.0
+
+
+# ---- friction ------------------------------------------------------------------------------------
+
+
+class EllipseFriction:
+    """Friction of all wheels as one force and one torque on the body: the friction ellipse, regularized.
+
+    With slips ``r = d . v(p) - u`` and ``s = n . v(p)`` the associated law of the friction ellipse is minus the
+    gradient of the dissipation, ``f = -N (mu_R^2 r, mu_S^2 s)/sqrt(mu_R^2 r^2 + mu_S^2 s^2)``: among all forces of the
+    ellipse the one that takes the most power from the slip.  At r = s = 0 every force of the ellipse is allowed
+    (stick).  An integrator needs a function, so the root becomes ``sqrt(mu_R^2 r^2 + mu_S^2 s^2 + (mu e)^2)`` with
+    ``mu = max(mu_R, mu_S)`` and a creep speed e: the force stays inside the ellipse, reaches 99 % of its limit at a
+    slip of ``7 e`` along the axis of more friction, and a wheel that should stick creeps at a speed of order e.  The
+    law is then the gradient of a smooth convex function, so friction never gives power to the slip and its derivative
+    with respect to velocity is symmetric and at most zero.
+
+    Velocities are those of the centre of mass, ``(w, omega)`` with ``w = c' = v + omega J c``; the point of the body
+    over wheel i moves with ``w + omega J (p_i - c)``.  So rows depend on c (their moment arm) and never on theta.
+    """
+
+    def __init__(self, model: ContactModel, creep: float) -> None:
+        """For the contacts of an array and the creep speed e (length/time), above zero."""
+        self._model = model
+        self._frames = np.ascontiguousarray(model.rows[:, :2])  # d_1, n_1, d_2, n_2, ...
+        self._turned = turned(self._frames)
+        self._squares = model.friction.reshape(-1, 2) ** 2
+        self._rounding = self._squares.max(axis=1) * creep**2
+        self._rounding[self._rounding == 0] = 1.0  # a wheel without friction: its force is zero in any case
+
+    def rows(self, centre: Floats) -> Floats:
+        """Rows ``(e, e . J(p_i - c))`` for e = d_i, n_i, acting on ``(w, omega)``; shape (2n, 3)."""
+        offsets = self._model.positions - centre  # first, so that an array far from the origin loses no digits
+        arms = -(self._turned.reshape(-1, 2, 2) @ offsets[..., None]).reshape(-1)
+        return np.column_stack([self._frames, arms])
+
+    def forces(self, centre: Floats, velocity: Floats, loads: Floats) -> Floats:
+        """Forces along and across every rim, shape (n, 2)."""
+        pull, size = self._pull(self.rows(centre), velocity)
+        return -loads[:, None] * pull / size[:, None]
+
+    def total(self, centre: Floats, velocity: Floats, loads: Floats) -> Floats:
+        """Force and torque about the centre of mass ``(F_x, F_y, tau)``, in units of the body's weight."""
+        return np.asarray(self.rows(centre).T @ self.forces(centre, velocity, loads).reshape(-1))
+
+    def slopes(self, centre: Floats, velocity: Floats, loads: Floats, by_centre: Floats) -> tuple[Floats, Floats]:
+        """Derivatives of the total with respect to c, (3, 2), and ``(w, omega)``, (3, 3), symmetric and at most zero.
+
+        Args:
+            centre: c.
+            velocity: ``(w, omega)``.
+            loads: N, (n,).
+            by_centre: their derivative with respect to c, (n, 2).
+        """
+        rows = self.rows(centre)
+        pull, size = self._pull(rows, velocity)
+        pairs, share, weight = rows.reshape(-1, 2, 3), -pull / size[:, None], loads / size
+        bent = np.einsum("ni,nij->nj", share, pairs)
+        by_velocity = np.einsum("n,nj,nk->jk", weight, bent, bent)
+        by_velocity -= np.einsum("n,ni,nij,nik->jk", weight, self._squares, pairs, pairs)
+        # by the slip of each wheel, which changes with c as its row's moment arm does, by omega J e
+        by_slip = np.einsum("n,nj,ni->nji", weight, bent, share) - np.einsum(
+            "n,nij,ni->nji", weight, pairs, self._squares
+        )
+        moved = np.einsum("nji,nik->jk", by_slip, velocity[2] * self._turned.reshape(-1, 2, 2)) + bent.T @ by_centre
+        moved[2] += self._turned.T @ (loads[:, None] * share).reshape(-1)
+        return moved, by_velocity
+
+    def _pull(self, rows: Floats, velocity: Floats) -> tuple[Floats, Floats]:
+        """``(mu_R^2 r, mu_S^2 s)``, shape (n, 2), and the regularized root, shape (n,)."""
+        slips = (rows @ velocity - self._model.targets).reshape(-1, 2)
+        pull = self._squares * slips
+        return pull, np.sqrt((pull * slips).sum(axis=1) + self._rounding)
+
+
+# ---- paths ---------------------------------------------------------------------------------------
+
+
 class NewtonEuler:
     """The equations as an integrator wants them: state ``(x, y, theta, w_x, w_y, omega)``."""
 
     def __init__(self, model: ContactModel, body: RigidBody, loads: MovingLoads, creep: float) -> None:
-        self.friction, self.body, self.loads = EllipseFriction(model, creep), body, loads
-        self._masses = np.array([body.mass, body.mass, body.inertia])
+        self._friction, self._masses, self.loads = EllipseFriction(model, creep), body.masses, loads
 
     def rate(self, t: float, state: Floats) -> Floats:
         """Time derivative of the state, shape (6,)."""
-        centre, velocity = state[:2], state[3:]
-        forces = self.friction.forces(centre, velocity, self.loads.at(centre)[0])
-        return np.concatenate([velocity, self.friction.rows(centre).T @ forces.reshape(-1) / self._masses])
+        total = self._friction.total(state[:2], state[3:], self.loads.at(state[:2])[0])
+        return np.concatenate([state[3:], total / self._masses])
 
     def jacobian(self, t: float, state: Floats) -> Floats:
         """Derivative of the rate, shape (6, 6)."""
-        centre, velocity = state[:2], state[3:]
-        wrench = self.friction.wrench(centre, velocity, *self.loads.at(centre))
         matrix = np.zeros((6, 6))
         matrix[:3, 3:] = np.eye(3)
-        matrix[3:, :2] = wrench.by_centre / self._masses[:, None]
-        matrix[3:, 3:] = wrench.by_velocity / self._masses[:, None]
+        matrix[3:, :2], matrix[3:, 3:] = self._friction.slopes(state[:2], state[3:], *self.loads.at(state[:2]))
+        matrix[3:] /= self._masses[:, None]
         return matrix
-
-    def kinetic_energy(self, states: Floats) -> Floats:
-        """``(m |w|^2 + I omega^2)/2`` of states (..., 6), in units of weight times length."""
-        return np.asarray((self._masses * states[..., 3:] ** 2).sum(axis=-1) / 2)
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,13 +233,11 @@ def simulate_dynamics(
         nonsmooth.analysis.cells.loads.LoadError: for a start without loads.
         TrajectoryError: where the integrator gives up.
     """
-    state = np.array([*start, *velocity], float)
-    if not (np.isfinite(state).all() and 0 < until < math.inf):
-        raise ValueError(f"required a finite start and a positive last time, received {state.tolist()} and {until}")
-    length, speed = array_size(model), speed_scale(model, state[3:])
-    loads, creep = MovingLoads(model, state[:2]), CREEP * speed
-    equations = NewtonEuler(model, body, loads, creep)
-    solution = integrate(
+    state = finite_start([*start, *velocity], until)
+    speed, loads = speed_scale(model, state[3:]), MovingLoads(model, state[:2])
+    equations = NewtonEuler(model, body, loads, CREEP * speed)
+    trajectory, solution = continuous_path(
+        "dynamics",
         equations.rate,
         loads,
         state,
@@ -167,13 +245,12 @@ def simulate_dynamics(
         method="BDF",
         jac=equations.jacobian,
         rtol=RELATIVE_TOLERANCE,
-        atol=ABSOLUTE_TOLERANCE * np.array([length, length, 1.0, speed, speed, speed / length]),
+        atol=absolute_tolerances(array_size(model), speed),
     )
-    trajectory = as_trajectory("dynamics", solution, loads)
-    return DynamicPath(body, creep, solution.t, solution.y.T, trajectory, int(solution.nfev), solution.sol)
+    states = solution.y.T
+    return DynamicPath(body, CREEP * speed, solution.t, states, trajectory, int(solution.nfev), solution.sol)
 
 
-def speed_scale(model: ContactModel, velocity: Floats) -> float:
-    """The largest speed that drives: of a wheel's surface, or of the body at the start; one if all stands still."""
-    size = array_size(model)
-    return max(float(np.abs(model.targets).max()), float(np.hypot(*velocity[:2])), size * abs(velocity[2])) or 1.0
+def absolute_tolerances(size: float, speed: float) -> Floats:
+    """Of the six entries of a state, for a body and a motion of a size and a speed."""
+    return ABSOLUTE_TOLERANCE * np.array([size, size, 1.0, speed, speed, speed / size])

@@ -18,7 +18,7 @@ from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.partition import Cell, Partition
 from nonsmooth.analysis.cells.polygon import HalfPlane
 from nonsmooth.analysis.contact_rule import smooth_rule_of
-from nonsmooth.analysis.dynamics.friction_forces import EllipseFriction
+from nonsmooth.analysis.dynamics.newton_euler import EllipseFriction
 from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.float_loads import loads_at
@@ -188,5 +188,5 @@ def test_forces_of_the_full_dynamics_point_against_weighted_slips(seed: int) -> 
         pull = oracle.roll**2 * r * axis + oracle.side**2 * s * (TURN @ axis)
         force = -load * pull / np.hypot(oracle.roll * r, oracle.side * s)
         total += [*force, arm[0] * force[1] - arm[1] * force[0]]
-    found = EllipseFriction(contact_model(scene), 1e-9).wrench(centre, velocity, loads, np.zeros((5, 2)))
-    assert found.total == pytest.approx(total, rel=1e-6, abs=1e-6)
+    found = EllipseFriction(contact_model(scene), 1e-9).total(centre, velocity, loads)
+    assert found == pytest.approx(total, rel=1e-6, abs=1e-6)
