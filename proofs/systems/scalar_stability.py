@@ -35,13 +35,11 @@ class Side:
         outward: of each member, the sign of its speed away from the point, near the point.
         values: the limits of these speeds at the point.
         reach: every start nearer than this goes to the point; None where not even near ones do.
-        ends_at_radius: whether that is the half-width of the checked interval, and not where it ends by itself.
     """
 
     outward: tuple[int, ...]
     values: tuple[Number, ...]
     reach: Number | Fraction | None
-    ends_at_radius: bool
 
 
 @dataclass(frozen=True, repr=False)
@@ -121,12 +119,12 @@ def _side(scene: SwitchedSystem, turn: int) -> Side:
     signs = tuple(_germ_sign(p) if p else 0 for p in near)
     values = tuple(p.terms.get((0,), scene.field.zero) for p in near)
     if max(signs) >= 0:
-        return Side(signs, values, None, ends_at_radius=False)
+        return Side(signs, values, None)
     first = _first_stop(scene, turn)
     if first is None:
-        return Side(signs, values, scene.check.radius, ends_at_radius=True)
+        return Side(signs, values, scene.check.radius)
     exact = first.exact()
-    return Side(signs, values, first.low if exact is None else exact, ends_at_radius=False)
+    return Side(signs, values, first.low if exact is None else exact)
 
 
 def _germ_sign(polynomial: Polynomial) -> int:

@@ -56,7 +56,6 @@ def test_four_wheel_closed_form(arrays: Arrays, friction: Pair) -> None:
     (region,) = load_regions(scene)
     balance = rest_balance(scene, region)
     assert balance.holds
-    assert not balance.fails
     linear = linearize(scene, region, scene.field.zero)
     assert linear is not None
     ratio = Fraction(friction[0]) / Fraction(friction[1])
@@ -97,7 +96,7 @@ def test_a_wheel_out_of_balance_is_refuted(arrays: Arrays) -> None:
     scene = replace(scene, wheels=wheels)
     (region,) = load_regions(scene)
     balance = rest_balance(scene, region)
-    assert balance.fails
+    assert any(balance.residual)
     assert not balance.holds
 
 

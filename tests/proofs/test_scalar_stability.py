@@ -90,7 +90,7 @@ def test_random_systems_against_values_beside_the_point(seed: int) -> None:
         for share in np.linspace(0.01, 0.99, 60):
             value = eval(formula, dict(NAMES), {"x": sign * share * float(side.reach)})  # noqa: S307
             assert sign * value < 1e-12
-        if not side.ends_at_radius:
+        if side.reach != result.scene.check.radius:
             beyond = sign * float(side.reach) * (1 + 1e-7)
             assert sign * eval(formula, dict(NAMES), {"x": beyond}) > -1e-5  # noqa: S307
 

@@ -95,11 +95,6 @@ class RestBalance:
         return all(force.is_admissible for force in self.stuck)
 
     @property
-    def fails(self) -> bool:
-        """Whether rest is refuted: D is smooth at rest and its gradient does not vanish."""
-        return self.smooth and any(self.residual)
-
-    @property
     def strict(self) -> bool:
         """Whether rest is the only minimizer in a neighbourhood of the equilibrium."""
         return bool(self.stuck) and self.rank == 3 and all(force.is_inside for force in self.stuck or ())

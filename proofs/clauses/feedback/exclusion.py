@@ -22,7 +22,6 @@ from typing import TypeAlias
 
 import numpy as np
 from flint import arb, ctx
-from numpy.typing import NDArray
 
 from nonsmooth.proofs.clauses.feedback.wheel_forces import PRECISION, WheelForces, ball_of, on_circle, rounded
 
@@ -32,7 +31,6 @@ BUDGET = 200  # linear programs for one twist
 NARROWEST = 2.0**-24
 FACETS = 16  # of the polygon around a disc in a linear program
 Arc: TypeAlias = tuple[Fraction, Fraction]
-Floats: TypeAlias = NDArray[np.float64]
 HALVES = (Fraction(-1), Fraction(1))
 
 
