@@ -179,7 +179,7 @@ def test_circle_problem(gradient: bool) -> None:
 
 
 def test_traps() -> None:
-    """Theory, sec. 8: a line of equilibria; an attracting line along which the state escapes."""
+    """Two traps: a line of equilibria; an attracting line along which the state escapes."""
     line = SignField(("x", "y"), (affine_surface("y", (0, 1)),), lambda s: constant(0, -s[0]))
     path = simulate(line, (0.5, 1), 2)
     assert kinds(path) == ["rest"]

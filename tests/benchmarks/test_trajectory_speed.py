@@ -31,7 +31,7 @@ START, UNTIL = (0.8, 0.3, 0.0), 1.0
 REQUIRED_ERROR = 1e-3  # of hysteresis; event-driven paths are exact to rounding
 RTOL, ATOL = 1e-11, 1e-13
 ROUNDS = 51  # of alternating runs: medians of fewer vary by some hundredths
-FLOWER = np.array([[-0.1, 1], [-5, -0.1]]), np.array([[-0.1, 5], [-1, -0.1]])  # theory, sec. 8, trap (iii)
+FLOWER = np.array([[-0.1, 1], [-5, -0.1]]), np.array([[-0.1, 5], [-1, -0.1]])  # switched on the diagonals
 
 
 @pytest.mark.parametrize("kinematics", list(Kinematics))

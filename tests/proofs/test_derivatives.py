@@ -69,7 +69,7 @@ MAXIMUM = "(Abs(x) + Abs(y) + Abs(Abs(x) - Abs(y)))/2"  # max(|x|, |y|)
 def test_golden_ladder(
     name: str, lyapunov: str, point: Vector, naive: object, shevitz_paden: str, bacciotti_ceragioli: str | None
 ) -> None:
-    """THEORY, section 8."""
+    """The three derivatives, each inside the one before."""
     scene = load_system(name)
     ladder = derivatives_at(cells_of(scene, lyapunov), (scene.field(point[0]), scene.field(point[1])))
     assert str(ladder.naive.high) == str(naive)

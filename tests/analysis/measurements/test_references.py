@@ -41,7 +41,7 @@ def four_wheel_paths() -> tuple[ExactPath, ...]:
 
 
 def test_four_wheels_arrive_as_the_closed_form_says() -> None:
-    """T = (|x| + |y|)/sqrt 2; the comparison ends at 15/16 of it, where the drift becomes free (theory, sec. 8)."""
+    """T = (|x| + |y|)/sqrt 2; the comparison ends at 15/16 of it, where the drift becomes free."""
     paths = four_wheel_paths()
     assert len(paths) == len(STARTS)
     for path in paths:
