@@ -6,7 +6,6 @@ name                  functional  use
 ``EllipseInterior``   ellipse     all points at once in NumPy, to rounding: the one to use
 ``BoxHighs``          box         dual linear program by HiGHS, point by point: the one to use in floats
 ``BoxEnumeration``    box         every regular triple of rows, the literal definition: small arrays
-``CvxpyMinimizer``    both        the fit itself by CVXPY and Clarabel, point by point: the reference
 ====================  ==========  =====================================================================
 
 Each returns :class:`~nonsmooth.analysis.minimizers.minimum.Minima`, whose ``check`` proves the result from twists and
@@ -21,7 +20,6 @@ from numpy.typing import ArrayLike
 
 from nonsmooth.analysis.fields.contact_model import ContactRows
 from nonsmooth.analysis.minimizers.box_minimizers import BoxEnumeration, BoxHighs
-from nonsmooth.analysis.minimizers.cvxpy_minimizer import CvxpyMinimizer
 from nonsmooth.analysis.minimizers.dissipation import Functional
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.analysis.minimizers.minimum import Minima
@@ -42,13 +40,7 @@ class Minimizer(Protocol):
         """
 
 
-MINIMIZERS: tuple[Minimizer, ...] = (
-    EllipseInterior(),
-    CvxpyMinimizer(Functional.ELLIPSE),
-    BoxHighs(),
-    BoxEnumeration(),
-    CvxpyMinimizer(Functional.BOX),
-)
+MINIMIZERS: tuple[Minimizer, ...] = (EllipseInterior(), BoxHighs(), BoxEnumeration())
 
 
 def minimizers_of(functional: Functional) -> tuple[Minimizer, ...]:

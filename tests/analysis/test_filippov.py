@@ -23,7 +23,6 @@ from nonsmooth.analysis.cells.filippov import (
 from nonsmooth.analysis.cells.nearest import build_nearest_partition, nearest_states
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, square
-from nonsmooth.analysis.minimizers.cvxpy_hulls import hull_upper_derivative_at, hull_upper_derivative_on
 from nonsmooth.analysis.minimizers.sampling import literal_twist, sample_upper_derivative
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.numbers.number import Number
@@ -31,6 +30,7 @@ from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.plane import dot
 from nonsmooth.symbolic.scene import Scene
 from tests.four_wheel import ROLL, SIDE
+from tests.oracles.cvxpy_programs import hull_upper_derivative_at, hull_upper_derivative_on
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays

@@ -16,8 +16,7 @@ from nonsmooth.analysis.cells.box import build_box_partition
 from nonsmooth.analysis.fields.contact_model import ContactModel, ContactRows, contact_model
 from nonsmooth.analysis.minimizers import sum_of_norms
 from nonsmooth.analysis.minimizers.box_minimizers import BoxEnumeration, BoxHighs
-from nonsmooth.analysis.minimizers.choice import MINIMIZERS, Minimizer, minimizers_of
-from nonsmooth.analysis.minimizers.cvxpy_minimizer import CvxpyMinimizer
+from nonsmooth.analysis.minimizers.choice import Minimizer
 from nonsmooth.analysis.minimizers.dissipation import Functional, dissipation
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.analysis.minimizers.float_loads import elastic_loads, loads_at
@@ -25,6 +24,7 @@ from nonsmooth.analysis.minimizers.minimum import Minima, Minimum
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.similar_scenes import with_friction_ratio
 from tests.four_wheel import CORNERS
+from tests.oracles.cvxpy_programs import MINIMIZERS, CvxpyMinimizer, minimizers_of
 from tests.thorough import keep
 
 Floats = NDArray[np.float64]

@@ -10,11 +10,11 @@ import pytest
 from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.choice import Minimizer
-from nonsmooth.analysis.minimizers.cvxpy_minimizer import CvxpyMinimizer
 from nonsmooth.analysis.minimizers.dissipation import Functional
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.symbolic.files.scene_file import load_scene
+from tests.oracles.cvxpy_programs import CvxpyMinimizer
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.fields.contact_model import ContactModel, Floats

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from nonsmooth.analysis.measurements.harness import Measured, Run, measure
+from nonsmooth.analysis.measurements.studies.minimizers import ELLIPSE_MINIMIZERS
 from nonsmooth.analysis.measurements.timing import Limits
 from nonsmooth.proofs.measurements.pruning import PRUNING
 from nonsmooth.proofs.measurements.registry import STUDIES
@@ -53,7 +54,7 @@ def test_every_built_in_array(name: str, stopwatch: Stopwatch) -> None:
     assert all(row.reference for row in found.rows)
     for one in covered:
         counts = methods_of(one)
-        assert len(counts) >= FEWEST_METHODS
+        assert len(counts) >= (2 if one.of is ELLIPSE_MINIMIZERS else FEWEST_METHODS)
         assert all(count >= FEWEST_SETTINGS for count in counts.values() if count)
         if one.of is PRUNING:
             assert all(row.error == 0 for row in one.rows if row.error is not None)

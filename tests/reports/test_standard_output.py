@@ -119,14 +119,6 @@ def pair(vector: Vector) -> str:
     return f'["{vector[0]}", "{vector[1]}"]'
 
 
-@thorough
-def test_json_is_all_that_precision_prints(loud: dict[str, str]) -> None:
-    study = ("--study", "minimizers-box", "--runs", "1", "--time-limit", "0.1")
-    done = run(loud, "-m", "nonsmooth.reports.cli", "precision", "ring-3", "--rule", "box", *study, "--json")
-    assert json.loads(done.stdout)["scene"] == "ring-3"
-    assert looked_at(loud) == ""
-
-
 def test_what_cvxpy_requires_is_there_and_other_modules_import_what_they_like(flower: Loud) -> None:
     """Our own way in finds the same solvers as the plain import of an environment without optional ones."""
     first, *printed_by_others = flower[2].splitlines()
@@ -155,4 +147,4 @@ def test_every_import_of_cvxpy_goes_through_ours() -> None:
             for place, before in imports_of_cvxpy(path):
                 assert "load_cvxpy()" in before, place
                 found += 1
-    assert found >= 5
+    assert found >= 2  # where V and P are searched

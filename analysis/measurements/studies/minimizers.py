@@ -1,10 +1,8 @@
 """The minimizers of the dissipation at single points, against the exact or 60-digit twist.
 
 A linear program ends at a vertex: its simplex answer is right to rounding or wrong altogether, whatever tolerance it
-is given.  Interior points stop at a duality gap: proportional to the error of the twist where D has a vertex (box), to
-its square where D is smooth (ellipse), so that slope 1/2 is all that a tolerance buys there.  The explicit minimizer
-(box) looks its twist up in exact cells; the program's interior point (ellipse) ends with Newton steps and reaches
-rounding.
+is given.  The explicit minimizer (box) looks its twist up in exact cells; the program's interior point (ellipse) ends
+with Newton steps and reaches rounding.
 """
 
 from __future__ import annotations
@@ -29,8 +27,6 @@ from nonsmooth.analysis.measurements.study_plan import Assessment, LeftOut, Orde
 from nonsmooth.analysis.measurements.timing import Clock
 from nonsmooth.analysis.minimizers.box_minimizers import MAX_WHEELS, BoxEnumeration, BoxHighs
 from nonsmooth.analysis.minimizers.choice import Minimizer
-from nonsmooth.analysis.minimizers.cvxpy_minimizer import CvxpyMinimizer
-from nonsmooth.analysis.minimizers.cvxpy_solvers import ConeSolver, import_solvers
 from nonsmooth.analysis.minimizers.dissipation import Functional, dissipation
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.analysis.minimizers.float_loads import loads_at
@@ -41,11 +37,7 @@ Entrant = tuple[str, float | None, Minimizer]  # method, tolerance, minimizer
 
 TOLERANCES = tuple(10.0**-k for k in (2, 4, 6, 8, 10))  # HiGHS accepts none below 1e-10
 VERTEX = Order(None, "the simplex method ends at a vertex: right to rounding, whatever the tolerance")
-GAP_BOX = Order(1.0, "the tolerance bounds the gap, which grows linearly with the distance from a vertex")
-GAP_ELLIPSE = Order(0.5, "the tolerance bounds the gap, which grows with the square of the distance from the minimizer")
-RESIDUALS = Order(1.0, "the tolerance bounds residuals, which are linear in the twist up to a factor")
 DIFFERENCES = Order(None, "the tolerance bounds a differenced gradient, which holds no more than eight digits")
-CONIC = (ConeSolver.CLARABEL, ConeSolver.SCS)
 FEWEST = 4  # points: fewer are no comparison
 
 
@@ -61,7 +53,6 @@ def build_box(scene: Scene) -> StudyPlan:
     except RefusalError as error:
         raise LeftOut(str(error)) from None
     references = _enough(box_references(partition), "inside a cell with one twist")
-    import_solvers()
     points, model = _points(references), contact_model(boxed)
     judge = partial(_judge, references)
     trials = [
@@ -71,10 +62,8 @@ def build_box(scene: Scene) -> StudyPlan:
     named: list[Entrant] = [("HiGHS", tolerance, BoxHighs(tolerance)) for tolerance in TOLERANCES]
     if model.wheels <= MAX_WHEELS:
         named.append(("enumeration", None, BoxEnumeration()))
-    named += _by_cvxpy(Functional.BOX, ConeSolver)
     trials += _minimizing(named, model, references)
-    orders = {"HiGHS": VERTEX} | _cvxpy_orders(ConeSolver, GAP_BOX)
-    return StudyPlan(f"exact twist of the cell at {len(points)} points", tuple(trials), orders)
+    return StudyPlan(f"exact twist of the cell at {len(points)} points", tuple(trials), {"HiGHS": VERTEX})
 
 
 def build_ellipse(scene: Scene) -> StudyPlan:
@@ -87,14 +76,12 @@ def build_ellipse(scene: Scene) -> StudyPlan:
         references = _enough(ellipse_references(scene), "where every loaded wheel slips")
     except RefusalError as error:
         raise LeftOut(str(error)) from None
-    import_solvers()
     points, model = _points(references), contact_model(scene)
-    named: list[Entrant] = [("interior point", None, EllipseInterior()), *_by_cvxpy(Functional.ELLIPSE, CONIC)]
-    trials = _minimizing(named, model, references)
+    trials = _minimizing([("interior point", None, EllipseInterior())], model, references)
     judge = partial(_judge, references)
     trials += [Trial("BFGS", partial(_by_bfgs, model, points, t), judge, "tolerance", t) for t in TOLERANCES]
-    orders = _cvxpy_orders(CONIC, GAP_ELLIPSE) | {"BFGS": DIFFERENCES}
-    return StudyPlan(f"minimizer by Newton's method to {DIGITS} digits at {len(points)} points", tuple(trials), orders)
+    reference = f"minimizer by Newton's method to {DIGITS} digits at {len(points)} points"
+    return StudyPlan(reference, tuple(trials), {"BFGS": DIFFERENCES})
 
 
 QUANTITY = "twist error [length/time, rad/time]"
@@ -112,18 +99,6 @@ def _enough(references: tuple[ReferenceTwist, ...], where: str) -> tuple[Referen
 
 def _points(references: Sequence[ReferenceTwist]) -> Floats:
     return np.array([reference.point for reference in references])
-
-
-def _by_cvxpy(functional: Functional, solvers: Iterable[ConeSolver]) -> list[Entrant]:
-    return [
-        (f"CVXPY, {solver.label}", tolerance, CvxpyMinimizer(functional, solver=solver, tolerance=tolerance))
-        for solver in solvers
-        for tolerance in TOLERANCES
-    ]
-
-
-def _cvxpy_orders(solvers: Iterable[ConeSolver], gap: Order) -> dict[str, Order]:
-    return {f"CVXPY, {solver.label}": gap if solver is ConeSolver.CLARABEL else RESIDUALS for solver in solvers}
 
 
 def _minimizing(entrants: Iterable[Entrant], model: ContactModel, references: Sequence[ReferenceTwist]) -> list[Trial]:

@@ -1,4 +1,4 @@
-"""The largest V* of ``V = |c - c*|^2`` on the square: sampled, over hulls by CVXPY, and at the vertices of the cells.
+"""The largest V* of ``V = |c - c*|^2`` on the square: sampled, and at the vertices of the cells.
 
 V* is linear on every closed cell, so its largest value is attained on a face: a vertex (codimension 2), an edge (1) or
 a whole cell (0).  Of n random samples a share proportional to the k-th power of the distance comes that near to a face
@@ -22,8 +22,6 @@ from nonsmooth.analysis.contact_rule import CellRule, rule_of
 from nonsmooth.analysis.measurements.harness import Study
 from nonsmooth.analysis.measurements.study_plan import Assessment, LeftOut, Order, StudyPlan, Trial
 from nonsmooth.analysis.measurements.timing import Clock
-from nonsmooth.analysis.minimizers.cvxpy_hulls import hull_upper_derivative_on
-from nonsmooth.analysis.minimizers.cvxpy_solvers import ConeSolver, import_solvers
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import Scene
 
@@ -31,10 +29,7 @@ Points = NDArray[np.float64]
 
 SAMPLES = tuple(round(10**k) for k in (2, 2.5, 3, 3.5, 4, 4.5, 5, 5.5, 6))
 SETS = 4  # of random samples: the mean of their errors scatters half as much as one
-TOLERANCES = tuple(10.0**-k for k in (2, 4, 6, 8, 10))
 BLOCK, LARGE_BLOCK = 64, 1 << 15  # points between two looks at the clock; where no minimizer is sought
-STOPS = Order(None, "the tolerance bounds residuals, and with two unknowns splitting often ends at the vertex itself")
-GAP = Order(1.0, "the tolerance bounds the gap, which is the error of the value")
 
 
 def build_upper_derivative(scene: Scene) -> StudyPlan:
@@ -48,15 +43,9 @@ def build_upper_derivative(scene: Scene) -> StudyPlan:
         partition = build_partition(centred)
     except RefusalError as error:
         raise LeftOut(f"no exact V*: {error}") from None
-    import_solvers()
     exact = largest_derivative(partition)
     trials = [Trial("exact cells", partial(_exactly, centred), partial(_judge_exactly, exact))]
     judge = partial(_judge, float(exact))
-    for solver in ConeSolver:
-        trials += [
-            Trial(f"hulls, {solver.label}", partial(_over_hulls, centred, solver, t), judge, "tolerance", t)
-            for t in TOLERANCES
-        ]
     for count in SAMPLES:
         work = partial(_sampled, centred, [partial(_random_points, count, seed) for seed in range(SETS)])
         trials.append(Trial("random samples", work, judge, "samples", count, repeats=SETS))
@@ -93,19 +82,17 @@ def codimension_of_largest(partition: Partition) -> int:
 
 
 def _orders(partition: Partition) -> dict[str, Order]:
-    orders = {f"hulls, {solver.label}": GAP if solver is ConeSolver.CLARABEL else STOPS for solver in ConeSolver}
     codimension = codimension_of_largest(partition)
     if any(len(cell.states) > 1 for cell in partition.cells):
         tied = Order(None, "the rule ties: a sample sees one of several motions")
-        return orders | {"random samples": tied, "grid of samples": tied}
+        return {"random samples": tied, "grid of samples": tied}
     if not codimension:
         all_of_it = Order(None, "the largest V* is attained on a whole cell, which every set of samples meets")
-        return orders | {"random samples": all_of_it, "grid of samples": all_of_it}
+        return {"random samples": all_of_it, "grid of samples": all_of_it}
     place = "at vertices" if codimension == 2 else "along an edge"
-    orders["random samples"] = Order(-1 / codimension, f"the largest V* is attained {place} only")
+    random = Order(-1 / codimension, f"the largest V* is attained {place} only")
     lies = Order(None, "a grid meets an edge, or keeps half a spacing from it, as the edge happens to lie")
-    orders["grid of samples"] = Order(-1 / 2, f"the largest V* is attained {place} only") if codimension == 2 else lies
-    return orders
+    return {"random samples": random, "grid of samples": random if codimension == 2 else lies}
 
 
 # ---- methods -------------------------------------------------------------------------------------
@@ -113,14 +100,6 @@ def _orders(partition: Partition) -> dict[str, Order]:
 
 def _exactly(scene: Scene, clock: Clock) -> Number:
     return largest_derivative(build_partition(scene))
-
-
-def _over_hulls(scene: Scene, solver: ConeSolver, tolerance: float, clock: Clock) -> float:
-    largest = -np.inf
-    for cell in build_partition(scene).cells:
-        clock.check()
-        largest = max(largest, hull_upper_derivative_on(cell, solver, tolerance))
-    return float(largest)
 
 
 def _sampled(scene: Scene, sets: list[Callable[[float], Points]], clock: Clock) -> list[float]:

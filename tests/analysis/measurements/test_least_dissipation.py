@@ -7,8 +7,9 @@ import pytest
 
 from nonsmooth.analysis.fields.contact_model import ContactModel
 from nonsmooth.analysis.measurements.references.least_dissipation import ReferenceMinimization
-from nonsmooth.analysis.minimizers.choice import MINIMIZERS, Minimizer
+from nonsmooth.analysis.minimizers.choice import Minimizer
 from nonsmooth.analysis.minimizers.dissipation import Functional
+from tests.oracles.cvxpy_programs import MINIMIZERS
 
 SOLVERS = 1e-7  # relative gap of the reference solvers
 EXACT = 1e-12  # of the others

@@ -22,12 +22,10 @@ from nonsmooth.analysis.measurements.convergence import log_slope
 from nonsmooth.analysis.measurements.harness import Study
 from nonsmooth.analysis.measurements.references.reference_paths import ExactPath
 from nonsmooth.analysis.measurements.studies.derivation import DERIVATION
-from nonsmooth.analysis.measurements.studies.minimizers import BOX_MINIMIZERS, ELLIPSE_MINIMIZERS
 from nonsmooth.analysis.measurements.studies.trajectories import TRAJECTORIES, follow_without_events
 from nonsmooth.analysis.measurements.studies.upper_derivative import UPPER_DERIVATIVE, codimension_of_largest
 from nonsmooth.analysis.measurements.study_plan import StudyPlan
 from nonsmooth.analysis.measurements.timing import Clock
-from nonsmooth.analysis.minimizers.cvxpy_solvers import ConeSolver
 from nonsmooth.analysis.trajectories.result import EventKind
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.files.scene_file import load_scene
@@ -41,7 +39,6 @@ WITHIN = 0.2  # of the predicted slope
 SECONDS = 120  # of one setting: none comes near
 FEW_SAMPLES = 100_000
 ROUNDING = 1e-13
-MOST_TOLERANCES = 1_000  # the error of a solver in units of its tolerance: the condition of the problem, with room
 SLACK = 1.01  # of the ends of a range
 
 
@@ -134,23 +131,6 @@ def test_a_tie_hides_motions_from_samples(arrays: Arrays) -> None:
     assert UPPER_DERIVATIVE.build(tied).orders["random samples"].expected is None
 
 
-@pytest.mark.parametrize("solver", ["Clarabel", "SCS", "OSQP"])
-def test_solvers_on_the_box_err_by_their_tolerance(solver: str) -> None:
-    plan = BOX_MINIMIZERS.build(load_scene("four-wheel"))
-    errors = errors_of(plan, f"CVXPY, {solver}", 1e-2, 1e-10)
-    slope = log_slope(list(errors), list(errors.values()))
-    assert plan.orders[f"CVXPY, {solver}"].expected == 1
-    assert all(error < MOST_TOLERANCES * tolerance for tolerance, error in errors.items())
-    # SCS looks at its residuals every 25 steps and may stop two orders below the tolerance, on each machine elsewhere.
-    assert 1 - WITHIN < slope < (1.5 if solver == "SCS" else 1 + WITHIN)
-
-
-def test_a_gap_bounds_the_square_of_the_error_where_d_is_smooth() -> None:
-    seen, expected = slope_of(ELLIPSE_MINIMIZERS, load_scene("four-wheel"), "CVXPY, Clarabel", 1e-2, 1e-10)
-    assert expected == 0.5
-    assert seen == pytest.approx(0.5, abs=WITHIN)
-
-
 def test_balls_gain_a_bit_for_every_bit() -> None:
     seen, expected = slope_of(DERIVATION, load_scene("ring-5"), "balls", 2.0**-53, 2.0**-161)
     assert expected == 1
@@ -167,15 +147,3 @@ def test_exact_methods_have_no_error(arrays: Arrays) -> None:
     for study, method in exact.items():
         trial = next(t for t in study.build(scene).trials if t.method == method)
         assert trial.judge(trial.work(Clock(SECONDS))).error == 0
-
-
-@pytest.mark.parametrize("hardest", keep(1, [1, 5]))
-@pytest.mark.parametrize("solver", list(ConeSolver))
-def test_solvers_print_nothing(solver: ConeSolver, hardest: int, capfd: pytest.CaptureFixture[str]) -> None:
-    """Not even past Python's own streams: the output may be JSON; where a solver may complain most, and elsewhere."""
-    plan = UPPER_DERIVATIVE.build(load_scene("conveyor-3"))
-    trials = [trial for trial in plan.trials if trial.method == f"hulls, {solver.label}"]
-    assert len(trials) == 5
-    for trial in trials[-hardest:]:
-        trial.work(Clock(SECONDS))
-    assert capfd.readouterr() == ("", "")
