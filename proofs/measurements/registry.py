@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from nonsmooth.analysis.measurements.cases.feedback_gain import FEEDBACK
 from nonsmooth.analysis.measurements.cases.friction_ratio import FRICTION
-from nonsmooth.analysis.measurements.cases.hysteresis_width import HYSTERESIS
 from nonsmooth.analysis.measurements.cases.near_collinear import COLLINEAR
 from nonsmooth.analysis.measurements.cases.near_starts import STARTS
 from nonsmooth.analysis.measurements.cases.scales import SCALES
@@ -39,7 +38,6 @@ CASES: tuple[Case, ...] = (
     COLLINEAR,
     SCALES,
     STARTS,
-    HYSTERESIS,
     SWITCHES,
     FEEDBACK,
 )

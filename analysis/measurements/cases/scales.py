@@ -19,9 +19,8 @@ from nonsmooth.analysis.measurements.cases.followed_field import (
     followed_system,
 )
 from nonsmooth.analysis.measurements.harness import Case
-from nonsmooth.analysis.measurements.rows import EPSILON, ResultRow, Rows, asserted, judged, refused
+from nonsmooth.analysis.measurements.rows import EPSILON, ResultRow, Rows, judged, refused
 from nonsmooth.analysis.trajectories.trajectory import simulate
-from nonsmooth.symbolic.number_text import power_text
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.similar_scenes import moved, scaled, scaled_system
 from nonsmooth.symbolic.switched_system import SwitchedSystem
@@ -29,7 +28,6 @@ from nonsmooth.symbolic.switched_system import SwitchedSystem
 POWERS = (-9, -6, -3, 3, 6, 9)  # of ten
 OFFSETS = (3, 6, 9)  # powers of ten, in units of length
 ROUNDINGS = 64  # along a path
-BEYOND = 1e6  # half-widths: a start far outside
 
 
 def array_scale_rows(scene: Scene) -> Rows:
@@ -42,7 +40,6 @@ def array_scale_rows(scene: Scene) -> Rows:
         yield _row("geometry scale, path", f"1e{power}", _array(scaled(scene, Fraction(10) ** power)))
     for power in OFFSETS:
         yield _row("far from the origin, path", f"1e{power}", _array(moved(scene, Fraction(10) ** power, Fraction(0))))
-    yield outside_row(followed_array(cells, Kinematics.LEADING))
 
 
 def system_scale_rows(scene: SwitchedSystem) -> Rows:
@@ -54,16 +51,6 @@ def system_scale_rows(scene: SwitchedSystem) -> Rows:
     for power in POWERS:
         faster = scaled_system(scene, speed=Fraction(10) ** power)
         yield _row("time scale, path", f"1e{power}", followed_system(faster))
-
-
-def outside_row(followed: FollowedField) -> ResultRow:
-    """A start far outside the checked square has to be refused."""
-    case, parameter = "start far outside", power_text(BEYOND)
-    try:
-        path = simulate(followed.field, followed.place(BEYOND, 0.0), followed.span)
-    except ValueError as refusal:
-        return refused(case, parameter, refusal, expected=True)
-    return asserted(case, parameter, str(path.end.reason), "required a refusal", ok=False)
 
 
 def _array(scene: Scene) -> FollowedField:

@@ -110,7 +110,7 @@ def _stationary(scene: Scene, loads: list[arb], guess: Floats) -> Exact | None:
     groups = _weighted_rows(scene, loads)
     twist = arb_mat([[arb(float(value))] for value in guess])
     for _ in range(NEWTON_STEPS):
-        gradient, hessian = derivatives(groups, twist, arb(0))
+        gradient, hessian = derivatives(groups, twist)
         if all(abs(entry) < RESIDUAL for entry in gradient.entries()):
             return tuple(twist.entries())  # type: ignore[return-value]  # three entries
         try:

@@ -13,15 +13,13 @@ from dataclasses import replace
 from functools import partial
 from typing import TypeAlias
 
-import numpy as np
-
 from nonsmooth.analysis.fields.sign_field import SignField, Signs
 from nonsmooth.analysis.fields.switched_field import Vector, Velocity
 from nonsmooth.analysis.measurements.cases.followed_field import FollowedField, followed_system
 from nonsmooth.analysis.measurements.harness import Study
 from nonsmooth.analysis.measurements.references.reference_paths import STARTS
 from nonsmooth.analysis.measurements.references.taylor import Reached
-from nonsmooth.analysis.measurements.studies.trajectories import EVENT_TOLERANCES, IMPLICIT, SOLVERS, TOLERANCES, WIDTHS
+from nonsmooth.analysis.measurements.studies.trajectories import EVENT_TOLERANCES, SOLVERS, TOLERANCES, WIDTHS
 from nonsmooth.analysis.measurements.study_plan import Assessment, LeftOut, Order, StudyPlan, Trial
 from nonsmooth.analysis.measurements.timing import Clock
 from nonsmooth.analysis.trajectories.hysteresis import simulate_hysteresis, simulate_smoothed
@@ -66,7 +64,7 @@ SYSTEM_PATHS = Study("paths", "paths: largest error of a state", "error of a sta
 def _orders() -> dict[str, Order]:
     named = {"hysteresis": Order(1.0, LATE), "smoothed": Order(None, BLURRED)}
     named["DOP853 with events"] = Order(None, STEPPED)
-    return named | {name: IMPLICIT if name in ("LSODA", "Radau") else Order(None, STRADDLED) for name in SOLVERS}
+    return named | dict.fromkeys(SOLVERS, Order(None, STRADDLED))
 
 
 def _routes(followed: FollowedField) -> Iterator[Route]:
@@ -139,8 +137,7 @@ def _without_events(
         clock.check()
         return field.velocity(field.mode_at(x))(t, x)
 
-    with np.errstate(all="ignore"):  # the implicit methods difference the field across its jumps
-        found = solve_ivp(velocity, (0.0, until), start, method, rtol=tolerance, atol=tolerance * radius)
+    found = solve_ivp(velocity, (0.0, until), start, method, rtol=tolerance, atol=tolerance * radius)
     if found.status < 0:
         raise RuntimeError(found.message)
     return tuple(found.y[:, -1].tolist()), len(found.t)

@@ -17,7 +17,6 @@ from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
 from nonsmooth.analysis.measurements.cases import feedback_gain, near_collinear, support_edge
 from nonsmooth.analysis.measurements.cases.feedback_gain import FEEDBACK, feedback_rows
 from nonsmooth.analysis.measurements.cases.friction_ratio import RATIOS, TINY
-from nonsmooth.analysis.measurements.cases.hysteresis_width import HYSTERESIS
 from nonsmooth.analysis.measurements.cases.near_collinear import DETERMINANTS, collinear_rows
 from nonsmooth.analysis.measurements.cases.near_starts import STARTS
 from nonsmooth.analysis.measurements.cases.scales import OFFSETS, POWERS, SCALES, array_scale_rows, system_scale_rows
@@ -121,7 +120,7 @@ def test_rules_without_cells_are_refused_where_cells_are_needed() -> None:
         (row,) = case.rows(scene)
         assert (row.name, row.outcome, row.ok) == (name, Outcome.REFUSED, True)
         assert "for cells, received" in row.note
-    assert measure(scene, (STARTS, HYSTERESIS, SWITCHES)).rows == []
+    assert measure(scene, (STARTS, SWITCHES)).rows == []
 
 
 @pytest.mark.parametrize("gains", keep(1, [[1.0, 1e6], list(feedback_gain.GAINS)]))

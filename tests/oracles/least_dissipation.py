@@ -4,16 +4,22 @@ Every norm ``|w|`` in D becomes ``sqrt(|w|^2 + delta^2)``; for delta > 0 the sum
 damped Newton steps find its minimum.  Delta falls from the size of D by a factor of four at a time, each minimum
 starting the next, until it is ``10**-SMOOTHED`` of D; the least value is then off by at most n times that.  Slow and
 independent of all minimizers: it knows no linear program, no cone and no face.  Its data are the floats as they are.
+
+Each group g of weighted contact rows in ``D(xi) = sum_g |A_g xi - b_g|`` is one wheel (ellipse) or one row (box).
 """
 
 from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TypeAlias
 
 import numpy as np
 from flint import arb, arb_mat, ctx
 
 from nonsmooth.analysis.fields.contact_model import ContactRows, Floats
-from nonsmooth.analysis.measurements.references.ball_dissipation import derivatives, value
 from nonsmooth.analysis.minimizers.dissipation import Functional
+
+Group: TypeAlias = tuple[arb_mat, arb_mat]  # A (m, 3) and b (m, 1)
 
 BITS = 420  # 126 digits: the Hessian's condition grows like 1/delta
 SMOOTHED = 30  # decimal digits of D that smoothing leaves alone
@@ -21,6 +27,31 @@ FALL = 4  # factor from one delta to the next
 NEWTON = 60  # steps per delta; five are usual
 HALVINGS = 200  # of a step: where minimizers are many the first ones are long
 DECREMENT = 1e-60  # squared Newton decrement, relative to D_delta: beside a kink a larger one says little
+
+
+def slip_size(group: Group, twist: arb_mat, delta: arb) -> tuple[arb_mat, arb]:
+    """``w = A xi - b`` and its smoothed length."""
+    w = group[0] * twist - group[1]
+    squared = sum((entry * entry for entry in w.entries()), delta * delta)
+    # the ball of a slip that vanishes holds zero, so that of its square may reach below
+    return w, squared.nonnegative_part().sqrt()
+
+
+def value(groups: Sequence[Group], twist: arb_mat, delta: arb) -> arb:
+    """``D_delta``."""
+    return sum((slip_size(group, twist, delta)[1] for group in groups), arb(0))
+
+
+def derivatives(groups: Sequence[Group], twist: arb_mat, delta: arb) -> tuple[arb_mat, arb_mat]:
+    """Gradient ``sum A^T u`` and Hessian ``sum A^T (1 - u u^T) A/|w|`` with ``u = w/|w|``."""
+    gradient, hessian = arb_mat(3, 1), arb_mat(3, 3)
+    for group in groups:
+        w, size = slip_size(group, twist, delta)
+        unit, matrix = w * (1 / size), group[0]
+        one = arb_mat([[int(j == k) for k in range(w.nrows())] for j in range(w.nrows())])
+        gradient += matrix.transpose() * unit
+        hessian += matrix.transpose() * (one - unit * unit.transpose()) * matrix * (1 / size)
+    return gradient, hessian
 
 
 class ReferenceMinimization:
