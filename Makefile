@@ -76,7 +76,7 @@ bench: $(INSTALLED) ## run the further cases that `make test` leaves out, and th
 	$(BIN)/python -m pytest tests/benchmarks
 
 precision: $(PACKAGE) ## measure error against run time and write docs/precision.md (some minutes)
-	$(BIN)/python -m nonsmooth.reports.precision_page docs
+	$(BIN)/python -m tests.precision_page docs
 
 evidence: $(INSTALLED) ## compare with data that others made and write docs/evidence.md (some minutes)
 	$(BIN)/python -m tests.evidence.page docs

@@ -24,10 +24,10 @@ from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import BAD_INPUT, INTERRUPTED, run
 from nonsmooth.reports.figures.measurements import build_figure
 from nonsmooth.reports.measurements import Precision
-from nonsmooth.reports.precision_page import page_text
 from nonsmooth.reports.progress import silent
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
+from tests.precision_page import page_text
 
 if TYPE_CHECKING:
     from tests.reports.conftest import Invoke

@@ -1,4 +1,4 @@
-"""The measured parts of ``docs/precision.md`` and its figure: ``python -m nonsmooth.reports.precision_page docs``.
+"""The measured parts of ``docs/precision.md`` and its figure: ``python -m tests.precision_page docs``.
 
 The page keeps its text; what stands between ``<!-- machine -->``, ``<!-- studies -->`` or ``<!-- pruning -->`` and the
 next ``<!-- end -->`` is measured anew.  Errors, slopes and verdicts are the same on every machine up to rounding; times
