@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 from typing import Any, ClassVar
@@ -12,18 +12,35 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from nonsmooth.analysis.measurements.convergence import FittedSlope, fitted_slopes
-from nonsmooth.analysis.measurements.harness import Measured, Run, study_of
-from nonsmooth.analysis.measurements.rows import ResultRow
+from nonsmooth.analysis.measurements.harness import FittedSlope, Measured, ResultRow, Run
 from nonsmooth.reports.terminal import header_table
+from nonsmooth.symbolic.files.system_file import load_any
 from nonsmooth.symbolic.number_text import measured_text
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.scene import Scene, require_known_loads
 from nonsmooth.symbolic.scene_error import one_line
+from nonsmooth.symbolic.switched_system import SwitchedSystem, require_plane, require_single
 
 LEGEND = (
     "error: relative, against exact or 60-digit arithmetic; condition: factor by which rounding of the input grows; "
     "a dash: nothing was computed, or no system is solved"
 )
+
+
+def load_measured(
+    scene: str, *, rule: str | None, radius: str | None, at: str | None, allow_outside: bool
+) -> Scene | SwitchedSystem:
+    """The array, or the plain system in two states, that a person names.
+
+    Raises:
+        SceneError: where it cannot be read, and for what nothing can be measured of.
+    """
+    loaded = load_any(scene, rule=rule, radius=radius, at=at, allow_outside=allow_outside)
+    if isinstance(loaded, SwitchedSystem):
+        require_plane(loaded)
+        require_single(loaded)
+    else:
+        require_known_loads(loaded, "to measure errors")
+    return loaded
 
 
 @dataclass(frozen=True)
@@ -56,6 +73,41 @@ class MeasurementView:
         return measurement_figure(self.head, self.run, suffix, of_studies=isinstance(self, Precision))
 
 
+def _plain(value: Any) -> Any:
+    """A value for JSON."""
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    return dict(value) if isinstance(value, Mapping) else value
+
+
+def _pairs(named: Mapping[str, float]) -> str:
+    return " ".join(f"{name.replace(' ', '_')}={value!r}" for name, value in named.items())
+
+
+def rows_table(
+    header: Sequence[str],
+    rows: Iterable[ResultRow],
+    heading: Callable[[ResultRow], str],
+    entries: Callable[[ResultRow], Iterable[Text]],
+) -> Table:
+    """Rows with equal headings beneath a line with their heading, which stands in the second and widest column."""
+    table = header_table(*header, widest=header[1])
+    for name, group in groupby(rows, heading):
+        if table.row_count:
+            table.add_section()
+        table.add_row(Text(), Text(name, "bold"))
+        for row in group:
+            table.add_row(*entries(row))
+    return table
+
+
+def _right(text: str) -> Text:
+    return Text(text, no_wrap=True, justify="right")
+
+
+# ---- precision -----------------------------------------------------------------------------------
+
+
 class Precision(MeasurementView):
     """Studies of error against run time."""
 
@@ -82,7 +134,7 @@ class Precision(MeasurementView):
             "complete": run.complete,
             "studies": [_study_record(measured) for measured in run.measured],
             "rows": self.row_records(),
-            "slopes": [_slope_record(slope) for measured in run.measured for slope in slopes_of(measured)],
+            "slopes": [record for measured in run.measured for record in _slope_records(measured)],
         }
 
     def summary(self) -> str:
@@ -95,6 +147,54 @@ class Precision(MeasurementView):
         for measured in self.run.measured:
             views += [Text(), _study_view(measured)]
         return Group(*views, *([] if self.run.complete else [Text(), Text("interrupted: the rows above are finished")]))
+
+
+def _study_record(measured: Measured) -> dict[str, Any]:
+    study, plan = measured.study, measured.plan
+    entry: dict[str, Any] = {"study": study.name, "title": study.title, "quantity": study.quantity}
+    if plan is None:
+        return entry | {"reference": None, "left_out": measured.left_out}
+    return entry | {"reference": plan.reference, "left_out": None, "note": plan.note}
+
+
+def _slope_records(measured: Measured) -> Iterator[dict[str, Any]]:
+    for slope in measured.slopes:
+        entry = {"study": measured.of.name, "method": slope.method, "parameter": slope.parameter, "slope": slope.value}
+        yield entry | {"expected": slope.order.expected, "from": slope.first, "to": slope.last, "why": slope.order.why}
+
+
+def _study_view(measured: Measured) -> RenderableType:
+    study, plan, title = measured.study, measured.plan, Text(measured.study.title, "bold")
+    if plan is None:
+        return Group(title, Text(f"left out: {measured.left_out}"))
+    header = ("setting", "method", "error", "time [s]")
+    table = rows_table(header, measured.rows, lambda row: row.method, _study_entries)
+    lines = [f"{study.quantity}, against: {plan.reference}", *([plan.note] if plan.note else [])]
+    return Group(title, *map(Text, lines), table, *(Text(_slope_text(slope)) for slope in measured.slopes))
+
+
+def _study_entries(row: ResultRow) -> tuple[Text, ...]:
+    said = row.note or ", ".join(f"{count} {what}" for what, count in row.work.items())
+    return Text(setting_text(row)), Text(said), _right(error_text(row)), _right(measured_text(row.seconds))
+
+
+def setting_text(row: ResultRow) -> str:
+    """The setting of a method; empty for a method without one."""
+    return "" if row.setting is None else f"{row.parameter} {measured_text(row.setting)}"
+
+
+def error_text(row: ResultRow) -> str:
+    """The error, or why there is none."""
+    return row.outcome if row.error is None else measured_text(row.error)
+
+
+def _slope_text(slope: FittedSlope) -> str:
+    seen = "no slope fitted" if slope.value is None else f"slope {slope.value:.2f} in the {slope.parameter}"
+    expected = "none expected" if slope.order.expected is None else f"expected {slope.order.expected:g}"
+    return f"{slope.method}: {seen}, {expected}: {slope.order.why}"
+
+
+# ---- stress --------------------------------------------------------------------------------------
 
 
 class Stress(MeasurementView):
@@ -138,105 +238,7 @@ class Stress(MeasurementView):
         return Group(table, *said, Text(self.summary(), "bold"), Text(LEGEND, "dim"))
 
 
-# ---- the table -----------------------------------------------------------------------------------
-
-
-def rows_table(
-    header: Sequence[str],
-    rows: Iterable[ResultRow],
-    heading: Callable[[ResultRow], str],
-    entries: Callable[[ResultRow], tuple[Text, ...]],
-) -> Table:
-    """Rows with equal headings beneath a line with their heading, which stands in the second and widest column."""
-    table = header_table(*header, widest=header[1])
-    for name, group in groupby(rows, heading):
-        if table.row_count:
-            table.add_section()
-        table.add_row(Text(), Text(name, "bold"))
-        for row in group:
-            table.add_row(*entries(row))
-    return table
-
-
-def _study_entries(row: ResultRow) -> tuple[Text, ...]:
-    said = row.note or ", ".join(f"{count} {what}" for what, count in row.work.items())
-    return Text(setting_text(row)), Text(said), _right(error_text(row)), _right(measured_text(row.seconds))
-
-
 def _case_entries(row: ResultRow) -> tuple[Text, ...]:
     mark = Text("ok", "green") if row.ok else Text("NOT OK", "bold red")
     numbers = (_right("-" if x is None else f"{x:.1e}" if x else "0") for x in (row.error, row.condition))
     return Text(row.parameter or ""), Text(row.outcome), *numbers, mark
-
-
-def _right(text: str) -> Text:
-    return Text(text, no_wrap=True, justify="right")
-
-
-def setting_text(row: ResultRow) -> str:
-    """The setting of a method; empty for a method without one."""
-    return "" if row.setting is None else f"{row.parameter} {measured_text(row.setting)}"
-
-
-def error_text(row: ResultRow) -> str:
-    """The error, or why there is none."""
-    return row.outcome if row.error is None else measured_text(row.error)
-
-
-# ---- studies -------------------------------------------------------------------------------------
-
-
-def slopes_of(measured: Measured) -> list[FittedSlope]:
-    """The slope of every method with a setting."""
-    return [] if measured.plan is None else fitted_slopes(measured.of.name, measured.plan, measured.rows)
-
-
-def _study_view(measured: Measured) -> RenderableType:
-    study = study_of(measured)
-    title = Text(study.title, "bold")
-    if measured.plan is None:
-        return Group(title, Text(f"left out: {measured.left_out}"))
-    table = rows_table(
-        ("setting", "method", "error", "time [s]"), measured.rows, lambda row: row.method, _study_entries
-    )
-    lines = [Text(f"{study.quantity}, against: {measured.plan.reference}")]
-    lines += [Text(measured.plan.note)] if measured.plan.note else []
-    return Group(title, *lines, table, *(Text(_slope_text(slope)) for slope in slopes_of(measured)))
-
-
-def _slope_text(slope: FittedSlope) -> str:
-    seen = "no slope fitted" if slope.value is None else f"slope {slope.value:.2f} in the {slope.parameter}"
-    expected = "none expected" if slope.order.expected is None else f"expected {slope.order.expected:g}"
-    return f"{slope.method}: {seen}, {expected}: {slope.order.why}"
-
-
-def _study_record(measured: Measured) -> dict[str, Any]:
-    study, plan = study_of(measured), measured.plan
-    entry: dict[str, Any] = {"study": study.name, "title": study.title, "quantity": study.quantity}
-    if plan is None:
-        return entry | {"reference": None, "left_out": measured.left_out}
-    return entry | {"reference": plan.reference, "left_out": None, "note": plan.note}
-
-
-def _slope_record(slope: FittedSlope) -> dict[str, Any]:
-    return {
-        "study": slope.study,
-        "method": slope.method,
-        "parameter": slope.parameter,
-        "slope": slope.value,
-        "expected": slope.order.expected,
-        "from": slope.first,
-        "to": slope.last,
-        "why": slope.order.why,
-    }
-
-
-def _plain(value: Any) -> Any:
-    """A value for JSON."""
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    return dict(value) if isinstance(value, Mapping) else value
-
-
-def _pairs(named: Mapping[str, float]) -> str:
-    return " ".join(f"{name.replace(' ', '_')}={value!r}" for name, value in named.items())

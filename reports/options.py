@@ -90,7 +90,7 @@ def complete_part(incomplete: str) -> list[str]:
 
 def complete_study(incomplete: str) -> list[str]:
     """Names of studies, for the shell."""
-    from nonsmooth.proofs.measurements.registry import STUDIES, SYSTEM_STUDIES
+    from nonsmooth.proofs.measurements import STUDIES, SYSTEM_STUDIES
 
     return [study.name for study in (*STUDIES, *SYSTEM_STUDIES) if study.name.startswith(incomplete)]
 

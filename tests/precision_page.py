@@ -13,14 +13,10 @@ import sys
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
-from nonsmooth.analysis.measurements.convergence import FittedSlope
-from nonsmooth.analysis.measurements.harness import Measured, Run, Study, measure, study_of
-from nonsmooth.analysis.measurements.rows import ResultRow
-from nonsmooth.analysis.measurements.timing import Limits
-from nonsmooth.proofs.measurements.pruning import PRUNED, PRUNING, WHOLE
-from nonsmooth.proofs.measurements.registry import STUDIES
+from nonsmooth.analysis.measurements.harness import FittedSlope, Limits, Measured, ResultRow, Run, Study, measure
+from nonsmooth.proofs.measurements import PRUNED, PRUNING, STUDIES, WHOLE
 from nonsmooth.reports.files import output_path, write_whole
-from nonsmooth.reports.measurements import Precision, error_text, setting_text, slopes_of
+from nonsmooth.reports.measurements import Precision, error_text, setting_text
 from nonsmooth.reports.progress import ProgressCall, progress
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
 from nonsmooth.symbolic.number_text import measured_text
@@ -72,19 +68,15 @@ def _machine(shown: Run) -> str:
 
 
 def _study(measured: Measured) -> Iterator[str]:
-    study = study_of(measured)
-    title = study.title
+    study, title = measured.study, measured.study.title
     yield f"### {_escaped(title[0].upper() + title[1:])}\n"
     if measured.plan is None:
         yield f"Left out: {_escaped(measured.left_out)}.\n"
         return
     yield f"Error: {_escaped(study.quantity)}. Yardstick: {_escaped(measured.plan.reference)}.\n"
-    header = ("method", "setting", "error", "time [s]", "other errors, work, remarks")
-    yield _table(header, map(_row, measured.rows))
-    slopes = slopes_of(measured)
-    if slopes:
-        header = ("method", "slope in", "seen", "predicted", "why")
-        yield _table(header, (_slope(slope) for slope in slopes))
+    yield _table(("method", "setting", "error", "time [s]", "other errors, work, remarks"), map(_row, measured.rows))
+    if measured.slopes:
+        yield _table(("method", "slope in", "seen", "predicted", "why"), map(_slope, measured.slopes))
 
 
 def _row(row: ResultRow) -> tuple[str, ...]:

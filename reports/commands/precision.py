@@ -45,32 +45,25 @@ def precision(  # noqa: PLR0913, PLR0917  # one parameter for each option of the
 
     Exit status: 0 done, 2 bad input, 130 interrupted (finished rows are kept).
     """
-    from nonsmooth.analysis.measurements.harness import measure
-    from nonsmooth.analysis.measurements.timing import Limits
-    from nonsmooth.proofs.measurements.registry import STUDIES, SYSTEM_STUDIES
+    from nonsmooth.analysis.measurements.harness import Limits, measure
+    from nonsmooth.proofs.measurements import STUDIES, SYSTEM_STUDIES
     from nonsmooth.reports.files import PICTURES, output_path
-    from nonsmooth.reports.measurements import Precision
+    from nonsmooth.reports.measurements import Precision, load_measured
     from nonsmooth.reports.progress import progress
     from nonsmooth.reports.shown import show
     from nonsmooth.symbolic.contact_set import standing
-    from nonsmooth.symbolic.files.system_file import load_any
-    from nonsmooth.symbolic.scene import require_known_loads
-    from nonsmooth.symbolic.switched_system import SwitchedSystem, require_plane, require_single
+    from nonsmooth.symbolic.scene import Scene
 
     if runs < 1:
         raise RefusedError(f"--runs: required at least 1, received {runs}")
     if not (math.isfinite(time_limit) and time_limit > 0):
         raise RefusedError(f"--time-limit: required a positive number of seconds, received {time_limit}")
     path = None if output is None else output_path(output, (*PICTURES, ".csv", ".json"))
-    loaded = load_any(scene, rule=rule, radius=radius, at=at, allow_outside=allow_outside)
-    if isinstance(loaded, SwitchedSystem):
-        studies = _studies(study, SYSTEM_STUDIES)
-        require_plane(loaded)
-        require_single(loaded)
+    loaded = load_measured(scene, rule=rule, radius=radius, at=at, allow_outside=allow_outside)
+    if isinstance(loaded, Scene):
+        studies, loaded = _studies(study, STUDIES), standing(loaded)
     else:
-        studies = _studies(study, STUDIES)
-        loaded = standing(loaded)
-        require_known_loads(loaded, "to measure errors")
+        studies = _studies(study, SYSTEM_STUDIES)
     with progress() as report:
         run = measure(loaded, studies, Limits(runs, time_limit), report)
     show(Precision(run), path, json=json)

@@ -20,22 +20,14 @@ def stress(
     Exit status: 0 all rows ok, 1 not, 2 bad input, 130 interrupted (finished rows are kept).
     """
     from nonsmooth.analysis.measurements.harness import measure
-    from nonsmooth.proofs.measurements.registry import CASES
+    from nonsmooth.proofs.measurements import CASES
     from nonsmooth.reports.files import PICTURES, output_path
-    from nonsmooth.reports.measurements import Stress
+    from nonsmooth.reports.measurements import Stress, load_measured
     from nonsmooth.reports.progress import progress
     from nonsmooth.reports.shown import show
-    from nonsmooth.symbolic.files.system_file import load_any
-    from nonsmooth.symbolic.scene import require_known_loads
-    from nonsmooth.symbolic.switched_system import SwitchedSystem, require_plane, require_single
 
     path = None if output is None else output_path(output, (".json", ".csv", *PICTURES))
-    loaded = load_any(scene, rule=rule, radius=radius, at=at, allow_outside=allow_outside)
-    if isinstance(loaded, SwitchedSystem):
-        require_plane(loaded)
-        require_single(loaded)
-    else:
-        require_known_loads(loaded, "to measure errors")
+    loaded = load_measured(scene, rule=rule, radius=radius, at=at, allow_outside=allow_outside)
     with progress() as report:
         run = measure(loaded, CASES, report=report)
     show(Stress(run), path, json=json)

@@ -11,8 +11,7 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from nonsmooth.analysis.measurements.harness import Measured, Run, study_of
-from nonsmooth.analysis.measurements.rows import ResultRow
+from nonsmooth.analysis.measurements.harness import Measured, ResultRow, Run
 from nonsmooth.reports.figures.cell_map import figure_bytes
 from nonsmooth.reports.figures.wheels import INK
 
@@ -41,9 +40,9 @@ def build_figure(head: str, run: Run, *, of_studies: bool) -> Figure:
     from matplotlib.figure import Figure
 
     studies = [measured for measured in run.measured if any(row.setting is not None for row in measured.rows)]
-    panels = len(studies) if of_studies else 1
-    columns, rows = min(COLUMNS, max(1, panels)), max(1, math.ceil(panels / COLUMNS))
     cases = list(dict.fromkeys(row.name for row in run.rows))
+    panels = max(1, len(studies)) if of_studies else 1
+    columns, rows = min(COLUMNS, panels), math.ceil(panels / COLUMNS)
     height = PANEL[1] if of_studies else 1.0 + CASE_HEIGHT * len(cases)
     figure = Figure(figsize=(PANEL[0] * columns, height * rows + 0.8), layout="constrained")
     figure.suptitle(head, fontsize="large", parse_math=False)
@@ -54,24 +53,25 @@ def build_figure(head: str, run: Run, *, of_studies: bool) -> Figure:
     else:
         for k, measured in enumerate(studies):
             _draw_study(figure.add_subplot(rows, columns, k + 1), measured, run.limits.seconds)
-    _explain(figure, "out of time or failed" if of_studies else "without an error, such as a refusal", of_studies)
+    _explain(figure, of_studies)
     return figure
 
 
 def _draw_study(axes: Axes, measured: Measured, limit: float) -> None:
     """Error and processor time; the settings of a method are joined in their order."""
-    study, floor = study_of(measured), _floor(measured)
+    study, floor = measured.study, _floor(measured)
     axes.set(xlabel=study.quantity, ylabel="processor time [s]", yscale="log")
     axes.set_title(study.title, fontsize="medium", loc="left")
     largest = max((row.error for row in measured.rows if row.error), default=1.0)
     for k, method in enumerate(dict.fromkeys(row.method for row in measured.rows)):
         own = [row for row in measured.rows if row.method == method]
         points = [(max(row.error, floor), row.seconds) for row in own if row.error is not None and row.seconds]
-        _draw_points(axes, points, floor, k, label=method, linewidth=1.2)
+        without = []
         if len(points) < len(own):
             x, y = points[-1] if points else (max(largest, floor), limit)
+            without = [(x, limit)]
             axes.plot([x, x], [y, limit], color=COLORS[k % len(COLORS)], linewidth=0.8, linestyle=":")
-            _draw_open(axes, [(x, limit)], k)
+        _draw_series(axes, k, method, points, without, floor, "-")
     axes.axhline(limit, color="0.5", linewidth=0.8, linestyle="--", zorder=1)
     _finish(axes, floor)
 
@@ -83,23 +83,25 @@ def _draw_cases(axes: Axes, rows: Sequence[ResultRow], cases: Sequence[str]) -> 
     for k, (label, ok) in enumerate((("ok", True), ("not ok", False))):
         own = [(row.error, float(cases.index(row.name))) for row in rows if row.ok is ok]
         points = [(max(min(x, LARGEST), NOTHING) if math.isfinite(x) else LARGEST, y) for x, y in own if x is not None]
-        _draw_points(axes, points, NOTHING, k, label=label, linestyle="none")
-        _draw_open(axes, [(NOTHING, y) for x, y in own if x is None], k)
+        _draw_series(axes, k, label, points, [(NOTHING, y) for x, y in own if x is None], NOTHING, "none")
     axes.invert_yaxis()
     _finish(axes, NOTHING)
 
 
-def _draw_points(axes: Axes, points: Points, floor: float, k: int, **style: Any) -> None:
-    color = COLORS[k % len(COLORS)]
-    axes.plot(*_columns(points), marker=MARKERS[k % len(MARKERS)], color=color, markersize=5, **style)
+def _draw_series(axes: Axes, k: int, label: str, points: Points, without: Points, floor: float, linestyle: str) -> None:
+    """Points of the k-th color and marker, stars on those at the floor, and open marks for results without an error."""
+    color, marker = COLORS[k % len(COLORS)], MARKERS[k % len(MARKERS)]
+    style: dict[str, Any] = {"color": color, "marker": marker}
+    axes.plot(*_columns(points), markersize=5, linewidth=1.2, linestyle=linestyle, label=label, **style)
     zero = [point for point in points if point[0] <= floor]
     if zero:
         axes.plot(*_columns(zero), marker="*", color=color, markersize=11, linestyle="none")
+    if without:
+        axes.plot(*_columns(without), markersize=7, fillstyle="none", linestyle="none", **style)
 
 
-def _draw_open(axes: Axes, points: Points, k: int) -> None:
-    style: dict[str, Any] = {"color": COLORS[k % len(COLORS)], "marker": MARKERS[k % len(MARKERS)]}
-    axes.plot(*_columns(points), markersize=7, fillstyle="none", linestyle="none", **style)
+def _columns(points: Points) -> tuple[list[float], list[float]]:
+    return [x for x, _ in points], [y for _, y in points]
 
 
 def _finish(axes: Axes, floor: float) -> None:
@@ -110,10 +112,6 @@ def _finish(axes: Axes, floor: float) -> None:
     axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, fontsize="small", borderaxespad=0)
 
 
-def _columns(points: Points) -> tuple[list[float], list[float]]:
-    return [x for x, _ in points], [y for _, y in points]
-
-
 def _floor(measured: Measured) -> float:
     """Where zero is drawn: a decade below the smallest error that is told from it."""
     rounding = measured.plan.rounding if measured.plan is not None else 1.0
@@ -121,15 +119,16 @@ def _floor(measured: Measured) -> float:
     return max(10.0 ** (math.floor(math.log10(min(told, default=1.0))) - 1), rounding * BELOW_ROUNDING)
 
 
-def _explain(figure: Figure, without_error: str, timed: bool) -> None:
+def _explain(figure: Figure, of_studies: bool) -> None:
     """What the marks mean that no panel explains."""
     from matplotlib.lines import Line2D
 
     zero = "error 0, or below what is told from 0"
+    without = "out of time or failed" if of_studies else "without an error, such as a refusal"
     entries = [
         Line2D([], [], marker="*", color=INK, linestyle=":", markersize=10, label=zero),
-        Line2D([], [], marker="o", color=INK, linestyle="none", fillstyle="none", label=without_error),
+        Line2D([], [], marker="o", color=INK, linestyle="none", fillstyle="none", label=without),
     ]
-    if timed:
+    if of_studies:
         entries.append(Line2D([], [], color="0.5", linestyle="--", label="time limit"))
     figure.legend(handles=entries, loc="outside lower center", ncols=len(entries), frameon=False)

@@ -8,14 +8,9 @@ from __future__ import annotations
 
 import math
 
-from nonsmooth.analysis.measurements.cases.near_collinear import COLLINEAR
-from nonsmooth.analysis.measurements.cases.support_edge import LOADS
-from nonsmooth.analysis.measurements.convergence import fitted_slopes
-from nonsmooth.analysis.measurements.harness import measure
-from nonsmooth.analysis.measurements.rows import ResultRow
-from nonsmooth.analysis.measurements.studies.trajectories import TRAJECTORIES
-from nonsmooth.analysis.measurements.study_plan import LeftOut, StudyPlan
-from nonsmooth.analysis.measurements.timing import Limits
+from nonsmooth.analysis.measurements.cases import COLLINEAR, LOADS
+from nonsmooth.analysis.measurements.harness import LeftOut, Limits, ResultRow, fitted_slopes, measure
+from nonsmooth.analysis.measurements.path_studies import TRAJECTORIES
 from nonsmooth.reports.document import Code, Entry, Section, decimal, table
 from nonsmooth.reports.prose import paragraph
 from nonsmooth.reports.subject import Subject
@@ -23,7 +18,7 @@ from nonsmooth.symbolic.number_text import float_text
 
 METHODS = ("events, closed form", "DOP853 with events", "hysteresis", "smoothed", "RK45", "DOP853")
 SETTINGS = 3  # of each method, the easy ones first: enough for a slope, and together about a second
-ONCE = Limits(runs=1, seconds=math.inf)
+ONCE = Limits(runs=1, seconds=math.inf)  # without a time limit, so that equal input gives equal rows
 CASES = (LOADS, COLLINEAR)  # hundredths of a second; verdicts, paths and feedback take some seconds
 
 
@@ -39,7 +34,10 @@ def without_precision(subject: Subject) -> str:
 def precision_section(subject: Subject) -> Section:
     """Errors, steps and orders of methods that follow the same paths."""
     plan = TRAJECTORIES.build(subject.scene)
-    rows = [row for method in METHODS for row in _measured(plan, method)]
+    rows = []
+    for method in METHODS:
+        trials = [trial for trial in plan.trials if trial.method == method]
+        rows += [TRAJECTORIES.measure(trial, plan, ONCE) for trial in trials[:SETTINGS]]
     header = ("method", "setting", TRAJECTORIES.quantity, "steps")
     listing = table(header, [_method_entries(row) for row in rows], (4, 3.5, 3, 2))
     intro = paragraph(
@@ -50,7 +48,7 @@ def precision_section(subject: Subject) -> Section:
     )
     orders = [
         paragraph("{}: slope {} in the {}.", slope.method, f"{slope.value:.2f}", slope.parameter)
-        for slope in fitted_slopes(TRAJECTORIES.name, plan, rows)
+        for slope in fitted_slopes(plan, rows)
         if slope.value is not None
     ]
     return Section("Error against work", (intro, listing, *orders))
@@ -70,12 +68,6 @@ def stress_section(subject: Subject) -> Section:
     header = ("case", "parameter", "what came out", "error", "condition", "ok")
     listing = table(header, [_case_entries(row) for row in rows], (4, 2.4, 3.6, 2.6, 2.9, 1.2))
     return Section("Stiff and extreme cases", (words, listing))
-
-
-def _measured(plan: StudyPlan, method: str) -> list[ResultRow]:
-    """The easy settings of a method, without a time limit, so that equal input gives equal rows."""
-    trials = [trial for trial in plan.trials if trial.method == method]
-    return [TRAJECTORIES.measure(trial, plan, ONCE) for trial in trials[:SETTINGS]]
 
 
 def _method_entries(row: ResultRow) -> tuple[Entry, ...]:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
-from nonsmooth.analysis.measurements.cases.friction_ratio import RATIOS
+from nonsmooth.analysis.measurements.cases import RATIOS
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.choice import Minimizer
 from nonsmooth.analysis.minimizers.dissipation import Functional

@@ -17,7 +17,7 @@ import pytest
 from nonsmooth.analysis.cells.box import build_box_partition
 from nonsmooth.analysis.dynamics.ellipse_path import ellipse_path
 from nonsmooth.analysis.fields.contact_model import ContactRows, contact_model
-from nonsmooth.analysis.measurements.references.reference_twists import ellipse_references
+from nonsmooth.analysis.measurements.studies import ellipse_references
 from nonsmooth.analysis.minimizers.agreement import compare_rules
 from nonsmooth.analysis.minimizers.dissipation import Functional, dissipation
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior

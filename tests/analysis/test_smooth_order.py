@@ -10,7 +10,7 @@ import pytest
 
 from nonsmooth.analysis.fields.sign_field import SignField
 from nonsmooth.analysis.fields.switched_field import affine_surface
-from nonsmooth.analysis.measurements.convergence import log_slope
+from nonsmooth.analysis.measurements.harness import log_slope
 from nonsmooth.analysis.trajectories.smooth_path import follow_smooth
 
 DIGITS = 60

@@ -15,9 +15,8 @@ import pytest
 from nonsmooth.analysis.cells.box import build_box_partition
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.fields.contact_model import contact_model
-from nonsmooth.analysis.measurements.convergence import log_slope
-from nonsmooth.analysis.measurements.references.reference_twists import box_references, ellipse_references
-from nonsmooth.analysis.measurements.studies.upper_derivative import largest_derivative
+from nonsmooth.analysis.measurements.harness import log_slope
+from nonsmooth.analysis.measurements.studies import box_references, ellipse_references, largest_derivative
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.choice import Minimizer
 from nonsmooth.analysis.minimizers.dissipation import Functional

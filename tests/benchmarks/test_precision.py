@@ -8,12 +8,9 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from nonsmooth.analysis.measurements.harness import Measured, Run, measure
-from nonsmooth.analysis.measurements.studies.minimizers import ELLIPSE_MINIMIZERS
-from nonsmooth.analysis.measurements.timing import Limits
-from nonsmooth.proofs.measurements.pruning import PRUNING
-from nonsmooth.proofs.measurements.registry import STUDIES
-from nonsmooth.reports.measurements import slopes_of
+from nonsmooth.analysis.measurements.harness import Limits, Measured, Run, measure
+from nonsmooth.analysis.measurements.studies import ELLIPSE_MINIMIZERS
+from nonsmooth.proofs.measurements import PRUNING, STUDIES
 from nonsmooth.reports.progress import silent
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
 
@@ -81,9 +78,9 @@ def test_repeated_runs_order_the_methods_alike(stopwatch: Stopwatch) -> None:
 
 
 def test_predicted_slopes_are_seen_on_four_wheels(stopwatch: Stopwatch) -> None:
-    found = [slope for one in measured("four-wheel", runs=1).measured for slope in slopes_of(one)]
+    found = [slope for one in measured("four-wheel", runs=1).measured for slope in one.slopes]
     for slope in found:
-        stopwatch.report(f"{slope.study}, {slope.method}: slope {slope.value}, predicted {slope.order.expected}")
+        stopwatch.report(f"{slope.method}: slope {slope.value}, predicted {slope.order.expected}")
     checked = [slope for slope in found if slope.method in SLOPES]
     assert {slope.method for slope in checked} == SLOPES
     for slope in checked:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from nonsmooth.analysis.measurements.harness import measure
-from nonsmooth.proofs.measurements.registry import CASES
+from nonsmooth.proofs.measurements import CASES
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
 from nonsmooth.symbolic.files.system_file import load_any
 from tests.built_in import planar_systems

@@ -15,11 +15,19 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from nonsmooth.analysis.measurements.harness import Study, measure
-from nonsmooth.analysis.measurements.study_plan import Assessment, LeftOut, Order, StudyPlan, Trial
-from nonsmooth.analysis.measurements.timing import Clock, Limits
-from nonsmooth.proofs.measurements import registry
-from nonsmooth.proofs.measurements.registry import STUDIES
+from nonsmooth.analysis.measurements.harness import (
+    Assessment,
+    Clock,
+    LeftOut,
+    Limits,
+    Order,
+    Study,
+    StudyPlan,
+    Trial,
+    measure,
+)
+from nonsmooth.proofs import measurements
+from nonsmooth.proofs.measurements import STUDIES
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import BAD_INPUT, INTERRUPTED, run
 from nonsmooth.reports.figures.measurements import build_figure
@@ -87,7 +95,7 @@ def test_json_of_a_study(invoke: Invoke) -> None:
 
 
 def test_csv_and_json_files_hold_the_same_rows(invoke: Invoke, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(registry, "STUDIES", (study({"exact": proportional}),))
+    monkeypatch.setattr(measurements, "STUDIES", (study({"exact": proportional}),))
     assert all(invoke("precision", "four-wheel", "-o", f"rows.{kind}").status == 0 for kind in ("csv", "json"))
     with Path("rows.csv").open(encoding="utf-8", newline="") as file:
         table = list(csv.DictReader(file))
@@ -133,7 +141,7 @@ def test_bad_input_is_one_line(arguments: list[str], words: str, capsys: pytest.
 
 def test_an_interrupt_keeps_the_finished_rows(invoke: Invoke, monkeypatch: pytest.MonkeyPatch) -> None:
     broken = study({"exact": proportional, "broken": lambda s: interrupted if s < 1e-2 else proportional(s)}, "second")
-    monkeypatch.setattr(registry, "STUDIES", (study({"exact": proportional}, "first"), broken, study({}, "never")))
+    monkeypatch.setattr(measurements, "STUDIES", (study({"exact": proportional}, "first"), broken, study({}, "never")))
     status, out, _ = invoke("precision", "four-wheel", "--json", "-o", "rows.csv")
     record = json.loads(out)
     assert status == INTERRUPTED
@@ -236,7 +244,7 @@ def test_legends_and_panels_do_not_overlap() -> None:
 
 @pytest.mark.parametrize("suffix", [".svg", ".png", ".pdf"])
 def test_figures_are_written(invoke: Invoke, suffix: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(registry, "STUDIES", (study({"exact": proportional}),))
+    monkeypatch.setattr(measurements, "STUDIES", (study({"exact": proportional}),))
     assert invoke("precision", "four-wheel", "-o", f"precision{suffix}")[0] == 0
     starts = {".svg": b"<?xml", ".png": b"\x89PNG", ".pdf": b"%PDF"}
     assert Path(f"precision{suffix}").read_bytes().startswith(starts[suffix])

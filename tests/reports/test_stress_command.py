@@ -9,9 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from nonsmooth.analysis.measurements.harness import Case
-from nonsmooth.analysis.measurements.rows import ResultRow, Rows, judged, refused
-from nonsmooth.proofs.measurements import registry
+from nonsmooth.analysis.measurements.harness import Case, ResultRow, Rows, judged, refused
+from nonsmooth.proofs import measurements
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import INTERRUPTED, run
 from nonsmooth.reports.measurements import Stress
@@ -28,7 +27,7 @@ def with_rows(monkeypatch: pytest.MonkeyPatch, *rows: ResultRow, interrupt: bool
         if interrupt:
             raise KeyboardInterrupt
 
-    monkeypatch.setattr(registry, "CASES", (Case("family", array=case),))
+    monkeypatch.setattr(measurements, "CASES", (Case("family", array=case),))
 
 
 @thorough  # the small one: test_files

@@ -11,10 +11,8 @@ import pytest
 from nonsmooth.analysis.bodies.mass_study import mass_study
 from nonsmooth.analysis.dynamics.newton_euler import disc
 from nonsmooth.analysis.fields.contact_model import contact_model
-from nonsmooth.analysis.measurements.convergence import log_slope
-from nonsmooth.analysis.measurements.studies.masses import MASS, MASSES
-from nonsmooth.analysis.measurements.study_plan import LeftOut, StudyPlan
-from nonsmooth.analysis.measurements.timing import Clock
+from nonsmooth.analysis.measurements.harness import Clock, LeftOut, StudyPlan, log_slope
+from nonsmooth.analysis.measurements.path_studies import MASS, MASSES
 from tests.thorough import thorough
 
 if TYPE_CHECKING:

@@ -13,8 +13,8 @@ import pytest
 from nonsmooth.analysis.cells.box import build_box_partition
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.fields.contact_model import contact_model
-from nonsmooth.analysis.measurements.references.reference_paths import STARTS, ExactPath, reference_paths
-from nonsmooth.analysis.measurements.references.reference_twists import (
+from nonsmooth.analysis.measurements.reference_paths import STARTS, ExactPath, reference_paths
+from nonsmooth.analysis.measurements.studies import (
     DIGITS,
     POINTS,
     ReferenceTwist,

@@ -8,11 +8,23 @@ from typing import Any
 
 import pytest
 
-from nonsmooth.analysis.measurements.convergence import FEWEST, fitted_slopes, log_slope
-from nonsmooth.analysis.measurements.harness import Study, measure
-from nonsmooth.analysis.measurements.rows import Outcome, ResultRow
-from nonsmooth.analysis.measurements.study_plan import Assessment, Order, StudyPlan, Trial
-from nonsmooth.analysis.measurements.timing import REPEATED, Clock, Limits, OutOfTime
+from nonsmooth.analysis.measurements.harness import (
+    FEWEST,
+    REPEATED,
+    Assessment,
+    Clock,
+    Limits,
+    Order,
+    Outcome,
+    OutOfTime,
+    ResultRow,
+    Study,
+    StudyPlan,
+    Trial,
+    fitted_slopes,
+    log_slope,
+    measure,
+)
 from nonsmooth.symbolic.files.scene_file import load_scene
 
 LIMITS = Limits(runs=3, seconds=0.2)
@@ -153,10 +165,12 @@ def test_errors_at_rounding_level_are_left_out_of_a_slope() -> None:
     order = Order(1.0, "a test")
     settings = [10.0**-k for k in range(1, 9)]
     errors = [max(s**2, 3e-15) for s in settings]
-    rows = [ResultRow("test", "square", "width", s, error=e) for s, e in zip(settings, errors, strict=True)]
+    rows = [
+        ResultRow("test", "width", method="square", setting=s, error=e) for s, e in zip(settings, errors, strict=True)
+    ]
     plan = StudyPlan("known", (), {"square": order})
-    (slope,) = fitted_slopes("test", plan, rows)
+    (slope,) = fitted_slopes(plan, rows)
     assert slope.value == pytest.approx(2, abs=1e-12)
     assert (slope.first, slope.last, slope.parameter) == (0.1, 1e-6, "width")
-    (unknown,) = fitted_slopes("test", plan, rows[: FEWEST - 1])
+    (unknown,) = fitted_slopes(plan, rows[: FEWEST - 1])
     assert unknown.value is None

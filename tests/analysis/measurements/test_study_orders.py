@@ -18,14 +18,10 @@ import pytest
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.fields.constant_field import ConstantField, array_field
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.analysis.measurements.convergence import log_slope
-from nonsmooth.analysis.measurements.harness import Study
-from nonsmooth.analysis.measurements.references.reference_paths import ExactPath
-from nonsmooth.analysis.measurements.studies.derivation import DERIVATION
-from nonsmooth.analysis.measurements.studies.trajectories import TRAJECTORIES, follow_without_events
-from nonsmooth.analysis.measurements.studies.upper_derivative import UPPER_DERIVATIVE, codimension_of_largest
-from nonsmooth.analysis.measurements.study_plan import StudyPlan
-from nonsmooth.analysis.measurements.timing import Clock
+from nonsmooth.analysis.measurements.harness import Clock, Study, StudyPlan, log_slope
+from nonsmooth.analysis.measurements.path_studies import TRAJECTORIES, follow_without_events
+from nonsmooth.analysis.measurements.reference_paths import ExactPath
+from nonsmooth.analysis.measurements.studies import DERIVATION, UPPER_DERIVATIVE, codimension_of_largest
 from nonsmooth.analysis.trajectories.result import EventKind
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.files.scene_file import load_scene
@@ -89,7 +85,8 @@ def test_a_step_across_a_switch_errs_by_the_tolerance(method: str, count: int) -
     tolerances = [10.0**-k for k in range(3, 9)]
     means = []
     for tolerance in tolerances:
-        followed = [follow_without_events(field, method, (tolerance,) * 2, p, Clock(SECONDS)) for p in paths]
+        both, clock = (tolerance, tolerance), Clock(SECONDS)
+        followed = [follow_without_events(field, method, both, p.start, p.until, clock) for p in paths]
         errors = [p.error_at(f.times[-1], f.states[-1]) for p, f in zip(paths, followed, strict=True)]
         means.append(math.exp(float(np.mean(np.log(errors)))))
     assert log_slope(tolerances, means) == pytest.approx(1, abs=WITHIN)

@@ -9,11 +9,8 @@ from typing import Any
 
 import pytest
 
-from nonsmooth.analysis.measurements.convergence import fitted_slopes
-from nonsmooth.analysis.measurements.harness import measure
-from nonsmooth.analysis.measurements.studies.system_paths import SYSTEM_PATHS, build_system_paths
-from nonsmooth.analysis.measurements.study_plan import StudyPlan
-from nonsmooth.analysis.measurements.timing import Limits
+from nonsmooth.analysis.measurements.harness import Limits, StudyPlan, fitted_slopes, measure
+from nonsmooth.analysis.measurements.path_studies import SYSTEM_PATHS, Followed, build_system_paths
 from nonsmooth.symbolic.files.system_file import build_system, load_system
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
@@ -31,13 +28,13 @@ def measured(scene: SwitchedSystem, *methods: str) -> Any:
         whole = build_system_paths(scene)
         return replace(whole, trials=tuple(trial for trial in whole.trials if trial.method in methods))
 
-    (found,) = measure(scene, (replace(SYSTEM_PATHS, plan=plan),), QUICK).measured
+    (found,) = measure(scene, (replace(SYSTEM_PATHS, build=plan),), QUICK).measured
     return found
 
 
 def test_hysteresis_is_of_first_order_and_events_are_of_rounding() -> None:
     found = measured(load_system("relay-oscillator"), "hysteresis", "DOP853 with events")
-    slopes = {slope.method: slope for slope in fitted_slopes(SYSTEM_PATHS.name, found.plan, found.rows)}
+    slopes = {slope.method: slope for slope in fitted_slopes(found.plan, found.rows)}
     assert slopes["hysteresis"].value == pytest.approx(1.0, abs=0.1)
     assert max(row.error for row in found.rows if row.method == "DOP853 with events") < 1e-12
 
@@ -55,4 +52,4 @@ def test_the_reference_is_a_closed_form() -> None:
     judge = plan.trials[0].judge
     time = 4 * 0.5 / 0.5
     exact = [(a / 32 * math.exp(-time), b / 32 * math.exp(-time)) for a, b in ((15, 10), (11, -3), (-5, 11), (-8, -13))]
-    assert judge([(state, 1) for state in exact]).error < 1e-15
+    assert judge([Followed([time], [state], 1) for state in exact]).error < 1e-15

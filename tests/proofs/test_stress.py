@@ -14,22 +14,30 @@ from flint import arb
 
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
-from nonsmooth.analysis.measurements.cases import feedback_gain, near_collinear, support_edge
-from nonsmooth.analysis.measurements.cases.feedback_gain import FEEDBACK, feedback_rows
-from nonsmooth.analysis.measurements.cases.friction_ratio import RATIOS, TINY
-from nonsmooth.analysis.measurements.cases.near_collinear import DETERMINANTS, collinear_rows
-from nonsmooth.analysis.measurements.cases.near_starts import STARTS
-from nonsmooth.analysis.measurements.cases.scales import OFFSETS, POWERS, SCALES, array_scale_rows, system_scale_rows
-from nonsmooth.analysis.measurements.cases.support_edge import scale_rows, support_rows
-from nonsmooth.analysis.measurements.cases.switches import SWITCHES
-from nonsmooth.analysis.measurements.harness import Case, measure
-from nonsmooth.analysis.measurements.rows import Outcome, ResultRow, Rows, judged
+from nonsmooth.analysis.measurements import cases
+from nonsmooth.analysis.measurements.cases import (
+    DETERMINANTS,
+    FEEDBACK,
+    OFFSETS,
+    POWERS,
+    RATIOS,
+    SCALES,
+    STARTS,
+    SWITCHES,
+    TINY,
+    array_scale_rows,
+    collinear_rows,
+    feedback_rows,
+    load_scale_rows,
+    support_rows,
+    system_scale_rows,
+)
+from nonsmooth.analysis.measurements.harness import Case, Outcome, ResultRow, Rows, judged, measure
 from nonsmooth.analysis.trajectories import guards
 from nonsmooth.analysis.trajectories.cell_motion import Free
 from nonsmooth.analysis.trajectories.stiffness import IMPLICIT
-from nonsmooth.proofs.measurements import array_verdicts
-from nonsmooth.proofs.measurements.array_verdicts import ARRAY_VERDICTS
-from nonsmooth.proofs.measurements.registry import CASES
+from nonsmooth.proofs import measurements
+from nonsmooth.proofs.measurements import ARRAY_VERDICTS, CASES
 from nonsmooth.proofs.theorem4 import check_cells
 from nonsmooth.symbolic.constraints import Row, Twist
 from nonsmooth.symbolic.contact_states import ContactState
@@ -81,9 +89,9 @@ def assert_all_hold(scene: Scene | SwitchedSystem) -> None:
 @pytest.mark.parametrize("every", keep(1, [3, 1]))
 def test_other_arrays_hold(arrays: Arrays, monkeypatch: pytest.MonkeyPatch, every: int) -> None:
     """An array at random, whose checked point is no equilibrium; and one refused by rule box."""
-    monkeypatch.setattr(array_verdicts, "RATIOS", dict(list(RATIOS.items())[::every]))
-    monkeypatch.setattr(array_verdicts, "POWERS", POWERS[::every])
-    monkeypatch.setattr(array_verdicts, "DETERMINANTS", DETERMINANTS[::every])
+    monkeypatch.setattr(measurements, "RATIOS", dict(list(RATIOS.items())[::every]))
+    monkeypatch.setattr(measurements, "POWERS", POWERS[::every])
+    monkeypatch.setattr(measurements, "DETERMINANTS", DETERMINANTS[::every])
     rows = measure(arrays.random(4, 4), CASES).rows
     assert len(rows) >= LEAST_ROWS
     assert [row for row in rows if not row.ok] == []
@@ -91,10 +99,10 @@ def test_other_arrays_hold(arrays: Arrays, monkeypatch: pytest.MonkeyPatch, ever
 
 @pytest.mark.parametrize("every", keep(1, [6, 1]))
 def test_rates_whose_roots_are_out_of_reach_are_compared(monkeypatch: pytest.MonkeyPatch, every: int) -> None:
-    monkeypatch.setattr(array_verdicts, "RATIOS", {})
-    monkeypatch.setattr(array_verdicts, "POWERS", POWERS[::every])
-    monkeypatch.setattr(array_verdicts, "OFFSETS", OFFSETS[::every])
-    monkeypatch.setattr(array_verdicts, "DETERMINANTS", ())
+    monkeypatch.setattr(measurements, "RATIOS", {})
+    monkeypatch.setattr(measurements, "POWERS", POWERS[::every])
+    monkeypatch.setattr(measurements, "OFFSETS", OFFSETS[::every])
+    monkeypatch.setattr(measurements, "DETERMINANTS", ())
     monkeypatch.setattr(enclosures, "MOST_BITS", 0)
     scene = load_scene("off-center", rule="box")
     assert isinstance(check_cells(scene).translation.worst_rate, arb)
@@ -107,8 +115,8 @@ def test_rates_that_differ_a_little_are_told_apart(monkeypatch: pytest.MonkeyPat
     def a_little_faster(scene: Scene, factor: Fraction) -> Scene:
         return with_wheels(scaled(scene, factor), lambda wheel: replace(wheel, given_speed=wheel.speed * (1 + TINY)))
 
-    monkeypatch.setattr(array_verdicts, "scaled", a_little_faster)
-    monkeypatch.setattr(array_verdicts, "RATIOS", {})
+    monkeypatch.setattr(measurements, "scaled", a_little_faster)
+    monkeypatch.setattr(measurements, "RATIOS", {})
     row = next(ARRAY_VERDICTS.rows(load_scene("off-center", rule="box")))
     assert not row.ok
     assert row.error == pytest.approx(float(TINY), rel=1e-3)
@@ -123,11 +131,11 @@ def test_rules_without_cells_are_refused_where_cells_are_needed() -> None:
     assert measure(scene, (STARTS, SWITCHES)).rows == []
 
 
-@pytest.mark.parametrize("gains", keep(1, [[1.0, 1e6], list(feedback_gain.GAINS)]))
+@pytest.mark.parametrize("gains", keep(1, [[1.0, 1e6], list(cases.GAINS)]))
 def test_loops_about_a_point_away_from_the_origin_hold(
     arrays: Arrays, monkeypatch: pytest.MonkeyPatch, gains: list[float]
 ) -> None:
-    monkeypatch.setattr(feedback_gain, "GAINS", gains)
+    monkeypatch.setattr(cases, "GAINS", gains)
     scene = arrays.scene(arrays.inward(CORNERS), at=(Fraction(1, 4), Fraction(1, 8)))
     rows = list(FEEDBACK.rows(scene))
     assert failed(iter(rows)) == []
@@ -170,7 +178,7 @@ def test_float_elimination_fails_for_wheels_in_line(monkeypatch: pytest.MonkeyPa
 
     scene = load_scene("ring-5")
     assert failed(collinear_rows(scene)) == []
-    monkeypatch.setattr(near_collinear, "solve_rows", careless)
+    monkeypatch.setattr(cases, "solve_rows", careless)
     assert [row.parameter for row in failed(collinear_rows(scene))] == ["1e-3", "1e-6", "1e-9", "1e-12", "1e-14"]
 
 
@@ -181,9 +189,9 @@ def test_loads_by_plain_normal_equations_fail_in_other_units(monkeypatch: pytest
         return np.maximum(moments @ np.linalg.lstsq(moments.T @ moments, goal, rcond=None)[0], 0.0)[None]
 
     scene = load_scene("four-wheel")
-    assert failed(support_rows(scene)) == failed(scale_rows(scene)) == []
-    monkeypatch.setattr(support_edge, "elastic_loads", careless)
-    assert {"1e-9", "1e9"} <= {row.parameter for row in failed(scale_rows(scene))}
+    assert failed(support_rows(scene)) == failed(load_scale_rows(scene)) == []
+    monkeypatch.setattr(cases, "elastic_loads", careless)
+    assert {"1e-9", "1e9"} <= {row.parameter for row in failed(load_scale_rows(scene))}
     assert "1e-3 outside" in {row.parameter for row in failed(support_rows(scene))}
 
 

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from nonsmooth.analysis.measurements.rows import Outcome
-from nonsmooth.analysis.measurements.timing import Clock, Limits
-from nonsmooth.proofs.measurements.pruning import PRUNING, verdicts
+from nonsmooth.analysis.measurements.harness import Clock, Limits, Outcome
+from nonsmooth.proofs.measurements import PRUNING, verdicts
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.verdicts import Rotation, Theorem4
 from nonsmooth.symbolic.files.scene_file import load_scene

@@ -1,0 +1,312 @@
+"""The studies of ``precision`` that follow paths: from a scene to a reference, trials and the slopes that are expected.
+
+Trajectories of arrays and paths of plain systems by the same methods, and paths of bodies with less and less mass.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any, TypeAlias
+
+from nonsmooth.analysis.bodies.mass_study import massless_limit, path_distance, rule_path
+from nonsmooth.analysis.cells.contact_partition import build_partition
+from nonsmooth.analysis.cells.partition import RefusalError
+from nonsmooth.analysis.contact_rule import all_rules
+from nonsmooth.analysis.dynamics.ellipse_path import RELATIVE_TOLERANCE
+from nonsmooth.analysis.dynamics.newton_euler import disc, simulate_dynamics
+from nonsmooth.analysis.fields.cellwise_field import CellwiseField, smooth_form
+from nonsmooth.analysis.fields.constant_field import ConstantField
+from nonsmooth.analysis.fields.contact_model import contact_model
+from nonsmooth.analysis.fields.polygon_field import PolygonField
+from nonsmooth.analysis.fields.sign_field import SignField
+from nonsmooth.analysis.fields.switched_field import Member, Vector, Velocity
+from nonsmooth.analysis.measurements.harness import Assessment, Clock, LeftOut, Order, Study, StudyPlan, Trial
+from nonsmooth.analysis.measurements.reference_paths import (
+    STARTS,
+    MeasuredField,
+    Reached,
+    measured_system,
+    reference_paths,
+)
+from nonsmooth.analysis.trajectories.hysteresis import simulate_hysteresis, simulate_smoothed
+from nonsmooth.analysis.trajectories.result import Event, State, Trajectory, TrajectoryError
+from nonsmooth.analysis.trajectories.smooth_path import follow_smooth
+from nonsmooth.analysis.trajectories.trajectory import simulate
+from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.switched_system import SwitchedSystem
+
+# ---- paths ---------------------------------------------------------------------------------------
+#
+# What theory predicts of the largest distance from the path:
+# - hysteresis and smoothing replace a switch by a layer of the width w: the distance is proportional to w, slope 1;
+# - a Runge-Kutta method whose step straddles a switch makes a local error of (jump) x (step), whatever its order; step
+#   control shrinks that step until the error is the tolerance (Hairer, Norsett & Wanner 1993, sec. II.6), and along a
+#   slide it does so at every step: slope 1 in the tolerance, while the number of steps grows like its inverse;
+# - with events every stretch is smooth, and where the field is constant between them every step is exact.
+
+WIDTHS = tuple(10**-k for k in (1.5, 2, 2.5, 3, 3.5))  # in units of the half-width of the square
+TOLERANCES = tuple(10**-k for k in (2, 2.5, 3, 3.5, 4, 4.5, 5))  # relative; absolute in units of the half-width
+EVENT_TOLERANCES = tuple(10.0**-k for k in (3, 5, 7, 9, 11))
+EXACT, BY_EVENTS = "events, exact numbers", "DOP853 with events"
+LAYERS = {"hysteresis": simulate_hysteresis, "smoothed": simulate_smoothed}
+SOLVERS = ("RK45", "DOP853")
+STRADDLED = Order(1.0, "a step across a switch errs by the tolerance, whatever the order; where it falls scatters it")
+ORDERS = {
+    **dict.fromkeys(LAYERS, Order(1.0, "a switch becomes a layer as thick as the width")),
+    BY_EVENTS: Order(None, "the field is constant between events, so every step is exact whatever the tolerance"),
+    **dict.fromkeys(SOLVERS, STRADDLED),
+}
+SYSTEM_ORDERS = {
+    "hysteresis": Order(1.0, "every switch is late by the width"),
+    "smoothed": Order(None, "a switch is early and late by the width, which cancels where the layer is crossed"),
+    BY_EVENTS: Order(None, "the field is smooth between events, so errors follow the tolerance of the steps"),
+    **dict.fromkeys(SOLVERS, Order(None, STRADDLED.why)),
+}
+SYSTEM_STARTS = STARTS[:4]
+SPANS = 4.0  # last time of a system's path, in times in which a path crosses the square
+
+Start: TypeAlias = tuple[float, ...]
+Simulator: TypeAlias = Callable[[Any, Start, float], Trajectory]
+
+
+@dataclass(frozen=True)
+class Followed:
+    """A path as a method leaves it, without events where the method does not look for them."""
+
+    times: Sequence[Any]
+    states: Sequence[State]
+    steps: int
+    events: Sequence[Event] = ()
+
+
+Follow: TypeAlias = Callable[[Start, float, Clock], Followed]
+Method: TypeAlias = tuple[str, Follow, str | None, float | None]  # its name, the method, its setting by name and value
+
+
+def build_trajectories(scene: Scene) -> StudyPlan:
+    """Paths of an array against exact ones; event times are compared where a path first meets the same edges.
+
+    Raises:
+        LeftOut: where the rule has no cells, hence no exact paths, and where no start has only one path.
+    """
+    try:
+        partition = build_partition(scene)
+    except RefusalError as error:
+        raise LeftOut(f"no exact paths: {error}") from None
+    field, paths = reference_paths(partition)
+    if not paths:
+        raise LeftOut("no exact paths: from each start several paths begin")
+
+    def judge(method: str, results: Sequence[Followed]) -> Assessment:
+        pairs = list(zip(paths, results, strict=True))
+        details = {"end": max(path.error_at(r.times[-1], r.states[-1]) for path, r in pairs)}
+        late = (path.event_error(result.events) for path, result in pairs)
+        known = [error for error in late if error is not None]
+        details |= {"event time": max(known)} if known else {}
+        note = "the reference, found again" if method == EXACT else ""
+        error = max(path.path_error(r.times, r.states) for path, r in pairs)
+        return Assessment(error, details, {"steps": sum(r.steps for r in results)}, note)
+
+    methods: list[Method] = [
+        (EXACT, partial(_in_closed_form, field), None, None),
+        ("events, closed form", partial(_in_closed_form, field.floats()), None, None),
+        *_methods(smooth_form(field), field, float(scene.check.radius)),
+    ]
+    switching = sum(bool(path.events) for path in paths)
+    note = "" if switching else "no path meets a switch: every method follows one smooth motion"
+    reference = f"exact paths from {len(paths)} starts, leading-order kinematics, exact numbers"
+    trials = _path_trials(methods, [(path.start, path.until) for path in paths], judge)
+    return StudyPlan(reference, trials, ORDERS if switching else {}, note)
+
+
+def build_system_paths(scene: SwitchedSystem) -> StudyPlan:
+    """Paths of a plain system in two states, each compared at the last time that its reference reaches.
+
+    Raises:
+        LeftOut: where no reference gets on from any start.
+    """
+    measured = measured_system(scene)
+    if not isinstance(measured.field, SignField):
+        raise LeftOut("no field of signs")
+    routes = list(_routes(measured))
+    if not routes:
+        raise LeftOut("no reference path: all starts slide, rest or lie on a surface at once")
+
+    def judge(method: str, results: Sequence[Followed]) -> Assessment:
+        ends = zip(results, routes, strict=True)
+        error = max(measured.distance(result.states[-1], reached.state) for result, (_, reached) in ends)
+        return Assessment(error, work={"steps": sum(result.steps for result in results)})
+
+    methods = _methods(measured.field, measured.field, measured.radius)
+    trials = _path_trials(methods, [(start, reached.time) for start, reached in routes], judge)
+    reference = f"{len(routes)} paths, at 60 digits or exact, to where they end or slide"
+    crosses = measured.exact is not None or any(reached.crossings for _, reached in routes)
+    note = "" if crosses else "no reference path crosses a surface before it ends"
+    return StudyPlan(reference, trials, SYSTEM_ORDERS if crosses else {}, note)
+
+
+def _routes(measured: MeasuredField) -> Iterator[tuple[Start, Reached]]:
+    """Starts with where the reference gets to; those from which it gets nowhere are left out."""
+    for a, b in SYSTEM_STARTS:
+        start = measured.place(a / 16, b / 16)
+        try:
+            reached = measured.reached(start, SPANS * measured.span)
+        except ValueError:  # on a surface
+            continue
+        if reached.time > 0:
+            yield start, reached
+
+
+def _methods(smooth: CellwiseField | SignField, field: PolygonField | SignField, radius: float) -> Iterator[Method]:
+    """The methods that both kinds of fields have, with their settings from easy to hard."""
+    for tolerance in EVENT_TOLERANCES:
+        by_events = partial(follow_smooth, rtol=tolerance, atol=tolerance * radius)
+        yield BY_EVENTS, partial(_simulated, by_events, smooth), "tolerance", tolerance
+    for name, with_layers in LAYERS.items():
+        for width in (share * radius for share in WIDTHS):
+            yield name, partial(_simulated, partial(with_layers, width=width), smooth), "width", width
+    for name in SOLVERS:
+        for tolerance in TOLERANCES:
+            both = (tolerance, tolerance * radius)
+            yield name, partial(follow_without_events, field, name, both), "tolerance", tolerance
+
+
+def _path_trials(
+    methods: Iterable[Method],
+    routes: Sequence[tuple[Start, float]],
+    judge: Callable[[str, Sequence[Followed]], Assessment],
+) -> tuple[Trial, ...]:
+    """Each trial follows the paths from all starts."""
+
+    def work(follow: Follow, clock: Clock) -> list[Followed]:
+        return [follow(start, until, clock) for start, until in routes]
+
+    return tuple(
+        Trial(name, partial(work, follow), partial(judge, name), parameter, setting)
+        for name, follow, parameter, setting in methods
+    )
+
+
+def _in_closed_form(field: ConstantField, start: Start, until: float, clock: Clock) -> Followed:
+    """From event to event of a field that is constant on polygons."""
+    found = simulate(field, start, until)
+    return Followed(found.times, found.states, len(found.pieces), found.events)
+
+
+def _simulated(
+    simulator: Simulator, field: CellwiseField | SignField, start: Start, until: float, clock: Clock
+) -> Followed:
+    """One of the program's own integrators; the field looks at the clock at every evaluation."""
+
+    def watched(velocity: Velocity) -> Velocity:
+        def watching(t: float, x: Vector) -> Vector:
+            clock.check()
+            return velocity(t, x)
+
+        return watching
+
+    if isinstance(field, SignField):
+        flow = field.flow
+        found = simulator(replace(field, flow=lambda signs: watched(flow(signs))), start, until)
+    else:
+        members = tuple(Member(member.name, watched(member.velocity)) for member in field.members)
+        found = simulator(replace(field, members=members), start, until)
+    return Followed(found.times, found.states, len(found.times), found.events)
+
+
+def follow_without_events(
+    field: PolygonField | SignField,
+    method: str,
+    tolerances: tuple[float, float],
+    start: Start,
+    until: float,
+    clock: Clock,
+) -> Followed:
+    """SciPy's ``solve_ivp`` on the field as it stands, jumps and all.
+
+    Args:
+        field: the field; outside a domain of polygons the nearest one rules.
+        method: a method of ``solve_ivp``.
+        tolerances: relative and absolute.
+        start: where to start.
+        until: when to end.
+        clock: the time limit.
+
+    Raises:
+        RuntimeError: where the method gives up.
+    """
+    from scipy.integrate import solve_ivp  # half a second that most commands need not wait
+
+    def velocity(t: float, x: Vector) -> Vector:
+        clock.check()
+        if isinstance(field, SignField):
+            return field.velocity(field.mode_at(x))(t, x)
+        return field.velocity(field.nearest_mode(x))(t, x)
+
+    found = solve_ivp(velocity, (0.0, until), start, method, rtol=tolerances[0], atol=tolerances[1])
+    if found.status < 0:
+        raise RuntimeError(found.message)
+    return Followed(found.t.tolist(), found.y.T.tolist(), len(found.t))
+
+
+TRAJECTORIES = Study(
+    "trajectories", "trajectories: largest error of a path", "path error [length, rad]", build_trajectories
+)
+SYSTEM_PATHS = Study("paths", "paths: largest error of a state", "error of a state [half-widths]", build_system_paths)
+
+# ---- masses --------------------------------------------------------------------------------------
+#
+# Here the model is in question and not a method: the reference is the path that the body takes as its mass goes to 0,
+# that of rule ``ellipse``, integrated far below the distances measured.  Full dynamics approaches it like the mass; the
+# other rules stay where they are, so their rows tell what a contact rule costs and what it misses.
+
+MASSES = tuple(10.0**-k for k in (1, 2, 3, 4, 5))  # in units of R/u^2: R half the square, u the largest speed
+MASS_START = (0.4, 0.8)  # in units of R, from the checked point
+TIMES = 4.0  # in units of R/u
+LIKE_MASS = Order(
+    1.0, "velocity settles within a time like m; later where D is nearly flat (see the theory: full dynamics)"
+)
+
+
+def build_masses(scene: Scene) -> StudyPlan:
+    """Full dynamics and the quasi-static rules from one start in every scene's own units.
+
+    Raises:
+        LeftOut: where nothing drives the body, or rule ``ellipse`` has no path.
+    """
+    model, radius = contact_model(scene), float(scene.check.radius)
+    speed = float(abs(model.speeds).max())
+    if not speed:
+        raise LeftOut("no wheel is driven")
+    x, y = (float(at) + radius * share for at, share in zip(scene.check.equilibrium, MASS_START, strict=True))
+    start, until = (x, y, 0.0), TIMES * radius / speed
+    try:
+        limit = rule_path(scene, massless_limit(), start, until)
+    except (RefusalError, TrajectoryError) as error:
+        raise LeftOut(str(error)) from None
+
+    def judge(followed: tuple[Trajectory, dict[str, int]]) -> Assessment:
+        path, work = followed
+        apart = path_distance(massless_limit(), path, limit, until)
+        return Assessment(apart.position, {"theta": apart.rotation}, work)
+
+    def with_mass(mass: float, clock: Clock) -> tuple[Trajectory, dict[str, int]]:
+        path = simulate_dynamics(model, disc(model, mass), start, until)
+        return path.trajectory, {"evaluations": path.evaluations}
+
+    def by_rule(rule: str, clock: Clock) -> tuple[Trajectory, dict[str, int]]:
+        return rule_path(scene, rule, start, until), {}
+
+    unit = radius / speed**2
+    trials = [Trial("full dynamics", partial(with_mass, mass * unit), judge, "mass", mass) for mass in MASSES]
+    others = [rule.name for rule in all_rules() if not rule.is_massless_limit]
+    trials += [Trial(f"rule {rule}", partial(by_rule, rule), judge) for rule in others]
+    reference = f"path of rule ellipse, {RELATIVE_TOLERANCE:g} per step, from ({x:g}, {y:g}) until t = {until:g}"
+    return StudyPlan(reference, tuple(trials), {"full dynamics": LIKE_MASS}, rounding=RELATIVE_TOLERANCE * 100)
+
+
+MASS = Study(
+    "masses", "full dynamics as the mass goes to 0: distance from rule ellipse", "path distance [length]", build_masses
+)

@@ -1,1 +1,0 @@
-"""Measurements that compare verdicts, and the registry of all measurements."""
