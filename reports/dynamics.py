@@ -6,7 +6,7 @@ Both come as text, JSON, CSV and a picture.  Run times are left out: equal input
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 from rich.console import Group, RenderableType
@@ -58,8 +58,7 @@ class ShownPath:
             "feedback": None,
             **self.path.trajectory.record(),
             "velocity": self.path.states[:, 3:].tolist(),
-            "mass": self.path.body.mass,
-            "inertia": self.path.body.inertia,
+            **asdict(self.path.body),
             "creep_speed": self.path.creep,
         }
 
@@ -85,18 +84,15 @@ class ShownPath:
 
     def view(self) -> RenderableType:
         """Events, a few moments of the motion, and how it ends."""
-        body, end = self.path.body, self.path.trajectory.end
-        head = (
-            f"{one_line(self.scene.name)}: full dynamics, mass {body.mass:.6g}, inertia {body.inertia:.6g}, from rest"
-        )
+        body, path, name = self.path.body, self.path.trajectory, one_line(self.scene.name)
+        head = f"{name}: full dynamics, mass {body.mass:.6g}, inertia {body.inertia:.6g}, from rest"
         table = header_table("t", "x", "y", "theta", "speed", "omega")
         for k in range(MOMENTS):
-            t = float(end.t) * k / (MOMENTS - 1)
+            t = float(path.end.t) * k / (MOMENTS - 1)
             x, y, theta, *velocity, omega = self.path.state(t).tolist()
             table.add_row(*map(float_text, (t, x, y, theta, sum(w**2 for w in velocity) ** 0.5, omega)))
-        path = self.path.trajectory
         begin = events_view(head, path, POSE) if path.events else Text(head)
-        return Group(begin, table, Text(f"end: {end.reason}"), Text(UNIT, "dim"))
+        return Group(begin, table, Text(f"end: {path.end.reason}"), Text(UNIT, "dim"))
 
 
 @dataclass(frozen=True)
@@ -109,12 +105,7 @@ class ShownMasses:
     def record(self) -> dict[str, Any]:
         """Distances by mass and rule."""
         rows = [
-            {
-                "mass": row.body.mass,
-                "inertia": row.body.inertia,
-                "evaluations": row.evaluations,
-                "distances": [_distance_record(distance) for distance in row.distances],
-            }
+            {**asdict(row.body), "evaluations": row.evaluations, "distances": list(map(asdict, row.distances))}
             for row in self.study.rows
         ]
         limits = self.study.limits
@@ -124,7 +115,7 @@ class ShownMasses:
             "start": list(self.study.start),
             "until": self.study.until,
             "rows": rows,
-            "limits": None if limits is None else [_distance_record(limit) for limit in limits],
+            "limits": None if limits is None else list(map(asdict, limits)),
             "skipped": [{"rule": str(rule), "why": why} for rule, why in self.study.skipped.items()],
         }
 
@@ -174,11 +165,6 @@ class ShownMasses:
             yield f"rule {rule}: its path slides along an edge, where light bodies move otherwise: no limit is stated"
         for rule, why in self.study.skipped.items():
             yield f"rule {rule}: no path: {one_line(why)}"
-
-
-def _distance_record(distance: PathDistance) -> dict[str, Any]:
-    record = {"rule": str(distance.rule), "position": distance.position, "rotation": distance.rotation}
-    return {**record, "until": distance.until}
 
 
 def _pair(distance: PathDistance) -> str:

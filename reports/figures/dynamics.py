@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from itertools import cycle
 from typing import TYPE_CHECKING, Any
 
@@ -36,41 +37,64 @@ MARKS = (("#D55E00", "o"), ("#0072B2", "s"), ("#009E73", "^"), ("#CC79A7", "D"),
 
 
 def path_figure(scene: Scene, path: DynamicPath, suffix: str) -> bytes:
-    """x, y and theta over time, and the path between the wheels; ``suffix`` as for the cell map."""
-    model = contact_model(scene)
-    start, last = path.trajectory.states[0], float(path.trajectory.end.t)
-    paths = (path.trajectory, *_massless(scene, start, last))
-    title = f"{one_line(scene.name)}: full dynamics, mass {path.body.mass:.6g}, inertia {path.body.inertia:.6g}"
+    """A body with mass, beside the rule that is the limit without mass where its path can be followed.
 
-    def build() -> Figure:
-        figure = build_path_figure(title, model, paths, scene.units, (BODY, RULE)[: len(paths)])
-        _draw_outlines(figure.axes[-1], scene, path.trajectory)
-        return figure
-
-    return figure_bytes(build, suffix)
-
-
-def _massless(scene: Scene, start: Sequence[float], until: float) -> tuple[Trajectory, ...]:
-    """The path of the rule that is the limit without mass; none where it cannot be followed."""
+    ``suffix`` is that of the file, as for the cell map.
+    """
+    drawn = [(path.trajectory, BODY)]
     limit = next(rule for rule in smooth_rules() if rule.is_massless_limit)
-    try:
-        return (limit.path(scene, start, until),)
-    except TrajectoryError:
-        return ()
+    with suppress(TrajectoryError):
+        drawn.append((limit.path(scene, path.trajectory.states[0], float(path.trajectory.end.t)), RULE))
+    title = f"{one_line(scene.name)}: full dynamics, mass {path.body.mass:.6g}, inertia {path.body.inertia:.6g}"
+    return figure_bytes(lambda: _build_path_figure(scene, title, drawn), suffix)
 
 
 def rule_path_figure(scene: Scene, path: Trajectory, suffix: str) -> bytes:
-    """The same of a path under a rule without cells, alone."""
-    title = f"{one_line(scene.name)}: rule {scene.contact.rule}, {path.kinematics} kinematics"
+    """A path under a rule without cells, alone."""
     style = {**RULE, "label": f"rule {scene.contact.rule}", "linestyle": "-"}
-    model = contact_model(scene)
+    title = f"{one_line(scene.name)}: rule {scene.contact.rule}, {path.kinematics} kinematics"
+    return figure_bytes(lambda: _build_path_figure(scene, title, [(path, style)]), suffix)
 
-    def build() -> Figure:
-        figure = build_path_figure(title, model, (path,), scene.units, (style,))
-        _draw_outlines(figure.axes[-1], scene, path)
-        return figure
 
-    return figure_bytes(build, suffix)
+def _build_path_figure(scene: Scene, title: str, drawn: Sequence[tuple[Trajectory, dict[str, Any]]]) -> Figure:
+    """x, y and theta over time, and between the wheels the paths and the body of the first of them."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=SIZE, layout="constrained")
+    grid = figure.add_gridspec(3, 2, width_ratios=(1, 1.1))
+    curves = [figure.add_subplot(grid[row, 0]) for row in range(3)]
+    plane = figure.add_subplot(grid[:, 1])
+    for axes, label in zip(curves, pose_labels(scene.units), strict=True):
+        axes.axhline(0, color="0.8", linewidth=0.8, zorder=0)
+        axes.set_ylabel(label)
+        axes.margins(x=0.02, y=0.15)
+        axes.sharex(curves[0])
+        axes.tick_params(labelbottom=axes is curves[-1])
+    curves[-1].set_xlabel(time_label("t", scene.units))
+    for path, style in drawn:
+        times = np.linspace(0.0, float(path.end.t), SAMPLES)
+        states = path.sample(times)
+        for k, axes in enumerate(curves):
+            axes.plot(times, states[:, k], **style)
+        plane.plot(states[:, 0], states[:, 1], **style, zorder=3)
+    _draw_wheels(plane, contact_model(scene))
+    first = drawn[0][0]
+    plane.plot(*first.states[0][:2], marker=">", color=INK, markersize=7, linestyle="none", label="start", zorder=4)
+    plane.set(aspect="equal", **centre_labels(scene.units))
+    figure.suptitle(wrapped(title, WIDE_TITLE), fontsize="medium", parse_math=False)
+    figure.legend(*plane.get_legend_handles_labels(), loc="outside lower center", ncols=4, frameon=False)
+    _draw_outlines(plane, scene, first)
+    return figure
+
+
+def _draw_wheels(axes: Axes, model: ContactModel) -> None:
+    """Rims as thick lines, and the friction axes of wheels that have some."""
+    half = RIM * float(np.ptp(model.positions, axis=0).max()) * model.rims
+    for k, (start, end) in enumerate(zip(model.positions - half, model.positions + half, strict=True)):
+        label = "rim of a wheel" if k == 0 else None
+        axes.plot(*zip(start, end, strict=True), color="0.45", linewidth=4, solid_capstyle="butt", label=label)
+    for k in np.flatnonzero(model.heads[:, 1]).tolist():
+        draw_axis(axes, floats(model.positions[k]), floats(model.axes[k]), float(np.hypot(*half[k])))
 
 
 def _draw_outlines(axes: Axes, scene: Scene, path: Trajectory) -> None:
@@ -80,59 +104,15 @@ def _draw_outlines(axes: Axes, scene: Scene, path: Trajectory) -> None:
         return
     poses = [path.states[0], *(event.state for event in path.events[:MOST_OUTLINES]), path.end.state]
     for k, pose in enumerate(poses):
-        corners = placed(outline, np.array([float(value) for value in pose]))
         is_end = k in (0, len(poses) - 1)
-        style: dict[str, Any] = {
-            "edgecolor": INK,
-            "alpha": 1.0 if is_end else 0.3,
-            "linestyle": "--" if k == 0 else "-",
-        }
-        axes.fill(*corners.T, fill=False, linewidth=1.4 if is_end else 0.8, **style)
-
-
-def build_path_figure(
-    title: str,
-    model: ContactModel,
-    paths: Sequence[Trajectory],
-    units: Units,
-    styles: Sequence[dict[str, Any]] = (BODY, RULE),
-) -> Figure:
-    """The picture as a Matplotlib figure; unless told the paths are those of full dynamics and of rule ellipse."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=SIZE, layout="constrained")
-    grid = figure.add_gridspec(3, 2, width_ratios=(1, 1.1))
-    curves = [figure.add_subplot(grid[row, 0]) for row in range(3)]
-    plane = figure.add_subplot(grid[:, 1])
-    for axes, label in zip(curves, pose_labels(units), strict=True):
-        axes.axhline(0, color="0.8", linewidth=0.8, zorder=0)
-        axes.set_ylabel(label)
-        axes.margins(x=0.02, y=0.15)
-        axes.sharex(curves[0])
-        axes.tick_params(labelbottom=axes is curves[-1])
-    curves[-1].set_xlabel(time_label("t", units))
-    for path, style in zip(paths, styles, strict=True):
-        times = np.linspace(0.0, float(path.end.t), SAMPLES)
-        states = path.sample(times)
-        for k, axes in enumerate(curves):
-            axes.plot(times, states[:, k], **style)
-        plane.plot(states[:, 0], states[:, 1], **style, zorder=3)
-    _draw_wheels(plane, model)
-    plane.plot(*paths[0].states[0][:2], marker=">", color=INK, markersize=7, linestyle="none", label="start", zorder=4)
-    plane.set(aspect="equal", **centre_labels(units))
-    figure.suptitle(wrapped(title, WIDE_TITLE), fontsize="medium", parse_math=False)
-    figure.legend(*plane.get_legend_handles_labels(), loc="outside lower center", ncols=4, frameon=False)
-    return figure
-
-
-def _draw_wheels(axes: Axes, model: ContactModel) -> None:
-    """Rims as thick lines."""
-    half = RIM * float(np.ptp(model.positions, axis=0).max()) * model.rims
-    for k, (start, end) in enumerate(zip(model.positions - half, model.positions + half, strict=True)):
-        label = "rim of a wheel" if k == 0 else None
-        axes.plot(*zip(start, end, strict=True), color="0.45", linewidth=4, solid_capstyle="butt", label=label)
-    for k in np.flatnonzero(model.heads[:, 1]).tolist():
-        draw_axis(axes, floats(model.positions[k]), floats(model.axes[k]), float(np.hypot(*half[k])))
+        axes.fill(
+            *placed(outline, np.array(pose, float)).T,
+            fill=False,
+            edgecolor=INK,
+            linewidth=1.4 if is_end else 0.8,
+            alpha=1.0 if is_end else 0.3,
+            linestyle="-" if k else "--",
+        )
 
 
 def masses_figure(scene: Scene, study: MassStudy, suffix: str) -> bytes:
