@@ -16,9 +16,10 @@ from dataclasses import replace
 import numpy as np
 
 from nonsmooth.analysis.bodies.moving_outline import MovingOutline
-from nonsmooth.analysis.bodies.outline_field import OutlineField, Wheels
+from nonsmooth.analysis.bodies.outline_field import OutlineField
+from nonsmooth.analysis.bodies.outline_path import tipping_edge, wheel_changes
 from nonsmooth.analysis.bodies.set_cells import CellsBySet
-from nonsmooth.analysis.bodies.tipping import tipping_edge
+from nonsmooth.analysis.bodies.switching import Mode
 from nonsmooth.analysis.contact_rule import CellRule
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.trajectories.result import EndReason, Event, EventKind, Piece, Trajectory
@@ -91,26 +92,14 @@ class CellPath:
             after = [piece for piece in path.pieces if piece.start >= event.t]
             told = False
             if before and after and event.kind is not EventKind.NONUNIQUE:
-                for kind, words in self._changes(before[-1], after[0]):
+                for kind, words in wheel_changes(self._scene, self._mode(before[-1]), self._mode(after[0])):
                     told = True
                     yield replace(event, kind=kind, surface=words)
             if not told:
                 yield event
 
-    def _changes(self, before: Piece, after: Piece) -> Iterator[tuple[EventKind, str]]:
-        """What happens to wheels from one stretch to the next."""
-        (least, most), (least_after, most_after) = self._wheels(before), self._wheels(after)
-        changes = (
-            (EventKind.SLIDE, (most_after - least_after) - (most - least), "under the edge"),
-            (EventKind.ENTER, least_after - least, "under the body"),
-            (EventKind.LEAVE, most - most_after, "beside the body"),
-        )
-        for kind, wheels, words in changes:
-            if wheels:
-                names = ", ".join(str(self._scene.wheels[k].index) for k in sorted(wheels))
-                yield kind, f"wheel {names} {words}"
-
-    def _wheels(self, piece: Piece) -> tuple[Wheels, Wheels]:
-        """The wheels that carry in all cells of a stretch, and in some."""
+    def _mode(self, piece: Piece) -> Mode:
+        """The wheels that carry in all cells of a stretch, and those that carry in some."""
         sets = [self._field.wheels_of[name] for name in piece.cells]
-        return frozenset.intersection(*sets), frozenset.union(*sets)
+        carrying = frozenset.intersection(*sets)
+        return Mode(carrying, tuple(sorted(frozenset.union(*sets) - carrying)))

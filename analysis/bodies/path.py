@@ -8,33 +8,21 @@ construction says how the body goes on (:mod:`nonsmooth.analysis.bodies.switchin
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from functools import partial
 from typing import Any
 
 import numpy as np
 
 from nonsmooth.analysis.bodies.body_stretch import DenseStep, Parts
 from nonsmooth.analysis.bodies.contact_sets import ContactSets, TippedError, Wheels
-from nonsmooth.analysis.bodies.first_change import first_change
-from nonsmooth.analysis.bodies.moving_outline import MovingOutline
+from nonsmooth.analysis.bodies.outline_path import OutlinePath, wheel_changes
 from nonsmooth.analysis.bodies.switching import Mode, Switching
-from nonsmooth.analysis.bodies.tipping import tipping_edge
 from nonsmooth.analysis.contact_rule import SmoothRule
+from nonsmooth.analysis.dynamics.continuous_path import finite_start
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.analysis.trajectories.result import (
-    End,
-    EndReason,
-    Event,
-    EventKind,
-    Piece,
-    State,
-    Trajectory,
-    samples,
-)
+from nonsmooth.analysis.trajectories.result import End, EndReason, Event, Piece, Trajectory, samples
 from nonsmooth.symbolic.scene import Scene
 
 ON_EDGE = 1e-10  # of the body's size: depths below are zero
@@ -60,8 +48,8 @@ class _Stretch:
     reason: EndReason | None
 
 
-class BodyPath:
-    """Follows one body."""
+class BodyPath(OutlinePath):
+    """Follows one body under a rule without cells."""
 
     def __init__(self, scene: Scene, rule: SmoothRule) -> None:
         """For a scene with a body, all its wheels in ``scene.wheels``.
@@ -69,11 +57,7 @@ class BodyPath:
         Raises:
             ValueError: for a scene without a body.
         """
-        if scene.body is None:
-            raise ValueError("required a scene with a body")
-        self._scene = scene
-        places = np.array([[float(x) for x in wheel.position] for wheel in scene.wheels])
-        self._outline = MovingOutline(scene.body, places)
+        super().__init__(scene)
         self._sets = ContactSets(scene, rule)
         self._switching = Switching(self._sets, self._outline)
         fastest = max(abs(float(wheel.speed)) for wheel in scene.wheels)
@@ -88,10 +72,7 @@ class BodyPath:
                 tips.
             TrajectoryError: where the path cannot be followed.
         """
-        pose = np.array(start, float)
-        if not (np.isfinite(pose).all() and 0 < until < math.inf):
-            raise ValueError(f"required a finite start and a positive last time, received {pose.tolist()} and {until}")
-        log, time = _Log(), 0.0
+        pose, log, time = finite_start(start, until), _Log(), 0.0
         try:
             mode = self._mode_at(pose)
         except TippedError:
@@ -101,7 +82,8 @@ class BodyPath:
         while True:
             stretch = self._stretch(mode, pose, time, until)
             pose = stretch.state(stretch.times[-1])
-            self._keep(log, mode, stretch, time)
+            log.pieces.append(self._piece(mode, time, stretch.times, stretch.state))
+            log.unique &= mode.unique
             time = stretch.times[-1]
             if stretch.reason is not None:
                 return self._ended(log, time, pose, stretch.reason, mode.carrying)
@@ -111,7 +93,9 @@ class BodyPath:
                 following = self._mode_at(pose, mode)
             except TippedError:
                 return self._ended(log, time, pose, EndReason.TIPS, self._well_under(pose, mode))
-            self._note(log, time, pose, mode, following)
+            note = "" if following.unique else "other choices go on too"
+            for kind, words in wheel_changes(self._scene, mode, following):
+                log.events.append(Event(time, tuple(pose.tolist()), kind, words, note=note))
             mode = following
 
     # ---- modes -----------------------------------------------------------------------------------
@@ -143,7 +127,7 @@ class BodyPath:
             found = self._first_change(mode, part, first=part.start == start)
             times.append(part.end if found is None else found[0])
             if found is not None:
-                return _joined(times, dense, pose, found[1])
+                return _joined(times, dense, pose, EndReason.TIPS if found[1] == found[2] - 1 else None)
             if self._rests(part):
                 return _joined(times, dense, pose, EndReason.REST)
         return _joined(times, dense, pose, EndReason.TIME)
@@ -153,59 +137,13 @@ class BodyPath:
         moved = np.abs(part.state(part.end) - part.state(part.start)) * [1.0, 1.0, self._outline.size]
         return bool(moved.max() <= self._slow * (part.end - part.start))
 
-    def _first_change(self, mode: Mode, part: DenseStep, *, first: bool) -> tuple[float, EndReason | None] | None:
-        """The first time in a step at which the mode ends, and why."""
-        found = first_change(partial(self._signals, mode), part, first=first)
-        if found is None:
-            return None
-        time, signal, count = found
-        return time, EndReason.TIPS if signal == count - 1 else None
+    def _weights(self, mode: Mode, state: Floats) -> Floats:
+        return self._switching.rate(mode, state, np.full(len(mode.sliding), 0.5))[1]
 
-    def _signals(self, mode: Mode, poses: Floats) -> Floats:
-        """What is positive as long as the mode goes on, at poses (m, 3).
-
-        Signed depths, weights of a slide, and the support's margin, which ends a slide too: there the body could not
-        leave the wheels that slide.
-        """
-        signs = np.full(self._outline.count, -1.0)
-        signs[list(mode.carrying)] = 1.0
-        signed = signs * self._outline.depths(poses)
-        columns = [signed]
-        if mode.sliding:
-            signed[:, list(mode.sliding)] = 1.0
-            middle = np.full(len(mode.sliding), 0.5)
-            weights = np.array([self._switching.rate(mode, pose, middle)[1] for pose in poses])
-            columns += [weights, 1 - weights]
-        margins = self._sets.motion(mode.carrying, poses[0]).margins(poses)
-        return np.concatenate([*columns, margins[:, None]], axis=1)
+    def _margins(self, carrying: Wheels, states: Floats) -> Floats:
+        return self._sets.motion(carrying, states[0]).margins(states)
 
     # ---- what is kept ----------------------------------------------------------------------------
-
-    def _keep(self, log: _Log, mode: Mode, stretch: _Stretch, start: float) -> None:
-        def state(since: Any) -> State:
-            return tuple(float(value) for value in stretch.state(start + float(since)))
-
-        wheels = self._names(mode.carrying | frozenset(mode.sliding))
-        place = f"wheels {', '.join(wheels)}"
-        log.pieces.append(Piece(start, stretch.times[-1], place, tuple(wheels), state, stretch.times))
-        log.unique &= mode.unique
-
-    def _note(self, log: _Log, time: float, pose: Floats, before: Mode, after: Mode) -> None:
-        """One event for each kind of change."""
-        state = tuple(float(value) for value in pose)
-        changes = (
-            (EventKind.SLIDE, frozenset(after.sliding) - frozenset(before.sliding), "under the edge"),
-            (EventKind.ENTER, after.carrying - before.carrying, "under the body"),
-            (EventKind.LEAVE, _touched(before) - _touched(after), "beside the body"),
-        )
-        for kind, wheels, words in changes:
-            if wheels:
-                note = "" if after.unique else "other choices go on too"
-                names = ", ".join(self._names(wheels))
-                log.events.append(Event(time, state, kind, f"wheel {names} {words}", note=note))
-
-    def _names(self, wheels: Wheels) -> list[str]:
-        return [str(self._scene.wheels[k].index) for k in sorted(wheels)]
 
     def _well_under(self, pose: Floats, before: Mode) -> Wheels:
         """The wheels that carried the body and have not come to its edge."""
@@ -213,18 +151,13 @@ class BodyPath:
         return frozenset(k for k in before.carrying if depths[k] > self._edge_depth)
 
     def _ended(self, log: _Log, time: float, pose: Floats, reason: EndReason, carrying: Wheels) -> Trajectory:
-        state = tuple(float(value) for value in pose)
         if reason is EndReason.TIPS:
-            log.events.append(Event(time, state, EventKind.TIPS, tipping_edge(self._scene, carrying, pose)))
-        end = End(time, state, reason)
+            log.events.append(self._tipping(time, pose, carrying))
+        end = End(time, tuple(pose.tolist()), reason)
         times, states = samples(log.pieces, end)
         return Trajectory(
             Kinematics.EXACT.value, "minimizer", times, states, tuple(log.events), end, log.unique, tuple(log.pieces)
         )
-
-
-def _touched(mode: Mode) -> Wheels:
-    return mode.carrying | frozenset(mode.sliding)
 
 
 def _joined(times: list[float], dense: list[Any], pose: Floats, reason: EndReason | None) -> _Stretch:

@@ -40,6 +40,11 @@ class Mode:
     sliding: tuple[int, ...] = ()
     unique: bool = True
 
+    @property
+    def touched(self) -> Wheels:
+        """All wheels that carry or slide."""
+        return self.carrying.union(self.sliding)
+
 
 class Switching:
     """Motions near the edge of one body."""
