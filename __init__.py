@@ -12,6 +12,7 @@ Names are looked up when they are first used, so that the import costs nothing; 
 from typing import TYPE_CHECKING, Any
 
 from nonsmooth.symbolic.notebook import on_demand
+from nonsmooth.symbolic.removed import NAMES
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.cells.partition import RefusalError as RefusalError
@@ -84,6 +85,8 @@ def __getattr__(name: str) -> Any:
         from importlib.metadata import version
 
         return version("nonsmooth")
+    if name in NAMES:
+        raise AttributeError(f"{name} was removed: {NAMES[name]}")
     return _look_up(name)
 
 

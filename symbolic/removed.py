@@ -30,6 +30,15 @@ ENDINGS: dict[str, str] = {
 }
 """By the ending of a file that was read or written, such as ``.mp4``."""
 
+NAMES: dict[str, str] = {
+    "validate": "run `make evidence` in a checkout of the repository, or read its page docs/evidence.md",
+    "EvidenceResult": "run `make evidence` in a checkout of the repository",
+    "PushedBody": "it is a part of the evidence, tests/evidence/pushed_body.py in a checkout of the repository",
+    "VehiclesResult": "ask Vehicle.motion() of each; `make evidence` in a checkout compares all with measurements",
+    "Modes": "follow each mode as a System of its own",
+}
+"""By the name that ``import nonsmooth`` offered."""
+
 ARGUMENTS: dict[str, str] = {
     "vehicle": "one scene: run it for each; `make evidence` in a checkout compares all with measurements",
 }

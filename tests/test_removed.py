@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+import nonsmooth as ns
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import BAD_INPUT, run
 from nonsmooth.symbolic import removed
@@ -130,3 +131,10 @@ def test_films_for_which_ffmpeg_was_needed_are_refused(tmp_path: Path, capsys: p
     received = "'.mp4', which was removed: a film is a .gif, or an .html page with a slider"
     assert capsys.readouterr() == ("", f"nonsmooth: {file}: required {required}, received {received}\n")
     assert not file.exists()
+
+
+@pytest.mark.parametrize("name", removed.NAMES)
+def test_removed_names_of_the_interface_say_what_to_do_without(name: str) -> None:
+    with pytest.raises(AttributeError, match=f"^{name} was removed: "):
+        getattr(ns, name)
+    assert name not in dir(ns)
