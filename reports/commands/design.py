@@ -104,7 +104,10 @@ def design(  # noqa: PLR0913, PLR0917  # one parameter for each option of the co
 
 
 def _write_report(document: dict[str, Any], folder: Path, path: Path, written: Path | None) -> None:
-    """The derivation report of a scene that need not be on the disk, without what takes minutes."""
+    """The derivation report of a scene that need not be on the disk, without what takes minutes.
+
+    Its commands name the file that was written, or one of the scene's name in the reader's own folder.
+    """
     from nonsmooth.reports.interface.report_result import derive_scene, named_parts
     from nonsmooth.reports.subject import Invocation
     from nonsmooth.symbolic.contact_set import standing
@@ -112,6 +115,6 @@ def _write_report(document: dict[str, Any], folder: Path, path: Path, written: P
 
     name = str(document["name"])
     file = folder / f"{name}.toml"
-    how = Invocation(str(written or file), (), ("--without", MEASUREMENTS, "-o", str(path)))
+    how = Invocation(str(written or file.name), (), ("--without", MEASUREMENTS, "-o", str(path)))
     scene = standing(build_scene(document, name, file))
     derive_scene(scene, named_parts(None, MEASUREMENTS), invocation=how).save(path)
