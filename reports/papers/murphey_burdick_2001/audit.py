@@ -352,7 +352,8 @@ def audit_largest_weights() -> Finding:
         prose(
             "with elastic loads the rule of sec. 3.1 gives the minimizer on a part of the square that grows as "
             "mu_S/mu_R tends to 0, and the origin lies in a rest area. "
-            "The rule is the limit of loads that fall off very fast."
+            "The rule is the limit of loads that fall off very fast where the row that it takes of the second-nearest "
+            "wheel also has the larger friction times lever, as it has here; elsewhere it is not."
         ),
     )
 
