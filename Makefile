@@ -82,7 +82,7 @@ evidence: $(INSTALLED) ## compare with data that others made and write docs/evid
 	$(BIN)/python -m tests.evidence.page docs
 
 gallery: $(PACKAGE) ## rebuild docs/gallery.md and the reports in it
-	$(BIN)/python -m nonsmooth.reports.gallery docs
+	$(BIN)/python -m tests.gallery docs
 
 clean: ## remove all that make has built, .venv included
 	rm -rf .venv $(LOWEST) build dist nonsmooth.egg-info .mypy_cache .pytest_cache .ruff_cache .hypothesis

@@ -1,7 +1,7 @@
 """``make golden``: run the golden matrix and show what it says otherwise than before.
 
     python -m tests.golden                                  compare all rows
-    python -m tests.golden --only "ring-*box*"              compare the rows that match
+    python -m tests.golden --only "*ring-?*box*"            compare the rows that match; may be given several times
     python -m tests.golden --accept "why" --only "..."      take over what the changed rows among these say now
 
 Exit status 0 where nothing differs but what is allowed, 1 otherwise.  ``--accept`` writes the reason and the
@@ -49,6 +49,11 @@ def run_all(chosen: Sequence[Row], workers: int) -> dict[Row, tuple[Record, floa
     return done
 
 
+def is_meant(row: Row, pattern: str) -> bool:
+    """Whether the line of a row, or its section, matches; a pattern without wildcards also as it is."""
+    return pattern in {row.line, row.section} or fnmatchcase(row.line, pattern) or fnmatchcase(row.section, pattern)
+
+
 def show(row: Row, found: Sequence[Difference]) -> None:
     """A row that changed, and where; of a new row its line alone."""
     print(f"\n[{row.section}] {row.line}" if found else f"new: {row.line}")
@@ -61,12 +66,12 @@ def show(row: Row, found: Sequence[Difference]) -> None:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Compare, or accept; the exit status."""
     parser = argparse.ArgumentParser(prog="python -m tests.golden", description="Compare the golden matrix.")
-    parser.add_argument("--only", metavar="PATTERN", default="*", help="rows whose line or section matches")
+    parser.add_argument("--only", metavar="PATTERN", action="append", help="rows whose line or section matches")
     parser.add_argument("--accept", metavar="REASON", help="take over what changed rows say now, for this reason")
     parser.add_argument("--workers", type=int, default=min(WORKERS, os.cpu_count() or 1))
     parser.add_argument("--slow", type=int, default=0, metavar="N", help="name the N rows that take longest")
     given = parser.parse_args(arguments)
-    chosen = [row for row in rows() if fnmatchcase(row.line, given.only) or fnmatchcase(row.section, given.only)]
+    chosen = [row for row in rows() if given.only is None or any(is_meant(row, pattern) for pattern in given.only)]
     records = run_all(chosen, given.workers)
     expected = expectations()
     changed: list[Change] = []
@@ -81,7 +86,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         counts["new" if found is None else "not weaker" if is_allowed else "different"] += 1
         changed.append(Change(row, records[row][0], [str(difference) for difference in found or ()]))
         show(row, found or ())
-    gone = [row for row in expected if row not in set(rows())] if given.only == "*" else []
+    gone = [row for row in expected if row not in set(rows())] if given.only is None else []
     for row in gone:
         counts["missing"] += 1
         print(f"\n[{row.section}] {row.line}\n    is no longer in rows.toml")

@@ -9,8 +9,8 @@ from typing import Any
 
 import pytest
 
-from nonsmooth.reports.gallery import PAGE, SHOWN, gallery_files, gallery_page, gallery_report
 from nonsmooth.reports.subject import Invocation
+from tests.gallery import PAGE, SHOWN, gallery_files, gallery_page, gallery_report
 from tests.reports.derived import derived, page
 from tests.thorough import keep
 
@@ -45,7 +45,7 @@ def close(first: str, second: str) -> bool:
 
 @pytest.mark.parametrize("name", keep(1, SHOWN))
 def test_the_gallery_is_fresh(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("nonsmooth.reports.gallery.render_report", lambda report, suffix: page(name))
+    monkeypatch.setattr("tests.gallery.render_report", lambda report, suffix: page(name))
     for path, content in gallery_files(name, derived(name)):
         shown = DOCS.joinpath(path).read_text(encoding="utf-8")
         assert differences(shown, content.decode()) == [], STALE
@@ -56,7 +56,7 @@ def test_the_gallery_is_fresh(name: str, monkeypatch: pytest.MonkeyPatch) -> Non
 def test_the_reports_are_those_of_the_command(monkeypatch: pytest.MonkeyPatch) -> None:
     """As ``derived`` makes them: of the scene under its name, with all sections."""
     asked: list[tuple[Any, ...]] = []
-    monkeypatch.setattr("nonsmooth.reports.gallery.derive_report", lambda *given: asked.append(given))
+    monkeypatch.setattr("tests.gallery.derive_report", lambda *given: asked.append(given))
     for name in SHOWN:
         gallery_report(name)
     assert [(scene.name, *rest) for scene, *rest in asked] == [(name, Invocation(name)) for name in SHOWN]

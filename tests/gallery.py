@@ -1,4 +1,4 @@
-"""The gallery of finished reports: ``python -m nonsmooth.reports.gallery docs`` writes ``gallery.md`` and its files.
+"""The gallery of finished reports: ``python -m tests.gallery docs`` writes ``gallery.md`` and its files.
 
 A report holds no times and no dates, so the gallery changes only when the program does; a test rebuilds it and fails
 when it is stale.
