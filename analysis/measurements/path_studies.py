@@ -161,6 +161,8 @@ def _routes(measured: MeasuredField) -> Iterator[tuple[Start, Reached]]:
 
 def _methods(smooth: CellwiseField | SignField, field: PolygonField | SignField, radius: float) -> Iterator[Method]:
     """The methods that both kinds of fields have, with their settings from easy to hard."""
+    import scipy.integrate  # noqa: F401  # now, so that no measured time includes it
+
     for tolerance in EVENT_TOLERANCES:
         by_events = partial(follow_smooth, rtol=tolerance, atol=tolerance * radius)
         yield BY_EVENTS, partial(_simulated, by_events, smooth), "tolerance", tolerance

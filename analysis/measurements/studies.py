@@ -301,6 +301,8 @@ def build_ellipse_minimizers(scene: Scene) -> StudyPlan:
     except RefusalError as error:
         raise LeftOut(str(error)) from None
     points, judge = _compared(references, "where every loaded wheel slips")
+    import scipy.optimize  # noqa: F401  # now, so that no measured time includes it
+
     model = contact_model(scene)
     trials = [Trial("interior point", partial(_minimized, EllipseInterior(), model, points), judge)]
     for tolerance in SOLVER_TOLERANCES:
