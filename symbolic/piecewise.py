@@ -181,7 +181,7 @@ def _polynomial(
             return _combined(node.op, left, right, whole)
         case ast.Call(func=ast.Name(id=name)) if name in LIMITERS:
             arguments = [_polynomial(argument, whole, values, sign_of) for argument in node.args]
-            return _limited(name, arguments, sign_of)
+            return _limited(name, arguments, sign_of, whole)
         case ast.Call(func=ast.Name(id=name), args=[argument]):
             inner = _polynomial(argument, whole, values, sign_of)
             sign = _sign(inner, sign_of)
@@ -197,12 +197,20 @@ def _sign(inner: Polynomial, sign_of: SignOf) -> int:
     return sign_of(inner) if constant is None else constant.sign()
 
 
-def _limited(name: str, arguments: Sequence[Polynomial], sign_of: SignOf) -> Polynomial:
-    """``relu(a)`` or ``sat(a, low, high)``."""
+def _limited(name: str, arguments: Sequence[Polynomial], sign_of: SignOf, whole: PiecewiseExpression) -> Polynomial:
+    """``relu(a)`` or ``sat(a, low, high)``.
+
+    Raises:
+        ExpressionError: for numbers as limits of which the lower one is the larger.
+    """
     first = arguments[0]
     if name == "relu":
         return _extreme(first, first * 0, 1, sign_of)
-    return _extreme(_extreme(first, arguments[2], -1, sign_of), arguments[1], 1, sign_of)
+    _, low, high = arguments
+    room = (high - low).constant_value
+    if room is not None and room.sign() < 0:
+        raise ExpressionError(f"required sat(a, low, high) with low <= high, received {shown(whole.text)}")
+    return _extreme(_extreme(first, high, -1, sign_of), low, 1, sign_of)
 
 
 def _extreme(a: Polynomial, b: Polynomial, side: int, sign_of: SignOf) -> Polynomial:

@@ -141,6 +141,8 @@ def test_plain_systems_are_told_from_arrays() -> None:
         (["x"], ["Max(x, key=1)"], "system.rhs[1]: required a formula of x"),
         (["x"], ["Max(*x)"], "system.rhs[1]: required a formula of x"),
         (["x"], ["sgn(x, 1)"], "system.rhs[1]: required a formula of x"),
+        (["x"], ["sat(x, 1, -1)"], "system.rhs[1]: required sat(a, low, high) with low <= high"),
+        (["x", "y"], ["y", "-Max(x, sat(y, 2, 1/2))"], "system.rhs[2]: required sat(a, low, high) with low <= high"),
         (["x"], ["Min(x, 1/x)"], "system.rhs[1]: required denominators that are not zero at the checked point"),
         ([f"x{k}" for k in range(MAX_STATES + 1)], ["1"] * (MAX_STATES + 1), "1 to 8 different names"),
         (["x", "y"], ["1"], "2 formulas"),
