@@ -42,10 +42,10 @@ def verify(
     checker = _checker_of_system(file)
     if checker is not None:
         return _verify_system(checker, file, scene, radius, at, rule=rule)
-    wanted = _wanted(scene, rule, radius, at)
     status, message = check_file(file)
     if status == BAD_INPUT:
         raise RefusedError(f"{file}: required a certificate, received a file that is {message}")
+    wanted = _wanted(scene, rule, radius, at)
     if wanted is None or status == REJECTED:
         write(f"{message}\n")
         return status
