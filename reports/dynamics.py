@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass
+from fractions import Fraction
 from typing import Any
 
 from rich.console import Group, RenderableType
@@ -25,14 +26,27 @@ from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import one_line
 
 MASSES_SCHEMA = "nonsmooth-masses/1"
-MASS = 0.1  # per weight: about 1/g in metres and seconds
+GRAVITY = Fraction("9.80665")  # standard, m/s^2
+MASS = 0.1  # per weight, of a scene that states no unit of length: about 1/g in metres and seconds
 MOMENTS = 5  # of a path that are listed on a terminal
-UNIT = "mass per weight (1/g): 0.102 in metres and seconds"
+
+
+def mass_per_weight(scene: Scene) -> float:
+    """``1/g`` in the scene's unit of length and seconds, by standard gravity; :data:`MASS` where it states no unit."""
+    metres = scene.units.metres
+    return MASS if metres is None else float(metres / GRAVITY)
+
+
+def mass_note(scene: Scene) -> str:
+    """What a mass is, in words: in the scene's units, or that a scene without any is given one."""
+    if scene.units.metres is None:
+        return f"mass per weight (1/g): {MASS:g} unless stated, 0.102 in metres and seconds; the scene names no [units]"
+    return f"mass per weight (1/g): {mass_per_weight(scene):.3g} in {scene.units.length} and seconds"
 
 
 def chosen_body(scene: Scene, model: ContactModel, mass: float | None, inertia: float | None) -> RigidBody:
-    """What the user asked for; else a uniform plate of the outline, or a disc as large as the array."""
-    chosen = MASS if mass is None else mass
+    """What the user asked for; else a uniform plate of the outline, or a disc as large as the array, under gravity."""
+    chosen = mass_per_weight(scene) if mass is None else mass
     if inertia is not None:
         return RigidBody(chosen, inertia)
     return disc(model, chosen) if scene.body is None else plate(scene.body, chosen)
@@ -92,7 +106,7 @@ class ShownPath:
             x, y, theta, *velocity, omega = self.path.state(t).tolist()
             table.add_row(*map(float_text, (t, x, y, theta, sum(w**2 for w in velocity) ** 0.5, omega)))
         begin = events_view(head, path, POSE) if path.events else Text(head)
-        return Group(begin, table, Text(f"end: {path.end.reason}"), Text(UNIT, "dim"))
+        return Group(begin, table, Text(f"end: {path.end.reason}"), Text(mass_note(self.scene), "dim"))
 
 
 @dataclass(frozen=True)
@@ -152,7 +166,7 @@ class ShownMasses:
         head = f"{one_line(self.scene.name)}: full dynamics from rest at ({x:g}, {y:g}), theta = {theta:g}"
         what = f"largest distance from the path of each contact rule until t = {study.until:g}: of (x, y), of theta"
         limit = "" if study.limits is None else "-> 0: the distance of rule ellipse's own path from the others; "
-        note = limit + UNIT
+        note = limit + mass_note(self.scene)
         return Group(Text(head), Text(what), table, *map(Text, self._notes()), Text(note, "dim"))
 
     def _notes(self) -> Iterable[str]:

@@ -94,7 +94,8 @@ Mass = Annotated[
         "--mass",
         rich_help_panel=BODY,
         metavar="M",
-        help="With --method dynamics: mass per weight, 1/g; 0.1 unless given.",
+        help="With --method dynamics: mass per weight, 1/g; unless given that of standard gravity in the scene's "
+        "[units], and 0.1 without units.",
     ),
 ]
 Inertia = Annotated[

@@ -118,7 +118,7 @@ class Array(MadeArray):
         Args:
             start: position and heading (radian).
             until: last time.
-            mass: per weight (1/g); 0.1 unless given.
+            mass: per weight (1/g), that of standard gravity in the scene's units unless given; 0.1 without units.
             inertia: per weight; unless given that of a plate of the outline, or of a disc as large as the array.
 
         Raises:
@@ -143,7 +143,7 @@ class Array(MadeArray):
         Args:
             start: position and heading (radian); bodies start at rest.
             until: last time.
-            mass: of the heaviest body, per weight (1/g); 0.1 unless given.
+            mass: of the heaviest body, per weight (1/g), that of standard gravity unless given; 0.1 without units.
             inertia: of that body, per weight; unless given that of a disc as large as the array.
 
         Raises:

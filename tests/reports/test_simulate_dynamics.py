@@ -48,7 +48,42 @@ def test_body_is_a_disc_of_a_tenth_unless_said_otherwise(capsys: pytest.CaptureF
     text = invoke(capsys, *DYNAMICS, "--until", "0.1")
     assert "four-wheel: full dynamics, mass 0.1, inertia 0.1, from rest" in text
     assert "end: the time is over" in text
-    assert "1/g" in text
+    assert "(1/g): 0.1 unless stated" in text
+
+
+TABLE = """
+units = {{ length = "{unit}", speed = "m/s" }}
+friction = {{ mu_roll = 0.8, mu_side = 0.4 }}
+check = {{ radius = {radius} }}
+[[wheel]]
+position = [{x}, {y}]
+speed = 0.3
+[[wheel]]
+position = [-{x}, {y}]
+speed = 0.3
+[[wheel]]
+position = [-{x}, -{y}]
+speed = 0.3
+[[wheel]]
+position = [{x}, -{y}]
+speed = 0.3
+"""
+
+
+def test_gravity_is_that_of_the_units_a_scene_states(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    """One table in metres and in millimetres moves one body: the same times, all lengths a thousandfold."""
+    found = {}
+    for unit, size in (("m", 1), ("mm", 1000)):
+        file = tmp_path / f"{unit}.toml"
+        file.write_text(TABLE.format(unit=unit, radius=0.05 * size, x=0.2 * size, y=0.1 * size), encoding="utf-8")
+        start = f"{0.02 * size:g},{0.01 * size:g},0"
+        arguments = ("simulate", str(file), "--from", start, "--method", "dynamics", "--until", "0.4")
+        found[unit] = json.loads(invoke(capsys, *arguments, "--json"))
+        assert found[unit]["mass"] == pytest.approx(1 / (9.80665 * size))
+        text = " ".join(invoke(capsys, *arguments).split())
+        assert f"mass per weight (1/g): {1 / (9.80665 * size):.3g} in {unit} and seconds" in text
+    end, larger = (np.array(found[unit]["state"][-1]) for unit in ("m", "mm"))
+    assert np.allclose(end * [1000, 1000, 1], larger, rtol=1e-5, atol=1e-6)
 
 
 def test_path_does_not_depend_on_the_scenes_rule(capsys: pytest.CaptureFixture[str]) -> None:
