@@ -16,6 +16,7 @@ from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.trajectories.result import Trajectory
 from nonsmooth.reports.choices import PathMethod
+from nonsmooth.reports.console import RefusedError
 from nonsmooth.reports.files import PICTURES, output_path, write_whole
 from nonsmooth.reports.interface.row_results import Tabular
 from nonsmooth.reports.interface.short_text import short_lines
@@ -89,10 +90,13 @@ class PathResult(Tabular):
         """The JSON record of ``nonsmooth simulate --json``."""
         return self.shown.record()
 
-    def rows(self) -> list[dict[str, float]]:
-        """One row for each sample: time and states."""
-        names = ("t", *self.states)
-        return [dict(zip(names, (t, *state), strict=True)) for t, state in zip(self.t, self.state, strict=True)]
+    def rows(self) -> list[dict[str, float | None]]:
+        """The rows of the ``.csv``: time and states of each sample, in a closed loop its speeds (None without one)."""
+        names, *lines = self.shown.lines()
+        return [
+            {name: None if cell == "" else float(cell) for name, cell in zip(names, line, strict=True)}
+            for line in lines
+        ]
 
     def save(self, file: str | Path) -> Path:
         """Write it as ``nonsmooth simulate -o`` does: samples (.csv, .json), or a picture (.svg, .png, .pdf).
@@ -115,16 +119,18 @@ class PathResult(Tabular):
 
         Raises:
             OutputError: for another suffix, or a file that cannot be written.
-            ValueError: for the path of a plain system.
+            ValueError: for the path of a plain system, and a closed loop of which there are no films.
         """
-        from nonsmooth.reports.animation.film import build_film
-        from nonsmooth.reports.animation.output import FILMS, film_bytes
+        from nonsmooth.reports.animation.output import FILMS
 
         path = output_path(str(file), FILMS)
         if self.scene is None:
             raise ValueError("required a path of an array, received one of a plain system")
-        film = build_film(self.scene, self.trajectory, self.partition, self.loop)
-        write_whole(path, film_bytes(film, path.suffix.lower()))
+        try:
+            film = file_bytes(self.shown, path.suffix.lower())
+        except RefusedError as error:
+            raise ValueError(str(error)) from None
+        write_whole(path, film)
         return path
 
     def __repr__(self) -> str:

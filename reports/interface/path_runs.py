@@ -23,10 +23,16 @@ def path_run(  # one keyword for each option of the command
     """The run; see :meth:`nonsmooth.reports.interface.array.Array.simulate`.
 
     Raises:
-        ValueError: for a start that is no pose, a gain that is not positive, and unknown names.
+        ValueError: for a start that is no pose, a gain that is not positive, unknown names, and what a method does not
+            follow.
     """
     x, y, theta = (float(value) for value in start)
     if not (math.isfinite(gain) and gain > 0):
         raise ValueError(f"gain: required a positive number, received {gain}")
     law = None if feedback is False else LawName.CERTIFIED if feedback is True else LawName(feedback)
-    return PathRun((x, y, theta), until, Kinematics(kinematics), PathMethod(method), law, width, gain)
+    run = PathRun((x, y, theta), until, Kinematics(kinematics), PathMethod(method), law, width, gain)
+    if run.law is not None and run.method is PathMethod.DYNAMICS:
+        raise ValueError(f"feedback: required method events, hysteresis or smoothed, received {run.method}")
+    if run.kinematics is not Kinematics.EXACT and run.method is PathMethod.DYNAMICS:
+        raise ValueError(f"kinematics: required exact with method dynamics, received {run.kinematics}")
+    return run

@@ -21,7 +21,8 @@ if TYPE_CHECKING:
     from nonsmooth.reports.sweeps.sweep import Means
     from nonsmooth.symbolic.switched_system import SwitchedSystem
 
-UNTIL = 10.0
+UNTIL = 2.0  # of one path, as `nonsmooth simulate` without --until
+MAP_UNTIL = 10.0
 ORBIT_UNTIL = 100.0
 
 
@@ -193,7 +194,7 @@ class System:
 
         return find_larger_region(self.system, degree)
 
-    def map(self, grid: int = 21, *, until: float = UNTIL) -> MapResult:
+    def map(self, grid: int = 21, *, until: float = MAP_UNTIL) -> MapResult:
         """Where a grid of starts over the checked square has come to, sampled.
 
         Args:

@@ -154,6 +154,34 @@ def test_paths_of_every_kind() -> None:
         array.simulate((0.2, 0.1, 0.3), feedback="nothing")
 
 
+def test_rows_and_films_of_a_closed_loop_are_those_of_the_command(tmp_path: Path) -> None:
+    array = ring()
+    closed = array.simulate((0.2, 0.1, 0.3), until=1, feedback=True)
+    table = closed.save(tmp_path / "path.csv").read_text(encoding="utf-8").splitlines()
+    rows = closed.rows()
+    assert ",".join(rows[0]) == table[0] == "t,x,y,theta,u_1,u_2,u_3,u_4"
+    assert [float(cell or "nan") for cell in table[-1].split(",")] == pytest.approx(
+        [float("nan") if value is None else value for value in rows[-1].values()], abs=0, nan_ok=True
+    )
+    driven = array.with_(rule="ellipse").simulate((0.05, 0.02, 0.1), until=0.2, feedback=True)
+    with pytest.raises(ValueError, match="film"):  # which would show the speeds of the open loop
+        driven.animate(tmp_path / "path.html")
+    assert not (tmp_path / "path.html").exists()
+
+
+def test_what_a_method_does_not_follow_is_refused() -> None:
+    array = ring()
+    with pytest.raises(ValueError, match="feedback: required method events, hysteresis or smoothed, received dynamics"):
+        array.simulate((0.2, 0.1, 0.3), method="dynamics", feedback=True)
+    with pytest.raises(ValueError, match="kinematics: required exact with method dynamics, received leading"):
+        array.simulate((0.2, 0.1, 0.3), method="dynamics", kinematics="leading")
+
+
+def test_paths_of_plain_systems_are_as_long_as_those_of_the_command() -> None:
+    path = ns.System(["x", "y"], ["y", "-x"]).simulate((1, 0))
+    assert path.t[-1] == 2
+
+
 def test_plots_draw_on_the_axes_given() -> None:
     _, axes = plt.subplots(1, 4)
     array = ring()
