@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 RIM = 0.05  # half of a rim's length, of the width of the view
 REACH = 0.22  # length of the largest arrow, of the width of the view
+ROUNDING = 1e-9  # slips beside the largest speed, and forces beside the weight, that are no more than rounding
 
 
 def vehicle_figure(motion: VehicleMotion, turns: Sequence[CurvedMotion], suffix: str) -> bytes:
@@ -50,8 +51,9 @@ def _draw_vehicle(axes: Axes, motion: VehicleMotion) -> None:
         draw_wheel(axes, wheel, 2 * half * RIM, named=len(scene.wheels) <= 12)
     along = np.array([floats(wheel.unit_grip) for wheel in scene.wheels])
     frames = np.stack([along, turned(along)], axis=1)
-    _draw_arrows(axes, places, frames, motion.slips, 2 * half * REACH, COLORS[1], "slip over the ground")
-    _draw_arrows(axes, places, frames, motion.forces, 2 * half * REACH, COLORS[0], "friction force")
+    fastest = max(abs(float(wheel.speed)) for wheel in scene.wheels)
+    _draw_arrows(axes, places, frames, motion.slips, fastest, 2 * half * REACH, COLORS[1], "slip over the ground")
+    _draw_arrows(axes, places, frames, motion.forces, 1.0, 2 * half * REACH, COLORS[0], "friction force")
     centre = floats(motion.vehicle.centre_of_mass)
     axes.plot(*centre, marker="+", color=INK, markersize=11, linestyle="none", label="centre of mass")
     if motion.icr is not None:
@@ -63,10 +65,13 @@ def _draw_vehicle(axes: Axes, motion: VehicleMotion) -> None:
 
 
 def _draw_arrows(
-    axes: Axes, places: Floats, frames: Floats, parts: Floats | None, reach: float, color: str, label: str
+    axes: Axes, places: Floats, frames: Floats, parts: Floats | None, scale: float, reach: float, color: str, label: str
 ) -> None:
-    """Vectors (n, 2) given along and across the friction axes, the longest as long as ``reach``."""
-    if parts is None or not np.abs(parts).max() > 0:
+    """Vectors (n, 2) given along and across the friction axes, the longest as long as ``reach``.
+
+    None are drawn where all are rounding beside the scale.
+    """
+    if parts is None or np.abs(parts).max() <= ROUNDING * scale:
         return
     vectors = (parts[:, :, None] * frames).sum(axis=1)
     vectors *= reach / np.hypot(*vectors.T).max()

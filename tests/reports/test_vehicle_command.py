@@ -48,6 +48,13 @@ def test_files_are_reproducible(invoke: Invoke, tmp_path: Path, scene: str, suff
     assert file.read_bytes() == first
 
 
+def test_rounding_is_no_slip_in_a_picture(invoke: Invoke, tmp_path: Path) -> None:
+    """The swerve base turns about its centre without slip; a husky in place slips at every wheel."""
+    for name, slips in (("swerve-base", False), ("husky-a200", True)):
+        assert invoke("vehicle", name, "-o", f"{name}.svg").status == 0
+        assert ("slip over the ground" in (tmp_path / f"{name}.svg").read_text(encoding="utf-8")) == slips
+
+
 def test_a_vehicle_that_never_turns_has_a_picture(invoke: Invoke, tmp_path: Path) -> None:
     """Its heavier side drags the other along at every curvature: there is no instant centre to draw."""
     sides = '[vehicle]\ntrack = 0.6\nwheel_base = 0.5\ncentre_of_mass = [0, "0.02"]\n'
