@@ -49,9 +49,10 @@ def run_all(chosen: Sequence[Row], workers: int) -> dict[Row, tuple[Record, floa
     return done
 
 
-def is_meant(row: Row, pattern: str) -> bool:
-    """Whether the line of a row, or its section, matches; a pattern without wildcards also as it is."""
-    return pattern in {row.line, row.section} or fnmatchcase(row.line, pattern) or fnmatchcase(row.section, pattern)
+def is_meant(row: Row, patterns: Sequence[str] | None) -> bool:
+    """Whether the line or the section of a row is one of the patterns, or matches one; every row without any."""
+    names = (row.line, row.section)
+    return patterns is None or any(name == own or fnmatchcase(name, own) for own in patterns for name in names)
 
 
 def show(row: Row, found: Sequence[Difference]) -> None:
@@ -71,7 +72,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--workers", type=int, default=min(WORKERS, os.cpu_count() or 1))
     parser.add_argument("--slow", type=int, default=0, metavar="N", help="name the N rows that take longest")
     given = parser.parse_args(arguments)
-    chosen = [row for row in rows() if given.only is None or any(is_meant(row, pattern) for pattern in given.only)]
+    chosen = [row for row in rows() if is_meant(row, given.only)]
     records = run_all(chosen, given.workers)
     expected = expectations()
     changed: list[Change] = []
@@ -86,7 +87,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         counts["new" if found is None else "not weaker" if is_allowed else "different"] += 1
         changed.append(Change(row, records[row][0], [str(difference) for difference in found or ()]))
         show(row, found or ())
-    gone = [row for row in expected if row not in set(rows())] if given.only is None else []
+    gone = [row for row in expected if row not in set(rows()) and is_meant(row, given.only)]
     for row in gone:
         counts["missing"] += 1
         print(f"\n[{row.section}] {row.line}\n    is no longer in rows.toml")
