@@ -71,6 +71,7 @@ PATH = "simulate four-wheel --from 0.2,0.4,0.3 --feedback --gain 2 --json"
 TABLE = "simulate four-wheel --from 0.2,0.4,0 -o path.csv"
 BOX = "check tolerances.toml --json"
 ERROR = "ns.load('nope')"
+STUDY = "precision four-wheel --study minimizers-ellipse --runs 1 --time-limit 1 --json"
 
 
 def at(record: Any, path: str) -> tuple[Any, Any]:
@@ -129,6 +130,7 @@ PLANTED: dict[str, tuple[str, Callable[[Record], None]]] = {
     "a point of a path": (PATH, put(f"{OUT}/state/mean", lambda x: x + 1e-6)),
     "a row of a table": (TABLE, drop("files/path.csv/0")),
     "a larger radius of a box": (BOX, put(f"{OUT}/robust/radius", lambda x: 2 * x)),
+    "a less accurate method": (STUDY, put(f"{OUT}/rows/0/error", lambda x: 100 * x + 1e-6)),
     "another error": (ERROR, put("raised", lambda text: text.replace("SceneError", "ValueError"))),
 }
 
