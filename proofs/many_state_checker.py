@@ -36,6 +36,7 @@ import ast
 import json
 import re
 import sys
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -52,13 +53,14 @@ ASYMPTOTICALLY_STABLE, STABLE, UNSTABLE = "asymptotically stable", "stable", "un
 MAX_BYTES = 64 << 20
 MIN_STATES, MAX_STATES = 3, 8
 MAX_TEXT, MAX_DEPTH, MAX_DEGREE, MAX_TERMS = 4_000, 60, 16, 20_000
-MAX_DIGITS = 400  # of a number, and of a power of ten in one
+MAX_DIGITS = 400  # of a number, and the largest power of ten in one
 MAX_FIELDS, MAX_SURFACES, MAX_CELLS, MAX_EMPTY = 8, 32, 400, 2_000
 MAX_FLATS, MAX_SQUARES, MAX_ROWS = 2_000, 400, 200
-MAX_WORK = 4_000_000  # products of two numbers, more for long ones: a minute or two
+MAX_WORK = 4_000_000  # products of two short numbers, of some microseconds each; see Budget
+WORD, LONG = 32, 4096  # bits of a word; words times words that cost as much as all else about a product
 
 RATIONAL = re.compile(rf"-?[0-9]{{1,{MAX_DIGITS}}}(/[0-9]{{1,{MAX_DIGITS}}})?")
-DECIMAL = re.compile(r"[0-9_.]+([eE][+-]?[0-9]{1,3})?")
+DECIMAL = re.compile(r"[0-9_.]+(?:[eE]([+-]?[0-9]{1,3}))?")
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,30}")
 
 Exponents: TypeAlias = tuple[int, ...]
@@ -69,7 +71,11 @@ class RejectedError(ValueError):
     """A claim that does not hold or is not shown."""
 
 
-MALFORMED = (KeyError, TypeError, ValueError, IndexError, AttributeError, ArithmeticError, RecursionError, SyntaxError)
+# What data of another form than a certificate's raise while they are read.
+MALFORMED = (
+    *(KeyError, TypeError, ValueError, IndexError, AttributeError, ArithmeticError),
+    *(RecursionError, MemoryError, SyntaxError),
+)
 
 
 def require(holds: object, claim: str) -> None:
@@ -79,7 +85,12 @@ def require(holds: object, claim: str) -> None:
 
 
 class Budget:
-    """Work that may still be done."""
+    """Work that may still be done.
+
+    Sums and products of rational numbers reduce fractions, in a time that grows with the square of their length; so a
+    product of numbers of n words counts as ``1 + n^2/LONG`` products.  Work is counted, not time: a certificate that
+    is accepted on one machine is accepted on all.
+    """
 
     def __init__(self) -> None:
         self.left = MAX_WORK
@@ -93,8 +104,37 @@ class Budget:
         self.left -= work
         require(self.left > 0, "a proof within the limits of this checker")
 
+    def spend_on(self, count: int, numbers: Iterable[Fraction], factors: int = 1) -> None:
+        """Pay for operations on numbers before they are done.
+
+        Args:
+            count: of the operations.
+            numbers: that enter them.
+            factors: how many such numbers are multiplied with each other in one operation.
+        """
+        words = max(map(words_of, numbers), default=0) * factors
+        self.spend(1 + count * (1 + words * words // LONG))
+
+
+def words_of(value: Fraction) -> int:
+    """The length of a rational number in words."""
+    return (value.numerator.bit_length() + value.denominator.bit_length()) // WORD
+
 
 BUDGET = Budget()
+
+
+def add_to(total: dict[Any, Fraction], key: Any, value: Fraction) -> None:
+    """Add a value to an entry; the denominators of a long sum may grow with every term, which is paid for."""
+    before = total.get(key)
+    if before is None:
+        total[key] = value
+        return
+    words = words_of(before) + words_of(value)
+    if words > WORD:
+        BUDGET.spend(words * words // LONG)
+    total[key] = before + value
+
 
 # ---- polynomials -------------------------------------------------------------------------------
 
@@ -106,6 +146,7 @@ class Polynomial:
 
     def __init__(self, count: int, terms: dict[Exponents, Fraction]) -> None:
         self.count = count
+        BUDGET.spend(len(terms) // 8)
         self.terms = {exponents: value for exponents, value in terms.items() if value}
         require(self.degree <= 2 * MAX_DEGREE, f"polynomials of degree at most {2 * MAX_DEGREE}")
         require(len(self.terms) <= MAX_TERMS, f"polynomials of at most {MAX_TERMS} terms")
@@ -133,15 +174,18 @@ class Polynomial:
         return bool(self.terms)
 
     def __eq__(self, other: object) -> bool:
+        BUDGET.spend(len(self.terms) // 16)
         return isinstance(other, Polynomial) and self.count == other.count and self.terms == other.terms
 
     def __hash__(self) -> int:
+        BUDGET.spend(len(self.terms) // 4)
         return hash(frozenset(self.terms.items()))
 
     def __add__(self, other: Polynomial) -> Polynomial:
+        BUDGET.spend_on(len(other.terms), (*self.terms.values(), *other.terms.values()))
         total = dict(self.terms)
         for exponents, value in other.terms.items():
-            total[exponents] = total.get(exponents, Fraction(0)) + value
+            add_to(total, exponents, value)
         return Polynomial(self.count, total)
 
     def __neg__(self) -> Polynomial:
@@ -151,12 +195,12 @@ class Polynomial:
         return self + -other
 
     def __mul__(self, other: Polynomial) -> Polynomial:
-        BUDGET.spend(1 + len(self.terms) * len(other.terms))
+        BUDGET.spend_on(len(self.terms) * len(other.terms), (*self.terms.values(), *other.terms.values()))
         total: dict[Exponents, Fraction] = {}
         for a, u in self.terms.items():
             for b, v in other.terms.items():
                 key = tuple(map(int.__add__, a, b))
-                total[key] = total.get(key, Fraction(0)) + u * v
+                add_to(total, key, u * v)
         return Polynomial(self.count, total)
 
     def derivative(self, k: int) -> Polynomial:
@@ -214,6 +258,7 @@ SignOf: TypeAlias = Callable[[Polynomial], int]
 
 def rational(text: Any) -> Fraction:
     """A number of the certificate."""
+    BUDGET.spend(1)
     require(type(text) is str and RATIONAL.fullmatch(text), "rational numbers as texts such as '-3/4'")
     return Fraction(text)
 
@@ -228,9 +273,11 @@ class Formula:
 
     def __init__(self, text: Any, states: dict[str, Polynomial]) -> None:
         require(type(text) is str and len(text) <= MAX_TEXT, f"formulas as texts of at most {MAX_TEXT} characters")
-        self.text, self.states = text.strip(), states
+        self.text, self.states = " ".join(text.split()).encode(), states
         self.count = next(iter(states.values())).count
-        self.tree = ast.parse(self.text, mode="eval").body
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # Python's advice on "1if 2else 3" and the like, refused below
+            self.tree = ast.parse(self.text, mode="eval").body
 
     def on(self, sign_of: SignOf) -> Polynomial:
         """The polynomial on a cell, given the signs of switching expressions there."""
@@ -238,6 +285,7 @@ class Formula:
 
     def _value(self, node: ast.expr, sign_of: SignOf, depth: int) -> Polynomial:
         require(depth > 0, f"formulas of at most {MAX_DEPTH} nested operations")
+        BUDGET.spend(1)
         if isinstance(node, ast.Constant):
             return constant(self.count, self._number(node))
         if isinstance(node, ast.Name):
@@ -252,8 +300,11 @@ class Formula:
         return self._call(node, sign_of, depth - 1)  # type: ignore[arg-type]
 
     def _number(self, node: ast.Constant) -> Fraction:
-        text = ast.get_source_segment(self.text, node) or ""
-        require(DECIMAL.fullmatch(text) and len(text) <= MAX_DIGITS, "numbers as decimals")
+        text = self.text[node.col_offset : node.end_col_offset].decode()
+        found = DECIMAL.fullmatch(text) if len(text) <= MAX_DIGITS else None
+        require(found, f"numbers as decimals of at most {MAX_DIGITS} characters")
+        power = int(found[1] or 0)  # type: ignore[index]
+        require(abs(power) <= MAX_DIGITS, f"powers of ten from -{MAX_DIGITS} to {MAX_DIGITS}")
         return Fraction(text)
 
     def _operation(self, node: ast.BinOp, sign_of: SignOf, depth: int) -> Polynomial:
@@ -368,6 +419,7 @@ class Surfaces:
         found = 0
         while waiting:
             signs = waiting.pop()
+            BUDGET.spend(len(self.empty) // 4)
             if any(all(j < len(signs) and signs[j] == s for j, s in bad.items()) for bad in self.empty):
                 continue
             if len(signs) == len(self.listed):
@@ -469,6 +521,7 @@ def build_face(forms: Sequence[Polynomial]) -> Face | None:
             continue
         if column == count:
             return None
+        BUDGET.spend_on(len(rows) * (count + 1), (value for row in rows for value in row), 2)
         rows[top], rows[found] = rows[found], rows[top]
         rows[top] = [value / rows[top][column] for value in rows[top]]
         for i, row in enumerate(rows):
@@ -534,7 +587,7 @@ class Square:
         for i, row in enumerate(self.gram):
             for j, value in enumerate(row):
                 key = tuple(map(int.__add__, self.monomials[i], self.monomials[j]))
-                total[key] = total.get(key, Fraction(0)) + (value if i == j else 2 * value)
+                add_to(total, key, value if i == j else 2 * value)
         found = Polynomial(self.count, total)
         for name in self.guards:
             require(type(name) is str and name in guards, "guards that hold there")
@@ -548,8 +601,8 @@ class Square:
             RejectedError: unless Q is positive semidefinite: by elimination without fractions (Bareiss 1968), in which
                 every pivot is positive, or zero with the rest of its row.
         """
-        bottom = lcm(*(value.denominator for row in self.gram for value in row)) if self.gram else 1
-        rest = [[int(value * bottom) for value in row] for row in self.gram]
+        bottom = self._common_denominator()
+        rest = [[value.numerator * (bottom // value.denominator) for value in row] for row in self.gram]
         size, before, rank = len(rest), 1, 0
         for k in range(size):
             pivot = rest[k][k]
@@ -557,7 +610,8 @@ class Square:
             require(pivot > 0 or not any(column), "positive semidefinite matrices")
             if not pivot:
                 continue
-            BUDGET.spend((size - k) ** 2 * (1 + pivot.bit_length() // 1024))
+            words = max(value.bit_length() for row in rest[k:] for value in row[k:]) // WORD
+            BUDGET.spend((size - k) ** 2 * (1 + words * words // LONG))
             for i in range(k + 1, size):
                 own = rest[i][k]
                 for j in range(k + 1, i + 1):
@@ -565,6 +619,16 @@ class Square:
             before = pivot
             rank += 1
         return rank
+
+    def _common_denominator(self) -> int:
+        """Of all entries of Q; it may have as many digits as all of them together, which is paid for entry by entry."""
+        bottom = 1
+        for row in self.gram:
+            for value in row:
+                words = bottom.bit_length() // WORD
+                BUDGET.spend(words * (1 + words_of(value)) // LONG)
+                bottom = lcm(bottom, value.denominator)
+        return bottom
 
     def separates(self, *, at_origin: bool) -> bool:
         """Whether the monomials vanish together nowhere, or nowhere but at the origin."""
@@ -725,9 +789,10 @@ class Certificate:
         """The sign of a polynomial at all small distances from the point in the direction."""
         by_degree: dict[int, Fraction] = {}
         direction = self._direction()
+        BUDGET.spend_on(value.count * len(value.terms), (*direction, *value.terms.values()), 1 + value.degree)
         for exponents, coefficient in value.terms.items():
             own = coefficient * prod(x**exponent for x, exponent in zip(direction, exponents, strict=True))
-            by_degree[sum(exponents)] = by_degree.get(sum(exponents), Fraction(0)) + own
+            add_to(by_degree, sum(exponents), own)
         first = next((by_degree[degree] for degree in sorted(by_degree) if by_degree[degree]), Fraction(0))
         return (first > 0) - (first < 0)
 
@@ -795,6 +860,7 @@ class Certificate:
                 value = -(along(cell.potential, field) + shift(cell))
                 self.proofs.show(name, value, guards, strict=strict, at_origin=at_origin)
         for face in faces_of(self.surfaces.listed, self.bending):
+            BUDGET.spend(len(self.cells) * (1 + len(self.surfaces.listed)) // 8)
             groups: dict[str, list[Cell]] = {}
             for cell in self.cells:
                 name = pattern(self._face_sign(face, j, s) for j, s in enumerate(cell.signs))
@@ -869,7 +935,7 @@ class Certificate:
             for value, exponents in data.get(str(j), []):
                 require(type(exponents) is list and len(exponents) == face.dimension, "exponents of multipliers")
                 require(all(type(k) is int and 0 <= k <= MAX_DEGREE for k in exponents), "exponents of multipliers")
-                terms[tuple(exponents)] = terms.get(tuple(exponents), Fraction(0)) + rational(value)
+                add_to(terms, tuple(exponents), rational(value))
             found[j] = Polynomial(face.dimension, terms)
         require(set(data) <= {str(j) for j in face.zero}, "multipliers of surfaces that vanish on the face")
         return found
@@ -949,13 +1015,19 @@ def check_certificate(data: Any) -> str:
     return read_certificate(data)[0]
 
 
+def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    found = dict(pairs)
+    require(len(found) == len(pairs), "no key twice")
+    return found
+
+
 def check_file(path: str) -> tuple[int, str]:
     """Exit status and what to print: 0 valid, 1 rejected, 2 unreadable."""
     try:
         with open(path, "rb") as file:
             text = file.read(MAX_BYTES + 1)
         require(len(text) <= MAX_BYTES, f"at most {MAX_BYTES} bytes")
-        data = json.loads(text)
+        data = json.loads(text, object_pairs_hook=_object)
     except (OSError, *MALFORMED) as error:
         return 2, f"unreadable: {error}"
     claim, certificate = read_certificate(data)

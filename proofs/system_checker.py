@@ -37,8 +37,9 @@ import ast
 import json
 import re
 import sys
+import warnings
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
@@ -57,14 +58,15 @@ ASYMPTOTICALLY_STABLE, STABLE, UNSTABLE = "asymptotically stable", "stable", "un
 
 MAX_BYTES = 4 << 20
 MAX_TEXT, MAX_DEPTH, MAX_DEGREE = 4_000, 60, 16
-MAX_DIGITS = 400  # of a number, and of a power of ten in one
+MAX_DIGITS = 400  # of a number, and the largest power of ten in one
 MAX_FIELDS, MAX_PIECES, MAX_LINES, MAX_CELLS = 8, 64, 12, 200
 MAX_PARTS = 3_000  # into which a cell or an edge is cut
 MAX_HALVINGS = 200  # of an interval of starts
-MAX_WORK = 2_000_000  # products of two numbers: less than half a minute
+MAX_WORK = 2_000_000  # products of two short numbers, of some microseconds each; see Budget
+WORD, LONG = 32, 4096  # bits of a word; words times words that cost as much as all else about a product
 
 RATIONAL = re.compile(rf"-?[0-9]{{1,{MAX_DIGITS}}}(/[0-9]{{1,{MAX_DIGITS}}})?")
-DECIMAL = re.compile(r"[0-9_.]+([eE][+-]?[0-9]{1,3})?")
+DECIMAL = re.compile(r"[0-9_.]+(?:[eE]([+-]?[0-9]{1,3}))?")
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,30}")
 
 Exponents: TypeAlias = tuple[int, int]
@@ -76,7 +78,11 @@ class RejectedError(ValueError):
     """A claim that does not hold or is not shown."""
 
 
-MALFORMED = (KeyError, TypeError, ValueError, IndexError, AttributeError, ArithmeticError, RecursionError, SyntaxError)
+# What data of another form than a certificate's raise while they are read.
+MALFORMED = (
+    *(KeyError, TypeError, ValueError, IndexError, AttributeError, ArithmeticError),
+    *(RecursionError, MemoryError, SyntaxError),
+)
 
 
 def require(holds: object, claim: str) -> None:
@@ -86,7 +92,12 @@ def require(holds: object, claim: str) -> None:
 
 
 class Budget:
-    """Work that may still be done."""
+    """Work that may still be done.
+
+    Sums and products of rational numbers reduce fractions, in a time that grows with the square of their length; so a
+    product of numbers of n words counts as ``1 + n^2/LONG`` products.  Work is counted, not time: a certificate that
+    is accepted on one machine is accepted on all.
+    """
 
     def __init__(self) -> None:
         self.left = MAX_WORK
@@ -100,8 +111,37 @@ class Budget:
         self.left -= work
         require(self.left > 0, "a proof within the limits of this checker")
 
+    def spend_on(self, count: int, numbers: Iterable[Fraction], factors: int = 1) -> None:
+        """Pay for operations on numbers before they are done.
+
+        Args:
+            count: of the operations.
+            numbers: that enter them.
+            factors: how many such numbers are multiplied with each other in one operation.
+        """
+        words = max(map(words_of, numbers), default=0) * factors
+        self.spend(1 + count * (1 + words * words // LONG))
+
+
+def words_of(value: Fraction) -> int:
+    """The length of a rational number in words."""
+    return (value.numerator.bit_length() + value.denominator.bit_length()) // WORD
+
 
 BUDGET = Budget()
+
+
+def add_to(total: dict[Any, Fraction], key: Any, value: Fraction) -> None:
+    """Add a value to an entry; the denominators of a long sum may grow with every term, which is paid for."""
+    before = total.get(key)
+    if before is None:
+        total[key] = value
+        return
+    words = words_of(before) + words_of(value)
+    if words > WORD:
+        BUDGET.spend(words * words // LONG)
+    total[key] = before + value
+
 
 # ---- polynomials -------------------------------------------------------------------------------
 
@@ -127,12 +167,14 @@ class Polynomial:
         return isinstance(other, Polynomial) and self.terms == other.terms
 
     def __hash__(self) -> int:
+        BUDGET.spend(len(self.terms) // 4)
         return hash(frozenset(self.terms.items()))
 
     def __add__(self, other: Polynomial) -> Polynomial:
+        BUDGET.spend_on(len(other.terms), (*self.terms.values(), *other.terms.values()))
         total = dict(self.terms)
         for exponents, value in other.terms.items():
-            total[exponents] = total.get(exponents, Fraction(0)) + value
+            add_to(total, exponents, value)
         return Polynomial(total)
 
     def __neg__(self) -> Polynomial:
@@ -142,11 +184,11 @@ class Polynomial:
         return self + -other
 
     def __mul__(self, other: Polynomial) -> Polynomial:
-        BUDGET.spend(1 + len(self.terms) * len(other.terms))
+        BUDGET.spend_on(len(self.terms) * len(other.terms), (*self.terms.values(), *other.terms.values()))
         total: dict[Exponents, Fraction] = {}
         for (i, j), a in self.terms.items():
             for (k, m), b in other.terms.items():
-                total[i + k, j + m] = total.get((i + k, j + m), Fraction(0)) + a * b
+                add_to(total, (i + k, j + m), a * b)
         return Polynomial(total)
 
     def derivative(self, which: int) -> Polynomial:
@@ -160,6 +202,7 @@ class Polynomial:
 
     def at(self, x: Fraction, y: Fraction) -> Fraction:
         """Its value."""
+        BUDGET.spend_on(len(self.terms), (x, y, *self.terms.values()), 1 + self.degree)
         return sum((value * x**i * y**j for (i, j), value in self.terms.items()), Fraction(0))
 
 
@@ -187,6 +230,7 @@ SignOf: TypeAlias = Callable[[Polynomial], int]
 
 def rational(text: Any) -> Fraction:
     """A number of the certificate."""
+    BUDGET.spend(1)
     require(type(text) is str and RATIONAL.fullmatch(text), "rational numbers as texts such as '-3/4'")
     return Fraction(text)
 
@@ -201,9 +245,10 @@ class Formula:
 
     def __init__(self, text: Any, states: dict[str, Polynomial]) -> None:
         require(type(text) is str and len(text) <= MAX_TEXT, f"formulas as texts of at most {MAX_TEXT} characters")
-        self.text, self.states = text.strip(), states
-        self.tree = ast.parse(self.text, mode="eval").body
-        self.numbers: dict[ast.Constant, Fraction] = {}  # as they are read
+        self.text, self.states = " ".join(text.split()).encode(), states
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # Python's advice on "1if 2else 3" and the like, refused below
+            self.tree = ast.parse(self.text, mode="eval").body
 
     def on(self, sign_of: SignOf) -> Polynomial:
         """The polynomial on a cell, given the signs of switching expressions there."""
@@ -211,10 +256,9 @@ class Formula:
 
     def _value(self, node: ast.expr, sign_of: SignOf, depth: int) -> Polynomial:
         require(depth > 0, f"formulas of at most {MAX_DEPTH} nested operations")
+        BUDGET.spend(1)
         if isinstance(node, ast.Constant):
-            if node not in self.numbers:
-                self.numbers[node] = self._number(node)
-            return constant(self.numbers[node])
+            return constant(self._number(node))
         if isinstance(node, ast.Name):
             return self._state(node.id, sign_of)
         if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub | ast.UAdd):
@@ -233,8 +277,11 @@ class Formula:
         raise RejectedError("rational numbers")
 
     def _number(self, node: ast.Constant) -> Fraction:
-        text = ast.get_source_segment(self.text, node) or ""
-        require(DECIMAL.fullmatch(text) and len(text) <= MAX_DIGITS, "numbers as decimals")
+        text = self.text[node.col_offset : node.end_col_offset].decode()
+        found = DECIMAL.fullmatch(text) if len(text) <= MAX_DIGITS else None
+        require(found, f"numbers as decimals of at most {MAX_DIGITS} characters")
+        power = int(found[1] or 0)  # type: ignore[index]
+        require(abs(power) <= MAX_DIGITS, f"powers of ten from -{MAX_DIGITS} to {MAX_DIGITS}")
         return Fraction(text)
 
     def _operation(self, node: ast.BinOp, sign_of: SignOf, depth: int) -> Polynomial:
@@ -343,6 +390,7 @@ def _smaller(a: Polynomial, b: Polynomial, sign_of: SignOf) -> Polynomial:
 
 def height(line: Line, place: Generator) -> Fraction:
     """The linear form at homogeneous coordinates."""
+    BUDGET.spend_on(1, (*line, *place), 2)
     return line[0] * place[0] + line[1] * place[1] + line[2] * place[2]
 
 
@@ -355,6 +403,7 @@ def normalized(place: Generator) -> Generator:
 
 def midpoint(a: Generator, b: Generator) -> Generator:
     """Between two corners; of a corner and a direction, or two directions, their sum."""
+    BUDGET.spend_on(1, (*a, *b))
     return normalized((a[0] + b[0], a[1] + b[1], a[2] + b[2]))
 
 
@@ -441,8 +490,9 @@ def in_simplex(value: Polynomial, degree: int, corners: Sequence[Generator]) -> 
     total: dict[tuple[int, ...], Fraction] = {}
     for (i, j), own in value.terms.items():
         part = _times(_times(powers[0][i], powers[1][j]), powers[2][degree - i - j])
+        BUDGET.spend_on(len(part), (own, *part.values()))
         for exponents, coefficient in part.items():
-            total[exponents] = total.get(exponents, Fraction(0)) + own * coefficient
+            add_to(total, exponents, own * coefficient)
     return total
 
 
@@ -458,12 +508,12 @@ def _powers(form: Sequence[Fraction], degree: int) -> list[dict[tuple[int, ...],
 def _times(
     first: dict[tuple[int, ...], Fraction], second: dict[tuple[int, ...], Fraction]
 ) -> dict[tuple[int, ...], Fraction]:
-    BUDGET.spend(1 + len(first) * len(second))
+    BUDGET.spend_on(len(first) * len(second), (*first.values(), *second.values()))
     total: dict[tuple[int, ...], Fraction] = {}
     for a, u in first.items():
         for b, v in second.items():
             key = tuple(map(sum, zip(a, b, strict=True)))
-            total[key] = total.get(key, Fraction(0)) + u * v
+            add_to(total, key, u * v)
     return total
 
 
@@ -522,6 +572,7 @@ def edge_of_doubt(found: Coefficients, corners: Sequence[Generator]) -> tuple[in
 
 def longest_edge(corners: Sequence[Generator]) -> tuple[int, int]:
     """Where the plane is drawn into a square."""
+    BUDGET.spend_on(6, (entry for corner in corners for entry in corner), 4)
     places = [_shown(corner) for corner in corners]
 
     def length(pair: tuple[int, int]) -> Fraction:
@@ -840,6 +891,7 @@ def _refutes(place: Generator, a: Polynomial, b: Polynomial, mixed: Polynomial, 
 
 def _tangent_mixtures(velocities: Sequence[tuple[Fraction, ...]], m: tuple[Fraction, Fraction]) -> Iterator[Any]:
     """The ends of the part of the hull with ``m . v = 0``, each as a mixture of one or two velocities."""
+    BUDGET.spend_on(len(velocities) ** 2, (entry for v in (m, *velocities) for entry in v), 4)
     parts = [m[0] * v[0] + m[1] * v[1] for v in velocities]
     yield from (v for v, part in zip(velocities, parts, strict=True) if not part)
     for (u, p), (v, q) in combinations(zip(velocities, parts, strict=True), 2):
@@ -851,6 +903,7 @@ def _hull_holds_zero(velocities: Sequence[tuple[Fraction, ...]]) -> bool:
     """Whether 0 is in the convex hull: no line through 0 has all of them strictly on one side."""
     if any(not any(v) for v in velocities):
         return True
+    BUDGET.spend_on(2 * len(velocities) ** 2, (entry for v in velocities for entry in v), 2)
     # A separating direction exists iff the normal of one velocity, turned a little, separates: test both sides of each.
     for v in velocities:
         for sign in (1, -1):
@@ -912,6 +965,7 @@ def resultant(a: Polynomial, b: Polynomial, which: int, place: Fraction) -> Frac
 
 def _coefficients(value: Polynomial, which: int, place: Fraction) -> list[Fraction]:
     """By powers of one variable, descending from its degree, at a value of the other one."""
+    BUDGET.spend_on(len(value.terms), value.terms.values())
     top = max(e[which] for e in value.terms)
     found = [Fraction(0)] * (top + 1)
     for exponents, own in value.terms.items():
@@ -921,7 +975,6 @@ def _coefficients(value: Polynomial, which: int, place: Fraction) -> list[Fracti
 
 def _determinant(matrix: list[list[Fraction]]) -> Fraction:
     total = Fraction(1)
-    BUDGET.spend(len(matrix) ** 3)
     for k in range(len(matrix)):
         pivot = next((i for i in range(k, len(matrix)) if matrix[i][k]), None)
         if pivot is None:
@@ -930,6 +983,7 @@ def _determinant(matrix: list[list[Fraction]]) -> Fraction:
             matrix[k], matrix[pivot], total = matrix[pivot], matrix[k], -total
         total *= matrix[k][k]
         for i in range(k + 1, len(matrix)):
+            BUDGET.spend_on(len(matrix) - k, (*matrix[i], *matrix[k]), 2)
             factor = matrix[i][k] / matrix[k][k]
             matrix[i] = [u - factor * v for u, v in zip(matrix[i], matrix[k], strict=True)]
     return total
@@ -1248,6 +1302,7 @@ def dense(value: Polynomial) -> Dense:
 
 def value_at(own: Dense, place: Fraction) -> Fraction:
     """By Horner's scheme."""
+    BUDGET.spend_on(len(own), (place, *own), len(own))
     total = Fraction(0)
     for coefficient in reversed(own):
         total = total * place + coefficient
@@ -1257,6 +1312,7 @@ def value_at(own: Dense, place: Fraction) -> Fraction:
 def without_root(own: Dense, root: Fraction) -> Dense:
     """A nonzero polynomial divided by ``(x - root)`` as often as that divides it."""
     while len(own) > 1 and not value_at(own, root):
+        BUDGET.spend_on(len(own), (root, *own), len(own))
         quotient: Dense = []
         for coefficient in reversed(own):
             quotient.append(coefficient + root * (quotient[-1] if quotient else 0))
@@ -1267,8 +1323,8 @@ def without_root(own: Dense, root: Fraction) -> Dense:
 def negated_remainder(top: Dense, bottom: Dense) -> Dense:
     """``-(top mod bottom)``, divided by a positive number."""
     rest = list(top)
-    BUDGET.spend(1 + len(top) * len(bottom))
     while len(rest) >= len(bottom):
+        BUDGET.spend_on(len(bottom), (*rest, *bottom), 2)
         factor = rest[-1] / bottom[-1]
         for k, coefficient in enumerate(bottom, len(rest) - len(bottom)):
             rest[k] -= factor * coefficient
@@ -1697,7 +1753,7 @@ def _beside(field: Field, ray: Ray) -> tuple[Polynomial, Polynomial]:
     for own in field:
         terms: dict[Exponents, Fraction] = {}
         for (i, j), value in own.terms.items():
-            terms[i + j, 0] = terms.get((i + j, 0), Fraction(0)) + value * ray[0] ** i * ray[1] ** j
+            add_to(terms, (i + j, 0), value * ray[0] ** i * ray[1] ** j)
         parts.append(Polynomial(terms))
     f, g = parts
     return x * g - y * f, x * f + y * g
@@ -1893,13 +1949,19 @@ def check_certificate(data: Any) -> str:
     return read_certificate(data)[0]
 
 
+def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    found = dict(pairs)
+    require(len(found) == len(pairs), "no key twice")
+    return found
+
+
 def check_file(path: str) -> tuple[int, str]:
     """Exit status and what to print: 0 valid, 1 rejected, 2 unreadable."""
     try:
         with open(path, "rb") as file:
             text = file.read(MAX_BYTES + 1)
         require(len(text) <= MAX_BYTES, f"at most {MAX_BYTES} bytes")
-        data = json.loads(text)
+        data = json.loads(text, object_pairs_hook=_object)
     except (OSError, *MALFORMED) as error:
         return 2, f"unreadable: {error}"
     claim, certificate = read_certificate(data)
