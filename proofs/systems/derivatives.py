@@ -24,6 +24,7 @@ from typing import Any
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.switched_cells import LyapunovCell
 from nonsmooth.proofs.inequalities.cell_forms import CellClaim, build_parts
+from nonsmooth.proofs.inequalities.emptiness import is_empty
 from nonsmooth.proofs.inequalities.germs import Adherence, adherence
 from nonsmooth.proofs.inequalities.kinks import Trend, worst
 from nonsmooth.proofs.inequalities.ladder import Interval
@@ -139,7 +140,14 @@ def inhabited(cells: Sequence[LyapunovCell]) -> tuple[LyapunovCell, ...]:
 
 
 def _is_empty(cell: LyapunovCell) -> bool:
-    """Whether the claim ``-1 >= 0`` is found to hold on the cell with little work (the origin alone would be none)."""
+    """Whether the open cell holds no point: exactly over Q, unless that takes too much work.
+
+    Otherwise, whether the claim ``-1 >= 0`` is found to hold on the cell with little work (the origin alone would be
+    none).
+    """
+    decided = is_empty(cell.region)
+    if decided is not None:
+        return decided
     minus_one = Polynomial.constant(cell.potential.field, cell.potential.variables, -1)
     parts = build_parts(CellClaim(minus_one, cell.region, strict=False, except_origin=True))
     return all(isinstance(subdivide(part, EMPTINESS_WORK), Leaf | Split) for part in parts)
