@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from nonsmooth.reports.console import RefusedError
 from nonsmooth.reports.files import output_path, write_whole
+from nonsmooth.reports.progress import end_progress
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.system_decision import DecidedSystem
@@ -83,6 +84,7 @@ def _write_certificate(result: CellCheck | SmoothCheck, path: Path) -> None:
         raise RefusedError(f"{result.scene.origin}: {error}") from None
     write_whole(path, certificate_text(certificate).encode())
     if certificate["feedback"]["verdict"] != result.feedback.verdict:
+        end_progress()
         print(f"{path}: feedback stands as undecided: the checker follows no law by directions of c", file=sys.stderr)
 
 

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from nonsmooth.reports.files import OutputError
+from nonsmooth.reports.progress import end_progress, steps
 from nonsmooth.symbolic import removed
 from nonsmooth.symbolic.scene_error import SceneError, one_line
 
@@ -59,9 +60,13 @@ def broken_pipes_raised() -> Iterator[None]:
 
 
 def run(app: Callable[..., Any], arguments: Sequence[str]) -> int:
-    """Run a Typer application and return the exit status; bad input is one line on standard error."""
+    """Run a Typer application and return the exit status; bad input is one line on standard error.
+
+    Work that lasts shows a line of progress, which names the command.
+    """
     try:
-        status = app(args=list(arguments), prog_name=PROGRAM, standalone_mode=False)
+        with steps(arguments[0] if arguments else PROGRAM):
+            status = app(args=list(arguments), prog_name=PROGRAM, standalone_mode=False)
         if sys.stdout is not None:
             sys.stdout.flush()
     except (SceneError, OutputError, RefusedError) as error:
@@ -143,7 +148,8 @@ def refuse_given(context: typer.Context, names: Collection[str], required: str, 
 
 
 def write(text: str) -> None:
-    """Write text to standard output as it is."""
+    """Write text to standard output as it is; the line of progress ends before it."""
+    end_progress()
     sys.stdout.write(text)
 
 
@@ -163,6 +169,7 @@ def write_views(views: Iterable[RenderableType]) -> None:
     """Print Rich views: as wide as the terminal, 80 columns elsewhere, colors on a terminal only."""
     from rich.console import Console
 
+    end_progress()
     console = Console(markup=False, highlight=False, emoji=False)
     for k, view in enumerate(views):
         if k:

@@ -1,7 +1,11 @@
-"""Progress of long work on standard error: on a terminal only, and only once it has lasted a second.
+"""Progress of long work on standard error: one line, on a terminal only, and only once the work has lasted a second.
 
-:func:`progress` counts what is done of a known total.  :func:`steps` names the step under way, where each is one long
-computation; a thread that does nothing but write keeps the seconds going.
+``simulate: t = 12.5 of 60 (7 s)``: the step under way, what the work itself tells
+(:func:`nonsmooth.symbolic.under_way.tell`, from any depth), and the seconds since the start.  A thread that does
+nothing but write keeps the seconds going.  Every command has such a line (:func:`nonsmooth.reports.console.run` begins
+it); :func:`steps` names a step of it, :func:`progress` counts what is done of a known total.  In Python, outside of a
+command, these two begin a line of their own.  The line ends, and leaves nothing behind, with the work or as soon as
+standard output is written.
 """
 
 from __future__ import annotations
@@ -15,8 +19,10 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Protocol, TextIO
 
+from nonsmooth.symbolic.under_way import listening, tell
+
 PATIENCE = 1.0  # seconds that pass before anything is shown
-TICK = 0.25  # seconds between two lines of steps
+TICK = 0.25  # seconds between two lines
 CLEAR_LINE = "\r\x1b[K"
 
 
@@ -34,22 +40,12 @@ def silent(done: int, total: int, what: str | None = None) -> None:
 
 @contextmanager
 def progress(what: str = "") -> Iterator[ProgressCall]:
-    """A function to call from the work; nothing is left on the terminal afterwards."""
-    if _terminal() is None:
-        yield silent
-        return
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
-
-    console = Console(stderr=True, markup=False, highlight=False, emoji=False)
-    columns = (BarColumn(bar_width=20), MofNCompleteColumn(), TimeElapsedColumn())
-    started = time.monotonic()
-    with Progress(*columns, TextColumn("{task.description}", markup=False), console=console, transient=True) as bar:
-        task = bar.add_task(what, total=None, visible=False)
+    """A function to call from the work with what is done of a total; nothing is left on the terminal afterwards."""
+    with steps(what):
 
         def report(done: int, total: int, what: str | None = None) -> None:
-            visible = time.monotonic() - started > PATIENCE
-            bar.update(task, description=what, completed=done, total=total or None, visible=visible)
+            count = f"{done} of {total}" if total else f"{done}" if done else ""
+            tell(": ".join(part for part in (what, count) if part))
 
         yield report
 
@@ -57,16 +53,33 @@ def progress(what: str = "") -> Iterator[ProgressCall]:
 @contextmanager
 def steps(first: str) -> Iterator[Callable[[str], None]]:
     """A function to call with the name of each step; nothing is left on the terminal afterwards."""
+    line = _StepLine.current
+    if line is not None and line.is_shown:
+        around = line.step
+        line.name(first)
+        try:
+            yield line.name
+        finally:
+            line.name(around)
+        return
     stream = _terminal()
     if stream is None or os.environ.get("TERM") == "dumb":
         yield lambda _: None
         return
-    line = _StepLine(stream, first)
+    line = _StepLine.current = _StepLine(stream, first)
     line.start()
     try:
-        yield line.name
+        with listening(line.add):
+            yield line.name
     finally:
         line.stop()
+        _StepLine.current = None
+
+
+def end_progress() -> None:
+    """Clear the line for good, before anything else is written to the terminal."""
+    if _StepLine.current is not None:
+        _StepLine.current.stop()
 
 
 def _terminal() -> TextIO | None:
@@ -75,28 +88,42 @@ def _terminal() -> TextIO | None:
 
 
 class _StepLine:
-    """One line of a terminal: the step under way, and the seconds since the start."""
+    """One line of a terminal: the step under way, what it tells of itself, and the seconds since the start."""
+
+    current: _StepLine | None = None  # of this process: a terminal has one last line
 
     def __init__(self, stream: TextIO, first: str) -> None:
-        self._stream, self._step = stream, first
+        self._stream, self.step, self._told = stream, first, ""
         self._started = time.monotonic()
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._show, daemon=True)
         self._writing = threading.Lock()  # two threads write: the one that works, and the one that counts seconds
         self._written = False
 
+    @property
+    def is_shown(self) -> bool:
+        """Whether it has not ended."""
+        return not self._ended.is_set()
+
     def start(self) -> None:
-        """Begin to wait."""
+        """Show the first step, and begin to wait."""
+        self.name(self.step)
         self._thread.start()
 
     def name(self, step: str) -> None:
         """Another step is under way.  Once patience is over it is shown at once, however short it is."""
-        self._step = step
-        if time.monotonic() - self._started >= PATIENCE:
+        self.step, self._told = step, ""
+        if self.is_shown and time.monotonic() - self._started >= PATIENCE:
             self._write_step()
+
+    def add(self, told: str) -> None:
+        """What the step tells of itself: shown with the next tick, as it may change a thousand times a second."""
+        self._told = told
 
     def stop(self) -> None:
         """End, and clear the line."""
+        if not self.is_shown:
+            return
         self._ended.set()
         self._thread.join()
         if self._written:
@@ -110,8 +137,9 @@ class _StepLine:
             waited = TICK
 
     def _write_step(self) -> None:
-        """Name the step, and the whole seconds since the start."""
-        text = f"{self._step} ({time.monotonic() - self._started:.0f} s)"
+        """Name the step and what it tells, and the whole seconds since the start."""
+        said = ": ".join(part for part in (self.step, self._told) if part)
+        text = f"{said} ({time.monotonic() - self._started:.0f} s)"
         self._write(text[: shutil.get_terminal_size().columns - 1])
 
     def _write(self, text: str) -> None:

@@ -24,6 +24,7 @@ from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.trajectories.result import End, EndReason, Event, Piece, Trajectory, samples
 from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.under_way import tell
 
 ON_EDGE = 1e-10  # of the body's size: depths below are zero
 MOST_EVENTS = 2_000  # stretches between events; a path that needs more may switch for ever
@@ -124,6 +125,7 @@ class BodyPath(OutlinePath):
         parts = Parts(self._switching, mode, pose, self._scale, self._outline.size, drags=self._sets.is_stiff)
         for part in parts.from_pose(pose, start, until):
             dense.append(part.state)
+            tell(f"t = {part.end:.6g} of {until:.6g}")
             found = self._first_change(mode, part, first=part.start == start)
             times.append(part.end if found is None else found[0])
             if found is not None:

@@ -24,6 +24,7 @@ from nonsmooth.analysis.trajectories.stiffness import (
     holds_the_step,
     jacobian_of,
 )
+from nonsmooth.symbolic.under_way import tell
 
 # Growth of the step that DOP853 proposes: its error was some (0.9/4)^8 of the tolerance, a millionth.
 EASY_GROWTH = 4.0
@@ -137,6 +138,7 @@ def follow_face(
         message = solver.step()
         if solver.status == "failed":
             raise TrajectoryError(f"the integrator stopped at t = {solver.t:.6g}: {message}")
+        tell(f"t = {solver.t:.6g} of {until:.6g}")
         following = [guard.value(solver.t, solver.y) for guard in guards]
         if any(map(math.isnan, following)):
             raise TrajectoryError(f"required numbers, received none at t = {solver.t:.6g}, {solver.y.tolist()}")

@@ -12,7 +12,8 @@ import pytest
 from nonsmooth.reports import progress as progress_module
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import run
-from nonsmooth.reports.progress import CLEAR_LINE, steps
+from nonsmooth.reports.progress import CLEAR_LINE, end_progress, steps
+from nonsmooth.symbolic.under_way import listening, tell, tell_count
 
 HASTY = "from nonsmooth.reports import cli, progress; progress.PATIENCE = 0.0; cli.main()"
 
@@ -65,6 +66,44 @@ def failing_step() -> None:
         raise KeyError
 
 
+def test_what_the_work_tells_is_shown_and_moves(monkeypatch: pytest.MonkeyPatch) -> None:
+    """From any depth, within a step inside another; the outer step is named again afterwards."""
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setattr(progress_module, "PATIENCE", 0.0)
+    monkeypatch.setattr(progress_module, "TICK", 0.01)
+    leader, follower = os.openpty()
+    with os.fdopen(follower, "w") as stream:
+        monkeypatch.setattr(sys, "stderr", stream)
+        with steps("simulate"):
+            with steps("path"):
+                for count in (1, 2):
+                    tell_count(count, 2, "starts")
+                    time.sleep(0.1)
+            tell("film")
+            time.sleep(0.1)
+            end_progress()
+            stream.write("output")
+            tell("nothing more")
+            time.sleep(0.1)
+    shown = terminal_text(leader)
+    os.close(leader)
+    places = [shown.index(said) for said in ("path: 1 of 2 starts (0 s)", "path: 2 of 2", "simulate: film (0 s)")]
+    assert places == sorted(places)
+    assert shown.endswith(f"{CLEAR_LINE}output")
+
+
+def test_only_the_innermost_listener_hears() -> None:
+    outer: list[str] = []
+    inner: list[str] = []
+    tell("nobody hears")
+    with listening(outer.append):
+        with listening(inner.append):
+            tell("first")
+        tell("second")
+    tell("nobody hears")
+    assert (outer, inner) == (["second"], ["first"])
+
+
 @pytest.mark.parametrize(
     ("arguments", "named"),
     [
@@ -72,6 +111,7 @@ def failing_step() -> None:
         (["check", "four-wheel", "--rule", "all"], ["rule box: feedback (", "rule ellipse: feedback ("]),
         (["partition", "four-wheel", "--rule", "box"], ["cells of rule box ("]),
         (["derive", "four-wheel", "--only", "theorem"], ["feedback ("]),
+        (["simulate", "stick-slip", "--from", "2,0", "--orbit"], ["simulate ("]),
     ],
 )
 def test_commands_name_their_steps_on_a_terminal_only(

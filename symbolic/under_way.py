@@ -1,0 +1,40 @@
+"""What long work says of itself while it is under way: one call, from any depth, that costs next to nothing.
+
+The work calls :func:`tell` with a few words, such as ``t = 12.5 of 60``, wherever it comes round to it: once per step
+of an integrator, per cell, per start.  Whoever watches (:mod:`nonsmooth.reports.progress` shows it on a terminal)
+listens by :func:`listening`; where nobody does, nothing happens.  What is told never changes what is computed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from typing import TypeAlias
+
+Listener: TypeAlias = Callable[[str], None]
+
+# Each thread has its own: the workbench's workers are silent while a command of the same process is watched.
+_listener: ContextVar[Listener | None] = ContextVar("listener", default=None)
+
+
+def tell(what: str) -> None:
+    """Say what is being done now, in a few words without an end of line."""
+    listener = _listener.get()
+    if listener is not None:
+        listener(what)
+
+
+def tell_count(done: int, total: int, what: str) -> None:
+    """Say how much is done: ``12 of 40 cells``."""
+    tell(f"{done} of {total} {what}")
+
+
+@contextmanager
+def listening(listener: Listener) -> Iterator[None]:
+    """Hear what is told until the end of the block; only the innermost listener does."""
+    token = _listener.set(listener)
+    try:
+        yield
+    finally:
+        _listener.reset(token)
