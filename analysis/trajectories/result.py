@@ -49,6 +49,7 @@ class EndReason(StrEnum):
     WHEELS = "a wheel enters or leaves: the law is certified for the wheels before"
     LOADS = "a load of the load table becomes negative"
     EVENTS = "the largest number of events is reached"
+    STEPS = "the largest number of steps is reached"
 
 
 @dataclass(frozen=True)

@@ -38,6 +38,7 @@ from nonsmooth.analysis.trajectories.whirls import WHIRL_LOOP, SurfaceCrossing, 
 RELATIVE_TOLERANCE = 1e-12  # of DOP853, per step; at 1e-13 rounding takes over
 ABSOLUTE_TOLERANCE = 1e-13  # in units of the states' size
 MAX_EVENTS = 2_000
+MAX_STEPS = 40_000  # of DOP853, some ten seconds; paths of the built-in scenes take some hundred
 MAX_STALLED = 20  # switches that may follow each other at one moment: more than there are faces at a point
 REST_SPEED = 1e-9  # relative to the fields around a point: a slower motion is called rest
 NEWTON_STEPS = 3  # onto surfaces from within their slack, where two steps reach rounding
@@ -74,18 +75,22 @@ def follow_smooth(
     return _begun(field, start, until, watch, (rtol, atol)).follow(max_events)
 
 
-def follow_legs(field: FacedField, start: Sequence[float], until: float) -> tuple[Trajectory, tuple[Leg, ...]]:
+def follow_legs(
+    field: FacedField, start: Sequence[float], until: float, coarseness: float = 1.0
+) -> tuple[Trajectory, tuple[Leg, ...]]:
     """The same solution with the motions of its stretches; limits of accumulating switches are no legs.
 
     Args:
         field: the field.
         start: initial state.
         until: last time.
+        coarseness: factor on the tolerances of DOP853.
 
     Raises:
         ValueError, TrajectoryError: as for :func:`follow_smooth`.
     """
-    path = _begun(field, start, until, None, (RELATIVE_TOLERANCE, ABSOLUTE_TOLERANCE * field.size))
+    tolerances = RELATIVE_TOLERANCE * coarseness, ABSOLUTE_TOLERANCE * coarseness * field.size
+    path = _begun(field, start, until, None, tolerances)
     return path.follow(MAX_EVENTS), tuple(path.legs)
 
 
@@ -117,6 +122,7 @@ class _SmoothPath:
         self.time, self.x, self.faces = 0.0, x, field.faces_at(x)
         self.before: Face | None = None
         self.step: float | None = None
+        self.steps_left = MAX_STEPS
         self.stalled = 0
         self.events: list[Event] = []
         self.pieces: list[Piece] = []
@@ -136,6 +142,9 @@ class _SmoothPath:
             if not choices or len(self.events) >= max_events:
                 reason = EndReason.EVENTS if choices else EndReason.OUTSIDE
                 break
+            if self.steps_left <= 0:
+                reason = EndReason.STEPS
+                break
             self._say(choices)
             self._advance(choices[0])
         end = End(self.time, tuple(self.x.tolist()), reason)
@@ -147,9 +156,16 @@ class _SmoothPath:
         """Follow a face to its end, and a loop of crossings to its limit."""
         face = self.before = choice.motion.face
         stretch = follow_face(
-            self.field, choice, (self.time, self.x), self.until, tolerances=self.tolerances, first_step=self.step
+            self.field,
+            choice,
+            (self.time, self.x),
+            self.until,
+            tolerances=self.tolerances,
+            first_step=self.step,
+            most_steps=self.steps_left,
         )
         self.step = stretch.step
+        self.steps_left -= stretch.taken
         self.method = IMPLICIT if stretch.stiff else self.method
         self.stalled = self.stalled + 1 if stretch.times[-1] == stretch.times[0] else 0
         if self.stalled > MAX_STALLED:

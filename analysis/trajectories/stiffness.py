@@ -22,7 +22,6 @@ PROBED = 50  # steps from one measurement to the next: four evaluations each, ag
 # keeps it well below.
 HELD = 1.5
 MANY = 500  # steps still to go at the present size: fewer are cheaper than an implicit method
-MOST_IMPLICIT = 50_000  # steps of a stretch; a hundred are usual, so many are a standstill
 DIFFERENCE = 1e-8  # step of the differences, relative to the states: half the digits, plenty for a rate
 # Step of the differences for Radau, relative to the size of the states, however small a state is: SciPy's own shrinks
 # with each state, and finds but rounding once one of them is zero and others are not.

@@ -18,7 +18,6 @@ from nonsmooth.analysis.trajectories.faces import FaceChoice
 from nonsmooth.analysis.trajectories.guards import IntegratorStep, Interpolant, first_event, guards_of
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.analysis.trajectories.stiffness import (
-    MOST_IMPLICIT,
     PROBED,
     comes_to_rest,
     holds_the_step,
@@ -28,6 +27,7 @@ from nonsmooth.symbolic.under_way import tell
 
 # Growth of the step that DOP853 proposes: its error was some (0.9/4)^8 of the tolerance, a millionth.
 EASY_GROWTH = 4.0
+IMPLICIT_STEP = 10  # explicit steps that cost as much as an implicit one
 
 
 @dataclass(frozen=True)
@@ -40,6 +40,7 @@ class Stretch:
         interpolants: dense output of each step.
         met: the surface it met at its end, if any.
         step: size of the last full step, to start the next stretch with.
+        taken: steps, an implicit one for as many explicit ones as it costs.
         stiff: whether an implicit method took over.
     """
 
@@ -48,6 +49,7 @@ class Stretch:
     interpolants: list[Interpolant]
     met: tuple[Surface, ...]
     step: float
+    taken: int
     stiff: bool = False
 
     @property
@@ -114,8 +116,9 @@ def follow_face(
     *,
     tolerances: tuple[float, float],
     first_step: float | None,
+    most_steps: int,
 ) -> Stretch:
-    """Integrate a face's motion to its first event, or to ``until``.
+    """Integrate a face's motion to its first event, or to ``until``, or until it has taken its steps.
 
     Raises:
         TrajectoryError: where the integrator gives up, or what tells events is not a number.
@@ -130,6 +133,7 @@ def follow_face(
     values = [guard.value(t, x) for guard in guards]
     times, states = [t], [x]
     interpolants: list[Interpolant] = []
+    taken = 0
     while True:
         if not stiff and not len(times) % PROBED and holds_the_step(velocity, solver, until, field.size):
             stiff = True
@@ -144,23 +148,23 @@ def follow_face(
             raise TrajectoryError(f"required numbers, received none at t = {solver.t:.6g}, {solver.y.tolist()}")
         size = float(solver.t - before[0])
         easy = stiff or solver.h_abs >= EASY_GROWTH * size
-        taken = IntegratorStep(before, (solver.t, solver.y, solver.f), solver.dense_output, easy)
-        found = first_event(guards, values, following, taken)
+        last = IntegratorStep(before, (solver.t, solver.y, solver.f), solver.dense_output, easy)
+        found = first_event(guards, values, following, last)
         if found is not None:
             met = () if found[1].surface is None else (found[1].surface,)
-            interpolants.append(taken.interpolant)
-            return Stretch([*times, found[0]], [*states, taken.interpolant(found[0])], interpolants, met, size, stiff)
+            interpolants.append(last.interpolant)
+            states.append(last.interpolant(found[0]))
+            return Stretch([*times, found[0]], states, interpolants, met, size, taken + 1, stiff)
         late = _LateInterpolant(choice.motion, before[:2], float(solver.t), tolerances)
-        interpolants.append(taken.interpolant if stiff else late)
+        interpolants.append(last.interpolant if stiff else late)
         times.append(float(solver.t))
         states.append(solver.y)
         values = following
-        if stiff and len(times) > MOST_IMPLICIT:
-            raise TrajectoryError(f"the implicit integrator does not get on at t = {solver.t:.6g}: please report this")
         if stiff and solver.status == "running" and comes_to_rest(velocity, solver, until, field.size, atol):
-            return _resting(Stretch(times, states, interpolants, (), size, stiff), until)
-        if solver.status == "finished":
-            return Stretch(times, states, interpolants, (), size, stiff)
+            return _resting(Stretch(times, states, interpolants, (), size, taken, stiff), until)
+        taken += IMPLICIT_STEP if stiff else 1
+        if solver.status == "finished" or taken >= most_steps:
+            return Stretch(times, states, interpolants, (), size, taken, stiff)
 
 
 def _implicit(velocity: Velocity, solver: Any, until: float, tolerances: tuple[float, float], size: float) -> Any:
