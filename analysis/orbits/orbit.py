@@ -1,21 +1,65 @@
-"""A periodic orbit in floats: one turn of legs that closes, its period and its Floquet multipliers."""
+"""A periodic orbit in floats: one turn of legs that closes, its period and Floquet multipliers, and how far these err.
+
+The n - 1 multipliers beside the one along the orbit are eigenvalues of the derivative of a turn.  In two states there
+is one, and Liouville's formula gives it without cancellation.  A surface that is held for the whole turn adds a
+multiplier of its own, across it: zero where both sides push onto the surface, so that neighbours come onto it in finite
+time, and infinite where both push away, so that solutions leave it at any moment.
+
+How far all this may err is measured, not assumed: the turn is computed once more with tolerances ten times as wide, and
+from starts on either side of it, as far away as the orbit itself may lie.
+"""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
+from enum import IntEnum
 from functools import cached_property
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.fields.sign_field import SignField
-from nonsmooth.analysis.fields.switched_field import Vector
-from nonsmooth.analysis.orbits.variation import monodromy
+from nonsmooth.analysis.fields.switched_field import Vector, length
+from nonsmooth.analysis.orbits.orbit_error import OrbitError
+from nonsmooth.analysis.orbits.variation import Variation, normals_held, path_variation
+from nonsmooth.analysis.trajectories.face_motion import TANGENT_SLACK, largest
 from nonsmooth.analysis.trajectories.legs import Leg
-from nonsmooth.analysis.trajectories.result import Trajectory
+from nonsmooth.analysis.trajectories.result import Trajectory, TrajectoryError
+from nonsmooth.analysis.trajectories.smooth_path import follow_legs, onto
 
-# Of a multiplier's distance from the unit circle: nearer ones are not told apart, as multipliers err by some 1e-10.
-NEUTRAL = 1e-6
+Multipliers = NDArray[np.complex128]
+
+ENDED = 1e-9  # of a period: what is left of it at the end of a path
+COARSER = 10.0  # tolerances of the second computation; what it changes is about nine times the error of the first
+BESIDE = 4.0  # of the distance within which the orbit lies: how far beside it its multipliers are looked at
+SAFETY = 2.0  # on the changes of the multipliers that were seen
+ROUNDING = 1e-12  # of a multiplier: no computation is better
+NEAREST = 0.1  # of the extent of the orbit: if it may lie farther away than this nothing is known
+LOOKS = 8  # places within each step of a slide where its sides are looked at
+
+
+class SlideSense(IntEnum):
+    """What the sides of a slide do to neighbours all along it."""
+
+    ATTRACTS = -1
+    OPEN = 0  # neither, or it is not known
+    REPELS = 1
+
+
+@dataclass(frozen=True)
+class OrbitErrors:
+    """How far the numbers of an orbit may err; infinite where nothing is known.
+
+    Attributes:
+        period: of the period (time).
+        multipliers: of each multiplier, in the order of :attr:`Orbit.multipliers`.
+    """
+
+    period: float
+    multipliers: tuple[float, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,12 +71,14 @@ class Orbit:
         path: the turn, from a point inside a leg back to it.
         legs: its legs, in order; the first and the last are parts of one.
         gap: by how much the computed turn fails to close (largest entry).
+        coarseness: factor on the tolerances of its computation.
     """
 
     field: SignField
     path: Trajectory
     legs: tuple[Leg, ...]
     gap: float
+    coarseness: float = 1.0
 
     @property
     def period(self) -> float:
@@ -41,42 +87,171 @@ class Orbit:
 
     @property
     def point(self) -> Vector:
-        """Where the turn begins and ends: inside its longest leg."""
+        """Where the turn begins and ends."""
         return self.legs[0].first
+
+    @property
+    def extent(self) -> float:
+        """Largest side of the box around it."""
+        return float(np.ptp(self.path.array, axis=0).max())
 
     @property
     def slides(self) -> bool:
         """Whether it keeps to a switching surface for a while."""
         return any(leg.motion.face.keep for leg in self.legs)
 
+    @property
+    def is_one_slide(self) -> bool:
+        """Whether it keeps to a switching surface for the whole turn."""
+        return all(leg.motion.face.keep for leg in self.legs)
+
     @cached_property
-    def monodromy(self) -> Vector:
+    def slide_sense(self) -> SlideSense:
+        """What all slides of the orbit do to neighbours; open where they differ, attracting where there is none."""
+        senses = {_sense(leg) for leg in self.legs if leg.motion.face.keep and leg.end > leg.start}
+        return senses.pop() if len(senses) == 1 else SlideSense.OPEN if senses else SlideSense.ATTRACTS
+
+    @cached_property
+    def variation(self) -> Variation:
         """Derivative (n, n) of the state after one turn by the state before.
 
         Raises:
             OrbitError: where it does not exist.
         """
-        return monodromy(self.field, self.legs)
+        return path_variation(self.field, self.legs, self.coarseness)
 
     @cached_property
-    def multipliers(self) -> NDArray[np.complex128]:
+    def multipliers(self) -> Multipliers:
         """The n - 1 Floquet multipliers beside the one along the orbit, which is 1; largest first.
 
         Raises:
             OrbitError: where the orbit has no derivative.
         """
+        normals = normals_held(self.legs[0])
+        count, held = normals.shape
+        across_surfaces = np.full(held, math.inf if self.slide_sense is SlideSense.REPELS else 0.0, complex)
+        if count - held == 1:
+            return across_surfaces
+        if count == 2:
+            return np.array([self.variation.determinant], complex)
         along = self.legs[0].motion(0.0, self.point)
-        basis, _ = np.linalg.qr(np.column_stack([along, np.eye(len(along))]))
-        across = (basis.T @ self.monodromy @ basis)[1:, 1:]
-        values = np.linalg.eigvals(across).astype(complex)
+        basis, _ = np.linalg.qr(np.column_stack([along, np.eye(count) - normals @ normals.T]))
+        along_surfaces = slice(1, count - held)
+        across = (basis.T @ self.variation.derivative @ basis)[along_surfaces, along_surfaces]
+        values = np.concatenate([np.linalg.eigvals(across).astype(complex), across_surfaces])
         return np.asarray(values[np.argsort(-np.abs(values), kind="stable")])
+
+    @cached_property
+    def errors(self) -> OrbitErrors:
+        """How far the period and the multipliers may err.
+
+        The end of the turn errs by about what wider tolerances change, e.  The orbit then lies within ``e/sigma`` of
+        the computed one, where sigma is the least singular value of Newton's system, most likely along the singular
+        vector of sigma; its multipliers may be those of starts so far to either side.  Where that is not near, or a
+        multiplier is not told apart from one, starts beside the orbit may be periodic too: then the period is that of
+        the computed start, and the multiplier nearest to one may be one.
+        """
+        try:
+            rough = follow_turn(self.field, self.point, self.period, COARSER)
+            end_error = self.gap + largest(rough.legs[-1].last - self.legs[-1].last)
+            system, speed = newton_system(self)
+            left, values, right = np.linalg.svd(system)
+            is_isolated = end_error <= NEAREST * self.extent * values[-1]
+            beside = [rough]
+            if is_isolated:
+                move = BESIDE * end_error / values[-1] * right[-1, :-1]
+                beside += [self._beside(move), self._beside(-move)]
+            errors = self._changes(beside)
+        except (OrbitError, TrajectoryError):
+            return OrbitErrors(math.inf, (math.inf,) * len(self.multipliers))
+        distances = np.abs(np.abs(self.multipliers) - 1)
+        period_error = end_error / speed
+        if is_isolated and (distances > errors).all():
+            period_error *= float(np.linalg.norm((right.T / values @ left.T)[-1]))
+        if not is_isolated:
+            nearest = int(np.argmin(distances))
+            errors[nearest] = max(errors[nearest], distances[nearest])
+        return OrbitErrors(period_error, tuple(errors.tolist()))
+
+    def _beside(self, move: Vector) -> Orbit:
+        """A turn of the same length from a start beside this one, on the same surfaces."""
+        start = onto(self.point + move, self.legs[0].motion.face.keep, self.field.size)
+        return follow_turn(self.field, start, self.period)
+
+    def _changes(self, others: Sequence[Orbit]) -> Vector:
+        """How much other computations change the multipliers, with some safety and the rounding of any computation."""
+        finite = np.where(np.isinf(self.multipliers), 0.0, np.abs(self.multipliers))
+        changes = [_differences(self.multipliers, other.multipliers) for other in others]
+        return np.asarray(SAFETY * np.max(changes, axis=0) + ROUNDING * np.maximum(1.0, finite))
 
     @property
     def stability(self) -> str:
-        """``attracting``, ``repelling``, ``saddle`` or ``neutral``: by the multipliers as computed."""
-        sizes = np.abs(self.multipliers)
-        if (np.abs(sizes - 1) <= NEUTRAL).any():
-            return "repelling" if (sizes > 1 + NEUTRAL).any() else "neutral"
-        if (sizes < 1).all():
+        """``attracting``, ``repelling``, ``saddle`` or ``undecided``: by the multipliers as computed, with errors."""
+        if self.slide_sense is SlideSense.OPEN or (self.slide_sense is SlideSense.REPELS and not self.is_one_slide):
+            return "undecided"
+        sizes, errors = np.abs(self.multipliers), np.array(self.errors.multipliers)
+        inside, outside = sizes + errors < 1, sizes - errors > 1
+        if not (inside | outside).all():
+            return "undecided"
+        if inside.all():
             return "attracting"
-        return "repelling" if (sizes > 1).all() else "saddle"
+        return "repelling" if outside.all() else "saddle"
+
+
+def follow_turn(field: SignField, x: Vector, period: float, coarseness: float = 1.0) -> Orbit:
+    """The path from a start over a time that is supposed to be a period; whether it closes, its gap says.
+
+    Raises:
+        OrbitError: where the path ends before.
+        TrajectoryError: where it cannot be followed.
+    """
+    path, legs = follow_legs(field, tuple(x.tolist()), period, coarseness)
+    if not legs or legs[-1].end < period or sum(leg.end - leg.start for leg in legs) < period * (1 - ENDED):
+        raise OrbitError("the path ends within a turn, or its switches accumulate")
+    return Orbit(field, path, legs, largest(legs[-1].last - legs[0].first), coarseness)
+
+
+def newton_system(turn: Orbit) -> tuple[Vector, float]:
+    """Newton's matrix for ``(dx, |f| dT)``, all in units of the states, and the speed ``|f|`` where the turn begins.
+
+    Raises:
+        OrbitError: where the turn has no derivative.
+    """
+    first, last, count = turn.legs[0], turn.legs[-1], len(turn.point)
+    begin = first.motion(0.0, turn.point)
+    speed = length(begin)
+    system = np.zeros((count + 1, count + 1))
+    system[:count, :count] = turn.variation.derivative - np.eye(count)
+    system[:count, count] = last.motion(last.end, last.last) / speed
+    system[count, :count] = begin / speed
+    return system, speed
+
+
+def _differences(first: Multipliers, second: Multipliers) -> Vector:
+    """Distances between multipliers of two computations, each with its own partner; zero between infinite ones."""
+    from scipy.optimize import linear_sum_assignment
+
+    with np.errstate(invalid="ignore"):
+        distances = np.abs(first[:, None] - second[None, :])
+    distances[np.isinf(first)[:, None] & np.isinf(second)[None, :]] = 0.0
+    if not np.isfinite(distances).all():
+        distances = np.where(np.isfinite(distances), distances, np.finfo(float).max / 4)
+    own, partner = linear_sum_assignment(distances)
+    return np.asarray(distances[own, partner])
+
+
+def _sense(leg: Leg) -> SlideSense:
+    """Whether all sides of a slide push onto its surfaces, or all away from them, as often as it is looked at."""
+    face = leg.motion.face
+    sides = np.array(list(product((-1, 1), repeat=len(face.keep))))
+    if len(face.members) != len(sides):
+        return SlideSense.OPEN
+    steps = leg.stretch.times
+    times = np.interp(np.linspace(0, len(steps) - 1, LOOKS * len(steps)), range(len(steps)), steps)
+    senses = set()
+    for t in times.tolist():
+        x = leg.at(t)
+        fields = leg.motion.fields(t, x)
+        away = sides * leg.motion.normal_speeds(x, fields) / largest(fields)
+        senses |= {int(sign) for sign in np.sign(away[np.abs(away) > TANGENT_SLACK])}
+    return SlideSense(senses.pop()) if len(senses) == 1 else SlideSense.OPEN

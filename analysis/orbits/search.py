@@ -1,36 +1,39 @@
-"""Periodic orbits from a start: the one nearby, or else the one that the path approaches.
+"""Periodic orbits from a start: the one nearby, or else the one that the path approaches, or comes from.
 
 A path that returns to a small distance from where it began is improved by shooting, whatever its stability.  If it
 does not, it is followed for half of the given time, and what it has come to then is looked at in the same way; at last
-the start itself, however far from the orbit.
+the start itself, however far from the orbit.  Where all that finds nothing, the same is done backwards in time: there
+orbits attract that repel.  What is found is an orbit forwards in time in any case: its turn has closed so.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
-from nonsmooth.analysis.fields.sign_field import SignField
-from nonsmooth.analysis.fields.switched_field import Vector
+from nonsmooth.analysis.fields.sign_field import SignField, Signs
+from nonsmooth.analysis.fields.switched_field import Vector, Velocity
 from nonsmooth.analysis.orbits.orbit import Orbit
 from nonsmooth.analysis.orbits.orbit_error import OrbitError
 from nonsmooth.analysis.orbits.shooting import shoot
 from nonsmooth.analysis.trajectories.guards import find_root
 from nonsmooth.analysis.trajectories.legs import Leg
-from nonsmooth.analysis.trajectories.result import TrajectoryError
-from nonsmooth.analysis.trajectories.smooth_path import follow_legs
+from nonsmooth.analysis.trajectories.result import EndReason, TrajectoryError
+from nonsmooth.analysis.trajectories.smooth_path import MAX_STEPS, follow_legs
 
 NEARBY = 0.1  # of the extent of the path: a start that returns so near is beside an orbit
 RETURNS = 12  # that are compared: an orbit may pass the section several times in a turn
 PREFERRED = 4.0  # an earlier return is taken unless a later one is so many times nearer
 SAME = 1e-9  # of the extent of the path: returns so near are equally near, whatever rounding left of them
+SHORTER = 6  # times that are tried where a path cannot be followed to the end, each a quarter of the last
 STANDS = 1e-9  # relative to the size of the states: the extent of a path that stands still
 
 
 def find_orbit(field: SignField, start: Sequence[float], until: float) -> Orbit:
-    """The periodic orbit that a start is near, or else the one that its path approaches.
+    """The periodic orbit that a start is near, or else the one that its path approaches, or comes from.
 
     Args:
         field: the field.
@@ -42,21 +45,88 @@ def find_orbit(field: SignField, start: Sequence[float], until: float) -> Orbit:
         ValueError: for a start outside the domain.
     """
     try:
-        _, legs = follow_legs(field, start, until)
-    except TrajectoryError as error:
-        raise OrbitError(f"the path cannot be followed: {error}") from None
-    legs = tuple(leg for leg in legs if leg.end > leg.start)
-    if not legs or legs[-1].end < until:
-        raise OrbitError(f"the path ends before t = {until:g}, or its switches accumulate")
-    _require_motion(field, legs)
+        return _find_along(field, start, until)
+    except OrbitError as error:
+        refusal = error
+    try:
+        found = _find_along(_reversed(field), start, until)
+    except (OrbitError, ValueError):
+        raise refusal from None
+    try:
+        return _begun_well(shoot(field, found.point, found.period))
+    except (OrbitError, TrajectoryError):
+        place = np.round(found.point, 6).tolist()
+        raise OrbitError(
+            f"backwards in time the path comes to an orbit through {place} of period {found.period:.6g}, which repels "
+            "so strongly that no turn of it can be followed forwards"
+        ) from None
+
+
+def _find_along(field: SignField, start: Sequence[float], until: float) -> Orbit:
+    """The orbit that a start is near, or that its path approaches.
+
+    Raises:
+        OrbitError: where none is found, with the reason.
+        ValueError: for a start outside the domain.
+    """
+    legs, refusal = _legs(field, start, until)
     refusals = []
-    for first, within in ((0.0, NEARBY), (until / 2, math.inf), (0.0, math.inf)):
+    places = [(0.0, NEARBY), (legs[-1].end / 2, math.inf), (0.0, math.inf)] if legs else []
+    for number, (first, within) in enumerate(places):
+        if number == 1:
+            if refusal:
+                break
+            _require_motion(field, legs)
         try:
             x, period = _return_after(legs, first, within)
-            return single_turn(_begun_inside(shoot(field, x, period)))
+            return _begun_well(shoot(field, x, period))
         except (OrbitError, TrajectoryError) as error:
             refusals.append(str(error))
-    raise OrbitError(refusals[1])
+    raise OrbitError(refusal or refusals[1])
+
+
+def _legs(field: SignField, start: Sequence[float], until: float) -> tuple[tuple[Leg, ...], str]:
+    """The legs of a path that take time; and why they end before the last time, empty where they do not.
+
+    Where a path runs away or cannot be followed, the legs are those of the longest of some shorter times.
+    """
+    reason = ""
+    for k in range(SHORTER):
+        try:
+            path, legs = follow_legs(field, start, until / 4**k)
+        except TrajectoryError:
+            reason = f"the path cannot be followed until t = {until:g}: it runs away, or has no continuation"
+            continue
+        legs = tuple(leg for leg in legs if leg.end > leg.start)
+        if not reason and path.end.reason is EndReason.STEPS:
+            reason = f"the path needs too many steps: {MAX_STEPS} end at t = {path.end.t:.6g} of {until:g}"
+        elif not reason and (not legs or legs[-1].end < until):
+            reason = f"the path ends before t = {until:g}, or its switches accumulate"
+        return legs, reason
+    return (), reason
+
+
+def _reversed(field: SignField) -> SignField:
+    """The field backwards in time."""
+
+    def flow(signs: Signs) -> Velocity:
+        forwards = field.flow(signs)
+        return lambda t, x: -forwards(t, x)
+
+    return replace(field, flow=flow)
+
+
+def _begun_well(orbit: Orbit) -> Orbit:
+    """The same orbit, gone through once, begun inside a leg.
+
+    Where a family of orbits may fill the surroundings, that of the start itself is kept: another start may belong to
+    another one.
+    """
+    inside = single_turn(_begun_inside(orbit))
+    if inside.stability != "undecided":
+        return inside
+    here = single_turn(orbit)
+    return inside if here.legs[0].motion.face.keep and not here.is_one_slide else here
 
 
 def _require_motion(field: SignField, legs: Sequence[Leg]) -> None:
@@ -79,7 +149,8 @@ def _return_after(legs: Sequence[Leg], time: float, within: float) -> tuple[Vect
     x = leg.at(moment)
     along = leg.motion(moment, x)
     returns = _returns(later, x, along, moment)
-    extent = float(np.ptp(np.array([other.last for other in later] + [x]), axis=0).max())
+    places = np.array([state for other in later for state in other.stretch.states])
+    extent = float(np.ptp(places, axis=0).max())
     near = [(t, distance) for t, distance in returns if distance <= within * extent]
     if not near:
         raise OrbitError(
@@ -125,7 +196,7 @@ def _begun_inside(orbit: Orbit) -> Orbit:
 def single_turn(orbit: Orbit) -> Orbit:
     """The same orbit, gone through once: two turns close as well as one, where a start returned closer after two."""
     first = orbit.legs[0]
-    extent = float(np.ptp(orbit.path.array, axis=0).max())
+    extent = orbit.extent
     for time, distance in _returns(orbit.legs, first.first, first.motion(0.0, first.first), 0.0):
         if distance <= SAME * extent and time < orbit.period * (1 - SAME):
             return shoot(orbit.field, first.first, time)

@@ -149,10 +149,10 @@ def test_multipliers_are_slopes_of_the_return_map(states: list[str], rhs: list[s
     assert sorted(np.abs(slopes)) == pytest.approx(sorted(np.abs(found.multipliers)), abs=2e-5)
 
 
-def test_a_closed_square_is_neutral() -> None:
+def test_a_closed_square_is_not_told_apart_from_one_that_attracts_or_repels() -> None:
     found = orbit(["x", "y"], ["sign(y)", "-sign(x)"], (0.5, 0.3), 20.0)
     assert found.period == pytest.approx(4 * 0.8, abs=1e-12)
-    assert found.stability == "neutral"
+    assert found.stability == "undecided"
 
 
 def test_where_there_is_no_orbit_it_says_why() -> None:
