@@ -2,26 +2,29 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 from rich.console import Group, RenderableType
 from rich.text import Text
 
 from nonsmooth.analysis.fields.system_field import system_field
-from nonsmooth.analysis.orbits.orbit import Orbit
+from nonsmooth.analysis.orbits.orbit import Orbit, OrbitErrors, SlideSense
 from nonsmooth.analysis.orbits.search import find_orbit
 from nonsmooth.proofs.orbits.orbit_proof import OrbitProof, prove_orbit
 from nonsmooth.reports.simulate import sample_lines
 from nonsmooth.reports.terminal import two_columns
-from nonsmooth.symbolic.number_text import float_text
 from nonsmooth.symbolic.scene_error import one_line
 from nonsmooth.symbolic.switched_system import SwitchedSystem, require_stated
+from nonsmooth.symbolic.under_way import tell
 
 SCHEMA = "nonsmooth-orbit/1"
 UNTIL = 100.0  # for how long a path is followed in search of an orbit
 DIGITS = 15  # of enclosures
+PERIOD_DIGITS, MULTIPLIER_DIGITS = 12, 10  # at most, of computed numbers
 NOTHING = 1e-9  # a multiplier below, which is what rounding leaves of zero, is shown as zero
 
 
@@ -41,7 +44,7 @@ class SystemOrbit:
 
     @property
     def stability(self) -> str:
-        """``attracting``, ``repelling``, ``saddle`` or ``neutral``: proved, or by the multipliers as computed."""
+        """``attracting``, ``repelling``, ``saddle`` or ``undecided``: proved, or by the multipliers as computed."""
         if self.proof.is_proved:
             return "attracting" if self.proof.attracts else "repelling"
         return self.orbit.stability
@@ -51,6 +54,35 @@ class SystemOrbit:
         """The Floquet multipliers beside the one along the orbit, what rounding leaves of zero as zero."""
         return [complex(value) if abs(value) > NOTHING else 0j for value in self.orbit.multipliers]
 
+    @property
+    def reason(self) -> str:
+        """Why it is so, and why that is not proved, in one sentence."""
+        if self.proof.is_proved:
+            return self.proof.reason
+        if self.stability == "undecided":
+            return self._doubt()
+        return f"{self._by_slide()}; {self.proof.reason}" if self.orbit.is_one_slide else self.proof.reason
+
+    def _doubt(self) -> str:
+        """Why the multipliers leave it undecided."""
+        orbit = self.orbit
+        if orbit.slide_sense is not SlideSense.ATTRACTS:
+            return "a part of its slide pushes neighbours away"
+        sizes, errors = np.abs(orbit.multipliers), orbit.errors.multipliers
+        nearest = min(range(len(errors)), key=lambda k: abs(sizes[k] - 1) - errors[k])
+        value, error = self.multipliers[nearest], errors[nearest]
+        if not math.isfinite(error):
+            return "how far its multipliers err could not be measured"
+        return (
+            f"a multiplier is {_complex_text(value, error)} and may err by {error:.1g}: it is not told apart from one"
+        )
+
+    def _by_slide(self) -> str:
+        """What an orbit that slides all the time does to its neighbours."""
+        if self.orbit.slide_sense is SlideSense.ATTRACTS:
+            return "both sides push onto the surface all along the turn, so that neighbours reach it in finite time"
+        return "both sides push away from the surface all along the turn, so that solutions may leave it at any moment"
+
     def record(self) -> dict[str, Any]:
         """JSON with stable keys."""
         path, proof = self.orbit.path.record(), self.proof
@@ -59,10 +91,12 @@ class SystemOrbit:
             "scene": self.system.name,
             "states": list(self.system.states),
             "period": self.orbit.period,
-            "multipliers": [[value.real, value.imag] for value in self.multipliers],
+            "period_error": _finite(self.errors.period),
+            "multipliers": [[value.real, value.imag] if np.isfinite(value) else None for value in self.multipliers],
+            "multiplier_errors": [_finite(error) for error in self.errors.multipliers],
             "stability": self.stability,
             "proved": proof.is_proved,
-            "reason": proof.reason,
+            "reason": self.reason,
             "segment": self._segment(),
             "slides": self.orbit.slides,
             "gap": self.orbit.gap,
@@ -96,16 +130,31 @@ class SystemOrbit:
         title = f"{one_line(self.system.name)}: {self.summary()}"
         return phase_plane_figure(self.system, self.orbit.field, self.orbit.path, suffix, title)
 
-    def _multiplier_text(self, value: complex) -> str:
+    def _multiplier_text(self, value: complex, error: float) -> str:
         """A multiplier; one that rounding hides is exactly zero only where the orbit slides."""
+        if not np.isfinite(value):
+            return "infinite"
         if not value and not self.orbit.slides:
             return f"below {NOTHING:g}"
-        return _complex_text(value)
+        return _complex_text(value, error)
+
+    @property
+    def errors(self) -> OrbitErrors:
+        """How far period and multipliers may err: from the proof, where there is one."""
+        proof, orbit = self.proof, self.orbit
+        if not proof.is_proved:
+            return orbit.errors
+        return OrbitErrors(_error(orbit.period, proof.period), (_error(self.multipliers[0].real, proof.multiplier),))
+
+    @property
+    def _period_text(self) -> str:
+        """The digits of the period that are right."""
+        return measured_text(self.orbit.period, self.errors.period, PERIOD_DIGITS)
 
     def summary(self) -> str:
         """Period and stability."""
         said = "proved" if self.proof.is_proved else "computed, not proved"
-        return f"periodic orbit, period {float_text(self.orbit.period)}, {self.stability} ({said})"
+        return f"periodic orbit, period {self._period_text}, {self.stability} ({said})"
 
     def view(self) -> RenderableType:
         """What a terminal shows."""
@@ -119,13 +168,13 @@ class SystemOrbit:
         orbit, proof = self.orbit, self.proof
         point = ", ".join(f"{s} = {x:.10g}" for s, x in zip(self.system.states, orbit.point, strict=True))
         pieces = [f"{p.place or 'everywhere'} for {float(p.end - p.start):.6g}" for p in orbit.path.pieces]
-        multipliers = ", ".join(map(self._multiplier_text, self.multipliers))
+        multipliers = ", ".join(map(self._multiplier_text, self.multipliers, self.errors.multipliers))
         enclosed = proof.is_proved
         said = "proved" if enclosed else "computed, not proved"
         rows = [
-            ("period", f"{orbit.period:.12g}" + (f", proved {_ball(proof.period)}" if enclosed else "")),
+            ("period", self._period_text + (f", proved {_ball(proof.period)}" if enclosed else "")),
             ("multipliers", multipliers + (f", proved {_ball(proof.multiplier)}" if enclosed else "")),
-            ("stability", f"{self.stability}, {said}: {proof.reason}"),
+            ("stability", f"{self.stability}, {said}: {self.reason}"),
             ("through", point),
             ("turn", "; ".join(pieces)),
         ]
@@ -149,7 +198,7 @@ def find_system_orbit(system: SwitchedSystem, start: tuple[float, ...], until: f
     """
     require_stated(system)
     orbit = find_orbit(system_field(system, start), start, until)
-    _ = orbit.multipliers  # refused at once where they do not exist
+    tell("enclosing its return map")
     return SystemOrbit(system, orbit, prove_orbit(system, orbit))
 
 
@@ -157,7 +206,26 @@ def _ball(ball: Any) -> str:
     return str(ball.str(DIGITS))
 
 
-def _complex_text(value: complex) -> str:
+def _error(value: float, enclosed: Any) -> float:
+    """Largest distance of a float from the numbers of a ball."""
+    return float(abs(enclosed - value).upper())
+
+
+def _complex_text(value: complex, error: float) -> str:
+    real = measured_text(value.real, error, MULTIPLIER_DIGITS)
     if not value.imag:
-        return f"{value.real:.10g}"
-    return f"{value.real:.10g} {'+' if value.imag > 0 else '-'} {abs(value.imag):.10g}i"
+        return real
+    return f"{real} {'+' if value.imag > 0 else '-'} {measured_text(abs(value.imag), error, MULTIPLIER_DIGITS)}i"
+
+
+def measured_text(value: float, error: float, most: int) -> str:
+    """The digits of a computed number that are right: the last one is at least twice the error; one digit at least."""
+    if not value or not math.isfinite(error):
+        return f"{value:.1g}"
+    size = math.floor(math.log10(abs(value)))
+    last = math.ceil(math.log10(2 * error)) if error else size - most
+    return f"{value:.{min(most, max(1, size - last + 1))}g}"
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None

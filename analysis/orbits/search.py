@@ -9,7 +9,8 @@ orbits attract that repel.  What is found is an orbit forwards in time in any ca
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 
 import numpy as np
@@ -21,9 +22,11 @@ from nonsmooth.analysis.orbits.orbit_error import OrbitError
 from nonsmooth.analysis.orbits.shooting import shoot
 from nonsmooth.analysis.trajectories.guards import find_root
 from nonsmooth.analysis.trajectories.legs import Leg
-from nonsmooth.analysis.trajectories.result import EndReason, TrajectoryError
-from nonsmooth.analysis.trajectories.smooth_path import MAX_STEPS, follow_legs
+from nonsmooth.analysis.trajectories.result import TrajectoryError
+from nonsmooth.analysis.trajectories.smooth_path import follow_legs
+from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, WorkMeter
 
+EVALUATIONS = 240_000  # of a field, along one path or in all of shooting: some seconds
 NEARBY = 0.1  # of the extent of the path: a start that returns so near is beside an orbit
 RETURNS = 12  # that are compared: an orbit may pass the section several times in a turn
 PREFERRED = 4.0  # an earlier return is taken unless a later one is so many times nearer
@@ -53,8 +56,9 @@ def find_orbit(field: SignField, start: Sequence[float], until: float) -> Orbit:
     except (OrbitError, ValueError):
         raise refusal from None
     try:
-        return _begun_well(shoot(field, found.point, found.period))
-    except (OrbitError, TrajectoryError):
+        with _limited(field) as limited:
+            return _begun_well(shoot(limited, found.point, found.period))
+    except (OrbitError, TrajectoryError, WorkLimitError):
         place = np.round(found.point, 6).tolist()
         raise OrbitError(
             f"backwards in time the path comes to an orbit through {place} of period {found.period:.6g}, which repels "
@@ -72,17 +76,47 @@ def _find_along(field: SignField, start: Sequence[float], until: float) -> Orbit
     legs, refusal = _legs(field, start, until)
     refusals = []
     places = [(0.0, NEARBY), (legs[-1].end / 2, math.inf), (0.0, math.inf)] if legs else []
-    for number, (first, within) in enumerate(places):
-        if number == 1:
-            if refusal:
-                break
-            _require_motion(field, legs)
-        try:
-            x, period = _return_after(legs, first, within)
-            return _begun_well(shoot(field, x, period))
-        except (OrbitError, TrajectoryError) as error:
-            refusals.append(str(error))
+    try:
+        with _limited(field) as limited:
+            for number, (first, within) in enumerate(places):
+                if number == 1:
+                    if refusal:
+                        break
+                    _require_motion(field, legs)
+                try:
+                    x, period = _return_after(legs, first, within)
+                    return _begun_well(shoot(limited, x, period))
+                except (OrbitError, TrajectoryError) as error:
+                    refusals.append(str(error))
+    except WorkLimitError:
+        raise OrbitError(f"no periodic orbit is found within {EVALUATIONS} evaluations of the field") from None
     raise OrbitError(refusal or refusals[1])
+
+
+@contextmanager
+def _limited(field: SignField) -> Iterator[SignField]:
+    """The same field, whose evaluations are limited within the block: so many, however fast the machine is.
+
+    Raises:
+        WorkLimitError: from the field, once there are too many.
+    """
+    meter = WorkMeter(EVALUATIONS)
+    counts = True
+
+    def flow(signs: Signs) -> Velocity:
+        velocity = field.flow(signs)
+
+        def counted(t: float, x: Vector) -> Vector:
+            if counts:
+                meter.spend(1)
+            return velocity(t, x)
+
+        return counted
+
+    try:
+        yield replace(field, flow=flow)
+    finally:
+        counts = False
 
 
 def _legs(field: SignField, start: Sequence[float], until: float) -> tuple[tuple[Leg, ...], str]:
@@ -93,14 +127,16 @@ def _legs(field: SignField, start: Sequence[float], until: float) -> tuple[tuple
     reason = ""
     for k in range(SHORTER):
         try:
-            path, legs = follow_legs(field, start, until / 4**k)
+            with _limited(field) as limited:
+                _, legs = follow_legs(limited, start, until / 4**k)
         except TrajectoryError:
             reason = f"the path cannot be followed until t = {until:g}: it runs away, or has no continuation"
             continue
+        except WorkLimitError:
+            reason = f"the path until t = {until:g} takes more than {EVALUATIONS} evaluations of the field"
+            continue
         legs = tuple(leg for leg in legs if leg.end > leg.start)
-        if not reason and path.end.reason is EndReason.STEPS:
-            reason = f"the path needs too many steps: {MAX_STEPS} end at t = {path.end.t:.6g} of {until:g}"
-        elif not reason and (not legs or legs[-1].end < until):
+        if not reason and (not legs or legs[-1].end < until):
             reason = f"the path ends before t = {until:g}, or its switches accumulate"
         return legs, reason
     return (), reason

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from nonsmooth.proofs.orbits.ball_steps import BallPolynomial, Box
+from nonsmooth.proofs.orbits.ball_steps import ORDER, BallPolynomial, BallPolynomials, Box
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
+from nonsmooth.symbolic.numbers.work_limit import WorkMeter
 from nonsmooth.symbolic.switched_system import SwitchedSystem, signs_by_factors
 
 Field = tuple[Polynomial, ...]
@@ -42,24 +43,36 @@ class BallCell:
         system: planar.
         surfaces: its switching functions.
         signs: one for each.
+        meter: counts the products of balls that the steps of a path take.
     """
 
-    def __init__(self, system: SwitchedSystem, surfaces: Sequence[Polynomial], signs: Sequence[int]) -> None:
+    def __init__(
+        self, system: SwitchedSystem, surfaces: Sequence[Polynomial], signs: Sequence[int], meter: WorkMeter
+    ) -> None:
         self.signs = tuple(signs)
         self.field = system.velocity(signs_by_factors(dict(zip(surfaces, signs, strict=True))))
         self.guards = [BallGuard(s * side, self.field) for s, side in zip(surfaces, signs, strict=True)]
-        self._field = [BallPolynomial(f) for f in self.field]
-        self._slopes = [BallPolynomial(f.derivative(name)) for f in self.field for name in f.variables]
+        slopes = [f.derivative(name) for f in self.field for name in f.variables]
+        self._field, self._varied = BallPolynomials(self.field), BallPolynomials([*self.field, *slopes])
+        self._meter = meter
+
+    def spend_step(self) -> None:
+        """Count the work of one step of a path: two series and two enclosures of their remainders.
+
+        Raises:
+            WorkLimitError: once there have been too many.
+        """
+        self._meter.spend(2 * ORDER * (self._field.cost + self._varied.cost))
 
     def rates(self, point: Sequence[Any]) -> list[Any]:
         """The field at a point."""
-        return [f(point) for f in self._field]
+        return self._field(point)
 
     def varied_rates(self, state: Sequence[Any]) -> list[Any]:
         """Rates of the point and of the four entries of the derivative Phi by the start: ``Phi' = (df/dx) Phi``."""
         point, (p, q, r, s) = state[:2], state[2:]
-        a, b, c, d = (slope(point) for slope in self._slopes)
-        return [*self.rates(point), a * p + b * r, a * q + b * s, c * p + d * r, c * q + d * s]
+        f, g, a, b, c, d = self._varied(point)
+        return [f, g, a * p + b * r, a * q + b * s, c * p + d * r, c * q + d * s]
 
 
 def dot(first: Sequence[Any], second: Sequence[Any]) -> Any:

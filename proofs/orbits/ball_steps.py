@@ -7,10 +7,12 @@ For ``z' = F(z)`` let ``c_k(Z)`` be the Taylor coefficients of the solutions fro
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, reduce
+from itertools import accumulate
 from typing import Any, TypeAlias
 
 from flint import arb, arb_poly, arb_series, ctx
@@ -45,22 +47,39 @@ def precision() -> Iterator[None]:
         ctx.prec, ctx.cap = before
 
 
+class BallPolynomials:
+    """Polynomials with balls for coefficients, to be evaluated at balls and at series: each monomial once for all."""
+
+    def __init__(self, polynomials: Sequence[Polynomial]) -> None:
+        self._exponents = list(dict.fromkeys(e for polynomial in polynomials for e in polynomial.terms))
+        places = {exponents: k for k, exponents in enumerate(self._exponents)}
+        self._highest = [max(own, default=0) for own in zip(*self._exponents, strict=True)]
+        self._rows = [[(c.ball(), places[e]) for e, c in polynomial.terms.items()] for polynomial in polynomials]
+
+    @property
+    def cost(self) -> int:
+        """Products of one evaluation."""
+        return len(self._exponents) + sum(map(len, self._rows))
+
+    def __call__(self, point: Sequence[Any]) -> list[Any]:
+        """The values."""
+        powers = [list(accumulate([1, *[x] * n], operator.mul)) for x, n in zip(point, self._highest, strict=False)]
+        monomials = []
+        for exponents in self._exponents:
+            factors = [own[exponent] for own, exponent in zip(powers, exponents, strict=True) if exponent]
+            monomials.append(reduce(operator.mul, factors) if factors else 1)
+        return [sum((monomials[k] * c for c, k in row), start=0) for row in self._rows]
+
+
 class BallPolynomial:
-    """A polynomial with balls for coefficients, to be evaluated at balls and at series."""
+    """One of them."""
 
     def __init__(self, polynomial: Polynomial) -> None:
-        self.terms = [(c.ball(), exponents) for exponents, c in polynomial.terms.items()]
+        self._alone = BallPolynomials([polynomial])
 
     def __call__(self, point: Sequence[Any]) -> Any:
         """The value."""
-        total: Any = 0
-        for coefficient, exponents in self.terms:
-            term: Any = coefficient
-            for value, exponent in zip(point, exponents, strict=True):
-                for _ in range(exponent):
-                    term = value * term
-            total = total + term
-        return total
+        return self._alone(point)[0]
 
 
 def interval(low: Ball, high: Ball) -> Ball:

@@ -106,6 +106,7 @@ class _Crossing:
     def steps(self, longest: Ball) -> tuple[EnclosedStep, EnclosedStep]:
         """The solution from the centre, and all solutions with their derivatives, over one time."""
         if self._series is None:
+            self.cell.spend_step()
             one, zero = arb(1), arb(0)
             varied = Expansion(self.cell.varied_rates, [*self.family.box, one, zero, zero, one])
             self._series = Expansion(self.cell.rates, self.family.centre), varied

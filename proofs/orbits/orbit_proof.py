@@ -21,7 +21,10 @@ from nonsmooth.proofs.orbits.ball_steps import Ball, Box, UnprovedError, precisi
 from nonsmooth.proofs.orbits.return_map import CrossedLeg, ReturnMap, proved_maps
 from nonsmooth.proofs.orbits.slide_map import SlideChain, TangencySlide, proved_period
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
+from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, WorkMeter
 from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
+
+PRODUCTS = 1_500_000  # of balls or series in one proof, some ten seconds
 
 
 @dataclass(frozen=True)
@@ -64,6 +67,8 @@ def prove_orbit(system: SwitchedSystem, orbit: Orbit) -> OrbitProof:
             return _Prover(system, orbit).proof()
     except UnprovedError as error:
         return OrbitProof(None, str(error))
+    except WorkLimitError:
+        return OrbitProof(None, f"its return map was not enclosed within {PRODUCTS} products of balls")
 
 
 @dataclass(frozen=True)
@@ -80,7 +85,7 @@ class _Prover:
     """The legs of an orbit as exact cells."""
 
     def __init__(self, system: SwitchedSystem, orbit: Orbit) -> None:
-        self.system, self.orbit = system, orbit
+        self.system, self.orbit, self.meter = system, orbit, WorkMeter(PRODUCTS)
         self.surfaces: Sequence[Polynomial] = system.surfaces(system.coordinates())
         self.numbers = {id(s): k for k, s in enumerate(orbit.field.surfaces)}
 
@@ -102,6 +107,8 @@ class _Prover:
         return OrbitProof(attracts, f"{whole}; {size}", short.time, short.slope, long)
 
     def _by_slides(self) -> OrbitProof:
+        if self.orbit.is_one_slide:
+            raise UnprovedError("slides are enclosed where they end, and this one goes on for the whole turn")
         legs = list(self.orbit.legs)
         last = max(k for k, leg in enumerate(legs) if leg.motion.face.keep)
         turned = _joined(legs[last:] + legs[:last])
@@ -122,7 +129,7 @@ class _Prover:
             raise UnprovedError("slides are followed on straight surfaces only")
         leaving = self._signs(free[0])
         other = tuple(-side if k == number else side for k, side in enumerate(leaving))
-        inside, outside = (BallCell(self.system, self.surfaces, signs) for signs in (leaving, other))
+        inside, outside = (BallCell(self.system, self.surfaces, signs, self.meter) for signs in (leaving, other))
         ends: Box = [arb(float(x)) for x in slide.last]
         return SlideChain(
             TangencySlide(self.surfaces[number], number, inside, outside, ends), tuple(self._crossed(free))
@@ -133,7 +140,7 @@ class _Prover:
         found, entry = [], None
         for leg in legs:
             leaves = self.numbers[id(leg.met[0])] if leg.met else None
-            cell = BallCell(self.system, self.surfaces, self._signs(leg))
+            cell = BallCell(self.system, self.surfaces, self._signs(leg), self.meter)
             found.append(CrossedLeg(cell, entry, leaves, arb(leg.lasts)))
             entry = leaves
         return found

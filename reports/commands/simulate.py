@@ -121,8 +121,8 @@ OrbitOption = Annotated[
     typer.Option(
         "--orbit",
         rich_help_panel=ORBIT,
-        help="The periodic orbit near --from, or that its path approaches until --until (100 unless given): period, "
-        "Floquet multipliers, stability, and whether that is proved.",
+        help="The periodic orbit near --from, or that its path approaches until --until (100 unless given), or comes "
+        "from: period, Floquet multipliers, stability, and whether that is proved.",
     ),
 ]
 Output = Annotated[

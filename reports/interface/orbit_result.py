@@ -33,13 +33,23 @@ class OrbitResult(ShownResult):
         return self.shown.orbit.period
 
     @property
+    def period_error(self) -> float:
+        """How far the period may err; infinite where that is not known."""
+        return self.shown.errors.period
+
+    @property
     def multipliers(self) -> list[complex]:
         """The Floquet multipliers beside the one along the orbit, largest first."""
         return self.shown.multipliers
 
     @property
+    def multiplier_errors(self) -> list[float]:
+        """How far each multiplier may err; infinite where that is not known."""
+        return list(self.shown.errors.multipliers)
+
+    @property
     def stability(self) -> str:
-        """``attracting``, ``repelling``, ``saddle`` or ``neutral``."""
+        """``attracting``, ``repelling``, ``saddle`` or ``undecided``."""
         return self.shown.stability
 
     @property
@@ -50,7 +60,7 @@ class OrbitResult(ShownResult):
     @property
     def reason(self) -> str:
         """How it is proved, or why it is not, in one sentence."""
-        return self.shown.proof.reason
+        return self.shown.reason
 
     @property
     def t(self) -> NDArray[np.float64]:
