@@ -13,13 +13,13 @@ from numpy.typing import NDArray
 
 from nonsmooth.analysis.minimizers.friction_search import (
     BALANCED,
-    LEAST_MARGIN,
     REGULARIZATION,
     SEED,
     STEPS,
     Floats,
     ForceMargins,
     FrictionForces,
+    RimDemand,
     in_common_units,
 )
 
@@ -32,28 +32,27 @@ FARTHEST_START = 2.0  # of z: there a wheel spins four times as fast as it slips
 
 
 def search_many_forces(
-    along: Floats, across: Floats, signs: NDArray[np.int_], cuts: Floats | None = None
+    along: Floats, across: Floats, signs: NDArray[np.int_], cuts: Floats, demand: RimDemand
 ) -> FrictionForces | None:
-    """Forces that add up to zero; None where no start leads to any with a margin.
+    """Forces that add up to zero, with slow rims; None where no start leads to any with a margin.
 
     Args:
         along: columns of forces along the rims, (n, 3).
         across: columns of forces across, (n, 3).
         signs: sign of each wheel's slip across.
-        cuts: share of the half-axes across at which the ellipses are cut, (n,); all 1 unless given.
+        cuts: share of the half-axes across at which the ellipses are cut, (n,); 1 where they are not.
+        demand: the speeds of the rims by their forces.
     """
     along, across = in_common_units(along, across)
-    balance = _PlaneBalance(along, across, signs, np.ones(len(signs)) if cuts is None else cuts)
+    balance = _PlaneBalance(along, across, signs, cuts)
     z, q = balance.starts(np.random.default_rng(SEED))
     for _ in range(STEPS):
         z, q = balance.stepped(z, q)
     sticking = _in_disc(q)
     balanced = np.abs(balance.force(z, sticking)).max(axis=1) < BALANCED
     margin = np.minimum(balance.slipping_margin(1 / np.cosh(z)), balance.sticking_margin(sticking))
-    best = int(np.argmax(np.where(balanced, margin, -1)))
-    if not balanced[best] or margin[best] < LEAST_MARGIN:
-        return None
-    return FrictionForces(2 * np.arctan(np.exp(-z[best])), sticking[best])
+    best = balance.slowest(np.where(balanced, margin, -1), np.sinh(z), demand)
+    return None if best is None else FrictionForces(2 * np.arctan(np.exp(-z[best])), sticking[best])
 
 
 def _in_disc(q: Floats) -> Floats:
@@ -66,7 +65,8 @@ class _PlaneBalance(ForceMargins):
 
     def __init__(self, along: Floats, across: Floats, signs: NDArray[np.int_], cuts: Floats) -> None:
         slips, still = np.flatnonzero(signs), np.flatnonzero(signs == 0)
-        self.cuts, self.still_cuts = cuts[slips], cuts[still]
+        self.slips, self.cuts, self.still_cuts = slips, cuts[slips], cuts[still]
+        self.turns = np.asarray(along[slips].any(axis=1))
         self.first, self.second = along[slips], across[slips] * signs[slips, None]
         self.fixed = np.stack([along[still], across[still]], axis=1)
 
@@ -74,14 +74,14 @@ class _PlaneBalance(ForceMargins):
         """Random angles, and random points of the discs."""
         still = len(self.fixed)
         count = int(np.clip(UNKNOWNS // (len(self.first) + 2 * still), FEWEST_STARTS, STARTS))
-        z = np.arctanh(np.cos(rng.uniform(0, np.pi, (count, len(self.first)))))
+        z = np.where(self.turns, np.arctanh(np.cos(rng.uniform(0, np.pi, (count, len(self.first))))), 0)
         turns, lengths = rng.uniform(0, 2 * np.pi, (count, still)), np.sqrt(rng.uniform(0, 1, (count, still)))
         sticking = np.stack([lengths * np.cos(turns), lengths * np.sin(turns)], axis=-1)
         return z.clip(-FARTHEST_START, FARTHEST_START), sticking / np.sqrt(1 - lengths**2)[..., None]
 
     def force(self, z: Floats, sticking: Floats) -> Floats:
         """What is left of the balance, (m, 3)."""
-        slipping = np.tanh(z) @ self.first + np.minimum(1 / np.cosh(z), self.cuts) @ self.second
+        slipping = np.tanh(z) @ self.first + self.heights(1 / np.cosh(z)) @ self.second
         return np.asarray(slipping + sticking.reshape(len(z), -1) @ self.fixed.reshape(-1, 3))
 
     def stepped(self, z: Floats, q: Floats) -> tuple[Floats, Floats]:
@@ -96,7 +96,7 @@ class _PlaneBalance(ForceMargins):
     def _turning(self, z: Floats) -> Floats:
         """Derivative of the force by each z, (m, k, 3)."""
         across = 1 / np.cosh(z)[..., None]
-        rising = np.where(1 / np.cosh(z) < self.cuts, np.tanh(z), 0)[..., None]
+        rising = np.where(self.turns & (1 / np.cosh(z) < self.cuts), np.tanh(z), 0)[..., None]
         return np.asarray(across * (across * self.first - rising * self.second))
 
     def _moving(self, q: Floats, sticking: Floats) -> Floats:

@@ -30,7 +30,7 @@ import numpy as np
 from flint import arb, arb_mat, ctx
 
 from nonsmooth.analysis.cells.loads import LoadRegion
-from nonsmooth.analysis.minimizers.friction_search import search_forces
+from nonsmooth.analysis.minimizers.friction_search import RimDemand, search_forces
 from nonsmooth.analysis.minimizers.many_forces import MANY, search_many_forces
 from nonsmooth.proofs.clauses.feedback.exclusion import Exclusion, excludes, search_exclusion
 from nonsmooth.proofs.clauses.feedback.wheel_forces import (
@@ -40,7 +40,7 @@ from nonsmooth.proofs.clauses.feedback.wheel_forces import (
     rounded,
     wheel_forces,
 )
-from nonsmooth.symbolic.constraints import Triple
+from nonsmooth.symbolic.constraints import Triple, inner, roll_row, side_row
 from nonsmooth.symbolic.scene import Scene
 
 Real = TypeVar("Real")
@@ -136,7 +136,7 @@ def balance_twist(scene: Scene, region: LoadRegion, twist: Triple) -> BalancedTw
     across = np.array([[float(x) for x in wheel.across] for wheel in wheels])
     search = search_forces if len(wheels) <= MANY else search_many_forces
     cuts = np.array([float(wheel.limits.cut) for wheel in wheels])
-    forces = search(along, across, np.array([wheel.side for wheel in wheels]), cuts)
+    forces = search(along, across, np.array([wheel.side for wheel in wheels]), cuts, _demand(scene, wheels, twist))
     if forces is None:
         return BalancedTwist(twist, wheels)
     angles, sticking = iter(forces.angles), iter(forces.sticking)
@@ -145,6 +145,15 @@ def balance_twist(scene: Scene, region: LoadRegion, twist: Triple) -> BalancedTw
     ]
     proposal = BalancedTwist(twist, wheels, tuple(rounded(x) for x in values))
     return replace(proposal, pivots=_best_pivots(proposal))
+
+
+def _demand(scene: Scene, wheels: Sequence[WheelForces], twist: Triple) -> RimDemand:
+    """What speeds the forces ask of the rims while the body moves with a twist."""
+    carrying = [scene.wheels[scene.places[wheel.index]] for wheel in wheels]
+    rolling = [float(inner(roll_row(wheel).unit_normal, twist)) for wheel in carrying]
+    across = [abs(float(inner(side_row(wheel).unit_normal, twist))) for wheel in carrying]
+    axes = [float(wheel.limits.across / wheel.limits.along) if wheel.grips_along else 0 for wheel in wheels]
+    return RimDemand(np.array(rolling), np.array(across) * np.array(axes))
 
 
 def _best_pivots(trial: BalancedTwist) -> tuple[int, int, int]:

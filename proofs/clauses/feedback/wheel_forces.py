@@ -6,7 +6,8 @@ of the slip where a wheel slips across, anywhere in the set where it does not.  
     rho = 2t/(1 + t^2),    tau = s min((1 - t^2)/(1 + t^2), kappa)
 
 the open half circle, and between the corners of a cut one (rule ``roller``, rollers that turn) the straight side.  On
-the circle the speed of the rim turns the force, on the straight side the rim does not slip.
+the circle the speed of the rim turns the force, on the straight side the rim does not slip.  A rim without friction
+turns no force, however fast it runs: the force of such a wheel is all across, ``tau = s kappa``, at every t.
 """
 
 from __future__ import annotations
@@ -53,8 +54,15 @@ class WheelForces:
         with ctx.workprec(PRECISION):
             return self.limits.cut.ball() if self.limits.is_cut else None
 
+    @property
+    def grips_along(self) -> bool:
+        """Whether the speed of the rim turns the force."""
+        return bool(self.limits.along)
+
     def is_straight(self, t: arb) -> bool | None:
         """Whether the force at t is on the straight side; None where balls do not tell."""
+        if not self.grips_along:
+            return True
         if self.cut is None:
             return False
         _, height = on_circle(t, 1)
@@ -63,7 +71,7 @@ class WheelForces:
     def on_border(self, t: arb) -> tuple[arb, arb]:
         """``rho, tau``."""
         rho, tau = on_circle(t, self.side)
-        return (rho, self.side * self.cut) if self.cut is not None and self.is_straight(t) else (rho, tau)
+        return (rho, self.side * (arb(1) if self.cut is None else self.cut)) if self.is_straight(t) else (rho, tau)
 
     def border_slope(self, t: arb) -> tuple[arb, arb]:
         """Derivatives of rho and tau by t."""
@@ -75,8 +83,11 @@ class WheelForces:
         return bool(rho * rho + tau * tau < 1) and (self.cut is None or bool(abs(tau) < self.cut))
 
     def slip_ratio(self, t: Fraction) -> float:
-        """Slip along over slip across the rim at which the force is that of t: zero on the straight side."""
-        if self.limits.is_cut and 1 - t * t > self.limits.cut * (1 + t * t):
+        """Slip along over slip across the rim at which the force is that of t.
+
+        It is zero on the straight side, and of a rim without friction, whose speed does not count.
+        """
+        if not self.grips_along or (self.limits.is_cut and 1 - t * t > self.limits.cut * (1 + t * t)):
             return 0.0
         axes = float(self.limits.across / self.limits.along)
         return axes * float(2 * t / (1 - t * t)) * self.side
