@@ -17,7 +17,7 @@ from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.proofs.clauses.feedback.box_twists import BoxTwist, Drives, candidate_twists
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback, decide_driven_feedback
-from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, gains, rim_speeds
+from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, certified_gain, gains, rim_speeds
 from nonsmooth.proofs.clauses.feedback.ellipse_twists import BalancedTwist, balance_twist, exclude_twist
 from nonsmooth.proofs.clauses.feedback.exclusion import BUDGET, HALVES, Divided, Excluded, Search, enclosure
 from nonsmooth.proofs.theorem4 import check_theorem4
@@ -25,6 +25,7 @@ from nonsmooth.proofs.verdicts import Feedback, Rotation, Theorem4, Translation
 from nonsmooth.symbolic.constraints import cross_product, independent, inner, side_row
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
 from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.scene import LoadTable, Scene, Wheel
 from tests.conftest import WheelData
 from tests.ruled import centred
@@ -113,14 +114,36 @@ def test_no_law_is_sought_for_rims_that_push_across_their_friction_axis(rule: st
     assert feedback.reason.startswith("the friction axis of wheel 1 is not its rim")
 
 
-def test_kappa_is_what_three_twists_give(arrays: Arrays) -> None:
+@pytest.mark.parametrize("seed", range(6))
+def test_kappa_is_the_least_product_over_all_directions(seed: int) -> None:
+    """Directions of g at random, the worst of them made worse by descent, against the corners of a parallelepiped."""
+    rng, field = np.random.default_rng(seed), NumberField()
+    rows = rng.integers(-9, 10, (3, 3))
+    x, y, z = (tuple(field(Fraction(int(entry), 7)) for entry in row) for row in rows)
+    twists = (x[0], x[1], x[2]), (y[0], y[1], y[2]), (z[0], z[1], z[2])
+    kappa = certified_gain(twists)
+    g = rng.normal(size=(200_000, 3))
+
+    def products(g: Floats) -> Floats:
+        return np.asarray((np.abs(g @ (rows / 7).T).max(axis=1) / np.linalg.norm(g, axis=1)) ** 2)
+
+    for _ in range(12):
+        g = g[np.argsort(products(g))[:200]]
+        g = np.concatenate([g, (g[:, None] * (1 + 0.1 * rng.normal(size=(200, 100, 3)))).reshape(-1, 3)])
+        g /= np.linalg.norm(g, axis=1, keepdims=True)
+    assert float(kappa) <= products(g).min() <= float(kappa) * 1.02
+
+
+def test_three_orthogonal_twists_give_a_third(arrays: Arrays) -> None:
     """Unit vectors along the axes: one of three products is at least a third of |g|^2, and no more can be said."""
+    field = NumberField()
+    one, zero = field.one, field.zero
+    axes = (one, zero, zero), (zero, one, zero), (zero, zero, one)
+    assert gains(axes, Fraction(333, 1000))
+    assert not gains(axes, Fraction(1, 3))
+    assert not gains(axes[:2], Fraction(1, 1000))
     scene = centred(load_scene("saddle"), "box")
     feedback = decide_driven_feedback(scene)
-    vectors = feedback.cones[0].vectors
-    assert gains(vectors, Fraction(333, 1000))
-    assert not gains(vectors, Fraction(1, 3))
-    assert not gains(vectors[:2], Fraction(1, 1000))
     for wrong in (
         replace(feedback, kappa=Fraction(1, 2)),
         replace(feedback, kappa=None),

@@ -38,7 +38,7 @@ def law_by_direction(
                 f"({x}, {y}) speeds impose twists of rank {rank_of(unique)} only, as the only minimizers"
             )
             return (), reason
-        cones.append(LawCone((start, end), best_three(unique)))
+        cones.append(LawCone((start, end), best_three(scene, unique)))
     reason = (
         f"frictions balance exactly at c*, but in each of {len(cones)} cones of directions about it some speeds impose "
         "three independent twists, each as the only minimizer of D (Filippov solutions do not see the rays between)"

@@ -8,9 +8,10 @@ in every unit.  A twist ``(v, omega)`` there is ``(v, omega/l)`` in the scene's 
   ``xi_l`` (module ``box_twists``, module ``ellipse_twists``).  D is
   homogeneous in twist and speeds together, so all multiples are imposed too.  The law takes the ``xi_l`` with the
   largest ``|g . xi_l|`` and imposes ``-k (g . xi_l) xi_l``: ``V'/2 = -k (g . xi_l)^2 <= -k kappa |g|^2`` near c*, where
-  ``3 kappa`` is below the least eigenvalue of ``sum_l xi_l xi_l^T``.  Where the law switches, each of the velocities
-  that meet satisfies this, hence all of their hull: V* < 0.  Under rule ``box`` it suffices that twists are imposed in
-  every open cone of a fan of directions of c, in each its own three: Filippov solutions do not see the rays between.
+  ``kappa |g|^2 < 1`` at the corners ``g . xi_l = +-1`` of a parallelepiped.  Where the law switches, each of the
+  velocities that meet satisfies this, hence all of their hull: V* < 0.  Under rule ``box`` it suffices that twists are
+  imposed in every open cone of a fan of directions of c, in each its own three: Filippov solutions do not see the rays
+  between.
 - *Unknown loads.*  Where the loads are only known to lie in a set, other loads than those of level springs turn the
   motions away from the ``xi_l``; the law works under every load as long as they stay in pyramids about the ``xi_l``, at
   the rate ``(1 - eta) kappa`` (module ``every_load_law``).  A plane that no twist leaves on level springs refutes too.
@@ -256,7 +257,7 @@ def _decide_by_twists(scene: Scene, length: Fraction) -> DrivenFeedback:
     unique = [imposed for imposed in candidates if imposed.is_unique]
     if rank_of(unique) == 3:
         reason = "some speeds impose three independent twists at c*, each as the only minimizer of D"
-        three = best_three(unique)
+        three = best_three(scene, unique)
         others = regions[1:] if isinstance(rule_of(scene), CellRule) else ()
         elsewhere = tuple(drives.examine(one.twist) for drives in drives_in(scene, others) for one in three)
         return _stabilizable(reason, (LawCone(None, three, elsewhere),))

@@ -3,24 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import combinations
 from typing import TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.proofs.clauses.feedback.box_twists import BoxTwist
 from nonsmooth.proofs.clauses.feedback.ellipse_twists import BalancedTwist
 from nonsmooth.proofs.clauses.feedback.feedback_rate import rounded_down
-from nonsmooth.symbolic.constraints import Triple, cross_product, gram, independent, inner, roll_row, side_row
+from nonsmooth.symbolic.constraints import Triple, cross_product, independent, inner, roll_row, scaled, side_row
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.scene import Scene, Wheel
 
 ImposedTwist: TypeAlias = BoxTwist | BalancedTwist
 
-CHOICES = 16  # unique minimizers among which the best three are sought
+Floats: TypeAlias = NDArray[np.float64]
+
+CHOICES = 32  # unique minimizers among which the best three are sought
+DIGITS = 12  # binary, of the lengths of twists
+CORNERS = ((1, 1, 1), (1, 1, -1), (1, -1, 1), (-1, 1, 1))  # up to the sense
 _SMALLER = Fraction(9, 10)  # next try where rounding made the proposed rate too large
 
 
@@ -82,38 +87,78 @@ def between(start: Point, end: Point) -> Point:
     return start[0] + end[0], start[1] + end[1]
 
 
-def best_three(unique: Sequence[ImposedTwist]) -> tuple[ImposedTwist, ...]:
-    """Three independent ones of twists that span, of the first few those of the largest rate in floats."""
+def best_three(scene: Scene, unique: Sequence[ImposedTwist]) -> tuple[ImposedTwist, ...]:
+    """Three independent ones of twists that span, of the first few those of the least effort, in the lengths that suit.
+
+    A law imposes ``-k (g . xi) xi``, so its fastest rim runs at up to ``k |xi| max_i |u_i|`` for an error ``|g| = 1``.
+    Twists of which this *effort* is one are compared: the largest kappa at equal efforts is the least effort at equal
+    kappa.  The longest of the chosen twists gets the length one, the others keep their efforts equal to its own.
+    """
     basis = independent([imposed.twist for imposed in unique])
     few = [*(unique[k] for k in basis), *(imposed for k, imposed in enumerate(unique) if k not in basis)][:CHOICES]
-    floats = np.array([[float(x) for x in imposed.twist] for imposed in few])
+    factors = np.array([effort(scene, imposed) ** -0.5 for imposed in few])
+    vectors = factors[:, None] * np.array([[float(x) for x in imposed.twist] for imposed in few])
     choices = np.array(list(combinations(range(len(few)), 3)))
-    grams = np.einsum("clr,cls->crs", floats[choices], floats[choices])
-    chosen = tuple(few[k] for k in choices[np.argmax(np.linalg.eigvalsh(grams)[:, 0])])
-    return chosen if rank_of(chosen) == 3 else tuple(few[:3])
+    best = choices[np.argmax(least_products(vectors[choices]))]
+    if rank_of([few[k] for k in best]) < 3:
+        best = np.arange(3)  # the basis
+    longest = np.linalg.norm(vectors[best], axis=1).max()
+    return tuple(_lengthened(few[k], factors[k] / longest) for k in best)
+
+
+def effort(scene: Scene, imposed: ImposedTwist) -> float:
+    """``|xi| max_i |u_i|``: the speed of the fastest rim for an error ``|g| = 1`` along xi, at gain one."""
+    length = float(np.linalg.norm([float(x) for x in imposed.twist]))
+    return length * max(map(abs, rim_speeds(scene, imposed)))
+
+
+def _lengthened(imposed: ImposedTwist, factor: float) -> ImposedTwist:
+    """A positive multiple of the twist; speeds, slips and D are multiplied alike, so what imposes it stays evidence."""
+    share = Fraction(max(1, round(factor * 2**DIGITS)), 2**DIGITS)
+    return replace(imposed, twist=scaled(imposed.twist, imposed.twist[0].field(share)))
+
+
+def least_products(twists: Floats) -> Floats:
+    """The least ``max_l (g . xi_l)^2`` over ``|g| = 1`` for triples of twists (m, 3, 3), shape (m,); zero in a plane.
+
+    ``max_l |g . xi_l| <= 1`` is a parallelepiped, so its corners, ``g . xi_l = +-1``, are farthest from zero.
+    """
+    normals = np.cross(np.roll(twists, -1, axis=1), np.roll(twists, -2, axis=1))
+    volumes = np.einsum("mr,mr->m", twists[:, 0], normals[:, 0])
+    corners = np.einsum("sl,mlr->msr", np.array(CORNERS), normals)
+    return np.asarray(volumes**2 / np.maximum((corners**2).sum(axis=2).max(axis=1), np.finfo(float).tiny))
 
 
 def certified_gain(twists: Sequence[Triple]) -> Fraction:
-    """A rational kappa > 0 with ``max_l (g . xi_l)^2 > kappa |g|^2``, just below what the least eigenvalue gives."""
-    rows = gram(twists)
-    volume, trace = float(inner(cross_product(rows[0], rows[1]), rows[2])), float(rows[0][0] + rows[1][1] + rows[2][2])
-    least = np.linalg.eigvalsh(np.array([[float(x) for x in row] for row in rows]))[0]
-    kappa = rounded_down(max(least, 4 * volume / trace**2) / len(twists))  # the second bound sees no cancellation
+    """A rational kappa > 0 with ``max_l (g . xi_l)^2 > kappa |g|^2``, just below the largest."""
+    volume, corners = _corners(twists)
+    kappa = rounded_down(float(volume) ** 2 / max(float(inner(corner, corner)) for corner in corners))
     while not gains(twists, kappa):
         kappa *= _SMALLER
     return kappa
 
 
 def gains(twists: Sequence[Triple], kappa: Fraction) -> bool:
-    """Whether ``sum_l xi_l xi_l^T - m kappa`` is positive definite (Sylvester), m the number of twists.
+    """Whether three twists have ``max_l (g . xi_l)^2 > kappa |g|^2`` for all nonzero g.
 
-    Then the largest of the m products ``(g . xi_l)^2`` is more than ``kappa |g|^2``.
+    It holds iff ``kappa |g|^2 < 1`` at the corners ``g . xi_l = +-1`` of a parallelepiped.
     """
-    (xx, xy, xz), (_, yy, yz), (_, _, zz) = gram(twists)
-    shift = kappa * len(twists)
-    rows = (xx - shift, xy, xz), (xy, yy - shift, yz), (xz, yz, zz - shift)
-    normal = cross_product(rows[0], rows[1])
-    return rows[0][0].sign() > 0 and normal[2].sign() > 0 and inner(normal, rows[2]).sign() > 0
+    if len(twists) != 3:
+        return False
+    volume, corners = _corners(twists)
+    return all(sign(volume * volume - inner(corner, corner) * kappa) > 0 for corner in corners)
+
+
+def _corners(twists: Sequence[Triple]) -> tuple[Number, list[Triple]]:
+    """The determinant, and by Cramer's rule that times the g with ``g . xi_l = s_l`` for the signs of ``CORNERS``."""
+    first, second, third = twists
+    normals = cross_product(second, third), cross_product(third, first), cross_product(first, second)
+    return inner(first, normals[0]), [_signed_sum(normals, signs) for signs in CORNERS]
+
+
+def _signed_sum(vectors: Sequence[Triple], signs: Sequence[int]) -> Triple:
+    (a, b, c), (r, s, t) = vectors, signs
+    return a[0] * r + b[0] * s + c[0] * t, a[1] * r + b[1] * s + c[1] * t, a[2] * r + b[2] * s + c[2] * t
 
 
 def _rolling_speed(wheel: Wheel, twist: Triple) -> float:

@@ -20,12 +20,19 @@ from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.proofs.clauses.every_load.float_loads import FloatLoads, Floats, float_loads
-from nonsmooth.proofs.clauses.feedback.driven_law import CHOICES, ImposedTwist, LawCone, rank_of, rim_speeds
+from nonsmooth.proofs.clauses.feedback.driven_law import (
+    ImposedTwist,
+    LawCone,
+    least_products,
+    rank_of,
+    rim_speeds,
+)
 from nonsmooth.proofs.clauses.feedback.twist_pyramid import TwistPyramid, WheelForms, wheel_forms
 from nonsmooth.symbolic.scene import Scene
 
 # Directions of force and moment in which loads are sampled that push the body most: of a cube's faces, edges, corners.
 SIDES = np.array([side for side in product((-1.0, 0.0, 1.0), repeat=3) if any(side)])
+CHOICES = 16  # unique minimizers among which three are sought
 FLATTEST = 2.0**-20  # kappa of three twists that are looked at
 TRIED = 6  # choices of three twists
 LEAST = 2.0**-10  # eta
@@ -131,7 +138,7 @@ def _proposals(scene: Scene, unique: Sequence[ImposedTwist], wheels: WheelForms,
     found = []
     for chosen in combinations(range(len(unique)), 3):
         three = twists[list(chosen)]
-        kappa = float(np.linalg.eigvalsh(three.T @ three)[0]) / 3
+        kappa = float(least_products(three[None])[0])
         if kappa < FLATTEST:
             continue
         slack = max(_slack(three, k, motions[index]) for k, index in enumerate(chosen))
