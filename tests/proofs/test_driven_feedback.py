@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from fractions import Fraction
+from itertools import combinations, product
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,9 +19,17 @@ from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.proofs.clauses.feedback.box_twists import BoxTwist, Drives, candidate_twists
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback, decide_driven_feedback
-from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, certified_gain, gains, rim_speeds
+from nonsmooth.proofs.clauses.feedback.driven_law import (
+    ImposedTwist,
+    LawCone,
+    best_three,
+    certified_gain,
+    gains,
+    rim_speeds,
+)
 from nonsmooth.proofs.clauses.feedback.ellipse_twists import BalancedTwist, balance_twist, exclude_twist
 from nonsmooth.proofs.clauses.feedback.exclusion import BUDGET, HALVES, Divided, Excluded, Search, enclosure
+from nonsmooth.proofs.clauses.feedback.twist_candidates import candidates_of
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.verdicts import Feedback, Rotation, Theorem4, Translation
 from nonsmooth.symbolic.constraints import cross_product, independent, inner, side_row
@@ -132,6 +142,42 @@ def test_kappa_is_the_least_product_over_all_directions(seed: int) -> None:
         g = np.concatenate([g, (g[:, None] * (1 + 0.1 * rng.normal(size=(200, 100, 3)))).reshape(-1, 3)])
         g /= np.linalg.norm(g, axis=1, keepdims=True)
     assert float(kappa) <= products(g).min() <= float(kappa) * 1.02
+
+
+@pytest.mark.parametrize(("seed", "rule"), keep(2, [(7, "box"), (3, "roller"), (2, "ellipse"), (4, "ellipse")]))
+def test_no_other_three_twists_in_any_lengths_need_slower_wheels(arrays: Arrays, seed: int, rule: str) -> None:
+    """All triples of the candidates, in random lengths: none has a larger rate for the speed of its fastest wheel."""
+    scene = small(centred(arrays.cocircular(seed, (1, Fraction(1, 3))), rule))
+    zero, rng = scene.field.zero, np.random.default_rng(seed)
+    candidates, _ = candidates_of(scene, load_regions(scene, (zero, zero))[0])
+    unique = [imposed for imposed in candidates if imposed.is_unique]
+    twists = np.array([[float(x) for x in imposed.twist] for imposed in unique])
+    fastest = np.array([np.abs(rim_speeds(scene, imposed)).max() for imposed in unique])
+
+    def rate_of_effort(three: list[int], lengths: Floats) -> float:
+        vectors = lengths[:, None] * twists[three]
+        if np.linalg.cond(vectors) > 1e9:
+            return 0.0
+        corners = np.linalg.solve(vectors, np.array(list(product((1.0, -1.0), repeat=3))).T)
+        effort = (lengths * np.linalg.norm(vectors, axis=1) * fastest[three]).max()
+        return float(1 / (corners**2).sum(axis=0).max() / effort)
+
+    chosen = best_three(scene, unique)
+    shares = [float(c.twist[k] / unique[place].twist[k]) for c, place, k in places_of(chosen, unique)]
+    best = rate_of_effort([place for _, place, _ in places_of(chosen, unique)], np.array(shares))
+    triples = np.array(list(combinations(range(len(unique)), 3)))
+    for three in rng.permutation(triples)[:300]:
+        for lengths in rng.uniform(0.2, 1, (6, 3)):
+            assert rate_of_effort(three.tolist(), lengths) <= best * 1.001  # lengths are rounded
+
+
+def places_of(
+    chosen: Sequence[ImposedTwist], unique: Sequence[ImposedTwist]
+) -> Iterator[tuple[ImposedTwist, int, int]]:
+    """Each chosen twist with the number of the one it is a multiple of, and the number of an entry that is not zero."""
+    for imposed in chosen:
+        place = next(k for k, one in enumerate(unique) if not any(cross_product(one.twist, imposed.twist)))
+        yield imposed, place, next(k for k in range(3) if imposed.twist[k])
 
 
 def test_three_orthogonal_twists_give_a_third(arrays: Arrays) -> None:
