@@ -17,7 +17,7 @@ import numpy as np
 
 from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
 from nonsmooth.analysis.dynamics.moving_loads import MovingLoads
-from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
+from nonsmooth.analysis.fields.contact_model import ContactModel
 from nonsmooth.analysis.fields.driven_field import ImposedMotions, Motion, driven_field
 from nonsmooth.analysis.fields.switched_field import Vector
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
@@ -115,9 +115,10 @@ class DrivenLoop:
         rays = None if cone.rays is None else (_floats(cone.rays[0]), _floats(cone.rays[1]))
         twists = np.array([_floats(imposed.twist) for imposed in cone.twists])
         speeds = np.array([rim_speeds(own, imposed) for imposed in cone.twists])
-        if not self.is_smooth:
+        rule = rule_of(own)
+        if not isinstance(rule, SmoothRule):
             return ImposedMotions(rays, twists, tuple(_constant(twist) for twist in twists), speeds)
-        model = contact_model(own)
+        model = rule.contacts(own)
         return ImposedMotions(rays, twists, tuple(_minimizing(model, targets) for targets in speeds), speeds)
 
     def follow(self, start: Sequence[float], until: float) -> Trajectory:
@@ -168,7 +169,7 @@ def _constant(twist: Vector) -> Motion:
 
 
 def _minimizing(model: ContactModel, speeds: Vector) -> Motion:
-    """The motion under rule ``ellipse`` at given speeds, by the place."""
+    """The motion at given speeds under a rule without cells, by the place."""
     targets = np.zeros(2 * model.wheels)
     targets[0::2] = speeds
     driven, loads, minimizer = replace(model, targets=targets), MovingLoads(model, np.zeros(2)), EllipseInterior()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-from nonsmooth.analysis.contact_rule import rule_of
+from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
 from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.minimizers.proved import free_motions
 from nonsmooth.analysis.minimizers.sampled_feedback import LoopSample, SampledLaw, sample_closed_loop
@@ -20,11 +20,13 @@ STATES = {"box": 100, "ellipse": 1_000}
 
 def with_samples(feedback: DrivenFeedback, scene: Scene) -> DrivenFeedback:
     """The feedback with two laws of the field sampled in the checked square of the centred scene."""
-    functional = rule_of(scene).functional
+    rule = rule_of(scene)
+    functional = rule.functional
     if functional is None:
         raise TypeError(f"required a rule that minimizes the dissipation, received {scene.contact.rule}")
     own = in_own_length(scene)
-    model, radius, states = contact_model(own), float(own.check.radius), STATES[functional]
+    model = rule.contacts(own) if isinstance(rule, SmoothRule) else contact_model(own)
+    radius, states = float(own.check.radius), STATES[functional]
     free = free_motions(scene)
     if free:
         return replace(feedback, samples=tuple(LoopSample(law, 0, None, None, free) for law in SampledLaw))
