@@ -9,11 +9,13 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Mapping
 from decimal import Decimal
+from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from nonsmooth.reports.designs.toml_text import toml_text
 from nonsmooth.reports.workbench.requests import RequestError
+from nonsmooth.symbolic.files.scene_document import UnitsTable
 from nonsmooth.symbolic.files.toml_bounds import toml_excess
 
 if TYPE_CHECKING:
@@ -159,24 +161,25 @@ def expanded(document: Mapping[str, Any], array: Array) -> Document:
     if len(wheels) > MAX_WHEELS:
         raise RequestError(f"required at most {MAX_WHEELS} wheels, received {len(wheels)}")
     is_table = "wheels" in document
-    tables = [_own_table(wheel) if is_table else {"position": _pair(wheel.position)} for wheel in wheels]
+    unit = UnitsTable.model_validate(document.get("units", {})).speed_factor
+    tables = [_own_table(wheel, unit) if is_table else {"position": _pair(wheel.position)} for wheel in wheels]
     out: Document = {}
     for key, value in document.items():
         out.update({"wheel": tables} if key in LAYOUTS else {key: value})
     return dict(canonical(out))
 
 
-def _own_table(wheel: Wheel) -> Document:
-    """Everything that a row of a table may say of its wheel."""
+def _own_table(wheel: Wheel, unit: Fraction) -> Document:
+    """Everything that a row of a table may say of its wheel, speeds in the document's unit of so many lengths/s."""
     table: Document = {
         "position": _pair(wheel.position),
         "heading": _pair(wheel.direction),
-        "speed": str(wheel.speed),
+        "speed": str(wheel.speed / unit),
         "mu_roll": str(wheel.friction.roll),
         "mu_side": str(wheel.friction.side),
     }
     if wheel.speed_limit is not None:
-        table["speed_limit"] = str(wheel.speed_limit)
+        table["speed_limit"] = str(wheel.speed_limit / unit)
     if wheel.axis is not None:
         table["axis"] = _pair(wheel.axis)
     return table

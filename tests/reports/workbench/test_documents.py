@@ -70,6 +70,23 @@ def test_dates_and_other_documents_are_refused() -> None:
             opened(read_toml(text))
 
 
+def test_speeds_of_a_table_keep_their_unit(tmp_path: Any) -> None:
+    """They are converted when they are read, so the document holds them in the unit that it states."""
+    (tmp_path / "w.csv").write_text(
+        "x,y,heading,speed,speed_limit\n1,1,inward,100,250\n-1,1,45 deg,150,\n-1,-1,0,1,2\n"
+    )
+    file = tmp_path / "scene.toml"
+    units = "[units]\nlength = 'm'\nspeed = 'mm/s'\n"
+    file.write_text(f"{units}[wheels]\nfile = 'w.csv'\n[friction]\nmu_roll = 1\nmu_side = 0.5\n")
+    again, scene = opened(read_toml(written(document_of(str(file))))), load_scene(str(file))
+    assert isinstance(again, Array)
+    for mine, theirs in zip(again.scene.wheels, scene.wheels, strict=True):
+        assert float(mine.speed) == float(theirs.speed)
+        assert (mine.speed_limit is None) == (theirs.speed_limit is None)
+        assert mine.speed_limit is None or float(mine.speed_limit or 0) == float(theirs.speed_limit or 1)
+    assert float(again.scene.wheels[0].speed) == 0.1
+
+
 def test_a_table_of_wheels_is_written_out(tmp_path: Any) -> None:
     (tmp_path / "w.csv").write_text("x,y,heading\n1,1,inward\n-1,1,45 deg\n-1,-1,inward\n1,-1,pi/6\n")
     file = tmp_path / "s.toml"
