@@ -15,7 +15,7 @@ from rich.console import RenderableType
 from nonsmooth.analysis.bodies.one_contact_set import OneContactSet
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.trajectories.result import Trajectory
-from nonsmooth.proofs.clauses.feedback.by_friction import decide_whatever_friction
+from nonsmooth.proofs.clauses.feedback.by_friction import decide_driven_feedback
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.proofs.verified import verified
 from nonsmooth.reports.animation.output import FILMS
@@ -136,7 +136,7 @@ def follow_driven(scene: Scene, run: PathRun) -> DrivenPath:
     if run.method is not PathMethod.EVENTS or run.kinematics is not Kinematics.EXACT:
         raise RefusedError(f"{required} --method events and exact kinematics, received {run.method}, {run.kinematics}")
     centred = standing(scene).recentred()
-    feedback = verified(decide_whatever_friction(centred))
+    feedback = verified(decide_driven_feedback(centred)).holding
     if feedback.verdict is not Feedback.STABILIZABLE:
         raise RefusedError(
             f"{required} a certified law; the feedback clause says {feedback.verdict}: {feedback.reason}"

@@ -117,7 +117,7 @@ def law_table(check: Check) -> LawTable:
     Raises:
         NoLawError: where it certifies none.
     """
-    feedback, scene = check.feedback, check.scene.recentred()
+    feedback, scene = check.feedback.holding, check.scene.recentred()
     if feedback.verdict is not Feedback.STABILIZABLE:
         raise NoLawError(f"required a certified feedback law; the feedback clause says {feedback.verdict}")
     if isinstance(feedback, DrivenFeedback):

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from fractions import Fraction
-from functools import lru_cache
 from typing import TYPE_CHECKING, cast
 
-from nonsmooth.analysis.contact_rule import rule_of
 from nonsmooth.proofs.answers.answer import Answer, Pose, Results
 from nonsmooth.proofs.answers.bounds import half_life
 from nonsmooth.proofs.answers.loop import late_and_wrong
@@ -15,36 +13,16 @@ from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.facts import Fact, Quantity, said
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.number_text import float_text, lower_text
-from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, work_limit
 from nonsmooth.symbolic.scene import Scene
 
 if TYPE_CHECKING:
-    from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
     from nonsmooth.proofs.clauses.feedback.clause import AnyFeedback
-
-UNITS = 5_000_000  # of exact arithmetic beyond what the clauses need
 
 
 def pose_answer(scene: Scene, results: Results) -> Answer:
     """From the clause on feedback; where Theorem 4 asks nothing of it, from the same decision beyond the theorem."""
-    found = cast("AnyFeedback", results["feedback"])
-    if found.verdict is Feedback.NOT_APPLICABLE and not rule_of(scene).keeps_rows:
-        found = _beyond_the_theorem(scene) or found
+    found = cast("AnyFeedback", results["feedback"]).holding
     return Answer("pose", _verdict(found), tuple(_facts(found, scene)))
-
-
-@lru_cache(maxsize=8)  # one answer is asked for by the terminal, JSON and the exit status
-def _beyond_the_theorem(scene: Scene) -> DrivenFeedback | None:
-    """Whether feedback holds the pose where ``mu_S >= mu_R``; None where that takes too long, or does not verify."""
-    from nonsmooth.proofs.clauses.feedback.by_friction import decide_whatever_friction, is_driven_by
-
-    centred = scene.recentred()
-    try:
-        with work_limit(scene.field, UNITS):
-            found = decide_whatever_friction(centred)
-    except WorkLimitError:
-        return None
-    return found if found.check() and is_driven_by(found, centred) else None
 
 
 def _verdict(found: AnyFeedback) -> Pose:

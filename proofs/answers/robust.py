@@ -36,7 +36,7 @@ def robust_answer(scene: Scene, results: Results) -> Answer | None:
     from nonsmooth.proofs.robust.decide import decide_robust  # only a scene that states tolerances needs it
     from nonsmooth.proofs.robust.feedback import decide_robust_loop
 
-    found, loop = decide_robust(scene), decide_robust_loop(scene, cast("AnyFeedback", results["feedback"]))
+    found, loop = decide_robust(scene), decide_robust_loop(scene, cast("AnyFeedback", results["feedback"]).holding)
     if found is None:
         return None
     return Answer(TOLERANCES, found.verdict, (*robust_facts(scene, found), _loop_fact(loop)))

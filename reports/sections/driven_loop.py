@@ -35,7 +35,7 @@ def driven_law_section(subject: Subject) -> Section:
     feedback = subject.result.feedback
     if not isinstance(feedback, DrivenFeedback):
         raise TypeError(f"required a law of imposed twists, received rule {subject.scene.contact.rule}")
-    loop = DrivenLoop(subject.scene.recentred(), feedback)
+    loop = DrivenLoop(subject.scene.recentred(), feedback.holding)
     words = paragraph(
         "Clause 4 certifies a law that imposes one of three twists at a time; formula, twists and speeds are given "
         "there, and {} writes them as a program.",

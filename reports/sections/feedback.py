@@ -43,6 +43,7 @@ _SIGNS = {1: Math("+", "+"), -1: Math("-", "-"), 0: Math("0", "0")}
 def feedback_blocks(feedback: AnyFeedback, authority: Authority, scene: Scene) -> tuple[Block, ...]:
     """Law, witness, table of cells or twists, samples, and torque authority, as far as there are any."""
     blocks: list[Block] = []
+    feedback = feedback.holding
     if isinstance(feedback, FeedbackResult) and feedback.law is not None:
         blocks += [*law_formulas(feedback), *_law_reasons(feedback), *region_blocks(feedback)]
     if feedback.witness is not None:

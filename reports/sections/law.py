@@ -39,5 +39,5 @@ def without_cell_law(subject: Subject) -> str:
 
 def without_law(subject: Subject) -> str:
     """Why the scene has no such law; empty where it has."""
-    verdict = subject.result.feedback.verdict
+    verdict = subject.result.feedback.holding.verdict
     return "" if verdict is Feedback.STABILIZABLE else f"the feedback clause says: {verdict}"

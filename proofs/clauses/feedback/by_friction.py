@@ -57,6 +57,7 @@ from nonsmooth.symbolic.free_rollers import with_rims_along_axes
 from nonsmooth.symbolic.number_text import lower_text
 from nonsmooth.symbolic.numbers.lazy import Lazy, divided, quotient
 from nonsmooth.symbolic.numbers.number import Number, sign
+from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, work_limit
 from nonsmooth.symbolic.plane import around, cross
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.similar_scenes import in_own_length
@@ -74,6 +75,8 @@ FOR_EVERY_LOAD = (
     "V falls (at {} times the rate on level springs)"
 )
 NOT_FOR_EVERY_LOAD = "no law of three imposed twists is shown to work under every load; on level springs: {}"
+UNITS = 5_000_000  # of exact arithmetic for a law that Theorem 4 does not ask for
+TOO_LONG = f"whether a law holds the pose is not decided within {UNITS} operations of exact arithmetic"
 ENOUGH_FOR_EVERY_LOAD = 24  # candidates, of which no more than sixteen are combined
 ON_LEVEL_SPRINGS = "on level springs, which are among the loads: {}"
 STALL = "V' = 0 for every input at small multiples of this (c, theta)"
@@ -95,6 +98,7 @@ class DrivenFeedback:
         samples: two laws of the field, sampled, best first; empty where nobody asked.
         length: l of ``V = |c|^2 + l^2 theta^2``.
         every_load: what is left of the rate under every load of a set (stabilizable, unknown loads).
+        beyond: the same decision where Theorem 4 asks nothing of feedback (not applicable).
     """
 
     verdict: Feedback
@@ -106,6 +110,12 @@ class DrivenFeedback:
     samples: tuple[LoopSample, ...] = field(default=(), compare=False)
     length: Fraction = Fraction(1)
     every_load: EveryLoadLaw | None = None
+    beyond: DrivenFeedback | None = None
+
+    @property
+    def holding(self) -> DrivenFeedback:
+        """Whether some law holds the pose, whatever Theorem 4 asks: this decision, or the one beyond the theorem."""
+        return self if self.beyond is None else self.beyond
 
     @property
     def lyapunov(self) -> ControlLyapunov:
@@ -172,7 +182,7 @@ class DrivenFeedback:
             )
             return kept and not self.cones and normal is not None and any(normal)
         if self.verdict is not Feedback.STABILIZABLE:
-            return not self.cones and normal is None
+            return not self.cones and normal is None and (self.beyond is None or self.beyond.check())
         kappa = self.kappa
         fast = kappa is not None and kappa > 0 and all(gains(cone.vectors, kappa) for cone in self.cones)
         safe = self.every_load is None or all(map(self.every_load.check, self.cones))
@@ -180,17 +190,30 @@ class DrivenFeedback:
 
 
 def decide_driven_feedback(scene: Scene) -> DrivenFeedback:
-    """Decide the feedback clause for a centred scene of a rule that minimizes the dissipation."""
+    """Decide the feedback clause for a centred scene of a rule that minimizes the dissipation.
+
+    Where ``mu_S >= mu_R`` Theorem 4 asks nothing of feedback; whether a law holds the pose is decided all the same.
+    """
     blocked = side_friction_rules(scene.wheels)
     if blocked is not None:
-        return DrivenFeedback(Feedback.NOT_APPLICABLE, blocked, length=scene.check.length)
+        beyond = _decide_within_limit(scene)
+        return DrivenFeedback(Feedback.NOT_APPLICABLE, blocked, length=scene.check.length, beyond=beyond)
     if with_rims_along_axes(scene) is None:
         return DrivenFeedback(Feedback.UNDECIDED, askew_reason(scene.wheels), length=scene.check.length)
     return decide_whatever_friction(scene)
 
 
+def _decide_within_limit(scene: Scene) -> DrivenFeedback:
+    """The decision, undecided where it takes too much arithmetic."""
+    try:
+        with work_limit(scene.field, UNITS):
+            return decide_whatever_friction(scene)
+    except WorkLimitError:
+        return DrivenFeedback(Feedback.UNDECIDED, TOO_LONG, length=scene.check.length)
+
+
 def decide_whatever_friction(scene: Scene) -> DrivenFeedback:
-    """The same also where Theorem 4 asks nothing of feedback (``mu_S >= mu_R``): twists are imposed there too.
+    """Whether a law of imposed twists holds the pose, whatever the friction.
 
     Wheels on rollers that turn freely are driven like wheels whose rims lie along the axes of the rollers.
     """
@@ -293,6 +316,8 @@ def is_driven_by(feedback: DrivenFeedback, scene: Scene) -> bool:
     zero = scene.field.zero
     if feedback.length != scene.check.length:
         return False
+    if feedback.beyond is not None:
+        return is_driven_by(feedback.beyond, scene)
     own = in_own_length(scene)
     if feedback.every_load is not None:
         plain = with_rims_along_axes(scene)

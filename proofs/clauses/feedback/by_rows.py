@@ -98,6 +98,11 @@ class FeedbackResult:
     limited: LimitedRate | None = None
 
     @property
+    def holding(self) -> FeedbackResult:
+        """Whether some law holds the pose: laws by rows are sought where Theorem 4 asks for one only."""
+        return self
+
+    @property
     def law(self) -> str | None:
         """The stabilizing law, where there is one."""
         if self.verdict is not Feedback.STABILIZABLE:

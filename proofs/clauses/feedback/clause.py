@@ -11,7 +11,7 @@ from nonsmooth.proofs.clauses.feedback.obstruction import obstruction_text
 from nonsmooth.proofs.clauses.feedback.row_facts import row_facts
 from nonsmooth.proofs.clauses.witness import witness_record
 from nonsmooth.proofs.clauses.workspace import Workspace
-from nonsmooth.proofs.facts import Fact, Quantity
+from nonsmooth.proofs.facts import Fact, Quantity, said
 from nonsmooth.proofs.verdicts import Feedback, Theorem4
 
 if TYPE_CHECKING:
@@ -33,12 +33,11 @@ class FeedbackClause(Clause[AnyFeedback]):
         Two laws are sampled where the clause stays undecided, or when nothing is to be left out.
         """
         if work.partition is not None and work.rule.keeps_rows:
-            found: AnyFeedback = decide_feedback(work.partition)
-        else:
-            found = _driven(work)
-        if found.verdict is Feedback.NOT_APPLICABLE:
-            work.skip("feedback search", 1, found.reason)
-        return found
+            found = decide_feedback(work.partition)
+            if found.verdict is Feedback.NOT_APPLICABLE:
+                work.skip("feedback search", 1, found.reason)
+            return found
+        return _driven(work)
 
     def is_about(self, result: AnyFeedback, check: Theorem4Result) -> bool:
         """Whether the law is about every cell of the array, or its twists about the array's load regions."""
@@ -74,7 +73,13 @@ class FeedbackClause(Clause[AnyFeedback]):
         return result.verdict is not Feedback.NOT_APPLICABLE
 
     def facts(self, result: AnyFeedback, check: Theorem4Result) -> Iterator[Fact]:
-        """Law, V, certified rate, region, margin, what was sampled, and the torque authority."""
+        """Law, V, certified rate, region, margin, what was sampled, and the torque authority.
+
+        Where the theorem asks nothing of feedback, they are about the law that holds the pose all the same.
+        """
+        if result.holding is not result:
+            yield said(f"beyond the theorem: {result.holding.reason}")
+            result = result.holding
         yield Fact("law", result.law, result.law or "", explained=True)
         if isinstance(result, FeedbackResult):
             yield from (Fact("cones", []), Fact("sampled", []))
