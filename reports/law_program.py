@@ -15,7 +15,7 @@ speeds(x, y, theta) returns the speed of every rim, by the number of its wheel, 
 displaced by (x, y) from the checked point {at} and turned by theta (radian).  It needs nothing but Python.
 Wheels that are not named in a region do not carry the body there and may run at any speed.
 It is certified {certified}.
-The speeds are combinations of: {terms}.
+{effort}The speeds are combinations of: {terms}.
 """
 
 import math
@@ -94,7 +94,9 @@ def law_program(law: LawTable, at: str) -> str:
         {"name": region.name, "sides": region.sides, "speeds": dict(region.speeds), "axes": region.axes}
         for region in law.regions
     ]
-    head = _HEAD.format(name=name, rule=law.scene.contact.rule, at=at, certified=law.certified, terms=law.kind)
+    head = _HEAD.format(
+        name=name, rule=law.scene.contact.rule, at=at, certified=law.certified, terms=law.kind, effort=_effort(law)
+    )
     constants = {_NAMES[key]: value for key, value in law.constants.items()} | {"SIZE": float(law.scene.check.radius)}
     lines = "".join(f"{key} = {value!r}\n" for key, value in constants.items())
     limits = {index: float(limit) for index, limit in law.scene.speed_limits.items()}
@@ -102,6 +104,11 @@ def law_program(law: LawTable, at: str) -> str:
     scaling = _WITHIN_LIMITS if limits else ""
     regions_text = pformat(regions, width=WIDTH, sort_dicts=False)
     return f"{head}{lines}REGIONS = {regions_text}\n{_PLACE}{scaling}{_speeds_function(law.kind, limited=bool(limits))}"
+
+
+def _effort(law: LawTable) -> str:
+    """A line on how fast wheels run at most; empty where that is not known."""
+    return "" if law.wheel_speed is None else f"No rim is asked for a speed above {law.wheel_speed!r} k sqrt(V).\n"
 
 
 def _speeds_function(kind: LawKind, *, limited: bool) -> str:

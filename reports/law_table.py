@@ -18,8 +18,10 @@ from nonsmooth.analysis.plane_arrays import turned
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.clauses.feedback.cascade_law import CascadeLaw, Descent
+from nonsmooth.proofs.clauses.feedback.clause import AnyFeedback
 from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, in_scene, rim_speeds
 from nonsmooth.proofs.clauses.feedback.level_region import LevelRegion
+from nonsmooth.proofs.clauses.feedback.wheel_speed import wheel_speed
 from nonsmooth.proofs.theorem4_result import CellCheck, Check
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.constraints import RowKind
@@ -76,6 +78,7 @@ class LawTable:
         regions: they cover what was built of the checked square, or all directions of c.
         constants: e, f, w or l.
         certified: from which starts it is certified, in words.
+        wheel_speed: the largest speed of a rim over sqrt(V), at gain one; None where that is not known.
     """
 
     scene: Scene
@@ -83,6 +86,7 @@ class LawTable:
     regions: tuple[LawRegion, ...]
     constants: Mapping[str, float]
     certified: str = NEARBY
+    wheel_speed: float | None = None
 
     def rows(self) -> list[dict[str, str]]:
         """One row for each region, twist and wheel: where, and the speed of its rim.
@@ -120,6 +124,12 @@ def law_table(check: Check) -> LawTable:
     feedback, scene = check.feedback.holding, check.scene.recentred()
     if feedback.verdict is not Feedback.STABILIZABLE:
         raise NoLawError(f"required a certified feedback law; the feedback clause says {feedback.verdict}")
+    table = _table(check, feedback, scene)
+    fastest = wheel_speed(feedback, scene)
+    return table if fastest is None else replace(table, wheel_speed=float(fastest))
+
+
+def _table(check: Check, feedback: AnyFeedback, scene: Scene) -> LawTable:
     if isinstance(feedback, DrivenFeedback):
         own = in_own_length(scene)
         cones = tuple(_cone(own, cone, feedback) for cone in feedback.cones)

@@ -10,9 +10,10 @@ from nonsmooth.proofs.answers.answer import Answer, Pose, Results
 from nonsmooth.proofs.answers.bounds import half_life
 from nonsmooth.proofs.answers.loop import late_and_wrong
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
+from nonsmooth.proofs.clauses.feedback.wheel_speed import wheel_speed
 from nonsmooth.proofs.facts import Fact, Quantity, said
 from nonsmooth.proofs.verdicts import Feedback
-from nonsmooth.symbolic.number_text import float_text, lower_text
+from nonsmooth.symbolic.number_text import float_text, lower_text, upper_text
 from nonsmooth.symbolic.scene import Scene
 
 if TYPE_CHECKING:
@@ -37,6 +38,7 @@ def _facts(found: AnyFeedback, scene: Scene) -> Iterator[Fact]:
     yield Fact("law", found.law)
     yield Fact("must_know", list(found.must_know) if held else None, _knowing(found) if held else "")
     yield from _rate(found, scene)
+    yield _wheel_speed(found, scene)
     error = found.position_error if held else None
     yield Fact("position_error", error, "" if error is None else _misjudging(error))
     if not held:
@@ -79,6 +81,21 @@ def _speed(found: AnyFeedback, scene: Scene) -> Fraction | None:
     from nonsmooth.proofs.clauses.feedback.limited_twists import limited_speed
 
     return limited_speed(found, scene)
+
+
+def _wheel_speed(found: AnyFeedback, scene: Scene) -> Fact:
+    """The speed of the fastest rim at gain k = 1 for each unit of the error sqrt(V)."""
+    fastest = wheel_speed(found, scene) if found.verdict is Feedback.STABILIZABLE else None
+    if fastest is None:
+        return Fact("wheel_speed", Quantity(None))
+    length, heading = scene.units.length, found.lyapunov.length
+    of_speed, unit = (f" {scene.units.speed}", length) if length else ("", "unit")
+    words = f"its wheels run at up to {upper_text(fastest, 4)} k{of_speed} for each {unit} of error"
+    if heading is None:
+        words += f", the square root of {found.lyapunov}"
+    elif heading != 1:
+        words += f" (a radian counts as {float_text(heading, 4)} {length}".rstrip() + ")"
+    return Fact("wheel_speed", float(fastest), words)
 
 
 def _why_not(found: AnyFeedback) -> str:

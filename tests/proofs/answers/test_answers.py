@@ -114,7 +114,7 @@ def test_every_answer_has_a_sentence_and_the_same_keys(name: str, rule: str) -> 
     assert keys == [
         ["rate", "seconds_per_distance", "stays_within", "within"],
         ["largest_rate", "turn_per_distance"],
-        ["law", "must_know", "position_error", "rate", "speed"],
+        ["law", "must_know", "position_error", "rate", "speed", "wheel_speed"],
     ]
 
 
