@@ -6,6 +6,10 @@ engine aligns the tangents of the contact of a capsule and a plane with the caps
 cone has mu_roll along the friction axis and mu_side across it, whichever way that points.  Each wheel is a capsule so
 short that it counts as a point; its surface runs at the wheel's speed.  Loads come from contacts alike, as springs.
 
+What the engine has no means for is refused (rollers, loads that springs do not give).  What the file holds otherwise
+than the scene, and what it leaves out, is said in its comments: a rule or a place that is another, wheels that do not
+carry the body there, friction below the least of the engine, and what the motion does not depend on.
+
 The engine couples slip and normal force by the damping of its contacts, so wheels run slowly: the file states by what
 factor.  Its lengths are those of the scene over the distance of the farthest wheel.
 """
@@ -22,12 +26,14 @@ import numpy as np
 
 from nonsmooth.analysis.contact_rule import SmoothRule, contact_rule
 from nonsmooth.analysis.vehicles import require_friction
-from nonsmooth.symbolic.contact_set import standing
-from nonsmooth.symbolic.number_text import float_text, place_text
+from nonsmooth.symbolic.contact_set import standing, whole
+from nonsmooth.symbolic.number_text import float_text, numbers_text, place_text
 from nonsmooth.symbolic.scene import Scene, require_known_loads
 from nonsmooth.symbolic.scene_error import one_line
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from nonsmooth.analysis.fields.contact_model import Floats
     from nonsmooth.symbolic.plane import Vector
     from nonsmooth.symbolic.scene import Wheel
@@ -36,6 +42,7 @@ RULE = "ellipse"  # the engine's elliptic cone
 SPEED = 1e-6  # largest speed of a surface in the file (metre/second)
 RADIUS, HALF_LENGTH = 0.05, 1e-4  # of the capsules (metre)
 LEAST_FRICTION = 1e-5  # of the engine
+ROLLERS = "roller"  # the rule of wheels with passive rollers, whose forces are no ellipses
 SETTLING = 1.0  # seconds in which contacts settle: a hundred of their time constants
 # Of the largest entry of the predicted twist; a body at rest may creep at this share of the wheels' speed.
 CONFORMS = 2e-3
@@ -57,12 +64,14 @@ class Export:
     Attributes:
         scene: the wheels that carry the body there.
         place: of the centre of mass.
+        given: the scene before wheels were left out.
         twist: predicted under rule ``ellipse``, in the scene's units, about its origin, shape (3,).
         scale: the file's length of 1 in lengths of the scene.
         pace: the file's speeds over those of the scene, in lengths of the file.
     """
 
     scene: Scene
+    given: Scene
     place: tuple[float, float]
     twist: Floats
     scale: float
@@ -89,6 +98,41 @@ class Export:
         if math.hypot(vx - omega * y, vy + omega * x) > slow:
             return Motion.SLIDE
         return Motion.SPIN if abs(omega) * self.scale > slow else Motion.REST
+
+    @property
+    def summary(self) -> str:
+        """The wheels, the place, the rule and the motion, on one line."""
+        count, every = len(self.scene.wheels), len(whole(self.given).wheels)
+        wheels = f"{count} wheels" if count == every else f"{count} of {every} wheels"
+        named = self.given.contact.rule
+        rule = f"rule {RULE}" if named == RULE else f"rule {RULE} in place of {named}"
+        return f"{wheels}, centre of mass {self._where}, {rule}, predicted {self.motion}"
+
+    @property
+    def _where(self) -> str:
+        """The place, with the checked point where that is another."""
+        x, y = (float(value) for value in self.given.check.equilibrium)
+        beside = "" if (x, y) == self.place else f" (the checked point is {place_text((x, y))})"
+        return place_text(self.place) + beside
+
+    def differences(self) -> Iterator[str]:
+        """What the file holds otherwise than the scene, and what it leaves out."""
+        named, carrying = self.given.contact.rule, {wheel.index for wheel in self.scene.wheels}
+        if named != RULE:
+            yield f"rule {RULE}, which the engine follows, in place of the scene's {named}"
+        idle = tuple(wheel.index for wheel in whole(self.given).wheels if wheel.index not in carrying)
+        if idle:
+            yield f"left out: wheels {numbers_text(idle)}, which do not carry the body at this place"
+        if any(float(mu) < LEAST_FRICTION for w in self.scene.wheels for mu in (w.friction.roll, w.friction.side)):
+            yield f"friction below {LEAST_FRICTION:g} is written as that, the least of the engine"
+        parts = {
+            "the outline of the body (the ground has no end)": self.given.body,
+            "speed limits": self.given.speed_limits,
+            "tolerances": self.given.tolerances,
+            "errors of a feedback loop": self.given.loop_errors,
+        }
+        yield from (f"left out: {name}" for name, part in parts.items() if part)
+        yield "mass 1 and inertia 1 stand for any: the predicted motion does not depend on them"
 
     def text(self) -> str:
         """The MJCF document."""
@@ -119,11 +163,13 @@ class Export:
 
     def _comment(self) -> str:
         vx, vy, omega = (float(value) + 0.0 for value in self.file_twist)
+        unit = f" {self.scene.units.length}".rstrip()
         lines = [
             f"{self._name()}, rule {RULE}, exported by nonsmooth: the frame is reversed, the array rides on the body.",
-            f"centre of mass in the scene: {place_text(self.place)}",
-            f"scale: 1 in this file is {float_text(self.scale, 9)} in the scene; "
+            f"centre of mass in the scene: {self._where}",
+            f"scale: 1 in this file is {float_text(self.scale, 9)}{unit} in the scene; "
             f"speeds are those of the scene times {float_text(self.pace, 9)}",
+            *self.differences(),
             f"predicted twist (v_x, v_y, omega): {vx!r} {vy!r} {omega!r}",
             f"predicted motion: {self.motion}",
             f"creep bound: {self.creep_bound!r}",
@@ -156,11 +202,12 @@ def export_scene(scene: Scene, place: Vector | None = None) -> Export:
     """A scene with the body's centre of mass at a place, half and a quarter of a radius beside its point unless given.
 
     Raises:
-        SceneError: for loads that are not elastic; a ``TipsError`` for a body that does not stand there.
+        SceneError: for rule ``roller``, and loads that are not elastic; a ``TipsError`` for a body that does not stand
+            there.
         RefusalError: where the motion is not determined; a ``LoadError`` where the body tips.
     """
     require_known_loads(scene, "to export it")
-    _require_elastic(scene)
+    _require_ellipses(scene)
     x, y = scene.check.equilibrium
     radius = scene.check.radius
     there = (x + radius / 2, y + radius / 4) if place is None else place
@@ -173,16 +220,19 @@ def export_scene(scene: Scene, place: Vector | None = None) -> Export:
     twist = rule.minima(carried, np.array([point])).twists[0]
     fastest = max(abs(float(wheel.speed)) for wheel in carried.wheels) or 1.0
     scale = max(math.hypot(*map(float, wheel.position)) for wheel in carried.wheels)
-    return Export(carried, point, twist, scale, SPEED / fastest)
+    return Export(carried, scene, point, twist, scale, SPEED / fastest)
 
 
-def _require_elastic(scene: Scene) -> None:
-    """Refuse loads that springs do not give.
+def _require_ellipses(scene: Scene) -> None:
+    """Refuse rollers, and loads that springs do not give.
 
     Raises:
-        SceneError: naming the loads.
+        SceneError: naming the rule or the loads.
     """
     from nonsmooth.symbolic.scene_error import SceneError, StatedFact
 
+    if scene.contact.rule == ROLLERS:
+        expected = f"a rule of wheels without rollers to export it (the friction of the engine is rule {RULE})"
+        raise SceneError(scene.origin, "contact.rule", expected, StatedFact(f'"{ROLLERS}"'))
     if scene.contact.loads is not None:
         raise SceneError(scene.origin, "contact.loads", 'elastic loads to export it ("elastic")', StatedFact("a table"))

@@ -50,5 +50,5 @@ def export(
         write(exported.text())
         return 0
     write_whole(path, exported.text().encode())
-    write(f"{path}: {len(exported.scene.wheels)} wheels, predicted {exported.motion}\n")
+    write(f"{path}: {exported.summary}\n")
     return 0

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
     from tests.reports.conftest import Invoke
 
+RING = "[friction]\nmu_roll = 1\nmu_side = 0.5\n[ring]\ncount = 6\n[contact]\n"
 SHARP = 5e-4  # relative, of twists: a quarter of what conforms; 42 contacts at low loads come to 4e-4, others to 4e-5
 
 
@@ -98,6 +99,46 @@ def test_loads_of_a_table_are_refused(invoke: Invoke, tmp_path: Path) -> None:
     (tmp_path / "table.toml").write_text(text + table, encoding="utf-8")
     done = invoke("export", "table.toml")
     assert (done.status, "contact.loads: required elastic loads" in done.err) == (2, True)
+
+
+def test_rollers_are_refused(invoke: Invoke, tmp_path: Path) -> None:
+    (tmp_path / "omni.toml").write_text(RING + 'rule = "roller"\n', encoding="utf-8")
+    done = invoke("export", "omni.toml", "-o", "omni.xml")
+    assert (done.status, done.err.count("\n")) == (2, 1)
+    assert "contact.rule: required a rule of wheels without rollers" in done.err
+    assert not (tmp_path / "omni.xml").exists()
+
+
+def test_what_the_file_holds_otherwise_is_said(invoke: Invoke, tmp_path: Path) -> None:
+    """Rule, place, wheels, and all else that the scene states and the engine is not told."""
+    rest = (
+        'rule = "box"\n[drive]\nspeed_limit = 2\n[tolerance]\nposition = 0.01\n[feedback]\ndelay = 0.1\n'
+        '[units]\nlength = "mm"\n[body]\nshape = "rectangle"\nwidth = 1.2\nheight = 4\n[check]\nradius = 0.01\n'
+    )
+    text = RING.replace("mu_side = 0.5", "mu_side = 0.000001")
+    (tmp_path / "all.toml").write_text(text + rest, encoding="utf-8")
+    done = invoke("export", "all.toml", "--from", "0,0.01")
+    for words in (
+        "rule ellipse, which the engine follows, in place of the scene's box",
+        "centre of mass in the scene: (0, 0.01)",
+        "left out: wheels 1, 4, which do not carry the body at this place",
+        "left out: the outline of the body",
+        "left out: speed limits",
+        "left out: tolerances",
+        "left out: errors of a feedback loop",
+        "friction below 1e-05 is written as that",
+        " mm in the scene",
+    ):
+        assert words in done.out
+    written = invoke("export", "all.toml", "-o", "all.xml").out
+    assert "4 of 6 wheels" in written
+    assert "(the checked point is (0, 0)), rule ellipse in place of box" in written
+
+
+def test_a_plain_export_names_no_difference(invoke: Invoke, tmp_path: Path) -> None:
+    (tmp_path / "plain.toml").write_text(RING + 'rule = "ellipse"\n', encoding="utf-8")
+    out = invoke("export", "plain.toml", "--from", "0,0").out
+    assert not any(words in out for words in ("left out", "in place of", "is written as", "the checked point"))
 
 
 def test_a_place_is_exact_and_stated() -> None:
