@@ -15,7 +15,7 @@ speeds(x, y, theta) returns the speed of every rim, by the number of its wheel, 
 displaced by (x, y) from the checked point {at} and turned by theta (radian).  It needs nothing but Python.
 Wheels that are not named in a region do not carry the body there and may run at any speed.
 It is certified {certified}.
-{effort}The speeds are combinations of: {terms}.
+{notes}The speeds are combinations of: {terms}.
 """
 
 import math
@@ -95,7 +95,7 @@ def law_program(law: LawTable, at: str) -> str:
         for region in law.regions
     ]
     head = _HEAD.format(
-        name=name, rule=law.scene.contact.rule, at=at, certified=law.certified, terms=law.kind, effort=_effort(law)
+        name=name, rule=law.scene.contact.rule, at=at, certified=law.certified, terms=law.kind, notes=_notes(law)
     )
     constants = {_NAMES[key]: value for key, value in law.constants.items()} | {"SIZE": float(law.scene.check.radius)}
     lines = "".join(f"{key} = {value!r}\n" for key, value in constants.items())
@@ -106,9 +106,12 @@ def law_program(law: LawTable, at: str) -> str:
     return f"{head}{lines}REGIONS = {regions_text}\n{_PLACE}{scaling}{_speeds_function(law.kind, limited=bool(limits))}"
 
 
-def _effort(law: LawTable) -> str:
-    """A line on how fast wheels run at most; empty where that is not known."""
-    return "" if law.wheel_speed is None else f"No rim is asked for a speed above {law.wheel_speed!r} k sqrt(V).\n"
+def _notes(law: LawTable) -> str:
+    """Lines on the units of the scene, and on how fast wheels run at most; none where these are not known."""
+    units = law.scene.units
+    notes = [f"Lengths are in {units.length}, speeds in {units.speed}, times in {units.time}."] if units.length else []
+    notes += [f"No rim is asked for a speed above {law.effort}."] if law.effort else []
+    return "".join(f"{note}\n" for note in notes)
 
 
 def _speeds_function(kind: LawKind, *, limited: bool) -> str:

@@ -78,7 +78,7 @@ class LawTable:
         regions: they cover what was built of the checked square, or all directions of c.
         constants: e, f, w or l.
         certified: from which starts it is certified, in words.
-        wheel_speed: the largest speed of a rim over sqrt(V), at gain one; None where that is not known.
+        effort: how fast wheels run at most, in words; empty where that is not known.
     """
 
     scene: Scene
@@ -86,7 +86,7 @@ class LawTable:
     regions: tuple[LawRegion, ...]
     constants: Mapping[str, float]
     certified: str = NEARBY
-    wheel_speed: float | None = None
+    effort: str = ""
 
     def rows(self) -> list[dict[str, str]]:
         """One row for each region, twist and wheel: where, and the speed of its rim.
@@ -126,7 +126,9 @@ def law_table(check: Check) -> LawTable:
         raise NoLawError(f"required a certified feedback law; the feedback clause says {feedback.verdict}")
     table = _table(check, feedback, scene)
     fastest = wheel_speed(feedback, scene)
-    return table if fastest is None else replace(table, wheel_speed=float(fastest))
+    if fastest is None:
+        return table
+    return replace(table, effort=f"{float(fastest)!r} k sqrt(V), V = {feedback.lyapunov}")
 
 
 def _table(check: Check, feedback: AnyFeedback, scene: Scene) -> LawTable:

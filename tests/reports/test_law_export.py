@@ -30,6 +30,7 @@ from nonsmooth.reports.interface.law_result import certified_law_of
 from nonsmooth.reports.law_table import LawKind
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
 from nonsmooth.symbolic.similar_scenes import in_own_length
+from nonsmooth.symbolic.units import Units
 from tests.thorough import keep, thorough
 
 if TYPE_CHECKING:
@@ -192,6 +193,14 @@ def test_the_program_needs_nothing_but_python(tmp_path: Path) -> None:
     assert "certified from starts with V < 0.25" in text
     with pytest.raises(ValueError, match="required a place in a region of the law"):
         exported(check, tmp_path)["speeds"](9.0, 0.0, 0.0)
+
+
+def test_the_program_states_units_and_the_speed_of_its_wheels() -> None:
+    scene = load_scene("ring-5", rule="ellipse")
+    text = certified_law_of(check_theorem4(replace(scene, units=Units("mm")))).program()
+    assert "Lengths are in mm, speeds in mm/s, times in s." in text
+    assert "k sqrt(V), V = |c|^2 + theta^2." in text
+    assert "Lengths are in" not in certified_law_of(check_theorem4(scene)).program()
 
 
 def test_a_hostile_name_stays_text(tmp_path: Path) -> None:
