@@ -16,7 +16,7 @@ from nonsmooth.analysis.bodies.many_paths import ENDS, BodyEnd, BodyEnds, ManyPa
 from nonsmooth.analysis.contact_rule import CellRule, SmoothRule, rule_of
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.reports.basins import GridRun
+from nonsmooth.reports.basins import GridRun, Part, parts_record, parts_text
 from nonsmooth.reports.progress import progress
 from nonsmooth.reports.terminal import two_columns
 from nonsmooth.symbolic.contact_set import whole
@@ -111,6 +111,7 @@ class ShownBodyMap:
             "starts": found.starts[:, :2].tolist(),
             "ends": [_end(pose, found, k) for k, pose in enumerate(found.poses.tolist())],
             "destination": self.destination_of,
+            "parts": parts_record(self.parts),
         }
 
     def lines(self) -> Iterable[Iterable[Any]]:
@@ -128,11 +129,17 @@ class ShownBodyMap:
 
         return body_map_figure(self, suffix)
 
-    def summary(self) -> str:
-        """How many starts, places of rest and tips."""
+    @property
+    def parts(self) -> list[Part]:
+        """How many starts end in each way; with rest, at how many places."""
+        counts = {reason: int(self.found.by(reason).sum()) for reason in BodyEnd}
         places = sum(one.reason is BodyEnd.REST for one in self.destinations)
-        tips = int(self.found.by(BodyEnd.TIPS).sum())
-        return f"{len(self.found.starts)} starts, {places} {'place' if places == 1 else 'places'} of rest, {tips} tip"
+        at = {BodyEnd.REST: f" (at {places} {'place' if places == 1 else 'places'})"}
+        return [Part(reason.value + at.get(reason, ""), count) for reason, count in counts.items() if count]
+
+    def summary(self) -> str:
+        """How many starts end in each way."""
+        return parts_text(self.parts)
 
     def view(self) -> RenderableType:
         """The shares of the destinations."""
@@ -144,7 +151,7 @@ class ShownBodyMap:
         tips = self.found.by(BodyEnd.TIPS)
         if tips.any():
             at_once = float((tips & (self.found.times == 0)).mean())
-            rows.add_row(Text(percent_text(at_once)), Text("tip where they start"))
+            rows.add_row(Text("of these"), Text(f"{percent_text(at_once)} of all starts tip where they start"))
         rows.add_row(Text("latest end"), Text(f"t = {self.found.times.max():.6g}"))
         open_heading = [Text(OPEN_HEADING)] if rule_of(self.scene).keeps_rows else []
         return Group(*self._head(), rows, *open_heading)

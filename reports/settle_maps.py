@@ -13,7 +13,7 @@ from rich.text import Text
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.fields.constant_field import array_field
 from nonsmooth.analysis.trajectories.maps import SettleMap, grid_starts, settle_map
-from nonsmooth.reports.basins import GridRun, basins
+from nonsmooth.reports.basins import GridRun, basins, map_parts, parts_record, parts_text
 from nonsmooth.reports.progress import progress
 from nonsmooth.reports.terminal import two_columns
 from nonsmooth.symbolic.number_text import percent_text
@@ -61,6 +61,7 @@ class ShownMap:
             "until": self.run.until,
             "summary": _summary_record(self.found),
             **self.found.record(),
+            "parts": parts_record(map_parts(self.found)),
         }
 
     def lines(self) -> Iterable[Iterable[Any]]:
@@ -80,9 +81,8 @@ class ShownMap:
         return settle_map_figure(self.partition, self.run, self.found, suffix)
 
     def summary(self) -> str:
-        """How many starts and kinds of ends."""
-        kinds = len(self.found.ends)
-        return f"{len(self.found.starts)} starts, {kinds} {'kind' if kinds == 1 else 'kinds'} of ends"
+        """How many starts end in each way."""
+        return parts_text(map_parts(self.found))
 
     def view(self) -> RenderableType:
         """The shares of the ends, the range of headings, the latest arrival and what is not unique."""

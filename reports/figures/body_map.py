@@ -51,7 +51,7 @@ def build_figure(shown: ShownBodyMap) -> Figure:
     starts.set(xlabel=length_label("x at the start", units), ylabel=length_label("y at the start", units))
     ends.set(**centre_labels(units))
     head = f"{shown.title}: {shown.run.count} x {shown.run.count} starts at theta = {shown.run.theta:.6g}, sampled"
-    figure.suptitle(wrapped(head, WIDE_TITLE), fontsize="medium", parse_math=False)
+    figure.suptitle(wrapped(f"{head}\n{shown.summary()}", WIDE_TITLE), fontsize="medium", parse_math=False)
     figure.legend(handles=entries, loc="outside lower center", ncols=2, frameon=False)
     return figure
 
@@ -119,13 +119,14 @@ def _legend(found: list[PathEnd]) -> list[Patch]:
     """An entry for each color."""
     from matplotlib.patches import Patch
 
-    entries, others = [], 0
+    entries, others = [], list[PathEnd]()
     for k, (one, color) in enumerate(zip(found, _colors(found), strict=True)):
         if one.reason is BodyEnd.REST and k >= len(COLORS):
-            others += 1
+            others.append(one)
             continue
         hatch = HATCH if color == TIPS else None
         entries.append(Patch(facecolor=color, edgecolor=INK, hatch=hatch, label=f"{100 * one.share:.3g} %: {one.text}"))
     if others:
-        entries.append(Patch(facecolor=OTHERS, label=f"{others} other places of rest"))
+        share = 100 * sum(one.share for one in others)
+        entries.append(Patch(facecolor=OTHERS, label=f"{share:.3g} %: {len(others)} other places of rest"))
     return entries

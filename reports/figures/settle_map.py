@@ -9,10 +9,11 @@ from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.trajectories.maps import SettleMap
-from nonsmooth.reports.basins import Basin, GridRun, basins
+from nonsmooth.reports.basins import Basin, GridRun, basins, map_parts, parts_text
 from nonsmooth.reports.figures.cell_map import PALETTE, figure_bytes, require_drawable
 from nonsmooth.reports.figures.labels import WIDE_TITLE, length_label, time_label, wrapped
 from nonsmooth.reports.figures.wheels import INK
+from nonsmooth.symbolic.number_text import percent_text
 from nonsmooth.symbolic.scene_error import one_line
 from nonsmooth.symbolic.units import Units
 
@@ -60,7 +61,8 @@ def build_figure(partition: Partition, run: GridRun, found: SettleMap) -> Figure
     name = one_line(partition.scene.name)
     until = "" if run.until is None else f", seen at t = {run.until:.6g}"
     title = f"{name}: rule {partition.rule}, {run.kinematics} kinematics, {run.count} x {run.count} starts{until}"
-    figure.suptitle(wrapped(title, WIDE_TITLE), fontsize="medium", parse_math=False)
+    parts = parts_text(map_parts(found))
+    figure.suptitle(wrapped(f"{title}\n{parts}", WIDE_TITLE), fontsize="medium", parse_math=False)
     figure.legend(handles=entries, loc="outside lower center", ncols=2, frameon=False)
     return figure
 
@@ -123,9 +125,12 @@ def _legend(found: SettleMap) -> list[Patch]:
     from matplotlib.patches import Patch
 
     colored = _colored(found)
-    entries = [Patch(facecolor=color, label=basin.text) for basin, color in colored[: len(COLORS)]]
-    if len(colored) > len(COLORS):
-        label = f"{len(colored) - len(COLORS)} other ends"
+    entries = [
+        Patch(facecolor=color, label=f"{percent_text(basin.share)}: {basin.text}")
+        for basin, color in colored[: len(COLORS)]
+    ]
+    if others := colored[len(COLORS) :]:
+        label = f"{percent_text(sum(basin.share for basin, _ in others))}: {len(others)} other ends"
         entries.append(Patch(facecolor=OTHERS, edgecolor="0.6", label=label))
     if not found.unique.all():
         entries.append(Patch(facecolor=INK, alpha=SHADE, label="darker: several solutions, one of them is drawn"))

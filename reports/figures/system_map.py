@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.reports.figures.cell_map import figure_bytes
+from nonsmooth.reports.figures.labels import wrapped
 from nonsmooth.reports.figures.phase_portrait import draw_borders, draw_potential
 from nonsmooth.reports.figures.wheels import INK
 from nonsmooth.symbolic.scene_error import one_line
@@ -48,7 +49,7 @@ def build_figure(found: SystemMap) -> Figure:
     figure.legend(loc="outside lower center", ncols=3, fontsize="small", frameon=False)
     system, verdict = one_line(found.portrait.system.name), found.portrait.stability.verdict
     title = f"{system}: {found.count} x {found.count} starts at t = {found.until:g}; proved: {verdict}"
-    figure.suptitle(title, fontsize="medium", parse_math=False)
+    figure.suptitle(wrapped(f"{title}\n{found.summary()}"), fontsize="medium", parse_math=False)
     return figure
 
 

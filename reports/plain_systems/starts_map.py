@@ -22,6 +22,7 @@ from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.own_paths import ContradictionError
+from nonsmooth.reports.basins import Part, parts_record, parts_text
 from nonsmooth.reports.phase_portrait import PhasePortrait
 from nonsmooth.reports.progress import ProgressCall, progress
 from nonsmooth.reports.terminal import two_columns
@@ -126,6 +127,7 @@ class SystemMap:
             "starts": self.starts.tolist(),
             "ends": ends,
             "whereabouts": [kind.name.lower() for kind in self.whereabouts],
+            "parts": parts_record(self.parts),
         }
 
     def lines(self) -> Iterable[Iterable[Any]]:
@@ -141,10 +143,14 @@ class SystemMap:
 
         return system_map_figure(self, suffix)
 
+    @property
+    def parts(self) -> list[Part]:
+        """How many paths are where at the last time."""
+        return [Part(str(kind), self.whereabouts.count(kind)) for kind in self.counts]
+
     def summary(self) -> str:
-        """How many starts, and how many arrive."""
-        arrived = self.whereabouts.count(Whereabouts.ARRIVED)
-        return f"{len(self.starts)} starts, {arrived} at the checked point at t = {self.until:g}"
+        """How many starts there are, and where they have come to."""
+        return f"{parts_text(self.parts)}, at t = {self.until:g}"
 
     def view(self) -> RenderableType:
         """The shares, and the verdict beside them."""

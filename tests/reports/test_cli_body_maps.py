@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import csv
 import io
+from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
 
 import nonsmooth
+from nonsmooth.reports.body_maps import ShownBodyMap
+from nonsmooth.reports.figures.body_map import build_figure
 from nonsmooth.symbolic.scene_error import SceneError
 from tests.thorough import thorough
 
@@ -47,6 +50,7 @@ KEYS = [
     "starts",
     "ends",
     "destination",
+    "parts",
 ]
 GRID = ("simulate", "carton.toml", "--grid", "4", "--heading", "0.3")
 
@@ -114,3 +118,25 @@ def test_python_gives_the_same_map(carton: Path, invoke: Invoke) -> None:
     assert array.with_(rule="nearest").map(2).to_dict()["rule"] == "nearest"
     with pytest.raises(SceneError, match="leading"):
         array.map(3, kinematics="leading")
+
+
+def test_the_parts_add_up_to_all_starts(carton: Path, invoke: Invoke) -> None:
+    """A body that is still moving at the last time is named: in the record, the line, the title and the legend."""
+    until = ("--until", "0.5")
+    record = invoke(*GRID, *until, "--json").record
+    counted = Counter(end["reason"] for end in record["ends"])
+    moving = counted["still moving at the last time"]
+    assert moving > 0
+    for part in record["parts"]:
+        (reason,) = [reason for reason in counted if part["end"].startswith(reason)]
+        assert part["starts"] == counted[reason]
+    assert sum(part["starts"] for part in record["parts"]) == 16
+    line = invoke(*GRID, *until, "-o", "map.json").out
+    assert "16 starts: " in line
+    assert f"{moving} still moving at the last time" in line
+    shown = nonsmooth.load(carton).map(4, heading=0.3, until=0.5).shown
+    assert isinstance(shown, ShownBodyMap)
+    figure = build_figure(shown)
+    assert f"{moving} still moving at the last time" in figure.get_suptitle()
+    labels = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert sum(float(label.split(" %")[0]) for label in labels) == pytest.approx(100, abs=0.5)

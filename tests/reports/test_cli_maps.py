@@ -14,16 +14,19 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
+import nonsmooth as ns
 from nonsmooth.reports import progress as progress_module
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import run
+from nonsmooth.reports.figures.settle_map import build_figure
 from nonsmooth.reports.progress import progress
+from nonsmooth.reports.settle_maps import ShownMap
 from tests.thorough import keep
 
 FORMULA = 1e-12
 KEYS = [
     "schema", "scene", "rule", "kinematics", "grid", "theta_0", "until", "summary", "starts", "theta", "arrival",
-    "points", "basin", "ends", "unique",
+    "points", "basin", "ends", "unique", "parts",
 ]  # fmt: skip
 
 if TYPE_CHECKING:
@@ -67,6 +70,25 @@ def test_starts_that_are_late_are_on_their_way(capsys: pytest.CaptureFixture[str
         assert [value is None for value in record[key]] == late.tolist()
     assert [point == [None, None] for point in record["points"]] == late.tolist()
     assert record["summary"]["arrived"] == pytest.approx(1 - late.mean())
+
+
+def test_the_parts_of_a_map_add_up_to_all_starts(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Those that are late are named beside those that rest: in the record, the line, the title and the legend."""
+    arguments = ["four-wheel", "--grid", "10", "--kinematics", "leading", "--until", "0.4"]
+    record = printed(capsys, *arguments)
+    late = sum(value is None for value in record["arrival"])
+    parts = {part["end"]: part["starts"] for part in record["parts"]}
+    assert parts == {"the body rests": 100 - late, "the time is over": late}
+    assert run(app, ["simulate", *arguments, "-o", str(tmp_path / "map.json")]) == 0
+    line = capsys.readouterr().out
+    assert "100 starts: " in line
+    assert f"{late} the time is over" in line
+    shown = ns.load("four-wheel").map(10, until=0.4, kinematics="leading").shown
+    assert isinstance(shown, ShownMap)
+    figure = build_figure(shown.partition, shown.run, shown.found)
+    assert f"{late} the time is over" in figure.get_suptitle()
+    shares = [text.get_text() for text in figure.legends[0].get_texts() if " %: " in text.get_text()]
+    assert sum(float(label.split(" %")[0]) for label in shares) == pytest.approx(100, abs=0.1)
 
 
 def test_a_table_holds_what_json_holds(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -14,6 +14,7 @@ import nonsmooth as ns
 from nonsmooth.analysis.fields.cell_values import potential_values
 from nonsmooth.proofs.own_paths import ContradictionError
 from nonsmooth.reports.console import BAD_INPUT
+from nonsmooth.reports.figures.system_map import build_figure
 from nonsmooth.reports.plain_systems.starts_map import SystemMap, Whereabouts
 
 if TYPE_CHECKING:
@@ -41,6 +42,15 @@ def test_ends_are_those_of_an_integrator(found: SystemMap) -> None:
         expected = solve_ivp(rate, (0, 6.0), start, rtol=1e-10, atol=1e-12, max_step=0.05).y[:, -1]
         assert end == pytest.approx(expected, rel=1e-4, abs=1e-6)
     assert {Whereabouts.NEARER, Whereabouts.OUTSIDE, Whereabouts.ARRIVED} <= set(found.whereabouts)
+
+
+def test_the_parts_add_up_to_all_starts(found: SystemMap) -> None:
+    counted = {str(kind): found.whereabouts.count(kind) for kind in found.whereabouts}
+    parts = {part["end"]: part["starts"] for part in found.record()["parts"]}
+    assert parts == counted
+    assert sum(parts.values()) == 49
+    for text in (found.summary(), build_figure(found).get_suptitle()):
+        assert all(f"{count} {kind}" in text.replace("\n", " ") for kind, count in counted.items())
 
 
 def test_paths_from_the_certified_region_lower_v(found: SystemMap) -> None:
