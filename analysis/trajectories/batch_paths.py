@@ -250,20 +250,25 @@ class BatchPaths:
             self.ends[k] = (reason, name)
 
     def _one_by_one(self, own: Numbers) -> None:
-        """Follow starts by the scalar integrator from where they are."""
-        for k in own:
-            start = (*self.points[k].tolist(), float(self.theta[k]))
-            path = follow_constant(self.field, start, None, None, sampled=False)
+        """Follow starts by the scalar integrator from where they are; those at the same point, together.
+
+        The velocity does not depend on theta, so that all who are at one point go the same way and turn by as much.
+        """
+        points, member = np.unique(self.points[own], axis=0, return_inverse=True)
+        for k, (x, y) in enumerate(points.tolist()):
+            together = own[member.ravel() == k]
+            path = follow_constant(self.field, (x, y, 0.0), None, None, sampled=False)
             last = path.pieces[-1] if path.pieces else None
-            name = last.place if last else self._place_of(self.points[k])
-            self.time[k] += float(path.end.t)
-            self.points[k], self.theta[k] = path.end.state[:2], path.end.state[2]
+            name = last.place if last else self._place_of(points[k])
+            self.time[together] += float(path.end.t)
+            self.points[together] = path.end.state[:2]
+            self.theta[together] += float(path.end.state[2])
             if path.end.reason is EndReason.TURNING and last is not None:
-                self.theta[k] = np.copysign(np.inf, last.state(1.0)[2] - last.state(0.0)[2])
+                self.theta[together] = np.copysign(np.inf, last.state(1.0)[2] - last.state(0.0)[2])
             elif path.end.reason in (EndReason.CIRCLES, EndReason.EVENTS):
-                self.time[k], self.theta[k] = np.inf, np.nan
-            self.unique[k] &= all(e.drift_only for e in path.events if e.kind is EventKind.NONUNIQUE)
-            self._finish(np.array([k]), path.end.reason, name)
+                self.time[together], self.theta[together] = np.inf, np.nan
+            self.unique[together] &= all(e.drift_only for e in path.events if e.kind is EventKind.NONUNIQUE)
+            self._finish(together, path.end.reason, name)
 
     def _place_of(self, point: Floats) -> str:
         place = self.cells.locate((float(point[0]), float(point[1])))
