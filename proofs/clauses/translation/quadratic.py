@@ -3,9 +3,10 @@
 On a cone with rays ``r_1, r_2`` and velocity v the derivative ``2 c^T P v`` is linear in c, so ``V* < 0`` off the
 equilibrium iff ``r^T P v < 0`` at both rays of every cone: linear in P.  A small conic program (CVXPY) proposes
 ``P = [[1 + a, b], [b, 1 - a]]``, a and b are rounded to rationals, and the inequalities are verified exactly.  With
-``-r^T P v >= m |r|`` on all rays the velocities alone give ``-2 m |c|``.  Exact kinematics add ``2 omega c^T P J c``,
-at most ``2 |omega| rho |c|^2`` with ``rho^2 = a^2 + b^2``; where ``|c| <= m/(2 |omega| rho)`` that is at most half as
-much, so ``V* <= -m |c|`` on the region; since P has trace 2, the body arrives within ``4 |c_0|/m``.
+``-r^T P v >= m_k |r|`` on both rays of cone k its velocity alone gives ``-2 m_k |c|``.  Exact kinematics add
+``2 omega_k c^T P J c``, at most ``2 |omega_k| rho |c|^2`` with ``rho^2 = a^2 + b^2``.  With m the least m_k that leaves
+``V* <= -m |c|`` where ``|c| <= (2 m_k - m)/(2 |omega_k| rho)`` for every cone; since P has trace 2, the body arrives
+within ``4 |c_0|/m``.  V falls, so the body stays in ``|c|^2 <= V(c_0)/(1 - rho) <= |c_0|^2 (1 + rho)/(1 - rho)``.
 """
 
 from __future__ import annotations
@@ -21,14 +22,14 @@ from numpy.typing import NDArray
 from nonsmooth.analysis.cells.fan import CellCone
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.minimizers.cvxpy_import import load_cvxpy
-from nonsmooth.symbolic.number_text import lower_text
+from nonsmooth.symbolic.constraints import Twist
+from nonsmooth.symbolic.number_text import lower_text, upper_text
 from nonsmooth.symbolic.numbers.enclosures import enclosure, rational_below
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.plane import Vector, around, dot, minus
 
 DENOMINATOR = 2**12  # of the rounded a and b
-RADIUS_DIGITS = 4  # significant digits of the radius of a disc
-_DECAY_STEPS = 40
+DIGITS = 4  # significant digits of a radius and a decay, on the safe side
 _INSIDE = 0.98  # largest radius of (a, b): keeps P away from singular
 
 
@@ -63,7 +64,15 @@ class QuadraticCertificate:
         a, b = self.shape
         squared = self.level / (1 + root_above(a * a + b * b))
         root = rational_below(enclosure(squared).sqrt())
-        return squared.field(Fraction(lower_text(root, RADIUS_DIGITS)))
+        return squared.field(Fraction(lower_text(root, DIGITS)))
+
+    @property
+    def swing_radius(self) -> Fraction:
+        """A distance that no body from the disc exceeds: ``|c|^2 <= (1 + rho)/(1 - rho) |c_0|^2``."""
+        a, b = self.shape
+        rho = root_above(a * a + b * b)
+        squared = self.disc_radius * self.disc_radius * ((1 + rho) / (1 - rho))
+        return Fraction(upper_text(-rational_below(-enclosure(squared).sqrt()), DIGITS))
 
     def value(self, c: Point) -> Number:
         """``c^T P c``."""
@@ -77,18 +86,19 @@ class QuadraticCertificate:
         return positive and falling and self.level <= self.largest_level()
 
     def largest_level(self) -> Number:
-        """Level of the largest region: inside the fan's cells, and where turning costs at most half the decay.
+        """Level of the largest region: inside the fan's cells, and where turning leaves the decay.
 
         ``V < level`` implies ``|c|^2 < level/(1 - rho)``; with ``rho <= r`` rational the bound is
-        ``(1 - r) m^2/(4 omega^2 r^2)``.
+        ``(1 - r) ((2 m_k - m)/(2 omega_k r))^2``, the least of all cones.
         """
         level = min(self.least_on(p, q) for p, q in _rim(self.cones))
-        fastest = max(abs(twist.omega) for cone in self.cones for twist in cone.twists)
         r = root_above(self.shape[0] ** 2 + self.shape[1] ** 2)
-        if not fastest or not r:
-            return level
-        turning = (1 - r) * self.decay * self.decay / (4 * r * r) / (fastest * fastest)
-        return min(level, turning)
+        for cone, twist in _motions(self.cones):
+            if twist.omega and r:
+                spare = 2 * steepness(self.shape, cone, twist) - self.decay
+                reach = max(spare, Fraction(0)) / (2 * r * abs(twist.omega))
+                level = min(level, (1 - r) * reach * reach)
+        return level
 
     def least_on(self, start: Point, end: Point) -> Number:
         """Least value of V on a segment."""
@@ -114,16 +124,23 @@ def find_quadratic(
     if proposal is None:
         return None
     shape = (_rounded(proposal[0]), _rounded(proposal[1]))
-    trial = QuadraticCertificate(shape, Fraction(0), cones[0].start[0].field.one, cones)
-    decay = Fraction(1)
-    for _ in range(_DECAY_STEPS):
-        if all(_falls(trial, ray, v, decay) for ray, v in _pairs(cones)):
-            trial = replace(trial, decay=decay)
-            level = min([trial.largest_level(), *(trial.least_on(p, q) for p, q in border)])
-            found = replace(trial, level=level)
-            return found if found.check() else None
-        decay /= 2
-    return None
+    decay = min(steepness(shape, cone, twist) for cone, twist in _motions(cones))
+    if decay <= 0:
+        return None
+    trial = QuadraticCertificate(shape, decay, cones[0].start[0].field.one, cones)
+    found = replace(trial, level=min([trial.largest_level(), *(trial.least_on(p, q) for p, q in border)]))
+    return found if found.check() else None
+
+
+def steepness(shape: tuple[Fraction, Fraction], cone: CellCone, twist: Twist) -> Fraction:
+    """A rational m with ``-r^T P v >= m |r|`` on both rays of a cone, and therefore on all between them.
+
+    It lies below the largest one by the last of :data:`DIGITS` digits, and is not positive where that is not.
+    """
+    down = [-dot(ray, shaped(shape, twist.velocity)) for ray in (cone.start, cone.end)]
+    lengths = [enclosure(dot(ray, ray)).sqrt() for ray in (cone.start, cone.end)]
+    least = min(rational_below(enclosure(fall) / length) for fall, length in zip(down, lengths, strict=True))
+    return Fraction(lower_text(least, DIGITS)) if least > 0 else least
 
 
 def shaped(shape: tuple[Fraction, Fraction], c: Point) -> Vector:
@@ -179,12 +196,18 @@ def _falls(certificate: QuadraticCertificate, ray: Point, velocity: Vector, deca
     return sign(slope) < 0 and sign(slope * slope - decay * decay * dot(ray, ray)) >= 0
 
 
-def _pairs(cones: tuple[CellCone, ...]) -> Iterator[tuple[Point, Vector]]:
-    """Each ray of each cone with each of the cone's velocities."""
+def _motions(cones: tuple[CellCone, ...]) -> Iterator[tuple[CellCone, Twist]]:
+    """Each cone with each of its motions."""
     for cone in cones:
         for twist in cone.twists:
-            yield cone.start, twist.velocity
-            yield cone.end, twist.velocity
+            yield cone, twist
+
+
+def _pairs(cones: tuple[CellCone, ...]) -> Iterator[tuple[Point, Vector]]:
+    """Each ray of each cone with each of the cone's velocities."""
+    for cone, twist in _motions(cones):
+        yield cone.start, twist.velocity
+        yield cone.end, twist.velocity
 
 
 def _rim(cones: tuple[CellCone, ...]) -> Iterator[tuple[Point, Point]]:
