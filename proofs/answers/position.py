@@ -54,7 +54,8 @@ def _facts(scene: Scene, results: Results) -> Iterator[Fact]:
         return
     stays = found.region_radius if verdict is Position.STAYS_NEAR else None
     yield from (Fact("within", Quantity(None)), Fact("seconds_per_distance", Quantity(None)))
-    yield from (Fact("rate", Quantity(None)), Fact("stays_within", Quantity(stays)))
+    yield from (Fact("swings_out_to", Quantity(None)), Fact("rate", Quantity(None)))
+    yield Fact("stays_within", Quantity(stays))
     if stays is not None:
         yield said(f"a body within {at_least(stays)}{unit} of the point never gets farther away")
     else:
@@ -71,13 +72,22 @@ def _plainly(verdict: Position, *, rests: bool) -> str:
     return "what happens near the point is not decided; why: below"
 
 
+def _disc(found: AnyTranslation, unit: str) -> Iterator[Fact]:
+    """From how far, and how far away the body gets on its way at most."""
+    within, swing = found.home_radius, found.swing_radius
+    if within is None or swing is None:
+        yield Fact("within", Quantity(None), "from close by")
+        yield Fact("swings_out_to", Quantity(None))
+        return
+    yield Fact("within", Quantity(within), f"from anywhere within {at_least(within)}{unit}")
+    swings = f"it swings out to at most {at_most(swing)}{unit}" if swing > within else "it never swings out"
+    yield Fact("swings_out_to", Quantity(swing), swings)
+
+
 def _homecoming(found: AnyTranslation, unit: str) -> Iterator[Fact]:
     """From how far, and how long it takes at most."""
-    within, seconds, rate = found.home_radius, found.arrival_per_distance, found.exponential_rate
-    if within is None:
-        yield Fact("within", Quantity(None), "from close by")
-    else:
-        yield Fact("within", Quantity(within), f"from anywhere within {at_least(within)}{unit}")
+    seconds, rate = found.arrival_per_distance, found.exponential_rate
+    yield from _disc(found, unit)
     if seconds is None:
         yield Fact("seconds_per_distance", Quantity(None))
     else:

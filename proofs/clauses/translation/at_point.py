@@ -67,6 +67,11 @@ class EllipseTranslation:
         return self.region_radius
 
     @property
+    def swing_radius(self) -> Number | None:
+        """Largest distance of bodies from within ``home_radius``: that radius, for the distance does not grow there."""
+        return self.home_radius
+
+    @property
     def arrival_per_distance(self) -> None:
         """None: the point is approached, and not reached in finite time."""
 

@@ -56,6 +56,11 @@ class EveryLoadTranslation:
         return self.region_radius if self.comes_home else None
 
     @property
+    def swing_radius(self) -> Number | None:
+        """Largest distance of bodies from within ``home_radius``: that radius, for the distance does not grow there."""
+        return self.home_radius
+
+    @property
     def sampled(self) -> None:
         """Nothing is sampled."""
 

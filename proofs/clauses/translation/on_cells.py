@@ -107,6 +107,18 @@ class TranslationResult:
         return self.region_radius if self.fan is None else None
 
     @property
+    def swing_radius(self) -> Number | Fraction | None:
+        """A distance that no body from within ``home_radius`` exceeds on its way; None where that radius is not known.
+
+        Where ``|c|`` does not grow it is that radius itself; elsewhere the level set of V bounds it.
+        """
+        within = self.home_radius
+        if within is None or self.quadratic is None:
+            return within
+        shrinks = self.region_radius is not None and within <= self.region_radius
+        return within if shrinks else self.quadratic.swing_radius
+
+    @property
     def arrival_per_distance(self) -> Number | Fraction | None:
         """Bound on the time of arrival per unit of ``|c_0|``, from starts within ``home_radius``.
 
