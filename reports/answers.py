@@ -11,10 +11,12 @@ from rich.table import Table
 from rich.text import Text
 
 from nonsmooth.analysis.contact_rule import rule_of
-from nonsmooth.proofs.answers.answer import Answer
+from nonsmooth.proofs.answers.answer import Answer, Position
 from nonsmooth.proofs.answers.answers import Answers
+from nonsmooth.proofs.answers.bounds import at_least
 from nonsmooth.proofs.answers.contact_wheels import contact_facts
 from nonsmooth.proofs.answers.other_rules import OtherRule
+from nonsmooth.proofs.answers.units import of_length
 from nonsmooth.proofs.facts import Quantity
 from nonsmooth.proofs.theorem4_result import Check
 from nonsmooth.reports.equilibrium_headings import headings_record, headings_view
@@ -25,6 +27,7 @@ from nonsmooth.symbolic.number_text import float_text, place_text
 from nonsmooth.symbolic.scene_error import one_line
 
 if TYPE_CHECKING:
+    from nonsmooth.proofs.answers.best_point import RestPoint
     from nonsmooth.proofs.answers.destinations import Destination, Destinations
     from nonsmooth.symbolic.scene import Scene
 
@@ -38,6 +41,8 @@ def answers_view(result: Check, answers: Answers) -> RenderableType:
     table = _answers_table([*answers.answers, *([answers.robust] if answers.robust else [])])
     contact = "; ".join(fact.words for fact in contact_facts(result) if fact.words)
     parts: list[RenderableType] = [Text(contact), table]
+    if answers.rest_points is not None:
+        parts.append(Text(_rest_points_text(answers.rest_points, of_length(result.scene))))
     if answers.destinations is not None:
         parts.append(_destinations_table(answers.destinations))
     if answers.headings is not None:
@@ -76,11 +81,14 @@ def answers_record(answers: Sequence[Answer], answered: Answers | None) -> Recor
     destinations = None if answered is None else answered.destinations
     others = () if answered is None else answered.others
     headings = None if answered is None else answered.headings
+    points = None if answered is None else answered.rest_points
+    chosen: Record = {} if points is None else {"rest_points": [_rest_point_record(point) for point in points]}
     outlined: Record = {} if headings is None else {"equilibrium_headings": headings_record(headings)}
     return {
         **record,
         "destinations": None if destinations is None else _destinations_record(destinations),
         **outlined,
+        **chosen,
         "other_rules": {other.name: _other_record(other) for other in others} or None,
     }
 
@@ -108,6 +116,32 @@ def _destinations_record(destinations: Destinations) -> Record:
         for found in destinations.found
     ]
     return {"sampled_starts": destinations.starts, "found": entries}
+
+
+def _rest_point_record(point: RestPoint) -> Record:
+    position = None if point.position is None else str(point.position)
+    return as_record({"points": Quantity(point.points), "position": position, "within": Quantity(point.within)})
+
+
+def _rest_points_text(points: Sequence[RestPoint], unit: str) -> str:
+    """Which places of rest there are beside the one that was taken."""
+    if len(points) == 1:
+        return "--at auto: no other place of rest is known in the square"
+    others = "; ".join(_rest_point_text(point, unit) for point in points[1 : 1 + MOST_SHOWN])
+    more = f"; {len(points) - 1 - MOST_SHOWN} more (--json lists them)" if len(points) > 1 + MOST_SHOWN else ""
+    taken = f"--at auto took the best of {len(points)} places of rest, by verdict, then by certified disc"
+    return f"{taken}; the others: {others}{more}"
+
+
+def _rest_point_text(point: RestPoint, unit: str) -> str:
+    """``(0.3, 0.1) comes home from within 0.02 m``."""
+    places = " to " if len(point.points) == 2 else ", "
+    at = places.join(place_text(corner, PLACE_DIGITS) for corner in point.points)
+    verdict = "not judged" if point.position is None else str(point.position)
+    if point.within is None:
+        return f"{at} {verdict}"
+    preposition = "from within" if point.position is Position.COMES_HOME else "within"
+    return f"{at} {verdict} {preposition} {at_least(point.within)}{unit}"
 
 
 def _other_record(other: OtherRule) -> Record:

@@ -16,6 +16,7 @@ from nonsmooth.proofs.theorem4_result import Theorem4Result
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact
 
 if TYPE_CHECKING:
+    from nonsmooth.proofs.answers.best_point import RestPoint
     from nonsmooth.proofs.answers.destinations import Destinations
     from nonsmooth.proofs.answers.headings import HeadingsOfRest
 
@@ -34,6 +35,8 @@ class Answers:
         others: what the other contact rules say.
         robust: what holds for every array within the tolerances; None for a scene that states none.
         headings: at which headings a body with an outline rests; None where its heading does not matter.
+        rest_points: the places of rest among which the checked point was chosen, the best first; None where it was
+            not chosen.
     """
 
     answers: tuple[Answer, ...]
@@ -41,6 +44,7 @@ class Answers:
     others: tuple[OtherRule, ...]
     robust: Answer | None = None
     headings: HeadingsOfRest | None = None
+    rest_points: tuple[RestPoint, ...] | None = None
 
 
 def answers_of(check: Theorem4Result) -> tuple[Answer, ...]:
@@ -48,13 +52,20 @@ def answers_of(check: Theorem4Result) -> tuple[Answer, ...]:
     return tuple(question(check.scene, check.results) for question in QUESTIONS.values())
 
 
-def full_answers(check: Theorem4Result, *, ask_others: bool = True, around: bool = False) -> Answers:
+def full_answers(
+    check: Theorem4Result,
+    *,
+    ask_others: bool = True,
+    around: bool = False,
+    rest_points: tuple[RestPoint, ...] | None = None,
+) -> Answers:
     """The answers with what they leave open: where bodies go otherwise, and what the other rules say.
 
     Args:
         check: the verdicts.
         ask_others: say what the other rules say.
         around: look for headings of rest around the checked point too.
+        rest_points: the places of rest among which the checked point was chosen, where it was.
     """
     answers = answers_of(check)
     position = answers[0].verdict
@@ -62,7 +73,8 @@ def full_answers(check: Theorem4Result, *, ask_others: bool = True, around: bool
     destinations = _destinations_of(check) if goes_elsewhere else None
     others = other_rules(check.scene) if ask_others else ()
     headings = _headings_of(check, around=around)
-    return Answers(answers, destinations, others, robust_answer(check.scene, check.results), headings)
+    robust = robust_answer(check.scene, check.results)
+    return Answers(answers, destinations, others, robust, headings, rest_points)
 
 
 def _headings_of(check: Theorem4Result, *, around: bool) -> HeadingsOfRest | None:

@@ -1,82 +1,143 @@
-"""Which point of the checked square is worth checking: where bodies rest, and most of them end."""
+"""Which point of the checked square is worth checking: the rest point with the largest certified disc of starts."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass, replace
 from fractions import Fraction
+from typing import TypeVar
 
 from nonsmooth.analysis.cells.contact_partition import build_partition
+from nonsmooth.analysis.cells.equilibria import find_equilibria
 from nonsmooth.analysis.cells.loads import load_regions
-from nonsmooth.analysis.cells.partition import RefusalError
-from nonsmooth.analysis.contact_rule import CellRule, rule_of
+from nonsmooth.analysis.cells.partition import Partition, RefusalError, affordable
+from nonsmooth.analysis.cells.polygon import Point
+from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
 from nonsmooth.proofs.answers.answer import Position
-from nonsmooth.proofs.answers.destinations import Destination, Destinations, destinations_of
+from nonsmooth.proofs.answers.destinations import sampled_destinations, shares_at
+from nonsmooth.proofs.answers.position import OF_TRANSLATION
+from nonsmooth.proofs.clauses.translation.at_point import decide_translation_at
+from nonsmooth.proofs.clauses.translation.clause import AnyTranslation
+from nonsmooth.proofs.clauses.translation.on_cells import decide_translation
 from nonsmooth.proofs.clauses.workspace import Workspace
-from nonsmooth.proofs.theorem4 import check_theorem4
-from nonsmooth.proofs.verdicts import Equilibrium
+from nonsmooth.proofs.judged_equilibria import JudgedEquilibrium, judge_equilibria
+from nonsmooth.proofs.theorem4 import CHECK_UNITS
+from nonsmooth.proofs.verdicts import Equilibrium, Translation
+from nonsmooth.symbolic.contact_set import standing
 from nonsmooth.symbolic.number_text import place_text
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.plane import Vector
 from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
 _RANK = {Position.COMES_HOME: 0, Position.STAYS_NEAR: 1, None: 1, Position.UNDECIDED: 2, Position.LEAVES: 3}
 DENOMINATORS = (1, 10, 100, 1_000)  # of the coordinates that are tried under a rule without cells
 _HALVINGS = 6  # of the square about a point near the border of the support polygon
+_NONE_FOUND = "--at auto: required a rest point in the checked square, found none"
+
+Judged = TypeVar("Judged")
+
+
+@dataclass(frozen=True)
+class RestPoint:
+    """A place where bodies rest, and how far about it that is certified.
+
+    Attributes:
+        points: the point, the ends of a line or the corners of an area, in the coordinates of the scene.
+        position: where a body goes that starts near; None where that was not judged.
+        within: radius of a disc of starts that come home, or, where bodies only stay near, of one in which none gets
+            farther away; None where no disc is certified.
+    """
+
+    points: tuple[Point, ...]
+    position: Position | None = None
+    within: Number | None = None
+
+
+@dataclass(frozen=True)
+class BestPoint:
+    """The array checked at the best rest point of its square, and all places of rest that are known, the best first."""
+
+    scene: Scene
+    found: tuple[RestPoint, ...]
 
 
 def at_best_point(scene: Scene) -> Scene:
-    """The same array, checked at the best rest point of its square.
+    """The same array, checked at the best rest point of its square; see :func:`best_point`."""
+    return best_point(scene).scene
 
-    Points that bodies come home to go first, then those that they stay near; among equals the one where most starts
-    end, sampled.  Of a line or an area of rest the middle is taken.  Where the square about the point would leave what
-    the contact rule can judge, it is halved until it does not.
 
-    Under a rule without cells rest points are only sampled: one with simple coordinates is taken where it is proved to
-    be an equilibrium.
+def best_point(scene: Scene) -> BestPoint:
+    """Choose the rest point of the checked square that takes the most noise.
+
+    Points that bodies come home to go first, then those that they stay near; among equals the one with the largest
+    certified disc; where the discs are equal, or none is certified, the one where most starts end, sampled.  Of a line
+    or an area of rest the middle is taken.  Where the square about the point would leave what the contact rule can
+    judge, it is halved until it does not.
+
+    Under a rule without cells rest points are only sampled: those with simple coordinates are taken that are proved to
+    be equilibria.
 
     Raises:
-        RefusalError: where no point is known.
+        RefusalError: where no point is known, and where the exact arithmetic would take too long.
     """
-    found = destinations_of(check_theorem4(scene, prune=False))
-    if not isinstance(rule_of(scene), CellRule):
-        return _at_a_proved_point(scene, found)
-    places = [place for place in (() if found is None else found.found) if place.points]
+    if rule_of(scene).needs_loads and isinstance(scene.contact.loads, UnknownLoads):
+        raise RefusalError("--at auto: required loads that are known, which say where a body rests under this rule")
+    with affordable(scene, CHECK_UNITS, "the rest points of --at auto"):
+        if isinstance(rule_of(scene), SmoothRule):
+            return _best_proved_point(scene)
+        return _best_of_cells(scene)
+
+
+def _order(point: RestPoint) -> tuple[int, Number | int]:
+    """A key that sorts the better point first."""
+    return _RANK[point.position], 0 if point.within is None else -point.within
+
+
+# ---- rules with cells ----------------------------------------------------------------------
+
+
+def _best_of_cells(scene: Scene) -> BestPoint:
+    """Every place of rest in the cells, with its disc in the square that would be checked."""
+    centred = standing(scene).recentred()
+    partition = build_partition(centred)
+    places = judge_equilibria(centred, find_equilibria(partition))
     if not places:
-        raise RefusalError("--at auto: required a rest point in the checked square, found none")
-    best = min(places, key=lambda place: (_RANK[place.position], -place.share))
-    return _in_a_square_that_fits(scene, _middle(scene, best), build_partition)
+        raise RefusalError(_NONE_FOUND)
+    judged = [(_rest_point(scene, place), place) for place in places]
+    least = min(_order(point) for point, _ in judged)
+    if sum(_order(point) == least for point, _ in judged) > 1:
+        shares = shares_at(partition, [place.found for place in places])
+        judged = [pair for _, pair in sorted(zip(shares, judged, strict=True), key=lambda entry: -entry[0])]
+    found = tuple(sorted((point for point, _ in judged), key=_order))
+    return BestPoint(_in_a_square_that_fits(scene, _middle(scene, found[0]), _partition)[0], found)
 
 
-def _at_a_proved_point(scene: Scene, found: Destinations | None) -> Scene:
-    """Sampled places propose simple fractions; the exact motion at the point disposes."""
-    places = [place for place in (() if found is None else found.found) if place.points]
-    for place in places:
-        for largest in DENOMINATORS:
-            x, y = (scene.field(Fraction(value).limit_denominator(largest)) for value in place.points[0])
-            there = _in_a_square_that_fits(scene, (x, y), _loads_exist)
-            if _rests(there):
-                return there
-    raise RefusalError(_no_exact_point(scene, found))
+def _rest_point(scene: Scene, place: JudgedEquilibrium) -> RestPoint:
+    """A place in the coordinates of the scene; its disc where bodies come home or stay near."""
+    x, y = scene.check.equilibrium
+    points = tuple((px + x, py + y) for px, py in place.found.points)
+    if place.translation is None:
+        return RestPoint(points)
+    point = RestPoint(points, OF_TRANSLATION[place.translation])
+    if place.translation in (Translation.UNSTABLE, Translation.UNDECIDED):
+        return point
+    _, partition = _in_a_square_that_fits(scene, _middle(scene, point), _partition)
+    return point if partition is None else replace(point, within=_disc(decide_translation(partition)))
 
 
-def _rests(scene: Scene) -> bool:
-    try:
-        return Workspace(scene).point.equilibrium is Equilibrium.HOLDS
-    except RefusalError:
-        return False
+def _partition(there: Scene) -> Partition:
+    return build_partition(standing(there).recentred())
 
 
-def _no_exact_point(scene: Scene, found: Destinations | None) -> str:
-    """That the rest points are no exact numbers, and where they are about."""
-    places = [place_text(point) for place in (() if found is None else found.found) for point in place.points]
-    seen = f", with rest at about {', '.join(places)}" if places else ""
-    name = scene.contact.rule
-    wanted = f"required a rest point with simple coordinates under rule {name}, which has no cells"
-    return f"--at auto: {wanted}, found none{seen}"
+def _disc(found: AnyTranslation) -> Number | None:
+    """Radius of the certified disc: of starts that come home, or in which bodies do not get farther away."""
+    attracts = found.verdict is Translation.ASYMPTOTICALLY_STABLE
+    return found.home_radius if attracts else found.region_radius
 
 
-def _middle(scene: Scene, place: Destination) -> Vector:
+def _middle(scene: Scene, place: RestPoint) -> Vector:
     """The mean of the corners, in the numbers of the scene."""
     share = Fraction(1, len(place.points))
     x, y = (_carried_out(scene, [point[k] for point in place.points]) * share for k in (0, 1))
@@ -90,18 +151,68 @@ def _carried_out(scene: Scene, values: list[Number | Lazy]) -> Number:
     return total
 
 
-def _in_a_square_that_fits(scene: Scene, at: Vector, judge: Callable[[Scene], object]) -> Scene:
-    """The array checked at a point, in its square or the largest half, quarter, ... of it that is not refused."""
+# ---- rules without cells -------------------------------------------------------------------
+
+
+def _best_proved_point(scene: Scene) -> BestPoint:
+    """Sampled places propose simple fractions; the exact motion at the point disposes."""
+    sampled = sampled_destinations(standing(scene))
+    places = [place.points for place in (() if sampled is None else sampled.found) if place.points]
+    proved: list[tuple[RestPoint, Scene]] = []
+    open_places: list[RestPoint] = []
+    for points in places:
+        found = _proved_near(scene, points[0])
+        if found is None:
+            open_places.append(RestPoint(points))
+        elif all(found[0].points != other.points for other, _ in proved):
+            proved.append(found)
+    if not proved:
+        raise RefusalError(_no_exact_point(scene, places))
+    proved.sort(key=lambda pair: _order(pair[0]))
+    return BestPoint(proved[0][1], (*(point for point, _ in proved), *open_places))
+
+
+def _proved_near(scene: Scene, place: Point) -> tuple[RestPoint, Scene] | None:
+    """The equilibrium with the simplest coordinates near a sampled place, and the array checked there."""
+    for largest in DENOMINATORS:
+        x, y = (scene.field(Fraction(value).limit_denominator(largest)) for value in place)
+        there, _ = _in_a_square_that_fits(scene, (x, y), _loads_exist)
+        try:
+            work = Workspace(standing(there), sample=False)
+            if work.point.equilibrium is Equilibrium.HOLDS:
+                found = decide_translation_at(work.point, work.lemma)
+                return RestPoint(((x, y),), OF_TRANSLATION[found.verdict], _disc(found)), there
+        except RefusalError:
+            continue
+    return None
+
+
+def _no_exact_point(scene: Scene, places: list[tuple[Point, ...]]) -> str:
+    """That the rest points are no exact numbers, and where they are about."""
+    seen = f", with rest at about {', '.join(place_text(place[0]) for place in places)}" if places else ""
+    name = scene.contact.rule
+    wanted = f"required a rest point with simple coordinates under rule {name}, which has no cells"
+    return f"--at auto: {wanted}, found none{seen}"
+
+
+def _loads_exist(there: Scene) -> object:
+    centred = there.recentred()
+    return load_regions(centred, centred.check.equilibrium)
+
+
+# ---- the square ----------------------------------------------------------------------------
+
+
+def _in_a_square_that_fits(scene: Scene, at: Vector, judge: Callable[[Scene], Judged]) -> tuple[Scene, Judged | None]:
+    """The array checked at a point, in its square or the largest half, quarter, ... of it that is not refused.
+
+    Beside it what the judge says of it; None where every square is refused.
+    """
     radius = scene.check.radius
     for halving in range(_HALVINGS):
         there = scene.checked_at(at, radius / 2**halving)
         try:
-            judge(there.recentred())
+            return there, judge(there)
         except RefusalError:
             continue
-        return there
-    return scene.checked_at(at, radius)
-
-
-def _loads_exist(centred: Scene) -> None:
-    load_regions(centred, centred.check.equilibrium)
+    return scene.checked_at(at, radius), None

@@ -6,14 +6,15 @@ body near it does.  Sampled: the share of starts that ends there, from paths of 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.analysis.cells.equilibria import EquilibriumPlace
+from nonsmooth.analysis.cells.equilibria import EquilibriumPlace, RestPlace
+from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
 from nonsmooth.analysis.fields.constant_field import array_field
@@ -107,19 +108,30 @@ def destinations_of(check: Theorem4Result) -> Destinations | None:
     if rule_of(check.scene).needs_loads and isinstance(check.scene.contact.loads, UnknownLoads):
         return None
     if isinstance(rule_of(check.scene), SmoothRule):
-        return _sampled_destinations(check.scene)
+        return sampled_destinations(check.scene)
     partition, places = check.partition, check.equilibria
     if partition is None or places is None or not partition.complete:
         return None
-    field = array_field(partition, Kinematics.EXACT)
-    ends = settle_map(field, grid_starts(field, STARTS))
-    reached = places_reached(partition, [place.found for place in places], ends)
+    ends, reached = _followed(partition, [place.found for place in places])
     found = [_at_place(check, place, float(np.mean(reached == k))) for k, place in enumerate(places)]
     found += _without_place(ends, reached)
     return Destinations(tuple(sorted(found, key=lambda d: -d.share)), len(ends.starts))
 
 
-def _sampled_destinations(scene: Scene) -> Destinations | None:
+def shares_at(partition: Partition, places: Sequence[RestPlace]) -> list[float]:
+    """For every equilibrium of the cells the share of the starts that end there, sampled."""
+    _, reached = _followed(partition, places)
+    return [float(np.mean(reached == k)) for k in range(len(places))]
+
+
+def _followed(partition: Partition, places: Sequence[RestPlace]) -> tuple[SettleMap, NDArray[np.int_]]:
+    """The ends of a grid of paths, and the number of the equilibrium at which each ends."""
+    field = array_field(partition, Kinematics.EXACT)
+    ends = settle_map(field, grid_starts(field, STARTS))
+    return ends, places_reached(partition, places, ends)
+
+
+def sampled_destinations(scene: Scene) -> Destinations | None:
     """Under a rule without cells: where sampled paths stand still; None where the motion is not determined.
 
     What is near such a place is not judged.

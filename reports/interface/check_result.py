@@ -23,6 +23,7 @@ from nonsmooth.symbolic.number_text import short_text
 if TYPE_CHECKING:
     from nonsmooth.analysis.cells.partition import Partition
     from nonsmooth.proofs.answers.answer import Answer
+    from nonsmooth.proofs.answers.best_point import RestPoint
     from nonsmooth.proofs.answers.destinations import Destinations
     from nonsmooth.proofs.answers.headings import HeadingsOfRest
     from nonsmooth.reports.interface.law_result import LawResult
@@ -37,11 +38,13 @@ class CheckResult(Tabular):
         evidence: every clause with its evidence; ``evidence.check()`` verifies it again.
         ask_others: whether the answers say what the other contact rules say.
         around: whether headings of rest are looked for around the checked point too.
+        rest_points: with ``at="auto"`` the places of rest among which the point was chosen, the best first.
     """
 
     evidence: Check
     ask_others: bool = True
     around: bool = False
+    rest_points: tuple[RestPoint, ...] | None = None
 
     @cached_property
     def _answers(self) -> dict[str, Answer]:
@@ -86,7 +89,8 @@ class CheckResult(Tabular):
     @cached_property
     def answers(self) -> Answers:
         """The answers with what takes a little longer: where bodies go, and what the other rules say."""
-        return full_answers(self.evidence, ask_others=self.ask_others, around=self.around)
+        asked = {"ask_others": self.ask_others, "around": self.around}
+        return full_answers(self.evidence, **asked, rest_points=self.rest_points)
 
     @property
     def destinations(self) -> Destinations | None:
@@ -175,11 +179,13 @@ def check_scene(  # one keyword for each choice
         TipsError: where the body does not stand at the checked pose.
         SceneError: where a wheel lies exactly under its edge.
     """
+    rest_points = None
     if best:
-        from nonsmooth.proofs.answers.best_point import at_best_point  # paths: only a search loads them
+        from nonsmooth.proofs.answers.best_point import best_point  # paths: only a search loads them
 
         announce("the best rest point of the square")
-        scene = at_best_point(standing(scene))
+        chosen = best_point(standing(scene))
+        scene, rest_points = chosen.scene, chosen.found
     found = check_theorem4(scene, prune=prune, beside=beside, announce=announce, built=built)
     announce("verification of the evidence")
-    return CheckResult(verified(found), ask_others, around)
+    return CheckResult(verified(found), ask_others, around, rest_points)
