@@ -24,15 +24,20 @@ SMOOTHING_OF_ROLLERS = 1e-4  # the same where D is linear in pieces, and its lea
 COARSE = 1e-2  # g up to which a twist that settled counts, where it does not with less
 SETTLED = 1e-7  # step after which it ends, in the same unit
 SMALLEST = 2_000  # multiplications that take as long as what every problem costs, however few contacts it has
+EACH_STEP = 100_000  # the same of a step, however few problems take it
 REGULAR = 1e-13  # multiple of the identity beside a Hessian, of its trace
 
 
 class ManyTwists:
-    """Minimizers, each from the one of the step before."""
+    """Minimizers, each from the one of the step before.
+
+    Attributes:
+        work: multiplications so far, and what takes as long: the same on every machine.
+    """
 
     def __init__(self, speed: float, *, rollers: bool) -> None:
         """For contacts whose weighted targets are at most ``speed``, some of which may have rollers that turn."""
-        self._unit = speed or 1.0
+        self._unit, self.work = speed or 1.0, 0
         self._smoothing = SMOOTHING_OF_ROLLERS if rollers else SMOOTHING
 
     def minimize(self, rows: Floats, targets: Floats, loads: Floats, start: Floats) -> tuple[Floats, NDArray[np.bool_]]:
@@ -92,6 +97,7 @@ class ManyTwists:
         aims, weights = targets, loads
         for _ in range(STEPS):
             x = found[at]
+            self.work += EACH_STEP + len(at) * (SMALLEST + flat.shape[1] * flat.shape[2] ** 2)
             step, forces = self._step(flat, aims, weights, x, forces, smoothing)
             found[at] = x + self._downhill(flat, aims, weights, x, step, smoothing)
             sizes = np.abs(step).max(axis=1)
@@ -199,9 +205,8 @@ class MovingTwists:
 
     @property
     def work(self) -> int:
-        """What a problem costs, in multiplications of a Newton step; the speeds of rollers are unknowns too."""
-        wheels = self._model.wheels
-        return SMALLEST + (4 * wheels * (3 + wheels) ** 2 if self._turns else 18 * wheels)
+        """What all Newton steps so far cost, in multiplications; the speeds of rollers are unknowns too."""
+        return self._twists.work
 
     def remember(self, twists: Floats, paths: NDArray[np.int_]) -> None:
         """Begin at twists (m, 3) on the paths of these numbers (m,)."""

@@ -25,7 +25,7 @@ from nonsmooth.symbolic.scene import Scene
 
 MOST_MINIMA = 10_000  # proved minimizations in all: a few seconds; what still moves then stays unknown
 SMALLEST = 50  # minimizations that take as long as what every call costs, however few points it has
-MOST_WORK = 600_000_000  # smoothed minimizations times multiplications of a step: a few seconds too
+MOST_WORK = 2_400_000_000  # multiplications of all steps of smoothed minimizations: under ten seconds
 MOST_FACES = 1_000  # points at which several motions tie, as they may by symmetry; more, and nothing is determined
 CROSSINGS = 8.0  # of the square at the largest speed of the starts: how long the first stretch of time is
 STRETCHES = 5  # of time, each twice as long as the one before
@@ -71,7 +71,7 @@ class _Field:
 
     def __init__(self, scene: Scene, rule: SmoothRule, paths: int) -> None:
         self._scene, self._rule = scene, rule
-        self._left, self._faces, self._work = MOST_MINIMA, MOST_FACES, MOST_WORK
+        self._left, self._faces = MOST_MINIMA, MOST_FACES
         self._model = rule.contacts(scene)
         self._moving = MovingTwists(self._model, paths)
         self.fastest = 0.0  # of the starts
@@ -112,8 +112,7 @@ class _Field:
         Raises:
             UndeterminedError, _EnoughError: see :meth:`__call__`.
         """
-        self._work -= len(points) * self._moving.work
-        if self._work < 0:
+        if self._moving.work > MOST_WORK:
             raise _EnoughError
         twists, settled = self._moving.at(points, paths)
         if not settled.all():

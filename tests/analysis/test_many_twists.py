@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from nonsmooth.analysis.contact_rule import smooth_rule_of
-from nonsmooth.analysis.minimizers.many_twists import MovingTwists
+from nonsmooth.analysis.minimizers.many_twists import EACH_STEP, MovingTwists
+from nonsmooth.analysis.trajectories import smooth_ends as smooth_ends_module
+from nonsmooth.analysis.trajectories.smooth_ends import LEFT, MOVING, smooth_ends
 from nonsmooth.symbolic.files.scene_file import load_scene
 
 POINTS = 40
@@ -42,3 +44,31 @@ def test_paths_keep_their_own_twists() -> None:
     found, settled = moving.at(points[odd], odd)
     assert settled.all()
     assert np.abs(found - proved[odd]).max() <= ERRORS["ellipse"]
+
+
+def test_a_step_counts_as_work_however_few_bodies_take_it() -> None:
+    """What a call costs is that of its Newton steps: one body alone takes hardly less time than many together."""
+    scene = load_scene("mecanum-4", rule="roller").recentred()
+    smooth = smooth_rule_of(scene)
+    points = np.random.default_rng(5).uniform(-0.4, 0.4, (POINTS, 2)) * float(scene.check.radius)
+    spent = []
+    for count in (1, POINTS):
+        moving = MovingTwists(smooth.contacts(scene), count)
+        moving.remember(smooth.minima(scene, points[:count]).twists, np.arange(count))
+        for turn in range(10):
+            moving.at(points[:count] * (1 - 0.01 * turn), np.arange(count))
+        spent.append(moving.work)
+    assert spent[0] >= 10 * EACH_STEP
+    assert spent[0] < spent[1] < POINTS * spent[0]
+
+
+def test_paths_end_when_their_work_is_spent(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The same starts with less work: those that still moved are said to, and no other end changes."""
+    scene = load_scene("conveyor-3", rule="roller").recentred()
+    starts = np.random.default_rng(6).uniform(-0.9, 0.9, (9, 2)) * float(scene.check.radius)
+    whole = smooth_ends(scene, starts)
+    monkeypatch.setattr(smooth_ends_module, "MOST_WORK", 20 * EACH_STEP)
+    short = smooth_ends(scene, starts)
+    assert (short.reached == MOVING).any()
+    ended = short.reached == LEFT
+    assert (whole.reached[ended] == LEFT).all()
