@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -11,7 +12,7 @@ from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.equilibria import find_equilibria
 from nonsmooth.analysis.cells.loads import load_regions
 from nonsmooth.analysis.cells.partition import Partition, RefusalError, affordable
-from nonsmooth.analysis.cells.polygon import Point
+from nonsmooth.analysis.cells.polygon import Point, convex_polygon
 from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
 from nonsmooth.proofs.answers.answer import Position
 from nonsmooth.proofs.answers.destinations import sampled_destinations, shares_at
@@ -33,6 +34,8 @@ from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
 _RANK = {Position.COMES_HOME: 0, Position.STAYS_NEAR: 1, None: 1, Position.UNDECIDED: 2, Position.LEAVES: 3}
 DENOMINATORS = (1, 10, 100, 1_000)  # of the coordinates that are tried under a rule without cells
+SHORT_BITS = 256  # of a coordinate; the numbers of measured tables have about fifty
+MIDDLE_DIGITS = (2, 4, 8)  # of the middle of an area, below the half side of the square; tried in turn
 _HALVINGS = 6  # of the square about a point near the border of the support polygon
 _NONE_FOUND = "--at auto: required a rest point in the checked square, found none"
 
@@ -138,10 +141,30 @@ def _disc(found: AnyTranslation) -> Number | None:
 
 
 def _middle(scene: Scene, place: RestPoint) -> Vector:
-    """The mean of the corners, in the numbers of the scene."""
-    share = Fraction(1, len(place.points))
-    x, y = (_carried_out(scene, [point[k] for point in place.points]) * share for k in (0, 1))
+    """The mean of the corners, in the numbers of the scene; in an area whose corners are long, a short point beside it.
+
+    Corners of areas may have thousands of digits, and every number of a check at their mean has as many.
+    """
+    corners = place.points
+    if len(corners) > 2 and any(isinstance(x, Lazy) or x.size_bits > SHORT_BITS for point in corners for x in point):
+        near = _short_middle(scene, corners)
+        if near is not None:
+            return near
+    share = Fraction(1, len(corners))
+    x, y = (_carried_out(scene, [point[k] for point in corners]) * share for k in (0, 1))
     return x, y
+
+
+def _short_middle(scene: Scene, corners: tuple[Point, ...]) -> Vector | None:
+    """The mean of the corners of an area, rounded to as few decimals as leave it inside; None where too many would."""
+    area, scale = convex_polygon(corners), math.floor(math.log10(float(scene.check.radius)))
+    middle = [sum(float(point[k]) for point in corners) / len(corners) for k in (0, 1)]
+    for digits in MIDDLE_DIGITS:
+        step = Fraction(10) ** (scale - digits)
+        near = scene.field(round(middle[0] / step) * step), scene.field(round(middle[1] / step) * step)
+        if area.contains(near):
+            return near
+    return None
 
 
 def _carried_out(scene: Scene, values: list[Number | Lazy]) -> Number:
