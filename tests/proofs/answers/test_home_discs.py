@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from pathlib import Path
 from random import Random
@@ -14,6 +15,8 @@ from nonsmooth.proofs.answers.answer import Position
 from nonsmooth.proofs.answers.answers import answers_of
 from nonsmooth.proofs.answers.best_point import best_point
 from nonsmooth.proofs.theorem4 import check_theorem4
+from nonsmooth.reports.cli import app
+from nonsmooth.reports.console import run
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
 from tests.oracles.small_steps import Contacts
@@ -110,3 +113,36 @@ def test_discs_of_measured_tables_at_their_best_points(seed: int, tmp_path: Path
     file = tmp_path / "table.toml"
     file.write_text(measured_table(seed), encoding="utf-8")
     compare(best_point(load_scene(str(file))).scene)
+
+
+# Two groups of four wheels in one scene, rims to the middle of their own group: under rule nearest each middle
+# attracts, that of the wider group from farther away.
+TWO_MIDDLES = [(-4, 0, 1), (4, 0, 3)]  # x and y of the middle, half the side of the group
+
+
+def two_middles(path: Path) -> Scene:
+    lines = ["friction = { mu_roll = 0.8, mu_side = 0.4 }", "check = { radius = 8 }"]
+    for x, y, half in TWO_MIDDLES:
+        for right, up in ((1, 1), (-1, 1), (-1, -1), (1, -1)):
+            place, heading = (x + half * right, y + half * up), (-right, -up)
+            lines.append(f"[[wheel]]\nposition = {list(place)}\nheading = {list(heading)}\nspeed = 1")
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return load_scene(str(path))
+
+
+def test_auto_takes_the_largest_disc_and_names_the_others(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Each place of rest is checked alone at the same radius: none that comes home has a larger disc than the first."""
+    scene = two_middles(tmp_path / "two.toml")
+    chosen = best_point(scene)
+    home = [point for point in chosen.found if point.position is Position.COMES_HOME]
+    assert len(home) >= 2
+    discs = [answered(scene.checked_at(point.points[0], scene.check.radius)) for point in home]
+    sizes = [0.0 if disc is None else disc[0] for disc in discs]
+    assert sizes == sorted(sizes, reverse=True)
+    assert sizes[0] > sizes[1]
+    assert chosen.scene.check.equilibrium == home[0].points[0]
+    assert [0.0 if point.within is None else float(point.within) for point in home] == sizes
+    assert run(app, ["check", str(tmp_path / "two.toml"), "--at", "auto", "--json"]) in {0, 1, 3}
+    said = json.loads(capsys.readouterr().out)["answers"]
+    assert [point["within"] for point in said["rest_points"]][: len(sizes)] == [size or None for size in sizes]
+    assert said["rest_points"][0]["within"] == said["position"]["within"]
