@@ -24,7 +24,7 @@ SMOOTHING_OF_ROLLERS = 1e-4  # the same where D is linear in pieces, and its lea
 COARSE = 1e-2  # g up to which a twist that settled counts, where it does not with less
 SETTLED = 1e-7  # step after which it ends, in the same unit
 SMALLEST = 2_000  # multiplications that take as long as what every problem costs, however few contacts it has
-EACH_STEP = 100_000  # the same of a step, however few problems take it
+EACH_STEP = 150_000  # the same of a step, however few problems take it
 REGULAR = 1e-13  # multiple of the identity beside a Hessian, of its trace
 
 

@@ -25,7 +25,7 @@ from nonsmooth.symbolic.scene import Scene
 
 MOST_MINIMA = 10_000  # proved minimizations in all: a few seconds; what still moves then stays unknown
 SMALLEST = 50  # minimizations that take as long as what every call costs, however few points it has
-MOST_WORK = 2_400_000_000  # multiplications of all steps of smoothed minimizations: under ten seconds
+MOST_WORK = 6_500_000_000  # multiplications of all steps of smoothed minimizations: some thirteen seconds
 MOST_FACES = 1_000  # points at which several motions tie, as they may by symmetry; more, and nothing is determined
 CROSSINGS = 8.0  # of the square at the largest speed of the starts: how long the first stretch of time is
 STRETCHES = 5  # of time, each twice as long as the one before
