@@ -570,6 +570,23 @@ def edge_of_doubt(found: Coefficients, corners: Sequence[Generator]) -> tuple[in
     return (first, second) if lowest[second] else None
 
 
+def edge_across(found: Coefficients, corners: Sequence[Generator]) -> tuple[int, int] | None:
+    """The edge across from the checked point, where the terms of lowest order there do not show the sign.
+
+    These are the terms with the largest power of the point's coordinate.  They decide near the point, on every ray from
+    it, and no part of the triangle that keeps both rays shows more than the triangle does: only narrower cones help.
+    None where the point is no corner, and where these terms show the sign.
+    """
+    at = next((k for k, corner in enumerate(corners) if is_origin(corner)), None)
+    if at is None or len(corners) < 3:
+        return None
+    lowest = max((exponents[at] for exponents, own in found.items() if own), default=0)
+    if all(own >= 0 for exponents, own in found.items() if exponents[at] == lowest):
+        return None
+    first, second = (k for k in range(3) if k != at)
+    return first, second
+
+
 def longest_edge(corners: Sequence[Generator]) -> tuple[int, int]:
     """Where the plane is drawn into a square."""
     BUDGET.spend_on(6, (entry for corner in corners for entry in corner), 4)
@@ -603,7 +620,8 @@ def _shown(place: Generator) -> tuple[Fraction, Fraction]:
 def proved_sign(value: Polynomial, corners: Sequence[Generator], *, strict: bool) -> bool:
     """Whether ``value >= 0``, or ``> 0`` except at the checked point, is shown on a simplex within the limits.
 
-    Where to cut follows from the coefficients, but for every fourth cut, which halves the longest edge.
+    Where to cut follows from the coefficients (:func:`edge_across`, :func:`edge_of_doubt`), but for every fourth cut
+    of other parts, which halves the longest edge.
     """
     waiting = deque([(tuple(corners), 0)])
     for _ in range(MAX_PARTS):
@@ -615,7 +633,7 @@ def proved_sign(value: Polynomial, corners: Sequence[Generator], *, strict: bool
             continue
         if fails_at_corner(found, value.degree, part, strict=strict):
             return False
-        edge = edge_of_doubt(found, part) if depth % 4 < 3 else None
+        edge = edge_across(found, part) or (edge_of_doubt(found, part) if depth % 4 < 3 else None)
         waiting.extend((half, depth + 1) for half in parts_of(part, edge or longest_edge(part)))
     return not waiting
 

@@ -7,6 +7,7 @@ import random
 import subprocess
 import sys
 from collections.abc import Callable
+from fractions import Fraction
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -58,6 +59,31 @@ def test_region_and_rate_are_shown_and_larger_ones_are_not() -> None:
     assert "border" in check_certificate({**record, "level": "257/1024"})
     assert check_certificate({**record, "rate": {"kind": "exponential", "kappa": "17/4"}})
     assert check_certificate({**record, "rate": None, "level": None}) == ""
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_narrow_forms_with_small_higher_terms_are_decided(seed: int) -> None:
+    """``l^2/n + m^2 + g`` in random directions l, m: by values at many points of fine polar grids, not by cones."""
+    rng = random.Random(seed)
+    turn, thin = rng.uniform(0, np.pi), Fraction(1, rng.choice([20, 100, 400]))
+    c, s = (Fraction(round(64 * own(turn)), 64) for own in (np.cos, np.sin))
+    form = {(2, 0): c * c * thin + s * s, (1, 1): 2 * c * s * (thin - 1), (0, 2): s * s * thin + c * c}
+    higher = {(i, 4 - i): thin * Fraction(rng.randint(-8, 8), 8) for i in range(5)}
+    polynomial = system_checker.Polynomial({**form, **higher})
+    corners = tuple((Fraction(x), Fraction(y), Fraction(1)) for x, y in ((0, 0), (1, 0), (1, 1)))
+    angles, sizes = np.linspace(0, np.pi / 4, 4001)[:, None], np.linspace(0.001, 1, 400)[None]
+    x, y = sizes + 0 * angles, sizes * np.tan(angles)
+    least = (sum(float(own) * x**i * y**j for (i, j), own in polynomial.terms.items()) / (x * x + y * y)).min()
+    system_checker.BUDGET.left = system_checker.MAX_WORK // 4
+    found = system_checker.proved_sign(polynomial, corners, strict=True)
+    assert found == (least > 0) or abs(least) < 1e-3 * float(thin)
+
+
+def test_a_viscous_pendulum_has_a_certificate_with_its_rate() -> None:
+    """``V' <= -7/16 V`` is a form close to zero along one direction, with terms of order four."""
+    record = certificate_of(ns.System(["phi", "v"], ["v", "-sin(phi) - v"], radius="1/2"))
+    assert record["rate"] == {"kind": "exponential", "kappa": "7/16"}
+    assert check_certificate(record) == ""
 
 
 def test_arbitrary_switching_and_growth() -> None:
