@@ -42,6 +42,20 @@ class ProvedDecay:
     def __str__(self) -> str:
         return self.decay.value.format(self.kappa)
 
+    def scales(self, examination: Examination) -> bool:
+        """Whether the rate on the cube is one on the whole space: V and V' are forms, of the degrees of the rate.
+
+        ``V' <= -kappa V`` scales where V' has the degree of V, ``V' <= -kappa`` where it has degree 0.
+        """
+        if not examination.is_homogeneous:
+            return False
+        for inequality in falling(examination):
+            falls = with_values(inequality.question.condition, inequality.mu).constant
+            degrees = {sum(e) for own in (falls, _target(self.decay, inequality.question)) for e, c in own.items() if c}
+            if len(degrees) != 1:
+                return False
+        return True
+
     def check(self, examination: Examination) -> bool:
         """Verify every inequality again."""
         asked = list(rate_conditions(examination, self.decay, self.kappa))

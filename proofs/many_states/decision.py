@@ -36,6 +36,7 @@ from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.stability_result import StabilityResult
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
+from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.piecewise import parse_piecewise
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
@@ -67,6 +68,13 @@ class ManyStateResult(StabilityResult):
         """The V that shows stability, where the verdict is that or stronger."""
         stable = (Translation.ASYMPTOTICALLY_STABLE, Translation.STABLE)
         return self.evidence.proving if self.verdict in stable else None
+
+    @property
+    def rate_radius(self) -> Number | None:
+        """Half the side of the cube on which the rate holds; None without a rate, and where it holds everywhere."""
+        if self.rate is None or self.proving is None or self.rate.scales(self.proving.examination):
+            return None
+        return self.proving.radius
 
     @property
     def everywhere(self) -> bool:

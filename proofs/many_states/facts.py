@@ -7,13 +7,12 @@ from fractions import Fraction
 
 from nonsmooth.proofs.facts import Fact, Quantity, row_fact, text_fact, unsaid
 from nonsmooth.proofs.many_states.audit import ManyStateAudit
-from nonsmooth.proofs.many_states.decay import ProvedDecay
 from nonsmooth.proofs.many_states.decision import ManyStateResult
 from nonsmooth.proofs.many_states.examination import FailurePoint
 from nonsmooth.proofs.many_states.examined_lyapunov import ExaminedLyapunov
 from nonsmooth.proofs.many_states.sublevel import SublevelSet
 from nonsmooth.proofs.systems.stability_result import stability_facts
-from nonsmooth.proofs.systems.system_facts import rewriting_words
+from nonsmooth.proofs.systems.system_facts import displacement_facts, rewriting_words
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.number_text import brief_text
 from nonsmooth.symbolic.scene_error import one_line
@@ -28,6 +27,7 @@ def many_state_facts(result: ManyStateResult) -> Iterator[Fact]:
         "equilibrium",
         (text_fact("verdict", str(equilibrium), "equilibrium"), Fact("at", Quantity(check.equilibrium))),
     )
+    yield from displacement_facts(result.scene)
     if result.scene.written or result.scene.others:
         yield row_fact("field", rewriting_words(result.scene))
     named = evidence.named
@@ -47,7 +47,7 @@ def many_state_facts(result: ManyStateResult) -> Iterator[Fact]:
     if result.region is not None:
         yield row_fact("region", region_words(result.region, result.scene.states))
     if result.rate is not None:
-        yield row_fact("rate", str(result.rate))
+        yield row_fact("rate", rate_words(result))
 
 
 def domain_words(function: ExaminedLyapunov) -> str:
@@ -79,7 +79,7 @@ def _potential(result: ManyStateResult) -> Iterator[Fact]:
         yield from _conditions(shown)
     yield Fact("proves", proving is not None)
     yield Fact("region", None if result.region is None else _region_record(result.region, result.scene.states))
-    yield Fact("rate", None if result.rate is None else _rate_record(result.rate))
+    yield Fact("rate", _rate_record(result))
     own = named if proving is not None and named is not proving else None
     yield Fact("tried", None if own is None else unsaid(_conditions(own)))
 
@@ -104,8 +104,30 @@ def _region_record(region: SublevelSet, states: tuple[str, ...]) -> dict[str, ob
     }
 
 
-def _rate_record(rate: ProvedDecay) -> dict[str, object]:
-    return {"kind": rate.decay.name.lower(), "kappa": Quantity(rate.kappa), "text": str(rate)}
+def rate_words(result: ManyStateResult) -> str:
+    """How fast V falls where that is proved, and what that says of the starts whose solutions stay there."""
+    rate = result.rate
+    if rate is None:
+        raise TypeError("required a result with a rate")
+    if result.rate_radius is None:
+        return f"{rate} on the whole space: {rate.decay.on_starts(rate.kappa, 'every start')}"
+    where = f"{rate} on {_cube(result.scene.states, result.rate_radius)}"
+    if result.region is None:
+        return f"{where}, as long as a solution stays there"
+    return f"{where}: {rate.decay.on_starts(rate.kappa, f'every start with V < {result.region.level} there')}"
+
+
+def _rate_record(result: ManyStateResult) -> dict[str, object] | None:
+    rate, radius = result.rate, result.rate_radius
+    if rate is None:
+        return None
+    within = {
+        "radius": Quantity(radius),
+        "level": Quantity(None if result.region is None else result.region.level),
+        "text": "the whole space" if radius is None else _cube(result.scene.states, radius),
+    }
+    kind = rate.decay.name.lower()
+    return {"kind": kind, "kappa": Quantity(rate.kappa), "text": rate_words(result), "within": within}
 
 
 def _witness(failure: FailurePoint | None) -> Fact:
@@ -122,8 +144,7 @@ def many_state_audit_facts(result: ManyStateAudit) -> Iterator[Fact]:
     yield Fact("V", result.lyapunov, str(result.verdict), row=f"V = {one_line(result.lyapunov)}")
     yield Fact("verdict", str(result.verdict))
     yield text_fact("reason", result.reason, "because")
-    if result.function is not None:
-        yield row_fact("on", domain_words(result.function))
+    yield Fact("domain") if result.function is None else text_fact("domain", domain_words(result.function), "on")
     if result.proves is not None:
         yield row_fact("shows", f"the equilibrium is {result.proves}")
     yield _witness(None if result.function is None else result.function.examination.failure)

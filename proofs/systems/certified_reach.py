@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from nonsmooth.analysis.cells.region import Region
 from nonsmooth.analysis.cells.switched_cells import (
@@ -12,7 +13,7 @@ from nonsmooth.analysis.cells.switched_cells import (
     square_regions,
     system_cells,
 )
-from nonsmooth.proofs.systems.decay_rate import DecayRate, decay_rate
+from nonsmooth.proofs.systems.decay_rate import DecayRate, RegionRate, decay_rate, region_rate
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, inhabited
 from nonsmooth.proofs.systems.disturbance_gain import DisturbanceGain, disturbance_gain
 from nonsmooth.proofs.systems.domain import Domain
@@ -37,27 +38,48 @@ def cells_of_square(scene: SwitchedSystem) -> tuple[LyapunovCell, ...]:
     return scene_cells(scene, square_regions(scene.check.radius))
 
 
+@dataclass(frozen=True)
+class Reach:
+    """How far and how fast a proved V carries; None for what is not proved.
+
+    Attributes:
+        near: starts that stay in the square on which V is proved and reach the point.
+        region: the most starts that are certified to reach the point: these, or more in the checked square.
+        rate: of V on the square on which it is proved, hence from the starts of ``near``.
+        region_rate: of V on the region, where that is larger than ``near``.
+        gain: of a disturbance, on the square on which V is proved.
+    """
+
+    near: SublevelRegion | None = None
+    region: SublevelRegion | None = None
+    rate: DecayRate | None = None
+    region_rate: RegionRate | None = None
+    gain: DisturbanceGain | None = None
+
+
 def certified_reach(
     scene: SwitchedSystem,
     certificate: LyapunovResult | None,
     domain: Domain | None,
     searched: SearchedLyapunov | None,
-) -> tuple[SublevelRegion | None, DecayRate | None, DisturbanceGain | None]:
-    """Region, rate and gain of a V that is proved on a square; on the plane the region is the plane."""
+) -> Reach:
+    """The reach of a V that is proved on a square; on the plane the region is the plane."""
     if certificate is None or domain is None or domain.radius is None:
-        return None, None, None
+        return Reach()
     if not axes_are_crossed_within(scene, scene.check.radius):
-        return None, None, None
-    region = None
-    if searched is None and domain.radius != scene.check.radius:
-        region = largest_sublevel(inhabited(cells_of_square(scene)), scene.check.radius, falls=False)
-    region = region or largest_sublevel(certificate.cells, domain.radius)
-    region = _higher(region, _beyond(scene, domain, searched))
-    scaled = scene.scale is not None or scene.by_roots is not None  # a scaled field has another rate
-    rate = None if scaled else decay_rate(certificate.cells)
+        return Reach()
+    near = largest_sublevel(certificate.cells, domain.radius)
+    far = _beyond(scene, domain, searched)
+    region = near if far is None or (near is not None and near.level >= far.level) else far
+    if scene.scale is not None or scene.by_roots is not None:  # a scaled field has another rate
+        return Reach(near, region)
+    rate = decay_rate(certificate.cells)
     if rate is None:
-        return region, None, None
-    return region, rate, disturbance_gain(certificate.cells, domain.radius, rate, region)
+        return Reach(near, region)
+    gain = disturbance_gain(certificate.cells, domain.radius, rate, near)
+    if region is None or region is near:
+        return Reach(near, region, rate, None, gain)
+    return Reach(near, region, rate, region_rate(cells_of_checked_square(scene, searched), region), gain)
 
 
 def cells_of_checked_square(scene: SwitchedSystem, searched: SearchedLyapunov | None) -> tuple[LyapunovCell, ...]:
@@ -68,22 +90,17 @@ def cells_of_checked_square(scene: SwitchedSystem, searched: SearchedLyapunov | 
 
 
 def _beyond(scene: SwitchedSystem, domain: Domain, searched: SearchedLyapunov | None) -> SublevelRegion | None:
-    """The largest level in the checked square of a searched V that falls on a smaller one.
+    """The largest level in the checked square of a V that is proved to fall on a smaller one.
 
-    None where V bends, and where its derivative has a high degree, as that of enclosed sines.
+    None where V bends, and for a V that was searched where its derivative has a high degree, as that of enclosed sines.
     """
-    if searched is None or domain.radius == scene.check.radius or scene.waves:
+    if domain.radius == scene.check.radius or (searched is not None and scene.waves):
         return None
     cells = cells_of_checked_square(scene, searched)
+    if searched is None:
+        return largest_sublevel(cells, scene.check.radius, falls=False)
     short = all(rate.degree <= MOST_DEGREE for cell in cells for rate in cell.rates)
     return largest_sublevel(cells, scene.check.radius, falls=False) if cells and short else None
-
-
-def _higher(first: SublevelRegion | None, second: SublevelRegion | None) -> SublevelRegion | None:
-    """The larger of two regions of one V."""
-    if first is None or second is None:
-        return first or second
-    return second if second.level > first.level else first
 
 
 def arrives_in_finite_time(

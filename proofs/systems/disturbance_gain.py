@@ -39,10 +39,12 @@ DENOMINATOR = 64  # of gamma
 class DisturbanceGain:
     """A proved gain.
 
+    It holds on the square on which V and its rate are proved.
+
     Attributes:
         gamma: of the disturbance.
         rate: of V without it.
-        level: of the certified region; None where there is none.
+        level: of the region that is certified on that square; None where there is none.
     """
 
     gamma: Fraction
@@ -63,16 +65,19 @@ class DisturbanceGain:
         return None if self.rate.decay is DecayKind.FINITE else self.gamma / self.rate.kappa
 
     def __str__(self) -> str:
+        return f"with x' in F + d: {self.rate} + {self.gamma} abs(d)"
+
+    @property
+    def on_starts(self) -> str:
+        """What it says of starts below the level; empty without one."""
         kappa, gamma = self.rate.kappa, self.gamma
-        falls = f"-{kappa}" if self.rate.decay is DecayKind.FINITE else f"-{kappa} V"
-        law = f"with x' in F + d: V' <= {falls} + {gamma} abs(d)"
         if self.largest is None:
-            return law
+            return ""
         if self.rate.decay is DecayKind.FINITE:
             ends = f"arrives all the same, within V/({kappa} - {gamma} delta)"
         else:
             ends = f"ends in V <= {self.ultimate} delta"
-        return f"{law}; where abs(d) <= delta < {self.largest} every start with V < {self.level} {ends}"
+        return f"where abs(d) <= delta < {self.largest} every start with V < {self.level} there {ends}"
 
     def check(self, cells: Sequence[LyapunovCell], radius: Number) -> bool:
         """Verify every inequality again."""
@@ -88,7 +93,7 @@ def disturbance_gain(
         cells: of the square, with one field each.
         radius: half the side of the square.
         rate: proved on these cells.
-        region: certified with this V on this square; None without.
+        region: certified with this V, which falls on all of this square; None without.
 
     Returns:
         None where no gain is proved, and under arbitrary switching.
@@ -99,7 +104,7 @@ def disturbance_gain(
     for share in SHARES:
         gamma = Fraction(int(needed * share * DENOMINATOR) + 1, DENOMINATOR)
         if _holds(cells, rate, gamma, radius):
-            return DisturbanceGain(gamma, rate, None if region is None or not region.falls else region.level)
+            return DisturbanceGain(gamma, rate, None if region is None else region.level)
     return None
 
 

@@ -30,6 +30,7 @@ from nonsmooth.proofs.systems.lyapunov_rows import Floats, Sides, build_sides, v
 from nonsmooth.proofs.systems.rising_points import first_rise, where_inside
 from nonsmooth.proofs.systems.sublevel_region import SublevelRegion, largest_sublevel
 from nonsmooth.symbolic.notebook import html_table
+from nonsmooth.symbolic.number_text import brief_text
 from nonsmooth.symbolic.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.scene_error import one_line
 from nonsmooth.symbolic.switched_system import SwitchedSystem, require_plane
@@ -60,10 +61,14 @@ class LargerRegion:
     region: SublevelRegion
 
     def __repr__(self) -> str:
-        return f"{self.region} with V = {one_line(self.formula.text)}"
+        return f"{self._starts} with V = {one_line(self.formula.text)}"
+
+    @property
+    def _starts(self) -> str:
+        return f"{self.region} on the square of half-width {brief_text(self.region.radius)} about the point"
 
     def _repr_html_(self) -> str:
-        rows = [(one_line(self.formula.text), str(self.region))]
+        rows = [(one_line(self.formula.text), self._starts)]
         return html_table("certified region", ("V", "every start there reaches the point"), rows)
 
     def check(self, system: SwitchedSystem) -> bool:

@@ -24,7 +24,7 @@ from nonsmooth.analysis.contact_rule import CellRule, rule_of
 from nonsmooth.proofs.inequalities.strata import Refutation
 from nonsmooth.proofs.systems.denominators import require_denominators
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine, inhabited
-from nonsmooth.proofs.systems.domain import domains
+from nonsmooth.proofs.systems.domain import Domain, domain_names, domains
 from nonsmooth.proofs.systems.invariance import Staying, decide_staying
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.files.system_file import parse_lyapunov
@@ -72,6 +72,14 @@ class AuditResult(ShortRepr):
     reason: str
     witness: Refutation | None
     result: LyapunovResult | None
+
+    @property
+    def domain_text(self) -> str:
+        """Where V is looked at, in words: the checked square, or the plane."""
+        if not isinstance(self.scene, SwitchedSystem):
+            return Domain(self.scene.check.radius).text(PLANE)
+        formula = parse_lyapunov(self.lyapunov, self.scene.states, self.scene.origin, KEY)
+        return domain_names(self.scene, formula)[0].text(self.scene.states)
 
     def _repr_html_(self) -> str:
         rows = [(self.lyapunov, self.verdict, self.proves or "nothing", self.reason)]

@@ -169,16 +169,27 @@ def _violation(cells: Sequence[LyapunovCell], radius: Number, level: Fraction, *
             if found is not None:
                 return LevelViolation(found)
     for cell in () if falls else cells:
-        region = replace(cell.region, guards=(*cell.region.guards, -cell.potential + level))
         for rate in cell.rates:
-            if _falls_along_rays(rate, cell.potential, level, cell.region):
-                continue
-            outcome = prove(Sense.NEGATIVE, rate, region, except_origin=True)
-            if isinstance(outcome, Counterexample):
-                return LevelViolation((outcome.point[0], outcome.point[1]))
-            if not isinstance(outcome, Proof) and not _falls_by_factors(rate, region):
-                return LevelViolation(None)
+            violation = rise_below(rate, cell, level)
+            if violation is not None:
+                return violation
     return None
+
+
+def below(cell: LyapunovCell, level: Fraction) -> Region:
+    """The part of a closed cell where ``V <= level``."""
+    return replace(cell.region, guards=(*cell.region.guards, -cell.potential + level))
+
+
+def rise_below(rate: Polynomial, cell: LyapunovCell, level: Fraction) -> LevelViolation | None:
+    """Why a polynomial is not shown to be negative, off the point, where ``V < level``; None where it is shown."""
+    if _falls_along_rays(rate, cell.potential, level, cell.region):
+        return None
+    outcome = prove(Sense.NEGATIVE, rate, below(cell, level), except_origin=True)
+    if isinstance(outcome, Counterexample):
+        return LevelViolation((outcome.point[0], outcome.point[1]))
+    shown = isinstance(outcome, Proof) or _falls_by_factors(rate, below(cell, level))
+    return None if shown else LevelViolation(None)
 
 
 def _falls_along_rays(rate: Polynomial, potential: Polynomial, level: Fraction, region: Region) -> bool:

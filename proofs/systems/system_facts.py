@@ -9,9 +9,8 @@ from collections.abc import Iterator
 
 from nonsmooth.proofs.facts import Fact, Quantity, row_fact, text_fact, unsaid
 from nonsmooth.proofs.inequalities.strata import Refutation
-from nonsmooth.proofs.systems.decay_rate import DecayRate
+from nonsmooth.proofs.systems.decay_rate import DecayKind
 from nonsmooth.proofs.systems.derivatives import LyapunovResult, Supremum
-from nonsmooth.proofs.systems.disturbance_gain import DisturbanceGain
 from nonsmooth.proofs.systems.domain import Domain
 from nonsmooth.proofs.systems.lyapunov_audit import AuditResult
 from nonsmooth.proofs.systems.stability_result import stability_facts
@@ -36,24 +35,36 @@ def system_facts(result: SystemResult) -> Iterator[Fact]:
     proving, check, states = result.proving, result.scene.check, result.scene.states
     holds = text_fact("verdict", str(result.equilibrium), "equilibrium")
     yield Fact("equilibrium", (holds, Fact("at", Quantity(check.equilibrium))))
+    yield from displacement_facts(result.scene)
     if result.scene.written or result.scene.others:
         yield row_fact("field", rewriting_words(result.scene))
     if proving is not result.lyapunov:
         reason = f"{result.lyapunov.reason} (on {result.reported_domain.text(states)})"
         yield row_fact(f"tried: V = {one_line(check.lyapunov.text)}", reason)
+    if proving is not None and result.domain is not None:  # before what is said of this V on this domain
+        yield row_fact("with", f"V = {proving_text(result)}")
+        yield row_fact("on", result.domain.text(states))
     yield Fact("lyapunov", tuple(_potential(result)))
     yield Fact("translation", tuple(stability_facts(result, everywhere=result.everywhere)))
     if result.scene.by_roots is not None:
         yield _roots(result, result.scene.by_roots.roots)
-    if proving is not None and result.domain is not None:
-        yield row_fact("with", f"V = {proving_text(result)}")
-        yield row_fact("on", result.domain.text(states))
     if result.region is not None:
         yield row_fact("region", region_words(result.region, states))
     if result.rate is not None:
-        yield row_fact("rate", str(result.rate))
+        yield row_fact("rate", rate_words(result))
+    if result.region_rate is not None:
+        yield row_fact("rate farther out", region_rate_words(result))
     if result.gain is not None:
-        yield row_fact("disturbed", str(result.gain))
+        yield row_fact("disturbed", gain_words(result))
+
+
+def displacement_facts(scene: SwitchedSystem) -> Iterator[Fact]:
+    """Where V, domains and regions are measured from, unless that is the origin."""
+    point = scene.check.equilibrium
+    if any(point):
+        place = ", ".join("{}" for _ in point)
+        words = f"the checked point ({place}): in V and in domains the states stand for their distances from it"
+        yield row_fact("measured from", words, *point)
 
 
 def _roots(result: SystemResult, roots: SignedRoots) -> Fact:
@@ -100,8 +111,8 @@ def _potential(result: SystemResult) -> Iterator[Fact]:
         yield from _conditions(proving)
     yield Fact("proves", proving is not None)
     yield Fact("region", None if result.region is None else _region_record(result.region, result.scene.states))
-    yield Fact("rate", None if result.rate is None else _rate_record(result.rate))
-    yield Fact("gain", None if result.gain is None else _gain_record(result.gain))
+    yield Fact("rate", _rate_record(result))
+    yield Fact("gain", _gain_record(result))
     if proving is None or proving is result.lyapunov:
         yield Fact("tried")
         return
@@ -114,10 +125,14 @@ def _potential(result: SystemResult) -> Iterator[Fact]:
     yield Fact("tried", unsaid(own))
 
 
+def reached_words(region: SublevelRegion, states: tuple[str, ...]) -> str:
+    """What is certified of a sublevel set of V."""
+    return f"every start with {region} within {Domain(region.radius).text(states)} reaches the equilibrium"
+
+
 def region_words(region: SublevelRegion, states: tuple[str, ...]) -> str:
-    """What is certified of a sublevel set of V, and what refutes a larger one."""
-    inside = Domain(region.radius).text(states)
-    reached = f"every start with {region} within {inside} reaches the equilibrium"
+    """The same, and what refutes a larger one."""
+    reached = reached_words(region, states)
     if region.point is None:
         return f"{reached}; V < {region.refuted} is not decided"
     where = place_text(region.point, 5)
@@ -136,17 +151,75 @@ def _region_record(region: SublevelRegion, states: tuple[str, ...]) -> dict[str,
     }
 
 
-def _rate_record(rate: DecayRate) -> dict[str, object]:
-    return {"kind": rate.decay.name.lower(), "kappa": Quantity(rate.kappa), "text": str(rate)}
+def rate_words(result: SystemResult) -> str:
+    """How fast V falls on its domain, and what that says of the starts whose solutions stay there."""
+    rate, domain, near = result.rate, result.domain, result.near
+    if rate is None or domain is None:
+        raise TypeError("required a result with a rate")
+    where = f"{rate} on {domain.text(result.scene.states)}"
+    if near is None:
+        return f"{where}, as long as a solution stays there"
+    return f"{where}: {rate.decay.on_starts(rate.kappa, f'every start with V < {near.level} there')}"
 
 
-def _gain_record(gain: DisturbanceGain) -> dict[str, object]:
+def region_rate_words(result: SystemResult) -> str:
+    """How fast V falls on a region that reaches beyond its domain."""
+    rate, region = result.region_rate, result.region
+    if rate is None or region is None:
+        raise TypeError("required a result with a rate on its region")
+    inside = Domain(region.radius).text(result.scene.states)
+    starts = DecayKind.EXPONENTIAL.on_starts(rate.kappa, "every start there")
+    return f"{rate} where V < {rate.level} within {inside}: {starts}"
+
+
+def gain_words(result: SystemResult) -> str:
+    """What a disturbance does to V on its domain, and to the starts whose solutions stay there."""
+    gain, domain = result.gain, result.domain
+    if gain is None or domain is None:
+        raise TypeError("required a result with a gain")
+    return "; ".join(filter(None, (f"{gain} on {domain.text(result.scene.states)}", gain.on_starts)))
+
+
+def _rate_record(result: SystemResult) -> dict[str, object] | None:
+    """The rate on the domain of V, and under ``region`` that on a larger region."""
+    if result.rate is None:
+        return None
+    return {
+        "kind": result.rate.decay.name.lower(),
+        "kappa": Quantity(result.rate.kappa),
+        "text": rate_words(result),
+        "within": _within(result),
+        "region": _region_rate_record(result),
+    }
+
+
+def _region_rate_record(result: SystemResult) -> dict[str, object] | None:
+    rate, region = result.region_rate, result.region
+    if rate is None or region is None:
+        return None
+    text = f"V < {rate.level} within {Domain(region.radius).text(result.scene.states)}"
+    within = {"radius": Quantity(region.radius), "level": Quantity(rate.level), "text": text}
+    return {"kappa": Quantity(rate.kappa), "text": region_rate_words(result), "within": within}
+
+
+def _gain_record(result: SystemResult) -> dict[str, object] | None:
+    gain = result.gain
+    if gain is None:
+        return None
     return {
         "gamma": Quantity(gain.gamma),
         "largest": Quantity(gain.largest),
         "ultimate": Quantity(gain.ultimate),
-        "text": str(gain),
+        "text": gain_words(result),
+        "within": _within(result),
     }
+
+
+def _within(result: SystemResult) -> dict[str, object]:
+    """Where a rate and a gain hold: the square of V; solutions from V below the level stay in it."""
+    domain = result.domain or result.reported_domain
+    level = None if result.near is None else result.near.level
+    return {"radius": Quantity(domain.radius), "level": Quantity(level), "text": domain.text(result.scene.states)}
 
 
 def proving_pieces(result: SystemResult) -> tuple[PotentialPiece, ...]:
@@ -189,6 +262,7 @@ def _conditions(result: LyapunovResult) -> Iterator[Fact]:
 def audit_facts(result: AuditResult) -> Iterator[Fact]:
     """Whether somebody's V is a Lyapunov function."""
     yield Fact("V", result.lyapunov, str(result.verdict), row=f"V = {one_line(result.lyapunov)}")
+    yield Fact("domain") if result.result is None else text_fact("domain", result.domain_text, "on")
     if result.result is not None:
         yield from _derivatives(result.result)
     yield Fact("verdict", str(result.verdict))

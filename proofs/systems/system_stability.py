@@ -30,6 +30,7 @@ from nonsmooth.analysis.cells.switched_cells import (
 )
 from nonsmooth.proofs.inequalities.strata import Refutation
 from nonsmooth.proofs.systems.certified_reach import (
+    Reach,
     arrives_in_finite_time,
     cells_of_checked_square,
     certified_reach,
@@ -37,7 +38,7 @@ from nonsmooth.proofs.systems.certified_reach import (
     scene_cells,
 )
 from nonsmooth.proofs.systems.conclusion import Method, conclude, conclude_uncovered
-from nonsmooth.proofs.systems.decay_rate import DecayRate
+from nonsmooth.proofs.systems.decay_rate import DecayRate, RegionRate
 from nonsmooth.proofs.systems.denominators import require_denominators
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine, inhabited
 from nonsmooth.proofs.systems.disturbance_gain import DisturbanceGain
@@ -60,6 +61,7 @@ from nonsmooth.proofs.systems.search import SearchedLyapunov, search_lyapunov, s
 from nonsmooth.proofs.systems.stability_result import StabilityResult
 from nonsmooth.proofs.systems.sublevel_region import SublevelRegion
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
+from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 
@@ -83,9 +85,11 @@ class SystemResult(StabilityResult):
         rays: rays of escape and rest of a system of cones, sides of rest of any other.
         leading: the decision by leading terms, where the scene's V and the constant fan leave it open and they decide.
         region: starts that are certified to reach the equilibrium, of a V on a square.
-        rate: how fast that V falls, where that is proved.
+        rate: how fast that V falls on the square on which it is proved, where that is proved.
         staying: of a V that does not increase, what stays where V' = 0; None where that was not asked.
-        gain: what an additive disturbance does, where such a V has a rate and that is proved.
+        gain: what an additive disturbance does there, where such a V has a rate and that is proved.
+        near: the starts that stay in the square on which V is proved; the region may be larger.
+        region_rate: how fast V falls on a larger region, where that is proved.
         covered: of a system in roots of states, whether what is proved of the roots holds for the states; else true.
         finite_time: of such a system, whether solutions near the equilibrium are known to arrive in finite time.
     """
@@ -108,6 +112,8 @@ class SystemResult(StabilityResult):
     rate: DecayRate | None = None
     staying: Staying | None = None
     gain: DisturbanceGain | None = None
+    near: SublevelRegion | None = None
+    region_rate: RegionRate | None = None
     covered: bool = True
     finite_time: bool = False
 
@@ -120,6 +126,11 @@ class SystemResult(StabilityResult):
     def reported_domain(self) -> Domain:
         """Where the scene's V was looked at."""
         return domain_names(self.scene, self.scene.check.lyapunov)[0]
+
+    @property
+    def rate_radius(self) -> Number | None:
+        """Half the side of the square on which the rate and the gain hold; None without a rate."""
+        return None if self.rate is None or self.domain is None else self.domain.radius
 
     @property
     def proving(self) -> LyapunovResult | None:
@@ -150,25 +161,33 @@ class SystemResult(StabilityResult):
         return genuine and concluded == (self.verdict, self.reason, self.method) and self.recompute(cells)
 
     def _region_is_genuine(self) -> bool:
-        """Whether the region and the rate are those of the V that proves asymptotic stability."""
-        if self.region is None and self.rate is None:
-            return self.gain is None
+        """Whether the regions, the rates and the gain are those of the V that proves asymptotic stability."""
+        if (self.region, self.rate, self.near, self.region_rate, self.gain) == (None,) * 5:
+            return True
         proving = self.proving
         if proving is None or self.domain is None or self.verdict is not Translation.ASYMPTOTICALLY_STABLE:
             return False
-        rate = self.rate is None or self.rate.check(proving.cells)
-        rate = rate and (self.gain is None or self._gain_is_genuine(self.gain, proving.cells, self.domain))
-        if self.region is None or self.region.falls:
-            return rate and (
-                self.region is None or (self.region.radius == self.domain.radius and self.region.check(proving.cells))
-            )
+        near, cells = self.near, proving.cells
+        if near is not None and not (near.falls and near.radius == self.domain.radius and near.check(cells)):
+            return False
+        if self.rate is not None and not self.rate.check(cells):
+            return False
+        if self.gain is not None and not self._gain_is_genuine(self.gain, cells, self.domain):
+            return False
+        return self._far_region_is_genuine()
+
+    def _far_region_is_genuine(self) -> bool:
+        """Whether a region that reaches beyond the square on which V is proved holds, and its rate."""
+        region, rate = self.region, self.region_rate
+        if region is None or region == self.near:
+            return rate is None and region == self.near
         cells = cells_of_checked_square(self.scene, self.searched)
-        own = bool(cells) and self.region.radius == self.scene.check.radius
-        return rate and own and self.region.check(cells)
+        own = bool(cells) and not region.falls and region.radius == self.scene.check.radius
+        return own and region.check(cells) and (rate is None or rate.check(cells, region))
 
     def _gain_is_genuine(self, gain: DisturbanceGain, cells: Sequence[LyapunovCell], domain: Domain) -> bool:
         """Whether the gain is one of the V, its rate and its region."""
-        level = None if self.region is None or not self.region.falls else self.region.level
+        level = None if self.near is None else self.near.level
         same = gain.rate == self.rate and gain.level == level
         return same and domain.radius is not None and gain.check(cells, domain.radius)
 
@@ -225,9 +244,9 @@ def system_check(scene: SwitchedSystem) -> SystemResult:
         certificate, domain, searched, staying = _by_invariance(scene, rays, concluded, known)
     verdict, reason, method = conclude(holds, certificate, growth, fan, rays, leading, staying)
     everywhere = holds_everywhere(scene, verdict, cells)
-    region, rate, gain = None, None, None
+    reach = Reach()
     if method in (Method.LYAPUNOV, Method.INVARIANCE) and verdict is Translation.ASYMPTOTICALLY_STABLE:
-        region, rate, gain = certified_reach(scene, certificate, domain, searched)
+        reach = certified_reach(scene, certificate, domain, searched)
     evidence = (
         holds,
         everywhere,
@@ -239,10 +258,12 @@ def system_check(scene: SwitchedSystem) -> SystemResult:
         domain,
         searched,
         leading,
-        region,
-        rate,
+        reach.region,
+        reach.rate,
         staying,
-        gain,
+        reach.gain,
+        reach.near,
+        reach.region_rate,
     )
     arrives = arrives_in_finite_time(scene, cells, verdict, certificate)
     return SystemResult(scene, verdict, reason, method, *evidence, finite_time=arrives)

@@ -4,7 +4,14 @@ from __future__ import annotations
 
 from nonsmooth.proofs.systems.conclusion import Method
 from nonsmooth.proofs.systems.derivatives import LyapunovResult
-from nonsmooth.proofs.systems.system_facts import DERIVATIVES, proving_text, region_words
+from nonsmooth.proofs.systems.system_facts import (
+    DERIVATIVES,
+    gain_words,
+    proving_text,
+    rate_words,
+    region_rate_words,
+    region_words,
+)
 from nonsmooth.reports.document import Block, Code, Entry, Section, number, point, table
 from nonsmooth.reports.plain_systems.system_formulas import polynomial_math
 from nonsmooth.reports.plain_systems.system_subject import SystemSubject
@@ -31,7 +38,11 @@ def lyapunov_section(subject: SystemSubject) -> Section:
     if result.region is not None:
         blocks.append(paragraph("Region of attraction: {}.", region_words(result.region, states)))
     if result.rate is not None:
-        blocks.append(paragraph("Rate: {}.", str(result.rate)))
+        blocks.append(paragraph("Rate: {}.", rate_words(result)))
+    if result.region_rate is not None:
+        blocks.append(paragraph("Rate farther out: {}.", region_rate_words(result)))
+    if result.gain is not None:
+        blocks.append(paragraph("With a disturbance d: {}.", gain_words(result)))
     return Section("A Lyapunov function", tuple(blocks))
 
 

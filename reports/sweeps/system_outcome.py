@@ -23,9 +23,10 @@ if TYPE_CHECKING:
 
 REFUSED = "refused"  # the answer of a scene that cannot be checked; why stands beside it
 SYSTEM_QUESTIONS = ("stability",)
-# Numbers of a record: kappa of `V' <= -kappa V` and of `V' <= -kappa`; every start with `V < level` in the square of
-# half-width `within` arrives; in one state every start between `from` and `to` does.
-SYSTEM_NUMBERS = ("rate", "fall", "level", "within", "from", "to")
+# Numbers of a record: kappa of `V' <= -kappa V` and of `V' <= -kappa`, in the square of half-width `rate_within` (null:
+# everywhere); every start with `V < level` in the square of half-width `within` arrives; in one state every start
+# between `from` and `to` does.
+SYSTEM_NUMBERS = ("rate", "fall", "rate_within", "level", "within", "from", "to")
 SYSTEM_TEXTS = ("method", "V")
 SYSTEM_COLUMNS = (*SYSTEM_QUESTIONS, *SYSTEM_TEXTS, *SYSTEM_NUMBERS)
 
@@ -73,6 +74,7 @@ def _numbers(result: SystemResult | ManyStateResult) -> dict[str, Any]:
     found: dict[str, Any] = {}
     if result.rate is not None:
         found["rate" if result.rate.decay is DecayKind.EXPONENTIAL else "fall"] = result.rate.kappa
+        found["rate_within"] = result.rate_radius
     if result.region is not None:
         found |= {"level": result.region.level, "within": result.region.radius}
     return found

@@ -113,4 +113,4 @@ def test_a_region_is_found_in_a_line_of_python() -> None:
     found = system.larger_region(2)
     assert found is not None
     assert found.check(system.system)
-    assert repr(found).startswith(f"{found.region} with V = ")
+    assert repr(found).startswith(f"{found.region} on the square of half-width 1/2 about the point with V = ")
