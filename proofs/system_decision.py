@@ -16,6 +16,7 @@ from nonsmooth.proofs.systems.system_certificate import (
     NoCertificateError,
     build_system_certificate,
     with_stated_function,
+    without_numbers,
 )
 from nonsmooth.proofs.systems.system_stability import SystemResult, system_check
 from nonsmooth.symbolic.scene import Scene
@@ -74,6 +75,7 @@ def _by_other_evidence(result: SystemResult, by_function: NoCertificateError) ->
     """
     by_principle = with_stated_function(result)
     try:
-        return build_fan_certificate(result) if by_principle is None else build_system_certificate(by_principle)
+        other = build_fan_certificate(result) if by_principle is None else build_system_certificate(by_principle)
     except NoCertificateError:
         raise by_function from None
+    return without_numbers(other, result)

@@ -95,10 +95,12 @@ def write_system_certificate(result: DecidedSystem, path: Path) -> None:
         RefusedError: for a verdict that has none.
     """
     from nonsmooth.proofs.system_decision import certificate_of
-    from nonsmooth.proofs.systems.system_certificate import NoCertificateError, certificate_text
+    from nonsmooth.proofs.systems.system_certificate import NoCertificateError, certificate_text, left_out
 
     try:
         certificate = certificate_of(result)
     except NoCertificateError as error:
         raise RefusedError(f"{result.scene.origin}: {error}") from None
     write_whole(path, certificate_text(certificate).encode())
+    for line in left_out(certificate):
+        print(f"{path}: left out: {line}", file=sys.stderr)

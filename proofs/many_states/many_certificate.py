@@ -7,8 +7,8 @@ function, by a function that shows instability, and of points that are no equili
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -24,13 +24,21 @@ from nonsmooth.proofs.many_states.decay import falling, rate_conditions
 from nonsmooth.proofs.many_states.decision import ManyStateResult, first_cells
 from nonsmooth.proofs.many_states.empty_patterns import empty_patterns
 from nonsmooth.proofs.many_states.examination import Inequality, potential_pieces, with_values
+from nonsmooth.proofs.many_states.facts import rate_words, region_words
 from nonsmooth.proofs.many_states.instability import find_growth
 from nonsmooth.proofs.many_states.sign_cells import Pattern, RationalTerms, SignCells, adjoining, rational_terms
 from nonsmooth.proofs.many_states.sublevel import named_border
 from nonsmooth.proofs.sums_of_squares.ansatz import Condition, build_guards
 from nonsmooth.proofs.sums_of_squares.prove import Proved, normalized
 from nonsmooth.proofs.systems.derivatives import Decrease
-from nonsmooth.proofs.systems.system_certificate import NoCertificateError, about, accepted, exact_text, notes
+from nonsmooth.proofs.systems.system_certificate import (
+    NoCertificateError,
+    about,
+    accepted_claims,
+    exact_text,
+    notes,
+    with_left_out,
+)
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
@@ -50,7 +58,23 @@ def build_many_certificate(result: ManyStateResult) -> Record:
         NoCertificateError: for a verdict that something else decides, for numbers with roots, and where the checker
             does not show all of it within its limits.
     """
-    return accepted(_written(result), check_certificate)
+
+    def write(claims: Collection[str]) -> Record:
+        region, rate = "level" in claims and result.region, "rate" in claims and result.rate
+        return _written(replace(result, region=region or None, rate=rate or None))
+
+    shown, refused = accepted_claims(write, check_certificate)
+    return with_left_out(shown, _left_out(result, shown, refused))
+
+
+def _left_out(result: ManyStateResult, certificate: Record, refused: Mapping[str, str]) -> Iterator[str]:
+    """What a check says that its certificate does not hold, each with the reason."""
+    if "level" in refused and result.region is not None:
+        yield f"{region_words(result.region, result.scene.states)}: {refused['level']}"
+    if "rate" in refused:
+        yield f"{rate_words(result)}: {refused['rate']}"
+    if result.everywhere and not certificate["everywhere"]:
+        yield "all starts in the space reach the equilibrium: V is certified on a cube"
 
 
 def _written(result: ManyStateResult) -> Record:

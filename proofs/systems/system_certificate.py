@@ -9,7 +9,7 @@ equilibrium: :mod:`nonsmooth.proofs.systems.fan_certificate`.
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import replace
 from fractions import Fraction
 from typing import Any
@@ -18,7 +18,15 @@ from nonsmooth.proofs.system_checker import SCHEMA, check_certificate
 from nonsmooth.proofs.systems.conclusion import Method
 from nonsmooth.proofs.systems.decay_rate import DecayRate
 from nonsmooth.proofs.systems.invariance import Staying, staying_of
-from nonsmooth.proofs.systems.system_facts import proving_pieces, proving_text, rewriting_words
+from nonsmooth.proofs.systems.system_facts import (
+    gain_words,
+    proving_pieces,
+    proving_text,
+    rate_words,
+    reached_words,
+    region_rate_words,
+    rewriting_words,
+)
 from nonsmooth.proofs.systems.system_stability import SystemResult
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.numbers.number import Number
@@ -26,6 +34,10 @@ from nonsmooth.symbolic.scene_error import one_line
 from nonsmooth.symbolic.surfaces import factorize
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
+CLAIMS = ("level", "rate")  # that a certificate may do without
+UNSHOWN = "the stand-alone checker does not show"
+LEFT_OUT = "left out"  # key of the notes
+MOST_LEFT_OUT, LONGEST = 16, 400  # lines of it that are read, and characters of each
 BY_FUNCTION = (Method.LYAPUNOV, Method.INVARIANCE, Method.GROWTH)  # what a V decides
 
 
@@ -48,14 +60,13 @@ def build_system_certificate(result: SystemResult) -> dict[str, Any]:
             f"a certificate needs a verdict by a Lyapunov function, received one by {result.method}"
         )
     system, radius = result.scene, result.domain.radius
-    region = result.region if result.region is not None and result.region.falls else None
     certificate = {
         "schema": SCHEMA,
         **about(system),
         "radius": None if radius is None else exact_text(radius),
         "lyapunov": _lyapunov(result),
         "verdict": str(result.verdict),
-        "level": None if region is None else exact_text(region.level),
+        "level": None if result.near is None else exact_text(result.near.level),
         "rate": None if result.rate is None else _rate(result.rate),
         "notes": notes(system),
     }
@@ -63,7 +74,40 @@ def build_system_certificate(result: SystemResult) -> dict[str, Any]:
         certificate |= {"roots": list(system.by_roots.roots.rooted), "rate": None}  # rates are in the roots' time
     if result.method is Method.INVARIANCE:
         certificate["curves"] = _curves(result)
-    return accepted(certificate, check_certificate)
+
+    def write(claims: Collection[str]) -> dict[str, Any]:
+        return {**certificate, **dict.fromkeys(set(CLAIMS).difference(claims))}
+
+    shown, refused = accepted_claims(write, check_certificate)
+    return with_left_out(shown, [*_left_out(result, refused), *_beyond_the_form(result)])
+
+
+def without_numbers(certificate: dict[str, Any], result: SystemResult) -> dict[str, Any]:
+    """A certificate of the verdict by other evidence than the V whose numbers the check prints: they are left out."""
+    why = dict.fromkeys(CLAIMS, f"{UNSHOWN} the V that shows it")
+    return with_left_out(certificate, [*_left_out(result, why), *_beyond_the_form(result)])
+
+
+def _left_out(result: SystemResult, refused: Mapping[str, str]) -> Iterator[str]:
+    """What a check says of the domain of V that a certificate does not hold, each with the reason."""
+    if "level" in refused and result.near is not None:
+        yield f"{reached_words(result.near, result.scene.states)}: {refused['level']}"
+    if "rate" in refused and result.rate is not None:
+        yield f"{rate_words(result)}: {refused['rate']}"
+
+
+def _beyond_the_form(result: SystemResult) -> Iterator[str]:
+    """What a check says that certificates have no words for."""
+    if result.region is not None and result.region != result.near:
+        yield f"{reached_words(result.region, result.scene.states)}: beyond the certified square"
+    if result.region_rate is not None:
+        yield f"{region_rate_words(result)}: beyond the certified square"
+    if result.gain is not None:
+        yield f"{gain_words(result)}: certificates hold no disturbances"
+    if result.everywhere and result.domain is not None and result.domain.radius is not None:
+        yield "all starts in the plane reach the equilibrium: V is certified on a square"
+    if result.finite_time:
+        yield "solutions near the equilibrium arrive in finite time: certificates hold no times of roots"
 
 
 def with_stated_function(result: SystemResult) -> SystemResult | None:
@@ -74,7 +118,7 @@ def with_stated_function(result: SystemResult) -> SystemResult | None:
     attracts = result.verdict is Translation.ASYMPTOTICALLY_STABLE and result.searched is not None
     if not attracts or staying_of(result.lyapunov) is not Staying.NONE:
         return None
-    alone = replace(result, searched=None, region=None, rate=None, gain=None)
+    alone = replace(result, searched=None, region=None, rate=None, gain=None, near=None, region_rate=None)
     own, where = result.lyapunov, result.reported_domain
     return replace(alone, method=Method.INVARIANCE, certificate=own, domain=where, staying=Staying.NONE)
 
@@ -112,8 +156,50 @@ def accepted(certificate: dict[str, Any], check: Callable[[Any], str]) -> dict[s
     """
     refused = check(certificate)
     if refused:
-        raise NoCertificateError(f"the stand-alone checker does not show it: required {refused}")
+        raise NoCertificateError(f"{UNSHOWN} it: required {refused}")
     return certificate
+
+
+def accepted_claims(
+    write: Callable[[Collection[str]], dict[str, Any]], check: Callable[[Any], str]
+) -> tuple[dict[str, Any], dict[str, str]]:
+    """A certificate with as many of its claims of region and rate as a checker accepts, and why not the others.
+
+    Args:
+        write: the certificate with some of the claims :data:`CLAIMS`, as far as they are made.
+        check: the checker; it says what is not shown.
+
+    Raises:
+        NoCertificateError: where the verdict itself is not shown.
+    """
+    whole = write(CLAIMS)
+    if not check(whole):
+        return whole, {}
+    shown, kept, refused = accepted(write(()), check), list[str](), dict[str, str]()
+    for claim in CLAIMS:
+        tried = write((*kept, claim))
+        if tried == shown:
+            continue  # not made
+        why = check(tried)
+        if why:
+            refused[claim] = f"{UNSHOWN} it: required {why}"
+        else:
+            shown = tried
+            kept.append(claim)
+    return shown, refused
+
+
+def with_left_out(certificate: dict[str, Any], sentences: Iterable[str]) -> dict[str, Any]:
+    """The certificate with what a check says and it does not hold, under its notes."""
+    said = list(sentences)
+    return {**certificate, "notes": {**certificate["notes"], LEFT_OUT: said}} if said else certificate
+
+
+def left_out(certificate: Any) -> list[str]:
+    """What the notes of a certificate say that it does not hold, as lines; the checkers read no notes."""
+    said = certificate["notes"].get(LEFT_OUT, []) if isinstance(certificate["notes"], dict) else []
+    lines = said if isinstance(said, list) else []
+    return [one_line(str(line))[:LONGEST] for line in lines[:MOST_LEFT_OUT]]
 
 
 def notes(system: SwitchedSystem) -> dict[str, Any]:

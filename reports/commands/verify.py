@@ -13,7 +13,7 @@ from nonsmooth.reports.options import At, Radius, RuleOption, complete_scene
 if TYPE_CHECKING:
     from nonsmooth.symbolic.scene import Scene
 
-REJECTED = 1
+ACCEPTED, REJECTED = 0, 1
 Checker: TypeAlias = Callable[[str], tuple[int, str]]  # of a file: exit status and what to print
 
 
@@ -105,6 +105,8 @@ def _verify_system(
         _refuse_without_scene(rule, radius, at)
     wanted = None if scene is None else load_system(scene, radius=radius, at=at)
     status, message = check_file(file)
+    if status == ACCEPTED:
+        message = "\n".join([message, *(f"left out, not shown here: {line}" for line in _left_out(file))])
     if wanted is None or status == REJECTED:
         write(f"{message}\n")
         return status
@@ -114,6 +116,16 @@ def _verify_system(
         raise RefusedError(f"{wanted.origin}: {error}") from None
     other = f"one with {difference}" if difference else ""
     return _compared(status, message, scene, other, "states, formulas and point")
+
+
+def _left_out(file: str) -> list[str]:
+    """What a check printed and its certificate does not hold, as an accepted certificate notes it."""
+    import json
+
+    from nonsmooth.proofs.systems.system_certificate import left_out
+
+    with open(file, encoding="utf-8") as stream:
+        return left_out(json.load(stream))
 
 
 def _wanted(scene: str | None, rule: Any, radius: str | None, at: str | None) -> Scene | None:

@@ -102,3 +102,31 @@ def test_options_of_a_scene_need_a_scene(invoke: Invoke, option: list[str]) -> N
     status, out, err = invoke("verify", "c.json", *option)
     assert (status, out) == (2, "")
     assert err == f"nonsmooth: {option[0]}: required a scene to compare the certificate with, received none\n"
+
+
+def test_what_a_check_prints_and_its_certificate_leaves_out_is_said_by_both(invoke: Invoke, tmp_path: Path) -> None:
+    """The region reaches beyond the square on which V is proved: the writer and the reader of the file say so."""
+    scene = tmp_path / "far.toml"
+    scene.write_text('[system]\nstates = ["x", "y"]\nrhs = ["-x", "-y - 2*y**2"]\n', encoding="utf-8")
+    status, _, err = invoke("check", str(scene), "--certificate", "c.json")
+    lines = err.splitlines()
+    assert status == 0
+    assert len(lines) == 3
+    assert all(line.startswith("c.json: left out: ") for line in lines)
+    assert "V < 1/4 within abs(x), abs(y) <= 1/2" in lines[0]
+    status, out, _ = invoke("verify", "c.json", str(scene))
+    said = [line for line in out.splitlines() if line.startswith("left out, not shown here: ")]
+    assert status == 0
+    assert [line.partition(": ")[2] for line in said] == [line.partition("left out: ")[2] for line in lines]
+
+
+@pytest.mark.parametrize("notes", [None, [], {"left out": "x"}, {"left out": {"a": 1}}, {"left out": [["\x1b[2J\n"]]}])
+def test_notes_that_nobody_wrote_do_no_harm(invoke: Invoke, tmp_path: Path, notes: Any) -> None:
+    scene = tmp_path / "far.toml"
+    scene.write_text('[system]\nstates = ["x", "y"]\nrhs = ["-x", "-y"]\n', encoding="utf-8")
+    invoke("check", str(scene), "--certificate", "c.json")
+    record = json.loads(Path("c.json").read_text(encoding="utf-8"))
+    Path("c.json").write_text(json.dumps({**record, "notes": notes}), encoding="utf-8")
+    status, out, _ = invoke("verify", "c.json")
+    assert (status, out.splitlines()[0]) == (0, "valid")
+    assert "\x1b" not in out
