@@ -92,6 +92,7 @@ def _homecoming(found: AnyTranslation, unit: str) -> Iterator[Fact]:
         yield Fact("seconds_per_distance", Quantity(None))
     else:
         words = f"it arrives within {at_most(seconds)} s for each 1{unit} of distance"
+        words += "" if found.quadratic is None else " (a bound, often loose)"
         yield Fact("seconds_per_distance", Quantity(seconds), words)
     if rate is None:
         yield Fact("rate", Quantity(None))

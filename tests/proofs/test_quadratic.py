@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from tests.conftest import Arrays
 
 ARRIVED = 1e-9  # a distance; coordinates are of order 1
+LOOSE = 9  # the largest bound of the time of arrival against the longest path, over these arrays
 SEEDS = [3, 4, 13, 16, 26, 50]  # arrays of the builder that attract although |c|^2 grows somewhere
 
 
@@ -75,6 +76,34 @@ def test_no_p_is_found_for_a_fan_that_rests_or_escapes(arrays: Arrays) -> None:
         assert fan is not None
         assert fan.verdict is not Translation.ASYMPTOTICALLY_STABLE
         assert find_quadratic(build_fan(partition)) is None
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_the_time_of_arrival_is_bounded_and_not_by_much_more_than_the_longest_path(arrays: Arrays, seed: int) -> None:
+    """Paths of both kinematics from all around, at nine tenths of the region's distance in each direction."""
+    partition = build_nearest_partition(arrays.cocircular(seed))
+    _, found = decided(arrays, seed)
+    (a, b), level = (float(x) for x in found.shape), float(found.level)
+    bound, longest = float(found.arrival_per_distance), 0.0
+    for kinematics in (Kinematics.LEADING, Kinematics.EXACT):
+        field = array_field(partition, kinematics)
+        for angle in np.linspace(0, 2 * np.pi, 24, endpoint=False) + 0.01:
+            x, y = np.cos(angle), np.sin(angle)
+            distance = 0.9 * np.sqrt(level / ((1 + a) * x * x + 2 * b * x * y + (1 - a) * y * y))
+            path = simulate(field, (distance * x, distance * y, 0), bound * distance + 1)
+            ends = [(piece.end, np.array(piece.state(piece.end - piece.start))) for piece in path.pieces]
+            moment = next(t for t, state in ends if np.hypot(*state[:2]) < ARRIVED)
+            longest = max(longest, moment / distance)
+    assert longest <= bound * (1 + ARRIVED)
+    assert bound <= LOOSE * longest
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_a_forged_time_of_arrival_is_refused(arrays: Arrays, seed: int) -> None:
+    _, found = decided(arrays, seed)
+    swift = found.swift or found.descent
+    assert not replace(found, swift=replace(swift, decay=swift.decay * 2)).check()
+    assert not replace(found, swift=replace(swift, shape=(Fraction(1), Fraction(0)))).check()
 
 
 @pytest.mark.parametrize("seed", SEEDS)

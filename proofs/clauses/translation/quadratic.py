@@ -5,8 +5,14 @@ equilibrium iff ``r^T P v < 0`` at both rays of every cone: linear in P.  A smal
 ``P = [[1 + a, b], [b, 1 - a]]``, a and b are rounded to rationals, and the inequalities are verified exactly.  With
 ``-r^T P v >= m_k |r|`` on both rays of cone k its velocity alone gives ``-2 m_k |c|``.  Exact kinematics add
 ``2 omega_k c^T P J c``, at most ``2 |omega_k| rho |c|^2`` with ``rho^2 = a^2 + b^2``.  With m the least m_k that leaves
-``V* <= -m |c|`` where ``|c| <= (2 m_k - m)/(2 |omega_k| rho)`` for every cone; since P has trace 2, the body arrives
-within ``4 |c_0|/m``.  V falls, so the body stays in ``|c|^2 <= V(c_0)/(1 - rho) <= |c_0|^2 (1 + rho)/(1 - rho)``.
+``V* <= -m |c|`` where ``|c| <= (2 m_k - m)/(2 |omega_k| rho)`` for every cone.  V falls, so the body stays in
+``|c|^2 <= V(c_0)/(1 - rho) <= |c_0|^2 (1 + rho)/(1 - rho)``.
+
+The region keeps every body at distances ``|c| <= C`` inside the fan, so any P that falls on the fan, not only the one
+of the region, bounds the time of arrival: ``V <= (1 + rho) |c|^2`` and ``V* <= -2 (m_k - |omega_k| rho C) |c|`` make
+sqrt(V) fall at least with the speed ``s/sqrt(1 + rho)``, s the least ``m_k - |omega_k| rho C``, so the body arrives
+within ``(1 + rho) |c_0|/s``; C and s get better on the way.  The P that is best at the distance C is a conic
+program too.
 """
 
 from __future__ import annotations
@@ -17,6 +23,7 @@ from fractions import Fraction
 from math import isqrt
 
 import numpy as np
+from flint import arb, fmpq
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.fan import CellCone
@@ -29,8 +36,37 @@ from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.plane import Vector, around, dot, minus
 
 DENOMINATOR = 2**12  # of the rounded a and b
-DIGITS = 4  # significant digits of a radius and a decay, on the safe side
+DIGITS = 4  # significant digits of a radius, a decay and a speed, on the safe side
+STEPS = 16  # of the way home, each with its own speed
 _INSIDE = 0.98  # largest radius of (a, b): keeps P away from singular
+
+
+@dataclass(frozen=True)
+class QuadraticDecrease:
+    """``r^T P v <= -m |r|`` on every ray of a fan, for each velocity v beside it.
+
+    Attributes:
+        shape: (a, b) of ``P = [[1 + a, b], [b, 1 - a]]``.
+        decay: m > 0.
+    """
+
+    shape: tuple[Fraction, Fraction]
+    decay: Fraction
+
+    @property
+    def eccentricity(self) -> Fraction:
+        """A rational from rho, by which ``c^T P c`` differs at most from ``|c|^2``, up to one."""
+        a, b = self.shape
+        return root_above(a * a + b * b)
+
+    def holds(self, cones: Sequence[CellCone]) -> bool:
+        """Verify it on every ray."""
+        a, b = self.shape
+        return (
+            a * a + b * b < 1
+            and self.decay > 0
+            and all(_falls(self.shape, ray, v, self.decay) for ray, v in _pairs(cones))
+        )
 
 
 @dataclass(frozen=True)
@@ -42,21 +78,50 @@ class QuadraticCertificate:
         decay: m > 0 with ``V* <= -m |c|`` on the region, under exact and leading-order kinematics.
         level: the region ``V < level`` lies in the cells of the fan.
         cones: the fan.
+        swift: what bounds the time of arrival; None for the same P and m.
     """
 
     shape: tuple[Fraction, Fraction]
     decay: Fraction
     level: Number
     cones: tuple[CellCone, ...]
+    swift: QuadraticDecrease | None = None
 
     def __str__(self) -> str:
         a, b = self.shape
         return f"({1 + a})*x**2 + ({2 * b})*x*y + ({1 - a})*y**2"
 
     @property
+    def descent(self) -> QuadraticDecrease:
+        """Of the P of the region."""
+        return QuadraticDecrease(self.shape, self.decay)
+
+    @property
     def arrival_per_distance(self) -> Fraction:
-        """Bound on the arrival time per unit of |c_0|: ``4/m``."""
-        return 4 / self.decay
+        """Bound on the arrival time per unit of |c_0|, from starts in the region.
+
+        The way of sqrt(V) to zero is cut into equal steps, each taken at least with its own speed.  From nearer starts
+        the bound is better.
+        """
+        swift = self.swift or self.descent
+        times = [1 / self.speed(swift, Fraction(k, STEPS)) for k in range(1, STEPS + 1)]
+        return (1 + swift.eccentricity) * sum(times, Fraction(0)) / STEPS
+
+    def speed(self, swift: QuadraticDecrease, share: Fraction = Fraction(1)) -> Fraction:
+        """The least ``m_k - |omega_k| rho C_s``, rounded down, where sqrt(V) is at most a share s of its largest value.
+
+        There ``|c| <= C_s``, the less of C and ``s sqrt((1 + rho)/(1 - rho)) C``, and C bounds ``|c|`` on the region;
+        zero where it is not positive.
+        """
+        rho = swift.eccentricity
+        nearer = min(_ball(Fraction(1)), _ball(share) * _ball((1 + rho) / (1 - rho)).sqrt(), key=lambda x: x.upper())
+        farthest = nearer * enclosure(self.level / (1 - self.descent.eccentricity)).sqrt()
+        least: Fraction | None = None
+        for cone, twist in _motions(self.cones):
+            steep = _ball(steepness(swift.shape, cone, twist))
+            left = rational_below(steep - enclosure(abs(twist.omega) * rho) * farthest)
+            least = left if least is None else min(least, left)
+        return Fraction(lower_text(least, DIGITS)) if least is not None and least > 0 else Fraction(0)
 
     @property
     def disc_radius(self) -> Number:
@@ -69,8 +134,7 @@ class QuadraticCertificate:
     @property
     def swing_radius(self) -> Fraction:
         """A distance that no body from the disc exceeds: ``|c|^2 <= (1 + rho)/(1 - rho) |c_0|^2``."""
-        a, b = self.shape
-        rho = root_above(a * a + b * b)
+        rho = self.descent.eccentricity
         squared = self.disc_radius * self.disc_radius * ((1 + rho) / (1 - rho))
         return Fraction(upper_text(-rational_below(-enclosure(squared).sqrt()), DIGITS))
 
@@ -79,11 +143,10 @@ class QuadraticCertificate:
         return dot(c, shaped(self.shape, c))
 
     def check(self) -> bool:
-        """Re-verify that P is positive definite, the decay on every ray, and that the region stays in the fan."""
-        a, b = self.shape
-        positive = a * a + b * b < 1 and self.decay > 0 and sign(self.level) > 0
-        falling = all(_falls(self, ray, v, self.decay) for ray, v in _pairs(self.cones))
-        return positive and falling and self.level <= self.largest_level()
+        """Re-verify that each P is positive definite, the decay on every ray, and that the region stays in the fan."""
+        swift = self.swift or self.descent
+        falling = self.descent.holds(self.cones) and swift.holds(self.cones) and self.speed(swift) > 0
+        return falling and sign(self.level) > 0 and self.level <= self.largest_level()
 
     def largest_level(self) -> Number:
         """Level of the largest region: inside the fan's cells, and where turning leaves the decay.
@@ -92,7 +155,7 @@ class QuadraticCertificate:
         ``(1 - r) ((2 m_k - m)/(2 omega_k r))^2``, the least of all cones.
         """
         level = min(self.least_on(p, q) for p, q in _rim(self.cones))
-        r = root_above(self.shape[0] ** 2 + self.shape[1] ** 2)
+        r = self.descent.eccentricity
         for cone, twist in _motions(self.cones):
             if twist.omega and r:
                 spare = 2 * steepness(self.shape, cone, twist) - self.decay
@@ -120,16 +183,25 @@ def find_quadratic(
         cones: the fan.
         border: segments that the region must not reach.
     """
-    proposal = propose_shape(_pairs(cones))
+    wide = _descent(cones, propose_shape(_pairs(cones)))
+    if wide is None:
+        return None
+    trial = QuadraticCertificate(wide.shape, wide.decay, cones[0].start[0].field.one, cones)
+    found = replace(trial, level=min([trial.largest_level(), *(trial.least_on(p, q) for p, q in border)]))
+    swift = _descent(cones, propose_swift_shape(cones, float(found.swing_radius)))
+    swifter = replace(found, swift=swift)
+    if swift is not None and swifter.speed(swift) > 0:
+        found = min(found, swifter, key=lambda own: own.arrival_per_distance)
+    return found if found.check() else None
+
+
+def _descent(cones: Sequence[CellCone], proposal: tuple[float, float] | None) -> QuadraticDecrease | None:
+    """A proposed P, rounded, with the least steepness of all cones; None where that is not positive."""
     if proposal is None:
         return None
     shape = (_rounded(proposal[0]), _rounded(proposal[1]))
     decay = min(steepness(shape, cone, twist) for cone, twist in _motions(cones))
-    if decay <= 0:
-        return None
-    trial = QuadraticCertificate(shape, decay, cones[0].start[0].field.one, cones)
-    found = replace(trial, level=min([trial.largest_level(), *(trial.least_on(p, q) for p, q in border)]))
-    return found if found.check() else None
+    return QuadraticDecrease(shape, decay) if decay > 0 else None
 
 
 def steepness(shape: tuple[Fraction, Fraction], cone: CellCone, twist: Twist) -> Fraction:
@@ -173,6 +245,38 @@ def propose_shape(pairs: Iterable[tuple[Point, Vector]]) -> tuple[float, float] 
     return a, b
 
 
+def propose_swift_shape(cones: Sequence[CellCone], farthest: float) -> tuple[float, float] | None:
+    """The (a, b) with the largest ``min_k (m_k - |omega_k| rho C)/(1 + rho)`` for a C; None unless that is positive.
+
+    With ``Q = P/(1 + rho) = [[t + a', b'], [b', t - a']]``, whose largest eigenvalue ``t + |(a', b')|`` is one, it is
+    the largest s with ``-r^T Q v - |omega| C |(a', b')| |r| >= s |r|`` of all rays r and motions beside them.  A
+    second-order cone program in floats: it only proposes.
+    """
+    load_cvxpy()
+    import cvxpy as cp
+
+    tilt, size, margin, bent = cp.Variable(2), cp.Variable(), cp.Variable(), cp.Variable()
+    constraints: list[cp.Constraint] = [cp.SOC(bent, tilt), size + bent <= 1, bent <= _INSIDE * size]
+    for cone, twist in _motions(cones):
+        v, turning = np.array([float(x) for x in twist.velocity]), abs(float(twist.omega)) * farthest
+        for ray in (cone.start, cone.end):
+            r = _direction(ray)
+            if r is None:
+                return None
+            r = r / np.hypot(*r)
+            across = np.array([r[0] * v[0] - r[1] * v[1], r[0] * v[1] + r[1] * v[0]])
+            constraints.append(tilt @ across + size * float(r @ v) + turning * bent <= -margin)
+    cp.Problem(cp.Maximize(margin), constraints).solve(solver=cp.CLARABEL)
+    if tilt.value is None or size.value is None or margin.value is None or not float(margin.value) > 0:
+        return None
+    a, b = (float(x / size.value) for x in tilt.value)
+    return a, b
+
+
+def _ball(value: Fraction) -> arb:
+    return arb(fmpq(value.numerator, value.denominator))
+
+
 def _rounded(value: float) -> Fraction:
     return Fraction(round(value * DENOMINATOR), DENOMINATOR)
 
@@ -190,20 +294,20 @@ def _direction(vector: Point) -> NDArray[np.float64] | None:
     return np.array([float(x / largest) for x in vector]) if largest else None
 
 
-def _falls(certificate: QuadraticCertificate, ray: Point, velocity: Vector, decay: Fraction) -> bool:
+def _falls(shape: tuple[Fraction, Fraction], ray: Point, velocity: Vector, decay: Fraction) -> bool:
     """``r^T P v <= -m |r|`` and negative, without taking the root."""
-    slope = dot(ray, shaped(certificate.shape, velocity))
+    slope = dot(ray, shaped(shape, velocity))
     return sign(slope) < 0 and sign(slope * slope - decay * decay * dot(ray, ray)) >= 0
 
 
-def _motions(cones: tuple[CellCone, ...]) -> Iterator[tuple[CellCone, Twist]]:
+def _motions(cones: Sequence[CellCone]) -> Iterator[tuple[CellCone, Twist]]:
     """Each cone with each of its motions."""
     for cone in cones:
         for twist in cone.twists:
             yield cone, twist
 
 
-def _pairs(cones: tuple[CellCone, ...]) -> Iterator[tuple[Point, Vector]]:
+def _pairs(cones: Sequence[CellCone]) -> Iterator[tuple[Point, Vector]]:
     """Each ray of each cone with each of the cone's velocities."""
     for cone, twist in _motions(cones):
         yield cone.start, twist.velocity
