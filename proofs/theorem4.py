@@ -6,10 +6,13 @@ Which clauses there are: :data:`nonsmooth.proofs.clauses.registry.CLAUSES`.  Wha
 
 from __future__ import annotations
 
+from dataclasses import replace
+from fractions import Fraction
 from typing import TypeVar
 
+from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.equilibria import find_equilibria
-from nonsmooth.analysis.cells.partition import Partition, affordable
+from nonsmooth.analysis.cells.partition import Partition, RefusalError, affordable
 from nonsmooth.proofs.clauses import registry
 from nonsmooth.proofs.clauses.feedback.authority import roll_authority
 from nonsmooth.proofs.clauses.workspace import Announce, Workspace, unheard
@@ -26,6 +29,7 @@ CENSUS_LIMIT = 20_000  # row triples that are counted unasked: 25 wheels; a coun
 FULL_CENSUS_LIMIT = 500_000  # row triples that are counted without pruning: 72 wheels, some ten seconds
 CHECK_UNITS = 15_000_000  # of exact arithmetic in a whole check: a minute or so
 SEARCH_UNITS = 4_000_000  # in the search for other equilibria, which no clause needs
+WIDER = Fraction(65, 64)  # of the checked square: what is cut off there, so that its border lies inside
 
 
 def check_theorem4(
@@ -107,10 +111,19 @@ def _equilibria(work: Workspace) -> tuple[JudgedEquilibrium, ...] | None:
         return None
     try:
         with work_limit(work.scene.field, SEARCH_UNITS):
-            return judge_equilibria(work.scene, find_equilibria(work.partition))
+            return judge_equilibria(work.scene, find_equilibria(work.partition, _wider(work.partition)))
     except WorkLimitError:
         why = f"it takes more than {SEARCH_UNITS // 1_000_000} million exact operations, and no clause needs it"
         work.skip("search for other equilibria", 1, why)
+        return None
+
+
+def _wider(partition: Partition) -> Partition | None:
+    """The partition of a slightly larger square; None where the body tips beyond the checked one: there F ends."""
+    check = partition.scene.check
+    try:
+        return build_partition(replace(partition.scene, check=replace(check, radius=check.radius * WIDER)))
+    except RefusalError:
         return None
 
 

@@ -9,13 +9,17 @@ With exact kinematics ``c' = v + omega J c`` a point is an equilibrium of the tr
 - where two motions tie in a cell (mu_R = mu_S), along the line on which these two oppose each other.
 
 Areas and segments of equilibria are reported as such, points once.
+
+The square cuts the plane only to end the search: at its border F is the hull of all cells of the plane whose closure
+holds the point, those beyond the square too.  So the border is looked at in a partition of a slightly larger square.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from fractions import Fraction
 from itertools import combinations, pairwise, product
 from typing import Any
 
@@ -46,8 +50,63 @@ class RestPlace(ShortRepr):
     cells: tuple[int, ...]
 
 
-def find_equilibria(partition: Partition) -> tuple[RestPlace, ...]:
-    """Every equilibrium of the square, areas first."""
+def find_equilibria(partition: Partition, wider: Partition | None = None) -> tuple[RestPlace, ...]:
+    """Every equilibrium of the square, areas first.
+
+    Args:
+        partition: of the closed square.
+        wider: the same array's on a larger square about it; without it cells beyond the border do not count there.
+    """
+    found = _find_inside(partition)
+    return found if wider is None else (*found, *_on_border(partition, found, _find_inside(wider)))
+
+
+def _on_border(partition: Partition, known: Sequence[RestPlace], wide: Sequence[RestPlace]) -> Iterator[RestPlace]:
+    """Equilibria on the border of the square that the cells inside do not show, in parts of those of a larger one."""
+    seen = list(known)
+    for start, end in around(partition.domain.vertices):
+        for place in wide:
+            met = _met(place.points, start, end)
+            if met and not all(any(_holds(own, point) for own in seen) for point in (*met, _middle(met))):
+                kind = EquilibriumPlace.SEGMENT if len(met) > 1 else place.place
+                kind = EquilibriumPlace.VERTEX if len(met) < min(len(place.points), 2) else kind
+                cells = tuple(cell.index for cell in partition.cells_at(_middle(met)))
+                seen.append(RestPlace(kind, met, cells))
+                yield seen[-1]
+
+
+def _met(points: Sequence[Point], start: Point, end: Point) -> tuple[Point, ...]:
+    """Where a segment meets a point, a segment or a convex polygon: nowhere, at a point, or between two."""
+    along = minus(end, start)
+    heights = [cross(along, minus(point, start)) for point in points]
+    reached = [point for point, height in zip(points, heights, strict=True) if not height]
+    for (p, a), (q, b) in around(list(zip(points, heights, strict=True))):
+        if sign(a) * sign(b) < 0:
+            reached.append(between(p, q, a / (a - b)))
+    if not reached:
+        return ()
+    length = dot(along, along)
+    shares = [dot(along, minus(point, start)) / length for point in reached]
+    low, high = max(min(shares), shares[0] * 0), min(max(shares), shares[0] * 0 + 1)
+    if sign(high - low) < 0:
+        return ()
+    ends = (between(start, end, low), between(start, end, high))
+    return ends if sign(high - low) else ends[:1]
+
+
+def _middle(points: Sequence[Point]) -> Point:
+    return points[0] if len(points) == 1 else between(points[0], points[1], Fraction(1, 2))
+
+
+def _holds(place: RestPlace, point: Point) -> bool:
+    """Whether a point, a segment, or a closed polygon with its corners counterclockwise holds a point."""
+    if place.place is not EquilibriumPlace.AREA:
+        return _covers(place, point)
+    return all(sign(cross(minus(q, p), minus(point, p))) >= 0 for p, q in around(place.points))
+
+
+def _find_inside(partition: Partition) -> tuple[RestPlace, ...]:
+    """Every equilibrium that the cells of a partition show, areas first."""
     areas = [RestPlace(EquilibriumPlace.AREA, c.polygon.vertices, (c.index,)) for c in partition.cells if c.rests]
     found = [*areas, *_centres(partition), *_ties(partition)]
     for side in shared_sides(partition):

@@ -13,7 +13,9 @@ from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.proofs.theorem4 import check_cells
+from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.constraints import Twist
+from nonsmooth.symbolic.scene import Scene
 from tests.four_wheel import ROLL, SIDE
 from tests.hulls import hull_holds_zero
 from tests.thorough import keep
@@ -157,3 +159,40 @@ def test_judged_verdicts_equal_a_check_at_the_point(arrays: Arrays, seed: int) -
         at = (scene.check.equilibrium[0] + x, scene.check.equilibrium[1] + y)
         there = check_cells(replace(scene, check=replace(scene.check, equilibrium=at)))
         assert (judged.translation, judged.rotation) == (there.translation.verdict, there.rotation.verdict)
+
+
+# ---- the border of the square ---------------------------------------------------------------------
+
+
+def beside_the_point(scene: Scene, x: Fraction, y: Fraction, radius: Fraction) -> Scene:
+    """The array checked at (x, y) on a square of a half-width."""
+    at = (scene.field.zero + x, scene.field.zero + y)
+    return replace(scene, check=replace(scene.check, equilibrium=at, radius=scene.field(1) * radius))
+
+
+@pytest.mark.parametrize(("x", "y"), [(1, 1), (1, -1), (-1, 1), (1, 0), (0, -1), (1, Fraction(1, 3))])
+def test_an_equilibrium_on_the_border_is_found_whatever_the_radius(arrays: Arrays, x: Fraction, y: Fraction) -> None:
+    """The middle of the four-wheel array at a corner, or on a side, of the square, and well inside a larger one."""
+    scene, quarter = arrays.four_wheel(), Fraction(1, 4)
+    for radius in (quarter, quarter * Fraction(5, 4)):
+        checked = check_cells(beside_the_point(scene, x * quarter, y * quarter, radius))
+        (other,) = checked.others or ()
+        assert other.found.points == ((scene.field.zero - x * quarter, scene.field.zero - y * quarter),)
+        assert other.translation is Translation.ASYMPTOTICALLY_STABLE
+
+
+@pytest.mark.parametrize(("x", "y"), [(1, 1), (-1, 1), (1, 0), (0, 1), (1, Fraction(1, 2))])
+def test_equilibria_along_the_border_are_those_of_the_plane(arrays: Arrays, x: Fraction, y: Fraction) -> None:
+    """With side friction first both axes rest: sides of the square may lie on them.  By the hull on a larger square."""
+    quarter = Fraction(1, 4)
+    scene = beside_the_point(arrays.four_wheel(SIDE), x * quarter, y * quarter, quarter).recentred()
+    large = build_nearest_partition(replace(scene, check=replace(scene.check, radius=scene.field(1) / 2)))
+    listed = [judged.found for judged in check_cells(scene).others or ()]
+    seen = 0
+    for share in (Fraction(k, 8) for k in range(-8, 9)):
+        for own in ((1, share), (-1, share), (share, 1), (share, -1)):
+            point = (scene.field.zero + quarter * own[0], scene.field.zero + quarter * own[1])
+            known = any(point in e.points or (len(e.points) > 1 and _on(e, point)) for e in listed)
+            assert known == holds_zero(large, point)
+            seen += known
+    assert seen
