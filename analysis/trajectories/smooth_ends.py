@@ -40,6 +40,7 @@ SHRINKING, TIMES = 14, 8  # steps to and fro get half as long so often, and are 
 JUMPED = 1e-4  # of the half side: to which a place that jumps surround is rounded
 GRID = 1e-12  # of the half side: to which places are rounded, so that zero is zero
 TOGETHER = 1e-2  # of the half side: bodies that stand closer together stand at one place
+SAME = 1e-6  # of the half side: places that Newton's method brings closer together are one place
 
 
 @dataclass(frozen=True)
@@ -49,10 +50,13 @@ class SmoothEnds:
     Attributes:
         places: where bodies stand still, (k, 2).
         reached: number of the place for each start; -1 where the body leaves the square, -2 where it still moves.
+        speeds: of a body at each place, in parts of the largest speed of the starts, (k,): zero to rounding where the
+            field is known to vanish, not a number where it was not asked.
     """
 
     places: Floats
     reached: NDArray[np.int_]
+    speeds: Floats
 
 
 LEFT, MOVING = -1, -2
@@ -150,13 +154,23 @@ def smooth_ends(scene: Scene, starts: Floats, origin: tuple[float, float] = (0.0
     try:
         _follow_all(field, points, reached, still, radius)
         found = _gathered(points, reached, still, radius)
-        places = [_where_it_stands(field, place, radius) for place in found.places]
+        stands = [_where_it_stands(field, place, radius) for place in found]
+        places = np.array([place for place, _ in stands]).reshape(-1, 2)
+        speeds = np.array([speed for _, speed in stands]) / (field.fastest or 1.0)
     except _EnoughError:
-        found = _gathered(points, reached, still, radius)
-        places = list(found.places)
+        places = _gathered(points, reached, still, radius)
+        speeds = np.full(len(places), np.nan)
     grid = GRID * radius
-    measured = np.array(places).reshape(-1, 2) + origin
-    return SmoothEnds(np.round(measured / grid) * grid + 0.0, found.reached)  # adding zero makes -0 a 0
+    measured = np.round((places + origin) / grid) * grid + 0.0  # adding zero makes -0 a 0
+    return _merged(SmoothEnds(measured, reached, speeds), SAME * radius)
+
+
+def _merged(ends: SmoothEnds, distance: float) -> SmoothEnds:
+    """The same with places that lie closer together than a distance as one: the first of them."""
+    first = [int(np.argmax(np.hypot(*(ends.places - place).T) <= distance)) for place in ends.places]
+    kept = sorted(set(first))
+    numbers = np.array([kept.index(k) for k in first] + [MOVING, LEFT])  # -1 and -2 stay as they are
+    return SmoothEnds(ends.places[kept], numbers[ends.reached], ends.speeds[kept])
 
 
 def _follow_all(
@@ -221,23 +235,29 @@ def _take_steps(solver: Any, most: int) -> None:
         solver.step()
 
 
-def _where_it_stands(field: _Field, place: Floats, radius: float) -> Floats:
-    """A zero of the field beside a place; where the field is not small there, the point to which jumps lead."""
-    vanishing = _where_it_vanishes(field, place, radius)
+def _where_it_stands(field: _Field, place: Floats, radius: float) -> tuple[Floats, float]:
+    """A zero of the field beside a place; where the field is not small there, the point to which jumps lead.
+
+    And the speed of a body there, not a number where jumps lead.
+    """
+    vanishing, speed = _where_it_vanishes(field, place, radius)
     if not field.jumps or float(np.hypot(*field(vanishing[None])[0])) < BRISK * field.fastest:
-        return vanishing
+        return vanishing, speed
     path, step, found = np.zeros(1, int), TOGETHER * radius / field.fastest, place
     for _ in range(SHRINKING):
         for _ in range(TIMES):
             found = found + step * field.along(found[None], path)[0]
             if np.hypot(*(found - place)) > 2 * TIMES * TOGETHER * radius or np.abs(found).max() > radius:
-                return vanishing
+                return vanishing, speed
         step /= 2
-    return np.asarray(np.round(found / (JUMPED * radius)) * JUMPED * radius)
+    return np.asarray(np.round(found / (JUMPED * radius)) * JUMPED * radius), float("nan")
 
 
-def _where_it_vanishes(field: _Field, place: Floats, radius: float) -> Floats:
-    """A zero of the field beside a place where it is small; the best place seen, where Newton's method finds none."""
+def _where_it_vanishes(field: _Field, place: Floats, radius: float) -> tuple[Floats, float]:
+    """A zero of the field beside a place where it is small, and the speed there.
+
+    The best place seen, where Newton's method finds none.
+    """
     step = STEP * radius
     best, least = place, float("inf")
     for _ in range(NEWTON_STEPS):
@@ -251,11 +271,11 @@ def _where_it_vanishes(field: _Field, place: Floats, radius: float) -> Floats:
         best, least = place, speed
         slope = np.stack([east - west, north - south], axis=1) / (2 * step)
         place = place - np.linalg.lstsq(slope, here, rcond=None)[0]
-    return best
+    return best, least
 
 
-def _gathered(points: Floats, reached: NDArray[np.int_], still: NDArray[np.bool_], radius: float) -> SmoothEnds:
-    """Bodies that stand close together, as one place each."""
+def _gathered(points: Floats, reached: NDArray[np.int_], still: NDArray[np.bool_], radius: float) -> Floats:
+    """Bodies that stand close together as one place each, (k, 2); what they reached is written down."""
     places: list[Floats] = []
     left = still.copy()
     while left.any():
@@ -264,4 +284,4 @@ def _gathered(points: Floats, reached: NDArray[np.int_], still: NDArray[np.bool_
         reached[here] = len(places)
         places.append(points[here].mean(axis=0))
         left &= ~here
-    return SmoothEnds(np.array(places).reshape(-1, 2), reached)
+    return np.array(places).reshape(-1, 2)

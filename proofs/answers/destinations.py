@@ -7,7 +7,7 @@ body near it does.  Sampled: the share of starts that ends there, from paths of 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
 
 import numpy as np
@@ -18,9 +18,10 @@ from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
 from nonsmooth.analysis.fields.constant_field import array_field
+from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.trajectories.maps import SettleMap, grid_starts, settle_map
-from nonsmooth.analysis.trajectories.places_reached import places_reached
+from nonsmooth.analysis.trajectories.places_reached import STAYS, places_reached
 from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.analysis.trajectories.smooth_ends import LEFT, MOVING, UndeterminedError, smooth_ends
 from nonsmooth.proofs.answers.answer import Heading, Position
@@ -36,6 +37,7 @@ from nonsmooth.symbolic.unknown_loads import UnknownLoads
 STARTS = 31  # in a row and in a column: shares to about two per cent
 FEW_STARTS = 11  # the same under rules without cells, whose paths cost more
 INSIDE = 0.98  # of the square: how far these starts reach
+VANISHES = 1e-9  # of the largest speed of the starts: as slow as a body is where the field is known to vanish
 MOST_PLACES = 6  # where bodies stand still; more are taken for an area of rest
 
 
@@ -87,12 +89,47 @@ class Destination:
     share: float
 
 
+@dataclass(frozen=True, eq=False)
+class SampledEnds:
+    """How paths from m starts end, measured from the checked point; what is not known for sure is not said.
+
+    Attributes:
+        starts: (m, 2).
+        ends: where the body stays for ever, or what it approaches, (m, 2); not a number elsewhere.
+        leaves: whether it leaves the square, or tips at the border of the support polygon, (m,).
+        turning: the angle by which it has turned at the end, (m,): infinite where it turns for ever, not a number where
+            nothing is known.
+    """
+
+    starts: Floats
+    ends: Floats
+    leaves: NDArray[np.bool_]
+    turning: Floats
+
+    @property
+    def stays(self) -> NDArray[np.bool_]:
+        """Whether it is known where the body stays, (m,)."""
+        return np.asarray(np.isfinite(self.ends).all(axis=1))
+
+    @property
+    def distances(self) -> tuple[Floats, Floats]:
+        """From the checked point, at the start and at the end."""
+        return np.hypot(*self.starts.T), np.hypot(*self.ends.T)
+
+
 @dataclass(frozen=True)
 class Destinations:
-    """All of them, the largest share first, and how many starts the shares are sampled from."""
+    """All of them, the largest share first, and how many starts the shares are sampled from.
+
+    Attributes:
+        found: the places, and the other ways to end.
+        starts: their number.
+        sampled: how each start ends.
+    """
 
     found: tuple[Destination, ...]
     starts: int
+    sampled: SampledEnds = field(compare=False, repr=False)
 
     def _repr_html_(self) -> str:
         """Each with its share, for a notebook."""
@@ -115,7 +152,26 @@ def destinations_of(check: Theorem4Result) -> Destinations | None:
     ends, reached = _followed(partition, [place.found for place in places])
     found = [_at_place(check, place, float(np.mean(reached == k))) for k, place in enumerate(places)]
     found += _without_place(ends, reached)
-    return Destinations(tuple(sorted(found, key=lambda d: -d.share)), len(ends.starts))
+    return Destinations(_in_order(found), len(ends.starts), _ends_of(ends))
+
+
+def ends_from(partition: Partition, starts: Floats) -> SampledEnds:
+    """How paths through all cells of a centred partition end.
+
+    Raises:
+        ValueError: for a start outside the cells.
+    """
+    return _ends_of(settle_map(array_field(partition, Kinematics.EXACT), starts))
+
+
+def _ends_of(found: SettleMap) -> SampledEnds:
+    stays = np.array([reason in STAYS for reason, _ in found.ends])[found.basin]
+    leaves = np.array([_OF_END.get(reason) in (Goal.LEAVES, Goal.TIPS) for reason, _ in found.ends])[found.basin]
+    return SampledEnds(found.starts, np.where(stays[:, None], found.points, np.nan), leaves, found.theta)
+
+
+def _in_order(found: list[Destination]) -> tuple[Destination, ...]:
+    return tuple(sorted(found, key=lambda d: -d.share))
 
 
 def shares_at(partition: Partition, places: Sequence[RestPlace]) -> list[float]:
@@ -126,8 +182,8 @@ def shares_at(partition: Partition, places: Sequence[RestPlace]) -> list[float]:
 
 def _followed(partition: Partition, places: Sequence[RestPlace]) -> tuple[SettleMap, NDArray[np.int_]]:
     """The ends of a grid of paths, and the number of the equilibrium at which each ends."""
-    field = array_field(partition, Kinematics.EXACT)
-    ends = settle_map(field, grid_starts(field, STARTS))
+    cells = array_field(partition, Kinematics.EXACT)
+    ends = settle_map(cells, grid_starts(cells, STARTS))
     return ends, places_reached(partition, places, ends)
 
 
@@ -154,7 +210,10 @@ def sampled_destinations(scene: Scene) -> Destinations | None:
     for code, goal in ((LEFT, Goal.LEAVES), (MOVING, Goal.OTHER)):
         share = float(np.mean(ends.reached == code))
         found += [Destination(goal, (), None, None, share)] if share else []
-    return Destinations(tuple(sorted(found, key=lambda d: -d.share)), len(starts))
+    places = np.where(ends.speeds[:, None] <= VANISHES, ends.places - (x, y), np.nan)
+    reached = np.vstack([places, np.full((2, 2), np.nan)])[ends.reached]  # -1 and -2 stay nowhere
+    sampled = SampledEnds(starts, reached, ends.reached == LEFT, np.full(len(starts), np.nan))
+    return Destinations(_in_order(found), len(starts), sampled)
 
 
 def _at_place(check: Theorem4Result, place: JudgedEquilibrium, share: float) -> Destination:

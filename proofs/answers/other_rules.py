@@ -32,11 +32,13 @@ class OtherRule:
         name: of the rule.
         answers: position and heading; empty where there are none.
         why_not: why there are none.
+        equilibrium: whether the point is an equilibrium; None where there is no answer.
     """
 
     name: str
     answers: tuple[Answer, ...]
     why_not: str = ""
+    equilibrium: str | None = None
 
 
 def other_rules(scene: Scene) -> tuple[OtherRule, ...]:
@@ -55,7 +57,8 @@ def _under(scene: Scene, name: str) -> OtherRule:
         return OtherRule(name, (), str(error))
     except WorkLimitError:
         return OtherRule(name, (), TAKES_LONG)
-    return OtherRule(name, (position_answer(other, results), heading_answer(other, results)))
+    answers = (position_answer(other, results), heading_answer(other, results))
+    return OtherRule(name, answers, equilibrium=str(results["equilibrium"].verdict))
 
 
 def _decided(work: Workspace) -> Results:
