@@ -1,46 +1,46 @@
-"""A translation verdict beside paths of the program's own simulator: they share the cells and nothing else.
+"""Paths of the program's own simulator from very close to an equilibrium: they share the cells with the verdicts alone.
 
-Where ``V = |c|^2`` leaves the question open, the fan of cones decides stability from leading terms.  So a few paths are
-followed from starts very close to the equilibrium.  Under a verdict of stability none may reach a fixed share of the
-checked square: a fan whose distances diverge takes a start of 1e-12 there within few turns, one of the order
-``eps^(1/2)`` per cone does not.  A path that does is a fault of the program, noticed before the verdict is shown.
+The fan of cones decides stability from leading terms, which hold at every scale.  So a few paths are followed from
+starts very close to the equilibrium, and what matters is whether one of them comes to a fixed share of the checked
+square: a fan whose distances diverge takes a start of 1e-12 there within few turns, one of the order ``eps^(1/2)`` per
+cone does not.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 from nonsmooth.analysis.cells.partition import Partition
-from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
-from nonsmooth.proofs.verdicts import Translation
-from nonsmooth.symbolic.number_text import place_text
 
 STARTS = 4
 CLOSE = 2.0**-40  # of the half side of the square: the distance of the starts
-FAR = 1 / 16  # of the half side: nothing that starts so close may come there
+FAR = 1 / 16  # of the half side: nothing that starts so close to a stable point may come there
 CROSSINGS = 8.0  # of the square, at the least speed: as long as a path is followed
-
-STABLE_VERDICTS = (Translation.ASYMPTOTICALLY_STABLE, Translation.STABLE)
 
 
 class ContradictionError(RuntimeError):
     """A verdict and a path of this program that contradict each other: a fault, on one line."""
 
 
-def refuse_contradiction(partition: Partition, translation: TranslationResult) -> None:
-    """Follow some paths from close to the equilibrium of a centred partition, where the fan alone says it is stable.
+@dataclass(frozen=True)
+class OwnPath:
+    """One of them.
 
-    Raises:
-        ContradictionError: where one of them leaves.
+    Attributes:
+        start: measured from the equilibrium.
+        farthest: its largest distance from the equilibrium.
+        last: its distance at the end.
     """
-    decided_by_fan = translation.fan is not None and translation.region_radius is None
-    if not decided_by_fan or translation.verdict not in STABLE_VERDICTS or not partition.complete:
-        return
-    _follow_some(partition, translation)
+
+    start: tuple[float, float]
+    farthest: float
+    last: float
 
 
-def _follow_some(partition: Partition, translation: TranslationResult) -> None:
-    """Paths from close by; what follows them is loaded only here."""
+def paths_from(partition: Partition, starts: Sequence[tuple[float, float]]) -> Iterator[OwnPath]:
+    """Follow the open loop of a centred, complete partition; what follows it is loaded only here."""
     import numpy as np
 
     from nonsmooth.analysis.fields.constant_field import array_field
@@ -54,16 +54,33 @@ def _follow_some(partition: Partition, translation: TranslationResult) -> None:
         return
     until = CROSSINGS * radius / min(speeds)
     field = array_field(partition, Kinematics.EXACT)
-    for k in range(STARTS):
-        angle = 2 * math.pi * (k + 0.3) / STARTS
-        start = (CLOSE * radius * math.cos(angle), CLOSE * radius * math.sin(angle), 0.0)
+    for x, y in starts:
         try:
-            path = simulate(field, start, until)
+            path = simulate(field, (x, y, 0.0), until)
         except TrajectoryError:  # the simulator gives up: that says nothing about the verdict
             continue
-        farthest = float(np.hypot(path.array[:, 0], path.array[:, 1]).max())
-        if farthest > FAR * radius:
-            raise ContradictionError(
-                f"{partition.scene.name}: (x, y) is said to be {translation.verdict}, but the path from "
-                f"{place_text(start[:2], 3)} beside the equilibrium goes {farthest:.3g} away: please report this"
-            )
+        distances = np.hypot(path.array[:, 0], path.array[:, 1])
+        yield OwnPath((x, y), float(distances.max()), float(distances[-1]))
+
+
+def starts_around(partition: Partition, distance: float, count: int = STARTS) -> list[tuple[float, float]]:
+    """Starts evenly around the equilibrium, at a distance in units of the half side of the square."""
+    radius = distance * float(partition.scene.check.radius)
+    angles = [2 * math.pi * (k + 0.3) / count for k in range(count)]
+    return [(radius * math.cos(angle), radius * math.sin(angle)) for angle in angles]
+
+
+def starts_on_borders(partition: Partition, distance: float) -> list[tuple[float, float]]:
+    """Starts on the borders of the cells that meet at the equilibrium, at about a distance in units of the half side.
+
+    A solution that leaves may do so along such a border only.
+    """
+    radius, found = distance * float(partition.scene.check.radius), []
+    for cell in partition.cells:
+        corners = [(float(x), float(y)) for x, y in cell.polygon.vertices]
+        if (0.0, 0.0) in corners:
+            k = corners.index((0.0, 0.0))
+            for x, y in (corners[k - 1], corners[(k + 1) % len(corners)]):
+                scale = 2.0 ** math.floor(math.log2(radius / math.hypot(x, y)))  # a power of two rounds nothing
+                found.append((x * scale, y * scale))
+    return list(dict.fromkeys(found))

@@ -7,8 +7,8 @@ alone is not a refutation, so it makes it ``undecided``, and so does a point tha
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Self, TypeAlias, cast
 
 from nonsmooth.analysis.cells.partition import Partition
@@ -24,7 +24,6 @@ from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
 from nonsmooth.proofs.clauses.workspace import Skipped
 from nonsmooth.proofs.facts import Fact
 from nonsmooth.proofs.judged_equilibria import JudgedEquilibrium
-from nonsmooth.proofs.own_paths import refuse_contradiction
 from nonsmooth.proofs.verdicts import Theorem4
 from nonsmooth.symbolic.contact_states import ContactCensus
 from nonsmooth.symbolic.notebook import ShortRepr, html_table
@@ -32,6 +31,26 @@ from nonsmooth.symbolic.scene import Scene
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
+
+
+@dataclass(frozen=True)
+class Contradiction:
+    """Two statements of this program about one array that cannot both be true.
+
+    Attributes:
+        between: what is compared, in a few words.
+        sides: the two statements, a sentence each.
+        clauses: names of the clauses that nobody may rely on.
+    """
+
+    between: str
+    sides: tuple[str, str]
+    clauses: tuple[str, ...]
+
+    @property
+    def text(self) -> str:
+        """Both sides in one sentence."""
+        return f"{self.between} contradict each other: {self.sides[0]}; but {self.sides[1]}"
 
 
 @dataclass(frozen=True, repr=False)
@@ -47,6 +66,7 @@ class Theorem4Result(ShortRepr):
         authority: rank of the roll rows at the checked point.
         skipped: what was left out and why.
         seconds: where the time went.
+        contradictions: statements about the array that contradict each other; the clauses concerned are undecided.
     """
 
     verdict: Theorem4
@@ -57,6 +77,7 @@ class Theorem4Result(ShortRepr):
     authority: Authority
     skipped: tuple[Skipped, ...]
     seconds: dict[str, float]
+    contradictions: tuple[Contradiction, ...] = field(default=(), kw_only=True)
 
     @property
     def clauses(self) -> tuple[tuple[Clause[Any], ClauseResult], ...]:
@@ -66,6 +87,17 @@ class Theorem4Result(ShortRepr):
     def with_results(self, **results: ClauseResult) -> Self:
         """The same with other results of some clauses, by name; the conclusion stays as it is."""
         return replace(self, results={**self.results, **results})
+
+    def contradicted(self, found: Sequence[Contradiction]) -> Self:
+        """The same with every clause undecided that a contradiction concerns, and what follows from that."""
+        if not found:
+            return self
+        results = dict(self.results)
+        for clause, result in self.clauses:
+            said = "; ".join(one.text for one in found if clause.name in one.clauses)
+            results[clause.name] = clause.as_undecided(result, said) if said else result
+        _, reason = conclude(results)
+        return replace(self, results=results, verdict=Theorem4.UNDECIDED, reason=reason, contradictions=tuple(found))
 
     def facts(self, clause: Clause[Any]) -> Iterator[Fact]:
         """What one clause says beside verdict and reason."""
@@ -179,12 +211,7 @@ class CellCheck(Theorem4Result):
         return drift is not None and arrives and drift.interval[0] <= 0 <= drift.interval[1]
 
     def evidence_holds(self) -> bool:
-        """Verify the evidence of every clause on all cells of the array, and the conclusion.
-
-        Raises:
-            nonsmooth.proofs.own_paths.ContradictionError: where a path contradicts the verdict about (x, y).
-        """
-        refuse_contradiction(self.partition, self.translation)
+        """Verify the evidence of every clause on all cells of the array, and the conclusion."""
         return self.partition.scene == self.scene.recentred() and super().evidence_holds()
 
 

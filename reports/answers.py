@@ -18,7 +18,7 @@ from nonsmooth.proofs.answers.contact_wheels import contact_facts
 from nonsmooth.proofs.answers.other_rules import OtherRule
 from nonsmooth.proofs.answers.units import of_length
 from nonsmooth.proofs.facts import Quantity
-from nonsmooth.proofs.theorem4_result import Check
+from nonsmooth.proofs.theorem4_result import Check, Contradiction
 from nonsmooth.reports.equilibrium_headings import headings_record, headings_view
 from nonsmooth.reports.exact_record import Record
 from nonsmooth.reports.facts import as_record, fact_record
@@ -43,6 +43,8 @@ def answers_view(result: Check, answers: Answers) -> RenderableType:
     parts: list[RenderableType] = [Text(contact), table]
     if answers.rest_points is not None:
         parts.append(Text(_rest_points_text(answers.rest_points, of_length(result.scene))))
+    for one in result.contradictions:
+        parts += [Text(line, "bold red") for line in contradiction_lines(one)]
     if answers.destinations is not None:
         parts.append(_destinations_table(answers.destinations))
     if answers.headings is not None:
@@ -56,6 +58,12 @@ def answers_view(result: Check, answers: Answers) -> RenderableType:
     theorem = Text(f"Theorem 4 ({THEOREM}): ")
     parts.append(theorem.append_text(verdict_text(result.verdict, bold=True)))
     return Group(*parts)
+
+
+def contradiction_lines(found: Contradiction) -> tuple[str, str, str]:
+    """That two statements contradict each other, and each of them."""
+    head = f"contradiction between {found.between}: nobody may rely on either (please report this)"
+    return head, f"  one side: {found.sides[0]}", f"  the other: {found.sides[1]}"
 
 
 def tipped_view(scene: Scene, answers: Sequence[Answer]) -> RenderableType:

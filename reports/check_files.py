@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Collection
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from nonsmooth.reports.console import RefusedError
 from nonsmooth.reports.files import output_path, write_whole
@@ -45,16 +45,38 @@ class CheckFiles:
             None if law is None else _output("--law", law, LAWS, rules),
         )
 
-    def write(self, result: CheckResult) -> None:
-        """Write what was asked for.
+    def write(self, result: CheckResult) -> CheckResult:
+        """Write what was asked for; the result, compared with it.
+
+        Nothing is written of a check that contradicts itself.
 
         Raises:
             RefusedError: for a check that has no certificate, or no certified law.
         """
-        if self.certificate is not None:
-            _write_certificate(result.evidence, self.certificate)
+        certificate = None if self.certificate is None else _certificate(result.evidence)
+        if certificate is not None:
+            result = _compared(result, certificate)
+        if result.contradictions:
+            for path in filter(None, (self.certificate, self.law)):
+                print(f"{path}: not written: what the check says contradicts itself", file=sys.stderr)
+            return result
+        if self.certificate is not None and certificate is not None:
+            _write_certificate(certificate, result.evidence, self.certificate)
         if self.law is not None:
             _write_law(result, self.law)
+        return result
+
+
+def _compared(result: CheckResult, certificate: dict[str, Any]) -> CheckResult:
+    """The result without what its certificate contradicts."""
+    from nonsmooth.proofs.answers.contradictions import contradictions_of_certificate
+
+    found = tuple(contradictions_of_certificate(certificate, result.evidence))
+    if not found:
+        return result
+    left = replace(result, elsewhere=(*result.elsewhere, *found))
+    _ = left.answers
+    return left
 
 
 def _output(option: str, target: str, suffixes: Collection[str], rules: int) -> Path:
@@ -74,14 +96,19 @@ def _write_law(result: CheckResult, path: Path) -> None:
         raise RefusedError(f"{result.evidence.scene.origin}: --law: {error}") from None
 
 
-def _write_certificate(result: CellCheck | SmoothCheck, path: Path) -> None:
+def _certificate(result: CellCheck | SmoothCheck) -> dict[str, Any]:
     """The certificate of one check."""
-    from nonsmooth.proofs.certificate import CertificateError, build_certificate, certificate_text
+    from nonsmooth.proofs.certificate import CertificateError, build_certificate
 
     try:
-        certificate = build_certificate(result)
+        return build_certificate(result)
     except CertificateError as error:
         raise RefusedError(f"{result.scene.origin}: {error}") from None
+
+
+def _write_certificate(certificate: dict[str, Any], result: CellCheck | SmoothCheck, path: Path) -> None:
+    from nonsmooth.proofs.certificate import certificate_text
+
     write_whole(path, certificate_text(certificate).encode())
     if certificate["feedback"]["verdict"] != result.feedback.verdict:
         end_progress()

@@ -53,12 +53,19 @@ def check_record(
         "contact_states": _census_record(result),
         **{clause.name: _clause_record(result, clause) for clause, _ in result.clauses},
         "theorem4": {"verdict": str(result.verdict), "reason": result.reason},
+        **contradictions_record(result),
         "continuum": continuum,
         "failures": None if failures is None else failure_records(failures),
         "notes": [*angle_notes(scene.field), *filter(None, [rule_of(scene).remark(scene)])],
         "skipped": [{"what": s.what, "count": s.count, "why": s.why} for s in result.skipped],
         "seconds": {step: round(seconds, 6) for step, seconds in result.seconds.items()},
     }
+
+
+def contradictions_record(result: Check) -> Record:
+    """What contradicts what, with both sides; without a key where nothing does."""
+    found = [{"between": one.between, "sides": list(one.sides)} for one in result.contradictions]
+    return {"contradictions": found} if found else {}
 
 
 def checks_record(records: Iterable[Record]) -> Record:

@@ -8,6 +8,7 @@ from functools import cached_property
 
 from nonsmooth.analysis.minimizers.agreement import Agreement, compare_rules
 from nonsmooth.proofs.answers.answers import Answers, full_answers
+from nonsmooth.proofs.answers.contradictions import reconciled
 from nonsmooth.proofs.clauses.workspace import Announce, unheard
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.theorem4_result import CellCheck, Check
@@ -57,16 +58,21 @@ class Subject:
     announce: Announce = unheard
 
     @cached_property
-    def result(self) -> Check:
-        """The check, its evidence verified once more."""
+    def _checked(self) -> tuple[Check, Answers]:
+        """The check, its evidence verified once more, with the answers; compared with each other."""
         result = check_theorem4(self.scene, announce=self.announce)
         self.announce("verification of the evidence")
-        return verified(result)
+        return reconciled(verified(result), full_answers(result))
 
-    @cached_property
+    @property
+    def result(self) -> Check:
+        """The check."""
+        return self._checked[0]
+
+    @property
     def answers(self) -> Answers:
         """Position, heading and pose, where bodies go, and what the other rules say."""
-        return full_answers(self.result)
+        return self._checked[1]
 
     @property
     def cells(self) -> CellCheck:

@@ -10,7 +10,8 @@ from rich.console import Group, RenderableType
 from rich.text import Text
 
 from nonsmooth.analysis.cells.partition import RefusalError
-from nonsmooth.proofs.answers.answers import answers_of, exit_status, full_answers
+from nonsmooth.proofs.answers.answers import exit_status, full_answers
+from nonsmooth.proofs.answers.contradictions import reconciled
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.verified import verified
@@ -91,8 +92,9 @@ def _array_line(scene: Scene, required: Sequence[str], *, prune: bool, records: 
         refusal = one_line(str(error))
         record: Record = {"schema": CHECK_SCHEMA, "scene": scene.name, "rule": rule, "refused": refusal}
         return SummaryLine(scene.origin, rule, (REFUSED,), NONE, refusal, BAD_INPUT, record)
-    answers = tuple(str(answer.verdict) for answer in answers_of(result))
-    record = check_record(result, full_answers(result)) if records else {}
+    result, answered = reconciled(result, full_answers(result) if records else None)
+    answers = tuple(str(answer.verdict) for answer in answered.answers)
+    record = check_record(result, answered) if records else {}
     return SummaryLine(scene.origin, rule, answers, str(result.verdict), "", exit_status(result, required), record)
 
 

@@ -94,6 +94,8 @@ def _destinations_of(check: Theorem4Result) -> Destinations | None:
 def exit_status(check: Theorem4Result, required: Sequence[str], answered: Answers | None = None) -> int:
     """0 where every required answer is the one a builder hopes for, 1 where one is not, else 3 for undecided.
 
+    3 where anything that is said contradicts something else, whatever is required.
+
     Args:
         check: the verdicts.
         required: names of questions, :data:`THEOREM` or :data:`TOLERANCES`.
@@ -111,5 +113,7 @@ def exit_status(check: Theorem4Result, required: Sequence[str], answered: Answer
                 check.scene.origin, "tolerance", "a table of tolerances to require them", StatedFact("none")
             )
         found[TOLERANCES] = robust.exit_status
+    if check.contradictions:
+        return 3
     statuses = {found[name] for name in required}
     return next((status for status in (1, 3) if status in statuses), 0)

@@ -14,6 +14,7 @@ from enum import StrEnum
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.proofs.answers.answer import Heading, Pose, Position
 from nonsmooth.proofs.answers.answers import answers_of
+from nonsmooth.proofs.answers.contradictions import reconciled
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.verdicts import Theorem4
 from nonsmooth.proofs.verified import with_evidence
@@ -134,7 +135,7 @@ def _lifted(scene: Scene, failed: Wheel) -> Scene:
 def _decided(scene: Scene, number: int, kind: FailureKind) -> Failure:
     """The answers about what is left; where they are refused, undecided and why."""
     try:
-        check = with_evidence(check_theorem4(scene, beside=False))
+        check, _ = reconciled(with_evidence(check_theorem4(scene, beside=False)))
     except (RefusalError, SceneError) as error:
         return _undecided(number, kind, str(error))
     found = {answer.name: answer.verdict for answer in answers_of(check)}

@@ -67,6 +67,10 @@ class Clause(ABC, Generic[Result]):
         """Whether deciding again gives the same, where ``result.check()`` does not verify all that is said."""
         return True
 
+    def as_undecided(self, result: Result, reason: str) -> Result:
+        """The result without its verdict and evidence, for a reason; a clause that nothing contradicts stays."""
+        return result
+
     def settles(self, result: Result) -> tuple[Theorem4, str] | None:
         """The theorem's verdict and its reason where this clause decides it alone, whatever the later ones say."""
         return None

@@ -155,7 +155,7 @@ def _check_array(  # one keyword for each option
     json: bool,
 ) -> int:
     """One array, under one contact rule or all."""
-    from nonsmooth.reports.interface.check_result import check_scene
+    from nonsmooth.reports.interface.check_result import check_scene, compared
     from nonsmooth.reports.progress import steps
 
     found = _predictions(scenes[0]) if beside.continuum else None
@@ -166,10 +166,9 @@ def _check_array(  # one keyword for each option
                 heard = announce if alone else _with_rule(scene, announce)
                 results.append(check_scene(scene, **options, ask_others=alone, announce=heard))
         announce("where bodies go, headings of rest, and the other rules")
-        for result in results:
-            _ = result.answers
+        results = compared(results)
         failures = [failed_wheels(result, announce) for result in results] if beside.failures else None
-    files.write(results[0])
+    results[0] = files.write(results[0])
     if json:
         write_records(results, found, failures)
     else:

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from nonsmooth.proofs.answers.answers import Answers, answers_of, exit_status, full_answers
-from nonsmooth.proofs.answers.robust import TOLERANCES
+from nonsmooth.proofs.answers.answers import Answers, exit_status, full_answers
+from nonsmooth.proofs.answers.contradictions import contradictions_of_rules, reconciled, rests_under
 from nonsmooth.proofs.clauses.workspace import Announce, unheard
 from nonsmooth.proofs.theorem4 import check_theorem4
-from nonsmooth.proofs.theorem4_result import Check
+from nonsmooth.proofs.theorem4_result import Check, Contradiction
 from nonsmooth.proofs.verified import verified
 from nonsmooth.reports.interface.row_results import Tabular
 from nonsmooth.reports.interface.short_text import short_lines
@@ -34,21 +34,53 @@ if TYPE_CHECKING:
 class CheckResult(Tabular):
     """What a check of an array found.
 
+    What it says has been compared (:mod:`nonsmooth.proofs.answers.contradictions`): what contradicts something else is
+    undecided.
+
     Attributes:
-        evidence: every clause with its evidence; ``evidence.check()`` verifies it again.
+        decided: every clause as it was decided.
         ask_others: whether the answers say what the other contact rules say.
         around: whether headings of rest are looked for around the checked point too.
         rest_points: with ``at="auto"`` the places of rest among which the point was chosen, the best first.
+        elsewhere: contradictions with what is said in other results.
     """
 
-    evidence: Check
+    decided: Check
     ask_others: bool = True
     around: bool = False
     rest_points: tuple[RestPoint, ...] | None = None
+    elsewhere: tuple[Contradiction, ...] = ()
 
     @cached_property
+    def _brief(self) -> tuple[Check, Answers]:
+        """The answers to the questions alone, compared with a few samples."""
+        return reconciled(self.decided, None, *self.elsewhere)
+
+    @cached_property
+    def _full(self) -> tuple[Check, Answers]:
+        """Everything, compared with each other."""
+        asked = {"ask_others": self.ask_others, "around": self.around}
+        answered = full_answers(self.decided, **asked, rest_points=self.rest_points)
+        return reconciled(self.decided, answered, *self.elsewhere)
+
+    @property
+    def _said(self) -> tuple[Check, Answers]:
+        """Everything, once somebody has asked for what takes longer."""
+        return self._full if "_full" in vars(self) else self._brief
+
+    @property
+    def evidence(self) -> Check:
+        """Every clause with its evidence; ``evidence.check()`` verifies it again."""
+        return self._said[0]
+
+    @property
+    def contradictions(self) -> tuple[Contradiction, ...]:
+        """Statements about the array that contradict each other, and on which nobody may rely."""
+        return self.evidence.contradictions
+
+    @property
     def _answers(self) -> dict[str, Answer]:
-        return {answer.name: answer for answer in answers_of(self.evidence)}
+        return {answer.name: answer for answer in self._said[1].answers}
 
     @property
     def position(self) -> Answer:
@@ -86,11 +118,10 @@ class CheckResult(Tabular):
         """The wheels that carry the body at the checked pose, and how far it may move before that changes."""
         return contact_set(self.evidence.scene)
 
-    @cached_property
+    @property
     def answers(self) -> Answers:
         """The answers with what takes a little longer: where bodies go, and what the other rules say."""
-        asked = {"ask_others": self.ask_others, "around": self.around}
-        return full_answers(self.evidence, **asked, rest_points=self.rest_points)
+        return self._full[1]
 
     @property
     def destinations(self) -> Destinations | None:
@@ -118,11 +149,12 @@ class CheckResult(Tabular):
         Args:
             required: of position, heading, pose, tolerances and theorem4.
         """
-        return exit_status(self.evidence, required, self.answers if TOLERANCES in required else None)
+        check, answered = self._full
+        return exit_status(check, required, answered)
 
     def to_dict(self) -> dict[str, Any]:
         """The JSON record of ``nonsmooth check --json``."""
-        return check_record(self.evidence, self.answers)
+        return check_record(*self._full)
 
     def rows(self) -> list[dict[str, str]]:
         """One row for each answer and clause: question, verdict, why."""
@@ -135,11 +167,16 @@ class CheckResult(Tabular):
             for clause, found in self.evidence.clauses
         ]
         theorem = {"question": "Theorem 4", "verdict": self.theorem4, "why": self.evidence.reason}
-        return [*answered, *clauses, theorem]
+        contradicted = [
+            {"question": "contradiction", "verdict": "undecided", "why": one.text} for one in self.contradictions
+        ]
+        return [*answered, *clauses, theorem, *contradicted]
 
     def __repr__(self) -> str:
         said = [(answer.name, repr(answer)) for answer in self._answers.values()]
-        return short_lines(self._head(), [*said, ("Theorem 4", f"{self.theorem4}: {self.evidence.reason}")])
+        theorem = ("Theorem 4", f"{self.theorem4}: {self.evidence.reason}")
+        contradicted = [("contradiction", one.text) for one in self.contradictions]
+        return short_lines(self._head(), [*said, theorem, *contradicted])
 
     def _repr_html_(self) -> str:
         rows = [(row["question"], row["verdict"], row["why"]) for row in self.rows()]
@@ -189,3 +226,17 @@ def check_scene(  # one keyword for each choice
     found = check_theorem4(scene, prune=prune, beside=beside, announce=announce, built=built)
     announce("verification of the evidence")
     return CheckResult(verified(found), ask_others, around, rest_points)
+
+
+def compared(results: Sequence[CheckResult]) -> list[CheckResult]:
+    """Checks of one array under several contact rules with all their answers, compared with each other."""
+    for result in results:
+        _ = result.answers
+    asked = {str(result.evidence.scene.contact.rule): rests_under(result.evidence) for result in results}
+    found = tuple(contradictions_of_rules(results[0].evidence.scene, asked))
+    words = {word for one in found for word in one.between.split()}
+    pairs = zip(asked, results, strict=True)
+    renewed = [replace(result, elsewhere=found) if rule in words else result for rule, result in pairs]
+    for result in renewed:
+        _ = result.answers
+    return renewed

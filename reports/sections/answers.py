@@ -9,7 +9,7 @@ from nonsmooth.proofs.answers.destinations import Destination, Destinations
 from nonsmooth.proofs.answers.headings import HeadingsOfRest
 from nonsmooth.proofs.answers.other_rules import OtherRule
 from nonsmooth.proofs.answers.units import of_length
-from nonsmooth.reports.answers import THEOREM, goal_text, share_text
+from nonsmooth.reports.answers import THEOREM, contradiction_lines, goal_text, share_text
 from nonsmooth.reports.document import Block, Bullets, Inline, Section, Table, Text, Tone, Verdict, number, point, table
 from nonsmooth.reports.equilibrium_headings import HEADER, notes, row, title
 from nonsmooth.reports.equilibrium_headings import MOST_SHOWN as SHOWN
@@ -53,6 +53,7 @@ def _items(subject: Subject) -> Bullets:
             *([(f"Note: {remark}.",)] if remark else []),
             (f"Contact: {contact}.",),
             *(_other_rule(other) for other in subject.answers.others),
+            *(("; ".join(contradiction_lines(one)) + ".",) for one in subject.result.contradictions),
             (f"Theorem 4 ({THEOREM}): ", theorem, "."),
         )
     )

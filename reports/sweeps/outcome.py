@@ -8,6 +8,7 @@ from typing import Any, TypeAlias
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.proofs.answers.answer import Answer, Heading, Pose, Position
 from nonsmooth.proofs.answers.answers import answers_of
+from nonsmooth.proofs.answers.contradictions import reconciled
 from nonsmooth.proofs.answers.failures import failures_of
 from nonsmooth.proofs.answers.robust import TOLERANCES, robust_answer
 from nonsmooth.proofs.facts import Fact, Quantity
@@ -88,7 +89,7 @@ def questions_of(outcome: Outcome) -> tuple[str, ...]:
 
 
 def _checked(scene: Scene) -> Outcome:
-    check = with_evidence(check_theorem4(scene, beside=False))
+    check, _ = reconciled(with_evidence(check_theorem4(scene, beside=False)))
     answers = {answer.name: answer for answer in answers_of(check)}
     robust = robust_answer(check.scene, check.results)
     if robust is not None:

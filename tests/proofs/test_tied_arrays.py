@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
+from nonsmooth.proofs.answers.answer import Position
+from nonsmooth.proofs.answers.contradictions import reconciled
 from nonsmooth.proofs.clauses.translation.on_cells import decide_translation
-from nonsmooth.proofs.own_paths import ContradictionError
 from nonsmooth.proofs.theorem4 import check_cells, check_theorem4
 from nonsmooth.proofs.verdicts import Theorem4, Translation
 from tests.oracles.agreement import contradiction
@@ -50,11 +51,17 @@ def test_a_velocity_along_a_ray_that_omega_bends_outward_lets_full_turns_diverge
 
 
 @pytest.mark.parametrize("wheels", [LEAVES_LIKE_A_ROOT, LEAVES_FROM_1E_9])
-def test_a_verdict_that_the_own_paths_contradict_is_a_fault(arrays: Arrays, wheels: list[Wheel]) -> None:
+def test_a_verdict_that_the_own_paths_contradict_is_undecided(arrays: Arrays, wheels: list[Wheel]) -> None:
     result = check_cells(scene_of(arrays, wheels))
     forged = replace(result.translation, verdict=Translation.ASYMPTOTICALLY_STABLE)
-    with pytest.raises(ContradictionError, match=r"said to be asymptotically stable, but the path from"):
-        result.with_results(translation=forged).check()
+    left, answered = reconciled(result.with_results(translation=forged))
+    between = {one.between: one.sides for one in left.contradictions}
+    said, seen = between["position and a path"]
+    assert said.startswith("position comes home")
+    assert seen.startswith("the path from")
+    assert left.results["translation"].verdict is Translation.UNDECIDED
+    assert left.verdict is Theorem4.UNDECIDED
+    assert answered.answers[0].verdict is Position.UNDECIDED
 
 
 def test_half_planes_whose_velocity_lies_along_their_line_have_gain_one(arrays: Arrays) -> None:

@@ -16,7 +16,7 @@ Five situations are told apart, each by exact evidence:
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 
 from flint import arb, ctx, fmpq
@@ -122,6 +122,10 @@ class EllipsePoint:
         if self.situation is Situation.OPEN:
             return spins and balances(scene, region, twist.omega)
         return spins and is_smooth_minimum(scene, region, twist.omega, linear)
+
+    def as_undecided(self, reason: str) -> EllipsePoint:
+        """The point without a situation."""
+        return replace(self, situation=Situation.OPEN, twist=None, linearization=None, reason=reason)
 
     def recompute(self) -> bool:
         """Whether deciding again gives the same."""

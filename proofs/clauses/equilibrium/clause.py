@@ -51,6 +51,14 @@ class EquilibriumClause(Clause[AnyEquilibrium]):
         """What every load of a set does."""
         return not isinstance(result, EveryLoadEquilibrium) or result.point.recompute()
 
+    def as_undecided(self, result: AnyEquilibrium, reason: str) -> AnyEquilibrium:
+        """Neither weights nor a separating direction; an open situation at the point."""
+        if isinstance(result, EquilibriumResult):
+            return EquilibriumResult(Equilibrium.UNDECIDED, result.twists, {}, None, reason)
+        if isinstance(result, EllipseEquilibrium):
+            return EllipseEquilibrium(result.point.as_undecided(reason))
+        return EveryLoadEquilibrium(result.point.as_undecided(reason))
+
     def settles(self, result: AnyEquilibrium) -> tuple[Theorem4, str] | None:
         """Without an equilibrium nothing is said of its stability."""
         if result.verdict is Equilibrium.FAILS:

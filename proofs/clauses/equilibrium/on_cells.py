@@ -27,12 +27,14 @@ class EquilibriumResult:
         twists: the twists whose velocities span F at the point.
         weights: convex weights of the twists that give zero velocity (holds).
         separator: a direction with positive product against every velocity (fails).
+        contradiction: why nothing is said, where the verdict is undecided.
     """
 
     verdict: Equilibrium
     twists: tuple[Twist, ...]
     weights: dict[int, Number]
     separator: Vector | None
+    contradiction: str = ""
 
     def check(self) -> bool:
         """Re-verify the evidence from the definition."""
@@ -48,6 +50,8 @@ class EquilibriumResult:
     @property
     def reason(self) -> str:
         """One sentence for people."""
+        if self.verdict is Equilibrium.UNDECIDED:
+            return self.contradiction
         if self.verdict is Equilibrium.HOLDS:
             return _at_rest(self.twists, len(self.weights))
         if len(self.twists) == 1:

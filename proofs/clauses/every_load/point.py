@@ -9,7 +9,7 @@ point is no equilibrium.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 
 from nonsmooth.analysis.cells.load_sets import LoadPolytope, Loads, LoadSet, load_set
@@ -99,6 +99,10 @@ class EveryLoadPoint:
 
     def _moves(self) -> bool:
         return self.witness is not None and _is_refuted(self.scene, self.witness)
+
+    def as_undecided(self, reason: str) -> EveryLoadPoint:
+        """The point without a situation."""
+        return replace(self, situation=EveryLoad.OPEN, twist=None, slope=None, witness=None, reason=reason)
 
     def recompute(self) -> bool:
         """Whether deciding again gives the same."""

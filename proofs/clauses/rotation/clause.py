@@ -58,6 +58,10 @@ class RotationClause(Clause[RotationResult]):
         translation = check.results["translation"]
         return not isinstance(translation, EllipseTranslation) or result == spin_of(translation.point)
 
+    def as_undecided(self, result: RotationResult, reason: str) -> RotationResult:
+        """No drift, and no bound."""
+        return RotationResult(Rotation.UNDECIDED, None, None, reason)
+
     def settles(self, result: RotationResult) -> tuple[Theorem4, str] | None:
         """The theorem says that theta is unstable."""
         if result.verdict is Rotation.NEUTRAL:

@@ -1,0 +1,530 @@
+"""Do the things that are printed about one array contradict each other?  Then nobody may rely on either of them.
+
+A verdict is proved, and what stands beside it is found in another way: by sampled paths, by the field in floats, by
+another contact rule, under tolerances.  Each function here compares one pair of statements and yields what cannot both
+be true, with both sides as a sentence; the clauses concerned become undecided (:func:`reconciled`).  That such a pair
+is found is a fault of the program, or a limit of its rounding: the comparison is the net behind the proofs, and proves
+nothing.
+
+Two statements that differ need not contradict each other.  A body that is still on its way ends nowhere; a sampled end
+within :data:`AT_POINT` of the point is the point; instability speaks of starts as near as one likes, so only paths
+from there, along every border of cells, speak against it; "stays near" may be "comes home" that nobody proved.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
+
+from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
+from nonsmooth.proofs.answers.answer import Answer, Heading, Pose, Position
+from nonsmooth.proofs.answers.answers import Answers, answers_of
+from nonsmooth.proofs.own_paths import CLOSE, FAR, paths_from, starts_around, starts_on_borders
+from nonsmooth.proofs.theorem4_result import CellCheck, Check, Contradiction
+from nonsmooth.proofs.verdicts import Equilibrium, Rotation, Theorem4, Translation
+from nonsmooth.symbolic.number_text import float_text, place_text
+from nonsmooth.symbolic.numbers.lazy import Lazy
+from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.unknown_loads import UnknownLoads
+
+if TYPE_CHECKING:
+    from nonsmooth.analysis.fields.contact_model import Floats
+    from nonsmooth.proofs.answers.destinations import Destination, SampledEnds
+
+AT_POINT = 1e-9  # of the half side: an end so near the point is the point, to every digit that is printed
+ELSEWHERE = 1e-6  # of the half side: an end that far away is another place
+WELL_INSIDE = 0.95  # of a radius: starts so far inside a disc are in it, whatever is rounded
+NEAR = 1 / 4  # of the half side: sampled starts that are near the point
+RING = 8  # starts in a certified disc, where no others are sampled
+CLOSER, SOMEWHAT = 2.0**-20, 2.0**-10  # of the half side: where paths begin that may leave, and what is away for them
+STEP = 1e-3  # of the half side: over which the field beside the point is differentiated
+STILL = 1e-4  # of the speed of the rims: a minimizer that moves faster does not rest, whatever floats leave of rest
+ROUNDING = 1e-8  # of that speed: what is left of it where the minimizer is smooth
+CLEARLY = 2e-2  # of the largest entry of a derivative: by as much must its eigenvalues be off zero
+SMOOTH = 1e-2  # of that entry: by as much may one-sided derivatives differ
+
+PLACE = ("equilibrium", "translation", "rotation")  # the clauses that rest on what happens at the point
+MOTION = ("translation", "rotation")  # on where bodies beside it go
+TURN = ("rotation",)
+
+STAYS_OR_RESTS = (Position.COMES_HOME, Position.STAYS_NEAR)
+
+
+@dataclass(frozen=True)
+class Printed:
+    """What is printed about one array.
+
+    Attributes:
+        check: the verdicts.
+        answers: position, heading and pose by name.
+        answered: what stands beside them; parts that nobody asked for are empty.
+        sampled: how sampled starts end; None where none are.
+    """
+
+    check: Check
+    answers: Mapping[str, Answer]
+    answered: Answers
+    sampled: SampledEnds | None
+
+    @property
+    def scene(self) -> Scene:
+        """The array."""
+        return self.check.scene
+
+    @property
+    def radius(self) -> float:
+        """The half side of the checked square."""
+        return float(self.scene.check.radius)
+
+    @property
+    def equilibrium(self) -> Equilibrium:
+        """The verdict on the point."""
+        return self.check.equilibrium.verdict
+
+    def position(self, *verdicts: Position) -> bool:
+        """Whether the position's answer is one of these."""
+        return self.answers["position"].verdict in verdicts
+
+    def said(self, name: str) -> str:
+        """An answer in one sentence: ``position comes home: from anywhere within 1/2``."""
+        answer = self.answers[name]
+        return f"{answer.name} {answer.verdict}: {answer.sentence}"
+
+    def number(self, name: str, key: str) -> float | None:
+        """A number of an answer; None where it has none."""
+        return _float(self.answers[name].numbers.get(key))
+
+
+Pair: TypeAlias = Callable[[Printed], Iterator[Contradiction]]
+
+
+def reconciled(check: Check, answered: Answers | None = None, *more: Contradiction) -> tuple[Check, Answers]:
+    """The check and its answers without what contradicts something else that is printed.
+
+    Args:
+        check: the verdicts; their evidence verifies.
+        answered: what stands beside them, where that was asked.
+        more: contradictions that were found in what is printed about several checks.
+    """
+    answered = Answers(answers_of(check), None, ()) if answered is None else answered
+    found = (*_contradictions(check, answered), *more)
+    if not found:
+        return check, answered
+    left = check.contradicted(found)
+    return left, replace(answered, answers=answers_of(left), destinations=_without_verdict(check, answered))
+
+
+def _contradictions(check: Check, answered: Answers) -> Iterator[Contradiction]:
+    by_name = {answer.name: answer for answer in answered.answers}
+    printed = Printed(check, by_name, answered, None)
+    printed = replace(printed, sampled=_sampled(printed))
+    for pair in PAIRS:
+        yield from pair(printed)
+
+
+def _sampled(printed: Printed) -> SampledEnds | None:
+    """How starts end: those of the destinations; under rules with cells, where there are none, a few.
+
+    They lie on the rim of the certified disc and near the point.
+    """
+    if printed.answered.destinations is not None:
+        return printed.answered.destinations.sampled
+    partition = printed.check.partition
+    if partition is None or not partition.complete:
+        return None
+    import numpy as np
+
+    from nonsmooth.proofs.answers.destinations import ends_from
+
+    radii = (printed.number("position", key) for key in ("within", "stays_within"))
+    discs = [WELL_INSIDE * radius / printed.radius for radius in radii if radius]
+    return ends_from(partition, np.vstack([starts_around(partition, disc, RING) for disc in (*discs[:1], NEAR)]))
+
+
+def _without_verdict(check: Check, answered: Answers) -> Any:
+    """The destinations without what is said to happen near the checked point."""
+    goes = answered.destinations
+    if goes is None:
+        return None
+    found = (replace(one, position=None, heading=None) if _is_point(check, one) else one for one in goes.found)
+    return replace(goes, found=tuple(found))
+
+
+# ---- one function for each pair ------------------------------------------------------------------
+
+
+def position_and_ends(printed: Printed) -> Iterator[Contradiction]:
+    """A point from which bodies are driven away, and sampled bodies that come to rest at it."""
+    ends = printed.sampled
+    if ends is None or printed.equilibrium is not Equilibrium.FAILS:
+        return
+    at_point = ends.stays & (ends.distances[1] <= AT_POINT * printed.radius)
+    if at_point.any():
+        seen = f"{at_point.sum()} of {len(at_point)} sampled starts come to rest at the point"
+        yield Contradiction("position and destinations", (printed.said("position"), seen), PLACE)
+
+
+def leaves_and_ends(printed: Printed) -> Iterator[Contradiction]:
+    """An unstable point, and no sampled body near it that goes away, not even from much closer, along any border."""
+    ends, check = printed.sampled, printed.check
+    if ends is None or not isinstance(check, CellCheck) or not check.partition.complete:
+        return
+    if not printed.position(Position.LEAVES) or printed.equilibrium is not Equilibrium.HOLDS:
+        return
+    begin, end = ends.distances
+    near = begin <= NEAR * printed.radius
+    if not near.any() or not (end[near] <= AT_POINT * printed.radius).all():
+        return
+    starts = [*starts_around(check.partition, CLOSER, RING), *starts_on_borders(check.partition, CLOSER)]
+    paths = list(paths_from(check.partition, starts))
+    if len(paths) == len(starts) and all(path.farthest < SOMEWHAT * printed.radius for path in paths):
+        seen = f"all {near.sum()} sampled starts near the point, and {len(paths)} close to it, come to rest at it"
+        yield Contradiction("position and destinations", (printed.said("position"), seen), MOTION)
+
+
+def home_and_ends(printed: Printed) -> Iterator[Contradiction]:
+    """A disc from which every body comes home, and a sampled start in it that ends elsewhere."""
+    ends, within = printed.sampled, printed.number("position", "within")
+    if ends is None or within is None or not printed.position(Position.COMES_HOME):
+        return
+    begin, end = ends.distances
+    away = ends.leaves | (end > ELSEWHERE * printed.radius)
+    yield from _against(printed, (begin <= WELL_INSIDE * within) & away, "position and destinations")
+
+
+def stays_and_ends(printed: Printed) -> Iterator[Contradiction]:
+    """A disc in which no body gets farther away, and a sampled start in it that ends farther away."""
+    ends, within = printed.sampled, printed.number("position", "stays_within")
+    if ends is None or within is None or not printed.position(*STAYS_OR_RESTS):
+        return
+    begin, end = ends.distances
+    away = ends.leaves | (end > begin + ELSEWHERE * printed.radius)
+    yield from _against(printed, (begin <= WELL_INSIDE * within) & away, "position and destinations")
+
+
+def position_and_paths(printed: Printed) -> Iterator[Contradiction]:
+    """Stability that the fan of cones alone decides, and a path from very close by that goes far away."""
+    check = printed.check
+    if not isinstance(check, CellCheck) or not check.partition.complete or not printed.position(*STAYS_OR_RESTS):
+        return
+    if check.translation.fan is None or check.translation.region_radius is not None:
+        return
+    for path in paths_from(check.partition, starts_around(check.partition, CLOSE)):
+        if path.farthest > FAR * printed.radius:
+            seen = f"the path from {place_text(path.start, 3)} beside the point goes {path.farthest:.3g} away"
+            yield Contradiction("position and a path", (printed.said("position"), seen), MOTION)
+            return
+
+
+def heading_and_ends(printed: Printed) -> Iterator[Contradiction]:
+    """A body that does not turn at rest, and one that does; one that turns all the time, and one that does not."""
+    import numpy as np
+
+    ends, rotation = printed.sampled, printed.check.rotation
+    if ends is None or not isinstance(printed.check, CellCheck):
+        return
+    begin, end = ends.distances
+    rests = ends.stays & (end <= AT_POINT * printed.radius)
+    heading = printed.answers["heading"].verdict
+    if heading is Heading.KEEPS:
+        seen = rests & np.isinf(ends.turning)
+        yield from _against(printed, seen, "heading and destinations", "heading", "turns at the point for ever", TURN)
+        bound, disc = rotation.rotation_per_distance, printed.check.translation.region_radius
+        if bound is not None and disc is not None:
+            most = float(bound) * begin * (1 + ELSEWHERE) + ELSEWHERE
+            inside = rests & (begin <= WELL_INSIDE * float(disc)) & np.isfinite(ends.turning)
+            seen = inside & (np.abs(ends.turning) > most)
+            yield from _against(printed, seen, "heading and destinations", "heading", "turns more on its way", TURN)
+    elif heading is Heading.DRIFTS and rotation.drift is not None:
+        low, high = rotation.drift.interval
+        always = low.sign() > 0 or high.sign() < 0
+        seen = rests & np.isfinite(ends.turning) & always
+        yield from _against(printed, seen, "heading and destinations", "heading", "stands still at the point", TURN)
+
+
+def answers_and_rows(printed: Printed) -> Iterator[Contradiction]:
+    """The answers, and what the list of destinations says of bodies near the checked point."""
+    goes = printed.answered.destinations
+    for row in () if goes is None else goes.found:
+        if not _is_point(printed.check, row):
+            continue
+        said = f'in the list of destinations bodies near the point: "{row.position}", heading: "{row.heading}"'
+        if _opposite(printed.answers["position"].verdict, row.position):
+            yield Contradiction("position and destinations", (printed.said("position"), said), PLACE)
+        if {printed.answers["heading"].verdict, row.heading} == {Heading.KEEPS, Heading.DRIFTS}:
+            yield Contradiction("heading and destinations", (printed.said("heading"), said), TURN)
+
+
+def answers_and_theorem(printed: Printed) -> Iterator[Contradiction]:
+    """Theorem 4 says that the position is stable and the heading is not, of a point that is an equilibrium."""
+    if printed.check.verdict is not Theorem4.HOLDS:
+        return
+    said = f"Theorem 4 holds: {printed.check.reason}"
+    position, heading, pose = (printed.answers[name].verdict for name in ("position", "heading", "pose"))
+    if position not in STAYS_OR_RESTS:
+        yield Contradiction("position and Theorem 4", (printed.said("position"), said), PLACE)
+    if heading is not Heading.DRIFTS:
+        yield Contradiction("heading and Theorem 4", (printed.said("heading"), said), TURN)
+    if pose is Pose.CANNOT_BE_HELD:
+        yield Contradiction("pose and Theorem 4", (printed.said("pose"), said), PLACE)
+
+
+def tolerances_and_ends(printed: Printed) -> Iterator[Contradiction]:
+    """Where every array within the tolerances brings bodies, and where this one, which is among them, takes one."""
+    robust, ends = printed.answered.robust, printed.sampled
+    if robust is None or ends is None:
+        return
+    radius, start, rests = (_float(robust.numbers.get(key)) for key in ("radius", "from", "at_rest_within"))
+    said, (begin, end) = f"tolerances {robust.verdict}: {robust.sentence}", ends.distances
+    if radius is not None and start is not None:
+        away = ends.leaves | (end > radius + ELSEWHERE * printed.radius)
+        yield from _against(printed, (begin <= WELL_INSIDE * start) & away, "tolerances and destinations", said)
+    if rests:
+        import numpy as np
+
+        moved = ends.leaves | (np.hypot(*(ends.ends - ends.starts).T) > ELSEWHERE * printed.radius)
+        yield from _against(printed, (begin <= WELL_INSIDE * rests) & moved, "tolerances and destinations", said)
+
+
+class Rests(NamedTuple):
+    """What one contact rule says of the point.
+
+    Attributes:
+        equilibrium: whether it is one.
+        position, heading: the answers.
+    """
+
+    equilibrium: str
+    position: str
+    heading: str
+
+    @property
+    def at_rest(self) -> bool:
+        """Whether a body rests there without turning: zero minimizes D."""
+        return self.equilibrium == Equilibrium.HOLDS and self.heading == Heading.KEEPS
+
+
+def rules_and_rest(printed: Printed) -> Iterator[Contradiction]:
+    """Rest at the point under this rule, and under the others that were asked."""
+    own = Rests(printed.equilibrium, *(str(printed.answers[name].verdict) for name in ("position", "heading")))
+    asked = {printed.scene.contact.rule: own}
+    for other in printed.answered.others:
+        if other.answers and other.equilibrium is not None:
+            position, heading = (str(answer.verdict) for answer in other.answers)
+            asked[other.name] = Rests(other.equilibrium, position, heading)
+    yield from contradictions_of_rules(printed.scene, asked)
+
+
+def contradictions_of_rules(scene: Scene, asked: Mapping[str, Rests]) -> Iterator[Contradiction]:
+    """What contact rules say that minimize D, each with its own friction sets and with the same loads.
+
+    At rest the wheels slip along their friction axes, ``(-u_i, 0)``, or not at all (else nothing is compared), and
+    rest is a balance of forces in the faces of the friction sets in these directions.  With ``mu_S <= mu_R`` the face
+    of `ellipse` lies in that of `roller`, and with ``mu_S >= mu_R`` the other way round, and both lie in that of
+    `box`: what rests under the smaller set rests under the larger one.  Where ``mu_S = mu_R``, `roller` is `ellipse`.
+    """
+    frictions = [wheel.friction for wheel in scene.wheels]
+    below = all(friction.side <= friction.roll for friction in frictions)
+    above = all(friction.side >= friction.roll for friction in frictions)
+    smaller = [("ellipse", "box"), ("roller", "box")]
+    smaller += [("ellipse", "roller")] if below else []
+    smaller += [("roller", "ellipse")] if above else []
+    if any(wheel.scaled_side_speed for wheel in scene.wheels):
+        smaller = []
+    for small, large in smaller:
+        if small in asked and large in asked and asked[small].at_rest and asked[large].equilibrium == Equilibrium.FAILS:
+            sides = (
+                f"under rule {small} the body rests at the point: {_in_words(asked[small])}",
+                f"under rule {large}, whose wheels hold all that those of {small} hold, it does not: "
+                f"{_in_words(asked[large])}",
+            )
+            yield Contradiction(f"the rules {small} and {large}", sides, PLACE)
+    if below and above and {"ellipse", "roller"} <= set(asked):
+        one, two = asked["ellipse"], asked["roller"]
+        if _opposite(one.position, two.position) or {one.heading, two.heading} == {Heading.KEEPS, Heading.DRIFTS}:
+            sides = (f"under rule ellipse {_in_words(one)}", f"under rule roller, here the same, {_in_words(two)}")
+            yield Contradiction("the rules ellipse and roller", sides, PLACE)
+
+
+def _in_words(rests: Rests) -> str:
+    return f"position {rests.position}, heading {rests.heading}"
+
+
+def verdict_and_field(printed: Printed) -> Iterator[Contradiction]:
+    """The verdicts at the point, and the field beside it by the numerical minimizer, under rules without cells."""
+    beside = _field_beside(printed.scene) if printed.equilibrium is not Equilibrium.UNDECIDED else None
+    if beside is None:
+        return
+    position = printed.said("position")
+    if printed.equilibrium is Equilibrium.FAILS:
+        if beside.offset is not None and beside.offset <= AT_POINT * printed.radius:
+            seen = "the numerical minimizer of D rests at the point itself, to every digit"
+            yield Contradiction("position and the field beside the point", (position, seen), PLACE)
+        return
+    if beside.speed > STILL:
+        seen = f"the numerical minimizer of D moves there, at {float_text(beside.speed, 3)} of the speed of the rims"
+        yield Contradiction("position and the field beside the point", (position, seen), PLACE)
+        return
+    grows = beside.growth
+    away = grows is not None and grows > CLEARLY and printed.position(*STAYS_OR_RESTS)
+    back = grows is not None and grows < -CLEARLY and printed.position(Position.LEAVES)
+    if away or back:
+        seen = f"bodies beside the point {'move away from' if away else 'approach'} it, by the sampled field"
+        yield Contradiction("position and the field beside the point", (position, seen), MOTION)
+    if printed.answers["heading"].verdict is Heading.KEEPS and abs(beside.spin) > STILL:
+        seen = "the numerical minimizer of D turns at the point"
+        yield Contradiction("heading and the field beside the point", (printed.said("heading"), seen), TURN)
+
+
+def disc_and_samples(printed: Printed) -> Iterator[Contradiction]:
+    """A disc in which the distance falls, and a sampled point in it at which it grows."""
+    translation = printed.check.translation
+    sampled, disc = translation.sampled, translation.region_radius
+    if sampled is None or disc is None or sampled.at is None or not printed.position(*STAYS_OR_RESTS):
+        return
+    x, y = sampled.at
+    if (sampled.largest_relative or 0.0) > ELSEWHERE and x * x + y * y <= (WELL_INSIDE * float(disc)) ** 2:
+        seen = f"at the sampled point {place_text(sampled.at, 4)} from it V* is positive"
+        yield Contradiction("position and the samples of V*", (printed.said("position"), seen), MOTION)
+
+
+PAIRS: tuple[Pair, ...] = (
+    position_and_ends,
+    leaves_and_ends,
+    home_and_ends,
+    stays_and_ends,
+    position_and_paths,
+    heading_and_ends,
+    answers_and_rows,
+    answers_and_theorem,
+    tolerances_and_ends,
+    rules_and_rest,
+    verdict_and_field,
+    disc_and_samples,
+)
+
+
+OPPOSITES: tuple[tuple[set[str], set[str]], ...] = (  # words of one clause that cannot both be true of one array
+    ({Equilibrium.HOLDS, Theorem4.HOLDS}, {Equilibrium.FAILS, Theorem4.FAILS, Theorem4.HYPOTHESES_NOT_MET}),
+    ({Translation.UNSTABLE, Rotation.UNSTABLE}, {Translation.ASYMPTOTICALLY_STABLE, Translation.STABLE}),
+    ({Rotation.UNSTABLE}, {Rotation.NEUTRAL}),
+)
+
+
+def contradictions_of_certificate(certificate: Mapping[str, Any], check: Check) -> Iterator[Contradiction]:
+    """What a certificate states, and what is printed; a certificate may say less."""
+    stated = {clause.name: (certificate[clause.name]["verdict"], result) for clause, result in check.clauses}
+    for name, (verdict, printed) in {**stated, "theorem4": (certificate["theorem4"], check)}.items():
+        for one, two in OPPOSITES:
+            if (verdict in one and printed.verdict in two) or (verdict in two and printed.verdict in one):
+                sides = (f"{name} {printed.verdict}: {printed.reason}", f"the certificate states {name} {verdict}")
+                yield Contradiction(f"{name} and the certificate", sides, (name,) if name in stated else PLACE)
+
+
+# ---- what they share -----------------------------------------------------------------------------
+
+
+def _against(
+    printed: Printed,
+    seen: Any,
+    between: str,
+    said: str = "position",
+    what: str = "",
+    clauses: tuple[str, ...] = MOTION,
+) -> Iterator[Contradiction]:
+    """The first of the starts that contradict a statement, with the number of the others.
+
+    Args:
+        printed: what is printed.
+        seen: whether a start contradicts, (m,).
+        between: what is compared.
+        said: the name of an answer, or the statement.
+        what: becomes of the body; empty for the place where it ends.
+        clauses: that it concerns.
+    """
+    if not seen.any() or printed.sampled is None:
+        return
+    k = int(seen.argmax())
+    start, end = place_text(printed.sampled.starts[k], 4), printed.sampled.ends[k]
+    where = "leaves the square, or tips" if printed.sampled.leaves[k] else f"ends at {place_text(end, 4)} from it"
+    more = f", as {seen.sum() - 1} others of {len(seen)} starts do" if seen.sum() > 1 else ""
+    sentence = f"the sampled body that starts at {start} from the point {what or where}{more}"
+    statement = printed.said(said) if said in printed.answers else said
+    yield Contradiction(between, (statement, sentence), clauses)
+
+
+def _is_point(check: Check, row: Destination) -> bool:
+    """Whether a destination is the checked point alone."""
+    x, y = (float(value) for value in check.scene.check.equilibrium)
+    within = AT_POINT * float(check.scene.check.radius)
+    return len(row.points) == 1 and all(abs(float(a) - b) <= within for a, b in zip(row.points[0], (x, y), strict=True))
+
+
+def _opposite(one: object, two: object) -> bool:
+    """Whether one says that bodies leave and the other that they do not."""
+    return (one == Position.LEAVES and two in STAYS_OR_RESTS) or (two == Position.LEAVES and one in STAYS_OR_RESTS)
+
+
+def _float(value: Any) -> float | None:
+    return float(value) if isinstance(value, Number | Lazy | Fraction | float | int) else None
+
+
+class _Beside(NamedTuple):
+    """The field at a point and beside it.
+
+    Attributes:
+        speed: at the point, in parts of the largest speed of the rims.
+        spin: rate of rotation there, times the size of the array, likewise.
+        offset: how far from the point the field vanishes, by one step of Newton's method; None where it has kinks.
+        growth: the largest real part of an eigenvalue of its derivative, in parts of its largest entry; None where the
+            field has kinks, or hardly changes.
+    """
+
+    speed: float
+    spin: float
+    offset: float | None
+    growth: float | None
+
+
+def _field_beside(scene: Scene) -> _Beside | None:
+    """By the minimizers at the point and at four points beside it; None where they are not unique, or not proved."""
+    import numpy as np
+
+    rule = rule_of(scene)
+    if not isinstance(rule, SmoothRule) or isinstance(scene.contact.loads, UnknownLoads):
+        return None
+    centred, step = scene.recentred(), STEP * float(scene.check.radius)
+    points = step * np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]])
+    minima = rule.minima(centred, points)
+    rims = max(abs(float(wheel.speed)) for wheel in centred.wheels)
+    if minima.faces or not minima.check().all() or not rims:
+        return None
+    size = max(abs(float(entry)) for wheel in centred.wheels for entry in wheel.position)
+    vx, vy, omega = minima.twists.T
+    here, east, west, north, south = np.stack([vx - omega * points[:, 1], vy + omega * points[:, 0]], axis=1)
+    speed, spin = float(np.hypot(*here)) / rims, float(omega[0]) * size / rims
+    slope = np.stack([east - west, north - south], axis=1) / (2 * step)
+    bend = np.stack([east + west - 2 * here, north + south - 2 * here], axis=1) / step
+    return _Beside(speed, spin, *_offset_and_growth(here, slope, bend, ROUNDING * rims / step))
+
+
+def _offset_and_growth(here: Floats, slope: Floats, bend: Floats, rounding: float) -> tuple[float | None, float | None]:
+    """Of a field from its value, its derivative, and by how much one-sided derivatives differ."""
+    import numpy as np
+
+    largest = float(np.abs(slope).max())
+    if largest <= rounding or float(np.abs(bend).max()) > SMOOTH * largest:
+        return None, None
+    growth = float(np.linalg.eigvals(slope).real.max()) / largest
+    if abs(float(np.linalg.det(slope))) < CLEARLY * CLEARLY * largest**2:
+        return None, growth
+    return float(np.hypot(*np.linalg.solve(slope, here))), growth
+
+
+def rests_under(check: Check) -> Rests:
+    """What a check says of the point."""
+    position, heading, _ = (str(answer.verdict) for answer in answers_of(check))
+    return Rests(str(check.equilibrium.verdict), position, heading)
