@@ -11,7 +11,7 @@ from nonsmooth.proofs.answers.answers import Answers, answers_of
 from nonsmooth.proofs.answers.contact_wheels import contact_facts
 from nonsmooth.proofs.answers.failures import Failure, worst_failure
 from nonsmooth.proofs.clauses.clause import Clause
-from nonsmooth.proofs.theorem4_result import Check
+from nonsmooth.proofs.theorem4_result import Check, Contradiction
 from nonsmooth.reports.answers import answers_record, robust_record
 from nonsmooth.reports.exact_record import Record, with_exact
 from nonsmooth.reports.facts import fact_record
@@ -53,7 +53,7 @@ def check_record(
         "contact_states": _census_record(result),
         **{clause.name: _clause_record(result, clause) for clause, _ in result.clauses},
         "theorem4": {"verdict": str(result.verdict), "reason": result.reason},
-        **contradictions_record(result),
+        **contradictions_record(result.contradictions),
         "continuum": continuum,
         "failures": None if failures is None else failure_records(failures),
         "notes": [*angle_notes(scene.field), *filter(None, [rule_of(scene).remark(scene)])],
@@ -62,10 +62,10 @@ def check_record(
     }
 
 
-def contradictions_record(result: Check) -> Record:
+def contradictions_record(found: Sequence[Contradiction]) -> Record:
     """What contradicts what, with both sides; without a key where nothing does."""
-    found = [{"between": one.between, "sides": list(one.sides)} for one in result.contradictions]
-    return {"contradictions": found} if found else {}
+    sides = [{"between": one.between, "sides": list(one.sides)} for one in found]
+    return {"contradictions": sides} if sides else {}
 
 
 def checks_record(records: Iterable[Record]) -> Record:

@@ -33,6 +33,7 @@ from nonsmooth.symbolic.unknown_loads import UnknownLoads
 if TYPE_CHECKING:
     from nonsmooth.analysis.fields.contact_model import Floats
     from nonsmooth.proofs.answers.destinations import Destination, SampledEnds
+    from nonsmooth.proofs.systems.system_stability import SystemResult
 
 AT_POINT = 1e-9  # of the half side: an end so near the point is the point, to every digit that is printed
 ELSEWHERE = 1e-6  # of the half side: an end that far away is another place
@@ -422,6 +423,77 @@ def contradictions_of_certificate(certificate: Mapping[str, Any], check: Check) 
             if (verdict in one and printed.verdict in two) or (verdict in two and printed.verdict in one):
                 sides = (f"{name} {printed.verdict}: {printed.reason}", f"the certificate states {name} {verdict}")
                 yield Contradiction(f"{name} and the certificate", sides, (name,) if name in stated else PLACE)
+
+
+# ---- plain systems: a map of starts beside the verdict -------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class FollowedStarts:
+    """Where solutions of a plain system in two states are at one time, measured from the checked point.
+
+    Attributes:
+        starts: (m, 2).
+        ends: (m, 2), likewise; not a number where one could not be followed.
+        until: the time.
+        half: the half side of the checked square.
+        follow: the ends of solutions from other starts.
+    """
+
+    starts: Floats
+    ends: Floats
+    until: float
+    half: float
+    follow: Callable[[Floats], Floats]
+
+
+def contradictions_of_map(result: SystemResult, seen: FollowedStarts) -> Iterator[Contradiction]:
+    """What is proved of a plain system, and where sampled starts have come to."""
+    yield from region_and_starts(result, seen)
+    yield from unstable_and_starts(result, seen)
+
+
+def region_and_starts(result: SystemResult, seen: FollowedStarts) -> Iterator[Contradiction]:
+    """A level set from which V falls, at a proved rate where there is one, and a start in it whose V does not."""
+    import numpy as np
+
+    from nonsmooth.analysis.fields.cell_values import potential_values
+
+    if result.proving is None or result.region is None or not result.region.falls:
+        return
+    level = float(result.region.level)
+    before, after = (potential_values(result.proving.cells, places) for places in (seen.starts, seen.ends))
+    bound = np.array(before, dtype=float)
+    if result.rate is not None:
+        kappa = float(result.rate.kappa)
+        finite = result.rate.decay.name == "FINITE"
+        bound = np.maximum(bound - kappa * seen.until, 0) if finite else bound * np.exp(-kappa * seen.until)
+    high = ~np.isfinite(after) | (after > bound * (1 + ELSEWHERE) + ELSEWHERE * level)
+    grown = (before < level) & np.isfinite(seen.ends).all(axis=1) & high
+    for k in np.flatnonzero(grown)[:1]:
+        rate = "" if result.rate is None else f", {result.rate}"
+        said = f"{result.verdict}: every start with {result.region} reaches the point{rate}"
+        start, end = place_text(seen.starts[k]), place_text(seen.ends[k])
+        above = f"V is {after[k]:.4g} there, above {bound[k]:.4g}"
+        yield Contradiction(
+            "region and map", (said, f"the path from {start} is at {end} at t = {seen.until:g}: {above}"), ()
+        )
+
+
+def unstable_and_starts(result: SystemResult, seen: FollowedStarts) -> Iterator[Contradiction]:
+    """An unstable point, and no start that does not arrive, neither of the map nor from much closer."""
+    import numpy as np
+
+    if result.verdict is not Translation.UNSTABLE:
+        return
+    at_point = np.hypot(*seen.ends.T) <= AT_POINT * seen.half
+    if not at_point.all():
+        return
+    angles = 2 * np.pi * (np.arange(RING) + 0.3) / RING
+    near = CLOSER * seen.half * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    if (np.hypot(*seen.follow(near).T) < CLOSER * seen.half / 2).all():
+        arrived = f"all {len(at_point)} sampled starts, and {RING} close to it, come to the point"
+        yield Contradiction("stability and map", (f"{result.verdict}: {result.reason}", arrived), ())
 
 
 # ---- what they share -----------------------------------------------------------------------------

@@ -163,7 +163,7 @@ def simulate(  # noqa: PLR0913, PLR0917  # one parameter for each option of the 
 ) -> int:
     """Follow a Filippov solution or a body with mass, map where many starts end, or find a periodic orbit.
 
-    Exit status: 0 done, 2 bad input.
+    Exit status: 0 done, 2 bad input, 3 where paths of a map contradict what is proved.
     """
     from nonsmooth.reports.animation.output import require_film
     from nonsmooth.reports.shown import show
@@ -193,8 +193,9 @@ def simulate(  # noqa: PLR0913, PLR0917  # one parameter for each option of the 
     load = partial(load_scene, scene, rule=rule, radius=radius, at=at, allow_outside=allow_outside)
     run = _mode(scene, options, load, plain=plain)
     require_film(path, is_array=not plain)
-    show(run.shown(options), path, json=json)
-    return 0
+    shown = run.shown(options)
+    show(shown, path, json=json)
+    return getattr(shown, "exit_status", 0)
 
 
 def _path(output: str, *, films: bool) -> Path:

@@ -47,7 +47,7 @@ def build_figure(found: SystemMap) -> Figure:
     axes.set(xlim=(-half, half), ylim=(-half, half), xlabel=f"{x} at the start", ylabel=f"{y} at the start")
     axes.set_aspect("equal")
     figure.legend(loc="outside lower center", ncols=3, fontsize="small", frameon=False)
-    system, verdict = one_line(found.portrait.system.name), found.portrait.stability.verdict
+    system, verdict = one_line(found.portrait.system.name), found.verdict
     title = f"{system}: {found.count} x {found.count} starts at t = {found.until:g}; proved: {verdict}"
     figure.suptitle(wrapped(f"{title}\n{found.summary()}"), fontsize="medium", parse_math=False)
     return figure

@@ -32,7 +32,8 @@ class MapResult(ShownResult):
     shown: ShownMap | ShownBodyMap | SystemMap
 
     def __repr__(self) -> str:
-        return short_lines(f"{self.shown.title}: {self.shown.summary()} (sampled)", self.shown.shares)
+        contradicted = [("contradiction", one.text) for one in getattr(self.shown, "contradictions", ())]
+        return short_lines(f"{self.shown.title}: {self.shown.summary()} (sampled)", [*self.shown.shares, *contradicted])
 
 
 def map_scene(scene: Scene, grid: int, heading: float, until: float | None, kinematics: str) -> MapResult:
@@ -62,7 +63,6 @@ def map_system(system: SwitchedSystem, grid: int, until: float) -> MapResult:
     Raises:
         ArgumentError: for a grid or a last time that cannot be used.
         SceneError: for another number of states than two, and for arbitrary switching.
-        ContradictionError: where a path from the certified region contradicts the proof.
     """
     from nonsmooth.reports.phase_portrait import PhasePortrait
     from nonsmooth.reports.plain_systems.starts_map import build_system_map

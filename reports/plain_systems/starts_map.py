@@ -1,7 +1,7 @@
 """The command ``simulate --grid`` for a plain system in two states: where starts all over the square have come to.
 
 Every start is followed by events up to one time, so the map is sampled and proves nothing. Where stability is proved
-with a certified level set of V, the paths from inside it are compared with the proof: V may not have grown.
+with a certified level set of V, the paths from inside it are compared with the proof: V must have fallen as is said.
 """
 
 from __future__ import annotations
@@ -17,23 +17,25 @@ from numpy.typing import NDArray
 from rich.console import Group, RenderableType
 from rich.text import Text
 
-from nonsmooth.analysis.fields.cell_values import potential_values
 from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.analysis.trajectories.trajectory import simulate
-from nonsmooth.proofs.own_paths import ContradictionError
+from nonsmooth.proofs.answers.contradictions import FollowedStarts, contradictions_of_map
+from nonsmooth.proofs.theorem4_result import Contradiction
+from nonsmooth.proofs.verdicts import Translation
+from nonsmooth.reports.answers import contradiction_lines
 from nonsmooth.reports.basins import Part, parts_record, parts_text
 from nonsmooth.reports.phase_portrait import PhasePortrait
 from nonsmooth.reports.progress import ProgressCall, progress
+from nonsmooth.reports.records import contradictions_record
 from nonsmooth.reports.terminal import two_columns
-from nonsmooth.symbolic.number_text import percent_text, place_text
+from nonsmooth.symbolic.number_text import percent_text
 from nonsmooth.symbolic.scene_error import one_line
 
 Floats: TypeAlias = NDArray[np.float64]
 
 SCHEMA = "nonsmooth-system-map/1"
 ARRIVED = 1e-9  # of the half-width: a path that is this near has arrived, as far as the integrator can tell
-GROWN = 1e-6  # relative: V grew by more than the integrator errs
 
 
 class Whereabouts(StrEnum):
@@ -92,25 +94,26 @@ class SystemMap:
         """The same in words."""
         return [(percent_text(share), str(kind)) for kind, share in self.counts.items()]
 
-    def refuse_contradiction(self) -> None:
-        """Compare paths from the certified level set with the proof.
+    @cached_property
+    def contradictions(self) -> tuple[Contradiction, ...]:
+        """Where the paths contradict what is proved; then nobody may rely on either."""
+        half = float(self.portrait.system.check.radius)
+        seen = FollowedStarts(self.starts, self.ends, self.until, half, self._followed_too)
+        return tuple(contradictions_of_map(self.portrait.stability, seen))
 
-        Raises:
-            ContradictionError: where V has grown along one of them.
-        """
-        result = self.portrait.stability
-        if result.proving is None or result.region is None or not result.region.falls:
-            return
-        before, after = (potential_values(result.proving.cells, places) for places in (self.starts, self.ends))
-        inside = before < float(result.region.level)
-        grown = inside & (~np.isfinite(after) | (after > before * (1 + GROWN) + GROWN * ARRIVED))
-        grown &= np.isfinite(self.ends).all(axis=1)
-        for k in np.flatnonzero(grown)[:1]:
-            start, end = place_text(self.starts[k]), place_text(self.ends[k])
-            raise ContradictionError(
-                f"{one_line(self.portrait.system.name)}: V < {result.region.level} is certified to fall, but the path "
-                f"from {start} is at {end} at t = {self.until:g}, where V is not smaller: a fault of this program"
-            )
+    def _followed_too(self, starts: Floats) -> Floats:
+        with progress(f"{len(starts)} starts beside the point") as report:
+            return np.array(list(_followed(self.portrait, starts, self.until, report)))
+
+    @property
+    def verdict(self) -> Translation:
+        """What is proved of the checked point, undecided where the paths contradict it."""
+        return Translation.UNDECIDED if self.contradictions else self.portrait.stability.verdict
+
+    @property
+    def exit_status(self) -> int:
+        """0, and 3 where the paths contradict what is proved."""
+        return 3 if self.contradictions else 0
 
     def record(self) -> dict[str, Any]:
         """JSON with stable keys; starts run along the first state first."""
@@ -120,7 +123,7 @@ class SystemMap:
             "schema": SCHEMA,
             "scene": system.name,
             "states": list(system.states),
-            "verdict": str(self.portrait.stability.verdict),
+            "verdict": str(self.verdict),
             "grid": self.count,
             "until": self.until,
             "shares": {kind.name.lower(): share for kind, share in self.counts.items()},
@@ -128,6 +131,7 @@ class SystemMap:
             "ends": ends,
             "whereabouts": [kind.name.lower() for kind in self.whereabouts],
             "parts": parts_record(self.parts),
+            **contradictions_record(self.contradictions),
         }
 
     def lines(self) -> Iterable[Iterable[Any]]:
@@ -149,17 +153,19 @@ class SystemMap:
         return [Part(str(kind), self.whereabouts.count(kind)) for kind in self.counts]
 
     def summary(self) -> str:
-        """How many starts there are, and where they have come to."""
-        return f"{parts_text(self.parts)}, at t = {self.until:g}"
+        """How many starts there are, where they have come to, and what that contradicts."""
+        head = f"{parts_text(self.parts)}, at t = {self.until:g}"
+        return "; ".join([head, *(one.text for one in self.contradictions)])
 
     def view(self) -> RenderableType:
         """The shares, and the verdict beside them."""
         system, rows = self.portrait.system, two_columns()
         for share, kind in self.shares:
             rows.add_row(Text(share), Text(kind))
-        rows.add_row(Text("proved"), Text(str(self.portrait.stability.verdict)))
+        rows.add_row(Text("proved"), Text(str(self.verdict)))
+        lines = [Text(line) for one in self.contradictions for line in contradiction_lines(one)]
         what = f"{self.count} x {self.count} starts over the checked square, seen at t = {self.until:g} (sampled)"
-        return Group(Text(f"{one_line(system.name)}: {what}"), rows)
+        return Group(Text(f"{one_line(system.name)}: {what}"), rows, *lines)
 
 
 def _whereabouts(end: Floats, ratio: float, half: float) -> Whereabouts:
@@ -179,18 +185,13 @@ def build_system_map(portrait: PhasePortrait, count: int, until: float) -> Syste
         portrait: of the system.
         count: starts in a row and in a column.
         until: last time.
-
-    Raises:
-        ContradictionError: where a path from the certified region contradicts the proof.
     """
     half = float(portrait.system.check.radius)
     line = np.linspace(-half, half, count) if count > 1 else np.array([half])
     starts = np.array([(x, y) for y in line for x in line])
     with progress(f"{count} x {count} starts") as report:
         ends = np.array(list(_followed(portrait, starts, until, report)))
-    found = SystemMap(portrait, count, until, starts, ends)
-    found.refuse_contradiction()
-    return found
+    return SystemMap(portrait, count, until, starts, ends)
 
 
 def _followed(portrait: PhasePortrait, starts: Floats, until: float, report: ProgressCall) -> Iterator[Floats]:

@@ -12,10 +12,13 @@ from scipy.integrate import solve_ivp
 
 import nonsmooth as ns
 from nonsmooth.analysis.fields.cell_values import potential_values
-from nonsmooth.proofs.own_paths import ContradictionError
+from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.reports.console import BAD_INPUT
 from nonsmooth.reports.figures.system_map import build_figure
-from nonsmooth.reports.plain_systems.starts_map import SystemMap, Whereabouts
+from nonsmooth.reports.phase_portrait import PhasePortrait
+from nonsmooth.reports.plain_systems.starts_map import SystemMap, Whereabouts, build_system_map
+from nonsmooth.symbolic.files.system_file import load_system
+from tests.thorough import keep
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -63,12 +66,35 @@ def test_paths_from_the_certified_region_lower_v(found: SystemMap) -> None:
     assert (after[inside] <= before[inside]).all()
 
 
-def test_a_path_that_contradicts_the_proof_is_a_fault(found: SystemMap) -> None:
+def test_a_path_that_contradicts_the_proof_makes_the_verdict_undecided(found: SystemMap) -> None:
+    assert found.contradictions == ()
+    assert (found.exit_status, str(found.verdict)) == (0, "asymptotically stable")
     ends = found.ends.copy()
     near = int(np.argmin(np.abs(found.starts).max(axis=1)))
     ends[near] = (0.2, 0.1)  # away from the point, though V is certified to fall
-    with pytest.raises(ContradictionError, match="a fault of this program"):
-        replace(found, ends=ends).refuse_contradiction()
+    planted = replace(found, ends=ends)
+    (one,) = planted.contradictions
+    assert one.between == "region and map"
+    assert "every start with V <" in one.sides[0]
+    assert "is at (0.2, 0.1) at t = 6" in one.sides[1]
+    assert (planted.exit_status, planted.record()["verdict"]) == (3, "undecided")
+    assert planted.record()["contradictions"][0]["sides"] == list(one.sides)
+
+
+def test_a_system_that_arrives_is_not_unstable(monkeypatch: pytest.MonkeyPatch) -> None:
+    system = ns.System(["x", "y"], ["-sign(x)", "-sign(y)"], radius=1, at=[0, 0])
+    shown = system.map(4, until=3.0).shown
+    assert isinstance(shown, SystemMap)
+    assert shown.contradictions == ()
+    wrong = replace(shown.portrait.stability, verdict=Translation.UNSTABLE, region=None)
+    monkeypatch.setitem(vars(shown.portrait), "stability", wrong)
+    assert [one.between for one in replace(shown).contradictions] == ["stability and map"]
+
+
+@pytest.mark.parametrize("name", keep(2, ["eq-4", "escaping-slide", "eq-3", "flower", "relay-oscillator-damped"]))
+def test_maps_of_built_in_systems_contradict_nothing(name: str) -> None:
+    for until in (0.1, 2.0):
+        assert build_system_map(PhasePortrait(load_system(name)), 3, until).contradictions == ()
 
 
 def test_the_command_writes_every_form(invoke: Invoke, tmp_path: Path) -> None:
