@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from rich import box
@@ -166,7 +167,8 @@ def _in_short(other: OtherRule) -> str:
 def _destinations_table(destinations: Destinations) -> RenderableType:
     """The places with the largest shares of the starts."""
     table = header_table("the body ...", "starts", "near there", "heading", widest="the body ...")
-    shown, more = destinations.found[:MOST_SHOWN], destinations.found[MOST_SHOWN:]
+    rows = merged_rows(destinations)
+    shown, more = rows[:MOST_SHOWN], rows[MOST_SHOWN:]
     for found in shown:
         words = ("" if word is None else str(word) for word in (found.position, found.heading))
         table.add_row(goal_text(found), share_text(found.share), *words)
@@ -174,6 +176,15 @@ def _destinations_table(destinations: Destinations) -> RenderableType:
         table.add_row(f"{len(more)} more (--json lists them)", share_text(sum(d.share for d in more)), "", "")
     title = f"where bodies go that start in the square (shares sampled from {destinations.starts} starts):"
     return Group(Text(title), table)
+
+
+def merged_rows(destinations: Destinations) -> list[Destination]:
+    """The destinations, the largest share first; those that read the same are one row."""
+    rows: dict[tuple[object, ...], Destination] = {}
+    for found in destinations.found:
+        key = (goal_text(found), found.position, found.heading)
+        rows[key] = replace(rows[key], share=rows[key].share + found.share) if key in rows else found
+    return sorted(rows.values(), key=lambda row: -row.share)
 
 
 def goal_text(found: Destination) -> str:

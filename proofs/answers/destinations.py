@@ -7,7 +7,7 @@ body near it does.  Sampled: the share of starts that ends there, from paths of 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 
 import numpy as np
@@ -21,8 +21,8 @@ from nonsmooth.analysis.fields.constant_field import array_field
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.trajectories.maps import SettleMap, grid_starts, settle_map
-from nonsmooth.analysis.trajectories.places_reached import STAYS, places_reached
-from nonsmooth.analysis.trajectories.result import EndReason
+from nonsmooth.analysis.trajectories.places_reached import AT, STAYS, places_reached
+from nonsmooth.analysis.trajectories.result import EndReason, TrajectoryError
 from nonsmooth.analysis.trajectories.smooth_ends import LEFT, MOVING, UndeterminedError, smooth_ends
 from nonsmooth.proofs.answers.answer import Heading, Position
 from nonsmooth.proofs.answers.heading import OF_ROTATION
@@ -141,7 +141,10 @@ class Destinations:
 
 
 def destinations_of(check: Theorem4Result) -> Destinations | None:
-    """Every destination in the checked square; None where not all cells were built, or loads decide and are unknown."""
+    """Every destination in the checked square.
+
+    None where not all cells were built, where loads decide and are unknown, and where paths cannot be followed.
+    """
     if rule_of(check.scene).needs_loads and isinstance(check.scene.contact.loads, UnknownLoads):
         return None
     if isinstance(rule_of(check.scene), SmoothRule):
@@ -149,19 +152,26 @@ def destinations_of(check: Theorem4Result) -> Destinations | None:
     partition, places = check.partition, check.equilibria
     if partition is None or places is None or not partition.complete:
         return None
-    ends, reached = _followed(partition, [place.found for place in places])
+    try:
+        ends, reached = _followed(partition, [place.found for place in places])
+    except TrajectoryError:  # cells so thin that floats lose their edges: nothing is known
+        return None
     found = [_at_place(check, place, float(np.mean(reached == k))) for k, place in enumerate(places)]
+    found = list(_merged(found, AT * float(check.scene.check.radius)))
     found += _without_place(ends, reached)
     return Destinations(_in_order(found), len(ends.starts), _ends_of(ends))
 
 
-def ends_from(partition: Partition, starts: Floats) -> SampledEnds:
-    """How paths through all cells of a centred partition end.
+def ends_from(partition: Partition, starts: Floats) -> SampledEnds | None:
+    """How paths through all cells of a centred partition end; None where they cannot be followed.
 
     Raises:
         ValueError: for a start outside the cells.
     """
-    return _ends_of(settle_map(array_field(partition, Kinematics.EXACT), starts))
+    try:
+        return _ends_of(settle_map(array_field(partition, Kinematics.EXACT), starts))
+    except TrajectoryError:
+        return None
 
 
 def _ends_of(found: SettleMap) -> SampledEnds:
@@ -176,7 +186,10 @@ def _in_order(found: list[Destination]) -> tuple[Destination, ...]:
 
 def shares_at(partition: Partition, places: Sequence[RestPlace]) -> list[float]:
     """For every equilibrium of the cells the share of the starts that end there, sampled."""
-    _, reached = _followed(partition, places)
+    try:
+        _, reached = _followed(partition, places)
+    except TrajectoryError:  # cells so thin that floats lose their edges: no start is known to end anywhere
+        return [0.0] * len(places)
     return [float(np.mean(reached == k)) for k in range(len(places))]
 
 
@@ -222,6 +235,30 @@ def _at_place(check: Theorem4Result, place: JudgedEquilibrium, share: float) -> 
     position = None if place.translation is None else OF_TRANSLATION[place.translation]
     heading = None if place.rotation is None else OF_ROTATION[place.rotation]
     return Destination(_OF_PLACE[place.found.place], points, position, heading, share)
+
+
+def _merged(found: list[Destination], distance: float) -> Iterator[Destination]:
+    """Points closer together than sampled ends can be told apart as one, with what holds near all of them."""
+    left = list(found)
+    while left:
+        first, *others = left
+        same = [one for one in others if _is_same_point(first, one, distance)]
+        left = [one for one in others if one not in same]
+        together = [first, *same]
+        position, heading = ({getattr(one, key) for one in together} for key in ("position", "heading"))
+        yield replace(
+            first,
+            position=first.position if len(position) == 1 else None,
+            heading=first.heading if len(heading) == 1 else None,
+            share=sum(one.share for one in together),
+        )
+
+
+def _is_same_point(one: Destination, two: Destination, distance: float) -> bool:
+    if one.goal is not Goal.POINT or two.goal is not Goal.POINT:
+        return False
+    ((x, y),), ((other_x, other_y),) = one.points, two.points
+    return abs(float(x) - float(other_x)) <= distance and abs(float(y) - float(other_y)) <= distance
 
 
 def _without_place(ends: SettleMap, reached: NDArray[np.int_]) -> Iterator[Destination]:

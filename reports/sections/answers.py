@@ -9,7 +9,7 @@ from nonsmooth.proofs.answers.destinations import Destination, Destinations
 from nonsmooth.proofs.answers.headings import HeadingsOfRest
 from nonsmooth.proofs.answers.other_rules import OtherRule
 from nonsmooth.proofs.answers.units import of_length
-from nonsmooth.reports.answers import THEOREM, contradiction_lines, goal_text, share_text
+from nonsmooth.reports.answers import THEOREM, contradiction_lines, goal_text, merged_rows, share_text
 from nonsmooth.reports.document import Block, Bullets, Inline, Section, Table, Text, Tone, Verdict, number, point, table
 from nonsmooth.reports.equilibrium_headings import HEADER, notes, row, title
 from nonsmooth.reports.equilibrium_headings import MOST_SHOWN as SHOWN
@@ -78,7 +78,7 @@ def _destinations(destinations: Destinations | None) -> list[Table]:
     if destinations is None:
         return []
     header = ("a body that starts in the square", "sampled share", "near there", "heading")
-    return [table(header, [_row(found) for found in destinations.found[:MOST_SHOWN]], (5, 2, 2, 2))]
+    return [table(header, [_row(found) for found in merged_rows(destinations)[:MOST_SHOWN]], (5, 2, 2, 2))]
 
 
 def _headings(headings: HeadingsOfRest | None) -> list[Block]:
