@@ -13,10 +13,10 @@ from there, along every border of cells, speak against it; "stays near" may be "
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple, SupportsFloat, TypeAlias
 
 from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
 from nonsmooth.proofs.answers.answer import Answer, Heading, Pose, Position
@@ -259,6 +259,22 @@ def answers_and_rows(printed: Printed) -> Iterator[Contradiction]:
             yield Contradiction("heading and destinations", (printed.said("heading"), said), TURN)
 
 
+def answers_and_headings(printed: Printed) -> Iterator[Contradiction]:
+    """The answers at the checked heading, and the proved list of headings at which a body with an outline rests."""
+    listed = printed.answered.headings
+    for entry in () if listed is None else listed.found:
+        if not entry.proved or not _is_place(printed.check, entry.at) or entry.low is None or entry.high is None:
+            continue
+        if not (entry.is_every_heading or float(entry.low) < 0 < float(entry.high)):
+            continue
+        said = f'in the list of headings, at the checked one: "{entry.position}", heading: "{entry.verdict}"'
+        rests = printed.equilibrium is Equilibrium.FAILS
+        if rests or _opposite(printed.answers["position"].verdict, entry.position):
+            yield Contradiction("position and headings of rest", (printed.said("position"), said), PLACE)
+        if {printed.answers["heading"].verdict, entry.verdict} == {Heading.KEEPS, Heading.DRIFTS}:
+            yield Contradiction("heading and headings of rest", (printed.said("heading"), said), TURN)
+
+
 def answers_and_theorem(printed: Printed) -> Iterator[Contradiction]:
     """Theorem 4 says that the position is stable and the heading is not, of a point that is an equilibrium."""
     if printed.check.verdict is not Theorem4.HOLDS:
@@ -400,6 +416,7 @@ PAIRS: tuple[Pair, ...] = (
     position_and_paths,
     heading_and_ends,
     answers_and_rows,
+    answers_and_headings,
     answers_and_theorem,
     tolerances_and_ends,
     rules_and_rest,
@@ -530,9 +547,14 @@ def _against(
 
 def _is_point(check: Check, row: Destination) -> bool:
     """Whether a destination is the checked point alone."""
-    x, y = (float(value) for value in check.scene.check.equilibrium)
+    return len(row.points) == 1 and _is_place(check, row.points[0])
+
+
+def _is_place(check: Check, place: Iterable[SupportsFloat]) -> bool:
+    """Whether a place in the coordinates of the scene is the checked point."""
     within = AT_POINT * float(check.scene.check.radius)
-    return len(row.points) == 1 and all(abs(float(a) - b) <= within for a, b in zip(row.points[0], (x, y), strict=True))
+    pairs = zip(place, check.scene.check.equilibrium, strict=True)
+    return all(abs(float(one) - float(two)) <= within for one, two in pairs)
 
 
 def _opposite(one: object, two: object) -> bool:

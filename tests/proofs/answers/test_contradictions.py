@@ -170,6 +170,21 @@ def test_the_row_of_the_checked_point_says_the_opposite() -> None:
     assert all(row.position is None for row in left.destinations.found if row.goal is Goal.POINT)
 
 
+def test_the_list_of_headings_says_the_opposite_at_the_checked_one() -> None:
+    check = checked("carton-on-6x6")
+    answered = full_answers(check, ask_others=False)
+    assert answered.headings is not None
+    (entry,) = answered.headings.found
+    assert not noticed(check, answered)
+    for changes, between in (
+        ({"position": Position.LEAVES}, {"position and headings of rest"}),
+        ({"verdict": Heading.KEEPS}, {"heading and headings of rest"}),
+        ({"position": Position.LEAVES, "proved": False}, set()),
+    ):
+        listed = replace(answered.headings, found=(replace(entry, **changes),))
+        assert noticed(check, replace(answered, headings=listed)) == between
+
+
 def test_a_theorem_that_holds_of_a_point_that_bodies_leave() -> None:
     assert noticed(replace(checked("outward"), verdict=Theorem4.HOLDS)) == {"position and Theorem 4"}
 
@@ -273,6 +288,7 @@ def test_every_pair_has_a_planted_fault() -> None:
         "stays_and_ends": test_a_disc_in_which_bodies_are_said_to_stay,
         "heading_and_ends": test_a_body_that_turns_for_ever_where_it_is_said_to_rest_without_turning,
         "answers_and_rows": test_the_row_of_the_checked_point_says_the_opposite,
+        "answers_and_headings": test_the_list_of_headings_says_the_opposite_at_the_checked_one,
         "answers_and_theorem": test_a_theorem_that_holds_of_a_point_that_bodies_leave,
         "tolerances_and_ends": test_tolerances_that_the_array_itself_does_not_keep,
         "rules_and_rest": test_rules_of_which_one_excludes_what_the_other_says,
