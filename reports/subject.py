@@ -62,7 +62,8 @@ class Subject:
         """The check, its evidence verified once more, with the answers; compared with each other."""
         result = check_theorem4(self.scene, announce=self.announce)
         self.announce("verification of the evidence")
-        return reconciled(verified(result), full_answers(result))
+        result = verified(result)
+        return reconciled(result, full_answers(result))
 
     @property
     def result(self) -> Check:

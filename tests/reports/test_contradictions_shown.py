@@ -1,0 +1,115 @@
+"""A contradiction is undecided and said with both sides, wherever the verdict is written."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import pytest
+
+import nonsmooth as ns
+from nonsmooth.proofs.theorem4_result import CellCheck, Check
+from nonsmooth.proofs.verdicts import Theorem4, Translation
+from nonsmooth.reports import subject, summary
+from nonsmooth.reports.interface import check_result
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from tests.reports.conftest import Invoke
+
+BOTH_SIDES = ("position leaves: some starts as near as one likes go away", "sampled starts near the point")
+
+# Three rims at 67 degrees and its turns, rounded: under rule ellipse the body rests at the point, to every digit.
+RING = """
+name = "ring"
+friction = { mu_roll = 1, mu_side = "1/2" }
+check = { equilibrium = [0, 0], radius = "1/4" }
+contact = { rule = "ellipse" }
+wheel = [
+    { position = [1, 0], heading = "187 deg", speed = 1 },
+    { position = ["-1/2", "sqrt(3)/2"], heading = "307 deg", speed = 1 },
+    { position = ["-1/2", "-sqrt(3)/2"], heading = "67 deg", speed = 1 },
+]
+"""
+
+
+def wrong(check: Check) -> Check:
+    """The four-wheel array, which attracts, as a point that bodies leave: a fault that no evidence shows."""
+    assert isinstance(check, CellCheck)
+    translation = replace(check.translation, verdict=Translation.UNSTABLE, fan=None)
+    return replace(check.with_results(translation=translation), verdict=Theorem4.FAILS)
+
+
+@pytest.fixture
+def planted(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Such a fault behind every command."""
+    for module in (check_result, subject, summary):
+        monkeypatch.setattr(module, "verified", wrong)
+
+
+@pytest.mark.usefixtures("planted")
+def test_the_terminal_says_both_sides(invoke: Invoke) -> None:
+    outcome = invoke("check", "four-wheel", "--require", "pose")
+    assert outcome.status == 3
+    text = " ".join(outcome.out.split())
+    assert "contradiction between position and destinations: nobody may rely on either" in text
+    for side in BOTH_SIDES:
+        assert side in text
+
+
+@pytest.mark.usefixtures("planted")
+def test_json_says_both_sides(invoke: Invoke) -> None:
+    outcome = invoke("check", "four-wheel", "--json")
+    assert outcome.status == 3
+    record = outcome.record
+    found = record["contradictions"][0]
+    assert found["between"] == "position and destinations"
+    for side, words in zip(found["sides"], BOTH_SIDES, strict=True):
+        assert words in side
+    assert record["answers"]["position"]["verdict"] == "undecided"
+    assert record["translation"]["verdict"] == record["theorem4"]["verdict"] == "undecided"
+    assert "contradictions" in invoke("check", "four-wheel", "--rule", "nearest", "--json").record
+
+
+@pytest.mark.usefixtures("planted")
+def test_many_scenes_the_report_and_python_say_it(invoke: Invoke, tmp_path: Path) -> None:
+    outcome = invoke("check", "four-wheel", "four-wheel", "--json")
+    assert outcome.status == 3
+    assert [check["theorem4"]["verdict"] for check in outcome.record["checks"]] == ["undecided"] * 2
+    invoke("derive", "four-wheel", "--only", "answers,verdict", "-o", str(tmp_path / "report.md"))
+    text = (tmp_path / "report.md").read_text(encoding="utf-8")
+    assert "contradiction between position and destinations" in text
+    result = ns.load("four-wheel").check()
+    assert (str(result.position.verdict), result.theorem4) == ("undecided", "undecided")
+    assert result.contradictions
+    assert "contradiction" in repr(result)
+    assert result.rows()[-1]["question"] == "contradiction"
+
+
+@pytest.mark.usefixtures("planted")
+def test_no_certificate_and_no_law_are_written_of_it(invoke: Invoke, tmp_path: Path) -> None:
+    file = tmp_path / "certificate.json"
+    outcome = invoke("check", "four-wheel", "--certificate", str(file))
+    assert outcome.status == 3
+    assert "not written: what the check says contradicts itself" in outcome.err
+    assert not file.exists()
+
+
+def test_a_check_without_a_contradiction_says_nothing_of_it(invoke: Invoke) -> None:
+    outcome = invoke("check", "four-wheel", "--json")
+    assert outcome.status == 0
+    assert "contradictions" not in outcome.record
+    assert "contradiction" not in invoke("check", "four-wheel").out
+
+
+@pytest.mark.parametrize("mu_side", ["1/2", "1"])
+def test_a_rounded_ring_is_not_said_to_drive_away_what_rests_on_it(
+    invoke: Invoke, tmp_path: Path, mu_side: str
+) -> None:
+    file = tmp_path / "ring.toml"
+    file.write_text(RING.replace('1/2" }\ncheck', f'{mu_side}" }}\ncheck'), encoding="utf-8")
+    outcome = invoke("check", str(file), "--json")
+    assert outcome.status == 3, json.dumps(outcome.record["theorem4"])
+    assert outcome.record["answers"]["position"]["verdict"] == "undecided"
