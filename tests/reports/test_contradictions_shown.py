@@ -82,6 +82,7 @@ def test_many_scenes_the_report_and_python_say_it(invoke: Invoke, tmp_path: Path
     text = (tmp_path / "report.md").read_text(encoding="utf-8")
     assert "contradiction between position and destinations" in text
     result = ns.load("four-wheel").check()
+    assert isinstance(result, ns.CheckResult)
     assert (str(result.position.verdict), result.theorem4) == ("undecided", "undecided")
     assert result.contradictions
     assert "contradiction" in repr(result)
