@@ -3,8 +3,8 @@
 A verdict is proved, and what stands beside it is found in another way: by sampled paths, by the field in floats, by
 another contact rule, under tolerances.  Each function here compares one pair of statements and yields what cannot both
 be true, with both sides as a sentence; the clauses concerned become undecided (:func:`reconciled`).  That such a pair
-is found is a fault of the program, or a limit of its rounding: the comparison is the net behind the proofs, and proves
-nothing.
+is found is a fault of the program, or a limit of its rounding: the comparison is the net behind the proofs.  It proves
+nothing, and only takes verdicts away; no verdict rests on the accuracies below.
 
 Two statements that differ need not contradict each other.  A body that is still on its way ends nowhere; a sampled end
 within :data:`AT_POINT` of the point is the point; instability speaks of starts as near as one likes, so only paths
@@ -35,17 +35,17 @@ if TYPE_CHECKING:
     from nonsmooth.proofs.answers.destinations import Destination, SampledEnds
     from nonsmooth.proofs.systems.system_stability import SystemResult
 
-AT_POINT = 1e-9  # of the half side: an end so near the point is the point, to every digit that is printed
-ELSEWHERE = 1e-6  # of the half side: an end that far away is another place
+AT_POINT = 2.0**-30  # of the half side: an end so near the point is the point, to every digit that is printed
+ELSEWHERE = 2.0**-20  # of the half side: an end that far away is another place
 WELL_INSIDE = 0.95  # of a radius: starts so far inside a disc are in it, whatever is rounded
 NEAR = 1 / 4  # of the half side: sampled starts that are near the point
 RING = 8  # starts in a certified disc, where no others are sampled
 CLOSER, SOMEWHAT = 2.0**-20, 2.0**-10  # of the half side: where paths begin that may leave, and what is away for them
-STEP = 1e-3  # of the half side: over which the field beside the point is differentiated
-STILL = 1e-4  # of the speed of the rims: a minimizer that moves faster does not rest, whatever floats leave of rest
-ROUNDING = 1e-8  # of that speed: what is left of it where the minimizer is smooth
-CLEARLY = 2e-2  # of the largest entry of a derivative: by as much must its eigenvalues be off zero
-SMOOTH = 1e-2  # of that entry: by as much may one-sided derivatives differ
+STEP = 2.0**-10  # of the half side: over which the field beside the point is differentiated
+STILL = 2.0**-13  # of the speed of the rims: a minimizer that moves faster does not rest, whatever floats leave of rest
+ROUNDING = 2.0**-27  # of that speed: what is left of it where the minimizer is smooth
+CLEARLY = 2.0**-6  # of the largest entry of a derivative: by as much must its eigenvalues be off zero
+SMOOTH = 2.0**-7  # of that entry: by as much may one-sided derivatives differ
 
 PLACE = ("equilibrium", "translation", "rotation")  # the clauses that rest on what happens at the point
 MOTION = ("translation", "rotation")  # on where bodies beside it go
@@ -306,7 +306,7 @@ def tolerances_and_ends(printed: Printed) -> Iterator[Contradiction]:
         yield from _against(printed, (begin <= WELL_INSIDE * rests) & moved, "tolerances and destinations", said)
 
 
-class Rests(NamedTuple):
+class RuleAtPoint(NamedTuple):
     """What one contact rule says of the point.
 
     Attributes:
@@ -326,16 +326,16 @@ class Rests(NamedTuple):
 
 def rules_and_rest(printed: Printed) -> Iterator[Contradiction]:
     """Rest at the point under this rule, and under the others that were asked."""
-    own = Rests(printed.equilibrium, *(str(printed.answers[name].verdict) for name in ("position", "heading")))
+    own = RuleAtPoint(printed.equilibrium, *(str(printed.answers[name].verdict) for name in ("position", "heading")))
     asked = {printed.scene.contact.rule: own}
     for other in printed.answered.others:
         if other.answers and other.equilibrium is not None:
             position, heading = (str(answer.verdict) for answer in other.answers)
-            asked[other.name] = Rests(other.equilibrium, position, heading)
+            asked[other.name] = RuleAtPoint(other.equilibrium, position, heading)
     yield from contradictions_of_rules(printed.scene, asked)
 
 
-def contradictions_of_rules(scene: Scene, asked: Mapping[str, Rests]) -> Iterator[Contradiction]:
+def contradictions_of_rules(scene: Scene, asked: Mapping[str, RuleAtPoint]) -> Iterator[Contradiction]:
     """What contact rules say that minimize D, each with its own friction sets and with the same loads.
 
     At rest the wheels slip along their friction axes, ``(-u_i, 0)``, or not at all (else nothing is compared), and
@@ -366,7 +366,7 @@ def contradictions_of_rules(scene: Scene, asked: Mapping[str, Rests]) -> Iterato
             yield Contradiction("the rules ellipse and roller", sides, PLACE)
 
 
-def _in_words(rests: Rests) -> str:
+def _in_words(rests: RuleAtPoint) -> str:
     return f"position {rests.position}, heading {rests.heading}"
 
 
@@ -618,7 +618,7 @@ def _offset_and_growth(here: Floats, slope: Floats, bend: Floats, rounding: floa
     return float(np.hypot(*np.linalg.solve(slope, here))), growth
 
 
-def rests_under(check: Check) -> Rests:
+def rests_under(check: Check) -> RuleAtPoint:
     """What a check says of the point."""
     position, heading, _ = (str(answer.verdict) for answer in answers_of(check))
-    return Rests(str(check.equilibrium.verdict), position, heading)
+    return RuleAtPoint(str(check.equilibrium.verdict), position, heading)

@@ -37,7 +37,7 @@ from nonsmooth.symbolic.unknown_loads import UnknownLoads
 STARTS = 31  # in a row and in a column: shares to about two per cent
 FEW_STARTS = 11  # the same under rules without cells, whose paths cost more
 INSIDE = 0.98  # of the square: how far these starts reach
-VANISHES = 1e-9  # of the largest speed of the starts: as slow as a body is where the field is known to vanish
+VANISHES = 2.0**-30  # of the largest speed of the starts: as slow as a body is where the field is known to vanish
 MOST_PLACES = 6  # where bodies stand still; more are taken for an area of rest
 
 

@@ -14,7 +14,7 @@ from nonsmooth.analysis.minimizers.sampling import SampledDerivative
 from nonsmooth.proofs.answers import contradictions as net
 from nonsmooth.proofs.answers.answer import Answer, Heading, Position
 from nonsmooth.proofs.answers.answers import Answers, answers_of, exit_status, full_answers
-from nonsmooth.proofs.answers.contradictions import Rests, contradictions_of_certificate, contradictions_of_rules
+from nonsmooth.proofs.answers.contradictions import RuleAtPoint, contradictions_of_certificate, contradictions_of_rules
 from nonsmooth.proofs.answers.destinations import Destination, Destinations, Goal, SampledEnds
 from nonsmooth.proofs.certificate import build_certificate
 from nonsmooth.proofs.clauses.at_point.ellipse import Situation
@@ -204,13 +204,13 @@ def test_tolerances_that_the_array_itself_does_not_keep() -> None:
     assert not noticed(check, replace(answered, robust=robust(**{"radius": 0.01, "from": 0.001})))
 
 
-REST, DRIVEN = Rests("holds", "comes home", "keeps"), Rests("fails", "leaves", "undecided")
+REST, DRIVEN = RuleAtPoint("holds", "comes home", "keeps"), RuleAtPoint("fails", "leaves", "undecided")
 
 
 def test_rules_of_which_one_excludes_what_the_other_says() -> None:
     scene = load_scene("four-wheel", rule="ellipse")
 
-    def found(**asked: Rests) -> list[str]:
+    def found(**asked: RuleAtPoint) -> list[str]:
         return [one.between for one in contradictions_of_rules(scene, asked)]
 
     assert found(ellipse=REST, box=DRIVEN) == ["the rules ellipse and box"]
@@ -218,7 +218,7 @@ def test_rules_of_which_one_excludes_what_the_other_says() -> None:
     assert not found(ellipse=DRIVEN, roller=REST)
     assert not found(ellipse=DRIVEN, box=REST)
     assert not found(nearest=REST, box=DRIVEN)
-    assert not found(ellipse=REST, box=Rests("undecided", "undecided", "undecided"))
+    assert not found(ellipse=REST, box=RuleAtPoint("undecided", "undecided", "undecided"))
 
 
 def test_a_certificate_that_states_the_opposite() -> None:
