@@ -169,11 +169,17 @@ def position_and_ends(printed: Printed) -> Iterator[Contradiction]:
 
 
 def leaves_and_ends(printed: Printed) -> Iterator[Contradiction]:
-    """An unstable point, and no sampled body near it that goes away, not even from much closer, along any border."""
+    """An unstable point, and no sampled body near it that goes away, not even from much closer, along any border.
+
+    Where motions tie, paths show one mixture of them, and another may leave: nothing is compared.
+    """
     ends, check = printed.sampled, printed.check
     if ends is None or not isinstance(check, CellCheck) or not check.partition.complete:
         return
     if not printed.position(Position.LEAVES) or printed.equilibrium is not Equilibrium.HOLDS:
+        return
+    zero = check.scene.field.zero
+    if any(len(cell.twists) > 1 for cell in check.partition.cells_at((zero, zero))):
         return
     begin, end = ends.distances
     near = begin <= NEAR * printed.radius

@@ -265,6 +265,12 @@ def test_built_in_scenes_contradict_nothing(name: str, rule: str) -> None:
     assert found[1] == ()
 
 
+def test_one_mixture_of_tied_motions_that_leaves_where_the_paths_drawn_come_home() -> None:
+    """With equal frictions every mixture of two motions is possible; the simulator shows one of them."""
+    ((_, _, said),) = study("cocircular", range(38, 39), ("nearest",))
+    assert said == "leaves"
+
+
 @pytest.mark.parametrize("family", FAMILIES)
 @pytest.mark.parametrize("seed", range(4))
 def test_right_verdicts_are_never_contradicted(family: str, seed: int) -> None:
