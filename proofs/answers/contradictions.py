@@ -460,14 +460,14 @@ class FollowedStarts:
         ends: (m, 2), likewise; not a number where one could not be followed.
         until: the time.
         half: the half side of the checked square.
-        follow: the ends of solutions from other starts.
+        follow: the ends of solutions from other starts; None where solutions may branch off that are not drawn.
     """
 
     starts: Floats
     ends: Floats
     until: float
     half: float
-    follow: Callable[[Floats], Floats]
+    follow: Callable[[Floats], Floats] | None
 
 
 def contradictions_of_map(result: SystemResult, seen: FollowedStarts) -> Iterator[Contradiction]:
@@ -507,7 +507,7 @@ def unstable_and_starts(result: SystemResult, seen: FollowedStarts) -> Iterator[
     """An unstable point, and no start that does not arrive, neither of the map nor from much closer."""
     import numpy as np
 
-    if result.verdict is not Translation.UNSTABLE:
+    if result.verdict is not Translation.UNSTABLE or seen.follow is None:
         return
     at_point = np.hypot(*seen.ends.T) <= AT_POINT * seen.half
     if not at_point.all():

@@ -21,6 +21,7 @@ from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.answers.contradictions import FollowedStarts, contradictions_of_map
+from nonsmooth.proofs.systems.border_motion import BorderKind
 from nonsmooth.proofs.theorem4_result import Contradiction
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.reports.answers import contradiction_lines
@@ -98,8 +99,17 @@ class SystemMap:
     def contradictions(self) -> tuple[Contradiction, ...]:
         """Where the paths contradict what is proved; then nobody may rely on either."""
         half = float(self.portrait.system.check.radius)
-        seen = FollowedStarts(self.starts, self.ends, self.until, half, self._followed_too)
+        follow = self._followed_too if self._draws_all else None
+        seen = FollowedStarts(self.starts, self.ends, self.until, half, follow)
         return tuple(contradictions_of_map(self.portrait.stability, seen))
+
+    @property
+    def _draws_all(self) -> bool:
+        """Whether paths show all that solutions do: along borders that repel one may leave that no path shows."""
+        curved = any(cell.region.guards for cell in self.portrait.cells)
+        return not curved and all(
+            part.kind in (BorderKind.CROSSING, BorderKind.SLIDING) for part in self.portrait.borders
+        )
 
     def _followed_too(self, starts: Floats) -> Floats:
         with progress(f"{len(starts)} starts beside the point") as report:
