@@ -20,6 +20,7 @@ from flint import arb, ctx, fmpq
 from nonsmooth.symbolic.numbers.exact_real import ExactReal
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
+from nonsmooth.symbolic.numbers.rounded import Rounded
 
 # With more independent square roots than this, quotients stay unevaluated: their exact form may hold 2^r terms.
 FEW_ROOTS = 2
@@ -70,18 +71,20 @@ class Lazy(ExactReal):
                 self._sign = -1
             else:
                 numerator, denominator = self.quotient()
-                self._sign = numerator.sign() * denominator.sign()
-                self.ball = self._tight_ball()
+                sign = numerator.sign() * denominator.sign()
+                if isinstance(numerator, Rounded) or isinstance(denominator, Rounded):
+                    return sign  # asked again, it is counted again
+                self._sign, self.ball = sign, self._tight_ball(sign)
         return self._sign
 
     def tight_ball(self) -> arb:
-        """A ball that shows the sign of the value."""
+        """A ball that shows the sign of the value, unless rounding decides that."""
         self.sign()
         return self.ball
 
-    def _tight_ball(self) -> arb:
+    def _tight_ball(self, sign: int) -> arb:
         """A ball from the exact value that shows its sign."""
-        if not self._sign:
+        if not sign:
             return arb(0)
         numerator, denominator = self.quotient()
         precision = _PRECISION
@@ -173,8 +176,6 @@ class Lazy(ExactReal):
         return numerator / denominator
 
     def __float__(self) -> float:
-        if not self.sign():
-            return 0.0
         if self.ball.rel_accuracy_bits() > _FLOAT_BITS:
             return float(self.ball.mid())
         numerator, denominator = self.quotient()

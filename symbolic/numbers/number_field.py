@@ -21,8 +21,9 @@ from flint import arb, ctx, fmpq, fmpq_poly, fmpz_poly
 
 from nonsmooth.symbolic.numbers.coefficients import Coefficient, Rational, as_fmpq
 from nonsmooth.symbolic.numbers.number import HUGE, Number
-from nonsmooth.symbolic.numbers.rational_directions import rational_direction
+from nonsmooth.symbolic.numbers.rational_directions import direction_beside, rational_direction
 from nonsmooth.symbolic.numbers.root_masks import bits
+from nonsmooth.symbolic.numbers.rounded import rounded
 from nonsmooth.symbolic.numbers.square_roots import square_root
 from nonsmooth.symbolic.numbers.work_limit import WorkMeter
 
@@ -54,6 +55,7 @@ class NumberField:
         self._square_roots: dict[Number, Number] = {}
         self.base_float = 2 * math.cos(2 * math.pi / order)
         self.meter: WorkMeter | None = None  # counts products while a limit is set
+        self.rounded_signs = 0  # how many decisions were those of a rounded number alone
         self.zero = Number(self, {})
         self.one = self.rational(1)
 
@@ -90,13 +92,13 @@ class NumberField:
     def cos_pi(self, turn: Fraction) -> Number:
         """``cos(pi * turn)``: square roots for multiples of pi/12, the base field otherwise.
 
-        Of a measured angle it is that of its rational direction.
+        Of a measured angle it is that of its rational direction, with the box around it.
 
         Raises:
             ValueError: if the base field does not hold it (see :func:`base_order`).
         """
         if turn % 2 in self._measured:
-            return self.rational(rational_direction(turn)[0])
+            return rounded(self.rational(rational_direction(turn)[0]), direction_beside(turn)[0])
         if 12 % turn.denominator == 0:
             twelfths = int(turn * 12) % 24
             twelfths = min(twelfths, 24 - twelfths)

@@ -7,8 +7,10 @@ are so exactly: a symmetric array stays symmetric.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from fractions import Fraction
 from functools import cache
+from random import Random
 
 from flint import arb, ctx, fmpq
 
@@ -21,21 +23,35 @@ Direction = tuple[Fraction, Fraction]
 @cache
 def rational_direction(turn: Fraction) -> Direction:
     """A rational direction of length one within :data:`CLOSENESS` of the angle ``pi * turn``."""
+    return _direction(turn, _half_tangent)
+
+
+@cache
+def direction_beside(turn: Fraction) -> Direction:
+    """A rational direction of length one about a millionth away from it, the same for the same angle.
+
+    Mirrored and turned angles have mirrored and turned directions here too; else no relation is to be expected.
+    """
+    return _direction(turn, _half_tangent_beside)
+
+
+def _direction(turn: Fraction, half: Callable[[Fraction], Fraction]) -> Direction:
+    """The direction of an angle by a half tangent of every angle between zero and half a right angle."""
     quarters, rest = divmod(turn % 2, Fraction(1, 2))
-    cosine, sine = _in_quadrant(rest)
+    cosine, sine = _in_quadrant(rest, half)
     for _ in range(int(quarters)):
         cosine, sine = -sine, cosine
     return cosine, sine
 
 
-def _in_quadrant(turn: Fraction) -> Direction:
+def _in_quadrant(turn: Fraction, half: Callable[[Fraction], Fraction]) -> Direction:
     """The direction of an angle between zero and a right angle; beyond the diagonal that of its mirror image."""
     if turn > Fraction(1, 4):
-        cosine, sine = _in_quadrant(Fraction(1, 2) - turn)
+        cosine, sine = _in_quadrant(Fraction(1, 2) - turn, half)
         return sine, cosine
-    half = _half_tangent(turn)
-    size = 1 + half * half
-    return (1 - half * half) / size, 2 * half / size
+    tangent = half(turn)
+    size = 1 + tangent * tangent
+    return (1 - tangent * tangent) / size, 2 * tangent / size
 
 
 def _half_tangent(turn: Fraction) -> Fraction:
@@ -51,6 +67,11 @@ def _half_tangent(turn: Fraction) -> Fraction:
         mantissa, exponent = (int(part) for part in (sine / cosine).mid().man_exp())
     middle = Fraction(mantissa) * Fraction(2) ** exponent
     return simplest_between(middle - CLOSENESS / 4, middle + CLOSENESS / 4)
+
+
+def _half_tangent_beside(turn: Fraction) -> Fraction:
+    """The half tangent and up to a millionth more."""
+    return _half_tangent(turn) + Fraction(Random(str(turn)).getrandbits(60), 1 << 80)
 
 
 def simplest_between(low: Fraction, high: Fraction) -> Fraction:

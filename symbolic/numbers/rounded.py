@@ -1,0 +1,167 @@
+"""Numbers that were rounded: a member of a box of numbers, and how far the others are.
+
+The cosine of an angle that no number field of the scene holds is replaced by a rational number within 1e-15 of it
+(:mod:`nonsmooth.symbolic.numbers.rational_directions`).  What is decided of the rational number need not be true of the
+cosine.  So such a number, and every number that is computed from it, is a :class:`Rounded`: an element of the field as
+any other, which also carries
+
+- ``box``, a ball around its values for all angles within the closeness of the given ones;
+- ``member``, its value at angles a millionth or so away, in 256 bits.
+
+Interval arithmetic carries both along.  A sign that is the same all over the box is certain.  Any other is that of the
+rational number alone: the field counts it (:attr:`nonsmooth.symbolic.numbers.number_field.NumberField.rounded_signs`),
+and a decision during which that count rose is one of rounding (:func:`decided_by_rounding`).  Elsewhere the same steps
+are taken for every member of the box, so the decision holds for all of them.
+
+Sums that cancel for every angle (``cos^2 + sin^2 - 1``, the forces on a symmetric array) are no ties.  They are told
+from those that cancel for the rational numbers alone by the other member, at which these would have to vanish to some
+seventy digits as well (an identity test at a random point, after Schwartz and Zippel).  Such a sum is exact again.
+"""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable
+from fractions import Fraction
+from typing import Any
+
+from flint import arb, ctx, fmpq
+
+from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.rational_directions import CLOSENESS
+
+ROUNDING_DECIDES = "rounding decides"
+
+_PRECISION = 256  # bits of the box and of the other member
+_CONSTANT = 2.0**-40  # of the box's radius: what differs less at the other member, a billion radii away, is the same
+
+
+class Rounded(Number):
+    """A number of a box; the arithmetic is that of the rounded member, with the box and another member beside it.
+
+    Args:
+        exact: the rounded member, an element of the field.
+        box: encloses the values of all members.
+        member: the value of another member.
+    """
+
+    __slots__ = ("box", "member")
+
+    def __init__(self, exact: Number, box: arb, member: arb) -> None:
+        super().__init__(exact.field, exact.terms)
+        self.box, self.member = box, member
+
+    @property
+    def exact(self) -> Number:
+        """The rounded member, as a number of width zero."""
+        return Number(self.field, self.terms)
+
+    # ---- arithmetic ------------------------------------------------------------------------------
+
+    def _with(self, value: Any, operation: Callable[[Any, Any], Any]) -> Number:
+        other = self._operand(value)
+        return NotImplemented if other is None else _computed(operation, self, other)
+
+    def __add__(self, value: Any) -> Number:
+        return self._with(value, operator.add)
+
+    def __sub__(self, value: Any) -> Number:
+        return self._with(value, operator.sub)
+
+    def __rsub__(self, value: Any) -> Number:
+        return self._with(value, lambda a, b: b - a)
+
+    def __mul__(self, value: Any) -> Number:
+        return self._with(value, operator.mul)
+
+    def __truediv__(self, value: Any) -> Number:
+        return self._with(value, operator.truediv)
+
+    def __rtruediv__(self, value: Any) -> Number:
+        return self._with(value, lambda a, b: b / a)
+
+    __radd__, __rmul__ = __add__, __mul__
+
+    def __neg__(self) -> Number:
+        return _computed(operator.neg, self)
+
+    def inverse(self) -> Number:
+        """Multiplicative inverse; raises as that of an exact number."""
+        return _computed(lambda a: 1 / a, self)
+
+    def sqrt(self) -> Number:
+        """Non-negative square root; raises as that of an exact number."""
+        return _computed(lambda a: a.sqrt(), self)
+
+    # ---- decisions -------------------------------------------------------------------------------
+
+    def sign(self) -> int:
+        """Sign of the rounded member: certain where the box has one sign, else counted as decided by rounding."""
+        if self.box > 0:
+            return 1
+        if self.box < 0:
+            return -1
+        self.field.rounded_signs += 1
+        return self.exact.sign()
+
+    def _compare(self, value: Any) -> int | None:
+        other = self._operand(value)
+        if other is None:
+            return None
+        return 0 if other is self else (self - other).sign()
+
+    def __bool__(self) -> bool:
+        return self.sign() != 0
+
+    def __eq__(self, value: object) -> bool:
+        order = self._compare(value)
+        return NotImplemented if order is None else order == 0
+
+    def __hash__(self) -> int:
+        return hash(self.exact)
+
+    # ---- conversion ------------------------------------------------------------------------------
+
+    def ball(self) -> arb:
+        """Enclosure of all members, whatever the working precision."""
+        return self.box
+
+    def accurate_ball(self, bits: int) -> arb:
+        """Enclosure of all members: no precision makes it smaller."""
+        return self.box
+
+    def as_rational(self) -> fmpq | None:
+        """The rounded member where it is rational; who decides by it decides by rounding, so it is counted."""
+        self.field.rounded_signs += 1
+        return self.exact.as_rational()
+
+    def __float__(self) -> float:
+        return float(self.exact)
+
+
+def _computed(operation: Callable[..., Any], *numbers: Number) -> Number:
+    """What an operation gives of numbers of which one is rounded; of width zero where it is the same for all members.
+
+    Raises:
+        ZeroDivisionError: for a division by zero.
+        ValueError: for the root of a negative number.
+    """
+    exact: Number = operation(*(plain(number) for number in numbers))
+    with ctx.workprec(_PRECISION):
+        box: arb = operation(*(number.ball() for number in numbers))
+        member: arb = operation(*(n.member if isinstance(n, Rounded) else n.ball() for n in numbers))
+        distance = abs(member - exact.ball())
+        is_constant = box.is_finite() and bool(distance <= box.rad() * _CONSTANT)
+    return exact if is_constant else Rounded(exact, box, member)
+
+
+def plain(number: Number) -> Number:
+    """The rounded member of a number, as a number of width zero."""
+    return number.exact if isinstance(number, Rounded) else number
+
+
+def rounded(exact: Number, away: Fraction) -> Rounded:
+    """A number that was rounded by up to the closeness of rational directions, with its value at another member."""
+    radius = arb(fmpq(CLOSENESS.numerator, CLOSENESS.denominator))
+    with ctx.workprec(_PRECISION):
+        return Rounded(exact, exact.ball() + radius * arb(0, 1), arb(fmpq(away.numerator, away.denominator)))
