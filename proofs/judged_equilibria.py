@@ -55,9 +55,13 @@ def _judged(scene: Scene, equilibrium: RestPlace) -> JudgedEquilibrium:
     if isinstance(rule, CellRule):  # wheels that have no say there only take time
         own = replace(own, wheels=rule.wheels_that_matter(own))
     own = own.recentred()
+    before = own.field.rounded_signs
     try:
         partition = build_partition(own)
     except RefusalError:  # the small square leaves the support polygon
         return JudgedEquilibrium(equilibrium)
     translation = decide_translation(partition)
-    return JudgedEquilibrium(equilibrium, translation.verdict, decide_rotation(partition, translation).verdict)
+    rotation = decide_rotation(partition, translation)
+    if own.field.rounded_signs > before:
+        return JudgedEquilibrium(equilibrium, Translation.UNDECIDED, Rotation.UNDECIDED)
+    return JudgedEquilibrium(equilibrium, translation.verdict, rotation.verdict)

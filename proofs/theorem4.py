@@ -94,12 +94,13 @@ def _check(work: Workspace, *, beside: bool) -> Check:
         others = _equilibria(work) if beside else None
     for clause in registry.CLAUSES:
         with work.timed(clause.name):
-            work.earlier[clause.name] = clause.decide(work)
+            work.earlier[clause.name] = work.decided(clause)
     verdict, reason = conclude(work.earlier)
     common = (verdict, reason, work.given, work.earlier, census, roll_authority(work.given))
+    by_rounding = frozenset(work.by_rounding)
     if partition is None:
-        return SmoothCheck(*common, tuple(work.skipped), work.seconds)
-    return CellCheck(*common, tuple(work.skipped), work.seconds, partition, others)
+        return SmoothCheck(*common, tuple(work.skipped), work.seconds, by_rounding)
+    return CellCheck(*common, tuple(work.skipped), work.seconds, by_rounding, partition, others)
 
 
 def _equilibria(work: Workspace) -> tuple[JudgedEquilibrium, ...] | None:

@@ -66,6 +66,7 @@ class Theorem4Result(ShortRepr):
         authority: rank of the roll rows at the checked point.
         skipped: what was left out and why.
         seconds: where the time went.
+        by_rounding: names of the clauses that claim nothing because rounding would decide them.
         contradictions: statements about the array that contradict each other; the clauses concerned are undecided.
     """
 
@@ -77,6 +78,7 @@ class Theorem4Result(ShortRepr):
     authority: Authority
     skipped: tuple[Skipped, ...]
     seconds: dict[str, float]
+    by_rounding: frozenset[str]
     contradictions: tuple[Contradiction, ...] = field(default=(), kw_only=True)
 
     @property
@@ -95,7 +97,7 @@ class Theorem4Result(ShortRepr):
         results = dict(self.results)
         for clause, result in self.clauses:
             said = "; ".join(one.text for one in found if clause.name in one.clauses)
-            results[clause.name] = clause.as_undecided(result, said) if said else result
+            results[clause.name] = clause.undecided(result, said) if said else result
         _, reason = conclude(results)
         return replace(self, results=results, verdict=Theorem4.UNDECIDED, reason=reason, contradictions=tuple(found))
 
@@ -141,14 +143,20 @@ class Theorem4Result(ShortRepr):
     def evidence_holds(self) -> bool:
         """Verify the evidence of every clause, that it is about this array, and the conclusion."""
         return (
-            all(result.check() and clause.is_about(result, self) for clause, result in self.clauses)
+            all(result.check() and clause.is_about(result, self) for clause, result in self._claims)
+            and all(self.results[name].verdict in ("undecided", "not applicable") for name in self.by_rounding)
             and self.authority.check(self.scene)
             and self.verdict is conclude(self.results)[0]
         )
 
     def check(self) -> bool:
         """Verify all evidence, and decide again what evidence does not show, which refuses what was changed since."""
-        return self.evidence_holds() and all(clause.recompute(result, self) for clause, result in self.clauses)
+        return self.evidence_holds() and all(clause.recompute(result, self) for clause, result in self._claims)
+
+    @property
+    def _claims(self) -> Iterator[tuple[Clause[Any], ClauseResult]]:
+        """The clauses that claim something."""
+        return ((clause, result) for clause, result in self.clauses if clause.name not in self.by_rounding)
 
     def _repr_html_(self) -> str:
         """The verdicts with their reasons, for a notebook."""

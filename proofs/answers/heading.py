@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import cast
 
-from nonsmooth.proofs.answers.answer import Answer, Heading, Results
+from nonsmooth.proofs.answers.answer import Answer, Heading, Results, is_by_rounding
 from nonsmooth.proofs.answers.bounds import DIGITS, at_most
 from nonsmooth.proofs.answers.units import of_length
 from nonsmooth.proofs.clauses.rotation.on_cells import RotationResult
@@ -67,4 +67,6 @@ def _drift(found: RotationResult) -> Iterator[Fact]:
 def _why_undecided(results: Results) -> str:
     if results["equilibrium"].verdict is Equilibrium.FAILS:
         return "the body does not stay at the point"
+    if is_by_rounding(results, "equilibrium", "rotation"):
+        return "rounding decides; why: below"
     return "whether a body at rest turns is not decided; why: below"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import cast
 
-from nonsmooth.proofs.answers.answer import Answer, Position, Results
+from nonsmooth.proofs.answers.answer import Answer, Position, Results, is_by_rounding
 from nonsmooth.proofs.answers.bounds import at_least, at_most, half_life
 from nonsmooth.proofs.answers.units import of_length
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
@@ -59,12 +59,14 @@ def _facts(scene: Scene, results: Results) -> Iterator[Fact]:
     if stays is not None:
         yield said(f"a body within {at_least(stays)}{unit} of the point never gets farther away")
     else:
-        yield said(_plainly(verdict, rests=rests))
+        yield said(_plainly(verdict, results, rests=rests))
     yield said(found.support_note)
 
 
-def _plainly(verdict: Position, *, rests: bool) -> str:
+def _plainly(verdict: Position, results: Results, *, rests: bool) -> str:
     """The sentence where there is no number to say."""
+    if verdict is Position.UNDECIDED and is_by_rounding(results, "equilibrium", "translation"):
+        return "rounding decides; why: below"
     if verdict is Position.LEAVES:
         return "some starts as near as one likes go away" if rests else "the body is driven away from the point itself"
     if verdict is Position.STAYS_NEAR:

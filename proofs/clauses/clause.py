@@ -59,6 +59,10 @@ class Clause(ABC, Generic[Result]):
             RefusalError: where the motion is not determined.
         """
 
+    @abstractmethod
+    def undecided(self, result: Result, reason: str) -> Result:
+        """A result in place of the given one that claims nothing, for a reason."""
+
     def is_about(self, result: Result, check: Theorem4Result) -> bool:
         """Whether the evidence is about the array of a check, and all of it: compared with its wheels and cells."""
         return True
@@ -66,10 +70,6 @@ class Clause(ABC, Generic[Result]):
     def recompute(self, result: Result, check: Theorem4Result) -> bool:
         """Whether deciding again gives the same, where ``result.check()`` does not verify all that is said."""
         return True
-
-    def as_undecided(self, result: Result, reason: str) -> Result:
-        """The result without its verdict and evidence, for a reason; a clause that nothing contradicts stays."""
-        return result
 
     def settles(self, result: Result) -> tuple[Theorem4, str] | None:
         """The theorem's verdict and its reason where this clause decides it alone, whatever the later ones say."""

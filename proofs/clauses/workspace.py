@@ -6,20 +6,21 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import cached_property
-from typing import TypeAlias
+from typing import Any, TypeAlias, TypeVar
 
 from nonsmooth.analysis.cells.loads import load_regions
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.contact_rule import CellRule, ContactRule, rule_of
 from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, ellipse_point
-from nonsmooth.proofs.clauses.clause import ClauseResult
+from nonsmooth.proofs.clauses.clause import Clause, ClauseResult
 from nonsmooth.proofs.clauses.cocircular import CocircularArray, cocircular_array
 from nonsmooth.proofs.clauses.every_load.point import EveryLoadPoint, every_load_point
+from nonsmooth.symbolic.numbers.rounded import ROUNDING_DECIDES
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
 Announce: TypeAlias = Callable[[str], None]  # called with the name of each step before it begins
+Part = TypeVar("Part")
 LEMMA = "V* <= 0 by the lemma on inward rims on one circle"
 
 
@@ -47,6 +48,7 @@ class Workspace:
         earlier: the results of the clauses that are decided, by name.
         skipped: what was left out, and why.
         seconds: where the time went, by step.
+        by_rounding: names of the clauses that are not the same, or not known to be, for all members of rounded numbers.
 
     Cells that were ``built`` before are taken where they are those of the centred scene.
     """
@@ -67,17 +69,50 @@ class Workspace:
         self.earlier: dict[str, ClauseResult] = {}
         self.skipped: list[Skipped] = []
         self.seconds: dict[str, float] = {}
+        self.by_rounding: set[str] = set()
         self._announce = announce
         self._built = built
+        self._parts: dict[str, Any] = {}
+        self._rounded_parts: set[str] = set()
 
     @property
     def rule(self) -> ContactRule:
         """The contact rule."""
         return rule_of(self.scene)
 
-    @cached_property
+    def decided(self, clause: Clause[Any]) -> ClauseResult:
+        """What a clause says; where rounded numbers alone say so, that nothing is decided.
+
+        What was built on the way may rest on rounding too, so it counts again for whoever uses it later.
+        """
+        field = self.scene.field
+        before = field.rounded_signs
+        result = clause.decide(self)
+        if field.rounded_signs == before:
+            return result
+        self._rounded_parts |= self._parts.keys()
+        self.by_rounding.add(clause.name)
+        return clause.undecided(result, ROUNDING_DECIDES)
+
+    def _part(self, build: Callable[[], Part]) -> Part:
+        """What the function gives, built once; what rounding decided of it counts at every use."""
+        field, name = self.scene.field, build.__name__
+        before = field.rounded_signs
+        if name not in self._parts:
+            self._parts[name] = build()
+            if field.rounded_signs > before:
+                self._rounded_parts.add(name)
+        elif name in self._rounded_parts:
+            field.rounded_signs += 1
+        part: Part = self._parts[name]
+        return part
+
+    @property
     def lemma(self) -> CocircularArray | None:
         """The certificate of ``V* <= 0`` on the whole square, where the array meets its hypotheses."""
+        return self._part(self._build_lemma)
+
+    def _build_lemma(self) -> CocircularArray | None:
         return cocircular_array(self.scene)
 
     @property
@@ -85,16 +120,19 @@ class Workspace:
         """Whether the rule asks for loads and the scene names a set of them."""
         return self.rule.needs_loads and isinstance(self.scene.contact.loads, UnknownLoads)
 
-    @cached_property
+    @property
     def every_load(self) -> EveryLoadPoint:
         """The motion at the point under every load of the scene.
 
         Raises:
             nonsmooth.analysis.cells.loads.LoadError: where the loads do not exist.
         """
+        return self._part(self._build_every_load)
+
+    def _build_every_load(self) -> EveryLoadPoint:
         return every_load_point(self.scene)
 
-    @cached_property
+    @property
     def partition(self) -> Partition | None:
         """The cells of the square, or where the lemma covers it only those of rest at the point; None without cells.
 
@@ -103,6 +141,9 @@ class Workspace:
         Raises:
             RefusalError: where the motion is not determined.
         """
+        return self._part(self._build_partition)
+
+    def _build_partition(self) -> Partition | None:
         rule = self.rule
         if not isinstance(rule, CellRule) or self.leaves_loads_open:
             return None
@@ -110,7 +151,8 @@ class Workspace:
         if rest is not None:
             self.skip("cells away from the point", 1, f"{LEMMA}: no other cells are needed")
             return rest
-        if self._built is not None and self.prune and self._built.scene is self.scene:
+        is_exact = not self.scene.field.measured  # else what rounding decided of those cells is not known any more
+        if self._built is not None and self.prune and self._built.scene is self.scene and is_exact:
             partition = self._built
         else:
             partition = rule.build_partition(self.scene, prune=self.prune)
@@ -121,13 +163,16 @@ class Workspace:
             self.skip("wheels", idle, f"too far away {where} anywhere in the square")
         return partition
 
-    @cached_property
+    @property
     def point(self) -> EllipsePoint:
         """The exact motion at the point under a rule without cells.
 
         Raises:
             nonsmooth.analysis.cells.loads.LoadError: where the loads do not exist.
         """
+        return self._part(self._build_point)
+
+    def _build_point(self) -> EllipsePoint:
         return ellipse_point(self.scene, load_regions(self.scene, self.scene.check.equilibrium))
 
     def skip(self, what: str, count: int, why: str) -> None:

@@ -18,6 +18,7 @@ import numpy as np
 from nonsmooth.symbolic.constraints import Triple, cofactors, independent, inner
 from nonsmooth.symbolic.numbers.lazy import FEW_ROOTS, divided
 from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.rounded import either_way
 
 Column: TypeAlias = Sequence[Number]
 
@@ -39,20 +40,24 @@ class Mixture:
     value: Number
     multipliers: tuple[Number, ...]
 
+    def reaches(self, columns: Sequence[Column], target: Column) -> bool:
+        """Re-verify that the weights are at least zero and mix the columns into the target."""
+        zero = target[0].field.zero
+        return all(w.sign() >= 0 for w in self.weights.values()) and all(
+            _sum((w * columns[k][r] for k, w in self.weights.items()), zero) == goal for r, goal in enumerate(target)
+        )
+
     def check(self, columns: Sequence[Column], target: Column, prices: Sequence[Number]) -> bool:
         """Re-verify feasibility and optimality from the definition."""
         rows = range(len(target))
         zero = target[0].field.zero
-        feasible = all(w.sign() >= 0 for w in self.weights.values()) and all(
-            _sum((w * columns[k][r] for k, w in self.weights.items()), zero) == target[r] for r in rows
-        )
         bound = all(
             _sum(self.multipliers[r] * column[r] for r in rows) >= price
             for column, price in zip(columns, prices, strict=True)
         )
         attained = _sum(self.multipliers[r] * target[r] for r in rows) == self.value
         priced = _sum((prices[k] * w for k, w in self.weights.items()), zero) == self.value
-        return feasible and bound and attained and priced
+        return self.reaches(columns, target) and bound and attained and priced
 
 
 def mixtures_to_zero(vectors: Sequence[Column]) -> tuple[list[Column], Column]:
@@ -64,10 +69,27 @@ def mixtures_to_zero(vectors: Sequence[Column]) -> tuple[list[Column], Column]:
 def best_mixture(columns: Sequence[Column], target: Column, prices: Sequence[Number]) -> Mixture | None:
     """Solve the program; None where no weights reach the target.
 
-    Rows with a negative target are negated first, and one artificial column per row starts phase one.
+    Of rounded numbers any path of pivots will do; what counts are the signs that show the outcome.
 
     Raises:
         ValueError: if the program is unbounded.
+    """
+    field = target[0].field
+    with either_way(field):
+        found = _solve(columns, target, prices)
+    if isinstance(found, Mixture):
+        if field.measured:
+            found.check(columns, target, prices)
+        return found
+    for column in (*columns, target) if field.measured else ():
+        _product(found, column).sign()
+    return None
+
+
+def _solve(columns: Sequence[Column], target: Column, prices: Sequence[Number]) -> Mixture | tuple[Number, ...]:
+    """The optimum, or multipliers y with ``y . columns_k >= 0`` and ``y . target < 0``: then nothing is feasible.
+
+    Rows with a negative target are negated first, and one artificial column per row starts phase one.
     """
     one = _one_like(columns, target)
     if len(one.field.radicands) > FEW_ROOTS or len(columns) > FEW_COLUMNS:
@@ -86,7 +108,7 @@ def best_mixture(columns: Sequence[Column], target: Column, prices: Sequence[Num
     tableau = _Tableau(padded, goal, basis)
     tableau.maximize(phase_one, allowed=real + rows)
     if any(basic >= real and level.sign() > 0 for basic, level in zip(tableau.basis, tableau.levels, strict=True)):
-        return None
+        return tuple(flip * y for flip, y in zip(flips, tableau.multipliers(phase_one), strict=True))
     tableau.expel_artificials(real)
     tableau.maximize([*prices, *[zero] * rows], allowed=real)
     weights = {k: w for k, w in zip(tableau.basis, tableau.levels, strict=True) if k < real and w}
@@ -207,6 +229,10 @@ class _Tableau:
         return [
             _sum(prices[b] * e for b, e in zip(self.basis, column, strict=True)) for column in self.body[self.start :]
         ]
+
+
+def _product(left: Column, right: Column) -> Number:
+    return _sum(a * b for a, b in zip(left, right, strict=True))
 
 
 def _sum(values: object, start: Number | None = None) -> Number:

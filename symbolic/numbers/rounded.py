@@ -10,8 +10,8 @@ any other, which also carries
 
 Interval arithmetic carries both along.  A sign that is the same all over the box is certain.  Any other is that of the
 rational number alone: the field counts it (:attr:`nonsmooth.symbolic.numbers.number_field.NumberField.rounded_signs`),
-and a decision during which that count rose is one of rounding (:func:`decided_by_rounding`).  Elsewhere the same steps
-are taken for every member of the box, so the decision holds for all of them.
+and a decision during which that count rose is one of rounding.  Elsewhere the same steps are taken for every member of
+the box, so the decision holds for all of them.
 
 Sums that cancel for every angle (``cos^2 + sin^2 - 1``, the forces on a symmetric array) are no ties.  They are told
 from those that cancel for the rational numbers alone by the other member, at which these would have to vanish to some
@@ -21,16 +21,23 @@ seventy digits as well (an identity test at a random point, after Schwartz and Z
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from fractions import Fraction
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from flint import arb, ctx, fmpq
 
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.rational_directions import CLOSENESS
 
-ROUNDING_DECIDES = "rounding decides"
+if TYPE_CHECKING:
+    from nonsmooth.symbolic.numbers.number_field import NumberField
+
+ROUNDING_DECIDES = (
+    f"rounding decides: of the arrays whose measured angles lie within {float(CLOSENESS):.0e} of the stated ones, "
+    "it may be true of some and not of others"
+)
 
 _PRECISION = 256  # bits of the box and of the other member
 _CONSTANT = 2.0**-40  # of the box's radius: what differs less at the other member, a billion radii away, is the same
@@ -58,32 +65,36 @@ class Rounded(Number):
 
     # ---- arithmetic ------------------------------------------------------------------------------
 
-    def _with(self, value: Any, operation: Callable[[Any, Any], Any]) -> Number:
+    # Returned is a Rounded, or where the result is the same for all members a Number.
+    def _with(self, value: Any, operation: Callable[[Any, Any], Any]) -> Any:
         other = self._operand(value)
         return NotImplemented if other is None else _computed(operation, self, other)
 
-    def __add__(self, value: Any) -> Number:
+    def __add__(self, value: Any) -> Any:
         return self._with(value, operator.add)
 
-    def __sub__(self, value: Any) -> Number:
+    def __sub__(self, value: Any) -> Any:
         return self._with(value, operator.sub)
 
-    def __rsub__(self, value: Any) -> Number:
+    def __rsub__(self, value: Any) -> Any:
         return self._with(value, lambda a, b: b - a)
 
-    def __mul__(self, value: Any) -> Number:
+    def __mul__(self, value: Any) -> Any:
         return self._with(value, operator.mul)
 
-    def __truediv__(self, value: Any) -> Number:
+    def __truediv__(self, value: Any) -> Any:
         return self._with(value, operator.truediv)
 
-    def __rtruediv__(self, value: Any) -> Number:
+    def __rtruediv__(self, value: Any) -> Any:
         return self._with(value, lambda a, b: b / a)
 
     __radd__, __rmul__ = __add__, __mul__
 
-    def __neg__(self) -> Number:
+    def __neg__(self) -> Any:
         return _computed(operator.neg, self)
+
+    def __abs__(self) -> Any:
+        return _computed(abs, self)
 
     def inverse(self) -> Number:
         """Multiplicative inverse; raises as that of an exact number."""
@@ -153,6 +164,14 @@ def _computed(operation: Callable[..., Any], *numbers: Number) -> Number:
         distance = abs(member - exact.ball())
         is_constant = box.is_finite() and bool(distance <= box.rad() * _CONSTANT)
     return exact if is_constant else Rounded(exact, box, member)
+
+
+@contextmanager
+def either_way(field: NumberField) -> Iterator[None]:
+    """Count no decisions of rounding: whichever of the ways is gone, what comes of it is right, or verified later."""
+    before = field.rounded_signs
+    yield
+    field.rounded_signs = before
 
 
 def plain(number: Number) -> Number:

@@ -59,6 +59,10 @@ class MirrorClause(Clause[MirrorResult]):
         """By looking."""
         return find_mirror(work.scene)
 
+    def undecided(self, result: MirrorResult, reason: str) -> MirrorResult:
+        """Places are compared exactly: they are as they are."""
+        return result
+
     def settles(self, result: MirrorResult) -> tuple[Theorem4, str] | None:
         """An array that is not symmetric fails, for the sake of the rehearsal."""
         return (Theorem4.FAILS, result.reason) if result.alone else None

@@ -104,6 +104,10 @@ class EllipsePoint:
             return Translation.ASYMPTOTICALLY_STABLE
         return Translation.UNSTABLE if det < 0 or trace > 0 else Translation.UNDECIDED
 
+    def undecided(self, reason: str) -> EllipsePoint:
+        """The same point without a claim."""
+        return replace(self, situation=Situation.OPEN, twist=None, linearization=None, reason=reason)
+
     def check(self) -> bool:
         """Verify by forces and moments what the body does (module ``forces_check``); not that it is driven away."""
         scene, region, twist, linear = self.scene, self.region, self.twist, self.linearization
@@ -122,10 +126,6 @@ class EllipsePoint:
         if self.situation is Situation.OPEN:
             return spins and balances(scene, region, twist.omega)
         return spins and is_smooth_minimum(scene, region, twist.omega, linear)
-
-    def as_undecided(self, reason: str) -> EllipsePoint:
-        """The point without a situation."""
-        return replace(self, situation=Situation.OPEN, twist=None, linearization=None, reason=reason)
 
     def recompute(self) -> bool:
         """Whether deciding again gives the same."""

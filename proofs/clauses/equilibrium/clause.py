@@ -36,6 +36,14 @@ class EquilibriumClause(Clause[AnyEquilibrium]):
             return EveryLoadEquilibrium(work.every_load)
         return EllipseEquilibrium(work.point) if work.partition is None else decide_equilibrium(work.partition)
 
+    def undecided(self, result: AnyEquilibrium, reason: str) -> AnyEquilibrium:
+        """Neither an equilibrium nor none."""
+        if isinstance(result, EquilibriumResult):
+            return EquilibriumResult(Equilibrium.UNDECIDED, (), {}, None, reason)
+        if isinstance(result, EllipseEquilibrium):
+            return EllipseEquilibrium(result.point.undecided(reason))
+        return EveryLoadEquilibrium(result.point.undecided(reason))
+
     def is_about(self, result: AnyEquilibrium, check: Theorem4Result) -> bool:
         """Whether all twists that meet at the point of the array were looked at."""
         scene = check.scene.recentred()
@@ -50,14 +58,6 @@ class EquilibriumClause(Clause[AnyEquilibrium]):
     def recompute(self, result: AnyEquilibrium, check: Theorem4Result) -> bool:
         """What every load of a set does."""
         return not isinstance(result, EveryLoadEquilibrium) or result.point.recompute()
-
-    def as_undecided(self, result: AnyEquilibrium, reason: str) -> AnyEquilibrium:
-        """Neither weights nor a separating direction; an open situation at the point."""
-        if isinstance(result, EquilibriumResult):
-            return EquilibriumResult(Equilibrium.UNDECIDED, result.twists, {}, None, reason)
-        if isinstance(result, EllipseEquilibrium):
-            return EllipseEquilibrium(result.point.as_undecided(reason))
-        return EveryLoadEquilibrium(result.point.as_undecided(reason))
 
     def settles(self, result: AnyEquilibrium) -> tuple[Theorem4, str] | None:
         """Without an equilibrium nothing is said of its stability."""

@@ -23,21 +23,23 @@ class EquilibriumResult:
     """Verdict with its evidence.
 
     Attributes:
-        verdict: holds or fails.
+        verdict: holds or fails; undecided where rounded numbers alone would say so.
         twists: the twists whose velocities span F at the point.
         weights: convex weights of the twists that give zero velocity (holds).
         separator: a direction with positive product against every velocity (fails).
-        contradiction: why nothing is said, where the verdict is undecided.
+        open: why it is undecided.
     """
 
     verdict: Equilibrium
     twists: tuple[Twist, ...]
     weights: dict[int, Number]
     separator: Vector | None
-    contradiction: str = ""
+    open: str = ""
 
     def check(self) -> bool:
         """Re-verify the evidence from the definition."""
+        if self.verdict is Equilibrium.UNDECIDED:
+            return not self.weights and self.separator is None  # nothing is claimed
         if self.verdict is Equilibrium.HOLDS:
             total = sum(self.weights.values())
             x = sum(w * self.twists[k].vx for k, w in self.weights.items())
@@ -50,8 +52,8 @@ class EquilibriumResult:
     @property
     def reason(self) -> str:
         """One sentence for people."""
-        if self.verdict is Equilibrium.UNDECIDED:
-            return self.contradiction
+        if self.open:
+            return self.open
         if self.verdict is Equilibrium.HOLDS:
             return _at_rest(self.twists, len(self.weights))
         if len(self.twists) == 1:
@@ -81,4 +83,7 @@ def decide_equilibrium(partition: Partition) -> EquilibriumResult:
     mixture = best_mixture(*mixtures_to_zero(velocities), [zero] * len(twists))
     if mixture is not None:
         return EquilibriumResult(Equilibrium.HOLDS, twists, mixture.weights, None)
-    return EquilibriumResult(Equilibrium.FAILS, twists, {}, separating_direction(velocities))
+    found = EquilibriumResult(Equilibrium.FAILS, twists, {}, separating_direction(velocities))
+    if zero.field.measured:
+        found.check()  # counts where the rounded velocities alone point to one side
+    return found

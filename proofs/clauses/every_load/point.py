@@ -79,6 +79,10 @@ class EveryLoadPoint:
             return Equilibrium.FAILS
         return Equilibrium.HOLDS
 
+    def undecided(self, reason: str) -> EveryLoadPoint:
+        """The same point without a claim."""
+        return replace(self, situation=EveryLoad.OPEN, twist=None, slope=None, witness=None, reason=reason)
+
     def check(self) -> bool:
         """Verify the witness by the decision for known loads, the slopes wheel by wheel, rest corner by corner."""
         match self.situation:
@@ -99,10 +103,6 @@ class EveryLoadPoint:
 
     def _moves(self) -> bool:
         return self.witness is not None and _is_refuted(self.scene, self.witness)
-
-    def as_undecided(self, reason: str) -> EveryLoadPoint:
-        """The point without a situation."""
-        return replace(self, situation=EveryLoad.OPEN, twist=None, slope=None, witness=None, reason=reason)
 
     def recompute(self) -> bool:
         """Whether deciding again gives the same."""

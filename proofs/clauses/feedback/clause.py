@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import TYPE_CHECKING, TypeAlias
 
 from nonsmooth.proofs.clauses.clause import Clause
@@ -38,6 +39,23 @@ class FeedbackClause(Clause[AnyFeedback]):
                 work.skip("feedback search", 1, found.reason)
             return found
         return _driven(work)
+
+    def undecided(self, result: AnyFeedback, reason: str) -> AnyFeedback:
+        """Neither a law nor none; where the clause does not apply, it still does not."""
+        if result.verdict is Feedback.NOT_APPLICABLE:
+            return result
+        if isinstance(result, FeedbackResult):
+            return FeedbackResult(Feedback.UNDECIDED, (), frozenset(), None, reason)
+        return replace(
+            result,
+            verdict=Feedback.UNDECIDED,
+            reason=reason,
+            cones=(),
+            kappa=None,
+            obstruction=None,
+            candidates=(),
+            every_load=None,
+        )
 
     def is_about(self, result: AnyFeedback, check: Theorem4Result) -> bool:
         """Whether the law is about every cell of the array, or its twists about the array's load regions."""

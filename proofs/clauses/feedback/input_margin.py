@@ -39,6 +39,7 @@ from nonsmooth.symbolic.constraints import independent
 from nonsmooth.symbolic.number_text import float_text
 from nonsmooth.symbolic.numbers.lazy import divided
 from nonsmooth.symbolic.numbers.number import Number, sign
+from nonsmooth.symbolic.numbers.rounded import either_way
 from nonsmooth.symbolic.plane import around, cross, dot, minus, turned
 from nonsmooth.symbolic.scene import Wheel
 
@@ -136,7 +137,8 @@ class InputMargin:
 def build_margin(fan: tuple[CellCone, ...], lyapunov: ControlLyapunov) -> InputMargin:
     """The margin for a fan with both rows of one wheel and the roll row of another in each cone, and a V for it."""
     sides = tuple(_side_margin(pair, lyapunov) for pair in around(fan) if _nearest(pair[0]) != _nearest(pair[1]))
-    least = min(side.squared for side in sides)
+    with either_way(_nearest(fan[0]).position[0].field):  # of margins that are as small any will do
+        least = min(side.squared for side in sides)
     bounds = [] if _meet(fan) else [gap for gap in _conflicts(fan) if _half_sine_sign(gap, least) < 0]
     if not bounds:
         return InputMargin(fan, sides, least, is_exact=True)

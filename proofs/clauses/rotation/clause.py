@@ -36,6 +36,10 @@ class RotationClause(Clause[RotationResult]):
             return spin_of(work.point)
         return decide_rotation(work.partition, translation)
 
+    def undecided(self, result: RotationResult, reason: str) -> RotationResult:
+        """Neither a drift nor none."""
+        return RotationResult(Rotation.UNDECIDED, None, None, reason)
+
     def is_about(self, result: RotationResult, check: Theorem4Result) -> bool:
         """Whether the drift is that of all twists that meet at the point."""
         translation, partition = check.results["translation"], check.partition
@@ -57,10 +61,6 @@ class RotationClause(Clause[RotationResult]):
         """The reason of a spin."""
         translation = check.results["translation"]
         return not isinstance(translation, EllipseTranslation) or result == spin_of(translation.point)
-
-    def as_undecided(self, result: RotationResult, reason: str) -> RotationResult:
-        """No drift, and no bound."""
-        return RotationResult(Rotation.UNDECIDED, None, None, reason)
 
     def settles(self, result: RotationResult) -> tuple[Theorem4, str] | None:
         """The theorem says that theta is unstable."""

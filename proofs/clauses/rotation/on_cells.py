@@ -26,6 +26,7 @@ from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.number_text import brief_text
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.rounded import either_way
 
 STABLE_TRANSLATIONS = (Translation.ASYMPTOTICALLY_STABLE, Translation.STABLE)
 
@@ -77,9 +78,14 @@ class RotationResult:
 def drift_at_rest(twists: tuple[Twist, ...]) -> Drift | None:
     """The drift of a hull of twists; None where the hull holds no zero velocity."""
     columns, target, omegas = _program(twists)
-    highest = best_mixture(columns, target, omegas)
-    lowest = best_mixture(columns, target, [-w for w in omegas])
-    return None if highest is None or lowest is None else Drift(twists, lowest, highest)
+    with either_way(target[0].field):  # of ends that are as good any will do
+        highest = best_mixture(columns, target, omegas)
+        lowest = best_mixture(columns, target, [-w for w in omegas])
+    if highest is None or lowest is None:
+        return None
+    for end in (highest, lowest) if target[0].field.measured else ():
+        end.reaches(columns, target)  # counts where that is so of the rounded numbers alone
+    return Drift(twists, lowest, highest)
 
 
 def decide_rotation(partition: Partition, translation: TranslationResult) -> RotationResult:
@@ -92,6 +98,8 @@ def decide_rotation(partition: Partition, translation: TranslationResult) -> Rot
     if low or high:
         reason = f"the body may rest in (x, y) and turn at any rate in [{brief_text(low)}, {brief_text(high)}]"
         return RotationResult(Rotation.UNSTABLE, drift, None, reason)
+    if zero.field.measured:
+        drift.check()  # that no other weights turn the body: counts where that is so of the rounded numbers alone
     per_distance = rotation_bound(partition, translation)
     if per_distance is not None and not per_distance:
         return RotationResult(Rotation.NEUTRAL, drift, per_distance, "no cell of the square turns the body")
@@ -136,11 +144,13 @@ def rotation_bound(partition: Partition, translation: TranslationResult) -> Numb
     if not any(derivative.twist.omega for derivative in moving):
         # a body that leaves the square may turn beyond it
         return partition.scene.field.zero if translation.verdict in STABLE_TRANSLATIONS else None
-    slope = max(derivative.relative() for derivative in moving)
+    with either_way(partition.scene.field):  # of bounds that are as large any will do
+        slope = max(derivative.relative() for derivative in moving)
+        fastest = _fastest(moving)
     if slope.sign() < 0:
         decay = -slope.value
         kappa = decay if isinstance(decay, Number) else rational_below(decay)
-        return 2 * _fastest(moving) / kappa if kappa > 0 else None
+        return 2 * fastest / kappa if kappa > 0 else None
     if translation.quadratic is None:
         return None
     near = [abs(t.omega) for cone in translation.quadratic.cones for t in cone.twists]

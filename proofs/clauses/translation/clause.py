@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 from typing import TYPE_CHECKING, TypeAlias
 
 from nonsmooth.analysis.cells.fan import is_fan_of
@@ -45,6 +44,17 @@ class TranslationClause(Clause[AnyTranslation]):
         samples = SAMPLES if work.sample else 0
         return decide_translation_at(work.point, work.lemma, samples=samples, always=not work.prune)
 
+    def undecided(self, result: AnyTranslation, reason: str) -> AnyTranslation:
+        """Neither stable nor unstable; V* stands as it was evaluated."""
+        if isinstance(result, TranslationResult):
+            verdict = Translation.UNDECIDED
+            return TranslationResult(
+                verdict, result.derivatives, result.worst, None, None, reason, support=result.support
+            )
+        if isinstance(result, EveryLoadTranslation):
+            return EveryLoadTranslation(result.point.undecided(reason), Translation.UNDECIDED, reason)
+        return EllipseTranslation(result.point.undecided(reason), None, result.sampled)
+
     def is_about(self, result: AnyTranslation, check: Theorem4Result) -> bool:
         """Whether V* was looked at on every cell of the array."""
         scene, partition = check.scene.recentred(), check.partition
@@ -65,16 +75,6 @@ class TranslationClause(Clause[AnyTranslation]):
             return result == decide_for_every_load(result.point, result.lemma)
         supported = check.partition is not None and result.support == limiting_support(check.partition)
         return supported and (result.fan is None or result.fan.recompute())
-
-    def as_undecided(self, result: AnyTranslation, reason: str) -> AnyTranslation:
-        """No verdict, and no disc in which one would hold."""
-        if isinstance(result, EllipseTranslation):
-            point = result.point.as_undecided(reason)
-            return replace(result, point=point, lemma=None, mass=None, witness=None, region_radius=None)
-        if isinstance(result, EveryLoadTranslation):
-            return EveryLoadTranslation(result.point.as_undecided(reason), Translation.UNDECIDED, reason)
-        closed = replace(result, verdict=Translation.UNDECIDED, reason=reason, region_radius=None, witness=None)
-        return replace(closed, fan=None, lemma=None, quadratic=None)
 
     def settles(self, result: AnyTranslation) -> tuple[Theorem4, str] | None:
         """A body that is thrown out refutes the theorem."""

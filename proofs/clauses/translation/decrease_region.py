@@ -11,6 +11,7 @@ from nonsmooth.analysis.cells.filippov import CellDerivative
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point
 from nonsmooth.symbolic.numbers.enclosures import rational_below, square_root
 from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.rounded import either_way
 from nonsmooth.symbolic.plane import around, cross, dot, minus
 
 
@@ -31,8 +32,9 @@ def region_radius(
 
 def squared_reach(derivatives: Sequence[CellDerivative], *, strict: bool, within: Number) -> Number:
     """Squared distance of the nearest violation from the equilibrium; the square of ``within`` where it is farther."""
-    segments = (segment for d in derivatives for segment in _violating_segments(d, strict=strict))
-    return min([within * within, *(squared_distance(*segment) for segment in segments)])
+    segments = [segment for d in derivatives for segment in _violating_segments(d, strict=strict)]
+    with either_way(within.field):  # of ends that are as near any will do
+        return min([within * within, *(squared_distance(*segment) for segment in segments)])
 
 
 def _violating_segments(derivative: CellDerivative, *, strict: bool) -> Iterator[tuple[Point, Point]]:

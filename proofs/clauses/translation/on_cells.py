@@ -38,6 +38,7 @@ from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.number_text import brief_text
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.rounded import either_way
 from nonsmooth.symbolic.plane import cross, dot
 
 LYAPUNOV = "x**2 + y**2"
@@ -212,15 +213,18 @@ def decide_translation(partition: Partition, lemma: CocircularArray | None = Non
     """
     derivatives = cell_derivatives(partition)
     support = limiting_support(partition)
-    worst = max(derivative.relative() for derivative in derivatives)
-    point, highest = max(_local_rates(derivatives), key=lambda pair: pair[1])
+    local = list(_local_rates(derivatives))
+    with either_way(partition.scene.field):  # of rates that are as large any will do
+        worst = max(derivative.relative() for derivative in derivatives)
+        point, highest = max(local, key=lambda pair: pair[1])
+    worst.sign()  # of which the time of arrival makes use
     if highest.sign() > 0:
         fan = decide_fan(partition)
         witness = Witness(point, highest, "V* > 0")
         reason = f"{fan.reason}; V = |c|^2 is no certificate: V* = {brief_text(highest)} > 0 at {_place(point)}"
         quadratic = _quadratic(partition, fan, support)
         return TranslationResult(fan.verdict, derivatives, worst, None, witness, reason, fan, None, quadratic, support)
-    strict = highest.sign() < 0
+    strict = max(rate.sign() for _, rate in local) < 0
     radius = _supported_radius(partition, derivatives, support, strict=strict)
     if strict:
         reason = "V* < 0 at every nonzero vertex of the closed cells that meet at the equilibrium"
