@@ -20,6 +20,7 @@ from nonsmooth.proofs.judged_equilibria import JudgedEquilibrium, judge_equilibr
 from nonsmooth.proofs.theorem4_result import CellCheck, Check, SmoothCheck, conclude
 from nonsmooth.symbolic.contact_set import standing
 from nonsmooth.symbolic.contact_states import ContactCensus, possible_triples, take_census, triples_with_friction
+from nonsmooth.symbolic.numbers.rounded import ROUNDING_DECIDES
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, work_limit
 from nonsmooth.symbolic.scene import Scene
 
@@ -112,7 +113,12 @@ def _equilibria(work: Workspace) -> tuple[JudgedEquilibrium, ...] | None:
         return None
     try:
         with work_limit(work.scene.field, SEARCH_UNITS):
-            return judge_equilibria(work.scene, find_equilibria(work.partition, _wider(work.partition)))
+            before = work.scene.field.rounded_signs
+            found = find_equilibria(work.partition, _wider(work.partition))
+            if work.scene.field.rounded_signs > before:
+                work.skip("search for other equilibria", 1, ROUNDING_DECIDES)
+                return None
+            return judge_equilibria(work.scene, found)
     except WorkLimitError:
         why = f"it takes more than {SEARCH_UNITS // 1_000_000} million exact operations, and no clause needs it"
         work.skip("search for other equilibria", 1, why)

@@ -128,13 +128,13 @@ class _Search:
         places = positions if self.prune else None
         for i in near:
             rivals = near[np.argsort(distances_from(positions[near], positions[i]), kind="stable")]
-            first = _region(self.bisectors, i, rivals, domain, places, by_distance=True)
+            first = _certain_region(self.bisectors, i, rivals, domain, places, by_distance=True)
             if first is None:
                 continue
             others = near[near != i]
             contenders = _contenders(positions, others, first, 1) if self.prune else others
             for j in contenders:
-                cell = _region(self.bisectors, j, contenders, first, places)
+                cell = _certain_region(self.bisectors, j, contenders, first, places)
                 if cell is not None:
                     yield (int(i), int(j)), cell
 
@@ -248,11 +248,54 @@ def _region(
     return region
 
 
+def _certain_region(
+    bisectors: _Bisectors,
+    i: int,
+    rivals: NDArray[np.int_],
+    within: Polygon,
+    positions: NDArray[np.float64] | None = None,
+    *,
+    by_distance: bool = False,
+) -> Polygon | None:
+    """The same region; of rounded places what counts is whether its shape is certain, not the way to it.
+
+    It is where every corner lies certainly on its side of every line but its own two; and where there is no region, if
+    one bisector certainly excludes all corners.
+    """
+    field = bisectors.field
+    before = field.rounded_signs
+    region = _region(bisectors, i, rivals, within, positions, by_distance=by_distance)
+    if field.rounded_signs == before:
+        return region
+    lines = [bisectors.between(i, int(k)) for k in rivals if k != i]
+    if region is None:
+        uncertain = min(_uncertain_signs(line, within.vertices, above=0) for line in lines)
+    else:
+        corners = [(corner, (region.sides[k - 1], region.sides[k])) for k, corner in enumerate(region.vertices)]
+        uncertain = sum(
+            _uncertain_signs(line, [corner for corner, own in corners if line not in own])
+            for line in (*within.sides, *lines)
+        )
+    field.rounded_signs = before + uncertain
+    return region
+
+
+def _uncertain_signs(line: HalfPlane, corners: Iterable[Point], above: int = 1) -> int:
+    """How many corners lie on a side of a line that is not certain, or on its inner side where ``above`` is 0."""
+    uncertain = 0
+    for corner in corners:
+        slack = line.slack(corner)
+        before = slack.field.rounded_signs
+        uncertain += sign(slack) > above or slack.field.rounded_signs > before
+    return uncertain
+
+
 class _Bisectors:
     """The bisectors of pairs of wheels, each computed once."""
 
     def __init__(self, wheels: Sequence[Wheel]) -> None:
         self._wheels = wheels
+        self.field = wheels[0].position[0].field
         self._known: dict[tuple[int, int], HalfPlane] = {}
 
     def between(self, near: int, far: int) -> HalfPlane:

@@ -38,6 +38,7 @@ from nonsmooth.proofs.clauses.translation.quadratic import root_above
 from nonsmooth.symbolic.constraints import Triple
 from nonsmooth.symbolic.numbers.lazy import FEW_ROOTS, Lazy
 from nonsmooth.symbolic.numbers.number import Number, sign
+from nonsmooth.symbolic.numbers.rounded import plain
 from nonsmooth.symbolic.plane import dot
 
 DIGITS = 4  # significant digits of the certified rate
@@ -208,7 +209,10 @@ def exponent_of(value: Any) -> int:
 
     Balls of fixed precision do not do: over a field of high degree they may hold zero.
     """
-    ball = value.tight_ball() if isinstance(value, Lazy) else value.accurate_ball(_FEW_BITS)
+    ball = value.tight_ball() if isinstance(value, Lazy) else plain(value).accurate_ball(_FEW_BITS)
+    if isinstance(value, Lazy) and ball.contains(0):  # rounding decides its sign
+        numerator, denominator = (plain(part).accurate_ball(_FEW_BITS) for part in value.quotient())
+        ball = numerator / denominator
     return round(float(abs(ball).log() / arb(2).log()))
 
 
