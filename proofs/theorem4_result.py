@@ -144,7 +144,7 @@ class Theorem4Result(ShortRepr):
         """Verify the evidence of every clause, that it is about this array, and the conclusion."""
         return (
             all(result.check() and clause.is_about(result, self) for clause, result in self._claims)
-            and all(self.results[name].verdict in ("undecided", "not applicable") for name in self.by_rounding)
+            and all(self.results[name].verdict == "undecided" for name in self.by_rounding)
             and self.authority.check(self.scene)
             and self.verdict is conclude(self.results)[0]
         )

@@ -91,8 +91,10 @@ class Workspace:
         if field.rounded_signs == before:
             return result
         self._rounded_parts |= self._parts.keys()
-        self.by_rounding.add(clause.name)
-        return clause.undecided(result, ROUNDING_DECIDES)
+        open_result = clause.undecided(result, ROUNDING_DECIDES)
+        if open_result is not result:
+            self.by_rounding.add(clause.name)
+        return open_result
 
     def _part(self, build: Callable[[], Part]) -> Part:
         """What the function gives, built once; what rounding decided of it counts at every use."""
