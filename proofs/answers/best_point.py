@@ -28,6 +28,7 @@ from nonsmooth.symbolic.contact_set import standing
 from nonsmooth.symbolic.number_text import place_text
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.rounded import plain
 from nonsmooth.symbolic.plane import Vector
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.unknown_loads import UnknownLoads
@@ -143,7 +144,9 @@ def _disc(found: AnyTranslation) -> Number | None:
 def _middle(scene: Scene, place: RestPoint) -> Vector:
     """The mean of the corners, in the numbers of the scene; in an area whose corners are long, a short point beside it.
 
-    Corners of areas may have thousands of digits, and every number of a check at their mean has as many.
+    Corners of areas may have thousands of digits, and every number of a check at their mean has as many.  Of rounded
+    corners it is the mean of the members that are given: a single point moves with the numbers that were rounded, a
+    point inside a line or an area is free to choose.
     """
     corners = place.points
     if len(corners) > 2 and any(isinstance(x, Lazy) or x.size_bits > SHORT_BITS for point in corners for x in point):
@@ -152,7 +155,7 @@ def _middle(scene: Scene, place: RestPoint) -> Vector:
             return near
     share = Fraction(1, len(corners))
     x, y = (_carried_out(scene, [point[k] for point in corners]) * share for k in (0, 1))
-    return x, y
+    return (x, y) if len(corners) == 1 else (plain(x), plain(y))
 
 
 def _short_middle(scene: Scene, corners: tuple[Point, ...]) -> Vector | None:

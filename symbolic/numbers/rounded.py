@@ -174,6 +174,14 @@ def either_way(field: NumberField) -> Iterator[None]:
     field.rounded_signs = before
 
 
+def certain_sign(number: Number) -> int:
+    """The sign of a number where it is that of all members; 0 where it is not, which is not counted."""
+    with either_way(number.field):
+        before = number.field.rounded_signs
+        sign = number.sign()
+        return sign if number.field.rounded_signs == before else 0
+
+
 def plain(number: Number) -> Number:
     """The rounded member of a number, as a number of width zero."""
     return number.exact if isinstance(number, Rounded) else number

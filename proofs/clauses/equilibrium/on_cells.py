@@ -6,7 +6,9 @@ is whether the origin lies in the convex hull of finitely many plane vectors: an
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import combinations
 
 from nonsmooth.analysis.cells.filippov import filippov_twists
 from nonsmooth.analysis.cells.partition import Partition
@@ -15,7 +17,8 @@ from nonsmooth.proofs.verdicts import Equilibrium
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.number_text import brief_text, place_text
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.plane import Vector, dot, separating_direction
+from nonsmooth.symbolic.numbers.rounded import certain_sign
+from nonsmooth.symbolic.plane import Vector, cross, dot, separating_direction
 
 
 @dataclass(frozen=True)
@@ -80,6 +83,9 @@ def decide_equilibrium(partition: Partition) -> EquilibriumResult:
     zero = partition.scene.field.zero
     twists = filippov_twists(partition, (zero, zero))
     velocities = [twist.velocity for twist in twists]
+    weights = _certain_weights(velocities) if zero.field.measured else None
+    if weights is not None:
+        return EquilibriumResult(Equilibrium.HOLDS, twists, weights, None)
     mixture = best_mixture(*mixtures_to_zero(velocities), [zero] * len(twists))
     if mixture is not None:
         return EquilibriumResult(Equilibrium.HOLDS, twists, mixture.weights, None)
@@ -87,3 +93,14 @@ def decide_equilibrium(partition: Partition) -> EquilibriumResult:
     if zero.field.measured:
         found.check()  # counts where the rounded velocities alone point to one side
     return found
+
+
+def _certain_weights(velocities: Sequence[Vector]) -> dict[int, Number] | None:
+    """Convex weights of the first three velocities whose triangle has zero inside, whatever rounding did to them."""
+    for chosen in combinations(range(len(velocities)), 3):
+        a, b, c = (velocities[k] for k in chosen)
+        parts = cross(b, c), cross(c, a), cross(a, b)
+        if abs(sum(certain_sign(part) for part in parts)) == len(parts):
+            whole = parts[0] + parts[1] + parts[2]
+            return {k: part / whole for k, part in zip(chosen, parts, strict=True)}
+    return None
