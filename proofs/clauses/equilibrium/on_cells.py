@@ -83,10 +83,12 @@ def decide_equilibrium(partition: Partition) -> EquilibriumResult:
     zero = partition.scene.field.zero
     twists = filippov_twists(partition, (zero, zero))
     velocities = [twist.velocity for twist in twists]
-    weights = _certain_weights(velocities) if zero.field.measured else None
-    if weights is not None:
-        return EquilibriumResult(Equilibrium.HOLDS, twists, weights, None)
+    before = zero.field.rounded_signs
     mixture = best_mixture(*mixtures_to_zero(velocities), [zero] * len(twists))
+    certain = _certain_weights(velocities) if zero.field.rounded_signs > before else None
+    if certain is not None:
+        zero.field.rounded_signs = before
+        return EquilibriumResult(Equilibrium.HOLDS, twists, certain, None)
     if mixture is not None:
         return EquilibriumResult(Equilibrium.HOLDS, twists, mixture.weights, None)
     found = EquilibriumResult(Equilibrium.FAILS, twists, {}, separating_direction(velocities))
