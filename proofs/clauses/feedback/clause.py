@@ -41,7 +41,9 @@ class FeedbackClause(Clause[AnyFeedback]):
         return _driven(work)
 
     def undecided(self, result: AnyFeedback, reason: str) -> AnyFeedback:
-        """Neither a law nor none; where the clause does not apply, it still does not."""
+        """Neither a law nor none, nor one beyond the theorem; where the clause does not apply, it still does not."""
+        if not isinstance(result, FeedbackResult) and result.beyond is not None:
+            return replace(result, beyond=self.undecided(result.beyond, reason))
         if result.verdict is Feedback.NOT_APPLICABLE:
             return result
         if isinstance(result, FeedbackResult):
