@@ -1,0 +1,130 @@
+"""Scene files that ask for as much work as they can: one line and status 2, or a verdict, within bounded work.
+
+Small ones are checked here; the thorough ones are run with a limit of processor time, as a user would run them.
+"""
+
+from __future__ import annotations
+
+import resource
+import subprocess
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.files.system_file import load_system
+from nonsmooth.symbolic.scene_error import SceneError
+from tests.thorough import thorough
+
+SECONDS = 10.0  # of processor time, for the reading alone
+ALLOWED = 60  # seconds of processor time of a whole command on a busy machine; an idle one takes some 20 at most
+RANDOM = np.random.default_rng(1)
+
+
+def digits(count: int) -> str:
+    return "".join(map(str, RANDOM.integers(1, 10, count)))
+
+
+def system(f: str, g: str = "-y", more: str = "") -> str:
+    return f'[system]\nstates = ["x", "y"]\nrhs = ["{f}", "{g}"]\n{more}\n'
+
+
+def regions(guards: Sequence[str], inside: Sequence[str] = ("1", "1"), outside: Sequence[str] = ("-x", "-2*y")) -> str:
+    tables = [f'[[region]]\nwhere = "{guard}"\nrhs = ["{inside[0]}", "{inside[1]}"]\n' for guard in guards]
+    return '[system]\nstates = ["x", "y"]\n' + "".join(tables) + f'[[region]]\nrhs = ["{outside[0]}", "{outside[1]}"]\n'
+
+
+def array(rule: str, wheels: int, length: int) -> str:
+    """Wheels at random places, whose coordinates are long fractions, about the middle of the square."""
+    places = RANDOM.integers(-50, 51, (wheels, 2))
+    entry = '[[wheel]]\nposition = ["{}/11 + {}/1{}", "{}/13 + 1/7{}"]\nheading = "pi/{}"\nspeed = 1\n'
+    tables = [
+        entry.format(x, digits(length), digits(length), y, digits(length), k % 6 + 1) for k, (x, y) in enumerate(places)
+    ]
+    head = f'[friction]\nmu_roll = 1\nmu_side = "1/2"\n[contact]\nrule = "{rule}"\n[check]\nradius = "1/100"\n'
+    return head + "equilibrium = [0, 0]\n" + "".join(tables)
+
+
+REFUSED: dict[str, str | bytes] = {
+    "a large exponent": system("x**(10**9)"),
+    "another one": system("x**1000000000"),
+    "a tower of powers": system("-x*((((1e399)**16)**16)**16)"),
+    "powers of powers": system("-x*(((((7**16)**16)**16)**16)**16)"),
+    "a high degree": system("*".join(["(x + y + 1)"] * 200)),
+    "brackets": system("(" * 5000 + "-x" + ")" * 5000),
+    "minus signs": system("-" * 19001 + "x"),
+    "digits": system("-x*" + "9" * 1000),
+    "a quotient of digits": system("-x/" + "7" * 6000),
+    "a power of ten": system("-x*1e999999999"),
+    "a long text": system("x" * 1_000_000),
+    "many tables": regions(["x > 0"] * 3000),
+    "many states": '[system]\nstates = ["x"' + ', "x"' * 20_000 + ']\nrhs = ["1"]\n',
+    "nested lists": "a = " + "[" * 5000 + "]" * 5000,
+    "a dotted key": ".".join("a" * 100_000) + " = 1",
+    "a whole number": "a = " + "9" * 100_000,
+    "no text": b"\x00\x01",
+    "no UTF-8": b"\xff\xfe[system]\x80",
+    "empty": "",
+}
+
+
+def written(folder: Path, content: str | bytes) -> str:
+    file = folder / "scene.toml"
+    file.write_bytes(content if isinstance(content, bytes) else content.encode())
+    return str(file)
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_what_cannot_be_read_is_refused_in_one_line(tmp_path: Path, name: str) -> None:
+    file = written(tmp_path, REFUSED[name])
+    start = time.process_time()
+    for load in (load_system, load_scene):
+        with pytest.raises(SceneError) as refused:
+            load(file)
+        assert "\n" not in str(refused.value)
+        assert len(str(refused.value)) < 600
+    assert time.process_time() - start < SECONDS
+
+
+LONG = "9" * 380
+CHECKED = {
+    "empty quartic": regions(["x**2*y - x**4 - y**2 > 0"]),
+    "tangent parabolas": regions(["(y - x**2)*(y - 2*x**2) < 0"]),
+    "degree 16": regions(["(x + 2*y)**16 - x**2*y**3 - y**15 + x**9 > 0"]),
+    "long quartic": regions([f"x**4*{LONG} - y**2*{LONG[:300]} + x*y*x/{LONG[:350]} > 0"]),
+    "sextics": regions([f"x**6 + {k}*y**5 - x*y*{k + 1}/7 + x**2*y > 0" for k in range(4)]),
+    "eleven parabolas": regions([f"{k + 1}*y - {k * k + 1}*x**2 > 0" for k in range(11)]),
+    "kinks": system("-x" + "".join(f" - Abs(x - {k}*y/7)/100" for k in range(40))),
+    "long lines": system(f"-x - sign({LONG}*x + {LONG[:370]}*y)/3", f"-y - sign(y*{LONG[:333]} - x*{LONG[:377]})/2"),
+    "a small square": system("-x - sign(y)*x**2/7", more=f'[check]\nradius = "1/{LONG}"\n'),
+    "a high V": system("-x - sign(x)", more='[check]\nlyapunov = "(x**2 + y**2)**8 + Abs(x)**15"\n'),
+    "one state": f'[system]\nstates = ["x"]\nrhs = ["-x**16*sign(x)*{LONG} - (x + 1/{LONG})**15*x"]\n',
+    "wheels, nearest": array("nearest", 300, 150),
+    "wheels, box": array("box", 30, 150),
+    "wheels, ellipse": array("ellipse", 30, 150),
+}
+COMMANDS = ("check", "simulate", "derive")
+
+
+@thorough
+@pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.parametrize("name", CHECKED)
+def test_commands_end(tmp_path: Path, name: str, command: str) -> None:  # small: the test above, test_emptiness
+    file = written(tmp_path, CHECKED[name])
+    limits = (ALLOWED, ALLOWED + 5)
+    run = subprocess.run(
+        [sys.executable, "-m", "nonsmooth", command, file],
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
+        check=False,
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CPU, limits),
+    )
+    assert run.returncode in (0, 1, 2, 3)
+    assert "Traceback" not in run.stderr
+    if run.returncode == 2:
+        assert len(run.stderr.strip().splitlines()) == 1
