@@ -22,6 +22,7 @@ from nonsmooth.symbolic.numbers.polynomial import Polynomial, Terms, in_generato
 
 Vector: TypeAlias = tuple[Any, ...]
 
+LONG_BITS = 512  # of a rational coefficient that costs as much again as a short one
 IRRATIONAL_WORK = 4  # a product of two irrational terms costs about this many rational ones
 
 
@@ -123,13 +124,19 @@ class Pieces:
 
     @cached_property
     def work(self) -> int:
-        """What it costs to look at this part and cut it in two, in products of rational coefficients."""
-        sizes = [len(c.terms) if isinstance(c, Number) else 0 for t in (self.form, *self.guards) for c in t.values()]
-        return sum(IRRATIONAL_WORK * size**2 if size else 1 for size in sizes)
+        """What it costs to look at this part and cut it in two, in products of short rational coefficients."""
+        return sum(_work_of(c) for terms in (self.form, *self.guards) for c in terms.values())
 
     def mapped(self, change: Callable[[Terms], Terms]) -> Pieces:
         """Every part changed in the same way."""
         return Pieces(change(self.form), tuple(change(guard) for guard in self.guards))
+
+
+def _work_of(coefficient: Any) -> int:
+    """Of one coefficient: by its length, or by its number of irrational terms."""
+    if isinstance(coefficient, Number):
+        return IRRATIONAL_WORK * len(coefficient.terms) ** 2 or 1
+    return 1 + (coefficient.height_bits() // LONG_BITS if isinstance(coefficient, fmpq) else 0)
 
 
 def simplest(value: Any) -> Any:

@@ -147,7 +147,10 @@ SYSTEMS: dict[str, tuple[str, Bomb]] = {
     ),
 }
 LARGE: dict[str, tuple[str, Bomb]] = {
-    "a curve of zeros": (LIMITS, lambda: planar(*(f"-{z}*(x - 1/3)**2*(y - 1/7)**2" for z in "xy"), "x**2 + y**2")),
+    "a curve of zeros": (
+        LIMITS,
+        lambda: planar("-x*(x - 1/3)**2*(y - 1/7)**2", "-y*(x - 1/3)**2*(y - 1/7)**2", "x**2 + y**2"),
+    ),
     "a large matrix": (LIMITS, lambda: matrix(200, lambda i, j: digits(400) if i == j else "1")),
     "divisions": (
         LIMITS,
