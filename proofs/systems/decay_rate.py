@@ -135,7 +135,10 @@ def _sampled(cells: Sequence[LyapunovCell], decay: DecayKind) -> Fraction:
             continue
         falls = np.min([-values_at(rate, points) for rate in cell.rates], axis=0)
         sizes = np.ones(len(points)) if decay is DecayKind.FINITE else values_at(cell.potential, points)
-        found.append(float((falls / sizes).min()))
+        usable = (sizes > 0) & np.isfinite(sizes) & np.isfinite(falls)
+        if not usable.any():  # a square beyond the range of floats: nothing is proposed
+            return Fraction(0)
+        found.append(float((falls[usable] / sizes[usable]).min()))
     return Fraction(max(min(found, default=0.0), 0.0))
 
 

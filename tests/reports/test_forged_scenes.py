@@ -15,6 +15,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from nonsmooth.proofs.systems.system_stability import system_check
+from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.files.system_file import load_system
 from nonsmooth.symbolic.scene_error import SceneError
@@ -88,6 +90,13 @@ def test_what_cannot_be_read_is_refused_in_one_line(tmp_path: Path, name: str) -
         assert "\n" not in str(refused.value)
         assert len(str(refused.value)) < 600
     assert time.process_time() - start < SECONDS
+
+
+def test_a_square_beyond_the_range_of_floats_is_checked(tmp_path: Path) -> None:
+    """Floats propose nothing there; the verdict is exact, and this ended in a fault."""
+    small = "1/" + "9" * 390
+    scene = system("-x - sign(y)*x**2/7", more=f'[check]\nradius = "{small}"\n')
+    assert system_check(load_system(written(tmp_path, scene))).verdict is Translation.ASYMPTOTICALLY_STABLE
 
 
 LONG = "9" * 380
