@@ -61,13 +61,24 @@ def pieces(points: Floats, cuts: Floats) -> NearestBorder:
 
 
 def polish_cut(
-    weights: Floats, maps: Floats, targets: Floats, cuts: Floats, y: Floats, z: Floats
+    weights: Floats,
+    maps: Floats,
+    targets: Floats,
+    cuts: Floats,
+    y: Floats,
+    z: Floats,
+    *,
+    settled_floor: float = ACCEPTED_FLOOR,
 ) -> tuple[Floats, Floats, NDArray[np.bool_]]:
-    """Finish ``min_y sum_i w_i h_i(E_i y - e_i)`` from an interior point; arguments as in ``polish``, cuts (n, 1)."""
+    """Finish ``min_y sum_i w_i h_i(E_i y - e_i)`` from an interior point; arguments as in ``polish``, cuts (n, 1).
+
+    Where Newton's method settles, gaps up to ``settled_floor`` are accepted, relative to the value at y = 0.
+    """
     norms, border = Norms(weights, maps, targets), np.array([corners(cuts), cuts])
     r = norms.residuals(y)
     stiffness = STIFFNESS * len(weights) / (norm(r).sum(axis=0) + TINY)
     part = pieces(z - stiffness * r, cuts)
+    settled = np.zeros(weights.shape[1], bool)
     for _ in range(NEWTON_STEPS):
         force = _forces(part, r, z, border)
         fixed = np.where(part.inside, stiffness, np.where(part.side, stiffness, 0.0))
@@ -84,12 +95,14 @@ def polish_cut(
         z = z - np.where(part.inside, stiffness * r, 0.0)
         z[0] -= np.where(part.side, stiffness * r[0], 0.0)
         before, part = part, pieces(z - stiffness * np.where(part.inside, 0.0, r), cuts)
-        if np.abs(step).max() <= SETTLED * np.abs(y).max() and np.array_equal(before, part):
+        same = np.equal(before, part).all(axis=(0, 1))
+        settled = same & (np.abs(step).max(axis=0) <= SETTLED * np.abs(y).max(axis=0))
+        if settled.all():
             break
     z = _forces(part, r, z, border)
     for _ in range(BALANCE_PASSES):
         z = z - curvature.change(curvature.solve(norms.imbalance(z)))
-    return y, z, _solved(norms, r, z, cuts)
+    return y, z, _solved(norms, r, z, cuts, np.where(settled, settled_floor, ACCEPTED_FLOOR))
 
 
 def _forces(part: NearestBorder, r: Floats, z: Floats, border: Floats) -> Floats:
@@ -107,13 +120,13 @@ def _forces(part: NearestBorder, r: Floats, z: Floats, border: Floats) -> Floats
     return np.where(part.corner, -np.sign(r) * border, np.array([free, bound]))
 
 
-def _solved(norms: Norms, r: Floats, z: Floats, cuts: Floats) -> NDArray[np.bool_]:
-    """Whether residuals and multipliers prove each other optimal, shape (m,)."""
+def _solved(norms: Norms, r: Floats, z: Floats, cuts: Floats, floor: Floats) -> NDArray[np.bool_]:
+    """Whether residuals and multipliers prove each other optimal, shape (m,), up to gaps ``floor`` of the start."""
     x, y = np.abs(r)
     corner = corners(cuts)
     sizes = np.where(corner * y > cuts * x, corner * x + cuts * y, norm(r))
     gap = np.abs((sizes + r[0] * z[0] + r[1] * z[1]).sum(axis=0))
-    small = gap <= ACCEPTED_GAP * sizes.sum(axis=0) + ACCEPTED_FLOOR * norms.start
+    small = gap <= ACCEPTED_GAP * sizes.sum(axis=0) + floor * norms.start
     small &= np.isfinite(gap)
     admissible = norm(z).max(axis=0) <= 1 + ACCEPTED_EXCESS
     admissible &= (np.abs(z[1]) <= cuts * (1 + ACCEPTED_EXCESS)).all(axis=0)
