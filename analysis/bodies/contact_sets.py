@@ -28,6 +28,7 @@ class ContactSets:
     def __init__(self, scene: Scene, rule: SmoothRule) -> None:
         self._model = rule.contacts(scene)
         self._motions: dict[Wheels, SetMotion] = {}
+        self.evaluations = 0  # of rates so far: what a path costs
         self._last = np.zeros(3)  # twist of any set: where Newton's method begins on a new one
 
     @property
@@ -42,6 +43,7 @@ class ContactSets:
             TippedError: for wheels that carried the body nowhere yet, and do not here.
             TrajectoryError: where the minimizer is not proved to be the motion.
         """
+        self.evaluations += 1
         motion = self.motion(wheels, pose)
         motion.guess(self._last)
         rate = motion.rate(pose)

@@ -3,7 +3,8 @@
 Between events the same wheels carry and the pose follows their motion, by LSODA with dense output; every step is
 searched for wheels that come to the edge, and the time is refined until it is right to rounding.  There Filippov's
 construction says how the body goes on (:mod:`nonsmooth.analysis.bodies.switching`).  Events: ``enter``, ``leave``,
-``slide``.  The path ends in time, at rest, or where the body tips.
+``slide``.  The path ends in time, at rest, where the body tips, or
+after so much work.
 """
 
 from __future__ import annotations
@@ -28,6 +29,10 @@ from nonsmooth.symbolic.under_way import tell
 
 ON_EDGE = 1e-10  # of the body's size: depths below are zero
 MOST_EVENTS = 2_000  # stretches between events; a path that needs more may switch for ever
+# Evaluations of pose rates along a path, a step counted as some: twenty seconds; with drag each takes ten times as
+# long.
+MOST_RATES, MOST_DRAGGED = 50_000, 6_000
+OF_A_STEP = 12  # stages of a Runge-Kutta step, which follow regimes without asking for rates
 RESTS = 1e-10  # speed relative to the fastest wheel's below which the body rests
 
 
@@ -63,6 +68,7 @@ class BodyPath(OutlinePath):
         self._switching = Switching(self._sets, self._outline)
         fastest = max(abs(float(wheel.speed)) for wheel in scene.wheels)
         self._slow, self._scale = RESTS * fastest, self._outline.size / (fastest or 1.0)
+        self._steps = 0
         self._edge_depth = ON_EDGE * self._outline.size
 
     def follow(self, start: Sequence[float], until: float) -> Trajectory:
@@ -74,6 +80,7 @@ class BodyPath(OutlinePath):
             TrajectoryError: where the path cannot be followed.
         """
         pose, log, time = finite_start(start, until), _Log(), 0.0
+        self._steps = self._sets.evaluations = 0
         try:
             mode = self._mode_at(pose)
         except TippedError:
@@ -132,7 +139,17 @@ class BodyPath(OutlinePath):
                 return _joined(times, dense, pose, EndReason.TIPS if found[1] == found[2] - 1 else None)
             if self._rests(part):
                 return _joined(times, dense, pose, EndReason.REST)
+            self._steps += 1
+            if self._is_spent:
+                return _joined(times, dense, pose, EndReason.STEPS)
         return _joined(times, dense, pose, EndReason.TIME)
+
+    @property
+    def _is_spent(self) -> bool:
+        """Whether the path has taken all the work that it may."""
+        if self._sets.is_stiff:
+            return self._sets.evaluations >= MOST_DRAGGED
+        return self._sets.evaluations + OF_A_STEP * self._steps >= MOST_RATES
 
     def _rests(self, part: DenseStep) -> bool:
         """Whether the body hardly moves in a step."""
