@@ -9,6 +9,7 @@ from nonsmooth.analysis.bodies.path import BodyPath
 from nonsmooth.analysis.contact_rule import SmoothRule, contact_rule
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.minimizers import ellipse_minimizer
+from nonsmooth.analysis.minimizers.cut_norms import minimize_cut_norms
 from nonsmooth.analysis.minimizers.ellipse_minimizer import WarmInterior
 from nonsmooth.analysis.minimizers.minimum import Minima
 from nonsmooth.analysis.trajectories.result import EndReason
@@ -28,7 +29,7 @@ def test_a_body_that_all_wheels_carry_along_hardly_needs_interior_points(monkeyp
     """
     asked: list[bool] = []
     begun: list[bool] = []
-    warm, cold = WarmInterior.minimize, ellipse_minimizer.minimize_cut_norms
+    warm, cold = WarmInterior.minimize, minimize_cut_norms
 
     def counted_warm(self: WarmInterior, loads: Floats) -> Minima:
         asked.append(True)
