@@ -163,14 +163,10 @@ def destinations_of(check: Theorem4Result) -> Destinations | None:
 
 
 def ends_from(partition: Partition, starts: Floats) -> SampledEnds | None:
-    """How paths through all cells of a centred partition end; None where they cannot be followed.
-
-    Raises:
-        ValueError: for a start outside the cells.
-    """
+    """How paths through all cells of a centred partition end; None where they cannot be followed, or begin outside."""
     try:
         return _ends_of(settle_map(array_field(partition, Kinematics.EXACT), starts))
-    except TrajectoryError:
+    except (TrajectoryError, ValueError):
         return None
 
 
