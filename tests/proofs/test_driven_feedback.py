@@ -168,7 +168,7 @@ def test_no_other_three_twists_in_any_lengths_need_slower_wheels(arrays: Arrays,
     triples = np.array(list(combinations(range(len(unique)), 3)))
     for three in rng.permutation(triples)[:300]:
         for lengths in rng.uniform(0.2, 1, (6, 3)):
-            assert rate_of_effort(three.tolist(), lengths) <= best * 1.001  # lengths are rounded
+            assert rate_of_effort(three.tolist(), lengths) <= best * 1.02  # lengths are rounded
 
 
 def places_of(

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import runpy
 from collections.abc import Mapping
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -148,6 +149,22 @@ def test_where_a_pose_is_held_there_is_a_law(arrays: Arrays, rule: str, number: 
     assert_moved_as_wanted(scene, check, program, numbers)
     if rule == "box" or number % 12 == 5:  # paths take seconds where every motion is a minimization
         assert_brought_home(scene, check, numbers)
+
+
+@pytest.mark.parametrize("rule", ["box", "ellipse"])
+@pytest.mark.parametrize("number", keep(1, [1, 2, 4, 7, 8, 10]))
+def test_rims_without_friction_turn_no_force(arrays: Arrays, rule: str, number: int, tmp_path: Path) -> None:
+    """However fast such a rim runs, the force on its wheel is all across: D must be least all the same."""
+    given = random_array(arrays, number)
+    free = (
+        replace(w, friction=replace(w.friction, roll=given.field.zero)) if w.index <= 2 else w for w in given.wheels
+    )
+    scene = ruled(replace(given, wheels=tuple(free)), rule)
+    check = check_theorem4(scene)
+    numbers = said(check)
+    assert numbers["verdict"] is Pose.CAN_BE_HELD
+    program = runpy.run_path(str(certified_law_of(check).save(tmp_path / "law.py")))
+    assert_moved_as_wanted(scene, check, program, numbers)
 
 
 @pytest.mark.parametrize("seed", [1, 3, 4, 11, 13, 16])

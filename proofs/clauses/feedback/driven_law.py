@@ -24,7 +24,7 @@ ImposedTwist: TypeAlias = BoxTwist | BalancedTwist
 Floats: TypeAlias = NDArray[np.float64]
 
 CHOICES = 64  # unique minimizers among which the best three are sought
-DIGITS = 12  # binary, of the lengths of twists
+DIGITS = 8  # binary, of the lengths of twists
 CORNERS = ((1, 1, 1), (1, 1, -1), (1, -1, 1), (-1, 1, 1))  # up to the sense
 _SMALLER = Fraction(9, 10)  # next try where rounding made the proposed rate too large
 
