@@ -134,7 +134,9 @@ def test_the_parts_add_up_to_all_starts(carton: Path, invoke: Invoke) -> None:
     line = invoke(*GRID, *until, "-o", "map.json").out
     assert "16 starts: " in line
     assert f"{moving} still moving at the last time" in line
-    shown = nonsmooth.load(carton).map(4, heading=0.3, until=0.5).shown
+    array = nonsmooth.load(carton)
+    assert isinstance(array, nonsmooth.Array)
+    shown = array.map(4, heading=0.3, until=0.5).shown
     assert isinstance(shown, ShownBodyMap)
     figure = build_figure(shown)
     assert f"{moving} still moving at the last time" in figure.get_suptitle()

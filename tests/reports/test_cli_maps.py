@@ -83,7 +83,9 @@ def test_the_parts_of_a_map_add_up_to_all_starts(tmp_path: Path, capsys: pytest.
     line = capsys.readouterr().out
     assert "100 starts: " in line
     assert f"{late} the time is over" in line
-    shown = ns.load("four-wheel").map(10, until=0.4, kinematics="leading").shown
+    array = ns.load("four-wheel")
+    assert isinstance(array, ns.Array)
+    shown = array.map(10, until=0.4, kinematics="leading").shown
     assert isinstance(shown, ShownMap)
     figure = build_figure(shown.partition, shown.run, shown.found)
     assert f"{late} the time is over" in figure.get_suptitle()
