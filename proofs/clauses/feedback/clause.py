@@ -42,22 +42,12 @@ class FeedbackClause(Clause[AnyFeedback]):
 
     def undecided(self, result: AnyFeedback, reason: str) -> AnyFeedback:
         """Neither a law nor none, nor one beyond the theorem; where the clause does not apply, it still does not."""
-        if not isinstance(result, FeedbackResult) and result.beyond is not None:
-            return replace(result, beyond=self.undecided(result.beyond, reason))
-        if result.verdict is Feedback.NOT_APPLICABLE:
-            return result
         if isinstance(result, FeedbackResult):
-            return FeedbackResult(Feedback.UNDECIDED, (), frozenset(), None, reason)
-        return replace(
-            result,
-            verdict=Feedback.UNDECIDED,
-            reason=reason,
-            cones=(),
-            kappa=None,
-            obstruction=None,
-            candidates=(),
-            every_load=None,
-        )
+            applies = result.verdict is not Feedback.NOT_APPLICABLE
+            return FeedbackResult(Feedback.UNDECIDED, (), frozenset(), None, reason) if applies else result
+        if result.beyond is not None:
+            return replace(result, beyond=_without_law(result.beyond, reason))
+        return result if result.verdict is Feedback.NOT_APPLICABLE else _without_law(result, reason)
 
     def is_about(self, result: AnyFeedback, check: Theorem4Result) -> bool:
         """Whether the law is about every cell of the array, or its twists about the array's load regions."""
@@ -114,6 +104,20 @@ class FeedbackClause(Clause[AnyFeedback]):
         rank, missing = check.authority.rank, check.authority.missing
         record = {"rank": rank, "missing": Quantity(missing)}
         yield Fact("authority", record, f"torque authority: rank {rank} of 3", explained=True)
+
+
+def _without_law(result: DrivenFeedback, reason: str) -> DrivenFeedback:
+    """The decision about imposed twists without verdict and evidence."""
+    return replace(
+        result,
+        verdict=Feedback.UNDECIDED,
+        reason=reason,
+        cones=(),
+        kappa=None,
+        obstruction=None,
+        candidates=(),
+        every_load=None,
+    )
 
 
 def _driven(work: Workspace) -> DrivenFeedback:
