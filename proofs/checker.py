@@ -248,8 +248,8 @@ class Number:
 
     def __init__(self, field: Field, terms: dict[Monomial, int], bottom: int = 1) -> None:
         words = (bottom.bit_length() + sum(map(int.bit_length, terms.values()))) // WORD
-        # what making any number takes, and the greatest common divisor of its parts
-        field.budget.charge(8 + 2 * len(terms) + words * words // (len(terms) + 1))
+        # what making any number takes, and the greatest common divisor of its parts: many words at a time
+        field.budget.charge(8 + 2 * len(terms) + words * words // (4 * (len(terms) + 1)))
         shared = math.gcd(bottom, *terms.values())
         self.field = field
         self.bottom = bottom // shared

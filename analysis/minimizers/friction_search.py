@@ -23,7 +23,7 @@ STEPS = 15
 LONGEST_STEP = 0.5  # radian, or parts of an axis
 BALANCED = 1e-9  # residual, relative to the largest entries of columns: Newton ends at 1e-15 or does not converge
 LEAST_MARGIN = 0.01  # parts of an axis: with less a wheel would have to spin a hundred times as fast as it slips
-AMPLE_MARGIN = 0.05  # parts of an axis: of forces with as much, or with the most there is, slow rims are preferred
+AMPLE_MARGIN = 0.15  # parts of an axis: of forces with as much, or with the most there is, slow rims are preferred
 REGULARIZATION = 1e-12  # of the normal matrix, in units of the largest column, where columns do not span
 SEED = 0
 

@@ -33,7 +33,7 @@ class FeedbackClause(Clause[AnyFeedback]):
 
         Two laws are sampled where the clause stays undecided, or when nothing is to be left out.
         """
-        if work.partition is not None and work.rule.keeps_rows:
+        if work.rule.keeps_rows and work.partition is not None:
             found = decide_feedback(work.partition)
             if found.verdict is Feedback.NOT_APPLICABLE:
                 work.skip("feedback search", 1, found.reason)
