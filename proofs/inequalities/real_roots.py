@@ -2,8 +2,9 @@
 
 A Sturm chain counts distinct roots between two points that are no roots themselves,
 whatever the multiplicities, so no square-free decomposition is needed; between neighbouring roots one rational point
-shows the sign.  Bisection at rational points ends because roots are finitely many; nothing is rounded.  Cost grows
-quickly with the degree over a field of many square roots: meant for degrees up to about a dozen.
+shows the sign.  Bisection at rational points ends because roots are finitely many; nothing is rounded.  Rational
+polynomials are handed to FLINT as primitive integer ones, which keeps long coefficients as short as they can be.  Cost
+grows quickly with the degree over a field of many square roots: meant for degrees up to about a dozen.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from fractions import Fraction
 from functools import cached_property
 from itertools import pairwise
 
-from flint import fmpq_poly
+from flint import fmpq, fmpq_poly, fmpz_poly
 
 from nonsmooth.proofs.inequalities.dense_polynomials import (
     Coefficients,
@@ -26,7 +27,7 @@ from nonsmooth.proofs.inequalities.dense_polynomials import (
     value,
     without_zeros,
 )
-from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.square_roots import NestingError
 
 
@@ -35,25 +36,61 @@ class Sturm:
 
     def __init__(self, coefficients: Coefficients) -> None:
         self.coefficients = trimmed(coefficients)
-        self.chain = [self.coefficients]
-        following = derivative(self.coefficients)
-        while following:
-            self.chain.append(scaled(following))
-            following = [-c for c in divided(self.chain[-2], self.chain[-1])[1]]
+        rationals = _rationals(self.coefficients)
+        self._chain = _chain(self.coefficients) if rationals is None else _integer_chain(rationals)
 
     def sign_at(self, t: Fraction) -> int:
         """Sign of the polynomial."""
-        return value(self.coefficients, t).sign() if self.coefficients else 0
+        return _sign_at(self._chain[0], t) if self.coefficients else 0
 
     def variations(self, t: Fraction | None) -> int:
         """Sign changes along the chain at t; None is plus infinity."""
-        signs = [c[-1].sign() if t is None else value(c, t).sign() for c in self.chain]
+        signs = [sign(part[len(part) - 1]) if t is None else _sign_at(part, t) for part in self._chain]
         nonzero = [s for s in signs if s]
         return sum(a != b for a, b in pairwise(nonzero))
 
     def count(self, low: Fraction, high: Fraction | None) -> int:
         """Distinct roots between two points that are no roots (None is plus infinity)."""
         return self.variations(low) - self.variations(high)
+
+
+def _rationals(coefficients: Coefficients) -> list[fmpq] | None:
+    """The coefficients as rational numbers; None where one is none."""
+    found = [c.as_rational() for c in coefficients]
+    known = [q for q in found if q is not None]
+    return known if len(known) == len(found) else None
+
+
+def _chain(coefficients: list[Number]) -> list[list[Number]]:
+    """The polynomial, its derivative and the negative remainders, each up to a positive factor."""
+    chain, following = [coefficients], derivative(coefficients)
+    while following:
+        chain.append(scaled(following))
+        following = [-c for c in divided(chain[-2], chain[-1])[1]]
+    return chain
+
+
+def _integer_chain(coefficients: Sequence[fmpq]) -> list[fmpz_poly]:
+    """The same of a rational polynomial, with coprime integers as coefficients."""
+    first = fmpq_poly(coefficients)
+    chain, following = [_primitive(first)], _primitive(first.derivative())
+    while following:
+        chain.append(following)
+        following = _primitive(-(fmpq_poly(chain[-2]) % fmpq_poly(chain[-1])))
+    return chain
+
+
+def _primitive(polynomial: fmpq_poly) -> fmpz_poly:
+    """A positive multiple with coprime integers as coefficients; zero of zero."""
+    numerator = polynomial.numer()
+    return numerator // numerator.content() if numerator else numerator
+
+
+def _sign_at(polynomial: Coefficients | fmpz_poly, t: Fraction) -> int:
+    """The sign of a polynomial at a rational point."""
+    if isinstance(polynomial, fmpz_poly):
+        return sign(polynomial(fmpq(t.numerator, t.denominator)))
+    return int(value(polynomial, t).sign())
 
 
 @dataclass(frozen=True)
@@ -168,11 +205,9 @@ def _regular_point(sturm: Sturm, low: Fraction, high: Fraction) -> Fraction:
 
 def _factors(coefficients: Coefficients) -> list[list[Number]]:
     """Factors that hold all roots: irreducible over Q where the coefficients are rational, square-free otherwise."""
-    rationals = [c.as_rational() for c in coefficients]
-    field = coefficients[0].field
-    known = [q for q in rationals if q is not None]
-    if len(known) == len(rationals):
-        return [[field(c) for c in factor.coeffs()] for factor, _ in fmpq_poly(known).factor()[1]]
+    rationals, field = _rationals(coefficients), coefficients[0].field
+    if rationals is not None:
+        return [[field(c) for c in factor.coeffs()] for factor, _ in fmpq_poly(rationals).factor()[1]]
     factors: list[list[Number]] = []
     rest = trimmed(coefficients)
     while len(rest) > 1:  # rest, rest/gcd(rest, rest'): square-free layers, the last ones of low degree
