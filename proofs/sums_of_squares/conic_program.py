@@ -120,6 +120,8 @@ def solve(
                 matrix.count += 1
                 right.append(0.0)
             cones.append(clarabel.PSDTriangleConeT(size) if size > 1 else clarabel.NonnegativeConeT(1))
+    if not np.isfinite([*matrix.values, *right]).all():  # coefficients beyond the range of floats
+        return None
     shape = (matrix.count, total)
     rows = sparse.csc_matrix((matrix.values, (matrix.rows, matrix.columns)), shape=shape)
     price = np.zeros(total)

@@ -26,7 +26,7 @@ from nonsmooth.analysis.cells.switched_cells import (
 from nonsmooth.proofs.inequalities.prover import Proof, Sense, prove
 from nonsmooth.proofs.systems.derivatives import inhabited
 from nonsmooth.proofs.systems.lyapunov_basis import BasisFunction, build_formula, smooth_functions
-from nonsmooth.proofs.systems.lyapunov_rows import Floats, Sides, build_sides, values_at
+from nonsmooth.proofs.systems.lyapunov_rows import BEYOND_FLOATS, Floats, Sides, build_sides, values_at
 from nonsmooth.proofs.systems.rising_points import first_rise, where_inside
 from nonsmooth.proofs.systems.sublevel_region import SublevelRegion, largest_sublevel
 from nonsmooth.symbolic.notebook import html_table
@@ -239,6 +239,7 @@ def _proposed(
     return None
 
 
+@BEYOND_FLOATS
 def _solved(sides: Sequence[Sides], inside: Floats, outline: _Outline) -> tuple[Floats, float] | None:
     """Coefficients with the least maximum of V on the outline, and that; None where there are none."""
     from scipy.optimize import linprog
@@ -262,5 +263,8 @@ def _solved(sides: Sequence[Sides], inside: Floats, outline: _Outline) -> tuple[
         ask(-np.column_stack(points), 0, -np.ones(len(points[0])))
     costs = np.append(np.zeros(count), 1.0)
     limits = [(None, None)] * count + [(1, LARGEST)]
-    found = linprog(costs, A_ub=np.vstack(rows), b_ub=np.concatenate(bounds), bounds=limits, method="highs")
+    system, right = np.vstack(rows), np.concatenate(bounds)
+    if not (np.isfinite(system).all() and np.isfinite(right).all()):
+        return None
+    found = linprog(costs, A_ub=system, b_ub=right, bounds=limits, method="highs")
     return (np.asarray(found.x[:-1]), float(found.x[-1])) if found.status == 0 else None

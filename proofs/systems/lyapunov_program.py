@@ -49,12 +49,14 @@ def _pruned(rows: Floats, coefficients: Floats, share: float) -> Floats | None:
 
 
 def _largest_margin(rows: Floats, kept: Sequence[int]) -> Floats | None:
-    """The coefficients of the functions that are kept, zero for the others; None where no margin is left."""
+    """The coefficients of the functions that are kept, zero for the others; None without a margin, or beyond floats."""
     from scipy.optimize import linprog
 
     used = normalized(rows[:, kept])
     if len(used) < len(rows) or not len(rows):
         return None  # where all functions vanish, so does V or its derivative
+    if not np.isfinite(used).all():
+        return None
     count = used.shape[1]
     costs = np.zeros(count + 1)
     costs[-1] = -1.0

@@ -3,7 +3,8 @@
 For ``V = sum_k c_k phi_k`` every condition is linear in c: ``V > 0`` and ``grad V . f < 0`` at points of closed cells,
 and ``grad V . f_s < 0`` on edges that the fields of both sides oppose, with the sliding field f_s.  V may bend along
 such an edge, but only across it, so f_s, which is tangent, does not depend on c.  Points lie on rays at distances that
-fall by a constant factor, because near the equilibrium the terms of lowest degree decide.  Floats: nothing here proves.
+fall by a constant factor, because near the equilibrium the terms of lowest degree decide.  Floats: nothing here proves,
+and rows beyond their range hold no number; programs propose nothing from such rows.
 """
 
 from __future__ import annotations
@@ -30,6 +31,7 @@ Floats: TypeAlias = NDArray[np.float64]
 DIVISIONS = 6  # of every side of a cell
 SHRINKING = 0.5  # from one distance to the next
 DISTANCES = 8
+BEYOND_FLOATS = np.errstate(over="ignore", invalid="ignore")  # such entries are told by their values
 KEPT = 512  # regions, and pairs of them, whose points are kept: families of functions share most cells
 RIM, HALVINGS = 24, 30  # parts of each side of an outline on which curves are looked for, and how often they are halved
 
@@ -62,6 +64,7 @@ def build_sides(cells: Iterable[LyapunovCell], basis: Sequence[BasisFunction]) -
     return found
 
 
+@BEYOND_FLOATS
 def build_rows(sides: Sequence[Sides]) -> Floats:
     """Rows r with the condition ``r . c > 0``, for points all over the cells."""
     blocks = [
@@ -73,6 +76,7 @@ def build_rows(sides: Sequence[Sides]) -> Floats:
     return normalized(np.vstack(blocks)) if blocks else np.zeros((0, 0))
 
 
+@BEYOND_FLOATS
 def build_weak_rows(sides: Sequence[Sides]) -> tuple[Floats, Floats]:
     """Rows with the conditions ``r . c > 0`` of V, and those of its derivative, which may vanish too."""
     blocks = [
@@ -85,6 +89,7 @@ def build_weak_rows(sides: Sequence[Sides]) -> tuple[Floats, Floats]:
     return normalized(np.vstack(positive)), normalized(np.vstack(falling))
 
 
+@BEYOND_FLOATS
 def rows_at(sides: Sequence[Sides], points: Sequence[Point]) -> Floats:
     """Rows at given points and at points on the way from them to the equilibrium, for all cells that hold them."""
     blocks: list[Floats] = []
@@ -99,11 +104,13 @@ def rows_at(sides: Sequence[Sides], points: Sequence[Point]) -> Floats:
 
 
 def normalized(rows: Floats) -> Floats:
-    """Rows scaled to a largest entry of one, without those that are zero."""
+    """Rows scaled to a largest entry of one, without those that are zero; no numbers where one is not finite."""
     sizes = np.abs(rows).max(axis=1, initial=0.0)
-    return np.asarray(rows[sizes > 0] / sizes[sizes > 0, None])
+    with np.errstate(invalid="ignore"):
+        return np.asarray(rows[sizes != 0] / sizes[sizes != 0, None])
 
 
+@BEYOND_FLOATS
 def values_at(polynomial: Polynomial, points: Floats) -> Floats:
     """A polynomial at many points, in floats."""
     total = np.zeros(len(points))

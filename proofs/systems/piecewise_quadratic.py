@@ -25,6 +25,7 @@ from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell, Pla
 from nonsmooth.analysis.minimizers.cvxpy_import import load_cvxpy
 from nonsmooth.proofs.inequalities.cell_forms import directions
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine
+from nonsmooth.proofs.systems.lyapunov_rows import BEYOND_FLOATS
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.plane import cross, same_direction
 
@@ -136,11 +137,14 @@ def _halved(start: Point, end: Point, times: int) -> list[tuple[Point, Point]]:
 def solve_piecewise_quadratic(
     rays: Sequence[Point], cones: Sequence[LinearCone]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
-    """Values on unit rays and mixed values, by a semidefinite program; None where there are none.
+    """Values on unit rays and mixed values, by a semidefinite program; None where there are none, or beyond floats.
 
     Maximizes the margin e in ``G >= e I + p X`` and ``-(B^T G + G B) >= e I + q X`` with ``p, q >= 0`` and
     ``X = [[0, 1], [1, 0]]``.  How fast a field is does not matter to the sign of a rate, so each is scaled to size one.
     """
+    flows = np.array([_scaled_flow(rays, cone) for cone in cones])
+    if not np.isfinite(flows).all():
+        return None
     load_cvxpy()
     import cvxpy as cp
     from cvxpy.atoms.affine.binary_operators import multiply
@@ -149,7 +153,7 @@ def solve_piecewise_quadratic(
     on_rays, mixed, margin = cp.Variable(len(rays)), cp.Variable(len(cones)), cp.Variable()
     weights = cp.Variable((2, len(cones)), nonneg=True)
     first, second = on_rays[[cone.start for cone in cones]], on_rays[[cone.end for cone in cones]]
-    (b11, b12), (b21, b22) = np.array([_scaled_flow(rays, cone) for cone in cones]).transpose(1, 2, 0)
+    (b11, b12), (b21, b22) = flows.transpose(1, 2, 0)
     fall = (
         -2 * (multiply(b11, first) + multiply(b21, mixed)),
         -multiply(b12, first) - multiply(b11 + b22, mixed) - multiply(b21, second),
@@ -172,9 +176,12 @@ def solve_piecewise_quadratic(
     return np.asarray(on_rays.value), np.asarray(mixed.value)
 
 
+@BEYOND_FLOATS
 def _scaled_flow(rays: Sequence[Point], cone: LinearCone) -> NDArray[np.float64]:
-    """The flow of a cone in its rays, of size one."""
+    """The flow of a cone in its rays, of size one; no numbers beyond the range of floats."""
     flow = _flow_in_rays(rays, cone)
+    if not np.isfinite(flow).all():
+        return np.full((2, 2), np.nan)
     return np.asarray(flow / (np.abs(flow).max() or 1.0))
 
 

@@ -169,8 +169,11 @@ def _shortest(positive: Floats, falling: Floats, widest: Floats) -> Floats:
 
 
 def _largest_margin(positive: Floats, falling: Floats) -> Floats | None:
-    """The coefficients with the largest margin of V, whose derivative is nowhere positive; None without a margin."""
+    """The coefficients with the largest margin of V, whose derivative is nowhere positive; None without one, or beyond floats."""
     from scipy.optimize import linprog
+
+    if not (np.isfinite(positive).all() and np.isfinite(falling).all()):
+        return None
 
     count = positive.shape[1]
     costs = np.zeros(count + 1)
