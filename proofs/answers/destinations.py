@@ -190,20 +190,31 @@ def shares_at(partition: Partition, places: Sequence[RestPlace]) -> list[float]:
 
 
 def _followed(partition: Partition, places: Sequence[RestPlace]) -> tuple[SettleMap, NDArray[np.int_]]:
-    """The ends of a grid of paths, and the number of the equilibrium at which each ends."""
+    """The ends of a grid of paths, and the number of the equilibrium at which each ends.
+
+    Raises:
+        TrajectoryError: where paths cannot be followed, and for cells beyond the range of floats.
+    """
     cells = array_field(partition, Kinematics.EXACT)
-    ends = settle_map(cells, grid_starts(cells, STARTS))
+    with np.errstate(over="ignore", invalid="ignore"):
+        starts = grid_starts(cells, STARTS)
+    if not np.isfinite(starts).all():
+        raise TrajectoryError("required starts within the range of floats")
+    ends = settle_map(cells, starts)
     return ends, places_reached(partition, places, ends)
 
 
 def sampled_destinations(scene: Scene) -> Destinations | None:
-    """Under a rule without cells: where sampled paths stand still; None where the motion is not determined.
+    """Under a rule without cells: where sampled paths stand still; None where the motion is not determined,
+    or floats do not reach.
 
     What is near such a place is not judged.
     """
     x, y = (float(value) for value in scene.check.equilibrium)
     side = np.linspace(-1, 1, FEW_STARTS) * float(scene.check.radius) * INSIDE
     starts = np.stack([grid.ravel() for grid in np.meshgrid(side, side)], axis=1)
+    if not np.isfinite(starts).all():
+        return None
     try:
         ends = smooth_ends(scene.recentred(), starts, (x, y))
     except UndeterminedError:

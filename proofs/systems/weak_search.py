@@ -169,7 +169,7 @@ def _shortest(positive: Floats, falling: Floats, widest: Floats) -> Floats:
 
 
 def _largest_margin(positive: Floats, falling: Floats) -> Floats | None:
-    """The coefficients with the largest margin of V, whose derivative is nowhere positive; None without one, or beyond floats."""
+    """The coefficients with the largest margin of V, whose derivative is nowhere positive; None without finite rows."""
     from scipy.optimize import linprog
 
     if not (np.isfinite(positive).all() and np.isfinite(falling).all()):
