@@ -23,6 +23,7 @@ from nonsmooth.symbolic.files.scene_file import build_scene, builtin_systems, de
 from nonsmooth.symbolic.files.scene_validation import validate
 from nonsmooth.symbolic.files.scene_values import Exact, Numbers, angles, field_of
 from nonsmooth.symbolic.files.system_document import RESERVED, SystemCheckTable, SystemDocument
+from nonsmooth.symbolic.number_text import short_text
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
@@ -31,6 +32,8 @@ from nonsmooth.symbolic.scene_error import SceneError, StatedFact, requirement
 from nonsmooth.symbolic.signed_roots import SignedRoots, find_rooted
 from nonsmooth.symbolic.sine_enclosures import has_waves
 from nonsmooth.symbolic.switched_system import SeenByRoots, SwitchedSystem, SystemCheck
+
+LARGEST_RADIUS = 10**150  # squares of such numbers are floats
 
 
 def load_any(
@@ -131,7 +134,7 @@ def _plain_system(document: SystemDocument, file: str, path: Path) -> SwitchedSy
     numbers = Numbers(file, field_of([*turns, *angles(check)]))
     checked = SystemCheck(
         _equilibrium(check, states, numbers),
-        numbers.positive(check.radius, "check.radius"),
+        _radius(check.radius, numbers),
         lyapunov,
         check.lyapunov is None,
     )
@@ -146,6 +149,18 @@ def _plain_system(document: SystemDocument, file: str, path: Path) -> SwitchedSy
         for side in (1, -1):
             _try_pieces(member, side)
     return system
+
+
+def _radius(value: Exact, numbers: Numbers) -> Number:
+    """Half the side of the checked square or cube.
+
+    Raises:
+        SceneError: where it is not positive, or beyond what floats can search.
+    """
+    radius = numbers.positive(value, "check.radius")
+    if radius > LARGEST_RADIUS:
+        raise SceneError(numbers.file, "check.radius", "a number of at most 10**150", StatedFact(short_text(radius)))
+    return radius
 
 
 def _signed_roots(document: SystemDocument, file: str) -> SignedRoots | None:
