@@ -15,6 +15,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
+from flint import fmpq
+
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.region import Region, Segment
 from nonsmooth.analysis.cells.switched_cells import LyapunovCell
@@ -141,8 +143,14 @@ def _simplified(
 
 
 def _bounds(cells: Sequence[LyapunovCell], radius: Number) -> tuple[Fraction, Fraction] | None:
-    """Powers of two below and above the least value of V on the border; None where that is not clearly positive."""
-    high = Fraction(1)
+    """Powers of two below and above the least value of V on the border; None where that is not clearly positive.
+
+    They are looked for from one, or near V's least value at the ends of the border's edges where that is large.
+    """
+    edges = [(cell, edge) for cell in cells for edge in border_edges(cell, radius)]
+    values = [cell.potential((x / w, y / w)).as_rational() for cell, edge in edges for x, y, w in edge]
+    least = min((v for v in values if v is not None), default=fmpq(1))
+    high = Fraction(2 ** max(int(least.p).bit_length() - int(least.q).bit_length(), 0))
     while _violation(cells, radius, high, falls=True) is None:
         high *= 2
     while _violation(cells, radius, high / 2, falls=True) is not None:
