@@ -17,7 +17,7 @@ from nonsmooth.analysis.cells.equilibria import EquilibriumPlace, RestPlace
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
-from nonsmooth.analysis.fields.constant_field import array_field
+from nonsmooth.analysis.fields.constant_field import ConstantField, array_field
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.trajectories.maps import SettleMap, grid_starts, settle_map
@@ -165,9 +165,21 @@ def destinations_of(check: Theorem4Result) -> Destinations | None:
 def ends_from(partition: Partition, starts: Floats) -> SampledEnds | None:
     """How paths through all cells of a centred partition end; None where they cannot be followed, or begin outside."""
     try:
-        return _ends_of(settle_map(array_field(partition, Kinematics.EXACT), starts))
+        return _ends_of(_settled(array_field(partition, Kinematics.EXACT), starts))
     except (TrajectoryError, ValueError):
         return None
+
+
+def _settled(cells: ConstantField, starts: Floats) -> SettleMap:
+    """The ends of paths.
+
+    Raises:
+        ValueError: for a start outside the cells.
+        TrajectoryError: where paths cannot be followed, and for starts beyond the range of floats.
+    """
+    if not np.isfinite(starts).all():
+        raise TrajectoryError("required starts within the range of floats")
+    return settle_map(cells, starts)
 
 
 def _ends_of(found: SettleMap) -> SampledEnds:
@@ -198,9 +210,7 @@ def _followed(partition: Partition, places: Sequence[RestPlace]) -> tuple[Settle
     cells = array_field(partition, Kinematics.EXACT)
     with np.errstate(over="ignore", invalid="ignore"):
         starts = grid_starts(cells, STARTS)
-    if not np.isfinite(starts).all():
-        raise TrajectoryError("required starts within the range of floats")
-    ends = settle_map(cells, starts)
+    ends = _settled(cells, starts)
     return ends, places_reached(partition, places, ends)
 
 
