@@ -15,15 +15,18 @@ from flint import fmpq
 
 from nonsmooth.proofs.inequalities.binary_forms import edge_line
 from nonsmooth.proofs.inequalities.dense_polynomials import Coefficients, trimmed, value
-from nonsmooth.proofs.inequalities.forms import Problem
+from nonsmooth.proofs.inequalities.forms import LONG_BITS, Problem
 from nonsmooth.proofs.inequalities.real_roots import positive_roots, samples_between
 from nonsmooth.proofs.inequalities.subdivision import SubCone, Violation
+from nonsmooth.symbolic.numbers.coefficients import height
 from nonsmooth.symbolic.numbers.lazy import evaluated
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.polynomial import Terms
 
 CUT_DEPTH = 3  # zeros are looked for in the first parts only
-ROOT_WORK = 64  # largest degree times 2^(square roots in the coefficients): Sturm chains below a tenth of a second
+# Largest degree times 2^(square roots in the coefficients), times the length of rational ones: Sturm chains below a
+# tenth of a second.
+ROOT_WORK = 64
 
 Edge: TypeAlias = tuple[int, int]
 
@@ -65,11 +68,12 @@ def _suspects(line: Coefficients) -> Iterator[tuple[Any, bool]]:
 
 
 def _root_work(curve: Coefficients) -> int:
-    masks = 0
+    masks = longest = 0
     for c in curve:
-        for mask in c.terms:
+        for mask, coefficient in c.terms.items():
             masks |= mask
-    return (len(curve) - 1) << masks.bit_count()
+            longest = max(longest, height(coefficient))
+    return (len(curve) - 1) * (1 + longest // LONG_BITS) << masks.bit_count()
 
 
 def _lowest_terms(problem: Problem, terms: Terms) -> Iterator[tuple[Edge, Coefficients]]:
