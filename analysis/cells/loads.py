@@ -18,6 +18,7 @@ from itertools import product
 from typing import Any, TypeAlias
 
 import numpy as np
+from flint import fmpq, fmpz
 
 from nonsmooth.analysis.cells.loaded_sets import loaded_wheels
 from nonsmooth.analysis.cells.partition import RefusalError
@@ -43,6 +44,7 @@ ALL_AT_ONCE = (
 )
 STEPS_BESIDE = (2.0**-6, 2.0**-10, 2.0**-14)  # of a side, or of the square: how far beside it floats look for loads
 WAYS = ((1.0, 0.6), (-0.6, 1.0), (-1.0, -0.6), (0.6, -1.0))  # along no usual symmetry axis
+MOST_BITS = 20_000_000  # of the common denominator of all positions, times their number: some seconds
 
 
 class LoadError(RefusalError):
@@ -251,7 +253,11 @@ def _loads_at(moments: Sequence[Triple], active: frozenset[int], point: Point) -
     """Loaded wheels at a point, and the affine loads there of all wheels.
 
     Wheels in tension are dropped and wheels in reach added until there is neither.
+
+    Raises:
+        LoadError: for too many wheels with too long coordinates.
     """
+    _require_short(moments)
     one = moments[0][0]
     while True:
         forms = _forms(moments, active)
@@ -280,6 +286,24 @@ def _region(scene: Scene, moments: Sequence[Triple], active: frozenset[int], dom
         polygon = clipped
     forces = tuple(form if i in active else (zero, zero, zero) for i, form in enumerate(forms))
     return LoadRegion(polygon, forces, frozenset(scene.wheels[i].index for i in active))
+
+
+def _require_short(moments: Sequence[Triple]) -> None:
+    """Refuse coordinates whose sums over all wheels are too long.
+
+    Raises:
+        LoadError: naming the length of their common denominator.
+    """
+    common, most = fmpz(1), MOST_BITS // len(moments)
+    for moment in moments:
+        for number in moment:
+            for c in number.terms.values():
+                common = common.lcm(c.q if isinstance(c, fmpq) else c.denom())
+        if common.height_bits() > most:
+            raise LoadError(
+                f"wheels: required positions of {len(moments)} wheels with a common denominator of at most {most} bits "
+                "for elastic loads, received a longer one"
+            )
 
 
 def _forms(moments: Sequence[Triple], active: frozenset[int]) -> list[Triple]:
