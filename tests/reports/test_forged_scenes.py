@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from nonsmooth.analysis.cells.loads import LoadError, elastic_loads_at
 from nonsmooth.proofs.systems.system_stability import system_check
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.files.scene_file import load_scene
@@ -99,6 +100,33 @@ def test_a_square_beyond_the_range_of_floats_is_checked(tmp_path: Path) -> None:
     assert system_check(load_system(written(tmp_path, scene))).verdict is Translation.ASYMPTOTICALLY_STABLE
 
 
+BEYOND = "*1e300*1e300"
+
+
+def test_numbers_beyond_floats_propose_nothing(tmp_path: Path) -> None:
+    """Rows for linear and conic programs hold infinities there; warnings are errors in the tests."""
+    for name, f, g in (
+        ("linear rows", f"-x{BEYOND} + y**2{BEYOND}", f"-y{BEYOND}"),
+        ("conic rows", f"-x - sign(y)*x**2{BEYOND}", f"-y{BEYOND}"),
+    ):
+        verdict = system_check(load_system(written(tmp_path, system(f, g)))).verdict
+        assert verdict is Translation.ASYMPTOTICALLY_STABLE, name
+
+
+def test_a_half_width_beyond_floats_is_refused(tmp_path: Path) -> None:
+    scene = system("-x - sign(y)*x**2/7", more=f'[check]\nradius = "{"9" * 390}"\n')
+    with pytest.raises(SceneError, match=r"check\.radius: required a number of at most"):
+        load_system(written(tmp_path, scene))
+
+
+def test_loads_of_long_coordinates_are_refused(tmp_path: Path) -> None:
+    """Each load is a fraction over the common denominator of all positions."""
+    scene = load_scene(written(tmp_path, array("ellipse", 150, 190)))
+    with pytest.raises(LoadError, match="common denominator") as refused:
+        elastic_loads_at(scene, scene.check.equilibrium)
+    assert "\n" not in str(refused.value)
+
+
 LONG = "9" * 380
 CHECKED = {
     "empty quartic": regions(["x**2*y - x**4 - y**2 > 0"]),
@@ -111,6 +139,10 @@ CHECKED = {
     "long lines": system(f"-x - sign({LONG}*x + {LONG[:370]}*y)/3", f"-y - sign(y*{LONG[:333]} - x*{LONG[:377]})/2"),
     "a small square": system("-x - sign(y)*x**2/7", more=f'[check]\nradius = "1/{LONG}"\n'),
     "a high V": system("-x - sign(x)", more='[check]\nlyapunov = "(x**2 + y**2)**8 + Abs(x)**15"\n'),
+    "large V": system(
+        "-x - sign(y)*x**2/7", "-y**3 - y", f'[check]\nlyapunov = "(x**2 + y**2)**8*{LONG} + x**3*y**13/{LONG[:370]}"\n'
+    ),
+    "fast waves": system("-x - sin(x*1e300)*sin(y*1e300)", "-y + sin(x*1e300) - sign(y)"),
     "one state": f'[system]\nstates = ["x"]\nrhs = ["-x**16*sign(x)*{LONG} - (x + 1/{LONG})**15*x"]\n',
     "wheels, nearest": array("nearest", 300, 150),
     "wheels, box": array("box", 30, 150),
