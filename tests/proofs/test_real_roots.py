@@ -110,3 +110,23 @@ def test_sturm_counts_distinct_roots() -> None:
     assert sturm.count(Fraction(0), None) == 3
     assert sturm.count(Fraction(5, 4), Fraction(2)) == 1
     assert value(coefficients, Fraction(2)).sign() < 0
+
+
+@RANDOM
+@given(st.lists(st.integers(-9, 9), min_size=2, max_size=7), st.fractions(-5, 5, max_denominator=9))
+def test_signs_of_rational_polynomials_are_those_of_their_values(numbers: list[int], point: Fraction) -> None:
+    """Rational chains are evaluated by FLINT, up to positive factors."""
+    assume(numbers[-1])
+    expected = sum(Fraction(c) * point**k / 7 for k, c in enumerate(numbers))
+    chain = Sturm([FIELD(Fraction(c, 7)) for c in numbers])
+    assert chain.sign_at(point) == (expected > 0) - (expected < 0)
+
+
+@RANDOM
+@given(st.lists(st.integers(-3, 3), min_size=1, max_size=5))
+def test_rational_chains_count_what_irrational_ones_count(roots: list[int]) -> None:
+    """Times the square root of two the coefficients are irrational, and the chain is another."""
+    rational = product(*(minus(root) for root in roots))
+    irrational = [c * ROOT for c in rational]
+    counts = {Sturm(chain).count(Fraction(-7, 2), Fraction(1, 2)) for chain in (rational, irrational)}
+    assert counts == {len({root for root in roots if root <= 0})}
