@@ -25,7 +25,7 @@ from fractions import Fraction
 from itertools import pairwise
 from typing import Any, SupportsFloat, TypeAlias
 
-from flint import arb, ctx
+from flint import arb, ctx, fmpq
 
 from nonsmooth.symbolic.numbers.enclosures import EXACT_ROOTS, MOST_BITS, PRECISION
 from nonsmooth.symbolic.numbers.lazy import Lazy
@@ -95,7 +95,8 @@ def upper_text(value: Number | Lazy | Fraction, digits: int = DIGITS) -> str:
 
 
 def _nearest(value: Number | Lazy | Fraction, digits: int) -> str:
-    return float_text(value, digits) if isinstance(value, Fraction) else decimal_text(value, digits)
+    real = arb(fmpq(value.numerator, value.denominator)) if isinstance(value, Fraction) else value
+    return decimal_text(real, digits)
 
 
 def _neighbour(text: str, digits: int, step: int) -> str:

@@ -108,7 +108,7 @@ class TranslationResult:
         return self.region_radius if self.fan is None else None
 
     @property
-    def swing_radius(self) -> Number | Fraction | None:
+    def swing_radius(self) -> Number | None:
         """A distance that no body from within ``home_radius`` exceeds on its way; None where that radius is not known.
 
         Where ``|c|`` does not grow it is that radius itself; elsewhere the level set of V bounds it.

@@ -132,11 +132,11 @@ class QuadraticCertificate:
         return squared.field(Fraction(lower_text(root, DIGITS)))
 
     @property
-    def swing_radius(self) -> Fraction:
+    def swing_radius(self) -> Number:
         """A distance that no body from the disc exceeds: ``|c|^2 <= (1 + rho)/(1 - rho) |c_0|^2``."""
         rho = self.descent.eccentricity
         squared = self.disc_radius * self.disc_radius * ((1 + rho) / (1 - rho))
-        return Fraction(upper_text(-rational_below(-enclosure(squared).sqrt()), DIGITS))
+        return squared.field(Fraction(upper_text(-rational_below(-enclosure(squared).sqrt()), DIGITS)))
 
     def value(self, c: Point) -> Number:
         """``c^T P c``."""
@@ -188,7 +188,7 @@ def find_quadratic(
         return None
     trial = QuadraticCertificate(wide.shape, wide.decay, cones[0].start[0].field.one, cones)
     found = replace(trial, level=min([trial.largest_level(), *(trial.least_on(p, q) for p, q in border)]))
-    swift = _descent(cones, propose_swift_shape(cones, float(found.swing_radius)))
+    swift = _descent(cones, propose_swift_shape(cones, found.swing_radius))
     swifter = replace(found, swift=swift)
     if swift is not None and swifter.speed(swift) > 0:
         found = min(found, swifter, key=lambda own: own.arrival_per_distance)
@@ -245,7 +245,7 @@ def propose_shape(pairs: Iterable[tuple[Point, Vector]]) -> tuple[float, float] 
     return a, b
 
 
-def propose_swift_shape(cones: Sequence[CellCone], farthest: float) -> tuple[float, float] | None:
+def propose_swift_shape(cones: Sequence[CellCone], farthest: Number) -> tuple[float, float] | None:
     """The (a, b) with the largest ``min_k (m_k - |omega_k| rho C)/(1 + rho)`` for a C; None unless that is positive.
 
     With ``Q = P/(1 + rho) = [[t + a', b'], [b', t - a']]``, whose largest eigenvalue ``t + |(a', b')|`` is one, it is
@@ -255,10 +255,12 @@ def propose_swift_shape(cones: Sequence[CellCone], farthest: float) -> tuple[flo
     load_cvxpy()
     import cvxpy as cp
 
+    fastest = max(abs(part) for _, twist in _motions(cones) for part in twist.velocity)
     tilt, size, margin, bent = cp.Variable(2), cp.Variable(), cp.Variable(), cp.Variable()
     constraints: list[cp.Constraint] = [cp.SOC(bent, tilt), size + bent <= 1, bent <= _INSIDE * size]
     for cone, twist in _motions(cones):
-        v, turning = np.array([float(x) for x in twist.velocity]), abs(float(twist.omega)) * farthest
+        v = np.array([float(x / fastest) for x in twist.velocity])
+        turning = float(abs(twist.omega) * farthest / fastest)
         for ray in (cone.start, cone.end):
             r = _direction(ray)
             if r is None:
