@@ -7,6 +7,7 @@ from functools import cache
 
 import numpy as np
 
+from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.cells.polygon import HalfPlane, square
 from nonsmooth.analysis.cells.switched_cells import FieldCell, square_regions, system_cells
 from nonsmooth.analysis.fields.constant_field import ConstantField, piecewise_constant
@@ -131,7 +132,11 @@ def _surface(polynomial: Polynomial) -> Surface:
 
 
 class _Polynomials:
-    """Values of some polynomials at a state: coefficients, each rounded once, times monomials."""
+    """Values of some polynomials at a state: coefficients, each rounded once, times monomials.
+
+    Raises:
+        RefusalError: for coefficients that floats do not hold.
+    """
 
     def __init__(self, polynomials: Sequence[Polynomial]) -> None:
         exponents = list(dict.fromkeys(e for p in polynomials for e in p.terms))
@@ -139,6 +144,8 @@ class _Polynomials:
         self._coefficients = np.array(
             [[float(p.terms[e]) if e in p.terms else 0.0 for e in exponents] for p in polynomials]
         ).reshape(len(polynomials), -1)
+        if not np.isfinite(self._coefficients).all():
+            raise RefusalError("required coefficients within the range of floats, to follow paths: one is above 1e308")
         self._constant = None if self._exponents.any() else self._coefficients.sum(axis=1)
 
     def __call__(self, x: Vector) -> Vector:

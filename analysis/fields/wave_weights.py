@@ -8,13 +8,21 @@ from __future__ import annotations
 
 from math import cos, sin
 
+from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.symbolic.sine_enclosures import Wave
 
 SERIES_BELOW = 0.25  # of v, where the series of e is good to 1e-9 and its factor v^5 below 1e-5
+LARGEST = 50.0  # of v: farther out the powers of v, each rounded, hold sin v and cos v to less than 1e-9
 
 
 def wave_weight(wave: Wave, v: float) -> float:
-    """The e of a wave at its argument v; near v = 0 by its series."""
+    """The e of a wave at its argument v; near v = 0 by its series.
+
+    Raises:
+        RefusalError: where v is so large that floats do not hold the value that e stands for.
+    """
+    if not abs(v) <= LARGEST:
+        raise RefusalError(f"the argument of a sine is {v:.3g}: beyond {LARGEST:g} floats do not hold its enclosure")
     if abs(v) < SERIES_BELOW:
         first, second = (42, 3024) if wave.kind == "sin" else (56, 5040)
         return 1 - v * v / first + v**4 / second

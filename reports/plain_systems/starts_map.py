@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from rich.console import Group, RenderableType
 from rich.text import Text
 
+from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.analysis.trajectories.trajectory import simulate
@@ -211,5 +212,5 @@ def _followed(portrait: PhasePortrait, starts: Floats, until: float, report: Pro
         report(k, len(starts))
         try:
             yield np.array([float(v) for v in simulate(field, tuple(start), until).end.state])
-        except TrajectoryError:
+        except (TrajectoryError, RefusalError):
             yield np.full(2, np.nan)

@@ -12,6 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.analysis.fields.wave_weights import wave_weight
 from nonsmooth.symbolic.files.system_file import build_system
@@ -83,6 +84,21 @@ def test_weights_of_waves_lie_between_zero_and_one(v: float, kind: str) -> None:
     if abs(v) < 3:
         enclosed = v - v**3 / 6 + e * v**5 / 120 if kind == "sin" else 1 - v**2 / 2 + v**4 / 24 - e * v**6 / 720
         assert enclosed == pytest.approx(getattr(math, kind)(v), abs=1e-9)
+
+
+def test_a_sine_of_a_large_argument_is_not_mixed_of_powers() -> None:
+    """Beyond it the rounding of ``v^5`` alone would be seen; where it is allowed, the value is right to nine digits."""
+    for kind in ("sin", "cos"):
+        e = wave_weight(Wave(kind, "v"), 49.0)
+        enclosed = 49 - 49**3 / 6 + e * 49**5 / 120 if kind == "sin" else 1 - 49**2 / 2 + 49**4 / 24 - e * 49**6 / 720
+        assert enclosed == pytest.approx(getattr(math, kind)(49), abs=1e-8)
+        with pytest.raises(RefusalError, match="the argument of a sine is 1e"):
+            wave_weight(Wave(kind, "v"), 1e5)
+
+
+def test_paths_of_numbers_beyond_floats_are_refused() -> None:
+    with pytest.raises(RefusalError, match="coefficients within the range of floats"):
+        velocity(built(["y", "-x - sin(x*1e300)"]), np.array([0.1, 0.1]))
 
 
 def test_interval_parameters_stand_for_their_ends() -> None:
