@@ -3,8 +3,7 @@
 Between events the same wheels carry and the pose follows their motion, by LSODA with dense output; every step is
 searched for wheels that come to the edge, and the time is refined until it is right to rounding.  There Filippov's
 construction says how the body goes on (:mod:`nonsmooth.analysis.bodies.switching`).  Events: ``enter``, ``leave``,
-``slide``.  The path ends in time, at rest, where the body tips, or
-after so much work.
+``slide``.  The path ends in time, at rest, where the body tips, or after so much work.
 """
 
 from __future__ import annotations
@@ -29,8 +28,7 @@ from nonsmooth.symbolic.under_way import tell
 
 ON_EDGE = 1e-10  # of the body's size: depths below are zero
 MOST_EVENTS = 2_000  # stretches between events; a path that needs more may switch for ever
-# Evaluations of pose rates along a path, a step counted as some: twenty seconds; with drag each takes ten times as
-# long.
+# Evaluations of pose rates along a path, a step counted as some: twenty seconds; with drag each takes ten times longer.
 MOST_RATES, MOST_DRAGGED = 50_000, 6_000
 OF_A_STEP = 12  # stages of a Runge-Kutta step, which follow regimes without asking for rates
 RESTS = 1e-10  # speed relative to the fastest wheel's below which the body rests

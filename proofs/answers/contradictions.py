@@ -274,8 +274,8 @@ def answers_and_headings(printed: Printed) -> Iterator[Contradiction]:
         if not (entry.is_every_heading or float(entry.low) < 0 < float(entry.high)):
             continue
         said = f'in the list of headings, at the checked one: "{entry.position}", heading: "{entry.verdict}"'
-        rests = printed.equilibrium is Equilibrium.FAILS
-        if rests or _opposite(printed.answers["position"].verdict, entry.position):
+        is_none = printed.equilibrium is Equilibrium.FAILS
+        if is_none or _opposite(printed.answers["position"].verdict, entry.position):
             yield Contradiction("position and headings of rest", (printed.said("position"), said), PLACE)
         if {printed.answers["heading"].verdict, entry.verdict} == {Heading.KEEPS, Heading.DRIFTS}:
             yield Contradiction("heading and headings of rest", (printed.said("heading"), said), TURN)

@@ -2,13 +2,14 @@
 
 A guard such as ``x**2*y - x**4 - y**2`` is positive nowhere, yet it vanishes at the origin, where no bound on
 coefficients shows that: two curves may touch there, or a factor may vanish at one point alone.  So the plane is cut
-into columns, as in a cylindrical algebraic decomposition.
-Let the curves be the distinct irreducible factors over Q of all guards and the sides of
-the convex part.  Between neighbouring real zeros of their discriminants, of their leading coefficients in y, of the
-resultants of two of them, and of those factors that do not hold y, the real roots y of the curves move continuously
-with x and never meet.  So each open piece of the plane off the curves lies over such a column between neighbouring
-roots, and all guards have one sign on it: the sign at one rational point.  An open cell is a union of such pieces and
-of parts of curves, and if it is not empty it holds one of the points.
+into columns, as in a cylindrical algebraic decomposition (Collins 1975).
+
+Let the curves be the distinct irreducible factors over Q of all guards and the sides of the convex part.  Between
+neighbouring real zeros of their discriminants, of their leading coefficients in y, of the resultants of two of them,
+and of those factors that do not hold y, the real roots y of the curves move continuously with x and never meet.  So
+each open piece of the plane off the curves lies over such a column between neighbouring roots, and all guards have one
+sign on it: the sign at one rational point.  An open cell is a union of such pieces and of parts of curves, and if it is
+not empty it holds one of the points.
 
 The degrees of the guards and the length of their coefficients are limited; beyond that, and with irrational
 coefficients, nothing is said.

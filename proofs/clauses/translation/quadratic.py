@@ -126,8 +126,7 @@ class QuadraticCertificate:
     @property
     def disc_radius(self) -> Number:
         """Radius of a disc inside the region: ``V <= (1 + rho) |c|^2``, so ``|c|^2 < level/(1 + rho)`` suffices."""
-        a, b = self.shape
-        squared = self.level / (1 + root_above(a * a + b * b))
+        squared = self.level / (1 + self.descent.eccentricity)
         root = rational_below(enclosure(squared).sqrt())
         return squared.field(Fraction(lower_text(root, DIGITS)))
 
@@ -236,8 +235,7 @@ def propose_shape(pairs: Iterable[tuple[Point, Vector]]) -> tuple[float, float] 
         if r is None or v is None:
             return None
         size = np.hypot(*r) * np.hypot(*v)
-        slope = np.array([r[0] * v[0] - r[1] * v[1], r[0] * v[1] + r[1] * v[0]]) / size
-        constraints.append(slope @ shape + r @ v / size <= -margin)
+        constraints.append(_by_shape(r, v) @ shape / size + r @ v / size <= -margin)
     cp.Problem(cp.Maximize(margin), constraints).solve(solver=cp.CLARABEL)
     if shape.value is None or margin.value is None or not float(margin.value) > 0:
         return None
@@ -266,13 +264,17 @@ def propose_swift_shape(cones: Sequence[CellCone], farthest: Number) -> tuple[fl
             if r is None:
                 return None
             r = r / np.hypot(*r)
-            across = np.array([r[0] * v[0] - r[1] * v[1], r[0] * v[1] + r[1] * v[0]])
-            constraints.append(tilt @ across + size * float(r @ v) + turning * bent <= -margin)
+            constraints.append(_by_shape(r, v) @ tilt + size * float(r @ v) + turning * bent <= -margin)
     cp.Problem(cp.Maximize(margin), constraints).solve(solver=cp.CLARABEL)
     if tilt.value is None or size.value is None or margin.value is None or not float(margin.value) > 0:
         return None
     a, b = (float(x / size.value) for x in tilt.value)
     return a, b
+
+
+def _by_shape(r: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.float64]:
+    """What a and b add to ``r^T P v``, for each unit of them."""
+    return np.array([r[0] * v[0] - r[1] * v[1], r[0] * v[1] + r[1] * v[0]])
 
 
 def _ball(value: Fraction) -> arb:
