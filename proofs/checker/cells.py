@@ -1,0 +1,408 @@
+"""A switched system as a differential inclusion with cells: switching surfaces, patterns of their signs, fields, faces.
+
+F(x) is the convex hull of the fields of all cells whose closure holds x.  Every switching expression of a formula must
+be a product of listed surfaces.  All patterns of signs count, except those that are shown to have no point inside the
+domain; patterns too many only add conditions, because F gets larger.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import combinations
+from typing import Any, TypeAlias
+
+from .formulas import NAME, Formula
+from .polynomials import Polynomial, constant, unit, variable
+from .positivity import Claim, Inequality, cube_guards, identity, show
+from .work import BUDGET, items, rational, require, take, text
+
+MIN_STATES, MAX_STATES = 1, 8
+MAX_FIELDS, MAX_SURFACES, MAX_CELLS, MAX_EMPTY = 8, 64, 1_000, 2_000
+MAX_FACES = 2_000
+
+Pattern: TypeAlias = tuple[int, ...]  # a sign, -1 or 1, of every surface
+Signs: TypeAlias = Mapping[int, int]  # of some surfaces
+
+
+@dataclass(frozen=True)
+class System:
+    """What is judged: ``x' in F(x)`` near a point.
+
+    Attributes:
+        states: their names.
+        rhs: right-hand sides, each a formula for every state; with several of them all act (arbitrary switching).
+        at: the point.
+    """
+
+    states: tuple[str, ...]
+    rhs: tuple[tuple[str, ...], ...]
+    at: tuple[Fraction, ...]
+
+    @property
+    def count(self) -> int:
+        """The number of states."""
+        return len(self.states)
+
+
+def read_system(data: Any) -> System:
+    """The system that a certificate is about.
+
+    Raises:
+        RejectedError: for anything else.
+    """
+    names, sides, at = take(data, "states rhs at")
+    states = tuple(text(name) for name in items(names))
+    require(MIN_STATES <= len(states) <= MAX_STATES, f"{MIN_STATES} to {MAX_STATES} states")
+    require(len(set(states)) == len(states) and all(map(NAME.fullmatch, states)), "states with different names")
+    rhs = tuple(tuple(text(own) for own in items(side, len(states))) for side in items(sides, most=MAX_FIELDS))
+    require(rhs, "a right-hand side")
+    return System(states, rhs, tuple(rational(value) for value in items(at, len(states))))
+
+
+def pattern(signs: Iterable[int | None]) -> str:
+    """Signs as a text: - and +, 0 where a surface vanishes, a dot where its sign does not matter."""
+    return "".join("." if sign is None else "-0+"[sign + 1] for sign in signs)
+
+
+def read_signs(data: Any, size: int) -> dict[int, int]:
+    """The signs of some surfaces from such a text."""
+    own = text(data)
+    require(len(own) == size and set(own) <= {"-", "+", "."}, "a sign or a dot for each surface")
+    return {j: -1 if mark == "-" else 1 for j, mark in enumerate(own) if mark != "."}
+
+
+class Domain:
+    """The cube ``|z_k| <= radius`` about the point, in units of the radius; or the whole space."""
+
+    def __init__(self, system: System, within: Any) -> None:
+        self.system, self.bounded = system, within is not None
+        self.radius = rational(within) if self.bounded else Fraction(1)
+        require(self.radius > 0, "a cube of positive size")
+        count = system.count
+        self.displacement = {name: variable(count, k, self.radius) for k, name in enumerate(system.states)}
+        self.place = {
+            name: own + constant(count, at)
+            for (name, own), at in zip(self.displacement.items(), system.at, strict=True)
+        }
+
+    def guards(self) -> dict[str, Polynomial]:
+        """The guards of the cube; none of the space."""
+        count = self.system.count
+        return cube_guards(identity(count), count) if self.bounded else {}
+
+
+def no_switching(value: Polynomial) -> int:
+    """Surfaces are polynomials: no formula of one may ask for a sign."""
+    require(False, "surfaces without switching")
+    raise AssertionError
+
+
+class Surfaces:
+    """The switching surfaces, as polynomials on the domain, and the patterns of their signs."""
+
+    def __init__(self, domain: Domain, listed: Any, empty: Any) -> None:
+        self.domain = domain
+        texts = items(listed, most=MAX_SURFACES)
+        self.listed = tuple(Formula(own, domain.displacement).on(no_switching) for own in texts)
+        require(all(own.degree for own in self.listed), "surfaces that are not constant")
+        self._require_different()
+        self._factors: dict[Polynomial, tuple[int, tuple[int, ...]]] = {}
+        self.empty = [self._show_empty(entry) for entry in items(empty, most=MAX_EMPTY)]
+
+    def _require_different(self) -> None:
+        """No surface is a multiple of another: neighbouring cells of affine ones then differ in one sign."""
+        scaled = {own.times(1 / own.terms[max(own.terms)]) for own in self.listed}
+        require(len(scaled) == len(self.listed), "surfaces that differ")
+
+    def _show_empty(self, entry: Any) -> dict[int, int]:
+        """Signs that no inner point of the domain has: one of the signed surfaces is not positive where the others are."""
+        mark, evidence = take(entry, "signs proof")
+        signs = read_signs(mark, len(self.listed))
+        require(signs, "a sign of a surface")
+        last = max(signs)
+        others = {f"s{j}": self.signed(j, s) for j, s in signs.items() if j != last}
+        guards = {**others, **self.domain.guards()}
+        asked = Inequality(-self.signed(last, signs[last]), guards, open=frozenset(guards))
+        show(Claim(f"empty {mark}", (asked,), strict=False, bounded=self.domain.bounded), evidence)
+        return signs
+
+    def signed(self, j: int, sign: int) -> Polynomial:
+        """A surface with a sign."""
+        return self.listed[j] if sign > 0 else -self.listed[j]
+
+    def patterns(self) -> Iterator[Pattern]:
+        """All patterns of signs but those that are shown to be empty."""
+        waiting: list[Pattern] = [()]
+        found = 0
+        while waiting:
+            signs = waiting.pop()
+            BUDGET.spend(1 + len(self.empty))
+            if any(all(j < len(signs) and signs[j] == s for j, s in bad.items()) for bad in self.empty):
+                continue
+            if len(signs) < len(self.listed):
+                waiting += [(*signs, -1), (*signs, 1)]
+                continue
+            found += 1
+            require(found <= MAX_CELLS, f"at most {MAX_CELLS} cells")
+            yield signs
+
+    def sign_on(self, signs: Pattern, value: Polynomial) -> int:
+        """The sign of a switching expression on a cell: of a product of surfaces and a factor that is positive there.
+
+        Raises:
+            RejectedError: for an expression that is no such product.
+        """
+        if value not in self._factors:
+            self._factors[value] = self._factored(value)
+        sign, numbers = self._factors[value]
+        for j in numbers:
+            sign *= signs[j]
+        return sign
+
+    def _factored(self, value: Polynomial) -> tuple[int, tuple[int, ...]]:
+        numbers: list[int] = []
+        for j, surface in enumerate(self.listed):
+            while value.degree and (quotient := value.divided(surface)) is not None:
+                value = quotient
+                numbers.append(j)
+        # What is left must have one sign, but on a set of measure zero: all its terms are even, with one sign.
+        sign = 1 if min(value.terms.values()) > 0 else -1
+        even = all(c * sign > 0 and not any(k % 2 for k in e) for e, c in value.terms.items())
+        require(even, "switching expressions that are products of the surfaces")
+        return sign, tuple(numbers)
+
+
+@dataclass(frozen=True)
+class Cell:
+    """Where all surfaces have given signs.
+
+    Attributes:
+        signs: of every surface.
+        fields: the different ones, each with the number of the first right-hand side that has it.
+        potential: the function V there.
+    """
+
+    signs: Pattern
+    fields: tuple[tuple[int, tuple[Polynomial, ...]], ...]
+    potential: Polynomial
+
+
+class Function:
+    """V: one formula in the displacement, or one for each pattern of signs of some surfaces."""
+
+    def __init__(self, domain: Domain, surfaces: Surfaces, data: Any) -> None:
+        self.surfaces = surfaces
+        pieces = [["." * len(surfaces.listed), data]] if type(data) is str else items(data)
+        self.pieces = []
+        for piece in pieces:
+            mark, formula = items(piece, 2)
+            self.pieces.append((read_signs(mark, len(surfaces.listed)), Formula(formula, domain.displacement)))
+
+    def on(self, signs: Pattern) -> Polynomial:
+        """The polynomial on a cell; all pieces that apply must agree."""
+        found = {
+            formula.on(lambda value: self.surfaces.sign_on(signs, value))
+            for own, formula in self.pieces
+            if all(signs[j] == s for j, s in own.items())
+        }
+        require(len(found) == 1, "one formula of V on every cell")
+        return found.pop()
+
+
+class Inclusion:
+    """The cells of a system on a domain, with a function V."""
+
+    def __init__(self, system: System, within: Any, surfaces: Any, empty: Any, function: Any) -> None:
+        self.domain = Domain(system, within)
+        self.count, self.surfaces = system.count, Surfaces(self.domain, surfaces, empty)
+        fields = [[Formula(own, self.domain.place) for own in side] for side in system.rhs]
+        potential = Function(self.domain, self.surfaces, function)
+        self.cells = [self._cell(signs, fields, potential) for signs in self.surfaces.patterns()]
+        self.bending = self._bending_surfaces()
+
+    def _cell(self, signs: Pattern, fields: Sequence[Sequence[Formula]], potential: Function) -> Cell:
+        def sign_of(value: Polynomial) -> int:
+            return self.surfaces.sign_on(signs, value)
+
+        own = [tuple(formula.on(sign_of) for formula in field) for field in fields]
+        different = tuple((k, field) for k, field in enumerate(own) if field not in own[:k])
+        return Cell(signs, different, potential.on(signs))
+
+    def _bending_surfaces(self) -> tuple[int, ...]:
+        """The surfaces across which V changes its polynomial; V is shown to be continuous.
+
+        The polynomials of cells that differ in one sign differ by a multiple of that surface.  Cells of hyperplanes that
+        have a point in common are joined by such steps among cells that hold it.  Of curved surfaces this is required
+        of all cells: steps that change only signs in which the two differ, so that their polynomials agree where all
+        these surfaces vanish.
+        """
+        listed, by_signs = self.surfaces.listed, {cell.signs: cell for cell in self.cells}
+        found = set()
+        for cell in self.cells:
+            for j in range(len(cell.signs)):
+                other = by_signs.get(flipped(cell.signs, j))
+                if cell.signs[j] > 0 and other is not None and other.potential != cell.potential:
+                    gap = cell.potential - other.potential
+                    require(gap.divided(listed[j]) is not None, "a V that is continuous")
+                    found.add(j)
+        bending = tuple(sorted(found))
+        pieces: dict[Pattern, Polynomial] = {}
+        for cell in self.cells:
+            own = pieces.setdefault(tuple(cell.signs[j] for j in bending), cell.potential)
+            require(own == cell.potential, "a V that bends on its surfaces alone")
+        if any(listed[j].degree > 1 for j in bending):
+            joined = all(are_joined(a, b, set(pieces)) for a, b in combinations(pieces, 2))
+            require(joined, "a V whose cells are joined by single steps across curved surfaces")
+        return bending
+
+    def around(self) -> list[Cell]:
+        """The cells whose closures may hold the point."""
+        at = [surface.at_origin for surface in self.surfaces.listed]
+        return [cell for cell in self.cells if all(s * v >= 0 for s, v in zip(cell.signs, at, strict=True))]
+
+    def pieces(self) -> Iterator[tuple[str, Signs, Polynomial]]:
+        """V on each of its own cells: name, signs of the bending surfaces, polynomial."""
+        seen = set()
+        for cell in self.cells:
+            name = pattern(s if j in self.bending else None for j, s in enumerate(cell.signs))
+            if name not in seen:
+                seen.add(name)
+                yield name, {j: cell.signs[j] for j in self.bending}, cell.potential
+
+    def faces(self) -> list[Face]:
+        """Every set of bending surfaces that may vanish together off the point, with all that vanish there with them."""
+        found: dict[tuple[int, ...], Face] = {}
+        for size in range(1, min(len(self.bending), self.count) + 1):
+            for chosen in combinations(self.bending, size):
+                BUDGET.spend(100)
+                face = build_face(self, chosen)
+                if face is not None:
+                    found.setdefault(face.zero, face)
+                require(len(found) <= MAX_FACES, f"at most {MAX_FACES} faces on which V bends")
+        return [face for face in found.values() if not face.is_outside]
+
+
+def flipped(signs: Pattern, j: int) -> Pattern:
+    """The pattern with another sign of one surface."""
+    return (*signs[:j], -signs[j], *signs[j + 1 :])
+
+
+def are_joined(start: Pattern, end: Pattern, known: set[Pattern]) -> bool:
+    """Whether known patterns lead from one to another by single steps that change only signs in which the two differ."""
+    apart = [j for j, (a, b) in enumerate(zip(start, end, strict=True)) if a != b]
+    waiting, seen = [start], {start}
+    while waiting:
+        signs = waiting.pop()
+        BUDGET.spend(1 + len(apart))
+        for j in apart:
+            step = flipped(signs, j)
+            if step in known and step not in seen:
+                seen.add(step)
+                waiting.append(step)
+    return end in seen
+
+
+@dataclass(frozen=True)
+class Face:
+    """Where some surfaces vanish: an affine subspace, on which curved surfaces may vanish too.
+
+    Attributes:
+        inclusion: with its surfaces.
+        zero: numbers of the surfaces that vanish, none for the whole domain.
+        curved: those of them that are not affine.
+        coordinates: the variables as affine forms in those that stay free on the subspace.
+        dimension: how many these are.
+    """
+
+    inclusion: Inclusion
+    zero: tuple[int, ...]
+    curved: tuple[int, ...]
+    coordinates: tuple[Polynomial, ...]
+    dimension: int
+
+    def restricted(self, value: Polynomial) -> Polynomial:
+        """A polynomial on the subspace."""
+        return value.on(self.coordinates, self.dimension) if self.dimension < value.count else value
+
+    @property
+    def holds_origin(self) -> bool:
+        """Whether the checked point lies in the subspace; it is then the origin of its coordinates."""
+        return not any(form.at_origin for form in self.coordinates)
+
+    @property
+    def is_outside(self) -> bool:
+        """Whether it does not meet the cube because one variable is a number there, or is the checked point alone."""
+        still = [form.at_origin for form in self.coordinates if not form.degree]
+        beyond = self.inclusion.domain.bounded and any(abs(value) > 1 for value in still)
+        return beyond or (not self.dimension and self.holds_origin)
+
+    def guards(self, signs: Signs) -> dict[str, Polynomial] | None:
+        """Surfaces with signs, and the cube; None where one of them is a negative number on the subspace."""
+        bounded = self.inclusion.domain.bounded
+        found = cube_guards(self.coordinates, self.dimension) if bounded else {}
+        for j, sign in signs.items():
+            own = self.restricted(self.inclusion.surfaces.signed(j, sign))
+            if own.degree:
+                found[f"s{j}"] = own
+            elif own.at_origin < 0:
+                return None
+        return found
+
+    def zeros(self) -> dict[str, Polynomial]:
+        """The curved surfaces, which vanish on the face."""
+        return {f"s{j}": self.restricted(self.inclusion.surfaces.listed[j]) for j in self.curved}
+
+
+def whole(inclusion: Inclusion) -> Face:
+    """The face on which no surface need vanish."""
+    return Face(inclusion, (), (), identity(inclusion.count), inclusion.count)
+
+
+def build_face(inclusion: Inclusion, chosen: Sequence[int]) -> Face | None:
+    """Where some bending surfaces vanish together; None where the affine ones of them do nowhere.
+
+    On the subspace of the affine ones all bending surfaces that are zero there belong to the face.
+    """
+    listed = inclusion.surfaces.listed
+    flat = [j for j in chosen if listed[j].degree == 1]
+    coordinates = solve([listed[j] for j in flat], inclusion.count)
+    if coordinates is None:
+        return None
+    dimension = coordinates[0].count
+    curved = tuple(j for j in chosen if j not in flat)
+    bare = Face(inclusion, (), (), coordinates, dimension)
+    zero = {j for j in inclusion.bending if not bare.restricted(listed[j])} | set(curved)
+    kept = tuple(j for j in curved if bare.restricted(listed[j]))
+    return Face(inclusion, tuple(sorted(zero)), kept, coordinates, dimension)
+
+
+def solve(forms: Sequence[Polynomial], count: int) -> tuple[Polynomial, ...] | None:
+    """The variables where affine forms vanish, as affine forms in the free ones, by Gauss's elimination."""
+    rows = [[*(form.slope(k) for k in range(count)), form.at_origin] for form in forms]
+    pivots: list[int] = []
+    for column in range(count + 1):
+        top = len(pivots)
+        found = next((i for i in range(top, len(rows)) if rows[i][column]), None)
+        if found is None:
+            continue
+        if column == count:
+            return None
+        rows[top], rows[found] = rows[found], rows[top]
+        rows[top] = [value / rows[top][column] for value in rows[top]]
+        for i, row in enumerate(rows):
+            if i != top and row[column]:
+                rows[i] = [a - row[column] * b for a, b in zip(row, rows[top], strict=True)]
+        pivots.append(column)
+    free = [k for k in range(count) if k not in pivots]
+    size = len(free)
+    found_forms = []
+    for k in range(count):
+        if k in free:
+            found_forms.append(variable(size, free.index(k)))
+            continue
+        row = rows[pivots.index(k)]
+        terms = {unit(size, i): -row[other] for i, other in enumerate(free)}
+        found_forms.append(Polynomial(size, {**terms, (0,) * size: -row[count]}))
+    return tuple(found_forms)

@@ -1,0 +1,128 @@
+"""Formulas of a system and of functions, read by Python's grammar and never evaluated by Python.
+
+A formula is built of the states, decimals, ``+ - * / **`` and the switching functions ``sign``, ``Abs``, ``Max``,
+``Min``, ``relu`` and ``sat``.  Where the signs of its switching expressions are known it is a polynomial.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Callable, Mapping
+from fractions import Fraction
+from typing import Any, TypeAlias
+
+from .polynomials import Polynomial, constant
+from .work import BUDGET, MAX_DIGITS, require, text
+
+MAX_DEPTH = 60
+DECIMAL = re.compile(r"[0-9_.]+([eE][+-]?[0-9]{1,3})?")
+NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,30}")
+
+SignOf: TypeAlias = Callable[[Polynomial], int]  # the sign of a switching expression on a cell: -1 or 1
+
+
+class Formula:
+    """A formula in the states.
+
+    Args:
+        data: a text such as ``-sign(x) + y/4``.
+        states: the polynomial that stands for each name.
+
+    Raises:
+        RejectedError: for a text that is too long.
+        SyntaxError: for one that is no formula.
+    """
+
+    def __init__(self, data: Any, states: Mapping[str, Polynomial]) -> None:
+        self.text, self.states = text(data).strip(), states
+        self.count = next(iter(states.values())).count
+        self.tree = ast.parse(self.text, mode="eval").body
+
+    def on(self, sign_of: SignOf) -> Polynomial:
+        """The polynomial on a cell.
+
+        Raises:
+            RejectedError: for anything that is not in the grammar, and from ``sign_of``.
+        """
+        return self._value(self.tree, sign_of, MAX_DEPTH)
+
+    def _value(self, node: ast.expr, sign_of: SignOf, depth: int) -> Polynomial:
+        require(depth > 0, f"formulas of at most {MAX_DEPTH} nested operations")
+        BUDGET.spend(1)
+        match node:
+            case ast.Constant():
+                return constant(self.count, self._number(node))
+            case ast.Name():
+                require(node.id in self.states, "formulas in the states")
+                return self.states[node.id]
+            case ast.UnaryOp(op=ast.UAdd()):
+                return self._value(node.operand, sign_of, depth - 1)
+            case ast.UnaryOp(op=ast.USub()):
+                return -self._value(node.operand, sign_of, depth - 1)
+            case ast.BinOp():
+                return self._operation(node, sign_of, depth - 1)
+            case ast.Call(func=ast.Name(), keywords=[]):
+                values = [self._value(argument, sign_of, depth - 1) for argument in node.args]
+                return switched(node.func.id, values, sign_of)  # type: ignore[attr-defined]
+        require(False, "formulas of sums, products, powers and switching functions")
+        raise AssertionError
+
+    def _number(self, node: ast.Constant) -> Fraction:
+        own = ast.get_source_segment(self.text, node) or ""
+        require(DECIMAL.fullmatch(own) and len(own) <= MAX_DIGITS, "numbers as decimals")
+        return Fraction(own)
+
+    def _operation(self, node: ast.BinOp, sign_of: SignOf, depth: int) -> Polynomial:
+        left = self._value(node.left, sign_of, depth)
+        if isinstance(node.op, ast.Pow):
+            exponent = node.right
+            require(isinstance(exponent, ast.Constant) and type(exponent.value) is int, "whole exponents")
+            return left.power(exponent.value)  # type: ignore[attr-defined]
+        right = self._value(node.right, sign_of, depth)
+        match node.op:
+            case ast.Add():
+                return left + right
+            case ast.Sub():
+                return left - right
+            case ast.Mult():
+                return left * right
+        require(isinstance(node.op, ast.Div) and right and right.degree == 0, "division by numbers that are not zero")
+        return left.times(1 / right.at_origin)
+
+
+def switched(name: str, values: list[Polynomial], sign_of: SignOf) -> Polynomial:
+    """A switching function of polynomials, where the signs of what it switches by are known.
+
+    Raises:
+        RejectedError: for other functions, and for the wrong number of arguments.
+    """
+    if name in ("Max", "max", "Min", "min"):
+        require(values, f"arguments of {name}")
+        chosen = values[0]
+        for value in values[1:]:
+            chosen = larger(chosen, value, sign_of) if name in ("Max", "max") else smaller(chosen, value, sign_of)
+        return chosen
+    if name == "sat":
+        require(len(values) == 3, "three arguments of sat")
+        value, low, high = values
+        return larger(low, smaller(high, value, sign_of), sign_of)
+    require(name in ("sign", "sgn", "Abs", "relu"), "calls of sign, Abs, Max, Min, relu or sat")
+    require(len(values) == 1, f"one argument of {name}")
+    (value,) = values
+    sign, zero = sign_of(value) if value else 0, constant(value.count, 0)
+    if name == "Abs":
+        return value if sign > 0 else -value
+    if name == "relu":
+        return value if sign > 0 else zero
+    return constant(value.count, sign)
+
+
+def larger(a: Polynomial, b: Polynomial, sign_of: SignOf) -> Polynomial:
+    """The larger of two polynomials on a cell."""
+    return a if not a - b or sign_of(a - b) > 0 else b
+
+
+def smaller(a: Polynomial, b: Polynomial, sign_of: SignOf) -> Polynomial:
+    """The smaller one."""
+    return b if not a - b or sign_of(a - b) > 0 else a

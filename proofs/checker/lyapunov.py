@@ -1,0 +1,260 @@
+"""Theorems with a function V: stability, asymptotic stability, instability, regions and rates of an inclusion.
+
+V is continuous, one polynomial on each cell, and zero at the point.
+
+*Falls.*  Along a solution, at almost all times at which exactly the bending surfaces ``g_j, j in B`` vanish, the velocity
+v has ``grad g_j . v = 0``; so V has the derivative ``grad P . v`` for any polynomial P that V has beside this face, and v
+is a mixture of the fields f of the cells that meet there.  If ``(grad P + sum_j mu_j grad g_j) . f < 0`` for functions
+mu_j on the face and all these f, it is negative.  B runs through all sets of bending surfaces that vanish together; for
+B empty these are the conditions on closed cells.  This holds for every solution, on faces that attract and that repel.
+
+*Theorem* (Filippov 1988, Lyapunov).  V positive and falling off the point: asymptotically stable; not rising: stable.
+Falling, and negative at points at all small distances: unstable.  Where ``V >= level`` on the border of the cube no
+solution leaves ``V < level``.  ``V' <= -kappa V`` or ``V' <= -kappa`` is the same with another shift.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from fractions import Fraction
+from math import prod
+from typing import Any, TypeAlias
+
+from .cells import Cell, Face, Inclusion, Pattern, System, pattern, solve, whole
+from .polynomials import Polynomial, constant, lie_derivative, variable
+from .positivity import Claim, Inequality, show
+from .work import items, rational, require, take
+
+Shift: TypeAlias = Callable[[Cell], Polynomial]
+Statement: TypeAlias = dict[str, Any]
+
+ASYMPTOTICALLY_STABLE, STABLE, UNSTABLE = "asymptotically stable", "stable", "unstable"
+
+
+class Proofs:
+    """The evidence of claims, by name; each is used once, and whether all were about forms is noted."""
+
+    def __init__(self, data: Any) -> None:
+        require(type(data) is dict, "proofs by name")
+        self.left, self.are_forms = dict(data), True
+
+    def show(self, claim: Claim) -> None:
+        """Show a claim by the evidence of its name."""
+        require(claim.name in self.left, f"a proof of {claim.name}")
+        show(claim, self.left.pop(claim.name))
+        self.are_forms = self.are_forms and all(own.value.is_form for own in claim.inequalities)
+
+    def require_used(self) -> None:
+        """Nothing is left over."""
+        require(not self.left, "proofs of claims that are asked")
+
+
+class Lyapunov:
+    """The claims about a function V on a domain, each shown by its evidence."""
+
+    def __init__(self, system: System, entry: Any) -> None:
+        within, function, surfaces, empty, faces, proofs = take(entry, "within function surfaces empty faces proofs")
+        self.system, self.within, self.function = system, within, function
+        self.inclusion = Inclusion(system, within, surfaces, empty, function)
+        require(type(faces) is dict, "the cell whose V is taken on each face")
+        self.chosen, self.proofs = faces, Proofs(proofs)
+        self.count = system.count
+        self.bounded = self.inclusion.domain.bounded
+
+    # -- one claim each
+
+    def show_zero(self) -> None:
+        """V is zero at the point."""
+        require(all(not cell.potential.at_origin for cell in self.inclusion.around()), "a V that is zero at the point")
+
+    def show_positive(self) -> None:
+        """V > 0 off the point."""
+        for name, signs, potential in self.inclusion.pieces():
+            guards = whole(self.inclusion).guards(signs) or {}
+            self._show_on_cell(f"V {name}", potential, guards, strict=True)
+
+    def show_falls(self, prefix: str, shift: Shift, *, strict: bool) -> None:
+        """``V' + shift < 0`` off the point, or ``<= 0``: on closed cells and on all faces on which V bends."""
+        space = whole(self.inclusion)
+        for cell in self.inclusion.cells:
+            guards = space.guards(dict(enumerate(cell.signs))) or {}
+            for number, field in cell.fields:
+                value = -(lie_derivative(cell.potential, field) + shift(cell))
+                name = f"{prefix}cell {pattern(cell.signs)} field {number}"
+                self._show_on_cell(name, value, guards, strict=strict)
+        for face in self.inclusion.faces():
+            for name, cells in self._groups(face):
+                if not _is_settled(face, cells):
+                    self._show_falls_on(face, name, cells, prefix, shift, strict=strict)
+
+    def _show_on_cell(self, name: str, value: Polynomial, guards: dict[str, Polynomial], *, strict: bool) -> None:
+        inside = Inequality(value, guards, open=frozenset(guards))
+        self.proofs.show(Claim(name, (inside,), strict, bounded=self.bounded))
+
+    def _groups(self, face: Face) -> Iterator[tuple[str, list[Cell]]]:
+        """The cells beside a face by the signs of the bending surfaces that do not vanish on it."""
+        groups: dict[str, list[Cell]] = {}
+        bending = self.inclusion.bending
+        for cell in self.inclusion.cells:
+            signs = (0 if j in face.zero else s if j in bending else None for j, s in enumerate(cell.signs))
+            groups.setdefault(pattern(signs), []).append(cell)
+        yield from groups.items()
+
+    def _show_falls_on(
+        self, face: Face, name: str, cells: Sequence[Cell], prefix: str, shift: Shift, *, strict: bool
+    ) -> None:
+        """``(grad P + sum_j mu_j grad g_j) . f + shift < 0`` on a face, for each field f beside it."""
+        chosen = [cell for cell in cells if pattern(cell.signs) == self.chosen.get(name)]
+        require(len(chosen) == 1, f"a cell beside the face {name}")
+        potential, surfaces = chosen[0].potential, self.inclusion.surfaces.listed
+        inequalities = []
+        for cell in cells:
+            guards = face.guards({j: s for j, s in enumerate(cell.signs) if j not in face.zero})
+            if guards is None:
+                continue
+            for _, field in cell.fields:
+                value = face.restricted(lie_derivative(potential, field) + shift(chosen[0]))
+                pushes = (face.restricted(lie_derivative(surfaces[j], field)) for j in face.zero)
+                side = tuple(cell.signs[j] for j in face.zero)
+                inequalities.append(Inequality(-value, guards, tuple(-own for own in pushes), face.zeros(), side))
+        if inequalities:
+            away = not face.holds_origin
+            self.proofs.show(Claim(f"{prefix}face {name}", tuple(inequalities), strict, away, self.bounded))
+
+    def show_border(self, level: Fraction) -> None:
+        """V is at least the level on the border of the cube."""
+        for name, signs, potential in self.inclusion.pieces():
+            for k in range(self.count):
+                for side in (1, -1):
+                    coordinates = solve([variable(self.count, k) - constant(self.count, side)], self.count)
+                    face = Face(self.inclusion, (), (), coordinates or (), self.count - 1)
+                    guards = face.guards(signs)
+                    if guards is not None:
+                        above = face.restricted(potential) - constant(face.dimension, level)
+                        place = f"border {name} {'-0+'[side + 1]}{k}"
+                        self.proofs.show(Claim(place, (Inequality(above, guards),), strict=False))
+
+    def zero(self, cell: Cell) -> Polynomial:
+        """No shift."""
+        return constant(cell.potential.count, 0)
+
+    def require_all_of_space(self) -> None:
+        """What was shown on the cube holds in the whole space: cells are cones, and all claims are about forms."""
+        cones = all(own.degree == 1 and own.is_form for own in self.inclusion.surfaces.listed)
+        require(cones and self.proofs.are_forms, "cones and forms, for the whole space")
+
+
+def _is_settled(face: Face, cells: Sequence[Cell]) -> bool:
+    """Whether the claims about closed cells suffice on a face.
+
+    They do where V is one polynomial around it.  They do too where the fields on the face are all those of cells on one
+    side of all its surfaces: v is a mixture of these, and V is one polynomial on that side.
+    """
+    if all(cell.potential == cells[0].potential for cell in cells):
+        return True
+    by_side: dict[Pattern, dict[Pattern, object]] = {}
+    for cell in cells:
+        side = tuple(cell.signs[j] for j in face.zero)
+        rest = tuple(s for j, s in enumerate(cell.signs) if j not in face.zero)
+        by_side.setdefault(side, {})[rest] = {tuple(map(face.restricted, field)) for _, field in cell.fields}
+    largest = max(by_side.values(), key=len)
+    return not face.curved and all(
+        largest.get(rest) == fields for own in by_side.values() for rest, fields in own.items()
+    )
+
+
+# ---- theorems: each shows statements -----------------------------------------------------------
+
+
+def show_stability(system: System, entry: Any) -> list[Statement]:
+    """V is positive and does not rise: stable; it falls: asymptotically stable.
+
+    With ``everywhere``, V and the field are forms on cones: every solution tends to the point.  With ``level``, every
+    start of the cube with ``V < level`` stays there and tends to the point.  With ``rate``, V falls that fast on the
+    cube.
+    """
+    verdict, everywhere, level, rate, lyapunov = take(entry, "verdict everywhere level rate lyapunov")
+    require(verdict in (ASYMPTOTICALLY_STABLE, STABLE), "a verdict")
+    attracts = verdict == ASYMPTOTICALLY_STABLE
+    own = Lyapunov(system, lyapunov)
+    own.show_zero()
+    own.show_positive()
+    own.show_falls("", own.zero, strict=attracts)
+    shown: list[Statement] = [{"stability": verdict}]
+    about = {"function": own.function, "within": own.within}
+    if everywhere is True:
+        require(attracts, "an attracting point")
+        own.require_all_of_space()
+        shown.append({"attracts": "everywhere"})
+    if level is not None:
+        require(attracts and own.bounded and rational(level) > 0, "a positive level around a point that attracts")
+        own.show_border(rational(level))
+        shown.append({"attracts": {**about, "below": level}})
+    if rate is not None:
+        show_rate(own, rate)
+        shown.append({"rate": {**about, **rate}})
+    own.proofs.require_used()
+    return shown
+
+
+def show_rate(own: Lyapunov, rate: Any) -> None:
+    """``V' <= -kappa V`` (exponential) or ``V' <= -kappa`` (finite) off the point, on the domain.
+
+    The derivative is taken here in units of the half-width of the cube.
+    """
+    kind, kappa = take(rate, "kind kappa")
+    speed = rational(kappa) * own.inclusion.domain.radius
+    require(speed > 0 and kind in ("finite", "exponential"), "a positive rate, finite or exponential")
+    whole_rate = constant(own.count, speed)
+
+    def shift(cell: Cell) -> Polynomial:
+        return whole_rate if kind == "finite" else whole_rate * cell.potential
+
+    own.show_falls("rate ", shift, strict=False)
+
+
+def show_instability(system: System, entry: Any) -> list[Statement]:
+    """V falls off the point, and is negative at all small distances in one direction, inside a cell.
+
+    From there V falls, so the solution stays away from the point, where V is zero; away from it V falls at a speed that
+    is bounded from below, and is bounded on the cube: the solution leaves it.
+    """
+    data, lyapunov = take(entry, "direction lyapunov")
+    own = Lyapunov(system, lyapunov)
+    require(own.bounded, "a cube")
+    own.show_zero()
+    own.show_falls("", own.zero, strict=True)
+    own.proofs.require_used()
+    direction = [rational(value) for value in items(data, own.count)]
+    for cell in own.inclusion.cells:
+        surfaces = own.inclusion.surfaces
+        inside = all(sign_along(surfaces.signed(j, s), direction) > 0 for j, s in enumerate(cell.signs))
+        if inside and sign_along(cell.potential, direction) < 0:
+            return [{"stability": UNSTABLE}]
+    require(False, "a V that is negative in the direction")
+    raise AssertionError
+
+
+def show_departure(system: System, entry: Any) -> list[Statement]:
+    """All velocities at the point have a positive product with one direction, so 0 is not in F there.
+
+    F is upper semicontinuous, so near the point all products stay above a positive number: every solution leaves.
+    """
+    data, within, surfaces, empty = take(entry, "direction within surfaces empty")
+    inclusion = Inclusion(system, within, surfaces, empty, "0")
+    direction = [rational(value) for value in items(data, system.count)]
+    for cell in inclusion.around():
+        for _, field in cell.fields:
+            product = sum((n * part.at_origin for n, part in zip(direction, field, strict=True)), Fraction(0))
+            require(product > 0, "a direction in which all velocities at the point lead")
+    return [{"stability": UNSTABLE}, {"equilibrium": False}]
+
+
+def sign_along(value: Polynomial, direction: Sequence[Fraction]) -> int:
+    """The sign of a polynomial at all small distances from the origin in a direction."""
+    by_degree: dict[int, Fraction] = {}
+    for exponents, coefficient in value.terms.items():
+        own = coefficient * prod(x**exponent for x, exponent in zip(direction, exponents, strict=True))
+        by_degree[sum(exponents)] = by_degree.get(sum(exponents), Fraction(0)) + own
+    first = next((by_degree[degree] for degree in sorted(by_degree) if by_degree[degree]), Fraction(0))
+    return (first > 0) - (first < 0)

@@ -1,0 +1,410 @@
+"""Inequalities between polynomials, and the three kinds of evidence that show them; none is searched for here.
+
+An *inequality* says ``p + sum_j mu_j q_j > 0`` at the points of a domain at which all guards g are ``>= 0`` and all
+polynomials of a second list are zero.  A *claim* is a list of inequalities for which there are common functions mu, of
+the place and not necessarily continuous.  The domain is the cube ``|z_k| <= 1`` or the whole space.  A claim is strict
+(``>``) or not (``>=``), and a strict one leaves out the origin or does not.
+
+*squares*: for each inequality ``p + sum_j mu_j q_j = sum_i G_i m_i^T Q_i m_i + sum_j r_j h_j`` with products G of guards,
+vectors m of monomials, positive semidefinite matrices Q, any polynomials r times the polynomials h that are zero, and
+polynomials mu (Putinar 1993).  It is strict if one G is 1, this Q is definite, and its monomials vanish together at the
+origin only, or nowhere.
+
+*simplices*: the domain is a fixed union of simplices, whose corners may be directions.  A tree cuts each of them at
+points of its edges.  On each leaf affine functions mu and numbers ``lambda_g >= 0`` and ``nu_h`` are given for which the coefficients of
+``p + sum mu q - sum lambda g - sum nu h`` in barycentric coordinates are not negative.  It is strict if they are
+positive at all corners but the origin, and on every edge from the origin to a direction.  Or a guard is named that has
+no positive coefficient: the open cell has no point on the leaf, and its closure lies in the union of the others.
+
+*mixture*: numbers lambda for which ``p - sum lambda g`` is affine, with its least value on the domain not negative.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from itertools import permutations, product
+from math import comb, lcm
+from typing import Any, TypeAlias
+
+from .polynomials import MAX_DEGREE, Exponents, Polynomial, constant, unit, variable
+from .work import BUDGET, items, longest, rational, require, take, whole
+
+MAX_SQUARES, MAX_ROWS, MAX_FACTORS = 400, 200, 4
+MAX_CUBE = 4  # dimensions in which the cube is cut into simplices
+
+Corner: TypeAlias = tuple[Fraction, ...]  # (z_1, ..., z_n, w): the point z / w, or the direction z where w = 0
+Coefficients: TypeAlias = dict[Exponents, Fraction]
+
+
+@dataclass(frozen=True)
+class Inequality:
+    """``p + sum_j mu_j q_j > 0`` where guards are not negative and some polynomials are zero.
+
+    Attributes:
+        value: p.
+        guards: by name.
+        pushes: the polynomials q.
+        zeros: the polynomials h that are zero, by name.
+    side: of the field that the inequality is about, on a face.
+    open: guards by name that count where they are positive; the closure of these points is what matters.
+    """
+
+    value: Polynomial
+    guards: Mapping[str, Polynomial]
+    pushes: tuple[Polynomial, ...] = ()
+    zeros: Mapping[str, Polynomial] = field(default_factory=dict)
+    side: tuple[int, ...] = ()
+    open: frozenset[str] = frozenset()
+
+
+@dataclass(frozen=True)
+class Claim:
+    """Inequalities with common functions mu.
+
+    Attributes:
+        name: that of its evidence in the certificate.
+        inequalities: all in the same variables.
+        strict: whether ``> 0`` is claimed.
+        at_origin: whether a strict claim includes the origin.
+        bounded: whether the domain is the cube, not the whole space.
+    """
+
+    name: str
+    inequalities: tuple[Inequality, ...]
+    strict: bool
+    at_origin: bool = False
+    bounded: bool = True
+
+    @property
+    def count(self) -> int:
+        """The number of variables."""
+        return self.inequalities[0].value.count
+
+
+def show(claim: Claim, evidence: Any) -> None:
+    """Show a claim by its evidence.
+
+    Raises:
+        RejectedError: where the evidence does not show it.
+    """
+    require(type(evidence) is dict and len(evidence) in (1, 2), f"evidence of {claim.name}")
+    if "squares" in evidence:
+        _show_by_squares(claim, *take(evidence, "squares", "mu"))
+    elif "simplices" in evidence:
+        _show_by_simplices(claim, *take(evidence, "simplices"))
+    elif "pairs" in evidence:
+        (listed,) = take(evidence, "pairs")
+        asked = list(pairs(claim))
+        for one, own in zip(asked, items(listed, len(asked)), strict=True):
+            show(one, own)
+    else:
+        _show_by_mixture(claim, *take(evidence, "mixture"))
+
+
+def pairs(claim: Claim) -> Iterator[Claim]:
+    """The claims that say that a function mu exists, where there is one: ``p_i |q_j| + p_j |q_i| > 0``.
+
+    Where ``q_i > 0 > q_j`` the inequalities i and j bound mu from below and from above; this is that the bounds leave
+    room.  It is that V falls along the mixture of two fields that is tangent to the face.  Where q_i is zero, or both
+    fields belong to one side, the claims about closed cells say enough.
+    """
+    require(all(len(own.pushes) == 1 for own in claim.inequalities), "one function mu")
+    for (i, a), (j, b) in permutations(enumerate(claim.inequalities), 2):
+        if a.side == b.side:
+            continue
+        rise, fall = a.pushes[0], -b.pushes[0]
+        guards = {**a.guards, **{f"{name}'": own for name, own in b.guards.items()}, "sp": rise, "sq": fall}
+        room = Inequality(a.value * fall + b.value * rise, guards, zeros=a.zeros, open=frozenset(("sp", "sq")))
+        yield Claim(f"{claim.name} pair {i} {j}", (room,), claim.strict, claim.at_origin, claim.bounded)
+
+
+# ---- sums of squares ---------------------------------------------------------------------------
+
+
+def _show_by_squares(claim: Claim, squares: Any, mu: Any) -> None:
+    size = len(claim.inequalities[0].pushes)
+    functions = [read_polynomial(own, claim.count) for own in items(mu or [], size)]
+    for inequality, listed in zip(claim.inequalities, items(squares, len(claim.inequalities)), strict=True):
+        asked = inequality.value
+        for function, push in zip(functions, inequality.pushes, strict=True):
+            asked += function * push
+        total, positive = constant(claim.count, 0), False
+        for entry in items(listed, most=MAX_SQUARES):
+            if type(entry) is dict and "zero" in entry:
+                name, factor = take(entry, "zero factor")
+                require(name in inequality.zeros, "polynomials that are zero")
+                total += read_polynomial(factor, claim.count) * inequality.zeros[name]
+                continue
+            square = Square(entry, claim.count)
+            total += square.expanded(inequality.guards)
+            definite = square.rank() == len(square.gram) and not square.guards
+            positive = positive or (definite and square.separates(at_origin=claim.at_origin))
+        require(total == asked, f"a sum of squares that is the polynomial of {claim.name}")
+        require(positive or not claim.strict, f"a positive square for {claim.name}")
+
+
+def read_polynomial(data: Any, count: int) -> Polynomial:
+    """A polynomial as a list of pairs of coefficient and exponents."""
+    terms: dict[Exponents, Fraction] = {}
+    for entry in items(data):
+        value, exponents = items(entry, 2)
+        key = tuple(whole(k, MAX_DEGREE) for k in items(exponents, count))
+        terms[key] = terms.get(key, Fraction(0)) + rational(value)
+    return Polynomial(count, terms)
+
+
+class Square:
+    """``G m^T Q m``: a product of guards, monomials, and the rows of Q up to the diagonal."""
+
+    def __init__(self, data: Any, count: int) -> None:
+        guards, monomials, gram = take(data, "guards monomials gram")
+        self.count, self.guards = count, items(guards, most=MAX_FACTORS)
+        self.monomials = [
+            tuple(whole(k, MAX_DEGREE) for k in items(own, count)) for own in items(monomials, most=MAX_ROWS)
+        ]
+        rows = items(gram, len(self.monomials))
+        self.gram = [[rational(value) for value in items(row, i + 1)] for i, row in enumerate(rows)]
+
+    def expanded(self, guards: Mapping[str, Polynomial]) -> Polynomial:
+        """The polynomial that it is."""
+        total: dict[Exponents, Fraction] = {}
+        BUDGET.spend(1 + len(self.gram) ** 2)
+        for i, row in enumerate(self.gram):
+            for j, value in enumerate(row):
+                key = tuple(map(int.__add__, self.monomials[i], self.monomials[j]))
+                total[key] = total.get(key, Fraction(0)) + (value if i == j else 2 * value)
+        found = Polynomial(self.count, total)
+        for name in self.guards:
+            require(type(name) is str and name in guards, "guards that hold there")
+            found *= guards[name]
+        return found
+
+    def rank(self) -> int:
+        """The rank of Q, by elimination without fractions (Bareiss 1968).
+
+        Raises:
+            RejectedError: unless Q is positive semidefinite: every pivot is positive, or zero with the rest of its row.
+        """
+        values = [value for row in self.gram for value in row]
+        BUDGET.spend(1 + len(values) * (1 + longest(values) ** 2 // 4096))
+        bottom = lcm(*(value.denominator for value in values))
+        rest = [[int(value * bottom) for value in row] for row in self.gram]
+        size, before, rank = len(rest), 1, 0
+        for k in range(size):
+            pivot = rest[k][k]
+            require(pivot > 0 or not any(rest[i][k] for i in range(k, size)), "positive semidefinite matrices")
+            if not pivot:
+                continue
+            BUDGET.spend((size - k) ** 2 * (1 + pivot.bit_length() ** 2 // 2048))
+            for i in range(k + 1, size):
+                for j in range(k + 1, i + 1):
+                    rest[i][j] = (pivot * rest[i][j] - rest[i][k] * rest[j][k]) // before
+            before = pivot
+            rank += 1
+        return rank
+
+    def separates(self, *, at_origin: bool) -> bool:
+        """Whether the monomials vanish together nowhere, or, where that is enough, at the origin only."""
+        if any(not any(m) for m in self.monomials):
+            return True
+        alone = {next(k for k, e in enumerate(m) if e) for m in self.monomials if sum(map(bool, m)) == 1}
+        return not at_origin and len(alone) == self.count
+
+
+# ---- simplices ---------------------------------------------------------------------------------
+
+
+def root_simplices(count: int, *, bounded: bool) -> Iterator[tuple[Corner, ...]]:
+    """The simplices that the domain consists of; each has the origin as its first corner.
+
+    The cube in n variables: ``2^n n!``, for signs s and orders k of the axes with the corners
+    ``0, s_k1 e_k1, s_k1 e_k1 + s_k2 e_k2, ...``.  The space: ``2^n``, for signs s with the directions ``s_k e_k``.
+    """
+    require(count <= MAX_CUBE, f"simplices in at most {MAX_CUBE} variables")
+    origin = (*(Fraction(0) for _ in range(count)), Fraction(1))
+    for signs in product((1, -1), repeat=count):
+        steps = [tuple(Fraction(s) if i == k else Fraction(0) for i in range(count)) for k, s in enumerate(signs)]
+        if not bounded:
+            yield (origin, *((*step, Fraction(0)) for step in steps))
+            continue
+        for order in permutations(range(count)):
+            corners = [origin]
+            for k in order:
+                corners.append((*map(sum, zip(corners[-1][:count], steps[k], strict=True)), Fraction(1)))
+            yield tuple(corners)
+
+
+def _show_by_simplices(claim: Claim, trees: Any) -> None:
+    roots = list(root_simplices(claim.count, bounded=claim.bounded))
+    for corners, tree in zip(roots, items(trees, len(roots)), strict=True):
+        _show_on_simplex(claim, corners, tree)
+
+
+def _show_on_simplex(claim: Claim, corners: tuple[Corner, ...], tree: Any) -> None:
+    """Follow the tree of one simplex: a cut is ``[i, j, t, near, far]``, a leaf an object with multipliers.
+
+    The new corner is ``(1 - t) P_i + t P_j``; it takes the place of ``P_j`` in the near part and of ``P_i`` in the far.
+    """
+    waiting = [(corners, [Forms(inequality, corners) for inequality in claim.inequalities], tree)]
+    while waiting:
+        corners, forms, node = waiting.pop()
+        if type(node) is dict:
+            _show_on_leaf(claim, corners, forms, node)
+            continue
+        first, second, share, near, far = items(node, 5)
+        i, j, t = whole(first, claim.count), whole(second, claim.count), rational(share)
+        require(i != j and 0 < t < 1, "cuts inside an edge")
+        middle = tuple((1 - t) * a + t * b for a, b in zip(corners[i], corners[j], strict=True))
+        waiting.append((_replaced(corners, j, middle), [own.cut(j, i, t) for own in forms], near))
+        waiting.append((_replaced(corners, i, middle), [own.cut(i, j, 1 - t) for own in forms], far))
+
+
+def _replaced(corners: tuple[Corner, ...], k: int, corner: Corner) -> tuple[Corner, ...]:
+    return (*corners[:k], corner, *corners[k + 1 :])
+
+
+class Forms:
+    """The polynomials of an inequality as forms of one degree in the barycentric coordinates of a simplex."""
+
+    def __init__(self, inequality: Inequality, corners: Sequence[Corner]) -> None:
+        named = {**inequality.guards, **inequality.zeros}
+        listed = [inequality.value, *inequality.pushes, *named.values()]
+        rises = {1 + k for k in range(len(inequality.pushes))}  # times a linear form mu
+        degree = max(own.degree + (k in rises) for k, own in enumerate(listed))
+        self.names, self.signed, self.open = list(named), set(inequality.guards), inequality.open
+        self.pushes = len(inequality.pushes)
+        self.forms = [barycentric(own, degree - (k in rises), corners) for k, own in enumerate(listed)]
+
+    def cut(self, moved: int, kept: int, share: Fraction) -> Forms:
+        """On the part whose corner ``moved`` is ``share`` of itself and the rest of the corner ``kept``."""
+        part = object.__new__(Forms)
+        part.names, part.signed, part.open, part.pushes = self.names, self.signed, self.open, self.pushes
+        part.forms = [cut_form(form, moved, kept, share) for form in self.forms]
+        return part
+
+    def combined(self, mu: Sequence[Sequence[Fraction]], multipliers: Mapping[str, Fraction]) -> Coefficients:
+        """The coefficients of ``p + sum mu q - sum lambda g - sum nu h``; mu by its values at the corners."""
+        total = dict(self.forms[0])
+        for values, form in zip(mu, self.forms[1:], strict=False):
+            for k, value in enumerate(values):
+                add(total, form, value, k)
+        for name, factor in multipliers.items():
+            add(total, self.forms[1 + self.pushes + self.names.index(name)], -factor)
+        return total
+
+    def is_outside(self, name: str, claim: Claim, corners: Sequence[Corner]) -> bool:
+        """Whether the simplex holds no point at which a guard is positive; none at which it is zero unless it is open."""
+        negated = {e: -value for e, value in self.forms[1 + self.pushes + self.names.index(name)].items()}
+        below = all(value >= 0 for value in negated.values())
+        return below and (name in self.open or _is_positive(claim, corners, negated))
+
+
+def barycentric(value: Polynomial, degree: int, corners: Sequence[Corner]) -> Coefficients:
+    """A polynomial p as the form ``w^degree p(z / w)`` of the coordinates t with ``(z, w) = sum_k t_k P_k``."""
+    count = value.count
+    raised = {(*e, degree - sum(e)): c for e, c in value.terms.items()}
+    size = len(corners)
+    coordinates = [
+        Polynomial(size, {unit(size, k): corner[i] for k, corner in enumerate(corners)}) for i in range(count + 1)
+    ]
+    return Polynomial(count + 1, raised).on(coordinates, size).terms
+
+
+def add(total: Coefficients, form: Coefficients, factor: Fraction, k: int | None = None) -> None:
+    """Add a multiple of a form, times the k-th coordinate where one is given."""
+    if not factor:
+        return
+    BUDGET.spend(len(form) * (1 + longest(form.values()) // 64))
+    for e, value in form.items():
+        key = e if k is None else (*e[:k], e[k] + 1, *e[k + 1 :])
+        total[key] = total.get(key, Fraction(0)) + factor * value
+
+
+def cut_form(form: Coefficients, moved: int, kept: int, share: Fraction) -> Coefficients:
+    """The form after ``t_kept -> t_kept + (1 - share) t_moved`` and ``t_moved -> share t_moved``."""
+    BUDGET.spend(1 + len(form) * (1 + longest(form.values()) // 64) * 4)
+    rest, found = 1 - share, Coefficients()
+    for exponents, value in form.items():
+        top, own = exponents[kept], exponents[moved]
+        scaled = value * share**own
+        for k in range(top + 1):
+            key = list(exponents)
+            key[kept], key[moved] = top - k, own + k
+            at = tuple(key)
+            found[at] = found.get(at, Fraction(0)) + scaled * comb(top, k) * rest**k
+    return found
+
+
+def _show_on_leaf(claim: Claim, corners: Sequence[Corner], forms: Sequence[Forms], leaf: Any) -> None:
+    mu_data, listed = take(leaf, "", "mu on")
+    listed_mu = items(mu_data, forms[0].pushes) if mu_data else []
+    mu = [[rational(value) for value in items(own, len(corners))] for own in listed_mu]
+    for own, data in zip(forms, items(listed, len(forms)) if listed else [{}] * len(forms), strict=True):
+        if type(data) is str:
+            require(data in own.signed and own.is_outside(data, claim, corners), f"a guard that is negative, for {claim.name}")
+            continue
+        require(type(data) is dict and set(data) <= set(own.names), "multipliers of guards that hold there")
+        multipliers = {name: rational(value) for name, value in data.items()}
+        require(all(v >= 0 for name, v in multipliers.items() if name in own.signed), "multipliers that are not negative")
+        found = own.combined(mu, multipliers)
+        require(all(value >= 0 for value in found.values()), f"coefficients that are not negative, for {claim.name}")
+        require(not claim.strict or _is_positive(claim, corners, found), f"positive coefficients for {claim.name}")
+
+
+def _is_positive(claim: Claim, corners: Sequence[Corner], found: Coefficients) -> bool:
+    """Whether a form without negative coefficients is positive at all points of a simplex, or all but the origin.
+
+    At a point the coordinates are positive for some set of corners, one of them no direction.  The sets that hold no
+    other such set are single corners that are no directions, and, where the origin does not count, the origin with one
+    direction.
+    """
+    size = len(corners)
+    top = sum(next(iter(found), (0,) * size))
+    origin = None
+    for k, corner in enumerate(corners):
+        if not corner[-1]:
+            continue
+        if not any(corner[:-1]) and not claim.at_origin:
+            origin = k
+        elif not found.get(tuple(top * int(i == k) for i in range(size))):
+            return False
+    if origin is None:
+        return True
+    beside = [k for k, corner in enumerate(corners) if not corner[-1]]
+    return all(
+        any(value for e, value in found.items() if e[k] and e[k] + e[origin] == top) for k in beside
+    )
+
+
+# ---- mixtures ----------------------------------------------------------------------------------
+
+
+def _show_by_mixture(claim: Claim, mixtures: Any) -> None:
+    for inequality, data in zip(claim.inequalities, items(mixtures, len(claim.inequalities)), strict=True):
+        require(type(data) is dict and not inequality.pushes, "multipliers by guard")
+        total = inequality.value
+        for name, value in data.items():
+            factor = rational(value)
+            require(name in inequality.guards and factor >= 0, "multipliers of guards, not negative")
+            total += inequality.guards[name].times(-factor)
+        require(total.degree <= 1, "an affine mixture")
+        slopes = [abs(total.slope(k)) for k in range(total.count)]
+        require(claim.bounded or not any(slopes), "a mixture that is bounded")
+        least = total.at_origin - sum(slopes, Fraction(0))
+        require(least > 0 or (not claim.strict and not least), f"a mixture that is not negative, for {claim.name}")
+
+
+def cube_guards(coordinates: Sequence[Polynomial], count: int) -> dict[str, Polynomial]:
+    """The guards of the cube for affine coordinates: ``1 - z_k^2``, ``1 - z_k`` and ``1 + z_k``, named b, u and d."""
+    one, found = constant(count, 1), {}
+    for k, form in enumerate(coordinates):
+        if form.degree:
+            found.update({f"b{k}": one - form * form, f"u{k}": one - form, f"d{k}": one + form})
+    return found
+
+
+def identity(count: int) -> tuple[Polynomial, ...]:
+    """The variables themselves."""
+    return tuple(variable(count, k) for k in range(count))

@@ -1,0 +1,132 @@
+"""Refusals, the shapes of JSON that a certificate may have, and a budget of work that is charged by the bits of numbers.
+
+*Work.*  A product of numbers with a and b bits costs ``1 + (a b) / 4096`` units, a sum the bits of the longer one over
+64; every function that loops over data of a certificate charges its steps before it does them.  A certificate of N
+bytes may cost at most ``2e7 + 400 N`` units.  Hence no certificate keeps the checker busy for longer than a time that
+grows in proportion to its length.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from fractions import Fraction
+from typing import Any
+
+MAX_BYTES = 64 << 20
+MAX_DIGITS = 4_000  # of a numerator or a denominator
+BASE_WORK, WORK_PER_BYTE = 20_000_000, 400
+
+RATIONAL = re.compile(rf"-?[0-9]{{1,{MAX_DIGITS}}}(/[0-9]{{1,{MAX_DIGITS}}})?")
+
+# What data of another form than a certificate's raise while they are read.
+MALFORMED = (KeyError, TypeError, ValueError, IndexError, AttributeError, ArithmeticError, RecursionError, SyntaxError)
+
+
+class RejectedError(ValueError):
+    """A claim that does not hold, is not shown, or is shown by too much work."""
+
+
+def require(holds: object, claim: str) -> None:
+    """Reject the certificate unless something holds.
+
+    Raises:
+        RejectedError: with the claim.
+    """
+    if not holds:
+        raise RejectedError(claim)
+
+
+class Budget:
+    """The units of work that are left."""
+
+    def __init__(self) -> None:
+        self.left = BASE_WORK
+
+    def grant(self, size: int) -> None:
+        """Begin with a certificate of a number of bytes."""
+        self.left = BASE_WORK + WORK_PER_BYTE * size
+
+    def spend(self, units: int) -> None:
+        """Charge some units.
+
+        Raises:
+            RejectedError: where fewer are left.
+        """
+        self.left -= units
+        require(self.left >= 0, "a certificate that is checked within the limits of work")
+
+
+BUDGET = Budget()
+
+
+def bits(value: Fraction) -> int:
+    """The length of a rational number."""
+    return value.numerator.bit_length() + value.denominator.bit_length()
+
+
+def longest(values: Iterable[Fraction]) -> int:
+    """The length of the longest of some numbers."""
+    return max(map(bits, values), default=1)
+
+
+# ---- shapes of JSON ----------------------------------------------------------------------------
+
+
+def take(data: Any, names: str, optional: str = "") -> list[Any]:
+    """The values of an object by their keys, in the order of the names; None for an optional one that is missing.
+
+    Raises:
+        RejectedError: for data that are no object, and for keys that are missing or not known.
+    """
+    needed, allowed = names.split(), optional.split()
+    known = type(data) is dict and set(needed) <= set(data) <= {*needed, *allowed}
+    require(known, f"an object with the keys {' '.join([*needed, *allowed])}")
+    return [data.get(key) for key in (*needed, *allowed)]
+
+
+def items(data: Any, count: int | None = None, *, most: int | None = None) -> list[Any]:
+    """The items of a list.
+
+    Args:
+        data: of the certificate.
+        count: how many there must be; any number where None.
+        most: how many there may be.
+
+    Raises:
+        RejectedError: for anything else.
+    """
+    require(type(data) is list and count in (None, len(data)), f"a list of {'some' if count is None else count} items")
+    require(most is None or len(data) <= most, f"a list of at most {most} items")
+    return list(data)
+
+
+def text(data: Any, most: int = 4_000) -> str:
+    """A text of limited length.
+
+    Raises:
+        RejectedError: for anything else.
+    """
+    require(type(data) is str and len(data) <= most, f"a text of at most {most} characters")
+    return str(data)
+
+
+def whole(data: Any, most: int) -> int:
+    """A whole number from 0 to a largest one.
+
+    Raises:
+        RejectedError: for anything else; truth values are no numbers.
+    """
+    require(type(data) is int and 0 <= data <= most, f"a whole number from 0 to {most}")
+    return int(data)
+
+
+def rational(data: Any) -> Fraction:
+    """A number that is written as a text such as ``-3/4``.
+
+    Raises:
+        RejectedError: for anything else.
+    """
+    require(type(data) is str and RATIONAL.fullmatch(data), "rational numbers as texts such as '-3/4'")
+    BUDGET.spend(1 + len(data) ** 2 // 4096)
+    return Fraction(data)

@@ -1,0 +1,1 @@
+"""The kernel of proofs: claims of theorems, the search for their evidence, and certificates."""

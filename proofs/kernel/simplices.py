@@ -1,0 +1,349 @@
+"""The search for trees of simplices on whose leaves coefficients show an inequality, in the form the checker follows.
+
+Each root simplex of the domain is cut first where affine guards change their sign on an edge, so that no part lies on
+both sides; parts outside the cell are left.  Then the edge is halved between the corners to which the most negative
+coefficient belongs, and every fourth time the longest one, so that all parts shrink.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from itertools import combinations
+from math import comb
+from typing import Any, TypeAlias
+
+from flint import fmpq
+
+from nonsmooth.proofs.checker.polynomials import Polynomial
+from nonsmooth.proofs.checker.positivity import Claim, pairs, root_simplices
+
+Exponents: TypeAlias = tuple[int, ...]
+Form: TypeAlias = dict[Exponents, fmpq]
+Corner: TypeAlias = tuple[fmpq, ...]
+
+
+@dataclass
+class Part:
+    """A simplex on its way to being shown.
+
+    Attributes:
+        corners: in homogeneous coordinates.
+        values: for each inequality the forms of p and of the polynomials q.
+        guards: for each inequality the forms of its guards.
+        depth: the number of cuts above it.
+        node: its tree, once it is known.
+    """
+
+    corners: tuple[Corner, ...]
+    values: list[list[Form]]
+    guards: list[dict[str, Form]]
+    depth: int
+    node: Any = field(default=None)
+
+
+def search(claim: Claim, work: int) -> dict[str, Any] | None:
+    """A tree for every root simplex of a claim.
+
+    Args:
+        claim: without polynomials that are zero.
+        work: coefficients that may be looked at.
+
+    Returns:
+        The evidence; None where it was not found with this work, or where the claim is false at a corner.
+    """
+    if any(inequality.zeros for inequality in claim.inequalities):
+        return None
+    if len(claim.inequalities[0].pushes) == 1:
+        found = [search(own, work) for own in pairs(claim)]
+        return None if any(own is None for own in found) else {"pairs": found}
+    trees = []
+    for corners in root_simplices(claim.count, bounded=claim.bounded):
+        root = _root(claim, corners)
+        left = _grow(claim, root, work)
+        if left is None:
+            return None
+        work = left
+        trees.append(_tree(root))
+    return {"simplices": trees}
+
+
+def _root(claim: Claim, corners: Sequence[Sequence[Fraction]]) -> Part:
+    exact = tuple(tuple(fmpq(x.numerator, x.denominator) for x in corner) for corner in corners)
+    values = [[_form(own, exact) for own in (i.value, *i.pushes)] for i in claim.inequalities]
+    guards = [
+        {name: _form(own, exact) for name, own in i.guards.items() if name[0] == "s"} for i in claim.inequalities
+    ]
+    return Part(exact, values, guards, 0)
+
+
+def _form(value: Polynomial, corners: Sequence[Corner]) -> Form:
+    """A polynomial as a form of its own degree in barycentric coordinates."""
+    size, degree = len(corners), value.degree
+    linear = [{_unit(size, k): corner[i] for k, corner in enumerate(corners) if corner[i]} for i in range(size)]
+    powers: list[list[Form]] = [[{(0,) * size: fmpq(1)}] for _ in linear]
+    total: Form = {}
+    for exponents, c in value.terms.items():
+        part: Form = {(0,) * size: fmpq(c.numerator, c.denominator)}
+        for own, form, power in zip(powers, linear, (*exponents, degree - sum(exponents)), strict=True):
+            while len(own) <= power:
+                own.append(_product(own[-1], form))
+            part = _product(part, own[power]) if power else part
+        for e, v in part.items():
+            total[e] = total.get(e, fmpq(0)) + v
+    return {e: v for e, v in total.items() if v}
+
+
+def _unit(size: int, k: int) -> Exponents:
+    return tuple(int(i == k) for i in range(size))
+
+
+def _product(first: Form, second: Form) -> Form:
+    total: Form = {}
+    for a, u in first.items():
+        for b, v in second.items():
+            key = tuple(map(int.__add__, a, b))
+            total[key] = total.get(key, fmpq(0)) + u * v
+    return total
+
+
+def _grow(claim: Claim, root: Part, work: int) -> int | None:
+    """Cut a root simplex until every leaf is shown; the work that is left, None where it is not shown."""
+    waiting = [root]
+    while waiting:
+        part = waiting.pop(0)
+        work -= sum(len(form) for forms in part.values for form in forms)
+        if work <= 0:
+            return None
+        leaf = _leaf(claim, part)
+        if leaf is not None:
+            part.node = leaf
+            continue
+        if _is_refuted(claim, part):
+            return None
+        i, j, share = _cut(claim, part)
+        near, far = _halves(part, i, j, share)
+        part.node = (i, j, share, near, far)
+        waiting += [near, far]
+    return work
+
+
+def _leaf(claim: Claim, part: Part) -> dict[str, Any] | None:
+    """The multipliers with which the coefficients show all inequalities on a part."""
+    asked = zip(claim.inequalities, part.guards, strict=True)
+    outside = [_outside(claim, part, inequality.open, guards) for inequality, guards in asked]
+    inside = [values for values, name in zip(part.values, outside, strict=True) if name is None]
+    mu = _common_mu(claim, part, inside)
+    if mu is None:
+        return None
+    leaf: dict[str, Any] = {}
+    if any(map(any, mu)):
+        leaf["mu"] = [[str(value) for value in own] for own in mu]
+    if any(outside):
+        leaf["on"] = [{} if name is None else name for name in outside]
+    return leaf
+
+
+def _outside(claim: Claim, part: Part, free: frozenset[str], guards: dict[str, Form]) -> str | None:
+    """A guard that is positive nowhere on the part."""
+    for name, form in guards.items():
+        if all(value <= 0 for value in form.values()):
+            negated = {e: -value for e, value in form.items()}
+            if name in free or is_positive(claim, part.corners, negated):
+                return name
+    return None
+
+
+def _common_mu(claim: Claim, part: Part, inside: Sequence[Sequence[Form]]) -> list[list[fmpq]] | None:
+    """Values at the corners of affine functions mu with which the coefficients of all ``p + sum mu q`` show them.
+
+    Of one mu, every coefficient bounds a factor: of the constant function, and of that which is zero at the origin.
+    """
+    size, count = len(part.corners), len(part.values[0]) - 1
+    shapes = [[fmpq(0)] * size]
+    if count == 1:
+        shapes += [[fmpq(1)] * size, [fmpq(int(any(corner[:-1]))) for corner in part.corners]]
+    for shape in shapes:
+        pushed = [[own[0], *(_times_affine(push, shape) for push in own[1:])] for own in inside]
+        factor = _factor(pushed) if any(shape) else fmpq(0)
+        if factor is not None and all(_shows(claim, part, forms, factor) for forms in pushed):
+            return [[factor * value for value in shape]] * count
+    return None
+
+
+def _times_affine(form: Form, values: Sequence[fmpq]) -> Form:
+    """A form times the affine function with given values at the corners."""
+    total: Form = {}
+    for e, coefficient in form.items():
+        for k, value in enumerate(values):
+            if value:
+                key = (*e[:k], e[k] + 1, *e[k + 1 :])
+                total[key] = total.get(key, fmpq(0)) + value * coefficient
+    return total
+
+
+def _factor(inside: Sequence[Sequence[Form]]) -> fmpq | None:
+    """The middle of the interval of factors m for which no coefficient of any ``p + m q`` is negative."""
+    low: fmpq | None = None
+    high: fmpq | None = None
+    for value, push in inside:
+        degree = max(_degree(value), _degree(push))
+        value, push = _raised(value, degree), _raised(push, degree)
+        for e in {*value, *push}:
+            a, b = value.get(e, fmpq(0)), push.get(e, fmpq(0))
+            if b > 0:
+                low = -a / b if low is None else max(low, -a / b)
+            elif b < 0:
+                high = -a / b if high is None else min(high, -a / b)
+            elif a < 0:
+                return None
+    if low is None or high is None:
+        return low + 1 if low is not None else high - 1 if high is not None else fmpq(0)
+    return (low + high) / 2 if low <= high else None
+
+
+def _degree(form: Form) -> int:
+    return sum(next(iter(form), ()))
+
+
+def _raised(form: Form, degree: int) -> Form:
+    """The same form times a power of the sum of all coordinates."""
+    while form and _degree(form) < degree:
+        size = len(next(iter(form)))
+        total: Form = {}
+        for e, value in form.items():
+            for k in range(size):
+                key = (*e[:k], e[k] + 1, *e[k + 1 :])
+                total[key] = total.get(key, fmpq(0)) + value
+        form = total
+    return form
+
+
+def _shows(claim: Claim, part: Part, forms: Sequence[Form], factor: fmpq) -> bool:
+    """Whether the coefficients of ``p + factor sum q`` show the inequality on a part."""
+    total = forms[0]
+    if factor:
+        degree = max(map(_degree, forms))
+        total = dict(_raised(forms[0], degree))
+        for form in forms[1:]:
+            for e, value in _raised(form, degree).items():
+                total[e] = total.get(e, fmpq(0)) + factor * value
+    if any(value < 0 for value in total.values()):
+        return False
+    return not claim.strict or is_positive(claim, part.corners, total)
+
+
+def is_positive(claim: Claim, corners: Sequence[Corner], found: Form) -> bool:
+    """Whether a form without negative coefficients is positive at all points of the part that count."""
+    size, top = len(corners), _degree(found)
+    origin = None
+    for k, corner in enumerate(corners):
+        if not corner[-1]:
+            continue
+        if not any(corner[:-1]) and not claim.at_origin:
+            origin = k
+        elif not found.get(tuple(top * int(i == k) for i in range(size))):
+            return False
+    if origin is None:
+        return True
+    beside = [k for k, corner in enumerate(corners) if not corner[-1]]
+    return all(any(value for e, value in found.items() if e[k] and e[k] + e[origin] == top) for k in beside)
+
+
+def _is_refuted(claim: Claim, part: Part) -> bool:
+    """Whether an inequality without mu is false at a corner that lies in the closed cell."""
+    size = len(part.corners)
+    for k, corner in enumerate(part.corners):
+        if not corner[-1] or (not any(corner[:-1]) and not claim.at_origin):
+            continue
+        for forms, guards in zip(part.values, part.guards, strict=True):
+            if len(forms) > 1 or any(_at(form, k, size) <= 0 for form in guards.values()):
+                continue
+            here = _at(forms[0], k, size)
+            if here < 0 or (claim.strict and not here):
+                return True
+    return False
+
+
+def _at(form: Form, k: int, size: int) -> fmpq:
+    return form.get(tuple(_degree(form) * int(i == k) for i in range(size)), fmpq(0))
+
+
+def _cut(claim: Claim, part: Part) -> tuple[int, int, fmpq]:
+    """Where to cut: an affine guard that changes its sign on an edge, else the edge of doubt, else the longest."""
+    size = len(part.corners)
+    for guards in part.guards:
+        for form in guards.values():
+            if _degree(form) != 1:
+                continue
+            at = [form.get(_unit(size, k), fmpq(0)) for k in range(size)]
+            for i, j in combinations(range(size), 2):
+                if at[i] * at[j] < 0:
+                    return i, j, at[i] / (at[i] - at[j])
+    edge = _edge_of_doubt(part) if part.depth % 4 < 3 else None
+    if edge is None:
+        edge = _longest_edge(part.corners, near=part.depth % 2 == 0)
+    return (*edge, fmpq(1, 2))
+
+
+def _edge_of_doubt(part: Part) -> tuple[int, int] | None:
+    """Between the two corners to which the most negative coefficient of a p belongs most."""
+    lowest, place = fmpq(0), None
+    for forms in part.values:
+        for e, value in forms[0].items():
+            if value < lowest:
+                lowest, place = value, e
+    if place is None:
+        return None
+    first, second = sorted(range(len(place)), key=lambda k: -place[k])[:2]
+    return (first, second) if place[second] else None
+
+
+def _longest_edge(corners: Sequence[Corner], *, near: bool) -> tuple[int, int]:
+    """The longest edge where the space is drawn into a cube; every second time one that does not end at the origin."""
+    places = []
+    for corner in corners:
+        size = max(map(abs, corner))
+        places.append([float(x / size) for x in corner[:-1]])
+    edges = list(combinations(range(len(corners)), 2))
+    away = [edge for edge in edges if all(any(corners[k][:-1]) for k in edge)]
+    return max(
+        away if near and away else edges,
+        key=lambda edge: sum((a - b) ** 2 for a, b in zip(places[edge[0]], places[edge[1]], strict=True)),
+    )
+
+
+def _halves(part: Part, i: int, j: int, share: fmpq) -> tuple[Part, Part]:
+    middle = tuple((1 - share) * a + share * b for a, b in zip(part.corners[i], part.corners[j], strict=True))
+    return _half(part, j, i, share, middle), _half(part, i, j, 1 - share, middle)
+
+
+def _half(part: Part, moved: int, kept: int, share: fmpq, middle: Corner) -> Part:
+    corners = (*part.corners[:moved], middle, *part.corners[moved + 1 :])
+    values = [[_cut_form(form, moved, kept, share) for form in forms] for forms in part.values]
+    guards = [{name: _cut_form(form, moved, kept, share) for name, form in own.items()} for own in part.guards]
+    return Part(corners, values, guards, part.depth + 1)
+
+
+def _cut_form(form: Form, moved: int, kept: int, share: fmpq) -> Form:
+    """The form after ``t_kept -> t_kept + (1 - share) t_moved`` and ``t_moved -> share t_moved``."""
+    rest = 1 - share
+    found: Form = {}
+    for exponents, value in form.items():
+        top, own = exponents[kept], exponents[moved]
+        scaled = value * share**own
+        for k in range(top + 1):
+            key = list(exponents)
+            key[kept], key[moved] = top - k, own + k
+            at = tuple(key)
+            found[at] = found.get(at, fmpq(0)) + scaled * comb(top, k) * rest**k
+    return {e: value for e, value in found.items() if value}
+
+
+def _tree(root: Part) -> Any:
+    """The tree below a part, as certificates write it."""
+    if isinstance(root.node, dict):
+        return root.node
+    i, j, share, near, far = root.node
+    return [i, j, str(share), _tree(near), _tree(far)]
