@@ -19,7 +19,7 @@ from .positivity import Claim, Inequality, cube_guards, identity, show
 from .work import BUDGET, items, rational, require, take, text
 
 MIN_STATES, MAX_STATES = 1, 8
-MAX_FIELDS, MAX_SURFACES, MAX_CELLS, MAX_EMPTY = 8, 64, 1_000, 2_000
+MAX_FIELDS, MAX_SURFACES, MAX_CELLS, MAX_EMPTY = 64, 64, 1_000, 2_000
 MAX_FACES = 2_000
 
 Pattern: TypeAlias = tuple[int, ...]  # a sign, -1 or 1, of every surface
@@ -181,16 +181,16 @@ class Cell:
     Attributes:
         signs: of every surface.
         fields: the different ones, each with the number of the first right-hand side that has it.
-        potential: the function V there.
+        functions: V there, and W where a theorem has one.
     """
 
     signs: Pattern
     fields: tuple[tuple[int, tuple[Polynomial, ...]], ...]
-    potential: Polynomial
+    functions: tuple[Polynomial, ...]
 
 
 class Function:
-    """V: one formula in the displacement, or one for each pattern of signs of some surfaces."""
+    """V or W: one formula in the displacement, or one for each pattern of signs of some surfaces."""
 
     def __init__(self, domain: Domain, surfaces: Surfaces, data: Any) -> None:
         self.surfaces = surfaces
@@ -207,31 +207,31 @@ class Function:
             for own, formula in self.pieces
             if all(signs[j] == s for j, s in own.items())
         }
-        require(len(found) == 1, "one formula of V on every cell")
+        require(len(found) == 1, "one formula of a function on every cell")
         return found.pop()
 
 
 class Inclusion:
-    """The cells of a system on a domain, with a function V."""
+    """The cells of a system on a domain, with the functions of a theorem."""
 
-    def __init__(self, system: System, within: Any, surfaces: Any, empty: Any, function: Any) -> None:
+    def __init__(self, system: System, within: Any, surfaces: Any, empty: Any, functions: Sequence[Any]) -> None:
         self.domain = Domain(system, within)
         self.count, self.surfaces = system.count, Surfaces(self.domain, surfaces, empty)
         fields = [[Formula(own, self.domain.place) for own in side] for side in system.rhs]
-        potential = Function(self.domain, self.surfaces, function)
-        self.cells = [self._cell(signs, fields, potential) for signs in self.surfaces.patterns()]
+        own = [Function(self.domain, self.surfaces, function) for function in functions]
+        self.cells = [self._cell(signs, fields, own) for signs in self.surfaces.patterns()]
         self.bending = self._bending_surfaces()
 
-    def _cell(self, signs: Pattern, fields: Sequence[Sequence[Formula]], potential: Function) -> Cell:
+    def _cell(self, signs: Pattern, fields: Sequence[Sequence[Formula]], functions: Sequence[Function]) -> Cell:
         def sign_of(value: Polynomial) -> int:
             return self.surfaces.sign_on(signs, value)
 
         own = [tuple(formula.on(sign_of) for formula in field) for field in fields]
         different = tuple((k, field) for k, field in enumerate(own) if field not in own[:k])
-        return Cell(signs, different, potential.on(signs))
+        return Cell(signs, different, tuple(function.on(signs) for function in functions))
 
     def _bending_surfaces(self) -> tuple[int, ...]:
-        """The surfaces across which V changes its polynomial; V is shown to be continuous.
+        """The surfaces across which a function changes its polynomial; the functions are shown to be continuous.
 
         The polynomials of cells that differ in one sign differ by a multiple of that surface.  Cells of hyperplanes that
         have a point in common are joined by such steps among cells that hold it.  Of curved surfaces this is required
@@ -243,18 +243,18 @@ class Inclusion:
         for cell in self.cells:
             for j in range(len(cell.signs)):
                 other = by_signs.get(flipped(cell.signs, j))
-                if cell.signs[j] > 0 and other is not None and other.potential != cell.potential:
-                    gap = cell.potential - other.potential
-                    require(gap.divided(listed[j]) is not None, "a V that is continuous")
+                if cell.signs[j] > 0 and other is not None and other.functions != cell.functions:
+                    gaps = [a - b for a, b in zip(cell.functions, other.functions, strict=True)]
+                    require(all(gap.divided(listed[j]) is not None for gap in gaps), "functions that are continuous")
                     found.add(j)
         bending = tuple(sorted(found))
-        pieces: dict[Pattern, Polynomial] = {}
+        pieces: dict[Pattern, tuple[Polynomial, ...]] = {}
         for cell in self.cells:
-            own = pieces.setdefault(tuple(cell.signs[j] for j in bending), cell.potential)
-            require(own == cell.potential, "a V that bends on its surfaces alone")
+            own = pieces.setdefault(tuple(cell.signs[j] for j in bending), cell.functions)
+            require(own == cell.functions, "functions that bend on their surfaces alone")
         if any(listed[j].degree > 1 for j in bending):
             joined = all(are_joined(a, b, set(pieces)) for a, b in combinations(pieces, 2))
-            require(joined, "a V whose cells are joined by single steps across curved surfaces")
+            require(joined, "functions whose cells are joined by single steps across curved surfaces")
         return bending
 
     def around(self) -> list[Cell]:
@@ -263,13 +263,13 @@ class Inclusion:
         return [cell for cell in self.cells if all(s * v >= 0 for s, v in zip(cell.signs, at, strict=True))]
 
     def pieces(self) -> Iterator[tuple[str, Signs, Polynomial]]:
-        """V on each of its own cells: name, signs of the bending surfaces, polynomial."""
+        """The first function on each of the cells of the bending surfaces: name, their signs, polynomial."""
         seen = set()
         for cell in self.cells:
             name = pattern(s if j in self.bending else None for j, s in enumerate(cell.signs))
             if name not in seen:
                 seen.add(name)
-                yield name, {j: cell.signs[j] for j in self.bending}, cell.potential
+                yield name, {j: cell.signs[j] for j in self.bending}, cell.functions[0]
 
     def faces(self) -> list[Face]:
         """Every set of bending surfaces that may vanish together off the point, with all that vanish there with them."""

@@ -53,11 +53,13 @@ class Lyapunov:
     """The claims about a function V on a domain, each shown by its evidence."""
 
     def __init__(self, system: System, entry: Any) -> None:
-        within, function, surfaces, empty, faces, proofs = take(entry, "within function surfaces empty faces proofs")
+        names = "within function surfaces empty proofs"
+        within, function, surfaces, empty, proofs, second = take(entry, names, "second")
         self.system, self.within, self.function = system, within, function
-        self.inclusion = Inclusion(system, within, surfaces, empty, function)
-        require(type(faces) is dict, "the cell whose V is taken on each face")
-        self.chosen, self.proofs = faces, Proofs(proofs)
+        functions = [function] if second is None else [function, second]
+        self.inclusion = Inclusion(system, within, surfaces, empty, functions)
+        self.has_second = second is not None
+        self.proofs = Proofs(proofs)
         self.count = system.count
         self.bounded = self.inclusion.domain.bounded
 
@@ -65,7 +67,7 @@ class Lyapunov:
 
     def show_zero(self) -> None:
         """V is zero at the point."""
-        require(all(not cell.potential.at_origin for cell in self.inclusion.around()), "a V that is zero at the point")
+        require(all(not cell.functions[0].at_origin for cell in self.inclusion.around()), "a V that is zero at the point")
 
     def show_positive(self) -> None:
         """V > 0 off the point."""
@@ -79,7 +81,7 @@ class Lyapunov:
         for cell in self.inclusion.cells:
             guards = space.guards(dict(enumerate(cell.signs))) or {}
             for number, field in cell.fields:
-                value = -(lie_derivative(cell.potential, field) + shift(cell))
+                value = -(lie_derivative(cell.functions[0], field) + shift(cell))
                 name = f"{prefix}cell {pattern(cell.signs)} field {number}"
                 self._show_on_cell(name, value, guards, strict=strict)
         for face in self.inclusion.faces():
@@ -104,22 +106,54 @@ class Lyapunov:
         self, face: Face, name: str, cells: Sequence[Cell], prefix: str, shift: Shift, *, strict: bool
     ) -> None:
         """``(grad P + sum_j mu_j grad g_j) . f + shift < 0`` on a face, for each field f beside it."""
-        chosen = [cell for cell in cells if pattern(cell.signs) == self.chosen.get(name)]
-        require(len(chosen) == 1, f"a cell beside the face {name}")
-        potential, surfaces = chosen[0].potential, self.inclusion.surfaces.listed
+        first, surfaces = cells[0], self.inclusion.surfaces.listed
         inequalities = []
         for cell in cells:
             guards = face.guards({j: s for j, s in enumerate(cell.signs) if j not in face.zero})
             if guards is None:
                 continue
             for _, field in cell.fields:
-                value = face.restricted(lie_derivative(potential, field) + shift(chosen[0]))
+                value = face.restricted(lie_derivative(first.functions[0], field) + shift(first))
                 pushes = (face.restricted(lie_derivative(surfaces[j], field)) for j in face.zero)
                 side = tuple(cell.signs[j] for j in face.zero)
                 inequalities.append(Inequality(-value, guards, tuple(-own for own in pushes), face.zeros(), side))
         if inequalities:
             away = not face.holds_origin
             self.proofs.show(Claim(f"{prefix}face {name}", tuple(inequalities), strict, away, self.bounded))
+
+    def show_leaves(self) -> None:
+        """``W' > 0`` off the point along every velocity of a solution for which ``V' = 0``: W is the second function.
+
+        V' is known not to be positive.  On a face the fields of a mixture with ``V' = 0`` are those whose weighted
+        values of ``-V'`` add to zero, so that a multiple nu of these values may be added, as those of the functions mu.
+        """
+        space = whole(self.inclusion)
+        for cell in self.inclusion.cells:
+            guards = space.guards(dict(enumerate(cell.signs))) or {}
+            for number, field in cell.fields:
+                rise, fall = (lie_derivative(own, field) for own in (cell.functions[1], cell.functions[0]))
+                inside = Inequality(rise, {**guards, "sv": fall}, open=frozenset(guards))
+                name = f"leaves cell {pattern(cell.signs)} field {number}"
+                self.proofs.show(Claim(name, (inside,), strict=True, bounded=self.bounded))
+        for face in self.inclusion.faces():
+            for name, cells in self._groups(face):
+                if not _is_settled(face, cells):
+                    self._show_leaves_on(face, name, cells)
+
+    def _show_leaves_on(self, face: Face, name: str, cells: Sequence[Cell]) -> None:
+        first, surfaces, inequalities = cells[0], self.inclusion.surfaces.listed, []
+        for cell in cells:
+            guards = face.guards({j: s for j, s in enumerate(cell.signs) if j not in face.zero})
+            if guards is None:
+                continue
+            side = tuple(cell.signs[j] for j in face.zero)
+            for _, field in cell.fields:
+                rise, fall = (face.restricted(lie_derivative(own, field)) for own in reversed(first.functions))
+                pushes = tuple(face.restricted(lie_derivative(surfaces[j], field)) for j in face.zero)
+                inequalities.append(Inequality(rise, guards, pushes, face.zeros(), side, weak=-fall))
+        if inequalities:
+            away = not face.holds_origin
+            self.proofs.show(Claim(f"leaves face {name}", tuple(inequalities), True, away, self.bounded))
 
     def show_border(self, level: Fraction) -> None:
         """V is at least the level on the border of the cube."""
@@ -136,7 +170,7 @@ class Lyapunov:
 
     def zero(self, cell: Cell) -> Polynomial:
         """No shift."""
-        return constant(cell.potential.count, 0)
+        return constant(self.count, 0)
 
     def require_all_of_space(self) -> None:
         """What was shown on the cube holds in the whole space: cells are cones, and all claims are about forms."""
@@ -150,7 +184,7 @@ def _is_settled(face: Face, cells: Sequence[Cell]) -> bool:
     They do where V is one polynomial around it.  They do too where the fields on the face are all those of cells on one
     side of all its surfaces: v is a mixture of these, and V is one polynomial on that side.
     """
-    if all(cell.potential == cells[0].potential for cell in cells):
+    if all(cell.functions == cells[0].functions for cell in cells):
         return True
     by_side: dict[Pattern, dict[Pattern, object]] = {}
     for cell in cells:
@@ -169,6 +203,10 @@ def _is_settled(face: Face, cells: Sequence[Cell]) -> bool:
 def show_stability(system: System, entry: Any) -> list[Statement]:
     """V is positive and does not rise: stable; it falls: asymptotically stable.
 
+    A V that does not rise is enough for attraction where no other solution stays where ``V' = 0``, which a second
+    function W shows (LaSalle 1960; Matrosov 1962; Ryan 1998).  A bounded solution tends to a set L that is weakly
+    invariant, with V constant.  A solution in L has ``V' = 0`` at almost all times, so W rises along it, to a limit;
+    what it tends to is weakly invariant too, with W constant, and W rises there: a contradiction unless L is the point.
     With ``everywhere``, V and the field are forms on cones: every solution tends to the point.  With ``level``, every
     start of the cube with ``V < level`` stays there and tends to the point.  With ``rate``, V falls that fast on the
     cube.
@@ -179,7 +217,10 @@ def show_stability(system: System, entry: Any) -> list[Statement]:
     own = Lyapunov(system, lyapunov)
     own.show_zero()
     own.show_positive()
-    own.show_falls("", own.zero, strict=attracts)
+    own.show_falls("", own.zero, strict=attracts and not own.has_second)
+    if own.has_second:
+        require(attracts, "a second function where the point attracts")
+        own.show_leaves()
     shown: list[Statement] = [{"stability": verdict}]
     about = {"function": own.function, "within": own.within}
     if everywhere is True:
@@ -208,7 +249,7 @@ def show_rate(own: Lyapunov, rate: Any) -> None:
     whole_rate = constant(own.count, speed)
 
     def shift(cell: Cell) -> Polynomial:
-        return whole_rate if kind == "finite" else whole_rate * cell.potential
+        return whole_rate if kind == "finite" else whole_rate * cell.functions[0]
 
     own.show_falls("rate ", shift, strict=False)
 
@@ -217,19 +258,22 @@ def show_instability(system: System, entry: Any) -> list[Statement]:
     """V falls off the point, and is negative at all small distances in one direction, inside a cell.
 
     From there V falls, so the solution stays away from the point, where V is zero; away from it V falls at a speed that
-    is bounded from below, and is bounded on the cube: the solution leaves it.
+    is bounded from below, and is bounded on the cube: the solution leaves it.  A V that does not rise is enough where a
+    second function W shows that no solution stays where ``V' = 0``.
     """
     data, lyapunov = take(entry, "direction lyapunov")
     own = Lyapunov(system, lyapunov)
     require(own.bounded, "a cube")
     own.show_zero()
-    own.show_falls("", own.zero, strict=True)
+    own.show_falls("", own.zero, strict=not own.has_second)
+    if own.has_second:
+        own.show_leaves()
     own.proofs.require_used()
     direction = [rational(value) for value in items(data, own.count)]
     for cell in own.inclusion.cells:
         surfaces = own.inclusion.surfaces
         inside = all(sign_along(surfaces.signed(j, s), direction) > 0 for j, s in enumerate(cell.signs))
-        if inside and sign_along(cell.potential, direction) < 0:
+        if inside and sign_along(cell.functions[0], direction) < 0:
             return [{"stability": UNSTABLE}]
     require(False, "a V that is negative in the direction")
     raise AssertionError
@@ -241,7 +285,7 @@ def show_departure(system: System, entry: Any) -> list[Statement]:
     F is upper semicontinuous, so near the point all products stay above a positive number: every solution leaves.
     """
     data, within, surfaces, empty = take(entry, "direction within surfaces empty")
-    inclusion = Inclusion(system, within, surfaces, empty, "0")
+    inclusion = Inclusion(system, within, surfaces, empty, ["0"])
     direction = [rational(value) for value in items(data, system.count)]
     for cell in inclusion.around():
         for _, field in cell.fields:

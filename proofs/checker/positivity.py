@@ -48,6 +48,7 @@ class Inequality:
         pushes: the polynomials q.
         zeros: the polynomials h that are zero, by name.
     side: of the field that the inequality is about, on a face.
+    weak: another value, of which it is known that the mixtures that matter make it zero.
     open: guards by name that count where they are positive; the closure of these points is what matters.
     """
 
@@ -56,6 +57,7 @@ class Inequality:
     pushes: tuple[Polynomial, ...] = ()
     zeros: Mapping[str, Polynomial] = field(default_factory=dict)
     side: tuple[int, ...] = ()
+    weak: Polynomial | None = None
     open: frozenset[str] = frozenset()
 
 
@@ -116,6 +118,8 @@ def pairs(claim: Claim) -> Iterator[Claim]:
             continue
         rise, fall = a.pushes[0], -b.pushes[0]
         guards = {**a.guards, **{f"{name}'": own for name, own in b.guards.items()}, "sp": rise, "sq": fall}
+        if a.weak is not None and b.weak is not None:
+            guards["sv"] = -(a.weak * fall + b.weak * rise)
         room = Inequality(a.value * fall + b.value * rise, guards, zeros=a.zeros, open=frozenset(("sp", "sq")))
         yield Claim(f"{claim.name} pair {i} {j}", (room,), claim.strict, claim.at_origin, claim.bounded)
 
