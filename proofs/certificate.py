@@ -1,4 +1,4 @@
-"""Certificates: a verdict under rule ``nearest`` or ``box`` as data that :mod:`nonsmooth.proofs.checker` re-checks.
+"""Certificates: a verdict under rule ``nearest`` or ``box`` as data that :mod:`nonsmooth.proofs.checker.arrays` re-checks.
 
 A certificate holds the wheels, the cells with their twists, and for each clause what shows its verdict: weights and
 multipliers of the drift, a separating direction, the squared radius of the disc on which V* keeps its sign; signs of
@@ -25,7 +25,7 @@ from nonsmooth.analysis.cells.loads import load_regions
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.contact_rule import contact_rule, rule_of
-from nonsmooth.proofs.checker import ROBUST, SCHEMA, check_certificate
+from nonsmooth.proofs.checker.arrays import ROBUST, SCHEMA, check_certificate
 from nonsmooth.proofs.clauses.equilibrium.on_cells import decide_equilibrium
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, rim_signs
 from nonsmooth.proofs.clauses.feedback.clause import AnyFeedback
@@ -265,7 +265,7 @@ def _notes(result: CellCheck) -> Record:
         "reasons": {name: getattr(result, name).reason for name in clauses} | {"theorem4": result.reason},
         "drift": None if result.rotation.drift is None else [brief_text(end) for end in result.rotation.drift.interval],
         "feedback_witness": None if witness is None else [brief_text(x) for x in (*witness.point, witness.value)],
-        "check_with": "python -I -S proofs/checker.py FILE",
+        "check_with": "python -I -S proofs/checker FILE",
     }
 
 

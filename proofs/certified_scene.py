@@ -12,7 +12,7 @@ from fractions import Fraction
 from typing import Any, TypeAlias
 
 from nonsmooth.proofs.certificate import scene_record
-from nonsmooth.proofs.checker import ROBUST
+from nonsmooth.proofs.checker.arrays import ROBUST
 from nonsmooth.symbolic.contact_set import alone
 from nonsmooth.symbolic.scene import Scene
 
@@ -26,7 +26,7 @@ def find_difference(certificate: Record, scene: Scene) -> str:
     """Where an accepted certificate and a scene differ, in words; empty where it speaks of this scene.
 
     Args:
-        certificate: parsed JSON that :func:`nonsmooth.proofs.checker.check_certificate` accepted.
+        certificate: parsed JSON that :func:`nonsmooth.proofs.checker.arrays.check_certificate` accepted.
         scene: the array, with the rule, the point and the square that were checked.
     """
     own = scene_record(alone(scene))

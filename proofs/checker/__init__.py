@@ -1,1 +1,3 @@
 """Stand-alone checker of certificates: the standard library alone, and nothing of the workbench."""
+
+from .files import check_file as check_file

@@ -4,9 +4,9 @@ import sys
 from pathlib import Path
 
 if __package__:
-    from .statements import main
+    from .files import main
 else:
     sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
-    from checker.statements import main
+    from checker.files import main
 
 sys.exit(main(sys.argv[1:]))

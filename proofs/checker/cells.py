@@ -15,7 +15,7 @@ from typing import Any, TypeAlias
 
 from .formulas import NAME, Formula
 from .polynomials import Polynomial, constant, unit, variable
-from .positivity import Claim, Inequality, cube_guards, identity, show
+from .positivity import Claim, Inequality, Proofs, cube_guards, identity
 from .work import BUDGET, items, rational, require, take, text
 
 MIN_STATES, MAX_STATES = 1, 8
@@ -102,8 +102,8 @@ def no_switching(value: Polynomial) -> int:
 class Surfaces:
     """The switching surfaces, as polynomials on the domain, and the patterns of their signs."""
 
-    def __init__(self, domain: Domain, listed: Any, empty: Any) -> None:
-        self.domain = domain
+    def __init__(self, domain: Domain, listed: Any, empty: Any, proofs: Proofs) -> None:
+        self.domain, self.proofs = domain, proofs
         texts = items(listed, most=MAX_SURFACES)
         self.listed = tuple(Formula(own, domain.displacement).on(no_switching) for own in texts)
         require(all(own.degree for own in self.listed), "surfaces that are not constant")
@@ -116,16 +116,15 @@ class Surfaces:
         scaled = {own.times(1 / own.terms[max(own.terms)]) for own in self.listed}
         require(len(scaled) == len(self.listed), "surfaces that differ")
 
-    def _show_empty(self, entry: Any) -> dict[int, int]:
+    def _show_empty(self, mark: Any) -> dict[int, int]:
         """Signs that no inner point of the domain has: one of the signed surfaces is not positive where the others are."""
-        mark, evidence = take(entry, "signs proof")
         signs = read_signs(mark, len(self.listed))
         require(signs, "a sign of a surface")
         last = max(signs)
         others = {f"s{j}": self.signed(j, s) for j, s in signs.items() if j != last}
         guards = {**others, **self.domain.guards()}
         asked = Inequality(-self.signed(last, signs[last]), guards, open=frozenset(guards))
-        show(Claim(f"empty {mark}", (asked,), strict=False, bounded=self.domain.bounded), evidence)
+        self.proofs.show(Claim(f"empty {mark}", (asked,), strict=False, bounded=self.domain.bounded))
         return signs
 
     def signed(self, j: int, sign: int) -> Polynomial:
@@ -214,9 +213,10 @@ class Function:
 class Inclusion:
     """The cells of a system on a domain, with the functions of a theorem."""
 
-    def __init__(self, system: System, within: Any, surfaces: Any, empty: Any, functions: Sequence[Any]) -> None:
+    def __init__(self, system: System, data: Any, functions: Sequence[Any], proofs: Proofs) -> None:
+        within, surfaces, empty = take(data, "within surfaces empty")
         self.domain = Domain(system, within)
-        self.count, self.surfaces = system.count, Surfaces(self.domain, surfaces, empty)
+        self.count, self.surfaces = system.count, Surfaces(self.domain, surfaces, empty, proofs)
         fields = [[Formula(own, self.domain.place) for own in side] for side in system.rhs]
         own = [Function(self.domain, self.surfaces, function) for function in functions]
         self.cells = [self._cell(signs, fields, own) for signs in self.surfaces.patterns()]

@@ -20,9 +20,9 @@ from fractions import Fraction
 from math import prod
 from typing import Any, TypeAlias
 
-from .cells import Cell, Face, Inclusion, Pattern, System, pattern, solve, whole
+from .cells import Cell, Face, Inclusion, Pattern, Signs, System, pattern, solve, whole
 from .polynomials import Polynomial, constant, lie_derivative, variable
-from .positivity import Claim, Inequality, show
+from .positivity import Claim, Inequality, Proofs
 from .work import items, rational, require, take
 
 Shift: TypeAlias = Callable[[Cell], Polynomial]
@@ -31,37 +31,21 @@ Statement: TypeAlias = dict[str, Any]
 ASYMPTOTICALLY_STABLE, STABLE, UNSTABLE = "asymptotically stable", "stable", "unstable"
 
 
-class Proofs:
-    """The evidence of claims, by name; each is used once, and whether all were about forms is noted."""
-
-    def __init__(self, data: Any) -> None:
-        require(type(data) is dict, "proofs by name")
-        self.left, self.are_forms = dict(data), True
-
-    def show(self, claim: Claim) -> None:
-        """Show a claim by the evidence of its name."""
-        require(claim.name in self.left, f"a proof of {claim.name}")
-        show(claim, self.left.pop(claim.name))
-        self.are_forms = self.are_forms and all(own.value.is_form for own in claim.inequalities)
-
-    def require_used(self) -> None:
-        """Nothing is left over."""
-        require(not self.left, "proofs of claims that are asked")
-
-
 class Lyapunov:
     """The claims about a function V on a domain, each shown by its evidence."""
 
-    def __init__(self, system: System, entry: Any) -> None:
-        names = "within function surfaces empty proofs"
-        within, function, surfaces, empty, proofs, second = take(entry, names, "second")
-        self.system, self.within, self.function = system, within, function
+    def __init__(self, system: System, cells: Any, function: Any, second: Any, proofs: Proofs) -> None:
         functions = [function] if second is None else [function, second]
-        self.inclusion = Inclusion(system, within, surfaces, empty, functions)
-        self.has_second = second is not None
-        self.proofs = Proofs(proofs)
+        self.inclusion = Inclusion(system, cells, functions, proofs)
+        self.has_second, self.proofs = second is not None, proofs
+        self.below: Fraction | None = None
         self.count = system.count
         self.bounded = self.inclusion.domain.bounded
+
+    def require_below(self, level: Fraction) -> None:
+        """Ask everything, but what concerns the border of the cube, of points with ``V < level`` alone."""
+        require(self.bounded and level > 0, "a positive level on a cube")
+        self.below = level
 
     # -- one claim each
 
@@ -72,14 +56,14 @@ class Lyapunov:
     def show_positive(self) -> None:
         """V > 0 off the point."""
         for name, signs, potential in self.inclusion.pieces():
-            guards = whole(self.inclusion).guards(signs) or {}
+            guards = self._guards(whole(self.inclusion), signs, potential) or {}
             self._show_on_cell(f"V {name}", potential, guards, strict=True)
 
     def show_falls(self, prefix: str, shift: Shift, *, strict: bool) -> None:
         """``V' + shift < 0`` off the point, or ``<= 0``: on closed cells and on all faces on which V bends."""
         space = whole(self.inclusion)
         for cell in self.inclusion.cells:
-            guards = space.guards(dict(enumerate(cell.signs))) or {}
+            guards = self._guards(space, dict(enumerate(cell.signs)), cell.functions[0]) or {}
             for number, field in cell.fields:
                 value = -(lie_derivative(cell.functions[0], field) + shift(cell))
                 name = f"{prefix}cell {pattern(cell.signs)} field {number}"
@@ -92,6 +76,16 @@ class Lyapunov:
     def _show_on_cell(self, name: str, value: Polynomial, guards: dict[str, Polynomial], *, strict: bool) -> None:
         inside = Inequality(value, guards, open=frozenset(guards))
         self.proofs.show(Claim(name, (inside,), strict, bounded=self.bounded))
+
+    def _guards(self, face: Face, signs: Signs, potential: Polynomial) -> dict[str, Polynomial] | None:
+        """Guards of surfaces and cube on a face, and that V is below the level; None where one is a negative number."""
+        found = face.guards(signs)
+        if found is None or self.below is None:
+            return found
+        own = constant(face.dimension, self.below) - face.restricted(potential)
+        if own.degree:
+            return {**found, "sl": own}
+        return found if own.at_origin > 0 else None
 
     def _groups(self, face: Face) -> Iterator[tuple[str, list[Cell]]]:
         """The cells beside a face by the signs of the bending surfaces that do not vanish on it."""
@@ -109,7 +103,8 @@ class Lyapunov:
         first, surfaces = cells[0], self.inclusion.surfaces.listed
         inequalities = []
         for cell in cells:
-            guards = face.guards({j: s for j, s in enumerate(cell.signs) if j not in face.zero})
+            others = {j: s for j, s in enumerate(cell.signs) if j not in face.zero}
+            guards = self._guards(face, others, first.functions[0])
             if guards is None:
                 continue
             for _, field in cell.fields:
@@ -129,7 +124,7 @@ class Lyapunov:
         """
         space = whole(self.inclusion)
         for cell in self.inclusion.cells:
-            guards = space.guards(dict(enumerate(cell.signs))) or {}
+            guards = self._guards(space, dict(enumerate(cell.signs)), cell.functions[0]) or {}
             for number, field in cell.fields:
                 rise, fall = (lie_derivative(own, field) for own in (cell.functions[1], cell.functions[0]))
                 inside = Inequality(rise, {**guards, "sv": fall}, open=frozenset(guards))
@@ -143,7 +138,8 @@ class Lyapunov:
     def _show_leaves_on(self, face: Face, name: str, cells: Sequence[Cell]) -> None:
         first, surfaces, inequalities = cells[0], self.inclusion.surfaces.listed, []
         for cell in cells:
-            guards = face.guards({j: s for j, s in enumerate(cell.signs) if j not in face.zero})
+            others = {j: s for j, s in enumerate(cell.signs) if j not in face.zero}
+            guards = self._guards(face, others, first.functions[0])
             if guards is None:
                 continue
             side = tuple(cell.signs[j] for j in face.zero)
@@ -167,6 +163,15 @@ class Lyapunov:
                         above = face.restricted(potential) - constant(face.dimension, level)
                         place = f"border {name} {'-0+'[side + 1]}{k}"
                         self.proofs.show(Claim(place, (Inequality(above, guards),), strict=False))
+
+    def is_negative_along(self, direction: Sequence[Fraction]) -> bool:
+        """Whether a direction leads from the point into a cell in which V is negative at all small distances."""
+        surfaces = self.inclusion.surfaces
+        for cell in self.inclusion.cells:
+            inside = all(sign_along(surfaces.signed(j, s), direction) > 0 for j, s in enumerate(cell.signs))
+            if inside and sign_along(cell.functions[0], direction) < 0:
+                return True
+        return False
 
     def zero(self, cell: Cell) -> Polynomial:
         """No shift."""
@@ -200,7 +205,7 @@ def _is_settled(face: Face, cells: Sequence[Cell]) -> bool:
 # ---- theorems: each shows statements -----------------------------------------------------------
 
 
-def show_stability(system: System, entry: Any) -> list[Statement]:
+def show_stability(system: System, hypotheses: Any, proofs: Proofs) -> list[Statement]:
     """V is positive and does not rise: stable; it falls: asymptotically stable.
 
     A V that does not rise is enough for attraction where no other solution stays where ``V' = 0``, which a second
@@ -208,13 +213,16 @@ def show_stability(system: System, entry: Any) -> list[Statement]:
     invariant, with V constant.  A solution in L has ``V' = 0`` at almost all times, so W rises along it, to a limit;
     what it tends to is weakly invariant too, with W constant, and W rises there: a contradiction unless L is the point.
     With ``everywhere``, V and the field are forms on cones: every solution tends to the point.  With ``level``, every
-    start of the cube with ``V < level`` stays there and tends to the point.  With ``rate``, V falls that fast on the
-    cube.
+    start of the cube with ``V < level`` stays there and tends to the point; with ``below``, nothing is asked of points
+    with ``V >= level`` but on the border of the cube.  With ``rate``, V falls that fast.
     """
-    verdict, everywhere, level, rate, lyapunov = take(entry, "verdict everywhere level rate lyapunov")
+    names = "cells function second verdict everywhere level below rate"
+    cells, function, second, verdict, everywhere, level, below, rate = take(hypotheses, names)
     require(verdict in (ASYMPTOTICALLY_STABLE, STABLE), "a verdict")
     attracts = verdict == ASYMPTOTICALLY_STABLE
-    own = Lyapunov(system, lyapunov)
+    own = Lyapunov(system, cells, function, second, proofs)
+    if below is True:
+        own.require_below(rational(level))
     own.show_zero()
     own.show_positive()
     own.show_falls("", own.zero, strict=attracts and not own.has_second)
@@ -222,9 +230,9 @@ def show_stability(system: System, entry: Any) -> list[Statement]:
         require(attracts, "a second function where the point attracts")
         own.show_leaves()
     shown: list[Statement] = [{"stability": verdict}]
-    about = {"function": own.function, "within": own.within}
+    about = {"function": function, "within": cells["within"]}
     if everywhere is True:
-        require(attracts, "an attracting point")
+        require(attracts and below is not True, "an attracting point")
         own.require_all_of_space()
         shown.append({"attracts": "everywhere"})
     if level is not None:
@@ -233,8 +241,7 @@ def show_stability(system: System, entry: Any) -> list[Statement]:
         shown.append({"attracts": {**about, "below": level}})
     if rate is not None:
         show_rate(own, rate)
-        shown.append({"rate": {**about, **rate}})
-    own.proofs.require_used()
+        shown.append({"rate": {**about, **rate, **({"below": level} if below is True else {})}})
     return shown
 
 
@@ -254,38 +261,32 @@ def show_rate(own: Lyapunov, rate: Any) -> None:
     own.show_falls("rate ", shift, strict=False)
 
 
-def show_instability(system: System, entry: Any) -> list[Statement]:
+def show_instability(system: System, hypotheses: Any, proofs: Proofs) -> list[Statement]:
     """V falls off the point, and is negative at all small distances in one direction, inside a cell.
 
     From there V falls, so the solution stays away from the point, where V is zero; away from it V falls at a speed that
     is bounded from below, and is bounded on the cube: the solution leaves it.  A V that does not rise is enough where a
     second function W shows that no solution stays where ``V' = 0``.
     """
-    data, lyapunov = take(entry, "direction lyapunov")
-    own = Lyapunov(system, lyapunov)
+    cells, function, second, direction = take(hypotheses, "cells function second direction")
+    own = Lyapunov(system, cells, function, second, proofs)
     require(own.bounded, "a cube")
     own.show_zero()
     own.show_falls("", own.zero, strict=not own.has_second)
     if own.has_second:
         own.show_leaves()
-    own.proofs.require_used()
-    direction = [rational(value) for value in items(data, own.count)]
-    for cell in own.inclusion.cells:
-        surfaces = own.inclusion.surfaces
-        inside = all(sign_along(surfaces.signed(j, s), direction) > 0 for j, s in enumerate(cell.signs))
-        if inside and sign_along(cell.functions[0], direction) < 0:
-            return [{"stability": UNSTABLE}]
-    require(False, "a V that is negative in the direction")
-    raise AssertionError
+    ray = [rational(value) for value in items(direction, own.count)]
+    require(own.is_negative_along(ray), "a V that is negative in the direction")
+    return [{"stability": UNSTABLE}]
 
 
-def show_departure(system: System, entry: Any) -> list[Statement]:
+def show_departure(system: System, hypotheses: Any, proofs: Proofs) -> list[Statement]:
     """All velocities at the point have a positive product with one direction, so 0 is not in F there.
 
     F is upper semicontinuous, so near the point all products stay above a positive number: every solution leaves.
     """
-    data, within, surfaces, empty = take(entry, "direction within surfaces empty")
-    inclusion = Inclusion(system, within, surfaces, empty, ["0"])
+    cells, data = take(hypotheses, "cells direction")
+    inclusion = Inclusion(system, cells, ["0"], proofs)
     direction = [rational(value) for value in items(data, system.count)]
     for cell in inclusion.around():
         for _, field in cell.fields:

@@ -105,6 +105,28 @@ def show(claim: Claim, evidence: Any) -> None:
         _show_by_mixture(claim, *take(evidence, "mixture"))
 
 
+class Proofs:
+    """The evidence of claims, by name; each is used once, and whether all were about forms is noted."""
+
+    def __init__(self, data: Any) -> None:
+        require(type(data) is dict, "proofs by name")
+        self.left, self.are_forms = dict(data), True
+
+    def show(self, claim: Claim) -> None:
+        """Show a claim by the evidence of its name."""
+        require(claim.name in self.left, f"a proof of {claim.name}")
+        show(claim, self.left.pop(claim.name))
+        self.note_form(claim)
+
+    def note_form(self, claim: Claim) -> None:
+        """Note whether a claim that was shown is about forms."""
+        self.are_forms = self.are_forms and all(own.value.is_form for own in claim.inequalities)
+
+    def require_used(self) -> None:
+        """Nothing is left over."""
+        require(not self.left, "proofs of claims that are asked")
+
+
 def pairs(claim: Claim) -> Iterator[Claim]:
     """The claims that say that a function mu exists, where there is one: ``p_i |q_j| + p_j |q_i| > 0``.
 

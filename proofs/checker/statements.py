@@ -1,35 +1,36 @@
 """What a certificate states, and whether its evidence shows it.
 
-A certificate of version ``nonsmooth-certificate/2`` has three entries.  The *statement* names its subject and claims
-about it.  The *evidence* is a list of theorems, each with what its hypotheses need.  Every theorem derives from the
-subject which inequalities must be shown, so a forger cannot leave one out; what it shows is a list of claims.  The
-certificate is valid if every claim of the statement is among those that were shown.
-
-Exit status of the command: 0 valid, 1 rejected, 2 not readable.
+A certificate of version ``nonsmooth-certificate/2`` has three entries, and notes that nobody reads.  The *statement*
+names its subject and claims about it.  The *evidence* is a list of theorems, each with its hypotheses and, by name, the
+proofs of the inequalities that these need.  Every theorem derives from the subject which inequalities these are, so a
+forger cannot leave one out; what it shows is a list of claims.  The certificate is valid if every claim of the
+statement is among those that were shown.
 """
 
 from __future__ import annotations
 
 import json
-import sys
-from collections.abc import Callable, Sequence
-from typing import Any
+from collections.abc import Callable
+from typing import Any, TypeAlias
 
 from .cells import System, read_system
 from .lyapunov import Statement, show_departure, show_instability, show_stability
-from .work import BUDGET, MALFORMED, MAX_BYTES, RejectedError, items, require, take
+from .positivity import Proofs
+from .work import BUDGET, MALFORMED, RejectedError, items, require, take
 
 VERSION = "nonsmooth-certificate/2"
 MAX_THEOREMS = 20
 
-THEOREMS: dict[str, Callable[[System, Any], list[Statement]]] = {
+Theorem: TypeAlias = Callable[[System, Any, Proofs], list[Statement]]  # of a subject and hypotheses: what it shows
+
+THEOREMS: dict[str, Theorem] = {
     "lyapunov": show_stability,
     "instability": show_instability,
     "departure": show_departure,
 }
 
 
-def check(data: Any, size: int) -> list[Statement]:
+def show_claims(data: Any, size: int) -> list[Statement]:
     """Show every claim of a certificate.
 
     Args:
@@ -43,15 +44,17 @@ def check(data: Any, size: int) -> list[Statement]:
         RejectedError: for a claim that is not shown.
     """
     BUDGET.grant(size)
-    version, statement, evidence = take(data, "version statement evidence")
+    version, statement, evidence, _ = take(data, "version statement evidence", "notes")
     require(version == VERSION, f"the version {VERSION}")
     subject, claims = take(statement, "subject claims")
     system = read_system(subject)
     shown: list[Statement] = []
     for entry in items(evidence, most=MAX_THEOREMS):
-        theorem, hypotheses = take(entry, "theorem hypotheses")
+        theorem, hypotheses, proofs = take(entry, "theorem hypotheses proofs")
         require(type(theorem) is str and theorem in THEOREMS, f"a theorem of {', '.join(THEOREMS)}")
-        shown += THEOREMS[theorem](system, hypotheses)
+        own = Proofs(proofs)
+        shown += THEOREMS[theorem](system, hypotheses, own)
+        own.require_used()
     for claim in items(claims):
         require(claim in shown, f"evidence of the claim {json.dumps(claim)[:200]}")
     require(claims, "a claim")
@@ -61,7 +64,7 @@ def check(data: Any, size: int) -> list[Statement]:
 def refusal(data: Any, size: int) -> str:
     """Why a certificate is rejected, in one line; empty where it is valid."""
     try:
-        check(data, size)
+        show_claims(data, size)
     except RejectedError as error:
         return str(error)
     except MALFORMED as error:
@@ -69,31 +72,51 @@ def refusal(data: Any, size: int) -> str:
     return ""
 
 
-def check_file(path: str) -> tuple[int, str]:
-    """Exit status and what to print: 0 valid, 1 rejected, 2 not readable."""
-    try:
-        with open(path, "rb") as file:
-            content = file.read(MAX_BYTES + 1)
-        require(len(content) <= MAX_BYTES, f"at most {MAX_BYTES} bytes")
-        data = json.loads(content)
-    except (OSError, *MALFORMED) as error:
-        return 2, f"unreadable: {error}"
-    reason = refusal(data, len(content))
-    if reason:
-        return 1, f"rejected: required {reason}"
-    lines = [json.dumps(claim) for claim in data["statement"]["claims"]]
-    return 0, "\n".join(["valid", *lines])
+def describe(statement: Any) -> list[str]:
+    """What a valid certificate states, one claim to a line."""
+    system = read_system(statement["subject"])
+    point = ", ".join(map(str, system.at))
+    lines = [f"system in {', '.join(system.states)} at ({point})"]
+    for claim in statement["claims"]:
+        ((kind, said),) = claim.items()
+        lines.append(_DESCRIBED[kind](said, system))
+    return lines
 
 
-def main(arguments: Sequence[str]) -> int:
-    """Check one file."""
-    if len(arguments) != 1:
-        print("usage: python -I -S checker FILE")
-        return 2
-    status, line = check_file(arguments[0])
-    print(line)
-    return status
+def _stability(said: str, system: System) -> str:
+    return said
 
 
-if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+def _equilibrium(said: bool, system: System) -> str:
+    return "0 is not in F at the point: every solution leaves it"
+
+
+def _attracts(said: Any, system: System) -> str:
+    if said == "everywhere":
+        return "every solution reaches the point"
+    return f"every start with V < {said['below']} within {_cube(said, system)} reaches the point, {_function(said)}"
+
+
+def _rate(said: Any, system: System) -> str:
+    fall = f"{said['kappa']} V" if said["kind"] == "exponential" else said["kappa"]
+    where = "the whole space" if said["within"] is None else _cube(said, system)
+    below = f" where V < {said['below']}" if "below" in said else ""
+    return f"V' <= -{fall} on {where}{below}, {_function(said)}"
+
+
+def _cube(said: Any, system: System) -> str:
+    away = (name if not at else f"{name} - {at}" for name, at in zip(system.states, system.at, strict=True))
+    return f"{', '.join(f'abs({own})' for own in away)} <= {said['within']}"
+
+
+def _function(said: Any) -> str:
+    own = said["function"]
+    return f"V = {own}" if type(own) is str else f"V in {len(own)} pieces"
+
+
+_DESCRIBED: dict[str, Callable[[Any, System], str]] = {
+    "stability": _stability,
+    "equilibrium": _equilibrium,
+    "attracts": _attracts,
+    "rate": _rate,
+}

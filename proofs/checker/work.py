@@ -73,6 +73,17 @@ def longest(values: Iterable[Fraction]) -> int:
 # ---- shapes of JSON ----------------------------------------------------------------------------
 
 
+def take_once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """An object of JSON in which no key stands twice.
+
+    Raises:
+        RejectedError: where one does.
+    """
+    found = dict(pairs)
+    require(len(found) == len(pairs), "every key once")
+    return found
+
+
 def take(data: Any, names: str, optional: str = "") -> list[Any]:
     """The values of an object by their keys, in the order of the names; None for an optional one that is missing.
 

@@ -148,7 +148,7 @@ def _refuse_without_scene(rule: Any, radius: str | None, at: str | None) -> None
 def _difference(file: str, scene: Scene) -> str:
     from nonsmooth.proofs.certificate import CertificateError
     from nonsmooth.proofs.certified_scene import find_difference
-    from nonsmooth.proofs.checker import load
+    from nonsmooth.proofs.checker.arrays import load
 
     try:
         return find_difference(load(file), scene)

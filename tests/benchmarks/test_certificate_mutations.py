@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import pytest
 
-from nonsmooth.proofs import checker
+from nonsmooth.proofs.checker import arrays as checker
 from nonsmooth.proofs.certificate import certificate_text
 from nonsmooth.symbolic.files.scene_file import builtin_scenes
 

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from nonsmooth.proofs.certificate import build_certificate
-from nonsmooth.proofs.checker import check_certificate
+from nonsmooth.proofs.checker.arrays import check_certificate
 from nonsmooth.proofs.theorem4 import check_cells
 from tests.oracles.nearest_paths import End, Wheel, observe
 from tests.oracles.tied_arrays import tied_array

@@ -15,7 +15,7 @@ import nonsmooth as ns
 from nonsmooth.analysis.contact_rule import rule_of, smooth_rule_of
 from nonsmooth.proofs.certificate import CertificateError, build_certificate
 from nonsmooth.proofs.certified_scene import find_difference
-from nonsmooth.proofs.checker import check_certificate
+from nonsmooth.proofs.checker.arrays import check_certificate
 from nonsmooth.proofs.clauses.at_point.ellipse import Situation
 from nonsmooth.proofs.clauses.feedback.authority import roll_authority
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback

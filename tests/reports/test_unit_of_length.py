@@ -21,7 +21,7 @@ from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.proofs.answers.best_point import at_best_point
 from nonsmooth.proofs.certificate import build_certificate, certificate_text
 from nonsmooth.proofs.certified_scene import find_difference
-from nonsmooth.proofs.checker import check_certificate
+from nonsmooth.proofs.checker.arrays import check_certificate
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback, decide_driven_feedback, is_driven_by
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, decide_feedback
 from nonsmooth.proofs.theorem4 import check_cells, check_theorem4

@@ -1,0 +1,61 @@
+"""The command that checks a file: which kind of certificate it is, exit status, and what is printed.
+
+Exit status: 0 valid, 1 rejected, 2 not readable, 3 valid without any claim (certificates of arrays).
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from typing import Any
+
+from . import arrays
+from .statements import VERSION, describe, refusal
+from .work import MALFORMED, MAX_BYTES, require, take_once
+
+EARLIER = (  # versions of plain systems that are written no more
+    "nonsmooth-system-certificate/1",
+    "nonsmooth-scalar-certificate/1",
+    "nonsmooth-fan-certificate/1",
+    "nonsmooth-many-state-certificate/1",
+)
+
+
+def check_file(path: str) -> tuple[int, str]:
+    """Exit status and what to print of a file."""
+    try:
+        data, size = read(path)
+    except (OSError, *MALFORMED) as error:
+        return 2, f"unreadable: {error}"
+    schema = data.get("schema") if type(data) is dict else None
+    if schema in EARLIER:
+        return 2, f"of an earlier version: nonsmooth check SYSTEM --certificate {path} writes it anew, as {VERSION}"
+    if type(data) is dict and "version" not in data:
+        return arrays.check_file(path)
+    reason = refusal(data, size)
+    if reason:
+        return 1, f"rejected: required {reason}"
+    return 0, "\n".join(["valid", *describe(data["statement"])])
+
+
+def read(path: str) -> tuple[Any, int]:
+    """The JSON document of a file, and its length in bytes.
+
+    Raises:
+        OSError, ValueError, RecursionError: where it cannot be read, is no JSON document, or names a key twice.
+    """
+    with open(path, "rb") as file:
+        content = file.read(MAX_BYTES + 1)
+    require(len(content) <= MAX_BYTES, f"at most {MAX_BYTES} bytes")
+    # Numbers are texts in a certificate: floats are kept as texts, and are no exponents of anything.
+    return json.loads(content, parse_float=str, parse_constant=str, object_pairs_hook=take_once), len(content)
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Check one file."""
+    if len(arguments) != 1:
+        print("usage: python -I -S checker FILE")
+        return 2
+    status, line = check_file(arguments[0])
+    print(line)
+    return status

@@ -1,0 +1,91 @@
+"""The search for the proofs of a theorem: the checker derives the claims, and each is shown as it is asked.
+
+Which inequalities a theorem needs is written once, in :mod:`nonsmooth.proofs.checker`.  Here its function runs with
+proofs that are looked for while it asks for them: what it shows then, it shows again from the evidence alone.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from nonsmooth.proofs.checker.cells import System
+from nonsmooth.proofs.checker.lyapunov import Statement
+from nonsmooth.proofs.checker.positivity import Claim, Proofs
+from nonsmooth.proofs.checker.statements import THEOREMS
+from nonsmooth.proofs.checker.work import BUDGET, RejectedError
+from nonsmooth.proofs.kernel import mixtures, simplices, squares
+
+WORK = 20_000  # coefficients that the search for simplices may look at, for one claim
+FLAT = 2  # variables up to which simplices are tried before sums of squares
+MOST_BY_SIMPLICES = 3  # beyond, a cube consists of too many
+
+
+class NotShownError(ValueError):
+    """A theorem of which a hypothesis is not shown, in one line."""
+
+
+class Search(Proofs):
+    """Proofs that are searched when they are asked for, and kept.
+
+    Attributes:
+        found: each claim that was shown, with its evidence, by name.
+        used: the names of those that the last theorem asked for.
+    """
+
+    def __init__(self, work: int = WORK) -> None:
+        super().__init__({})
+        self.work = work
+        self.found: dict[str, tuple[Claim, Any]] = {}
+        self.used: list[str] = []
+
+    def show(self, claim: Claim) -> None:
+        """Find evidence of a claim.
+
+        Raises:
+            NotShownError: where none is found.
+        """
+        known = self.found.get(claim.name)
+        if known is None or known[0] != claim:
+            evidence = prove(claim, self.work)
+            if evidence is None:
+                raise NotShownError(f"no proof was found of {claim.name}")
+            self.found[claim.name] = claim, evidence
+        self.used.append(claim.name)
+        self.note_form(claim)
+
+    def entry(self, system: System, theorem: str, hypotheses: dict[str, Any]) -> tuple[dict[str, Any], list[Statement]]:
+        """A theorem with its proofs as a certificate holds it, and what it shows.
+
+        Args:
+            system: the subject.
+            theorem: its name.
+            hypotheses: without proofs.  Claims that were shown before, under the same names, are not searched again.
+
+        Raises:
+            NotShownError: where a hypothesis is not shown.
+        """
+        self.used, self.are_forms = [], True
+        BUDGET.grant(1 << 60)  # the search has limits of its own
+        try:
+            shown = THEOREMS[theorem](system, hypotheses, self)
+        except RejectedError as error:
+            raise NotShownError(f"required {error}") from None
+        proofs = {name: self.found[name][1] for name in self.used}
+        return {"theorem": theorem, "hypotheses": hypotheses, "proofs": proofs}, shown
+
+
+def prove(claim: Claim, work: int = WORK) -> dict[str, Any] | None:
+    """Evidence of a claim by the first kind that shows it; None where none does, which refutes nothing.
+
+    Args:
+        claim: as a theorem states it.
+        work: coefficients that the search for simplices may look at.
+    """
+    if all(own.value.degree <= 1 for own in claim.inequalities):
+        found = mixtures.search(claim)
+        if found is not None:
+            return found
+    by_simplices = claim.count <= MOST_BY_SIMPLICES
+    if by_simplices and claim.count <= FLAT:
+        return simplices.search(claim, work) or squares.search(claim)
+    return squares.search(claim) or (simplices.search(claim, work) if by_simplices else None)
