@@ -292,50 +292,72 @@ def _replaced(corners: tuple[Corner, ...], k: int, corner: Corner) -> tuple[Corn
 
 
 class Forms:
-    """The polynomials of an inequality as forms of one degree in the barycentric coordinates of a simplex."""
+    """The polynomials of an inequality as forms in the barycentric coordinates of a simplex, each of its own degree.
+
+    Those of p and of the polynomials q follow the cuts; a guard is looked at only where a leaf names it.
+    """
 
     def __init__(self, inequality: Inequality, corners: Sequence[Corner]) -> None:
-        named = {**inequality.guards, **inequality.zeros}
-        listed = [inequality.value, *inequality.pushes, *named.values()]
-        rises = {1 + k for k in range(len(inequality.pushes))}  # times a linear form mu
-        degree = max(own.degree + (k in rises) for k, own in enumerate(listed))
-        self.names, self.signed, self.open = list(named), set(inequality.guards), inequality.open
-        self.pushes = len(inequality.pushes)
-        self.forms = [barycentric(own, degree - (k in rises), corners) for k, own in enumerate(listed)]
+        self.inequality = inequality
+        self.named = {**inequality.guards, **inequality.zeros}
+        self.forms = [barycentric(own, corners) for own in (inequality.value, *inequality.pushes)]
 
     def cut(self, moved: int, kept: int, share: Fraction) -> Forms:
         """On the part whose corner ``moved`` is ``share`` of itself and the rest of the corner ``kept``."""
         part = object.__new__(Forms)
-        part.names, part.signed, part.open, part.pushes = self.names, self.signed, self.open, self.pushes
+        part.inequality, part.named = self.inequality, self.named
         part.forms = [cut_form(form, moved, kept, share) for form in self.forms]
         return part
 
-    def combined(self, mu: Sequence[Sequence[Fraction]], multipliers: Mapping[str, Fraction]) -> Coefficients:
-        """The coefficients of ``p + sum mu q - sum lambda g - sum nu h``; mu by its values at the corners."""
-        total = dict(self.forms[0])
+    def combined(
+        self, mu: Sequence[Sequence[Fraction]], multipliers: Mapping[str, Fraction], corners: Sequence[Corner]
+    ) -> Coefficients:
+        """The coefficients of ``p + sum mu q - sum lambda g - sum nu h``, all raised to one degree by powers of w.
+
+        Functions mu are given by their values at the corners.
+        """
+        parts = [(self.forms[0], Fraction(1), None)]
         for values, form in zip(mu, self.forms[1:], strict=False):
-            for k, value in enumerate(values):
-                add(total, form, value, k)
+            parts += [(form, value, k) for k, value in enumerate(values)]
         for name, factor in multipliers.items():
-            add(total, self.forms[1 + self.pushes + self.names.index(name)], -factor)
+            parts.append((barycentric(self.named[name], corners), -factor, None))
+        degree = max(degree_of(form) + (k is not None) for form, factor, k in parts if factor)
+        total = Coefficients()
+        for form, factor, k in parts:
+            if factor:
+                add(total, raised(form, degree - (k is not None), corners), factor, k)
         return total
 
     def is_outside(self, name: str, claim: Claim, corners: Sequence[Corner]) -> bool:
         """Whether the simplex holds no point at which a guard is positive; none at which it is zero unless it is open."""
-        negated = {e: -value for e, value in self.forms[1 + self.pushes + self.names.index(name)].items()}
+        negated = {e: -value for e, value in barycentric(self.named[name], corners).items()}
         below = all(value >= 0 for value in negated.values())
-        return below and (name in self.open or _is_positive(claim, corners, negated))
+        return below and (name in self.inequality.open or _is_positive(claim, corners, negated))
 
 
-def barycentric(value: Polynomial, degree: int, corners: Sequence[Corner]) -> Coefficients:
-    """A polynomial p as the form ``w^degree p(z / w)`` of the coordinates t with ``(z, w) = sum_k t_k P_k``."""
-    count = value.count
-    raised = {(*e, degree - sum(e)): c for e, c in value.terms.items()}
-    size = len(corners)
+def degree_of(form: Coefficients) -> int:
+    """The degree of a form."""
+    return sum(next(iter(form), ()))
+
+
+def barycentric(value: Polynomial, corners: Sequence[Corner]) -> Coefficients:
+    """A polynomial p of degree d as the form ``w^d p(z / w)`` of the coordinates t with ``(z, w) = sum_k t_k P_k``."""
+    count, size = value.count, len(corners)
+    homogeneous = Polynomial(count + 1, {(*e, value.degree - sum(e)): c for e, c in value.terms.items()})
     coordinates = [
         Polynomial(size, {unit(size, k): corner[i] for k, corner in enumerate(corners)}) for i in range(count + 1)
     ]
-    return Polynomial(count + 1, raised).on(coordinates, size).terms
+    return homogeneous.on(coordinates, size).terms
+
+
+def raised(form: Coefficients, degree: int, corners: Sequence[Corner]) -> Coefficients:
+    """A form times the power of w that gives it a larger degree."""
+    for _ in range(degree - degree_of(form) if form else 0):
+        total = Coefficients()
+        for k, corner in enumerate(corners):
+            add(total, form, corner[-1], k)
+        form = total
+    return form
 
 
 def add(total: Coefficients, form: Coefficients, factor: Fraction, k: int | None = None) -> None:
@@ -365,16 +387,17 @@ def cut_form(form: Coefficients, moved: int, kept: int, share: Fraction) -> Coef
 
 def _show_on_leaf(claim: Claim, corners: Sequence[Corner], forms: Sequence[Forms], leaf: Any) -> None:
     mu_data, listed = take(leaf, "", "mu on")
-    listed_mu = items(mu_data, forms[0].pushes) if mu_data else []
+    listed_mu = items(mu_data, len(forms[0].inequality.pushes)) if mu_data else []
     mu = [[rational(value) for value in items(own, len(corners))] for own in listed_mu]
     for own, data in zip(forms, items(listed, len(forms)) if listed else [{}] * len(forms), strict=True):
         if type(data) is str:
-            require(data in own.signed and own.is_outside(data, claim, corners), f"a guard that is negative, for {claim.name}")
+            require(data in own.inequality.guards and own.is_outside(data, claim, corners), f"a guard that is negative, for {claim.name}")
             continue
-        require(type(data) is dict and set(data) <= set(own.names), "multipliers of guards that hold there")
+        require(type(data) is dict and set(data) <= set(own.named), "multipliers of guards that hold there")
         multipliers = {name: rational(value) for name, value in data.items()}
-        require(all(v >= 0 for name, v in multipliers.items() if name in own.signed), "multipliers that are not negative")
-        found = own.combined(mu, multipliers)
+        signed = own.inequality.guards
+        require(all(v >= 0 for name, v in multipliers.items() if name in signed), "multipliers that are not negative")
+        found = own.combined(mu, multipliers, corners)
         require(all(value >= 0 for value in found.values()), f"coefficients that are not negative, for {claim.name}")
         require(not claim.strict or _is_positive(claim, corners, found), f"positive coefficients for {claim.name}")
 

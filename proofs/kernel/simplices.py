@@ -7,7 +7,7 @@ coefficient belongs, and every fourth time the longest one, so that all parts sh
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import combinations
@@ -22,6 +22,11 @@ from nonsmooth.proofs.checker.positivity import Claim, pairs, root_simplices
 Exponents: TypeAlias = tuple[int, ...]
 Form: TypeAlias = dict[Exponents, fmpq]
 Corner: TypeAlias = tuple[fmpq, ...]
+
+
+LARGEST_MU = 1e6  # value of a function mu at a corner
+MU_DENOMINATORS = (1 << 4, 1 << 12, 1 << 24)  # of these values, tried in turn
+SLACK = 1e-7  # by which a coefficient that a linear program finds may be negative: exact arithmetic decides
 
 
 @dataclass
@@ -158,80 +163,87 @@ def _outside(claim: Claim, part: Part, free: frozenset[str], guards: dict[str, F
 def _common_mu(claim: Claim, part: Part, inside: Sequence[Sequence[Form]]) -> list[list[fmpq]] | None:
     """Values at the corners of affine functions mu with which the coefficients of all ``p + sum mu q`` show them.
 
-    Of one mu, every coefficient bounds a factor: of the constant function, and of that which is zero at the origin.
+    The functions zero are tried first; then a linear program proposes values, and exact arithmetic decides.
     """
     size, count = len(part.corners), len(part.values[0]) - 1
-    shapes = [[fmpq(0)] * size]
-    if count == 1:
-        shapes += [[fmpq(1)] * size, [fmpq(int(any(corner[:-1]))) for corner in part.corners]]
-    for shape in shapes:
-        pushed = [[own[0], *(_times_affine(push, shape) for push in own[1:])] for own in inside]
-        factor = _factor(pushed) if any(shape) else fmpq(0)
-        if factor is not None and all(_shows(claim, part, forms, factor) for forms in pushed):
-            return [[factor * value for value in shape]] * count
+    nothing = [[fmpq(0)] * size for _ in range(count)]
+    if all(_shows(claim, part, forms[0]) for forms in inside):
+        return nothing
+    for mu in _proposed_mu(inside, part.corners, count) if count else ():
+        if all(_shows(claim, part, _with_mu(forms, mu, part.corners)) for forms in inside):
+            return mu
     return None
 
 
-def _times_affine(form: Form, values: Sequence[fmpq]) -> Form:
-    """A form times the affine function with given values at the corners."""
-    total: Form = {}
-    for e, coefficient in form.items():
+def _proposed_mu(
+    inside: Sequence[Sequence[Form]], corners: Sequence[Corner], count: int
+) -> Iterator[list[list[fmpq]]]:
+    """Values of mu that make the least coefficient as large as they can, rounded.
+
+    Coefficients that no mu changes are left out; of the others, each is divided by its largest entry.
+    """
+    from scipy.optimize import linprog
+
+    rows, least, size = [], [], len(corners)
+    for value, *pushes in inside:
+        slopes = [_times_coordinate(push, k) for push in pushes for k in range(size)]
+        degree = max(_degree(form) for form in (value, *slopes))
+        value, slopes = _raised(value, degree, corners), [_raised(own, degree, corners) for own in slopes]
+        for e in {e for own in slopes for e in own}:
+            row = [float(own.get(e, fmpq(0))) for own in slopes]
+            largest = max(max(map(abs, row)), abs(float(value.get(e, fmpq(0)))))
+            rows.append([*(-entry / largest for entry in row), 1.0])
+            least.append(float(value.get(e, fmpq(0))) / largest)
+    bounds = [(-LARGEST_MU, LARGEST_MU)] * (size * count) + [(None, 1.0)]
+    found = linprog([0.0] * (size * count) + [-1.0], A_ub=rows, b_ub=least, bounds=bounds) if rows else None
+    if found is None or found.x is None or found.x[-1] < -SLACK:
+        return
+    for denominator in MU_DENOMINATORS:
+        values = [fmpq(round(float(x) * denominator), denominator) for x in found.x[:-1]]
+        yield [values[j * size : (j + 1) * size] for j in range(count)]
+
+
+def _with_mu(forms: Sequence[Form], mu: Sequence[Sequence[fmpq]], corners: Sequence[Corner]) -> Form:
+    """The form ``p + sum mu q``."""
+    parts = [forms[0]]
+    for push, values in zip(forms[1:], mu, strict=True):
         for k, value in enumerate(values):
             if value:
-                key = (*e[:k], e[k] + 1, *e[k + 1 :])
-                total[key] = total.get(key, fmpq(0)) + value * coefficient
+                parts.append({e: c * value for e, c in _times_coordinate(push, k).items()})
+    degree = max(map(_degree, parts))
+    total: Form = {}
+    for part in parts:
+        for e, value in _raised(part, degree, corners).items():
+            total[e] = total.get(e, fmpq(0)) + value
     return total
 
 
-def _factor(inside: Sequence[Sequence[Form]]) -> fmpq | None:
-    """The middle of the interval of factors m for which no coefficient of any ``p + m q`` is negative."""
-    low: fmpq | None = None
-    high: fmpq | None = None
-    for value, push in inside:
-        degree = max(_degree(value), _degree(push))
-        value, push = _raised(value, degree), _raised(push, degree)
-        for e in {*value, *push}:
-            a, b = value.get(e, fmpq(0)), push.get(e, fmpq(0))
-            if b > 0:
-                low = -a / b if low is None else max(low, -a / b)
-            elif b < 0:
-                high = -a / b if high is None else min(high, -a / b)
-            elif a < 0:
-                return None
-    if low is None or high is None:
-        return low + 1 if low is not None else high - 1 if high is not None else fmpq(0)
-    return (low + high) / 2 if low <= high else None
+def _times_coordinate(form: Form, k: int) -> Form:
+    return {(*e[:k], e[k] + 1, *e[k + 1 :]): value for e, value in form.items()}
 
 
 def _degree(form: Form) -> int:
     return sum(next(iter(form), ()))
 
 
-def _raised(form: Form, degree: int) -> Form:
-    """The same form times a power of the sum of all coordinates."""
+def _raised(form: Form, degree: int, corners: Sequence[Corner]) -> Form:
+    """The same form times a power of w, the last homogeneous coordinate."""
     while form and _degree(form) < degree:
-        size = len(next(iter(form)))
         total: Form = {}
         for e, value in form.items():
-            for k in range(size):
-                key = (*e[:k], e[k] + 1, *e[k + 1 :])
-                total[key] = total.get(key, fmpq(0)) + value
+            for k, corner in enumerate(corners):
+                if corner[-1]:
+                    key = (*e[:k], e[k] + 1, *e[k + 1 :])
+                    total[key] = total.get(key, fmpq(0)) + value * corner[-1]
         form = total
     return form
 
 
-def _shows(claim: Claim, part: Part, forms: Sequence[Form], factor: fmpq) -> bool:
-    """Whether the coefficients of ``p + factor sum q`` show the inequality on a part."""
-    total = forms[0]
-    if factor:
-        degree = max(map(_degree, forms))
-        total = dict(_raised(forms[0], degree))
-        for form in forms[1:]:
-            for e, value in _raised(form, degree).items():
-                total[e] = total.get(e, fmpq(0)) + factor * value
-    if any(value < 0 for value in total.values()):
+def _shows(claim: Claim, part: Part, form: Form) -> bool:
+    """Whether the coefficients of a form show the inequality on a part."""
+    if any(value < 0 for value in form.values()):
         return False
-    return not claim.strict or is_positive(claim, part.corners, total)
+    return not claim.strict or is_positive(claim, part.corners, form)
 
 
 def is_positive(claim: Claim, corners: Sequence[Corner], found: Form) -> bool:
