@@ -1,0 +1,330 @@
+"""Certificates of plain systems: for each verdict the theorem that shows it, with evidence for the checker.
+
+A theorem's hypotheses are taken from the result of a check: the function V that decided, its domain, what was proved of
+regions and rates.  The evidence is searched anew (:mod:`nonsmooth.proofs.kernel.search`), so every verdict that a V
+decides may have a certificate, however it was found.  What is written has passed the checker.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import product
+from typing import Any, TypeAlias
+
+from nonsmooth.proofs.checker.cells import System, read_system
+from nonsmooth.proofs.checker.files import read
+from nonsmooth.proofs.checker.lyapunov import Statement
+from nonsmooth.proofs.checker.statements import VERSION, refusal
+from nonsmooth.proofs.kernel.search import NotShownError, Search
+from nonsmooth.proofs.kernel.stated_cells import StatedCells, stated_cells
+from nonsmooth.proofs.kernel.subject import NoCertificateError, about, exact_text
+from nonsmooth.proofs.many_states.conclusion import ManyStateMethod
+from nonsmooth.proofs.many_states.decision import ManyStateResult
+from nonsmooth.proofs.many_states.facts import rate_words as many_rate_words
+from nonsmooth.proofs.many_states.facts import region_words as many_region_words
+from nonsmooth.proofs.many_states.sign_cells import BeyondReachError, surfaces_of
+from nonsmooth.proofs.systems.conclusion import Method
+from nonsmooth.proofs.systems.scalar_stability import ScalarResult
+from nonsmooth.proofs.systems.system_facts import (
+    gain_words,
+    proving_pieces,
+    proving_text,
+    rate_words,
+    reached_words,
+    region_rate_words,
+    rewriting_words,
+)
+from nonsmooth.proofs.systems.system_stability import SystemResult
+from nonsmooth.proofs.systems.written_potential import PotentialPiece
+from nonsmooth.proofs.verdicts import Translation
+from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.polynomial import Polynomial
+from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
+from nonsmooth.symbolic.scene_error import one_line
+from nonsmooth.symbolic.switched_system import SwitchedSystem
+
+LEFT_OUT = "left out"  # key of the notes
+MOST_LEFT_OUT, LONGEST = 16, 400  # lines of it that are read, and characters of each
+UNSHOWN = "the checker does not show it"
+
+DecidedSystem: TypeAlias = SystemResult | ScalarResult | ManyStateResult
+Record: TypeAlias = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Option:
+    """What a theorem may state beyond the verdict.
+
+    Attributes:
+        hypotheses: that it needs.
+        words: what a check prints of it.
+    """
+
+    hypotheses: Record
+    words: str
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A theorem that may show a verdict.
+
+    Attributes:
+        theorem: its name.
+        hypotheses: without proofs.
+        options: each is stated if it is shown too.
+    """
+
+    theorem: str
+    hypotheses: Record
+    options: tuple[Option, ...] = ()
+
+
+def certificate_of(result: DecidedSystem) -> Record:
+    """The certificate of a verdict on a plain system; it has passed the checker.
+
+    Raises:
+        NoCertificateError: for an undecided verdict, for numbers with roots, and where no theorem's hypotheses are
+            shown: what the first one lacks.
+    """
+    if result.verdict is Translation.UNDECIDED:
+        raise NoCertificateError("a certificate needs a verdict, received undecided")
+    subject = about(result.scene)
+    system, reasons = read_system(subject), list[str]()
+    try:
+        for candidate in _candidates(result):
+            try:
+                entry, statements, left_out = _shown(system, candidate)
+            except NotShownError as error:
+                reasons.append(str(error))
+                continue
+            said = [*left_out, *_beyond_words(result)]
+            return _checked(result.scene, subject, [entry], statements, said)
+    except BeyondReachError as error:
+        reasons.append(str(error))
+    raise NoCertificateError(f"{UNSHOWN}: {reasons[0]}" if reasons else f"no theorem shows a verdict by {result.method}")
+
+
+def _shown(system: System, candidate: Candidate) -> tuple[Record, list[Statement], list[str]]:
+    """The evidence of a theorem with as many of its options as are shown, its statements, and what is left out.
+
+    Raises:
+        NotShownError: where the verdict itself is not shown.
+    """
+    search, hypotheses, left_out = Search(), candidate.hypotheses, list[str]()
+    entry, statements = search.entry(system, candidate.theorem, hypotheses)
+    for option in candidate.options:
+        more = {**hypotheses, **option.hypotheses}
+        try:
+            entry, statements = search.entry(system, candidate.theorem, more)
+        except NotShownError as error:
+            left_out.append(f"{option.words}: {UNSHOWN}: {error}")
+        else:
+            hypotheses = more
+    return entry, statements, [words for words in left_out if words]
+
+
+def _checked(
+    system: SwitchedSystem, subject: Record, evidence: list[Record], statements: list[Statement], left_out: list[str]
+) -> Record:
+    """A certificate that the checker accepts.
+
+    Raises:
+        NoCertificateError: where it does not, within its limits of work.
+    """
+    noted = {**notes(system), LEFT_OUT: left_out} if left_out else notes(system)
+    certificate = {
+        "version": VERSION,
+        "statement": {"subject": subject, "claims": statements},
+        "evidence": evidence,
+        "notes": noted,
+    }
+    refused = refusal(certificate, len(certificate_text(certificate)))
+    if refused:
+        raise NoCertificateError(f"{UNSHOWN}: required {refused}")
+    return certificate
+
+
+# ---- theorems that may show a verdict ----------------------------------------------------------
+
+
+def _candidates(result: DecidedSystem) -> Iterator[Candidate]:
+    """Theorems with their hypotheses, in the order in which they are tried."""
+    if isinstance(result, ScalarResult):
+        return
+    if isinstance(result, ManyStateResult):
+        yield from _in_many_states(result)
+    else:
+        yield from _in_the_plane(result)
+
+
+def _in_the_plane(result: SystemResult) -> Iterator[Candidate]:
+    """The V that decided, on its domain."""
+    system, domain = result.scene, result.domain
+    if result.proving is None or domain is None:
+        return
+    function, cells = _stated_function(system, domain.radius, proving_pieces(result), proving_text(result))
+    if result.method is Method.GROWTH:
+        hypotheses = {"cells": cells.record, "function": _negated(function), "second": None}
+        yield Candidate("instability", {**hypotheses, "direction": _open_direction(cells.surfaces)})
+        return
+    options = []
+    if result.everywhere:
+        options.append(Option({"everywhere": True}, "all starts in the plane reach the equilibrium"))
+    if result.near is not None:
+        words = reached_words(result.near, system.states)
+        options.append(Option({"level": exact_text(result.near.level)}, words))
+    if result.rate is not None and system.by_roots is None:  # rates are in the time of the roots
+        rate = {"kind": result.rate.decay.name.lower(), "kappa": exact_text(result.rate.kappa)}
+        options.append(Option({"rate": rate}, rate_words(result)))
+    yield Candidate("lyapunov", _hypotheses(cells, function, result.verdict), tuple(options))
+
+
+def _in_many_states(result: ManyStateResult) -> Iterator[Candidate]:
+    """The V that decided, on its cube."""
+    system, growth, proving = result.scene, result.evidence.growth, result.proving
+    if growth is not None and result.verdict is Translation.UNSTABLE:
+        function, cells = _stated_function(system, growth.radius, (), growth.formula.text)
+        hypotheses = {"cells": cells.record, "function": function, "second": None}
+        yield Candidate("instability", {**hypotheses, "direction": [str(x) for x in growth.direction]})
+    if proving is None:
+        return
+    function, cells = _stated_function(system, proving.radius, (), proving.formula.text)
+    options = []
+    if result.everywhere and proving.examination.is_homogeneous:
+        options.append(Option({"everywhere": True}, "all starts in the space reach the equilibrium"))
+    if result.region is not None:
+        words = many_region_words(result.region, system.states)
+        options.append(Option({"level": exact_text(result.region.level)}, words))
+    if result.rate is not None:
+        rate = {"kind": result.rate.decay.name.lower(), "kappa": exact_text(result.rate.kappa)}
+        options.append(Option({"rate": rate}, many_rate_words(result)))
+    yield Candidate("lyapunov", _hypotheses(cells, function, result.verdict), tuple(options))
+
+
+def _hypotheses(cells: StatedCells, function: Any, verdict: Translation, second: Any = None) -> Record:
+    """Of theorem ``lyapunov``, without its options."""
+    found = {"cells": cells.record, "function": function, "second": second, "verdict": str(verdict)}
+    return {**found, "everywhere": False, "level": None, "below": False, "rate": None}
+
+
+def _stated_function(
+    system: SwitchedSystem, radius: Number | None, pieces: Sequence[PotentialPiece], text: str
+) -> tuple[str | list[list[str]], StatedCells]:
+    """V as a certificate states it, and the cells of the system and of V.
+
+    Args:
+        system: in any number of states.
+        radius: half the side of the cube; None for the whole space.
+        pieces: of a V that is known on cones; V is one formula where there are none, or one.
+        text: this formula.
+    """
+    if radius is not None:
+        exact_text(radius)
+    if len(pieces) <= 1:
+        own = str(pieces[0].potential) if pieces else text
+        return own, stated_cells(system, radius, surfaces_of(system, _parsed(own, system)))
+    sides = [_sides(system, piece) for piece in pieces]
+    cells = stated_cells(system, radius, [line for own in sides for line, _ in own])
+    return [[cells.signs(own), str(piece.potential)] for own, piece in zip(sides, pieces, strict=True)], cells
+
+
+def _parsed(text: str, system: SwitchedSystem) -> PiecewiseExpression:
+    return parse_piecewise(text, system.states)
+
+
+def _sides(system: SwitchedSystem, piece: PotentialPiece) -> list[tuple[Polynomial, int]]:
+    """The lines through both rays of a cone, each with its sign inside."""
+    if piece.start is None or piece.end is None:
+        raise NoCertificateError("a certificate needs a V on cones with both rays")
+    x, y = system.coordinates()
+    first, last = (y * ray[0] - x * ray[1] for ray in (piece.start, piece.end))
+    return [(first, 1), (last, -1)]
+
+
+def _negated(function: str | list[list[str]]) -> Any:
+    if isinstance(function, str):
+        return f"-({function})"
+    return [[signs, f"-({own})"] for signs, own in function]
+
+
+def _open_direction(surfaces: Sequence[Polynomial]) -> list[str]:
+    """A direction that leads from the point into a cell: no surface vanishes along it."""
+    for size in range(1, 20):
+        for direction in product(range(-size, size + 1), repeat=len(surfaces[0].variables) if surfaces else 1):
+            if any(direction) and all(_varies(surface, direction) for surface in surfaces):
+                return list(map(str, direction))
+    raise NoCertificateError("a certificate needs a direction that leads into a cell, found none")
+
+
+def _varies(surface: Polynomial, direction: Sequence[int]) -> bool:
+    """Whether a polynomial is not zero along a ray from the origin: the sums of terms of one degree decide."""
+    by_degree: dict[int, Number] = {}
+    for exponents, coefficient in surface.terms.items():
+        factor = 1
+        for x, exponent in zip(direction, exponents, strict=True):
+            factor *= x**exponent
+        degree = sum(exponents)
+        by_degree[degree] = by_degree.get(degree, surface.field.zero) + coefficient * factor
+    return any(by_degree.values())
+
+
+# ---- what a certificate does not hold ----------------------------------------------------------
+
+
+def _beyond_words(result: DecidedSystem) -> Iterator[str]:
+    """What a check says that certificates have no words for."""
+    if not isinstance(result, SystemResult):
+        return
+    if result.region is not None and result.region != result.near:
+        yield f"{reached_words(result.region, result.scene.states)}: beyond the certified square"
+    if result.region_rate is not None:
+        yield f"{region_rate_words(result)}: beyond the certified square"
+    if result.gain is not None:
+        yield f"{gain_words(result)}: certificates hold no disturbances"
+    if result.everywhere and result.domain is not None and result.domain.radius is not None:
+        yield "all starts in the plane reach the equilibrium: V is certified on a square"
+    if result.finite_time:
+        yield "solutions near the equilibrium arrive in finite time: certificates hold no times of roots"
+
+
+def notes(system: SwitchedSystem) -> Record:
+    """The name of the scene, and the stated formulas where the right-hand sides are others; nothing that is proved."""
+    found: Record = {"scene": system.name}
+    if system.written:
+        found["stated"] = [[one_line(formula) for formula in member] for member in system.written]
+        found["right-hand sides"] = rewriting_words(system)
+    return found
+
+
+# ---- files -------------------------------------------------------------------------------------
+
+
+def certificate_text(certificate: Record) -> str:
+    """As the file is written."""
+    return json.dumps(certificate, indent=1, ensure_ascii=True) + "\n"
+
+
+def left_out(file: str) -> list[str]:
+    """What the notes of a certificate say that it does not hold, as lines; the checker reads no notes."""
+    data, _ = read(file)
+    noted = data.get("notes")
+    said = noted.get(LEFT_OUT, []) if isinstance(noted, dict) else []
+    lines = said if isinstance(said, list) else []
+    return [one_line(str(line))[:LONGEST] for line in lines[:MOST_LEFT_OUT]]
+
+
+def find_system_difference(file: str, system: SwitchedSystem) -> str:
+    """The first key in which a certificate that was accepted is about another system; empty where there is none.
+
+    Args:
+        file: of the certificate.
+        system: to compare with, formula by formula as text.
+
+    Raises:
+        NoCertificateError: for a point that no certificate can name.
+    """
+    data, _ = read(file)
+    subject = data["statement"]["subject"]
+    return next((f"other {key}" for key, value in about(system).items() if subject[key] != value), "")
