@@ -1,4 +1,4 @@
-"""Certificates: a verdict under rule ``nearest`` or ``box`` as data that :mod:`nonsmooth.proofs.checker.arrays` re-checks.
+"""Certificates of arrays: a verdict under rule ``nearest`` or ``box``, as :mod:`nonsmooth.proofs.checker` re-checks it.
 
 A certificate holds the wheels, the cells with their twists, and for each clause what shows its verdict: weights and
 multipliers of the drift, a separating direction, the squared radius of the disc on which V* keeps its sign; signs of

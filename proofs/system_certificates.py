@@ -20,11 +20,11 @@ from nonsmooth.proofs.checker.statements import VERSION, refusal
 from nonsmooth.proofs.kernel.search import NotShownError, Search
 from nonsmooth.proofs.kernel.stated_cells import StatedCells, stated_cells
 from nonsmooth.proofs.kernel.subject import NoCertificateError, about, exact_text
-from nonsmooth.proofs.many_states.conclusion import ManyStateMethod
 from nonsmooth.proofs.many_states.decision import ManyStateResult
 from nonsmooth.proofs.many_states.facts import rate_words as many_rate_words
 from nonsmooth.proofs.many_states.facts import region_words as many_region_words
 from nonsmooth.proofs.many_states.sign_cells import BeyondReachError, surfaces_of
+from nonsmooth.proofs.system_decision import DecidedSystem
 from nonsmooth.proofs.systems.conclusion import Method
 from nonsmooth.proofs.systems.scalar_stability import ScalarResult
 from nonsmooth.proofs.systems.system_facts import (
@@ -49,7 +49,6 @@ LEFT_OUT = "left out"  # key of the notes
 MOST_LEFT_OUT, LONGEST = 16, 400  # lines of it that are read, and characters of each
 UNSHOWN = "the checker does not show it"
 
-DecidedSystem: TypeAlias = SystemResult | ScalarResult | ManyStateResult
 Record: TypeAlias = dict[str, Any]
 
 
@@ -103,7 +102,9 @@ def certificate_of(result: DecidedSystem) -> Record:
             return _checked(result.scene, subject, [entry], statements, said)
     except BeyondReachError as error:
         reasons.append(str(error))
-    raise NoCertificateError(f"{UNSHOWN}: {reasons[0]}" if reasons else f"no theorem shows a verdict by {result.method}")
+    raise NoCertificateError(
+        f"{UNSHOWN}: {reasons[0]}" if reasons else f"no theorem shows a verdict by {result.method}"
+    )
 
 
 def _shown(system: System, candidate: Candidate) -> tuple[Record, list[Statement], list[str]]:
@@ -164,10 +165,13 @@ def _in_the_plane(result: SystemResult) -> Iterator[Candidate]:
     system, domain = result.scene, result.domain
     if result.proving is None or domain is None:
         return
-    function, cells = _stated_function(system, domain.radius, proving_pieces(result), proving_text(result))
-    if result.method is Method.GROWTH:
+    grows = result.method is Method.GROWTH
+    # Where V grows on all of the plane a square is enough, and bounded.
+    radius = system.check.radius if grows and domain.radius is None else domain.radius
+    function, cells = _stated_function(system, radius, proving_pieces(result), proving_text(result))
+    if grows:
         hypotheses = {"cells": cells.record, "function": _negated(function), "second": None}
-        yield Candidate("instability", {**hypotheses, "direction": _open_direction(cells.surfaces)})
+        yield Candidate("instability", {**hypotheses, "direction": _open_direction(system, cells.surfaces)})
         return
     options = []
     if result.everywhere:
@@ -249,10 +253,10 @@ def _negated(function: str | list[list[str]]) -> Any:
     return [[signs, f"-({own})"] for signs, own in function]
 
 
-def _open_direction(surfaces: Sequence[Polynomial]) -> list[str]:
+def _open_direction(system: SwitchedSystem, surfaces: Sequence[Polynomial]) -> list[str]:
     """A direction that leads from the point into a cell: no surface vanishes along it."""
     for size in range(1, 20):
-        for direction in product(range(-size, size + 1), repeat=len(surfaces[0].variables) if surfaces else 1):
+        for direction in product(range(-size, size + 1), repeat=len(system.states)):
             if any(direction) and all(_varies(surface, direction) for surface in surfaces):
                 return list(map(str, direction))
     raise NoCertificateError("a certificate needs a direction that leads into a cell, found none")
@@ -306,10 +310,9 @@ def certificate_text(certificate: Record) -> str:
     return json.dumps(certificate, indent=1, ensure_ascii=True) + "\n"
 
 
-def left_out(file: str) -> list[str]:
+def left_out(certificate: Record) -> list[str]:
     """What the notes of a certificate say that it does not hold, as lines; the checker reads no notes."""
-    data, _ = read(file)
-    noted = data.get("notes")
+    noted = certificate.get("notes")
     said = noted.get(LEFT_OUT, []) if isinstance(noted, dict) else []
     lines = said if isinstance(said, list) else []
     return [one_line(str(line))[:LONGEST] for line in lines[:MOST_LEFT_OUT]]

@@ -121,8 +121,8 @@ def write_system_certificate(result: DecidedSystem, path: Path) -> None:
     Raises:
         RefusedError: for a verdict that has none.
     """
-    from nonsmooth.proofs.system_decision import certificate_of
-    from nonsmooth.proofs.systems.system_certificate import NoCertificateError, certificate_text, left_out
+    from nonsmooth.proofs.kernel.subject import NoCertificateError
+    from nonsmooth.proofs.system_certificates import certificate_of, certificate_text, left_out
 
     try:
         certificate = certificate_of(result)

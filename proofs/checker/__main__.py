@@ -3,10 +3,10 @@
 import sys
 from pathlib import Path
 
-if __package__:
-    from .files import main
-else:
+if not __package__:  # run as a folder: its modules are found as a package of its name
     sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
-    from checker.files import main
+    __package__ = Path(__file__).resolve().parent.name
 
-sys.exit(main(sys.argv[1:]))
+from importlib import import_module
+
+sys.exit(import_module(".files", __package__).main(sys.argv[1:]))

@@ -117,7 +117,7 @@ class Surfaces:
         require(len(scaled) == len(self.listed), "surfaces that differ")
 
     def _show_empty(self, mark: Any) -> dict[int, int]:
-        """Signs that no inner point of the domain has: one of the signed surfaces is not positive where the others are."""
+        """Signs that no inner point of the domain has: one signed surface is not positive where the others are."""
         signs = read_signs(mark, len(self.listed))
         require(signs, "a sign of a surface")
         last = max(signs)
@@ -233,8 +233,8 @@ class Inclusion:
     def _bending_surfaces(self) -> tuple[int, ...]:
         """The surfaces across which a function changes its polynomial; the functions are shown to be continuous.
 
-        The polynomials of cells that differ in one sign differ by a multiple of that surface.  Cells of hyperplanes that
-        have a point in common are joined by such steps among cells that hold it.  Of curved surfaces this is required
+        The polynomials of cells that differ in one sign differ by a multiple of that surface.  Cells of hyperplanes
+        that have a point in common are joined by such steps among cells that hold it.  Of curved surfaces this is required
         of all cells: steps that change only signs in which the two differ, so that their polynomials agree where all
         these surfaces vanish.
         """
@@ -272,7 +272,7 @@ class Inclusion:
                 yield name, {j: cell.signs[j] for j in self.bending}, cell.functions[0]
 
     def faces(self) -> list[Face]:
-        """Every set of bending surfaces that may vanish together off the point, with all that vanish there with them."""
+        """Every set of bending surfaces that may vanish together off the point, with all that vanish with them."""
         found: dict[tuple[int, ...], Face] = {}
         for size in range(1, min(len(self.bending), self.count) + 1):
             for chosen in combinations(self.bending, size):
@@ -290,7 +290,7 @@ def flipped(signs: Pattern, j: int) -> Pattern:
 
 
 def are_joined(start: Pattern, end: Pattern, known: set[Pattern]) -> bool:
-    """Whether known patterns lead from one to another by single steps that change only signs in which the two differ."""
+    """Whether known patterns lead from one to another by steps that change one sign in which the two differ."""
     apart = [j for j, (a, b) in enumerate(zip(start, end, strict=True)) if a != b]
     waiting, seen = [start], {start}
     while waiting:

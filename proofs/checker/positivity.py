@@ -5,16 +5,16 @@ polynomials of a second list are zero.  A *claim* is a list of inequalities for 
 the place and not necessarily continuous.  The domain is the cube ``|z_k| <= 1`` or the whole space.  A claim is strict
 (``>``) or not (``>=``), and a strict one leaves out the origin or does not.
 
-*squares*: for each inequality ``p + sum_j mu_j q_j = sum_i G_i m_i^T Q_i m_i + sum_j r_j h_j`` with products G of guards,
+*squares*: for each inequality ``p + sum_j mu_j q_j = sum_i G_i m_i^T Q_i m_i + sum_j r_j h_j``, products G of guards,
 vectors m of monomials, positive semidefinite matrices Q, any polynomials r times the polynomials h that are zero, and
 polynomials mu (Putinar 1993).  It is strict if one G is 1, this Q is definite, and its monomials vanish together at the
 origin only, or nowhere.
 
 *simplices*: the domain is a fixed union of simplices, whose corners may be directions.  A tree cuts each of them at
-points of its edges.  On each leaf affine functions mu and numbers ``lambda_g >= 0`` and ``nu_h`` are given for which the coefficients of
-``p + sum mu q - sum lambda g - sum nu h`` in barycentric coordinates are not negative.  It is strict if they are
-positive at all corners but the origin, and on every edge from the origin to a direction.  Or a guard is named that has
-no positive coefficient: the open cell has no point on the leaf, and its closure lies in the union of the others.
+points of its edges.  On each leaf affine functions mu and numbers ``lambda_g >= 0`` and ``nu_h`` are given for which
+the coefficients of ``p + sum mu q - sum lambda g - sum nu h`` in barycentric coordinates are not negative.  It is
+strict if they are positive at all corners but the origin, and on every edge from the origin to a direction.  Or a guard
+is named that has no positive coefficient: the open cell has no point on the leaf, and its closure lies in the others.
 
 *mixture*: numbers lambda for which ``p - sum lambda g`` is affine, with its least value on the domain not negative.
 """
@@ -258,7 +258,8 @@ def root_simplices(count: int, *, bounded: bool) -> Iterator[tuple[Corner, ...]]
         for order in permutations(range(count)):
             corners = [origin]
             for k in order:
-                corners.append((*map(sum, zip(corners[-1][:count], steps[k], strict=True)), Fraction(1)))
+                moved = (a + b for a, b in zip(corners[-1][:count], steps[k], strict=True))
+                corners.append((*moved, Fraction(1)))
             yield tuple(corners)
 
 
@@ -316,7 +317,7 @@ class Forms:
 
         Functions mu are given by their values at the corners.
         """
-        parts = [(self.forms[0], Fraction(1), None)]
+        parts: list[tuple[Coefficients, Fraction, int | None]] = [(self.forms[0], Fraction(1), None)]
         for values, form in zip(mu, self.forms[1:], strict=False):
             parts += [(form, value, k) for k, value in enumerate(values)]
         for name, factor in multipliers.items():
@@ -329,7 +330,7 @@ class Forms:
         return total
 
     def is_outside(self, name: str, claim: Claim, corners: Sequence[Corner]) -> bool:
-        """Whether the simplex holds no point at which a guard is positive; none at which it is zero unless it is open."""
+        """Whether a guard is positive nowhere on the simplex, and where it is not open zero nowhere either."""
         negated = {e: -value for e, value in barycentric(self.named[name], corners).items()}
         below = all(value >= 0 for value in negated.values())
         return below and (name in self.inequality.open or _is_positive(claim, corners, negated))
@@ -391,7 +392,10 @@ def _show_on_leaf(claim: Claim, corners: Sequence[Corner], forms: Sequence[Forms
     mu = [[rational(value) for value in items(own, len(corners))] for own in listed_mu]
     for own, data in zip(forms, items(listed, len(forms)) if listed else [{}] * len(forms), strict=True):
         if type(data) is str:
-            require(data in own.inequality.guards and own.is_outside(data, claim, corners), f"a guard that is negative, for {claim.name}")
+            require(
+                data in own.inequality.guards and own.is_outside(data, claim, corners),
+                f"a guard that is negative, for {claim.name}",
+            )
             continue
         require(type(data) is dict and set(data) <= set(own.named), "multipliers of guards that hold there")
         multipliers = {name: rational(value) for name, value in data.items()}
@@ -422,9 +426,7 @@ def _is_positive(claim: Claim, corners: Sequence[Corner], found: Coefficients) -
     if origin is None:
         return True
     beside = [k for k, corner in enumerate(corners) if not corner[-1]]
-    return all(
-        any(value for e, value in found.items() if e[k] and e[k] + e[origin] == top) for k in beside
-    )
+    return all(any(value for e, value in found.items() if e[k] and e[k] + e[origin] == top) for k in beside)
 
 
 # ---- mixtures ----------------------------------------------------------------------------------

@@ -73,14 +73,14 @@ def refusal(data: Any, size: int) -> str:
 
 
 def describe(statement: Any) -> list[str]:
-    """What a valid certificate states, one claim to a line."""
+    """What a valid certificate states: the system with its first claim, and every further claim on a line."""
     system = read_system(statement["subject"])
     point = ", ".join(map(str, system.at))
-    lines = [f"system in {', '.join(system.states)} at ({point})"]
+    said = []
     for claim in statement["claims"]:
-        ((kind, said),) = claim.items()
-        lines.append(_DESCRIBED[kind](said, system))
-    return lines
+        ((kind, about),) = claim.items()
+        said.append(_DESCRIBED[kind](about, system))
+    return [f"system in {', '.join(system.states)} at ({point}): {said[0]}", *said[1:]]
 
 
 def _stability(said: str, system: System) -> str:

@@ -1,4 +1,4 @@
-"""Refusals, the shapes of JSON that a certificate may have, and a budget of work that is charged by the bits of numbers.
+"""Refusals, the shapes of JSON that a certificate may have, and a budget of work, charged by the bits of numbers.
 
 *Work.*  A product of numbers with a and b bits costs ``1 + (a b) / 4096`` units, a sum the bits of the longer one over
 64; every function that loops over data of a certificate charges its steps before it does them.  A certificate of N

@@ -77,9 +77,7 @@ def search(claim: Claim, work: int) -> dict[str, Any] | None:
 def _root(claim: Claim, corners: Sequence[Sequence[Fraction]]) -> Part:
     exact = tuple(tuple(fmpq(x.numerator, x.denominator) for x in corner) for corner in corners)
     values = [[_form(own, exact) for own in (i.value, *i.pushes)] for i in claim.inequalities]
-    guards = [
-        {name: _form(own, exact) for name, own in i.guards.items() if name[0] == "s"} for i in claim.inequalities
-    ]
+    guards = [{name: _form(own, exact) for name, own in i.guards.items() if name[0] == "s"} for i in claim.inequalities]
     return Part(exact, values, guards, 0)
 
 
@@ -175,9 +173,7 @@ def _common_mu(claim: Claim, part: Part, inside: Sequence[Sequence[Form]]) -> li
     return None
 
 
-def _proposed_mu(
-    inside: Sequence[Sequence[Form]], corners: Sequence[Corner], count: int
-) -> Iterator[list[list[fmpq]]]:
+def _proposed_mu(inside: Sequence[Sequence[Form]], corners: Sequence[Corner], count: int) -> Iterator[list[list[fmpq]]]:
     """Values of mu that make the least coefficient as large as they can, rounded.
 
     Coefficients that no mu changes are left out; of the others, each is divided by its largest entry.
@@ -188,12 +184,13 @@ def _proposed_mu(
     for value, *pushes in inside:
         slopes = [_times_coordinate(push, k) for push in pushes for k in range(size)]
         degree = max(_degree(form) for form in (value, *slopes))
-        value, slopes = _raised(value, degree, corners), [_raised(own, degree, corners) for own in slopes]
-        for e in {e for own in slopes for e in own}:
-            row = [float(own.get(e, fmpq(0))) for own in slopes]
-            largest = max(max(map(abs, row)), abs(float(value.get(e, fmpq(0)))))
+        own, others = _raised(value, degree, corners), [_raised(slope, degree, corners) for slope in slopes]
+        for e in {e for slope in others for e in slope}:
+            here = float(own.get(e, fmpq(0)))
+            row = [float(slope.get(e, fmpq(0))) for slope in others]
+            largest = max(abs(here), *map(abs, row))
             rows.append([*(-entry / largest for entry in row), 1.0])
-            least.append(float(value.get(e, fmpq(0))) / largest)
+            least.append(here / largest)
     bounds = [(-LARGEST_MU, LARGEST_MU)] * (size * count) + [(None, 1.0)]
     found = linprog([0.0] * (size * count) + [-1.0], A_ub=rows, b_ub=least, bounds=bounds) if rows else None
     if found is None or found.x is None or found.x[-1] < -SLACK:

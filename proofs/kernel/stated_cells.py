@@ -1,4 +1,4 @@
-"""The cells of a plain system and of functions, as certificates state them: surfaces, and patterns that do not occur."""
+"""The cells of a plain system and of functions, as certificates state them: surfaces, and patterns that are empty."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ def _leading(polynomial: Polynomial) -> Number:
 
 
 def _empty_patterns(cells: SignCells) -> Iterator[str]:
-    """Patterns are walked as the checker walks them; of those that have no cell, the shortest beginning is looked at."""
+    """Patterns, walked as the checker walks them: of those that have no cell the shortest beginnings."""
     occurring = {cell.signs[:size] for cell in cells.cells for size in range(len(cells.surfaces) + 1)}
     known: list[dict[int, int]] = []
     for beginning in sorted(occurring, key=len):

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -14,7 +13,6 @@ if TYPE_CHECKING:
     from nonsmooth.symbolic.scene import Scene
 
 ACCEPTED, REJECTED = 0, 1
-Checker: TypeAlias = Callable[[str], tuple[int, str]]  # of a file: exit status and what to print
 
 
 def verify(
@@ -39,9 +37,8 @@ def verify(
     """
     from nonsmooth.proofs.checker import check_file
 
-    checker = _checker_of_system(file)
-    if checker is not None:
-        return _verify_system(checker, file, scene, radius, at, rule=rule)
+    if _is_of_system(file):
+        return _verify_system(file, scene, radius, at, rule=rule)
     status, message = check_file(file)
     if status == BAD_INPUT:
         raise RefusedError(f"{file}: required a certificate, received a file that is {message}")
@@ -71,32 +68,22 @@ def _compared(status: int, message: str, scene: str | None, difference: str, sam
     return status
 
 
-def _checker_of_system(file: str) -> Checker | None:
-    """The stand-alone checker of the plain system that a file says it is about; None where it does not say so."""
-    import json
+def _is_of_system(file: str) -> bool:
+    """Whether a file says that it is a certificate of a plain system."""
+    from nonsmooth.proofs.checker.files import read
 
-    from nonsmooth.proofs import many_state_checker, system_checker
-
-    checkers: dict[str, Checker] = {
-        system_checker.SCALAR_SCHEMA: system_checker.check_file,
-        system_checker.SCHEMA: system_checker.check_file,
-        system_checker.FAN_SCHEMA: system_checker.check_file,
-        many_state_checker.SCHEMA: many_state_checker.check_file,
-    }
     try:
-        with open(file, "rb") as stream:
-            text = stream.read(many_state_checker.MAX_BYTES)
-        named = any(schema.encode() in text for schema in checkers)
-        return checkers.get(json.loads(text).get("schema")) if named else None
-    except (OSError, ValueError, AttributeError, TypeError, RecursionError):
-        return None
+        data, _ = read(file)
+    except (OSError, ValueError, RecursionError):
+        return False
+    return isinstance(data, dict) and "version" in data
 
 
-def _verify_system(
-    check_file: Checker, file: str, scene: str | None, radius: str | None, at: str | None, *, rule: object
-) -> int:
+def _verify_system(file: str, scene: str | None, radius: str | None, at: str | None, *, rule: object) -> int:
     """The certificate of a plain system, and whether it is about the system that is named."""
-    from nonsmooth.proofs.systems.system_certificate import NoCertificateError, find_system_difference
+    from nonsmooth.proofs.checker.files import check_file, read
+    from nonsmooth.proofs.kernel.subject import NoCertificateError
+    from nonsmooth.proofs.system_certificates import find_system_difference, left_out
     from nonsmooth.symbolic.files.system_file import load_system
 
     if rule is not None:
@@ -106,7 +93,7 @@ def _verify_system(
     wanted = None if scene is None else load_system(scene, radius=radius, at=at)
     status, message = check_file(file)
     if status == ACCEPTED:
-        message = "\n".join([message, *(f"left out, not shown here: {line}" for line in _left_out(file))])
+        message = "\n".join([message, *(f"left out, not shown here: {line}" for line in left_out(read(file)[0]))])
     if wanted is None or status == REJECTED:
         write(f"{message}\n")
         return status
@@ -116,16 +103,6 @@ def _verify_system(
         raise RefusedError(f"{wanted.origin}: {error}") from None
     other = f"one with {difference}" if difference else ""
     return _compared(status, message, scene, other, "states, formulas and point")
-
-
-def _left_out(file: str) -> list[str]:
-    """What a check printed and its certificate does not hold, as an accepted certificate notes it."""
-    import json
-
-    from nonsmooth.proofs.systems.system_certificate import left_out
-
-    with open(file, encoding="utf-8") as stream:
-        return left_out(json.load(stream))
 
 
 def _wanted(scene: str | None, rule: Any, radius: str | None, at: str | None) -> Scene | None:

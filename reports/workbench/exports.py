@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
+from nonsmooth.proofs import system_certificates
 from nonsmooth.proofs.certificate import CertificateError, build_certificate, certificate_text
-from nonsmooth.proofs.system_decision import certificate_of
-from nonsmooth.proofs.systems import system_certificate
-from nonsmooth.proofs.systems.system_certificate import NoCertificateError
+from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.reports.console import json_text
 from nonsmooth.reports.interface.array import Array
 from nonsmooth.reports.interface.cells_result import drawn
@@ -87,7 +86,7 @@ def _array_text(array: Array) -> str:
 
 
 def _system_text(system: System) -> str:
-    return system_certificate.certificate_text(certificate_of(system.check().evidence))
+    return system_certificates.certificate_text(system_certificates.certificate_of(system.check().evidence))
 
 
 _KINDS: dict[str, Callable[[Mapping[str, Any], Array | System], File]] = {

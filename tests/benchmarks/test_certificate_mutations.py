@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import pytest
 
-from nonsmooth.proofs.checker import arrays as checker
 from nonsmooth.proofs.certificate import certificate_text
+from nonsmooth.proofs.checker import arrays as checker
 from nonsmooth.symbolic.files.scene_file import builtin_scenes
 
 if TYPE_CHECKING:

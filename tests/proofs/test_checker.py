@@ -26,8 +26,8 @@ import pytest
 from nonsmooth.analysis.cells.box import build_box_partition
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.cells.partition import Partition
-from nonsmooth.proofs.checker import arrays as checker
 from nonsmooth.proofs.certificate import build_certificate, certificate_text
+from nonsmooth.proofs.checker import arrays as checker
 from nonsmooth.proofs.checker.arrays import check_certificate, check_file
 from nonsmooth.proofs.clauses.equilibrium.on_cells import decide_equilibrium
 from nonsmooth.proofs.clauses.feedback.by_friction import decide_driven_feedback
