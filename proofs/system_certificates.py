@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from itertools import product
 from typing import Any, TypeAlias
 
@@ -47,6 +48,7 @@ from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 LEFT_OUT = "left out"  # key of the notes
 MOST_LEFT_OUT, LONGEST = 16, 400  # lines of it that are read, and characters of each
+NEARLY = Fraction(63, 64)
 UNSHOWN = "the checker does not show it"
 
 Record: TypeAlias = dict[str, Any]
@@ -98,8 +100,11 @@ def certificate_of(result: DecidedSystem) -> Record:
             except NotShownError as error:
                 reasons.append(str(error))
                 continue
-            said = [*left_out, *_beyond_words(result)]
-            return _checked(result.scene, subject, [entry], statements, said)
+            certificate = Draft([entry], statements, left_out)
+            for further in _further(result):
+                certificate.add(system, further)
+            certificate.left_out += _beyond_words(result)
+            return _checked(result.scene, subject, certificate)
     except BeyondReachError as error:
         reasons.append(str(error))
     raise NoCertificateError(
@@ -126,19 +131,45 @@ def _shown(system: System, candidate: Candidate) -> tuple[Record, list[Statement
     return entry, statements, [words for words in left_out if words]
 
 
-def _checked(
-    system: SwitchedSystem, subject: Record, evidence: list[Record], statements: list[Statement], left_out: list[str]
-) -> Record:
+@dataclass
+class Draft:
+    """A certificate that is being written: its evidence, what that shows, and what is left out in words."""
+
+    evidence: list[Record]
+    statements: list[Statement]
+    left_out: list[str]
+
+    def add(self, system: System, option: Option) -> None:
+        """One more use of theorem ``lyapunov``, if it is shown: below its level, else below one a little smaller.
+
+        V may stand still on the border of a largest region.
+        """
+        level = Fraction(option.hypotheses["level"])
+        for share in (Fraction(1), NEARLY):
+            try:
+                entry, statements = Search().entry(
+                    system, "lyapunov", {**option.hypotheses, "level": str(level * share)}
+                )
+            except NotShownError as error:
+                if share == 1:
+                    self.left_out.append(f"{option.words}: {UNSHOWN}: {error}")
+                continue
+            self.evidence.append(entry)
+            self.statements += [own for own in statements if own not in self.statements]
+            return
+
+
+def _checked(system: SwitchedSystem, subject: Record, draft: Draft) -> Record:
     """A certificate that the checker accepts.
 
     Raises:
         NoCertificateError: where it does not, within its limits of work.
     """
-    noted = {**notes(system), LEFT_OUT: left_out} if left_out else notes(system)
+    noted = {**notes(system), LEFT_OUT: draft.left_out} if draft.left_out else notes(system)
     certificate = {
         "version": VERSION,
-        "statement": {"subject": subject, "claims": statements},
-        "evidence": evidence,
+        "statement": {"subject": subject, "claims": draft.statements},
+        "evidence": draft.evidence,
         "notes": noted,
     }
     refused = refusal(certificate, len(certificate_text(certificate)))
@@ -274,6 +305,20 @@ def _varies(surface: Polynomial, direction: Sequence[int]) -> bool:
     return any(by_degree.values())
 
 
+def _further(result: DecidedSystem) -> Iterator[Option]:
+    """A region that reaches beyond the square on which V falls everywhere, and the rate there: asked below a level."""
+    if not isinstance(result, SystemResult) or result.region is None or result.region == result.near:
+        return
+    system, region, far = result.scene, result.region, result.region_rate
+    function, cells = _stated_function(system, region.radius, proving_pieces(result), proving_text(result))
+    own = {**_hypotheses(cells, function, result.verdict), "below": True}
+    words = reached_words(region, system.states)
+    yield Option({**own, "level": exact_text(region.level)}, words)
+    if far is not None:
+        rate = {"kind": "exponential", "kappa": exact_text(far.kappa)}
+        yield Option({**own, "level": exact_text(far.level), "rate": rate}, region_rate_words(result))
+
+
 # ---- what a certificate does not hold ----------------------------------------------------------
 
 
@@ -281,10 +326,6 @@ def _beyond_words(result: DecidedSystem) -> Iterator[str]:
     """What a check says that certificates have no words for."""
     if not isinstance(result, SystemResult):
         return
-    if result.region is not None and result.region != result.near:
-        yield f"{reached_words(result.region, result.scene.states)}: beyond the certified square"
-    if result.region_rate is not None:
-        yield f"{region_rate_words(result)}: beyond the certified square"
     if result.gain is not None:
         yield f"{gain_words(result)}: certificates hold no disturbances"
     if result.everywhere and result.domain is not None and result.domain.radius is not None:
