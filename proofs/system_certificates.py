@@ -24,7 +24,7 @@ from nonsmooth.proofs.kernel.subject import NoCertificateError, about, exact_tex
 from nonsmooth.proofs.many_states.decision import ManyStateResult
 from nonsmooth.proofs.many_states.facts import rate_words as many_rate_words
 from nonsmooth.proofs.many_states.facts import region_words as many_region_words
-from nonsmooth.proofs.many_states.sign_cells import BeyondReachError, surfaces_of
+from nonsmooth.proofs.many_states.sign_cells import BeyondReachError, IrrationalError, surfaces_of
 from nonsmooth.proofs.system_decision import DecidedSystem
 from nonsmooth.proofs.systems.conclusion import Method
 from nonsmooth.proofs.systems.scalar_stability import ScalarResult
@@ -105,6 +105,10 @@ def certificate_of(result: DecidedSystem) -> Record:
                 certificate.add(system, further)
             certificate.left_out += _beyond_words(result)
             return _checked(result.scene, subject, certificate)
+    except IrrationalError:
+        raise NoCertificateError(
+            "a certificate of a plain system needs rational numbers, received some with roots"
+        ) from None
     except BeyondReachError as error:
         reasons.append(str(error))
     raise NoCertificateError(

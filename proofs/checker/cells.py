@@ -234,9 +234,9 @@ class Inclusion:
         """The surfaces across which a function changes its polynomial; the functions are shown to be continuous.
 
         The polynomials of cells that differ in one sign differ by a multiple of that surface.  Cells of hyperplanes
-        that have a point in common are joined by such steps among cells that hold it.  Of curved surfaces this is required
-        of all cells: steps that change only signs in which the two differ, so that their polynomials agree where all
-        these surfaces vanish.
+        that have a point in common are joined by such steps among cells that hold it.  Of curved surfaces this is
+        required of all cells: steps that change only signs in which the two differ, so that their polynomials agree
+        where all these surfaces vanish.
         """
         listed, by_signs = self.surfaces.listed, {cell.signs: cell for cell in self.cells}
         found = set()

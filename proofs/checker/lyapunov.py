@@ -4,9 +4,10 @@ V is continuous, one polynomial on each cell, and zero at the point.
 
 *Falls.*  Along a solution, at almost all times at which exactly the bending surfaces ``g_j, j in B`` vanish, the
 velocity v has ``grad g_j . v = 0``; so V has the derivative ``grad P . v`` for any polynomial P that V has beside this
-face, and v is a mixture of the fields f of the cells that meet there.  If ``(grad P + sum_j mu_j grad g_j) . f < 0`` for functions
-mu_j on the face and all these f, it is negative.  B runs through all sets of bending surfaces that vanish together; for
-B empty these are the conditions on closed cells.  This holds for every solution, on faces that attract and that repel.
+face, and v is a mixture of the fields f of the cells that meet there.  If ``(grad P + sum_j mu_j grad g_j) . f < 0``
+for functions mu_j on the face and all these f, it is negative.  B runs through all sets of bending surfaces that vanish
+together; for B empty these are the conditions on closed cells.  This holds for every solution, on faces that attract
+and that repel.
 
 *Theorem* (Filippov 1988, Lyapunov).  V positive and falling off the point: asymptotically stable; not rising: stable.
 Falling, and negative at points at all small distances: unstable.  Where ``V >= level`` on the border of the cube no

@@ -34,6 +34,10 @@ class BeyondReachError(ValueError):
     """A system or a V that is not decided here, with the reason for people."""
 
 
+class IrrationalError(BeyondReachError):
+    """The same for numbers with roots."""
+
+
 @dataclass(frozen=True)
 class SignCell:
     """An open cell of the cube.
@@ -113,7 +117,7 @@ def rational(number: Number) -> fmpq:
     """
     found = number.as_rational()
     if found is None:
-        raise BeyondReachError("numbers with roots in more than two states")
+        raise IrrationalError("numbers with roots in more than two states")
     if found and abs(int(found.p).bit_length() - int(found.q).bit_length()) > MAX_MAGNITUDE:
         raise BeyondReachError(f"numbers beyond 2**{MAX_MAGNITUDE} or below 2**-{MAX_MAGNITUDE}")
     return found

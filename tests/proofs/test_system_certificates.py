@@ -1,0 +1,198 @@
+"""Certificates of plain systems in two states and more: what a V decides is accepted, and nothing else is stated."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import nonsmooth as ns
+from nonsmooth.proofs import checker
+from nonsmooth.proofs.checker.cells import read_system
+from nonsmooth.proofs.checker.files import EARLIER, check_file
+from nonsmooth.proofs.checker.statements import refusal
+from nonsmooth.proofs.kernel.search import NotShownError, Search
+from nonsmooth.proofs.kernel.stated_cells import stated_cells
+from nonsmooth.proofs.kernel.subject import NoCertificateError, about
+from nonsmooth.proofs.many_states.decision import decide_many
+from nonsmooth.proofs.many_states.sign_cells import surfaces_of
+from nonsmooth.proofs.system_certificates import certificate_of, left_out
+from nonsmooth.proofs.system_decision import decide_system
+from nonsmooth.proofs.systems.system_stability import system_check
+from nonsmooth.symbolic.files.system_file import load_system
+from nonsmooth.symbolic.piecewise import parse_piecewise
+from tests.proofs.many_states.test_attacks import built
+from tests.proofs.many_states.test_random_systems import built as built_of_many
+from tests.proofs.many_states.test_random_systems import linear, random_matrix
+from tests.proofs.mutants import Record
+from tests.proofs.switched_oracle import random_relay
+from tests.thorough import keep
+
+BENDS = "4*Abs(x) + 4*Abs(y) + z**2"
+SYSTEMS: dict[str, tuple[list[Any], dict[str, Any]]] = {
+    "slides": (["-sgn(x)", "-sgn(y)", "-z"], {"lyapunov": BENDS}),
+    "whole space": (["-x", "-y", "-z + Abs(x)"], {"lyapunov": "Abs(x) + Abs(y) + Abs(z)/2"}),
+    "curved surface": (["-x", "-y", "-z + Abs(x*y - z)/2"], {}),
+    "several planes": (["-x + relu(y - 1/8)/4", "-y", "-z + relu(y - 1/4)/4"], {}),
+    "centre": (["y", "-x", "-z"], {}),
+    "switched": ([["y - x", "z - y", "-x - y - z"], ["y - x", "z - y", "-x - y - 2*z"]], {}),
+    "grows": (["sgn(x) + y", "-sgn(y)", "-z"], {}),
+}
+RELAYS = ns.System(["x", "y"], ["-sign(x) + y/4", "-sign(y) - x/4"], radius="1/2")
+
+
+def rejected(record: Record) -> str:
+    """Why the checker rejects a certificate; empty where it does not."""
+    return refusal(record, len(json.dumps(record)))
+
+
+def certified(system: ns.System) -> Record:
+    return certificate_of(decide_system(system.system))
+
+
+def claims(record: Record, kind: str) -> list[Any]:
+    """What a certificate states of one kind."""
+    return [claim[kind] for claim in record["statement"]["claims"] if kind in claim]
+
+
+@cache
+def text_of(name: str) -> str:
+    rhs, check = SYSTEMS[name]
+    return json.dumps(certificate_of(decide_many(built(rhs, **check))))
+
+
+def record_of(name: str) -> Record:
+    found: Record = json.loads(text_of(name))
+    return found
+
+
+# ---- what is true --------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["relay-oscillator-damped", "flower", "relay-chain"])
+def test_built_in_systems_are_accepted_without_the_program(name: str, tmp_path: Path) -> None:
+    file = tmp_path / "c.json"
+    file.write_text(json.dumps(certificate_of(decide_system(load_system(name)))), encoding="utf-8")
+    line = [sys.executable, "-I", "-S", str(Path(checker.__file__).parent), str(file)]
+    done = subprocess.run(line, capture_output=True, text=True, check=False, timeout=60)
+    assert (done.returncode, done.stdout.splitlines()[0]) == (0, "valid")
+    assert "asymptotically stable" in done.stdout
+
+
+@pytest.mark.parametrize("name", SYSTEMS)
+def test_verdicts_in_three_states_are_certified(name: str) -> None:
+    record = record_of(name)
+    assert rejected(record) == ""
+    rhs, check = SYSTEMS[name]
+    assert claims(record, "stability") == [str(decide_many(built(rhs, **check)).verdict)]
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_random_relays_that_a_v_decides_are_certified(seed: int, load: Any) -> None:
+    result = system_check(load(*random_relay(seed).rhs))
+    if result.proving is not None:
+        assert claims(certificate_of(result), "stability") == [str(result.verdict)]
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_random_linear_systems_that_a_v_decides_are_certified(seed: int) -> None:
+    rng = np.random.default_rng(500 + seed)
+    count = int(rng.integers(3, 7))
+    result = decide_many(built_of_many([linear(row) for row in random_matrix(rng, count)], count))
+    if result.proving is not None or result.evidence.growth is not None:
+        assert claims(certificate_of(result), "stability") == [str(result.verdict)]
+
+
+def test_region_and_rate_are_stated_and_no_larger_ones() -> None:
+    record = certified(RELAYS)
+    ((region,), (rate,)) = claims(record, "attracts"), claims(record, "rate")
+    assert (region["below"], rate["kind"], rate["kappa"]) == ("1/4", "exponential", "15/4")
+    for kind, key, value in (("attracts", "below", "257/1024"), ("rate", "kappa", "61/16"), ("rate", "kind", "finite")):
+        changed = json.loads(json.dumps(record))
+        next(c for c in changed["statement"]["claims"] if kind in c)[kind][key] = value
+        assert "evidence of the claim" in rejected(changed)
+    larger = json.loads(json.dumps(record))
+    larger["evidence"][0]["hypotheses"]["level"] = "257/1024"
+    assert "border" in rejected(larger)
+
+
+def test_arbitrary_switching_and_growth() -> None:
+    switched = ns.System(["x", "v"], [["v", "-2*x - v"], ["v", "-5/2*x - v"]])
+    assert claims(certified(switched), "stability") == ["asymptotically stable"]
+    assert claims(certified(ns.System(["x", "y"], ["x + y", "y - x"])), "stability") == ["unstable"]
+
+
+def test_a_region_beyond_the_square_of_v_is_stated_where_v_may_stand_still_on_its_border() -> None:
+    """V = x^2 + y^2 stands still at (0, -1/2), on the border of the largest region V < 1/4."""
+    record = certified(ns.System(["x", "y"], ["-x", "-y - 2*y**2"], radius="1/2"))
+    regions = {(claim["within"], claim["below"]) for claim in claims(record, "attracts")}
+    assert regions == {("1/32", "1/1024"), ("1/2", "63/256"), ("1/2", "1/8")}
+    (near, far) = claims(record, "rate")
+    assert (near["within"], near["kappa"], far["below"], far["kappa"]) == ("1/32", "7/4", "1/8", "35/64")
+    region, gain = left_out(record)
+    assert region.startswith("every start with V < 1/4 within abs(x), abs(y) <= 1/2 reaches")
+    assert gain.startswith("with x' in F + d: V' <= -7/4 V + 3/32 abs(d) on abs(x), abs(y) <= 1/32")
+
+
+# ---- what is left out, refused, rejected ---------------------------------------------------------
+
+
+def test_a_claim_that_is_not_shown_is_left_out_and_named() -> None:
+    """Of a rate four times too large nothing is written but that it is missing; verdict and level stand."""
+    result = system_check(RELAYS.system)
+    assert result.rate is not None
+    record = certificate_of(replace(result, rate=replace(result.rate, kappa=result.rate.kappa * 4)))
+    assert (len(claims(record, "attracts")), claims(record, "rate")) == (1, [])
+    (rate, *_) = left_out(record)
+    assert rate.startswith("V' <= -15 V on abs(x), abs(y) <= 1/2")
+    assert "no proof was found of rate cell" in rate
+
+
+def test_numbers_with_roots_have_none() -> None:
+    with pytest.raises(NoCertificateError, match="rational"):
+        certificate_of(decide_system(load_system("eq-4")))
+
+
+@pytest.mark.parametrize("name", ["slides", "several planes", "grows"])
+def test_every_condition_must_be_shown(name: str) -> None:
+    """A certificate without one of its proofs, with an empty one, or with one more is rejected."""
+    record = record_of(name)
+    (entry,) = record["evidence"]
+    for k, key in list(enumerate(entry["proofs"]))[:: 3 if name == "slides" else 1]:
+        without = {own: proof for own, proof in entry["proofs"].items() if own != key}
+        proofs = without if k % 2 else {**entry["proofs"], key: {}}
+        assert key in rejected({**record, "evidence": [{**entry, "proofs": proofs}]})
+    more = {**entry["proofs"], "cell +++ field 9": {"squares": []}}
+    assert "proofs of claims that are asked" in rejected({**record, "evidence": [{**entry, "proofs": more}]})
+
+
+@pytest.mark.parametrize(("more", "face"), keep(1, [("", "00+"), (" + Abs(x + y) + Abs(x - y)", "00+00")]))
+def test_faces_on_which_v_bends_are_asked(more: str, face: str) -> None:
+    """Some planes share the z axis, along which solutions slide outward; V falls everywhere else."""
+    system = built(["-3*sgn(x)", "-3*sgn(y)", "sgn(z)"])
+    text = f"Abs(x) + Abs(y){more} + Abs(z)"
+    cells = stated_cells(system, system.check.radius, surfaces_of(system, parse_piecewise(text, system.states)))
+    hypotheses = {"cells": cells.record, "function": text, "second": None, "verdict": "asymptotically stable"}
+    hypotheses |= {"everywhere": False, "level": None, "below": False, "rate": None}
+    search = Search()
+    with pytest.raises(NotShownError, match="no proof was found of face "):
+        search.entry(read_system(about(system)), "lyapunov", hypotheses)
+    assert all(name.startswith(("V ", "cell ", "empty ", "face ")) for name in search.found)
+    assert f"face {face}" not in search.found
+
+
+@pytest.mark.parametrize("schema", EARLIER)
+def test_earlier_versions_are_refused_with_the_line_that_writes_them_anew(schema: str, tmp_path: Path) -> None:
+    file = tmp_path / "old.json"
+    file.write_text(json.dumps({"schema": schema, "states": ["x"]}), encoding="utf-8")
+    status, line = check_file(str(file))
+    assert status == 2
+    assert f"nonsmooth check SYSTEM --certificate {file}" in line
+    assert "\n" not in line
