@@ -119,8 +119,16 @@ class Proofs:
         self.note_form(claim)
 
     def note_form(self, claim: Claim) -> None:
-        """Note whether a claim that was shown is about forms."""
-        self.are_forms = self.are_forms and all(own.value.is_form for own in claim.inequalities)
+        """Note whether a claim that was shown on the cube holds at every distance: then it is about forms.
+
+        With p and q forms whose degrees differ by the same number in all inequalities, functions mu scale with the
+        distance too.
+        """
+        for own in claim.inequalities:
+            self.are_forms = self.are_forms and all(form.is_form for form in (own.value, *own.pushes))
+        for pushes in zip(*(own.pushes for own in claim.inequalities), strict=True):
+            both = ((own.value, q) for own, q in zip(claim.inequalities, pushes, strict=True) if own.value and q)
+            self.are_forms = self.are_forms and len({p.degree - q.degree for p, q in both}) <= 1
 
     def require_used(self) -> None:
         """Nothing is left over."""
