@@ -40,13 +40,17 @@ class Lyapunov:
         self.inclusion = Inclusion(system, cells, functions, proofs)
         self.has_second, self.proofs = second is not None, proofs
         self.below: Fraction | None = None
+        self.border = ""
         self.count = system.count
         self.bounded = self.inclusion.domain.bounded
 
     def require_below(self, level: Fraction) -> None:
-        """Ask everything, but what concerns the border of the cube, of points with ``V < level`` alone."""
+        """Ask everything, but what concerns the border of the cube, of points with ``V < level`` alone.
+
+        The inequalities are closed, so that they hold where V is the level; but there they need not be strict.
+        """
         require(self.bounded and level > 0, "a positive level on a cube")
-        self.below = level
+        self.below, self.border = level, "sl"
 
     # -- one claim each
 
@@ -78,7 +82,7 @@ class Lyapunov:
 
     def _show_on_cell(self, name: str, value: Polynomial, guards: dict[str, Polynomial], *, strict: bool) -> None:
         inside = Inequality(value, guards, open=frozenset(guards))
-        self.proofs.show(Claim(name, (inside,), strict, bounded=self.bounded))
+        self.proofs.show(Claim(name, (inside,), strict, bounded=self.bounded, border=self.border))
 
     def _guards(self, face: Face, signs: Signs, potential: Polynomial) -> dict[str, Polynomial] | None:
         """Guards of surfaces and cube on a face, and that V is below the level; None where one is a negative number."""
@@ -117,7 +121,7 @@ class Lyapunov:
                 inequalities.append(Inequality(-value, guards, tuple(-own for own in pushes), face.zeros(), side))
         if inequalities:
             away = not face.holds_origin
-            self.proofs.show(Claim(f"{prefix}face {name}", tuple(inequalities), strict, away, self.bounded))
+            self.proofs.show(Claim(f"{prefix}face {name}", tuple(inequalities), strict, away, self.bounded, self.border))
 
     def show_leaves(self) -> None:
         """``W' > 0`` off the point along every velocity of a solution for which ``V' = 0``: W is the second function.
@@ -132,7 +136,7 @@ class Lyapunov:
                 rise, fall = (lie_derivative(own, field) for own in (cell.functions[1], cell.functions[0]))
                 inside = Inequality(rise, {**guards, "sv": fall}, open=frozenset(guards))
                 name = f"leaves cell {pattern(cell.signs)} field {number}"
-                self.proofs.show(Claim(name, (inside,), strict=True, bounded=self.bounded))
+                self.proofs.show(Claim(name, (inside,), strict=True, bounded=self.bounded, border=self.border))
         for face in self.inclusion.faces():
             for name, cells in self._groups(face):
                 if not _is_settled(face, cells):
@@ -152,7 +156,7 @@ class Lyapunov:
                 inequalities.append(Inequality(rise, guards, pushes, face.zeros(), side, weak=-fall))
         if inequalities:
             away = not face.holds_origin
-            self.proofs.show(Claim(f"leaves face {name}", tuple(inequalities), True, away, self.bounded))
+            self.proofs.show(Claim(f"leaves face {name}", tuple(inequalities), True, away, self.bounded, self.border))
 
     def show_border(self, level: Fraction) -> None:
         """V is at least the level on the border of the cube."""

@@ -71,6 +71,7 @@ class Claim:
         strict: whether ``> 0`` is claimed.
         at_origin: whether a strict claim includes the origin.
         bounded: whether the domain is the cube, not the whole space.
+        border: the name of a guard; where it is zero nothing is claimed strictly.  Empty without one.
     """
 
     name: str
@@ -78,6 +79,7 @@ class Claim:
     strict: bool
     at_origin: bool = False
     bounded: bool = True
+    border: str = ""
 
     @property
     def count(self) -> int:
@@ -151,7 +153,7 @@ def pairs(claim: Claim) -> Iterator[Claim]:
         if a.weak is not None and b.weak is not None:
             guards["sv"] = -(a.weak * fall + b.weak * rise)
         room = Inequality(a.value * fall + b.value * rise, guards, zeros=a.zeros, open=frozenset(("sp", "sq")))
-        yield Claim(f"{claim.name} pair {i} {j}", (room,), claim.strict, claim.at_origin, claim.bounded)
+        yield Claim(f"{claim.name} pair {i} {j}", (room,), claim.strict, claim.at_origin, claim.bounded, claim.border)
 
 
 # ---- sums of squares ---------------------------------------------------------------------------
@@ -411,30 +413,34 @@ def _show_on_leaf(claim: Claim, corners: Sequence[Corner], forms: Sequence[Forms
         require(all(v >= 0 for name, v in multipliers.items() if name in signed), "multipliers that are not negative")
         found = own.combined(mu, multipliers, corners)
         require(all(value >= 0 for value in found.values()), f"coefficients that are not negative, for {claim.name}")
-        require(not claim.strict or _is_positive(claim, corners, found), f"positive coefficients for {claim.name}")
+        border = barycentric(own.named[claim.border], corners) if claim.border in own.named else None
+        positive = not claim.strict or _is_positive(claim, corners, found, border)
+        require(positive, f"positive coefficients for {claim.name}")
 
 
-def _is_positive(claim: Claim, corners: Sequence[Corner], found: Coefficients) -> bool:
-    """Whether a form without negative coefficients is positive at all points of a simplex, or all but the origin.
+def _is_positive(
+    claim: Claim, corners: Sequence[Corner], found: Coefficients, border: Coefficients | None = None
+) -> bool:
+    """Whether a form without negative coefficients is positive at all points of a simplex that count.
 
-    At a point the coordinates are positive for some set of corners, one of them no direction.  The sets that hold no
-    other such set are single corners that are no directions, and, where the origin does not count, the origin with one
-    direction.
+    The origin may not count, nor do points at which the guard with the form ``border`` is zero.  At a point the
+    coordinates are positive for some set of corners, one of them no direction.  Such a set holds a corner that counts,
+    or it is one corner that does not, or it holds one of these with another one or with a direction.
     """
-    size = len(corners)
-    top = sum(next(iter(found), (0,) * size))
-    origin = None
-    for k, corner in enumerate(corners):
-        if not corner[-1]:
-            continue
-        if not any(corner[:-1]) and not claim.at_origin:
-            origin = k
-        elif not found.get(tuple(top * int(i == k) for i in range(size))):
-            return False
-    if origin is None:
-        return True
-    beside = [k for k, corner in enumerate(corners) if not corner[-1]]
-    return all(any(value for e, value in found.items() if e[k] and e[k] + e[origin] == top) for k in beside)
+    points = {k for k, corner in enumerate(corners) if corner[-1]}
+    free = {k for k in points if not (claim.at_origin or any(corners[k][:-1]))}
+    if border is not None:
+        free |= {k for k in points if not border.get(_at_corner(border, k, len(corners)))}
+    if not all(found.get(_at_corner(found, k, len(corners))) for k in points - free):
+        return False
+    beside = [k for k in range(len(corners)) if k in free or k not in points]
+    pairs_of = {(k, i) for k in free for i in beside if i != k}
+    return all(any(value for e, value in found.items() if e[k] + e[i] == sum(e)) for k, i in pairs_of)
+
+
+def _at_corner(form: Coefficients, k: int, size: int) -> Exponents:
+    """The exponents of the coefficient that is the value at a corner."""
+    return tuple(degree_of(form) * int(i == k) for i in range(size))
 
 
 # ---- mixtures ----------------------------------------------------------------------------------

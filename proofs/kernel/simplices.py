@@ -14,7 +14,7 @@ from itertools import combinations
 from math import comb
 from typing import Any, TypeAlias
 
-from flint import fmpq
+from flint import fmpq, fmpq_poly
 
 from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.checker.positivity import Claim, pairs, root_simplices
@@ -136,7 +136,7 @@ def _leaf(claim: Claim, part: Part) -> dict[str, Any] | None:
     """The multipliers with which the coefficients show all inequalities on a part."""
     asked = zip(claim.inequalities, part.guards, strict=True)
     outside = [_outside(claim, part, inequality.open, guards) for inequality, guards in asked]
-    inside = [values for values, name in zip(part.values, outside, strict=True) if name is None]
+    inside = [k for k, name in enumerate(outside) if name is None]
     mu = _common_mu(claim, part, inside)
     if mu is None:
         return None
@@ -158,17 +158,17 @@ def _outside(claim: Claim, part: Part, free: frozenset[str], guards: dict[str, F
     return None
 
 
-def _common_mu(claim: Claim, part: Part, inside: Sequence[Sequence[Form]]) -> list[list[fmpq]] | None:
+def _common_mu(claim: Claim, part: Part, inside: Sequence[int]) -> list[list[fmpq]] | None:
     """Values at the corners of affine functions mu with which the coefficients of all ``p + sum mu q`` show them.
 
     The functions zero are tried first; then a linear program proposes values, and exact arithmetic decides.
     """
     size, count = len(part.corners), len(part.values[0]) - 1
     nothing = [[fmpq(0)] * size for _ in range(count)]
-    if all(_shows(claim, part, forms[0]) for forms in inside):
+    if all(_shows(claim, part, k, part.values[k][0]) for k in inside):
         return nothing
-    for mu in _proposed_mu(inside, part.corners, count) if count else ():
-        if all(_shows(claim, part, _with_mu(forms, mu, part.corners)) for forms in inside):
+    for mu in _proposed_mu([part.values[k] for k in inside], part.corners, count) if count else ():
+        if all(_shows(claim, part, k, _with_mu(part.values[k], mu, part.corners)) for k in inside):
             return mu
     return None
 
@@ -236,28 +236,28 @@ def _raised(form: Form, degree: int, corners: Sequence[Corner]) -> Form:
     return form
 
 
-def _shows(claim: Claim, part: Part, form: Form) -> bool:
-    """Whether the coefficients of a form show the inequality on a part."""
+def _shows(claim: Claim, part: Part, k: int, form: Form) -> bool:
+    """Whether the coefficients of a form show the k-th inequality on a part."""
     if any(value < 0 for value in form.values()):
         return False
-    return not claim.strict or is_positive(claim, part.corners, form)
+    return not claim.strict or is_positive(claim, part.corners, form, part.guards[k].get(claim.border))
 
 
-def is_positive(claim: Claim, corners: Sequence[Corner], found: Form) -> bool:
-    """Whether a form without negative coefficients is positive at all points of the part that count."""
-    size, top = len(corners), _degree(found)
-    origin = None
-    for k, corner in enumerate(corners):
-        if not corner[-1]:
-            continue
-        if not any(corner[:-1]) and not claim.at_origin:
-            origin = k
-        elif not found.get(tuple(top * int(i == k) for i in range(size))):
-            return False
-    if origin is None:
-        return True
-    beside = [k for k, corner in enumerate(corners) if not corner[-1]]
-    return all(any(value for e, value in found.items() if e[k] and e[k] + e[origin] == top) for k in beside)
+def is_positive(claim: Claim, corners: Sequence[Corner], found: Form, border: Form | None = None) -> bool:
+    """Whether a form without negative coefficients is positive at all points of the part that count.
+
+    Neither the origin, unless it is claimed, nor points at which the guard with the form ``border`` is zero count.
+    """
+    size = len(corners)
+    points = {k for k, corner in enumerate(corners) if corner[-1]}
+    free = {k for k in points if not (claim.at_origin or any(corners[k][:-1]))}
+    if border is not None:
+        free |= {k for k in points if not _at(border, k, size)}
+    if not all(_at(found, k, size) for k in points - free):
+        return False
+    beside = [k for k in range(size) if k in free or k not in points]
+    pairs_of = {(k, i) for k in free for i in beside if i != k}
+    return all(any(value for e, value in found.items() if e[k] + e[i] == sum(e)) for k, i in pairs_of)
 
 
 def _is_refuted(claim: Claim, part: Part) -> bool:
@@ -290,10 +290,27 @@ def _cut(claim: Claim, part: Part) -> tuple[int, int, fmpq]:
             for i, j in combinations(range(size), 2):
                 if at[i] * at[j] < 0:
                     return i, j, at[i] / (at[i] - at[j])
+    share = rational_root(part) if size == 2 else None
+    if share is not None:
+        return 0, 1, share
     edge = _edge_of_doubt(part) if part.depth % 4 < 3 else None
     if edge is None:
         edge = _longest_edge(part.corners, near=part.depth % 2 == 0)
     return (*edge, fmpq(1, 2))
+
+
+def rational_root(part: Part) -> fmpq | None:
+    """Where a polynomial vanishes inside an interval, as a share of it: halving alone would never meet that place."""
+    forms = [form for own in part.values for form in own[:1]] + [form for own in part.guards for form in own.values()]
+    for form in forms:
+        if not (any(value > 0 for value in form.values()) and any(value < 0 for value in form.values())):
+            continue
+        top = _degree(form)
+        ratio = fmpq_poly([form.get((top - k, k), fmpq(0)) for k in range(top + 1)])  # in t_1 / t_0
+        for factor, _ in ratio.numer().factor()[1]:
+            if factor.degree() == 1 and (root := fmpq(-int(factor[0]), int(factor[1]))) > 0:
+                return root / (1 + root)
+    return None
 
 
 def _edge_of_doubt(part: Part) -> tuple[int, int] | None:
