@@ -21,6 +21,7 @@ from .work import BUDGET, items, rational, require, take, text
 MIN_STATES, MAX_STATES = 1, 8
 MAX_FIELDS, MAX_SURFACES, MAX_CELLS, MAX_EMPTY = 64, 64, 1_000, 2_000
 MAX_FACES = 2_000
+MAX_LINES = 8  # on which it is tried whether two surfaces have a common factor
 
 Pattern: TypeAlias = tuple[int, ...]  # a sign, -1 or 1, of every surface
 Signs: TypeAlias = Mapping[int, int]  # of some surfaces
@@ -107,14 +108,18 @@ class Surfaces:
         texts = items(listed, most=MAX_SURFACES)
         self.listed = tuple(Formula(own, domain.displacement).on(no_switching) for own in texts)
         require(all(own.degree for own in self.listed), "surfaces that are not constant")
-        self._require_different()
+        self._require_coprime()
         self._factors: dict[Polynomial, tuple[int, tuple[int, ...]]] = {}
         self.empty = [self._show_empty(entry) for entry in items(empty, most=MAX_EMPTY)]
 
-    def _require_different(self) -> None:
-        """No surface is a multiple of another: neighbouring cells of affine ones then differ in one sign."""
-        scaled = {own.times(1 / own.terms[max(own.terms)]) for own in self.listed}
-        require(len(scaled) == len(self.listed), "surfaces that differ")
+    def _require_coprime(self) -> None:
+        """No two surfaces have a common factor.
+
+        Two of them then vanish together on a set of codimension two at least, which no path need meet: any two cells
+        that have a point in common are joined, arbitrarily near it, by steps that change one sign each.
+        """
+        coprime = all(are_coprime(a, b) for a, b in combinations(self.listed, 2))
+        require(coprime, "surfaces of which no two have a common factor")
 
     def _show_empty(self, mark: Any) -> dict[int, int]:
         """Signs that no inner point of the domain has: one signed surface is not positive where the others are."""
@@ -233,10 +238,8 @@ class Inclusion:
     def _bending_surfaces(self) -> tuple[int, ...]:
         """The surfaces across which a function changes its polynomial; the functions are shown to be continuous.
 
-        The polynomials of cells that differ in one sign differ by a multiple of that surface.  Cells of hyperplanes
-        that have a point in common are joined by such steps among cells that hold it.  Of curved surfaces this is
-        required of all cells: steps that change only signs in which the two differ, so that their polynomials agree
-        where all these surfaces vanish.
+        The polynomials of two pieces that differ in one sign differ by a multiple of that surface.  Cells that have a
+        point in common are joined by such steps among cells that hold it, on surfaces that vanish there.
         """
         listed, by_signs = self.surfaces.listed, {cell.signs: cell for cell in self.cells}
         found = set()
@@ -244,17 +247,18 @@ class Inclusion:
             for j in range(len(cell.signs)):
                 other = by_signs.get(flipped(cell.signs, j))
                 if cell.signs[j] > 0 and other is not None and other.functions != cell.functions:
-                    gaps = [a - b for a, b in zip(cell.functions, other.functions, strict=True)]
-                    require(all(gap.divided(listed[j]) is not None for gap in gaps), "functions that are continuous")
                     found.add(j)
         bending = tuple(sorted(found))
         pieces: dict[Pattern, tuple[Polynomial, ...]] = {}
         for cell in self.cells:
             own = pieces.setdefault(tuple(cell.signs[j] for j in bending), cell.functions)
             require(own == cell.functions, "functions that bend on their surfaces alone")
-        if any(listed[j].degree > 1 for j in bending):
-            joined = all(are_joined(a, b, set(pieces)) for a, b in combinations(pieces, 2))
-            require(joined, "functions whose cells are joined by single steps across curved surfaces")
+        for signs, own in pieces.items():
+            for i, j in enumerate(bending):
+                beside = pieces.get(flipped(signs, i))
+                if signs[i] > 0 and beside is not None:
+                    gaps = [a - b for a, b in zip(own, beside, strict=True)]
+                    require(all(gap.divided(listed[j]) is not None for gap in gaps), "functions that are continuous")
         return bending
 
     def around(self) -> list[Cell]:
@@ -272,11 +276,19 @@ class Inclusion:
                 yield name, {j: cell.signs[j] for j in self.bending}, cell.functions[0]
 
     def faces(self) -> list[Face]:
-        """Every set of bending surfaces that may vanish together off the point, with all that vanish with them."""
+        """Every set of bending surfaces that may vanish together off the point, with all that vanish there with them.
+
+        Of affine surfaces no more than there are variables need be chosen: they fix which others vanish with them.  Of
+        curved ones any number may meet in a point.
+        """
+        curved = [j for j in self.bending if self.surfaces.listed[j].degree > 1]
+        flat = [j for j in self.bending if j not in curved]
         found: dict[tuple[int, ...], Face] = {}
-        for size in range(1, min(len(self.bending), self.count) + 1):
+        for size in range(1, len(curved) + min(len(flat), self.count) + 1):
             for chosen in combinations(self.bending, size):
                 BUDGET.spend(100)
+                if len(set(chosen).intersection(flat)) > self.count:
+                    continue
                 face = build_face(self, chosen)
                 if face is not None:
                     found.setdefault(face.zero, face)
@@ -289,19 +301,45 @@ def flipped(signs: Pattern, j: int) -> Pattern:
     return (*signs[:j], -signs[j], *signs[j + 1 :])
 
 
-def are_joined(start: Pattern, end: Pattern, known: set[Pattern]) -> bool:
-    """Whether known patterns lead from one to another by steps that change one sign in which the two differ."""
-    apart = [j for j, (a, b) in enumerate(zip(start, end, strict=True)) if a != b]
-    waiting, seen = [start], {start}
+def are_joined(patterns: set[Pattern]) -> bool:
+    """Whether steps of one sign each lead from any of some patterns to any other, among these."""
+    waiting = [next(iter(patterns))]
+    seen = set(waiting)
     while waiting:
         signs = waiting.pop()
-        BUDGET.spend(1 + len(apart))
-        for j in apart:
-            step = flipped(signs, j)
-            if step in known and step not in seen:
-                seen.add(step)
-                waiting.append(step)
-    return end in seen
+        BUDGET.spend(1 + len(signs))
+        steps = {flipped(signs, j) for j in range(len(signs))} & patterns - seen
+        seen |= steps
+        waiting += steps
+    return seen == patterns
+
+
+def are_coprime(a: Polynomial, b: Polynomial) -> bool:
+    """Whether two polynomials are seen to have no common factor.
+
+    A factor of a is not constant on a line on which a keeps its degree, since neither does it lose its own there.  So it
+    is enough that both have no common factor on one such line; a few lines are tried.
+    """
+    if a.degree == b.degree == 1:
+        return a.times(1 / a.terms[max(a.terms)]) != b.times(1 / b.terms[max(b.terms)])
+    for k in range(1, MAX_LINES):
+        line = [Polynomial(1, {(0,): Fraction(1, i + k), (1,): Fraction(i * i + k)}) for i in range(a.count)]
+        first, second = a.on(line, 1), b.on(line, 1)
+        if first.degree < a.degree:
+            continue
+        while second:
+            first, second = second, remainder(first, second)
+        if not first.degree:
+            return True
+    return False
+
+
+def remainder(value: Polynomial, divisor: Polynomial) -> Polynomial:
+    """What a division of polynomials in one variable leaves."""
+    while value and value.degree >= divisor.degree:
+        ratio = value.terms[max(value.terms)] / divisor.terms[max(divisor.terms)]
+        value -= divisor * Polynomial(1, {(value.degree - divisor.degree,): ratio})
+    return value
 
 
 @dataclass(frozen=True)

@@ -21,10 +21,10 @@ from fractions import Fraction
 from math import prod
 from typing import Any, TypeAlias
 
-from .cells import Cell, Face, Inclusion, Pattern, Signs, System, pattern, solve, whole
+from .cells import Cell, Face, Inclusion, Pattern, Signs, System, are_joined, pattern, solve, whole
 from .polynomials import Polynomial, constant, lie_derivative, variable
 from .positivity import Claim, Inequality, Proofs
-from .work import items, rational, require, take
+from .work import BUDGET, items, rational, require, take
 
 Shift: TypeAlias = Callable[[Cell], Polynomial]
 Statement: TypeAlias = dict[str, Any]
@@ -95,13 +95,21 @@ class Lyapunov:
         return found if own.at_origin > 0 else None
 
     def _groups(self, face: Face) -> Iterator[tuple[str, list[Cell]]]:
-        """The cells beside a face by the signs of the bending surfaces that do not vanish on it."""
+        """The cells beside a face by the signs of the bending surfaces that do not vanish on it.
+
+        The polynomials of a function on such cells agree on the face: steps of one sign join them, whether or not all
+        of these cells have points.
+        """
         groups: dict[str, list[Cell]] = {}
         bending = self.inclusion.bending
         for cell in self.inclusion.cells:
+            BUDGET.spend(1 + len(cell.signs) // 4)
             signs = (0 if j in face.zero else s if j in bending else None for j, s in enumerate(cell.signs))
             groups.setdefault(pattern(signs), []).append(cell)
-        yield from groups.items()
+        for name, cells in groups.items():
+            sides = {tuple(cell.signs[j] for j in face.zero) for cell in cells}
+            require(are_joined(sides), "pieces of functions that are joined by single steps beside every face")
+            yield name, cells
 
     def _show_falls_on(
         self, face: Face, name: str, cells: Sequence[Cell], prefix: str, shift: Shift, *, strict: bool
@@ -121,7 +129,9 @@ class Lyapunov:
                 inequalities.append(Inequality(-value, guards, tuple(-own for own in pushes), face.zeros(), side))
         if inequalities:
             away = not face.holds_origin
-            self.proofs.show(Claim(f"{prefix}face {name}", tuple(inequalities), strict, away, self.bounded, self.border))
+            self.proofs.show(
+                Claim(f"{prefix}face {name}", tuple(inequalities), strict, away, self.bounded, self.border)
+            )
 
     def show_leaves(self) -> None:
         """``W' > 0`` off the point along every velocity of a solution for which ``V' = 0``: W is the second function.
