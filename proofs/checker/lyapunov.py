@@ -21,7 +21,7 @@ from fractions import Fraction
 from math import prod
 from typing import Any, TypeAlias
 
-from .cells import Cell, Face, Inclusion, Pattern, Signs, System, are_joined, pattern, solve, whole
+from .cells import Cell, Face, Inclusion, Signs, System, are_joined, pattern, solve, whole
 from .polynomials import Polynomial, constant, lie_derivative, variable
 from .positivity import Claim, Inequality, Proofs
 from .work import BUDGET, items, rational, require, take
@@ -203,20 +203,13 @@ class Lyapunov:
 def _is_settled(face: Face, cells: Sequence[Cell]) -> bool:
     """Whether the claims about closed cells suffice on a face.
 
-    They do where V is one polynomial around it.  They do too where the fields on the face are all those of cells on one
-    side of all its surfaces: v is a mixture of these, and V is one polynomial on that side.
+    They do where V is one polynomial around it.  They do too where all cells have the same fields on the face: V falls
+    along all of these by the polynomial of any cell that reaches the place.
     """
     if all(cell.functions == cells[0].functions for cell in cells):
         return True
-    by_side: dict[Pattern, dict[Pattern, object]] = {}
-    for cell in cells:
-        side = tuple(cell.signs[j] for j in face.zero)
-        rest = tuple(s for j, s in enumerate(cell.signs) if j not in face.zero)
-        by_side.setdefault(side, {})[rest] = {tuple(map(face.restricted, field)) for _, field in cell.fields}
-    largest = max(by_side.values(), key=len)
-    return not face.curved and all(
-        largest.get(rest) == fields for own in by_side.values() for rest, fields in own.items()
-    )
+    fields = [{tuple(map(face.restricted, field)) for _, field in cell.fields} for cell in cells]
+    return all(own == fields[0] for own in fields)
 
 
 # ---- theorems: each shows statements -----------------------------------------------------------
