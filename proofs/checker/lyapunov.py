@@ -241,6 +241,8 @@ def show_stability(system: System, hypotheses: Any, proofs: Proofs) -> list[Stat
         own.show_leaves()
     shown: list[Statement] = [{"stability": verdict}]
     about = {"function": function, "within": cells["within"]}
+    if type(function) is not str:
+        about["surfaces"] = cells["surfaces"]  # to whose signs the pieces of V refer
     if everywhere is True:
         require(attracts and below is not True, "an attracting point")
         own.require_all_of_space()
