@@ -206,6 +206,7 @@ class Function:
 
     def on(self, signs: Pattern) -> Polynomial:
         """The polynomial on a cell; all pieces that apply must agree."""
+        BUDGET.spend(len(self.pieces))
         found = {
             formula.on(lambda value: self.surfaces.sign_on(signs, value))
             for own, formula in self.pieces
@@ -270,6 +271,7 @@ class Inclusion:
         """The first function on each of the cells of the bending surfaces: name, their signs, polynomial."""
         seen = set()
         for cell in self.cells:
+            BUDGET.spend(1 + len(cell.signs) // 4)
             name = pattern(s if j in self.bending else None for j, s in enumerate(cell.signs))
             if name not in seen:
                 seen.add(name)
@@ -317,8 +319,8 @@ def are_joined(patterns: set[Pattern]) -> bool:
 def are_coprime(a: Polynomial, b: Polynomial) -> bool:
     """Whether two polynomials are seen to have no common factor.
 
-    A factor of a is not constant on a line on which a keeps its degree, since neither does it lose its own there.  So it
-    is enough that both have no common factor on one such line; a few lines are tried.
+    Where a keeps its degree on a line, every factor of a keeps its own.  So it is enough that both have no common
+    factor on one such line; a few lines are tried.
     """
     if a.degree == b.degree == 1:
         return a.times(1 / a.terms[max(a.terms)]) != b.times(1 / b.terms[max(b.terms)])

@@ -17,6 +17,7 @@ from .work import BUDGET, MAX_DIGITS, require, text
 
 MAX_DEPTH = 60
 DECIMAL = re.compile(r"[0-9_.]+([eE][+-]?[0-9]{1,3})?")
+WRITTEN = re.compile(r"[A-Za-z0-9_.+*/(), -]*")  # one line, without comments, texts and comparisons
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,30}")
 
 SignOf: TypeAlias = Callable[[Polynomial], int]  # the sign of a switching expression on a cell: -1 or 1
@@ -30,12 +31,14 @@ class Formula:
         states: the polynomial that stands for each name.
 
     Raises:
-        RejectedError: for a text that is too long.
+        RejectedError: for a text that is too long, or holds other characters than formulas do.
         SyntaxError: for one that is no formula.
     """
 
     def __init__(self, data: Any, states: Mapping[str, Polynomial]) -> None:
         self.text, self.states = text(data).strip(), states
+        BUDGET.spend(1 + len(self.text))
+        require(WRITTEN.fullmatch(self.text), "formulas of names, decimals, brackets, commas and + - * /")
         self.count = next(iter(states.values())).count
         self.tree = ast.parse(self.text, mode="eval").body
 
@@ -69,7 +72,8 @@ class Formula:
         raise AssertionError
 
     def _number(self, node: ast.Constant) -> Fraction:
-        own = ast.get_source_segment(self.text, node) or ""
+        own = self.text[node.col_offset : node.end_col_offset]
+        BUDGET.spend(1 + len(own) ** 2 // 4096)
         require(DECIMAL.fullmatch(own) and len(own) <= MAX_DIGITS, "numbers as decimals")
         return Fraction(own)
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from typing import TypeAlias
 
-from .work import BUDGET, longest, require
+from .work import BUDGET, longest, product_cost, require
 
 MAX_DEGREE, MAX_TERMS = 40, 50_000
 
@@ -27,6 +27,7 @@ class Polynomial:
     __slots__ = ("bits", "count", "terms")
 
     def __init__(self, count: int, terms: Mapping[Exponents, Fraction]) -> None:
+        BUDGET.spend(1 + len(terms))
         self.count = count
         self.terms = {exponents: value for exponents, value in terms.items() if value}
         self.bits = longest(self.terms.values())
@@ -62,7 +63,7 @@ class Polynomial:
         return hash((self.count, frozenset(self.terms.items())))
 
     def __add__(self, other: Polynomial) -> Polynomial:
-        BUDGET.spend(1 + len(other.terms) * (1 + (self.bits + other.bits) // 64))
+        BUDGET.spend(1 + len(other.terms) * product_cost(self.bits, other.bits))
         total = dict(self.terms)
         for exponents, value in other.terms.items():
             total[exponents] = total.get(exponents, Fraction(0)) + value
@@ -75,7 +76,7 @@ class Polynomial:
         return self + -other
 
     def __mul__(self, other: Polynomial) -> Polynomial:
-        BUDGET.spend(1 + len(self.terms) * len(other.terms) * (1 + self.bits * other.bits // 4096))
+        BUDGET.spend(1 + len(self.terms) * len(other.terms) * product_cost(self.bits, other.bits))
         total: dict[Exponents, Fraction] = {}
         for a, u in self.terms.items():
             for b, v in other.terms.items():
@@ -107,7 +108,7 @@ class Polynomial:
     def on(self, coordinates: Sequence[Polynomial], count: int) -> Polynomial:
         """Itself where every variable is a polynomial in ``count`` other ones."""
         powers = [[constant(count, 1)] for _ in coordinates]
-        total = constant(count, 0)
+        total: dict[Exponents, Fraction] = {}
         for exponents, value in self.terms.items():
             part = constant(count, value)
             for own, form, exponent in zip(powers, coordinates, exponents, strict=True):
@@ -115,8 +116,10 @@ class Polynomial:
                     own.append(own[-1] * form)
                 if exponent:
                     part *= own[exponent]
-            total += part
-        return total
+            BUDGET.spend(len(part.terms) * product_cost(self.bits, part.bits))
+            for key, added in part.terms.items():
+                total[key] = total.get(key, Fraction(0)) + added
+        return Polynomial(count, total)
 
     def divided(self, divisor: Polynomial) -> Polynomial | None:
         """The quotient by a polynomial that is not zero; None where a remainder is left."""

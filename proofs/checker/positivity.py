@@ -29,7 +29,7 @@ from math import comb, lcm
 from typing import Any, TypeAlias
 
 from .polynomials import MAX_DEGREE, Exponents, Polynomial, constant, unit, variable
-from .work import BUDGET, items, longest, rational, require, take, whole
+from .work import BUDGET, bits, items, longest, product_cost, rational, require, take, whole
 
 MAX_SQUARES, MAX_ROWS, MAX_FACTORS = 400, 200, 4
 MAX_CUBE = 4  # dimensions in which the cube is cut into simplices
@@ -225,7 +225,11 @@ class Square:
         """
         values = [value for row in self.gram for value in row]
         BUDGET.spend(1 + len(values) * (1 + longest(values) ** 2 // 4096))
-        bottom = lcm(*(value.denominator for value in values))
+        bottom = 1
+        for value in values:
+            BUDGET.spend(product_cost(bottom.bit_length(), bits(value)))
+            bottom = lcm(bottom, value.denominator)
+        BUDGET.spend(len(values) * product_cost(bottom.bit_length(), longest(values)))
         rest = [[int(value * bottom) for value in row] for row in self.gram]
         size, before, rank = len(rest), 1, 0
         for k in range(size):
@@ -293,6 +297,7 @@ def _show_on_simplex(claim: Claim, corners: tuple[Corner, ...], tree: Any) -> No
         first, second, share, near, far = items(node, 5)
         i, j, t = whole(first, claim.count), whole(second, claim.count), rational(share)
         require(i != j and 0 < t < 1, "cuts inside an edge")
+        BUDGET.spend(1 + len(corners) * product_cost(longest((*corners[i], *corners[j])), bits(t)))
         middle = tuple((1 - t) * a + t * b for a, b in zip(corners[i], corners[j], strict=True))
         waiting.append((_replaced(corners, j, middle), [own.cut(j, i, t) for own in forms], near))
         waiting.append((_replaced(corners, i, middle), [own.cut(i, j, 1 - t) for own in forms], far))
@@ -375,7 +380,7 @@ def add(total: Coefficients, form: Coefficients, factor: Fraction, k: int | None
     """Add a multiple of a form, times the k-th coordinate where one is given."""
     if not factor:
         return
-    BUDGET.spend(len(form) * (1 + longest(form.values()) // 64))
+    BUDGET.spend(len(form) * product_cost(longest(form.values()), bits(factor)))
     for e, value in form.items():
         key = e if k is None else (*e[:k], e[k] + 1, *e[k + 1 :])
         total[key] = total.get(key, Fraction(0)) + factor * value
@@ -383,7 +388,8 @@ def add(total: Coefficients, form: Coefficients, factor: Fraction, k: int | None
 
 def cut_form(form: Coefficients, moved: int, kept: int, share: Fraction) -> Coefficients:
     """The form after ``t_kept -> t_kept + (1 - share) t_moved`` and ``t_moved -> share t_moved``."""
-    BUDGET.spend(1 + len(form) * (1 + longest(form.values()) // 64) * 4)
+    degree = degree_of(form)
+    BUDGET.spend(1 + len(form) * (1 + degree) * product_cost(longest(form.values()), degree * bits(share)))
     rest, found = 1 - share, Coefficients()
     for exponents, value in form.items():
         top, own = exponents[kept], exponents[moved]

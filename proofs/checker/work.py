@@ -1,9 +1,9 @@
 """Refusals, the shapes of JSON that a certificate may have, and a budget of work, charged by the bits of numbers.
 
-*Work.*  A product of numbers with a and b bits costs ``1 + (a b) / 4096`` units, a sum the bits of the longer one over
-64; every function that loops over data of a certificate charges its steps before it does them.  A certificate of N
-bytes may cost at most ``2e7 + 400 N`` units.  Hence no certificate keeps the checker busy for longer than a time that
-grows in proportion to its length.
+*Work.*  A product or a sum of rational numbers with a and b bits costs ``1 + (a b) / 4096`` units; every function that
+loops over data of a certificate charges its steps before it does them.  A certificate of N bytes may cost at most
+``2e7 + 400 N`` units.  Hence no certificate keeps the checker busy for longer than a time that grows in proportion to
+its length.
 """
 
 from __future__ import annotations
@@ -20,7 +20,17 @@ BASE_WORK, WORK_PER_BYTE = 20_000_000, 400
 RATIONAL = re.compile(rf"-?[0-9]{{1,{MAX_DIGITS}}}(/[0-9]{{1,{MAX_DIGITS}}})?")
 
 # What data of another form than a certificate's raise while they are read.
-MALFORMED = (KeyError, TypeError, ValueError, IndexError, AttributeError, ArithmeticError, RecursionError, SyntaxError)
+MALFORMED = (
+    KeyError,
+    TypeError,
+    ValueError,
+    IndexError,
+    AttributeError,
+    ArithmeticError,
+    RecursionError,
+    MemoryError,  # of Python's parser, where brackets are nested too deeply
+    SyntaxError,
+)
 
 
 class RejectedError(ValueError):
@@ -63,6 +73,11 @@ BUDGET = Budget()
 def bits(value: Fraction) -> int:
     """The length of a rational number."""
     return value.numerator.bit_length() + value.denominator.bit_length()
+
+
+def product_cost(a: int, b: int) -> int:
+    """The units of a product, or of a sum, of rational numbers with a and b bits."""
+    return 1 + a * b // 4096
 
 
 def longest(values: Iterable[Fraction]) -> int:
