@@ -2,7 +2,7 @@
 
 *Work.*  A product or a sum of rational numbers with a and b bits costs ``1 + (a b) / 4096`` units; every function that
 loops over data of a certificate charges its steps before it does them.  A certificate of N bytes may cost at most
-``2e7 + 400 N`` units.  Hence no certificate keeps the checker busy for longer than a time that grows in proportion to
+``5e6 + 400 N`` units.  Hence no certificate keeps the checker busy for longer than a time that grows in proportion to
 its length.
 """
 
@@ -15,7 +15,7 @@ from typing import Any
 
 MAX_BYTES = 64 << 20
 MAX_DIGITS = 4_000  # of a numerator or a denominator
-BASE_WORK, WORK_PER_BYTE = 20_000_000, 400
+BASE_WORK, WORK_PER_BYTE = 5_000_000, 400
 
 RATIONAL = re.compile(rf"-?[0-9]{{1,{MAX_DIGITS}}}(/[0-9]{{1,{MAX_DIGITS}}})?")
 
