@@ -267,15 +267,15 @@ class Inclusion:
         at = [surface.at_origin for surface in self.surfaces.listed]
         return [cell for cell in self.cells if all(s * v >= 0 for s, v in zip(cell.signs, at, strict=True))]
 
-    def pieces(self) -> Iterator[tuple[str, Signs, Polynomial]]:
-        """The first function on each of the cells of the bending surfaces: name, their signs, polynomial."""
+    def pieces(self) -> Iterator[tuple[str, Signs, Cell]]:
+        """A cell of each pattern of signs of the bending surfaces: its name, these signs, itself."""
         seen = set()
         for cell in self.cells:
             BUDGET.spend(1 + len(cell.signs) // 4)
             name = pattern(s if j in self.bending else None for j, s in enumerate(cell.signs))
             if name not in seen:
                 seen.add(name)
-                yield name, {j: cell.signs[j] for j in self.bending}, cell.functions[0]
+                yield name, {j: cell.signs[j] for j in self.bending}, cell
 
     def faces(self) -> list[Face]:
         """Every set of bending surfaces that may vanish together off the point, with all that vanish there with them.

@@ -44,6 +44,10 @@ class Lyapunov:
         self.count = system.count
         self.bounded = self.inclusion.domain.bounded
 
+    def potential(self, cell: Cell) -> Polynomial:
+        """V on a cell: the first of its functions."""
+        return cell.functions[0]
+
     def require_below(self, level: Fraction) -> None:
         """Ask everything, but what concerns the border of the cube, of points with ``V < level`` alone.
 
@@ -57,22 +61,22 @@ class Lyapunov:
     def show_zero(self) -> None:
         """V is zero at the point."""
         require(
-            all(not cell.functions[0].at_origin for cell in self.inclusion.around()), "a V that is zero at the point"
+            all(not self.potential(cell).at_origin for cell in self.inclusion.around()), "a V that is zero at the point"
         )
 
     def show_positive(self) -> None:
         """V > 0 off the point."""
-        for name, signs, potential in self.inclusion.pieces():
-            guards = self._guards(whole(self.inclusion), signs, potential) or {}
-            self._show_on_cell(f"V {name}", potential, guards, strict=True)
+        for name, signs, cell in self.inclusion.pieces():
+            guards = self._guards(whole(self.inclusion), signs, cell) or {}
+            self._show_on_cell(f"V {name}", self.potential(cell), guards, strict=True)
 
     def show_falls(self, prefix: str, shift: Shift, *, strict: bool) -> None:
         """``V' + shift < 0`` off the point, or ``<= 0``: on closed cells and on all faces on which V bends."""
         space = whole(self.inclusion)
         for cell in self.inclusion.cells:
-            guards = self._guards(space, dict(enumerate(cell.signs)), cell.functions[0]) or {}
+            guards = self._guards(space, dict(enumerate(cell.signs)), cell) or {}
             for number, field in cell.fields:
-                value = -(lie_derivative(cell.functions[0], field) + shift(cell))
+                value = -(lie_derivative(self.potential(cell), field) + shift(cell))
                 name = f"{prefix}cell {pattern(cell.signs)} field {number}"
                 self._show_on_cell(name, value, guards, strict=strict)
         for face in self.inclusion.faces():
@@ -84,12 +88,12 @@ class Lyapunov:
         inside = Inequality(value, guards, open=frozenset(guards))
         self.proofs.show(Claim(name, (inside,), strict, bounded=self.bounded, border=self.border))
 
-    def _guards(self, face: Face, signs: Signs, potential: Polynomial) -> dict[str, Polynomial] | None:
+    def _guards(self, face: Face, signs: Signs, cell: Cell) -> dict[str, Polynomial] | None:
         """Guards of surfaces and cube on a face, and that V is below the level; None where one is a negative number."""
         found = face.guards(signs)
         if found is None or self.below is None:
             return found
-        own = constant(face.dimension, self.below) - face.restricted(potential)
+        own = constant(face.dimension, self.below) - face.restricted(self.potential(cell))
         if own.degree:
             return {**found, "sl": own}
         return found if own.at_origin > 0 else None
@@ -119,11 +123,11 @@ class Lyapunov:
         inequalities = []
         for cell in cells:
             others = {j: s for j, s in enumerate(cell.signs) if j not in face.zero}
-            guards = self._guards(face, others, first.functions[0])
+            guards = self._guards(face, others, first)
             if guards is None:
                 continue
             for _, field in cell.fields:
-                value = face.restricted(lie_derivative(first.functions[0], field) + shift(first))
+                value = face.restricted(lie_derivative(self.potential(first), field) + shift(first))
                 pushes = (face.restricted(lie_derivative(surfaces[j], field)) for j in face.zero)
                 side = tuple(cell.signs[j] for j in face.zero)
                 inequalities.append(Inequality(-value, guards, tuple(-own for own in pushes), face.zeros(), side))
@@ -141,7 +145,7 @@ class Lyapunov:
         """
         space = whole(self.inclusion)
         for cell in self.inclusion.cells:
-            guards = self._guards(space, dict(enumerate(cell.signs)), cell.functions[0]) or {}
+            guards = self._guards(space, dict(enumerate(cell.signs)), cell) or {}
             for number, field in cell.fields:
                 rise, fall = (lie_derivative(own, field) for own in (cell.functions[1], cell.functions[0]))
                 inside = Inequality(rise, {**guards, "sv": fall}, open=frozenset(guards))
@@ -156,7 +160,7 @@ class Lyapunov:
         first, surfaces, inequalities = cells[0], self.inclusion.surfaces.listed, []
         for cell in cells:
             others = {j: s for j, s in enumerate(cell.signs) if j not in face.zero}
-            guards = self._guards(face, others, first.functions[0])
+            guards = self._guards(face, others, first)
             if guards is None:
                 continue
             side = tuple(cell.signs[j] for j in face.zero)
@@ -170,14 +174,14 @@ class Lyapunov:
 
     def show_border(self, level: Fraction) -> None:
         """V is at least the level on the border of the cube."""
-        for name, signs, potential in self.inclusion.pieces():
+        for name, signs, cell in self.inclusion.pieces():
             for k in range(self.count):
                 for side in (1, -1):
                     coordinates = solve([variable(self.count, k) - constant(self.count, side)], self.count)
                     face = Face(self.inclusion, (), (), coordinates or (), self.count - 1)
                     guards = face.guards(signs)
                     if guards is not None:
-                        above = face.restricted(potential) - constant(face.dimension, level)
+                        above = face.restricted(self.potential(cell)) - constant(face.dimension, level)
                         place = f"border {name} {'-0+'[side + 1]}{k}"
                         self.proofs.show(Claim(place, (Inequality(above, guards),), strict=False))
 
@@ -186,7 +190,7 @@ class Lyapunov:
         surfaces = self.inclusion.surfaces
         for cell in self.inclusion.cells:
             inside = all(sign_along(surfaces.signed(j, s), direction) > 0 for j, s in enumerate(cell.signs))
-            if inside and sign_along(cell.functions[0], direction) < 0:
+            if inside and sign_along(self.potential(cell), direction) < 0:
                 return True
         return False
 
@@ -268,7 +272,7 @@ def show_rate(own: Lyapunov, rate: Any) -> None:
     whole_rate = constant(own.count, speed)
 
     def shift(cell: Cell) -> Polynomial:
-        return whole_rate if kind == "finite" else whole_rate * cell.functions[0]
+        return whole_rate if kind == "finite" else whole_rate * own.potential(cell)
 
     own.show_falls("rate ", shift, strict=False)
 

@@ -50,15 +50,25 @@ def show_claims(data: Any, size: int) -> list[Statement]:
     system = read_system(subject)
     shown: list[Statement] = []
     for entry in items(evidence, most=MAX_THEOREMS):
-        theorem, hypotheses, proofs = take(entry, "theorem hypotheses proofs")
-        require(type(theorem) is str and theorem in THEOREMS, f"a theorem of {', '.join(THEOREMS)}")
-        own = Proofs(proofs)
-        shown += THEOREMS[theorem](system, hypotheses, own)
-        own.require_used()
+        shown += show_entry(system, entry)
     for claim in items(claims):
         require(claim in shown, f"evidence of the claim {json.dumps(claim)[:200]}")
     require(claims, "a claim")
     return list(claims)
+
+
+def show_entry(system: System, entry: Any) -> list[Statement]:
+    """What one theorem shows of a system by its proofs.
+
+    Raises:
+        RejectedError: for a hypothesis that is not shown, and for proofs of what is not asked.
+    """
+    theorem, hypotheses, data = take(entry, "theorem hypotheses proofs")
+    require(type(theorem) is str and theorem in THEOREMS, f"a theorem of {', '.join(THEOREMS)}")
+    proofs = Proofs(data)
+    shown = THEOREMS[theorem](system, hypotheses, proofs)
+    proofs.require_used()
+    return shown
 
 
 def refusal(data: Any, size: int) -> str:

@@ -27,82 +27,118 @@ Shape = tuple[int, Exponents]  # a monomial of the function mu with a number
 
 
 @dataclass(frozen=True)
-class Asked:
-    """An inequality as the search states it: parameters are the coefficients of mu, guards have their names."""
+class Squares:
+    """Evidence that was found.
 
-    condition: Condition
-    names: tuple[str, ...]
+    Attributes:
+        evidence: as a certificate holds it.
+        strict: whether it shows ``> 0`` off the origin (or everywhere, as the claim asks).
+        mu: the coefficients of the functions mu.
+    """
+
+    evidence: dict[str, Any]
+    strict: bool
+    mu: tuple[fmpq, ...]
 
 
 def search(claim: Claim) -> dict[str, Any] | None:
-    """Squares for each inequality of a claim; None where they were not found.
+    """Squares for each inequality of a claim; None where they were not found."""
+    found = find(claim, Effort.STRICT if claim.strict else Effort.FULL)
+    return None if found is None else found.evidence
+
+
+def find(claim: Claim, effort: Effort, mu: tuple[fmpq, ...] | None = None) -> Squares | None:
+    """The same, and whether they show that the inequalities are strict.
 
     Args:
         claim: without polynomials that are zero.
+        effort: how far proofs are looked for, and whether it is also asked if all are ``>= 0``.
+        mu: the coefficients of the functions mu where they are known.
     """
     if any(inequality.zeros for inequality in claim.inequalities):
         return None
-    shapes = _shapes(claim)
-    asked = [_asked(claim, inequality, shapes) for inequality in claim.inequalities]
-    for mu in _proposals(claim, asked, len(shapes)):
-        squares = _all_squares(claim, asked, mu)
-        if squares is not None:
-            return {"squares": squares, "mu": _written_mu(claim, shapes, mu)} if shapes else {"squares": squares}
+    shapes = mu_shapes([claim])
+    conditions = [condition_of(claim, inequality, shapes) for inequality in claim.inequalities]
+    for values in [mu] if mu is not None else _proposals(conditions, len(shapes), weakly=effort is Effort.FULL):
+        found = _with_mu(claim, conditions, values, effort)
+        if found is not None:
+            evidence: dict[str, Any] = {"squares": found[0]}
+            if shapes:
+                evidence["mu"] = _written_mu(claim, shapes, values)
+            return Squares(evidence, found[1], values)
     return None
 
 
-def _shapes(claim: Claim) -> list[Shape]:
-    """The monomials of the functions mu: up to the degree with which ``mu q`` reaches that of p."""
-    count = len(claim.inequalities[0].pushes)
-    if not count:
+def mu_shapes(claims: Sequence[Claim]) -> list[Shape]:
+    """The monomials of the functions mu: up to the degree with which ``mu q`` reaches that of p.
+
+    Args:
+        claims: about functions of one basis, on the same face.
+    """
+    first = claims[0].inequalities
+    if not first[0].pushes:
         return []
-    highest = max(own.value.degree for own in claim.inequalities)
-    pushed = max(push.degree for own in claim.inequalities for push in own.pushes)
-    own = monomials_between(claim.count, 0, max(highest - pushed, 0))
-    return [(j, exponents) for j in range(count) for exponents in own]
+    highest = max(own.value.degree for claim in claims for own in claim.inequalities)
+    pushed = max(push.degree for own in first for push in own.pushes)
+    own = monomials_between(claims[0].count, 0, max(highest - pushed, 0))
+    return [(j, exponents) for j in range(len(first[0].pushes)) for exponents in own]
 
 
-def _asked(claim: Claim, inequality: Inequality, shapes: Sequence[Shape]) -> Asked:
-    surfaces = {name: own for name, own in inequality.guards.items() if name[0] == "s"}
-    sides = [name[1:] for name in inequality.guards if name[0] == "u"]
-    bounds = tuple(_terms(constant(claim.count, 1) - inequality.guards[f"u{k}"]) for k in sides)
-    pushes = [_terms(own) for own in inequality.pushes]
+def condition_of(claim: Claim, inequality: Inequality, shapes: Sequence[Shape]) -> Condition:
+    """An inequality as the search states it: parameters are the coefficients of mu."""
+    surfaces = [own for name, own in inequality.guards.items() if name[0] == "s"]
+    bounds = tuple(terms_of(constant(claim.count, 1) - inequality.guards[f"u{k}"]) for k in _sides(inequality))
+    pushes = [terms_of(own) for own in inequality.pushes]
     slopes = {k: multiply_terms(pushes[j], {e: fmpq(1)}) for k, (j, e) in enumerate(shapes)}
-    condition = Condition(
-        _terms(inequality.value), slopes, tuple(map(_terms, surfaces.values())), bounds, claim.count, claim.at_origin
-    )
-    names = (*surfaces, *(f"b{k}" for k in sides), *(f"{letter}{k}" for k in sides for letter in "ud"))
-    return Asked(condition, names)
+    own = terms_of(inequality.value)
+    return Condition(own, slopes, tuple(map(terms_of, surfaces)), bounds, claim.count, claim.at_origin)
 
 
-def _terms(value: Polynomial) -> Terms:
+def _sides(inequality: Inequality) -> list[str]:
+    """The variables that the cube bounds."""
+    return [name[1:] for name in inequality.guards if name[0] == "u"]
+
+
+def _guard_names(inequality: Inequality) -> list[str]:
+    """The names of the guards in the order of :func:`build_guards`."""
+    sides = _sides(inequality)
+    surfaces = [name for name in inequality.guards if name[0] == "s"]
+    return [*surfaces, *(f"b{k}" for k in sides), *(f"{letter}{k}" for k in sides for letter in "ud")]
+
+
+def terms_of(value: Polynomial) -> Terms:
+    """The terms of a polynomial of the checker with numbers of flint."""
     return {e: fmpq(c.numerator, c.denominator) for e, c in value.terms.items()}
 
 
-def _proposals(claim: Claim, asked: Sequence[Asked], parameters: int) -> Iterator[tuple[fmpq, ...]]:
+def _proposals(conditions: Sequence[Condition], parameters: int, *, weakly: bool) -> Iterator[tuple[fmpq, ...]]:
     """Coefficients of the functions mu."""
     if not parameters:
         yield ()
         return
-    own = [normalized(one.condition) for one in asked]
+    own = [normalized(condition) for condition in conditions]
     solved = solve_inside([(condition, build_ansatz(condition)) for condition in own], parameters, bounded=False)
     for denominator in MU_DENOMINATORS if solved is not None else ():
         values = None if solved is None else round_parameters(*solved, denominator)
         if values is not None:
             yield values
-    if solved is None and not claim.strict:
+    if solved is None and weakly:
         yield (fmpq(0),) * parameters
 
 
-def _all_squares(claim: Claim, asked: Sequence[Asked], mu: Sequence[fmpq]) -> list[Any] | None:
-    found = []
-    for one in asked:
-        condition = with_values(one.condition, dict(enumerate(mu)))
-        proved = prove_positive(condition, Effort.STRICT if claim.strict else Effort.FULL)
+def _with_mu(
+    claim: Claim, conditions: Sequence[Condition], mu: Sequence[fmpq], effort: Effort
+) -> tuple[list[Any], bool] | None:
+    """Squares for known functions mu, and whether all inequalities are strict."""
+    found, strict = [], True
+    for inequality, condition in zip(claim.inequalities, conditions, strict=True):
+        stated = with_values(condition, dict(enumerate(mu)))
+        proved = prove_positive(stated, effort)
         if proved is None:
             return None
-        found.append(_written(condition, proved.evidence.terms, one.names))
-    return found
+        strict = strict and proved.claim.strict
+        found.append(_written(stated, proved.evidence.terms, _guard_names(inequality)))
+    return found, strict
 
 
 def with_values(condition: Condition, values: Mapping[int, fmpq]) -> Condition:
@@ -114,8 +150,7 @@ def with_values(condition: Condition, values: Mapping[int, fmpq]) -> Condition:
 
 
 def _written_mu(claim: Claim, shapes: Sequence[Shape], mu: Sequence[fmpq]) -> list[list[Any]]:
-    count = len(claim.inequalities[0].pushes)
-    found: list[list[Any]] = [[] for _ in range(count)]
+    found: list[list[Any]] = [[] for _ in claim.inequalities[0].pushes]
     for (j, exponents), value in zip(shapes, mu, strict=True):
         if value:
             found[j].append([str(value), list(exponents)])

@@ -1,7 +1,7 @@
 """How fast a proved V falls: ``V' <= -kappa`` or ``V' <= -kappa V``, by the sums of squares that show that it falls.
 
-Each inequality ``p > 0`` about ``-V'`` is asked again for ``p - kappa`` or ``p - kappa V``, on faces with the same
-functions mu.  Floats propose kappa.
+Each claim ``p > 0`` about ``-V'`` is asked again for ``p - kappa`` or ``p - kappa V``, on faces with the same functions
+mu.  Floats propose kappa.
 """
 
 from __future__ import annotations
@@ -9,18 +9,18 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
-from flint import fmpq
 
-from nonsmooth.proofs.many_states.conditions import ConditionSense, ScaledInequality
-from nonsmooth.proofs.many_states.examination import Examination, Inequality, with_values
+from nonsmooth.proofs.checker.lyapunov import show_rate
+from nonsmooth.proofs.checker.positivity import Claim
+from nonsmooth.proofs.kernel.claims import Collected
+from nonsmooth.proofs.kernel.squares import condition_of, find, mu_shapes, terms_of, with_values
+from nonsmooth.proofs.many_states.examination import Asked, Examination, are_about_forms
 from nonsmooth.proofs.many_states.samples import values_at
-from nonsmooth.proofs.many_states.sign_cells import RationalTerms
-from nonsmooth.proofs.sums_of_squares.ansatz import Condition
-from nonsmooth.proofs.sums_of_squares.prove import Effort, Proved, prove_positive
+from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.decay_rate import DENOMINATOR, SHARES, DecayKind
-from nonsmooth.symbolic.numbers.polynomial import add_terms
 
 POINTS = 4_000
 
@@ -32,12 +32,17 @@ class ProvedDecay:
     Attributes:
         decay: its kind.
         kappa: the rate.
-        evidence: one proof for each inequality about V'.
+        proofs: the evidence, by the names of claims.
     """
 
     decay: DecayKind
     kappa: Fraction
-    evidence: tuple[Proved, ...]
+    proofs: dict[str, Any]
+
+    @property
+    def record(self) -> dict[str, str]:
+        """As a certificate states it."""
+        return {"kind": self.decay.name.lower(), "kappa": str(self.kappa)}
 
     def __str__(self) -> str:
         return self.decay.value.format(self.kappa)
@@ -47,86 +52,70 @@ class ProvedDecay:
 
         ``V' <= -kappa V`` scales where V' has the degree of V, ``V' <= -kappa`` where it has degree 0.
         """
-        if not examination.is_homogeneous:
-            return False
-        for inequality in falling(examination):
-            falls = with_values(inequality.question.condition, inequality.mu).constant
-            degrees = {sum(e) for own in (falls, _target(self.decay, inequality.question)) for e, c in own.items() if c}
-            if len(degrees) != 1:
-                return False
-        return True
-
-    def check(self, examination: Examination) -> bool:
-        """Verify every inequality again."""
-        asked = list(rate_conditions(examination, self.decay, self.kappa))
-        return (
-            self.kappa > 0
-            and len(asked) == len(self.evidence)
-            and all(p.claim.strict and p.proves_condition(c) for p, c in zip(self.evidence, asked, strict=True))
-        )
+        return examination.is_homogeneous and are_about_forms(rate_claims(examination, self.decay, self.kappa))
 
 
 def decay_rate(examination: Examination) -> ProvedDecay | None:
     """A rate of a V that is proved to fall; None where none is proved."""
+    falling = [own for own in examination.asked if own.is_about_fall]
     for decay in DecayKind:
-        most = min((_ratio(examination, decay, i) for i in falling(examination)), default=0.0)
+        unit = rate_claims(examination, decay, Fraction(1))
+        ratios = (_ratio(own, claim) for own, claim in zip(falling, unit, strict=True))
+        most = min(ratios, default=0.0)
         for share in SHARES if np.isfinite(most) else ():
             kappa = Fraction(int(most * float(share) * DENOMINATOR), DENOMINATOR)
-            evidence = _proofs(examination, decay, kappa) if kappa else None
-            if evidence is not None:
-                return ProvedDecay(decay, kappa, evidence)
+            proofs = _proofs(examination, falling, decay, kappa) if kappa else None
+            if proofs is not None:
+                return ProvedDecay(decay, kappa, proofs)
     return None
 
 
-def _proofs(examination: Examination, decay: DecayKind, kappa: Fraction) -> tuple[Proved, ...] | None:
-    found = []
-    for condition in rate_conditions(examination, decay, kappa):
-        proved = prove_positive(condition, Effort.HASTY)
-        if proved is None:
+def rate_claims(examination: Examination, decay: DecayKind, kappa: Fraction) -> list[Claim]:
+    """The claims about V' with kappa, in their order."""
+    conditions = examination.conditions
+    conditions.proofs = collected = Collected()
+    show_rate(conditions, {"kind": decay.name.lower(), "kappa": str(kappa)})
+    return collected.claims
+
+
+def _proofs(examination: Examination, falling: list[Asked], decay: DecayKind, kappa: Fraction) -> dict[str, Any] | None:
+    """Evidence of all claims, strict; None where that of one is not found."""
+    proofs = {}
+    for own, claim in zip(falling, rate_claims(examination, decay, kappa), strict=True):
+        at_origin = decay is DecayKind.FINITE or claim.at_origin
+        asked = replace(claim, strict=True, at_origin=at_origin)
+        found = None if own.found is None else find(asked, Effort.HASTY, own.found.mu)
+        if found is None:
             return None
-        found.append(proved)
-    return tuple(found)
+        proofs[claim.name] = found.evidence
+    return proofs
 
 
-def falling(examination: Examination) -> Iterator[Inequality]:
-    """The inequalities about V'."""
-    return (i for i in examination.inequalities if i.question.sense is ConditionSense.FALLS)
+def _ratio(own: Asked, unit: Claim) -> float:
+    """The least value of -V' over 1 or V at many points.
 
-
-def rate_conditions(examination: Examination, decay: DecayKind, kappa: Fraction) -> Iterator[Condition]:
-    """The inequalities about V' with kappa, in their order.
-
-    They are in the displacement divided by the half-width of the cube, which multiplies V'.
+    Args:
+        own: the claim that V falls, with its functions mu.
+        unit: the same with ``kappa = 1``.
     """
-    factor = fmpq(kappa.numerator, kappa.denominator) * examination.cells.radius
-    for inequality in falling(examination):
-        whole = with_values(inequality.question.condition, inequality.mu)
-        least = {e: -c * factor for e, c in _target(decay, inequality.question).items()}
-        finite = decay is DecayKind.FINITE
-        yield replace(whole, constant=add_terms(whole.constant, least), at_origin=finite or whole.at_origin)
+    return min(_ratios(own, unit), default=float("inf"))
 
 
-def _target(decay: DecayKind, question: ScaledInequality) -> RationalTerms:
-    """What kappa multiplies: 1 or V, on the cell or face of a question."""
-    if decay is DecayKind.FINITE:
-        return {(0,) * question.condition.variables: fmpq(1)}
-    return dict(question.functions[0])
-
-
-def _ratio(examination: Examination, decay: DecayKind, inequality: Inequality) -> float:
-    """The least value of -V' over 1 or V at many points."""
-    condition = with_values(inequality.question.condition, inequality.mu)
-    if not condition.variables:
-        return float("inf")
-    rng = np.random.default_rng(0)
-    points = rng.uniform(-1, 1, (POINTS, condition.variables)) * 0.5 ** rng.integers(0, 12, (POINTS, 1))
-    inside = np.ones(POINTS, dtype=bool)
-    for guard in condition.guards:
-        inside &= values_at(guard, points) >= 0
-    for form in condition.bounds:
-        inside &= np.abs(values_at(form, points)) <= 1
-    points = points[inside]
-    if not len(points):
-        return float("inf")
-    below = values_at(_target(decay, inequality.question), points) * float(examination.cells.radius)
-    return float(np.min(values_at(condition.constant, points) / below))
+def _ratios(own: Asked, unit: Claim) -> Iterator[float]:
+    shapes = mu_shapes([own.claim])
+    mu = () if own.found is None else own.found.mu
+    for inequality, other in zip(own.claim.inequalities, unit.inequalities, strict=True):
+        if not own.claim.count:
+            continue
+        condition = with_values(condition_of(own.claim, inequality, shapes), dict(enumerate(mu)))
+        rng = np.random.default_rng(0)
+        points = rng.uniform(-1, 1, (POINTS, condition.variables)) * 0.5 ** rng.integers(0, 12, (POINTS, 1))
+        inside = np.ones(POINTS, dtype=bool)
+        for guard in condition.guards:
+            inside &= values_at(guard, points) >= 0
+        for form in condition.bounds:
+            inside &= np.abs(values_at(form, points)) <= 1
+        points = points[inside]
+        if len(points):
+            below = values_at(terms_of(inequality.value - other.value), points)
+            yield float(np.min(values_at(condition.constant, points) / below))

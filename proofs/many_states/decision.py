@@ -24,7 +24,7 @@ from nonsmooth.proofs.many_states.decay import ProvedDecay, decay_rate
 from nonsmooth.proofs.many_states.denominators import require_denominators
 from nonsmooth.proofs.many_states.escape import escaping_rate, escaping_velocity
 from nonsmooth.proofs.many_states.examination import examine
-from nonsmooth.proofs.many_states.examined_lyapunov import ExaminedLyapunov
+from nonsmooth.proofs.many_states.examined_lyapunov import ExaminedLyapunov, is_shown
 from nonsmooth.proofs.many_states.instability import find_growth
 from nonsmooth.proofs.many_states.invariance import nothing_stays
 from nonsmooth.proofs.many_states.linear_part import Spectrum, linear_part, quadratic_text, unstable_mixture
@@ -94,22 +94,23 @@ class ManyStateResult(StabilityResult):
             return False
         if found.beyond and found != evidence:
             return False
-        own = all(v is None or v.check(self.scene) for v in (evidence.named, evidence.searched))
-        own = own and (evidence.named is None or evidence.named.formula.text == self.scene.check.lyapunov.text)
+        if not all(own is None or own.check(self.scene) for own in (evidence.named, evidence.searched)):
+            return False
+        own = evidence.named is None or evidence.named.formula.text == self.scene.check.lyapunov.text
         own = own and (evidence.searched is None or evidence.searched.examination.verdict is Decrease.STRICT)
         own = own and (not evidence.left or _with_invariance(evidence).left)
-        own = own and (evidence.growth is None or evidence.growth.check(self.scene))
-        own = own and conclude(evidence) == (self.verdict, self.reason, self.method)
-        return own and (self._reach_is_genuine() if self.region is not None or self.rate is not None else True)
+        own = own and (evidence.growth is None or is_shown(self.scene, evidence.growth.entry, Translation.UNSTABLE))
+        return own and conclude(evidence) == (self.verdict, self.reason, self.method) and self._reach_is_genuine()
 
     def _reach_is_genuine(self) -> bool:
-        """Whether the region and the rate are those of the V that proves asymptotic stability."""
+        """Whether the checker accepts the region and the rate, of the V that proves asymptotic stability."""
+        if self.region is None and self.rate is None:
+            return True
         proving = self.proving
-        if proving is None or proving.examination.verdict is not Decrease.STRICT:
+        if proving is None or proving.examination.verdict is not Decrease.STRICT or (self.rate and self.scene.scale):
             return False
-        region = self.region is None or self.region.check(proving.examination)
-        rate = self.rate is None or (self.scene.scale is None and self.rate.check(proving.examination))
-        return region and rate and self.verdict is Translation.ASYMPTOTICALLY_STABLE
+        attracts = self.verdict is Translation.ASYMPTOTICALLY_STABLE
+        return attracts and is_shown(self.scene, proving.entry(region=self.region, rate=self.rate), self.verdict)
 
 
 def decide_many(scene: SwitchedSystem) -> ManyStateResult:

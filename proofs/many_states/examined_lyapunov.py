@@ -3,21 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
-from nonsmooth.proofs.many_states.conditions import Questions
-from nonsmooth.proofs.many_states.examination import (
-    SLIDES_UP,
-    Examination,
-    by_face,
-    find_failure,
-    find_slide,
-    questions_on,
-)
-from nonsmooth.proofs.many_states.sign_cells import SignCells
+from nonsmooth.proofs.checker.cells import read_system
+from nonsmooth.proofs.checker.statements import show_entry
+from nonsmooth.proofs.checker.work import BUDGET, MALFORMED, MAX_BYTES, RejectedError
+from nonsmooth.proofs.kernel.subject import about
+from nonsmooth.proofs.many_states.decay import ProvedDecay
+from nonsmooth.proofs.many_states.examination import Examination, examine
+from nonsmooth.proofs.many_states.sublevel import SublevelSet
 from nonsmooth.proofs.systems.derivatives import Decrease
+from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
+from nonsmooth.symbolic.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.switched_system import SwitchedSystem
+
+PROVES = {Decrease.STRICT: Translation.ASYMPTOTICALLY_STABLE, Decrease.WEAK: Translation.STABLE}
 
 
 @dataclass(frozen=True)
@@ -35,23 +36,36 @@ class ExaminedLyapunov:
     examination: Examination
 
     def check(self, system: SwitchedSystem) -> bool:
-        """Verify the evidence, and that it is about the system and the text of V; undecided, it claims nothing."""
-        if self.examination.verdict is Decrease.UNDECIDED:
-            return True
-        cells, questions = questions_on(system, parse_piecewise(self.formula.text, system.states), self.radius)
-        if self.examination.verdict is Decrease.REFUTED:
-            return self._is_refuted(system, cells, questions)
-        found = self.examination.inequalities
-        if cells != self.examination.cells or list(questions.listed) != [i.question for i in found]:
-            return False
-        strict = all(i.proved is not None and i.proved.claim.strict for i in found)
-        proved = all(i.proved is not None and i.check() for i in found)
-        return proved and (strict or self.examination.verdict is Decrease.WEAK)
+        """Whether the checker accepts what is said of V; a V that fails is looked at again."""
+        verdict = PROVES.get(self.examination.verdict)
+        if verdict is not None:
+            return is_shown(system, self.entry(), verdict)
+        undecided = self.examination.verdict is Decrease.UNDECIDED
+        return undecided or examine(system, self.formula, self.radius) == self.examination
 
-    def _is_refuted(self, system: SwitchedSystem, cells: SignCells, questions: Questions) -> bool:
-        """Whether the point that refutes V is found again, in a cell or on some face."""
-        failure = self.examination.failure
-        if failure is None or failure.meaning != SLIDES_UP:
-            return failure is not None and find_failure(cells, questions) == failure
-        faces = by_face(questions.listed)
-        return any(find_slide(system, self.formula, cells, asked) == failure for asked in faces)
+    def entry(self, *, region: SublevelSet | None = None, rate: ProvedDecay | None = None) -> dict[str, Any]:
+        """The theorem with its evidence, as a certificate holds it: what V shows, where from, and how fast."""
+        stated, falls = self.examination.stated, self.examination.verdict is Decrease.STRICT
+        hypotheses = {
+            "cells": stated.record,
+            "function": self.formula.text,
+            "second": None,
+            "verdict": str(PROVES[self.examination.verdict]),
+            "everywhere": falls and self.examination.is_homogeneous,
+            "level": None if region is None else str(region.level),
+            "below": False,
+            "rate": None if rate is None else rate.record,
+        }
+        proofs = {**stated.proofs, **self.examination.proofs}
+        for more in (region, rate):
+            proofs |= {} if more is None else more.proofs
+        return {"theorem": "lyapunov", "hypotheses": hypotheses, "proofs": proofs}
+
+
+def is_shown(system: SwitchedSystem, entry: dict[str, Any], verdict: Translation) -> bool:
+    """Whether the checker accepts a theorem about a system, and the theorem shows a verdict."""
+    BUDGET.grant(MAX_BYTES)
+    try:
+        return {"stability": str(verdict)} in show_entry(read_system(about(system)), entry)
+    except (*MALFORMED, RejectedError):
+        return False

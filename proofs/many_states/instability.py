@@ -6,29 +6,24 @@ zero; between there and the border of the cube V falls at a rate that is bounded
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
 
 import numpy as np
 from flint import fmpq
 from numpy.typing import NDArray
 
-from nonsmooth.proofs.many_states.conditions import ConditionSense
-from nonsmooth.proofs.many_states.examination import (
-    Inequality,
-    RationalPieces,
-    answers,
-    by_face,
-    find_failure,
-    potential_pieces,
-    questions_on,
-)
+from nonsmooth.proofs.checker.polynomials import Polynomial
+from nonsmooth.proofs.checker.positivity import Claim
+from nonsmooth.proofs.kernel.claims import Functions
+from nonsmooth.proofs.kernel.stated_cells import StatedCells
+from nonsmooth.proofs.many_states.examination import answer, conditions_on, find_failure
 from nonsmooth.proofs.many_states.lyapunov_search import proposals
-from nonsmooth.proofs.many_states.sign_cells import RationalTerms, SignCell, SignCells, rational_terms
 from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.numbers.polynomial import Exponents
-from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
+from nonsmooth.symbolic.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 DIRECTIONS = 600  # drawn at random, beside those of the most negative curvature
@@ -37,32 +32,29 @@ FINE = 1 << 10  # denominator of a direction
 
 @dataclass(frozen=True)
 class GrowthEvidence:
-    """The evidence of instability.
+    """A function that shows instability.
 
     Attributes:
         formula: V, in the displacement under the states' names.
         radius: half the side of the cube on which V falls.
-        cells: the cube, cut until the fields and V are smooth.
-        inequalities: that V falls, with their evidence.
         direction: V is negative at all points near the equilibrium in this direction.
+        stated: the cells of the cube.
+        proofs: the evidence that V falls, by the names of claims.
     """
 
     formula: PiecewiseExpression
     radius: Number
-    cells: SignCells
-    inequalities: tuple[Inequality, ...]
     direction: tuple[fmpq, ...]
+    stated: StatedCells
+    proofs: dict[str, Any]
 
-    def check(self, system: SwitchedSystem) -> bool:
-        """Verify the inequalities and the direction, and that they are those of the system."""
-        formula = parse_piecewise(self.formula.text, system.states)
-        cells, questions = questions_on(system, formula, self.radius)
-        falls = [q for q in questions.listed if q.sense is ConditionSense.FALLS]
-        if cells != self.cells or falls != [i.question for i in self.inequalities]:
-            return False
-        if not all(i.proved is not None and i.proved.claim.strict and i.check() for i in self.inequalities):
-            return False
-        return is_negative_along(cells, potential_pieces(system, cells, formula), self.direction)
+    @property
+    def entry(self) -> dict[str, Any]:
+        """As a certificate holds it."""
+        direction = [str(x) for x in self.direction]
+        cells, function = self.stated.record, self.formula.text
+        hypotheses = {"cells": cells, "function": function, "second": None, "direction": direction}
+        return {"theorem": "instability", "hypotheses": hypotheses, "proofs": {**self.stated.proofs, **self.proofs}}
 
 
 def find_growth(system: SwitchedSystem) -> GrowthEvidence | None:
@@ -72,72 +64,49 @@ def find_growth(system: SwitchedSystem) -> GrowthEvidence | None:
         BeyondReachError: for a system that is not decided here.
     """
     for radius, formula in proposals(system, positive=False):
-        cells, questions = questions_on(system, formula, radius)
-        falls = replace(questions, listed=tuple(q for q in questions.listed if q.sense is ConditionSense.FALLS))
-        direction = negative_direction(cells, potential_pieces(system, cells, formula))
-        if direction is None or find_failure(cells, falls) is not None:
+        stated, conditions = conditions_on(system, formula, radius)
+        falls = conditions.claims(positive=False)
+        direction = negative_direction(conditions)
+        if direction is None or find_failure(stated.cells, falls) is not None:
             continue
-        inequalities: list[Inequality] = []
-        for asked in by_face(falls.listed):
-            inequalities += answers(asked, Effort.STRICT)
-            if inequalities[-1].proved is None:
-                break
-        if all(i.proved is not None for i in inequalities):
-            return GrowthEvidence(formula, radius, cells, tuple(inequalities), direction)
+        proofs = _proofs(falls)
+        if proofs is not None:
+            return GrowthEvidence(formula, radius, direction, stated, proofs)
     return None
 
 
-def negative_direction(cells: SignCells, pieces: RationalPieces) -> tuple[fmpq, ...] | None:
+def _proofs(claims: Sequence[Claim]) -> dict[str, Any] | None:
+    """Evidence of all claims; None where that of one is not found."""
+    proofs = {}
+    for claim in claims:
+        found = answer(claim, Effort.STRICT).found
+        if found is None:
+            return None
+        proofs[claim.name] = found.evidence
+    return proofs
+
+
+def negative_direction(conditions: Functions) -> tuple[fmpq, ...] | None:
     """A direction in which V is negative near the point; None where none is found."""
-    count = len(cells.states)
-    drawn = np.random.default_rng(0).normal(size=(DIRECTIONS, count))
-    candidates = [*_curved(pieces, count), *drawn]
-    for candidate in candidates:
+    drawn = np.random.default_rng(0).normal(size=(DIRECTIONS, conditions.count))
+    for candidate in (*_curved(conditions), *drawn):
         direction = _rounded(candidate)
-        if any(direction) and is_negative_along(cells, pieces, direction):
+        if any(direction) and conditions.is_negative_along([Fraction(int(x.p), int(x.q)) for x in direction]):
             return direction
     return None
 
 
-def is_negative_along(cells: SignCells, pieces: RationalPieces, direction: Sequence[fmpq]) -> bool:
-    """Whether V is negative at all small distances in a direction, inside a cell."""
-    for cell in cells.cells:
-        if _holds_germ(cells, cell, direction) and _germ_sign(pieces[cell.signs][0], direction) < 0:
-            return True
-    return False
-
-
-def _holds_germ(cells: SignCells, cell: SignCell, direction: Sequence[fmpq]) -> bool:
-    """Whether all points near the equilibrium in a direction lie inside a cell."""
-    return all(
-        sign * _germ_sign(rational_terms(surface), direction) > 0
-        for sign, surface in zip(cell.signs, cells.surfaces, strict=True)
-    )
-
-
-def _germ_sign(terms: Mapping[Exponents, fmpq], direction: Sequence[fmpq]) -> int:
-    """The sign at small distances in a direction: that of the first form that does not vanish there."""
-    by_degree: dict[int, fmpq] = {}
-    for exponents, value in terms.items():
-        product = value
-        for x, exponent in zip(direction, exponents, strict=True):
-            product *= x**exponent
-        by_degree[sum(exponents)] = by_degree.get(sum(exponents), fmpq(0)) + product
-    first = next((by_degree[degree] for degree in sorted(by_degree) if by_degree[degree]), fmpq(0))
-    return (first > 0) - (first < 0)
-
-
-def _curved(pieces: RationalPieces, count: int) -> Iterator[NDArray[np.float64]]:
+def _curved(conditions: Functions) -> Iterator[NDArray[np.float64]]:
     """Directions in which the quadratic part of a piece is least."""
-    for (terms,) in pieces.values():
-        vectors = np.linalg.eigh(_hessian(terms, count))[1]
+    for cell in conditions.inclusion.cells:
+        vectors = np.linalg.eigh(_hessian(conditions.potential(cell)))[1]
         yield vectors[:, 0]
         yield -vectors[:, 0]
 
 
-def _hessian(terms: RationalTerms, count: int) -> NDArray[np.float64]:
-    matrix = np.zeros((count, count))
-    for exponents, value in terms.items():
+def _hessian(potential: Polynomial) -> NDArray[np.float64]:
+    matrix = np.zeros((potential.count, potential.count))
+    for exponents, value in potential.terms.items():
         if sum(exponents) == 2:
             i, j = (k for k, e in enumerate(exponents) for _ in range(e))
             matrix[i, j] += float(value)

@@ -26,9 +26,9 @@ from typing import TypeAlias
 
 from flint import fmpq, fmpq_mat
 
+from nonsmooth.proofs.kernel.squares import terms_of
 from nonsmooth.proofs.many_states.affine_faces import unit
-from nonsmooth.proofs.many_states.conditions import ConditionSense
-from nonsmooth.proofs.many_states.examination import Examination, with_values
+from nonsmooth.proofs.many_states.examination import CELL, POSITIVE, Examination
 from nonsmooth.proofs.many_states.sign_cells import RationalTerms, SignCell, rational_terms
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.symbolic.numbers.polynomial import Exponents, add_terms, multiply_terms
@@ -45,7 +45,7 @@ def nothing_stays(examination: Examination) -> bool:
         examination: of V, with all of its inequalities.
     """
     cells = examination.cells
-    bends = sum(i.question.sense is ConditionSense.POSITIVE for i in examination.inequalities) != 1
+    bends = sum(own.claim.name.split()[0] == POSITIVE for own in examination.asked) != 1
     if examination.verdict is not Decrease.WEAK or bends or not cells.are_cones:
         return False
     if len(cells.surfaces) > MOST_SURFACES:
@@ -62,11 +62,12 @@ def nothing_stays(examination: Examination) -> bool:
 def _keeping_forms(examination: Examination, normals: Sequence[Row]) -> dict[tuple[int, ...], list[list[Row]]]:
     """For each cell and each of its fields, linear forms that vanish wherever that field keeps V."""
     found: dict[tuple[int, ...], list[list[Row]]] = {}
-    for inequality in examination.inequalities:
-        question = inequality.question
-        if question.sense is ConditionSense.FALLS:
-            fall = with_values(question.condition, inequality.mu).constant
-            found.setdefault(question.signs, []).append(_zero_forms(fall, question.signs, normals))
+    for own in examination.asked:
+        kind, marks, *_ = own.claim.name.split(" ")
+        if kind == CELL:
+            signs = tuple(1 if mark == "+" else -1 for mark in marks)
+            fall = terms_of(own.claim.inequalities[0].value)
+            found.setdefault(signs, []).append(_zero_forms(fall, signs, normals))
     return found
 
 

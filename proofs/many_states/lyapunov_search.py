@@ -9,21 +9,18 @@ instability, Chetaev), because a solution that starts there cannot stay near.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from fractions import Fraction
 
 from flint import fmpq
 
-from nonsmooth.proofs.many_states.conditions import ConditionSense, Pieces, Questions, build_questions
-from nonsmooth.proofs.many_states.examination import examine
+from nonsmooth.proofs.checker.positivity import Claim
+from nonsmooth.proofs.kernel.squares import Shape, condition_of, mu_shapes, terms_of
+from nonsmooth.proofs.kernel.stated_cells import stated_cells
+from nonsmooth.proofs.many_states.examination import examine, functions_on
 from nonsmooth.proofs.many_states.examined_lyapunov import ExaminedLyapunov
 from nonsmooth.proofs.many_states.function_families import PiecewiseFunction, families, formula_text
-from nonsmooth.proofs.many_states.sign_cells import (
-    BeyondReachError,
-    SignCells,
-    build_cells,
-    piece_on,
-    rational_terms,
-)
+from nonsmooth.proofs.many_states.sign_cells import BeyondReachError, SignCells, build_cells
 from nonsmooth.proofs.sums_of_squares.ansatz import Ansatz, Condition, build_ansatz
 from nonsmooth.proofs.sums_of_squares.conic_program import solve_inside
 from nonsmooth.proofs.sums_of_squares.prove import Effort, normalized
@@ -97,13 +94,12 @@ def _of_family(
 ) -> Iterator[PiecewiseExpression]:
     """Sums of the functions of a basis, coefficients rounded more and more finely."""
     try:
-        questions = build_questions(cells, basis_pieces(system, cells, basis))
+        problems, parameters = _problems(system, cells, basis, positive=positive)
     except BeyondReachError:
         return
-    problems = _problems(questions, positive=positive)
     if sum(len(b.monomials) ** 2 for _, ansatz in problems for b in ansatz.blocks) > 2 * MOST_UNKNOWNS:
         return
-    solved = solve_inside(problems, questions.parameters, bounded=True)
+    solved = solve_inside(problems, parameters, bounded=True)
     seen = {"0"}
     for denominator in DENOMINATORS if solved is not None else ():
         found = None if solved is None else round_parameters(*solved, denominator)
@@ -117,28 +113,41 @@ def _of_family(
             return
 
 
-def basis_pieces(system: SwitchedSystem, cells: SignCells, basis: Sequence[PiecewiseFunction]) -> Pieces:
-    """Every function on every cell, as large near the point as the cube is wide."""
-    formulas = [parse_piecewise(function.text, system.states) for function in basis]
-    pieces = {}
-    for cell in cells.cells:
-        signs = dict(zip(cells.surfaces, cell.signs, strict=True))
-        own = []
-        for function, formula in zip(basis, formulas, strict=True):
-            size = cells.radius**function.degree
-            terms = rational_terms(piece_on(system, formula, signs))
-            own.append({e: c / size for e, c in terms.items()})
-        pieces[cell.signs] = tuple(own)
-    return pieces
+def _problems(
+    system: SwitchedSystem, cells: SignCells, basis: Sequence[PiecewiseFunction], *, positive: bool
+) -> tuple[Problems, int]:
+    """The claims about a sum of functions, affine in its coefficients and in those of mu; how many these are.
+
+    In the displacement divided by the half-width of the cube, every function is as large near the point as that is.
+    """
+    stated = stated_cells(system, system.field(cells.radius))
+    functions = functions_on(system, stated, [function.text for function in basis])
+    by_function = [functions.claims(k, positive=positive) for k in range(len(basis))]
+    sizes = [cells.radius**function.degree for function in basis]
+    parameters, asked = len(basis), list[Condition]()
+    for claims in zip(*by_function, strict=True):
+        shapes = mu_shapes(claims)
+        asked += _about_sum(claims, sizes, shapes, parameters)
+        parameters += len(shapes)
+    own = [normalized(condition) for condition in asked]
+    return [(condition, build_ansatz(condition)) for condition in own if condition.slopes], parameters
+
+
+def _about_sum(
+    claims: Sequence[Claim], sizes: Sequence[fmpq], shapes: Sequence[Shape], start: int
+) -> Iterator[Condition]:
+    """The inequalities of one claim: parameters are the coefficients of the functions, and from a number on of mu."""
+    for number, inequality in enumerate(claims[0].inequalities):
+        condition = condition_of(claims[0], inequality, shapes)
+        slopes = {start + k: slope for k, slope in condition.slopes.items() if slope}
+        for k, (claim, size) in enumerate(zip(claims, sizes, strict=True)):
+            own = terms_of(claim.inequalities[number].value)
+            if own:
+                slopes[k] = {e: c / size for e, c in own.items()}
+        yield replace(condition, constant={}, slopes=dict(sorted(slopes.items())))
 
 
 def _unscaled(basis: Sequence[PiecewiseFunction], found: Sequence[fmpq], radius: fmpq) -> list[fmpq]:
     top = max(function.degree for function in basis)
     values = [c * radius ** (top - f.degree) for f, c in zip(basis, found, strict=False)]
     return values
-
-
-def _problems(questions: Questions, *, positive: bool) -> Problems:
-    asked = [q.condition for q in questions.listed if positive or q.sense is ConditionSense.FALLS]
-    own = [normalized(condition) for condition in asked]
-    return [(condition, build_ansatz(condition)) for condition in own if condition.slopes]

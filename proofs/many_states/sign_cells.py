@@ -132,6 +132,11 @@ def rational_terms(polynomial: Polynomial) -> RationalTerms:
     return {exponents: rational(value) for exponents, value in polynomial.terms.items()}
 
 
+def scaled(terms: Mapping[Exponents, fmpq], factor: fmpq) -> RationalTerms:
+    """A polynomial in the variables divided by a factor."""
+    return {e: c * factor ** sum(e) for e, c in terms.items()}
+
+
 def surfaces_of(system: SwitchedSystem, formula: PiecewiseExpression) -> tuple[Polynomial, ...]:
     """The surfaces on which a formula of the displacement switches.
 
