@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import product
 from typing import Any, TypeAlias
@@ -75,11 +75,13 @@ class Candidate:
         theorem: its name.
         hypotheses: without proofs.
         options: each is stated if it is shown too.
+        known: evidence that the check has found already, by the names of claims.
     """
 
     theorem: str
     hypotheses: Record
     options: tuple[Option, ...] = ()
+    known: Record = field(default_factory=dict)
 
 
 def certificate_of(result: DecidedSystem) -> Record:
@@ -122,7 +124,7 @@ def _shown(system: System, candidate: Candidate) -> tuple[Record, list[Statement
     Raises:
         NotShownError: where the verdict itself is not shown.
     """
-    search, hypotheses, left_out = Search(), candidate.hypotheses, list[str]()
+    search, hypotheses, left_out = Search(known=candidate.known), candidate.hypotheses, list[str]()
     entry, statements = search.entry(system, candidate.theorem, hypotheses)
     for option in candidate.options:
         more = {**hypotheses, **option.hypotheses}
@@ -224,22 +226,20 @@ def _in_many_states(result: ManyStateResult) -> Iterator[Candidate]:
     """The V that decided, on its cube."""
     system, growth, proving = result.scene, result.evidence.growth, result.proving
     if growth is not None and result.verdict is Translation.UNSTABLE:
-        function, cells = _stated_function(system, growth.radius, (), growth.formula.text)
-        hypotheses = {"cells": cells.record, "function": function, "second": None}
-        yield Candidate("instability", {**hypotheses, "direction": [str(x) for x in growth.direction]})
+        yield Candidate("instability", growth.entry["hypotheses"], known=growth.entry["proofs"])
     if proving is None:
         return
-    function, cells = _stated_function(system, proving.radius, (), proving.formula.text)
+    own = proving.entry(region=result.region, rate=result.rate)
+    hypotheses = own["hypotheses"] | {"verdict": str(result.verdict), "everywhere": False, "level": None, "rate": None}
     options = []
-    if result.everywhere and proving.examination.is_homogeneous:
+    if own["hypotheses"]["everywhere"]:
         options.append(Option({"everywhere": True}, "all starts in the space reach the equilibrium"))
     if result.region is not None:
         words = many_region_words(result.region, system.states)
-        options.append(Option({"level": exact_text(result.region.level)}, words))
+        options.append(Option({"level": own["hypotheses"]["level"]}, words))
     if result.rate is not None:
-        rate = {"kind": result.rate.decay.name.lower(), "kappa": exact_text(result.rate.kappa)}
-        options.append(Option({"rate": rate}, many_rate_words(result)))
-    yield Candidate("lyapunov", _hypotheses(cells, function, result.verdict), tuple(options))
+        options.append(Option({"rate": result.rate.record}, many_rate_words(result)))
+    yield Candidate("lyapunov", hypotheses, tuple(options), own["proofs"])
 
 
 def _hypotheses(cells: StatedCells, function: Any, verdict: Translation, second: Any = None) -> Record:

@@ -161,7 +161,7 @@ def test_forged_results_are_refused() -> None:
     assert not replace(result, rate=replace(result.rate, kappa=result.rate.kappa * 2)).check()
     proving = result.evidence.proving
     assert proving is not None
-    fewer = replace(proving.examination, inequalities=proving.examination.inequalities[:-1])
+    fewer = replace(proving.examination, asked=proving.examination.asked[:-1])
     forged = replace(result.evidence, named=replace(proving, examination=fewer))
     assert not replace(result, evidence=forged).check()
     unstable = decide_many(built(["y", "z - y/4", "-4*x + Abs(y) - y - z/8"]))

@@ -17,7 +17,7 @@ from scipy.optimize import linprog
 from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.many_states.audit import ManyStateAudit, audit_many
-from nonsmooth.proofs.many_states.examination import SLIDES_UP, FailurePoint, by_face, find_slide, questions_on
+from nonsmooth.proofs.many_states.examination import SLIDES_UP, FailurePoint, conditions_on, find_slide
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.lyapunov_audit import AuditVerdict
 from nonsmooth.symbolic.files.system_file import build_system, parse_lyapunov
@@ -109,8 +109,8 @@ def test_a_face_that_solutions_leave_at_once_refutes_nothing() -> None:
 def slides(rhs: Sequence[str], weights: Sequence[int]) -> list[FailurePoint]:
     system = built(rhs)
     formula = parse_lyapunov(bent(weights), system.states, "t", "lyapunov")
-    cells, questions = questions_on(system, formula, system.check.radius)
-    found = (find_slide(system, formula, cells, asked) for asked in by_face(questions.listed))
+    stated, conditions = conditions_on(system, formula, system.check.radius)
+    found = (find_slide(system, formula, stated.cells, claim) for claim in conditions.claims())
     return [failure for failure in found if failure is not None]
 
 
