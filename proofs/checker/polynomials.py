@@ -24,15 +24,22 @@ class Polynomial:
         RejectedError: for degrees and numbers of terms beyond the limits.
     """
 
-    __slots__ = ("bits", "count", "terms")
+    __slots__ = ("_bits", "count", "terms")
 
     def __init__(self, count: int, terms: Mapping[Exponents, Fraction]) -> None:
         BUDGET.spend(1 + len(terms))
         self.count = count
         self.terms = {exponents: value for exponents, value in terms.items() if value}
-        self.bits = longest(self.terms.values())
+        self._bits = 0
         require(len(self.terms) <= MAX_TERMS, f"polynomials of at most {MAX_TERMS} terms")
         require(self.degree <= MAX_DEGREE, f"polynomials of degree at most {MAX_DEGREE}")
+
+    @property
+    def bits(self) -> int:
+        """The length of its longest coefficient."""
+        if not self._bits:
+            self._bits = longest(self.terms.values())
+        return self._bits
 
     @property
     def degree(self) -> int:

@@ -37,7 +37,7 @@ class Functions(Lyapunov):
         self.collected = Collected()
         self.inclusion = Inclusion(system, cells, list(functions), self.collected)
         self.count, self.bounded = system.count, self.inclusion.domain.bounded
-        self.has_second, self.below, self.number = False, None, 0
+        self.has_second, self.below, self.border, self.number = False, None, "", 0
         self.proofs = self.collected
 
     def potential(self, cell: Cell) -> Polynomial:
