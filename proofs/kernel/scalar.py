@@ -1,0 +1,264 @@
+"""Certificates of systems in one state: a function V of the displacement, on the intervals between switchings.
+
+The point attracts with ``V = (x/a)^2`` left and ``(x/b)^2`` right of it, below the level 1 on ``(-a, b)``; it is stable
+with ``V = x^2``; a solution leaves it where V falls and is negative.  The signs of the fields beside the point say which
+of these to write, and the checker shows it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from math import prod
+from typing import Any, TypeAlias
+
+from flint import arb, fmpq, fmpq_poly
+
+from nonsmooth.proofs.checker.cells import Domain, System, pattern, read_system
+from nonsmooth.proofs.checker.formulas import Formula, SignOf
+from nonsmooth.proofs.checker.lyapunov import ASYMPTOTICALLY_STABLE, STABLE, Statement
+from nonsmooth.proofs.checker.polynomials import Polynomial
+from nonsmooth.proofs.checker.work import BUDGET
+from nonsmooth.proofs.kernel.search import NotShownError, Search
+from nonsmooth.proofs.systems.scalar_stability import ScalarResult
+from nonsmooth.proofs.systems.system_certificate import about, exact_text
+from nonsmooth.proofs.verdicts import Equilibrium, Translation
+from nonsmooth.symbolic.numbers.number import Number
+
+FINE = 1 << 20  # an end with roots is certified up to this part of its distance
+WIDEST = Fraction(1)  # half the interval on which local verdicts are certified, at most
+
+Signs: TypeAlias = tuple[int, ...]
+Theorem: TypeAlias = tuple[str, dict[str, Any]]  # its name, and its hypotheses
+
+
+def scalar_entry(result: ScalarResult) -> tuple[dict[str, Any], list[Statement]]:
+    """The evidence of a verdict in one state, and what it shows.
+
+    Args:
+        result: of a check.
+
+    Raises:
+        NotShownError: for an undecided verdict, and where the evidence is not found.
+        NoCertificateError: for a point or an end that no certificate can name.
+    """
+    if result.verdict is Translation.UNDECIDED:
+        raise NotShownError("required a verdict, received undecided")
+    BUDGET.grant(1 << 60)  # formulas are read as the checker reads them; the search has limits of its own
+    system = read_system(about(result.scene))
+    if result.verdict is Translation.ASYMPTOTICALLY_STABLE:
+        theorem = _attraction(result, system)
+    elif result.verdict is Translation.STABLE:
+        theorem = _rest(system)
+    else:
+        theorem = _departure(system) if result.equilibrium is Equilibrium.FAILS else _escape(system)
+    return Search().entry(system, *theorem)
+
+
+# ---- theorems and their functions V ------------------------------------------------------------
+
+
+def _attraction(result: ScalarResult, system: System) -> Theorem:
+    """``V < 1`` exactly on the interval of starts that reach the point."""
+    (name,) = system.states
+    right, left = (within(side.reach) for side in (result.right, result.left) if side.reach is not None)
+    function = f"relu({name})**2/({right**2}) + relu(-{name})**2/({left**2})"
+    if left == right:
+        function = f"{name}**2/({right**2})"
+    cells = stated_intervals(system, max(left, right))
+    return "lyapunov", {**_stability(cells, function, ASYMPTOTICALLY_STABLE), "level": "1", "below": True}
+
+
+def _rest(system: System) -> Theorem:
+    """``V = x^2``, near the point."""
+    cells = stated_intervals(system, clear_radius(system))
+    return "lyapunov", _stability(cells, f"{system.states[0]}**2", STABLE)
+
+
+def _stability(cells: dict[str, Any], function: str, verdict: str) -> dict[str, Any]:
+    options = {"second": None, "everywhere": False, "level": None, "below": False, "rate": None}
+    return {"cells": cells, "function": function, "verdict": verdict, **options}
+
+
+def _departure(system: System) -> Theorem:
+    """All velocities at the point have one sign."""
+    sides = fields_beside(system)
+    upward = max(field.at_origin for fields in sides for field in fields) > 0
+    return "departure", {"cells": stated_intervals(system, clear_radius(system)), "direction": [str(1 if upward else -1)]}
+
+
+def _escape(system: System) -> Theorem:
+    """V is the distance where the fields lead back, and minus the distance where they lead away.
+
+    Raises:
+        NotShownError: where fields of one side have different signs.
+    """
+    (name,) = system.states
+    sides = zip((-1, 1), fields_beside(system), strict=True)
+    outward = [{turn * _sign_beside(field, turn) for field in fields} for turn, fields in sides]
+    if not (outward[0] | outward[1] <= {-1, 1} and max(map(len, outward)) == 1):
+        raise NotShownError("required fields of one sign on either side, to show instability")
+    (left,), (right,) = outward
+    function = f"-{name}" if left < right else name if left > right else f"-Abs({name})"
+    hypotheses = {"function": function, "second": None, "direction": [str(1 if right > 0 else -1)]}
+    return "instability", {"cells": stated_intervals(system, clear_radius(system)), **hypotheses}
+
+
+def within(reach: Number | Fraction) -> Fraction:
+    """A rational distance: the same, or where it has roots one a little smaller."""
+    known = reach if isinstance(reach, Fraction) else reach.as_rational()
+    if known is not None:
+        return Fraction(int(known.numerator), int(known.denominator))
+    unit = Fraction(1)
+    while not reach > unit * FINE:
+        unit /= 2
+    while reach > unit * FINE * 2:
+        unit *= 2
+    below, above = FINE, 2 * FINE  # reach > unit * below
+    while above - below > 1:
+        middle = (below + above) // 2
+        below, above = (middle, above) if reach > unit * middle else (below, middle)
+    return unit * below
+
+
+# ---- intervals ---------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Intervals:
+    """The displacements between which nothing switches.
+
+    Attributes:
+        surfaces: irreducible polynomials of which all switching expressions are products; the first is the displacement.
+        places: a displacement in each interval, ascending.
+        fields: the right-hand sides there.
+    """
+
+    surfaces: tuple[fmpq_poly, ...]
+    places: tuple[Fraction, ...]
+    fields: tuple[tuple[Polynomial, ...], ...]
+
+
+def build_intervals(system: System, radius: Fraction) -> Intervals:
+    """The intervals of a system within a distance from the point.
+
+    The formulas are read at a place of each interval; where they ask for the sign of a polynomial with factors that
+    are not known yet, the intervals are cut at the roots of these, and read again.
+    """
+    formulas = [Formula(own, Domain(system, None).place) for (own,) in system.rhs]
+    surfaces = [fmpq_poly([0, 1])]
+    while True:
+        known = tuple(surfaces)
+        places = tuple(_places_between(known, radius))
+        fields = tuple(tuple(formula.on(_signs_at(place, surfaces)) for formula in formulas) for place in places)
+        if len(surfaces) == len(known):
+            return Intervals(known, places, fields)
+
+
+def _signs_at(place: Fraction, surfaces: list[fmpq_poly]) -> SignOf:
+    """The sign of a switching expression at a place; its factors are added to the surfaces."""
+
+    def sign_of(value: Polynomial) -> int:
+        own = _dense(value)
+        for factor, _ in own.numer().factor()[1]:
+            if fmpq_poly(factor) not in surfaces:
+                surfaces.append(fmpq_poly(factor))
+        return _sign(own, place) or 1
+
+    return sign_of
+
+
+def _dense(value: Polynomial) -> fmpq_poly:
+    size = value.degree + 1
+    known = [value.terms.get((k,), Fraction(0)) for k in range(size)]
+    return fmpq_poly([fmpq(c.numerator, c.denominator) for c in known])
+
+
+def _sign(polynomial: fmpq_poly, place: Fraction) -> int:
+    found = polynomial(fmpq(place.numerator, place.denominator))
+    return int(found > 0) - int(found < 0)
+
+
+def _sign_beside(field: Polynomial, turn: int) -> int:
+    """The sign of a polynomial at small displacements to the left (-1) or the right (1)."""
+    lowest = min(field.terms, default=None)
+    if lowest is None:
+        return 0
+    return (1 if field.terms[lowest] > 0 else -1) * turn ** lowest[0]
+
+
+def _places_between(polynomials: Sequence[fmpq_poly], radius: Fraction) -> Iterator[Fraction]:
+    """Between each two neighbouring roots of some polynomials within a distance from zero, a rational number."""
+    end = fmpq(radius.numerator, radius.denominator)
+    total = prod(polynomials, start=fmpq_poly([-end * end, 0, 1]))
+    roots = _real_roots(total)
+    for left, right in zip(roots, roots[1:], strict=False):
+        middle = ((left.upper() + right.lower()) / 2).mid().fmpq()
+        if -end < middle < end:
+            yield Fraction(int(middle.p), int(middle.q))
+
+
+def _real_roots(polynomial: fmpq_poly) -> list[arb]:
+    """Disjoint enclosures of the real roots, ascending."""
+    roots = (root for root, _ in polynomial.numer().complex_roots())
+    return sorted((root.real for root in roots if root.imag == 0), key=lambda own: own.mid())
+
+
+def fields_beside(system: System) -> tuple[tuple[Polynomial, ...], tuple[Polynomial, ...]]:
+    """The right-hand sides on the interval left of the point, and right of it."""
+    intervals = build_intervals(system, WIDEST)
+    first_right = next(k for k, place in enumerate(intervals.places) if place > 0)
+    return intervals.fields[first_right - 1], intervals.fields[first_right]
+
+
+def clear_radius(system: System) -> Fraction:
+    """A distance within which nothing switches, and no field beside the point vanishes, but at the point."""
+    known = build_intervals(system, WIDEST)
+    beside = [_dense(field) for side in fields_beside(system) for field in side if field]
+    total = prod((*known.surfaces, *beside), start=fmpq_poly([1]))
+    distances = [abs(root).lower() for root in _real_roots(total) if root != 0]
+    radius = WIDEST
+    while not all(own > float(radius) for own in distances):
+        radius /= 2
+    return radius
+
+
+def stated_intervals(system: System, radius: Fraction) -> dict[str, Any]:
+    """The cells of a system as a theorem is told of them: on the cube ``|x| <= radius``."""
+    known = build_intervals(system, radius)
+    occurring = [tuple(_sign(surface, place) for surface in known.surfaces) for place in known.places]
+    (name,) = system.states
+    texts = [_text(surface, name) for surface in known.surfaces]
+    return {"within": str(radius), "surfaces": texts, "empty": list(_empty_patterns(occurring))}
+
+
+def _text(surface: fmpq_poly, name: str) -> str:
+    """A polynomial as a formula."""
+    powers = [str(surface[0]), f"{surface[1]}*{name}"]
+    powers += [f"{surface[k]}*{name}**{k}" for k in range(2, surface.degree() + 1)]
+    return " + ".join(own for k, own in enumerate(powers) if surface[k])
+
+
+def _empty_patterns(occurring: Sequence[Signs]) -> Iterator[str]:
+    """Patterns of signs that occur nowhere, of which every other pattern that does not occur holds one."""
+    size, listed = len(occurring[0]), list[dict[int, int]]()
+    for beginning in dict.fromkeys(signs[:k] for k in range(size) for signs in occurring):
+        for sign in (-1, 1):
+            longer = dict(enumerate((*beginning, sign)))
+            if not _occurs(longer, occurring) and not any(own.items() <= longer.items() for own in listed):
+                listed.append(_contradiction(longer, occurring))
+    return (pattern(own.get(j) for j in range(size)) for own in listed)
+
+
+def _contradiction(signs: dict[int, int], occurring: Sequence[Signs]) -> dict[int, int]:
+    """As few as possible of some signs that occur nowhere together."""
+    for j in list(signs):
+        fewer = {k: sign for k, sign in signs.items() if k != j}
+        if fewer and not _occurs(fewer, occurring):
+            signs = fewer
+    return signs
+
+
+def _occurs(signs: dict[int, int], occurring: Sequence[Signs]) -> bool:
+    return any(all(own[j] == sign for j, sign in signs.items()) for own in occurring)
