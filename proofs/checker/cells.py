@@ -46,6 +46,28 @@ class System:
         """The number of states."""
         return len(self.states)
 
+    @property
+    def coordinates(self) -> tuple[str, ...]:
+        """The names in V and in surfaces: the states, or what stands for them (:mod:`.roots`)."""
+        return self.states
+
+    @property
+    def origin(self) -> tuple[Fraction, ...]:
+        """The point in the coordinates."""
+        return self.at
+
+    @property
+    def stated(self) -> System:
+        """The system with the velocities of its states."""
+        return self
+
+    def fields(self, place: Mapping[str, Polynomial]) -> Sequence[Sequence[Formula]]:
+        """The formulas of the velocities at a place, for each right-hand side."""
+        return [[Formula(own, place) for own in side] for side in self.rhs]
+
+    def show_equivalent(self, inclusion: Inclusion) -> None:
+        """Solutions in the coordinates are those of the states: nothing needs to be shown."""
+
 
 def read_system(data: Any) -> System:
     """The system that a certificate is about.
@@ -82,10 +104,10 @@ class Domain:
         self.radius = rational(within) if self.bounded else Fraction(1)
         require(self.radius > 0, "a cube of positive size")
         count = system.count
-        self.displacement = {name: variable(count, k, self.radius) for k, name in enumerate(system.states)}
+        self.displacement = {name: variable(count, k, self.radius) for k, name in enumerate(system.coordinates)}
         self.place = {
             name: own + constant(count, at)
-            for (name, own), at in zip(self.displacement.items(), system.at, strict=True)
+            for (name, own), at in zip(self.displacement.items(), system.origin, strict=True)
         }
 
     def guards(self) -> dict[str, Polynomial]:
@@ -223,10 +245,11 @@ class Inclusion:
         within, surfaces, empty = take(data, "within surfaces empty")
         self.domain = Domain(system, within)
         self.count, self.surfaces = system.count, Surfaces(self.domain, surfaces, empty, proofs)
-        fields = [[Formula(own, self.domain.place) for own in side] for side in system.rhs]
+        fields = system.fields(self.domain.place)
         own = [Function(self.domain, self.surfaces, function) for function in functions]
         self.cells = [self._cell(signs, fields, own) for signs in self.surfaces.patterns()]
         self.bending = self._bending_surfaces()
+        system.show_equivalent(self)
 
     def _cell(self, signs: Pattern, fields: Sequence[Sequence[Formula]], functions: Sequence[Function]) -> Cell:
         def sign_of(value: Polynomial) -> int:

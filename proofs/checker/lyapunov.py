@@ -247,6 +247,8 @@ def show_stability(system: System, hypotheses: Any, proofs: Proofs) -> list[Stat
     about = {"function": function, "within": cells["within"]}
     if type(function) is not str:
         about["surfaces"] = cells["surfaces"]  # to whose signs the pieces of V refer
+    if system.coordinates != system.states:
+        about["in"] = list(system.coordinates)
     if everywhere is True:
         require(attracts and below is not True, "an attracting point")
         own.require_all_of_space()
@@ -256,6 +258,7 @@ def show_stability(system: System, hypotheses: Any, proofs: Proofs) -> list[Stat
         own.show_border(rational(level))
         shown.append({"attracts": {**about, "below": level}})
     if rate is not None:
+        require(system.coordinates == system.states, "rates in the time of the states")
         show_rate(own, rate)
         shown.append({"rate": {**about, **rate, **({"below": level} if below is True else {})}})
     return shown
@@ -302,7 +305,7 @@ def show_departure(system: System, hypotheses: Any, proofs: Proofs) -> list[Stat
     F is upper semicontinuous, so near the point all products stay above a positive number: every solution leaves.
     """
     cells, data = take(hypotheses, "cells direction")
-    inclusion = Inclusion(system, cells, ["0"], proofs)
+    inclusion = Inclusion(system.stated, cells, ["0"], proofs)
     direction = [rational(value) for value in items(data, system.count)]
     for cell in inclusion.around():
         for _, field in cell.fields:

@@ -13,9 +13,10 @@ import json
 from collections.abc import Callable
 from typing import Any, TypeAlias
 
-from .cells import System, read_system
+from .cells import System
 from .lyapunov import Statement, show_departure, show_instability, show_stability
 from .positivity import Proofs
+from .roots import read_subject
 from .work import BUDGET, MALFORMED, RejectedError, items, require, take
 
 VERSION = "nonsmooth-certificate/2"
@@ -47,7 +48,7 @@ def show_claims(data: Any, size: int) -> list[Statement]:
     version, statement, evidence, _ = take(data, "version statement evidence", "notes")
     require(version == VERSION, f"the version {VERSION}")
     subject, claims = take(statement, "subject claims")
-    system = read_system(subject)
+    system = read_subject(subject)
     shown: list[Statement] = []
     for entry in items(evidence, most=MAX_THEOREMS):
         shown += show_entry(system, entry)
@@ -84,13 +85,15 @@ def refusal(data: Any, size: int) -> str:
 
 def describe(statement: Any) -> list[str]:
     """What a valid certificate states: the system with its first claim, and every further claim on a line."""
-    system = read_system(statement["subject"])
+    system = read_subject(statement["subject"])
     point = ", ".join(map(str, system.at))
+    pairs = zip(system.coordinates, system.states, strict=True)
+    roots = "".join(f", {own} = sign({name})*sqrt(Abs({name}))" for own, name in pairs if own != name)
     said = []
     for claim in statement["claims"]:
         ((kind, about),) = claim.items()
         said.append(_DESCRIBED[kind](about, system))
-    return [f"system in {', '.join(system.states)} at ({point}): {said[0]}", *said[1:]]
+    return [f"system in {', '.join(system.states)} at ({point}){roots}: {said[0]}", *said[1:]]
 
 
 def _stability(said: str, system: System) -> str:
@@ -115,7 +118,7 @@ def _rate(said: Any, system: System) -> str:
 
 
 def _cube(said: Any, system: System) -> str:
-    away = (name if not at else f"{name} - {at}" for name, at in zip(system.states, system.at, strict=True))
+    away = (name if not at else f"{name} - {at}" for name, at in zip(system.coordinates, system.origin, strict=True))
     return f"{', '.join(f'abs({own})' for own in away)} <= {said['within']}"
 
 

@@ -1,8 +1,8 @@
 """Certificates of systems in one state: a function V of the displacement, on the intervals between switchings.
 
-The point attracts with ``V = (x/a)^2`` left and ``(x/b)^2`` right of it, below the level 1 on ``(-a, b)``; it is stable
-with ``V = x^2``; a solution leaves it where V falls and is negative.  The signs of the fields beside the point say which
-of these to write, and the checker shows it.
+The point attracts with ``V = (x/a)^2`` left and ``(x/b)^2`` right of it, below the level 1 on ``(-a, b)``; it is
+stable with ``V = x^2``; a solution leaves it where V falls and is negative.  The signs of the fields beside the point
+say which of these to write, and the checker shows it.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import pairwise
 from math import prod
 from typing import Any, TypeAlias
 
@@ -22,7 +23,7 @@ from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.checker.work import BUDGET
 from nonsmooth.proofs.kernel.search import NotShownError, Search
 from nonsmooth.proofs.systems.scalar_stability import ScalarResult
-from nonsmooth.proofs.systems.system_certificate import about, exact_text
+from nonsmooth.proofs.systems.system_certificate import about
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.numbers.number import Number
 
@@ -85,7 +86,8 @@ def _departure(system: System) -> Theorem:
     """All velocities at the point have one sign."""
     sides = fields_beside(system)
     upward = max(field.at_origin for fields in sides for field in fields) > 0
-    return "departure", {"cells": stated_intervals(system, clear_radius(system)), "direction": [str(1 if upward else -1)]}
+    cells = stated_intervals(system, clear_radius(system))
+    return "departure", {"cells": cells, "direction": ["1" if upward else "-1"]}
 
 
 def _escape(system: System) -> Theorem:
@@ -101,7 +103,7 @@ def _escape(system: System) -> Theorem:
         raise NotShownError("required fields of one sign on either side, to show instability")
     (left,), (right,) = outward
     function = f"-{name}" if left < right else name if left > right else f"-Abs({name})"
-    hypotheses = {"function": function, "second": None, "direction": [str(1 if right > 0 else -1)]}
+    hypotheses = {"function": function, "second": None, "direction": ["1" if right > 0 else "-1"]}
     return "instability", {"cells": stated_intervals(system, clear_radius(system)), **hypotheses}
 
 
@@ -130,7 +132,7 @@ class Intervals:
     """The displacements between which nothing switches.
 
     Attributes:
-        surfaces: irreducible polynomials of which all switching expressions are products; the first is the displacement.
+        surfaces: irreducible polynomials of which all switching expressions are products; the displacement is first.
         places: a displacement in each interval, ascending.
         fields: the right-hand sides there.
     """
@@ -193,7 +195,7 @@ def _places_between(polynomials: Sequence[fmpq_poly], radius: Fraction) -> Itera
     end = fmpq(radius.numerator, radius.denominator)
     total = prod(polynomials, start=fmpq_poly([-end * end, 0, 1]))
     roots = _real_roots(total)
-    for left, right in zip(roots, roots[1:], strict=False):
+    for left, right in pairwise(roots):
         middle = ((left.upper() + right.lower()) / 2).mid().fmpq()
         if -end < middle < end:
             yield Fraction(int(middle.p), int(middle.q))
@@ -201,8 +203,8 @@ def _places_between(polynomials: Sequence[fmpq_poly], radius: Fraction) -> Itera
 
 def _real_roots(polynomial: fmpq_poly) -> list[arb]:
     """Disjoint enclosures of the real roots, ascending."""
-    roots = (root for root, _ in polynomial.numer().complex_roots())
-    return sorted((root.real for root in roots if root.imag == 0), key=lambda own: own.mid())
+    pairs: Any = polynomial.numer().complex_roots()  # real ones have the imaginary part zero exactly
+    return sorted((root.real for root, _ in pairs if root.imag == 0), key=lambda own: own.mid())
 
 
 def fields_beside(system: System) -> tuple[tuple[Polynomial, ...], tuple[Polynomial, ...]]:
