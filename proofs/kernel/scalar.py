@@ -16,14 +16,15 @@ from typing import Any, TypeAlias
 
 from flint import arb, fmpq, fmpq_poly
 
-from nonsmooth.proofs.checker.cells import Domain, System, pattern, read_system
-from nonsmooth.proofs.checker.formulas import Formula, SignOf
+from nonsmooth.proofs.checker.cells import Domain, System, pattern
+from nonsmooth.proofs.checker.formulas import SignOf
 from nonsmooth.proofs.checker.lyapunov import ASYMPTOTICALLY_STABLE, STABLE, Statement
 from nonsmooth.proofs.checker.polynomials import Polynomial
+from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.work import BUDGET
 from nonsmooth.proofs.kernel.search import NotShownError, Search
+from nonsmooth.proofs.kernel.subjects import subject_of
 from nonsmooth.proofs.systems.scalar_stability import ScalarResult
-from nonsmooth.proofs.systems.system_certificate import about
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.numbers.number import Number
 
@@ -47,7 +48,7 @@ def scalar_entry(result: ScalarResult) -> tuple[dict[str, Any], list[Statement]]
     if result.verdict is Translation.UNDECIDED:
         raise NotShownError("required a verdict, received undecided")
     BUDGET.grant(1 << 60)  # formulas are read as the checker reads them; the search has limits of its own
-    system = read_system(about(result.scene))
+    system = read_subject(subject_of(result.scene))
     if result.verdict is Translation.ASYMPTOTICALLY_STABLE:
         theorem = _attraction(result, system)
     elif result.verdict is Translation.STABLE:
@@ -62,7 +63,7 @@ def scalar_entry(result: ScalarResult) -> tuple[dict[str, Any], list[Statement]]
 
 def _attraction(result: ScalarResult, system: System) -> Theorem:
     """``V < 1`` exactly on the interval of starts that reach the point."""
-    (name,) = system.states
+    (name,) = system.coordinates
     right, left = (within(side.reach) for side in (result.right, result.left) if side.reach is not None)
     function = f"relu({name})**2/({right**2}) + relu(-{name})**2/({left**2})"
     if left == right:
@@ -74,7 +75,7 @@ def _attraction(result: ScalarResult, system: System) -> Theorem:
 def _rest(system: System) -> Theorem:
     """``V = x^2``, near the point."""
     cells = stated_intervals(system, clear_radius(system))
-    return "lyapunov", _stability(cells, f"{system.states[0]}**2", STABLE)
+    return "lyapunov", _stability(cells, f"{system.coordinates[0]}**2", STABLE)
 
 
 def _stability(cells: dict[str, Any], function: str, verdict: str) -> dict[str, Any]:
@@ -96,7 +97,7 @@ def _escape(system: System) -> Theorem:
     Raises:
         NotShownError: where fields of one side have different signs.
     """
-    (name,) = system.states
+    (name,) = system.coordinates
     sides = zip((-1, 1), fields_beside(system), strict=True)
     outward = [{turn * _sign_beside(field, turn) for field in fields} for turn, fields in sides]
     if not (outward[0] | outward[1] <= {-1, 1} and max(map(len, outward)) == 1):
@@ -148,7 +149,7 @@ def build_intervals(system: System, radius: Fraction) -> Intervals:
     The formulas are read at a place of each interval; where they ask for the sign of a polynomial with factors that
     are not known yet, the intervals are cut at the roots of these, and read again.
     """
-    formulas = [Formula(own, Domain(system, None).place) for (own,) in system.rhs]
+    formulas = [formula for (formula,) in system.fields(Domain(system, None).place)]
     surfaces = [fmpq_poly([0, 1])]
     while True:
         known = tuple(surfaces)
@@ -230,7 +231,7 @@ def stated_intervals(system: System, radius: Fraction) -> dict[str, Any]:
     """The cells of a system as a theorem is told of them: on the cube ``|x| <= radius``."""
     known = build_intervals(system, radius)
     occurring = [tuple(_sign(surface, place) for surface in known.surfaces) for place in known.places]
-    (name,) = system.states
+    (name,) = system.coordinates
     texts = [_text(surface, name) for surface in known.surfaces]
     return {"within": str(radius), "surfaces": texts, "empty": list(_empty_patterns(occurring))}
 
