@@ -70,8 +70,11 @@ class Lyapunov:
             guards = self._guards(whole(self.inclusion), signs, cell) or {}
             self._show_on_cell(f"V {name}", self.potential(cell), guards, strict=True)
 
-    def show_falls(self, prefix: str, shift: Shift, *, strict: bool) -> None:
-        """``V' + shift < 0`` off the point, or ``<= 0``: on closed cells and on all faces on which V bends."""
+    def show_falls(self, prefix: str, shift: Shift, *, strict: bool, between: bool = False) -> None:
+        """``V' + shift < 0`` off the point, or ``<= 0``: on closed cells and on all faces on which V bends.
+
+        With ``between``, the gradients ``grad P + mu grad g`` on faces lie between those of V on both sides.
+        """
         space = whole(self.inclusion)
         for cell in self.inclusion.cells:
             guards = self._guards(space, dict(enumerate(cell.signs)), cell) or {}
@@ -82,7 +85,8 @@ class Lyapunov:
         for face in self.inclusion.faces():
             for name, cells in self._groups(face):
                 if not _is_settled(face, cells):
-                    self._show_falls_on(face, name, cells, prefix, shift, strict=strict)
+                    more = self._between(face, cells) if between else []
+                    self._show_falls_on(face, name, cells, prefix, shift, more, strict=strict)
 
     def _show_on_cell(self, name: str, value: Polynomial, guards: dict[str, Polynomial], *, strict: bool) -> None:
         inside = Inequality(value, guards, open=frozenset(guards))
@@ -116,11 +120,19 @@ class Lyapunov:
             yield name, cells
 
     def _show_falls_on(
-        self, face: Face, name: str, cells: Sequence[Cell], prefix: str, shift: Shift, *, strict: bool
+        self,
+        face: Face,
+        name: str,
+        cells: Sequence[Cell],
+        prefix: str,
+        shift: Shift,
+        more: Sequence[Inequality],
+        *,
+        strict: bool,
     ) -> None:
         """``(grad P + sum_j mu_j grad g_j) . f + shift < 0`` on a face, for each field f beside it."""
         first, surfaces = cells[0], self.inclusion.surfaces.listed
-        inequalities = []
+        inequalities = list(more)
         for cell in cells:
             others = {j: s for j, s in enumerate(cell.signs) if j not in face.zero}
             guards = self._guards(face, others, first)
@@ -136,6 +148,33 @@ class Lyapunov:
             self.proofs.show(
                 Claim(f"{prefix}face {name}", tuple(inequalities), strict, away, self.bounded, self.border)
             )
+
+    def _between(self, face: Face, cells: Sequence[Cell]) -> list[Inequality]:
+        """``grad P + mu grad g`` is a mixture of the gradients of V on both sides of the one surface g of a face.
+
+        These are ``grad P`` and ``grad P + h grad g``, so ``0 <= mu <= h`` where h is positive, and reversed.
+        """
+        require(len(face.zero) == 1, "surfaces on which V bends that meet at the point alone")
+        first = cells[0].functions[0]
+        second = next((cell.functions[0] for cell in cells if cell.functions[0] != first), first)
+        quotient = (second - first).divided(self.inclusion.surfaces.listed[face.zero[0]])
+        require(quotient is not None, "functions that are continuous")
+        zero, found = constant(face.dimension, 0), []
+        for turn in (1, -1):
+            jump = face.restricted(quotient.times(turn))
+            guards = {**(face.guards({}) or {}), "sh": jump}
+            for side, value, push in ((2, zero, turn), (3, jump, -turn)):
+                pushes = (constant(face.dimension, push),)
+                found.append(Inequality(value, guards, pushes, face.zeros(), (side * turn,)))
+        return found
+
+    def show_gradient(self, bound: Fraction) -> None:
+        """``|grad V| <= bound`` on every closed cell, both in units of the half-width of the cube."""
+        for name, signs, potential in self.inclusion.pieces():
+            guards = self._guards(whole(self.inclusion), signs, potential) or {}
+            square = lie_derivative(potential, [potential.derivative(k) for k in range(self.count)])
+            room = constant(self.count, bound * bound) - square
+            self._show_on_cell(f"gradient {name}", room, guards, strict=False)
 
     def show_leaves(self) -> None:
         """``W' > 0`` off the point along every velocity of a solution for which ``V' = 0``: W is the second function.
@@ -228,10 +267,11 @@ def show_stability(system: System, hypotheses: Any, proofs: Proofs) -> list[Stat
     what it tends to is weakly invariant too, with W constant, and W rises there: a contradiction unless L is the point.
     With ``everywhere``, V and the field are forms on cones: every solution tends to the point.  With ``level``, every
     start of the cube with ``V < level`` stays there and tends to the point; with ``below``, nothing is asked of points
-    with ``V >= level`` but on the border of the cube.  With ``rate``, V falls that fast.
+    with ``V >= level`` but on the border of the cube.  With ``rate``, V falls that fast; with ``gain`` beside it, of
+    solutions of ``x' in F(x) + d`` it falls that fast less ``gain |d|``, in the Euclidean norm.
     """
     names = "cells function second verdict everywhere level below rate"
-    cells, function, second, verdict, everywhere, level, below, rate = take(hypotheses, names)
+    cells, function, second, verdict, everywhere, level, below, rate, gain = take(hypotheses, names, "gain")
     require(verdict in (ASYMPTOTICALLY_STABLE, STABLE), "a verdict")
     attracts = verdict == ASYMPTOTICALLY_STABLE
     own = Lyapunov(system, cells, function, second, proofs)
@@ -259,15 +299,18 @@ def show_stability(system: System, hypotheses: Any, proofs: Proofs) -> list[Stat
         shown.append({"attracts": {**about, "below": level}})
     if rate is not None:
         require(system.coordinates == system.states, "rates in the time of the states")
-        show_rate(own, rate)
+        show_rate(own, rate, gain)
         shown.append({"rate": {**about, **rate, **({"below": level} if below is True else {})}})
+        shown += [{"gain": {**shown[-1]["rate"], "gamma": gain}}] if gain is not None else []
     return shown
 
 
-def show_rate(own: Lyapunov, rate: Any) -> None:
-    """``V' <= -kappa V`` (exponential) or ``V' <= -kappa`` (finite) off the point, on the domain.
+def show_rate(own: Lyapunov, rate: Any, gain: Any = None) -> None:
+    """``V' <= -kappa V`` (exponential) or ``V' <= -kappa`` (finite) off the point, on the domain; less ``gain |d|``.
 
-    The derivative is taken here in units of the half-width of the cube.
+    The derivative is taken here in units of the half-width of the cube.  Let ``x' = v + d`` with v in F(x).  At almost
+    all times V has the derivative ``q . (v + d)`` for all vectors ``q = grad P + mu grad g`` of a face.  With one that
+    is a mixture of gradients of V, ``q . v`` is at most that of the rate, and ``q . d`` at most ``gain |d|``.
     """
     kind, kappa = take(rate, "kind kappa")
     speed = rational(kappa) * own.inclusion.domain.radius
@@ -277,7 +320,10 @@ def show_rate(own: Lyapunov, rate: Any) -> None:
     def shift(cell: Cell) -> Polynomial:
         return whole_rate if kind == "finite" else whole_rate * own.potential(cell)
 
-    own.show_falls("rate ", shift, strict=False)
+    own.show_falls("rate ", shift, strict=False, between=gain is not None)
+    if gain is not None:
+        require(rational(gain) > 0, "a positive gain")
+        own.show_gradient(rational(gain) * own.inclusion.domain.radius)
 
 
 def show_instability(system: System, hypotheses: Any, proofs: Proofs) -> list[Statement]:

@@ -114,7 +114,12 @@ def _rate(said: Any, system: System) -> str:
     fall = f"{said['kappa']} V" if said["kind"] == "exponential" else said["kappa"]
     where = "the whole space" if said["within"] is None else _cube(said, system)
     below = f" where V < {said['below']}" if "below" in said else ""
-    return f"V' <= -{fall} on {where}{below}, {_function(said)}"
+    rise = f" + {said['gamma']} |d|" if "gamma" in said else ""
+    return f"V' <= -{fall}{rise} on {where}{below}, {_function(said)}"
+
+
+def _gain(said: Any, system: System) -> str:
+    return f"with x' in F + d: {_rate(said, system)}"
 
 
 def _cube(said: Any, system: System) -> str:
@@ -132,4 +137,5 @@ _DESCRIBED: dict[str, Callable[[Any, System], str]] = {
     "equilibrium": _equilibrium,
     "attracts": _attracts,
     "rate": _rate,
+    "gain": _gain,
 }
