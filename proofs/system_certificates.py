@@ -14,10 +14,12 @@ from fractions import Fraction
 from itertools import product
 from typing import Any, TypeAlias
 
-from nonsmooth.proofs.checker.cells import System, read_system
+from nonsmooth.proofs.checker.cells import System
 from nonsmooth.proofs.checker.files import read
 from nonsmooth.proofs.checker.lyapunov import Statement
+from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.statements import VERSION, refusal
+from nonsmooth.proofs.kernel.scalar import scalar_theorem
 from nonsmooth.proofs.kernel.search import NotShownError, Search
 from nonsmooth.proofs.kernel.stated_cells import StatedCells, stated_cells
 from nonsmooth.proofs.kernel.subject import NoCertificateError, about, exact_text
@@ -94,7 +96,7 @@ def certificate_of(result: DecidedSystem) -> Record:
     if result.verdict is Translation.UNDECIDED:
         raise NoCertificateError("a certificate needs a verdict, received undecided")
     subject = about(result.scene)
-    system, reasons = read_system(subject), list[str]()
+    system, reasons = read_subject(subject), list[str]()
     try:
         for candidate in _candidates(result):
             try:
@@ -190,8 +192,8 @@ def _checked(system: SwitchedSystem, subject: Record, draft: Draft) -> Record:
 def _candidates(result: DecidedSystem) -> Iterator[Candidate]:
     """Theorems with their hypotheses, in the order in which they are tried."""
     if isinstance(result, ScalarResult):
-        return
-    if isinstance(result, ManyStateResult):
+        yield Candidate(*scalar_theorem(result, read_subject(about(result.scene))))
+    elif isinstance(result, ManyStateResult):
         yield from _in_many_states(result)
     else:
         yield from _in_the_plane(result)
@@ -219,6 +221,9 @@ def _in_the_plane(result: SystemResult) -> Iterator[Candidate]:
     if result.rate is not None and system.by_roots is None:  # rates are in the time of the roots
         rate = {"kind": result.rate.decay.name.lower(), "kappa": exact_text(result.rate.kappa)}
         options.append(Option({"rate": rate}, rate_words(result)))
+        if result.gain is not None and result.gain.rate == result.rate:
+            gain = {"rate": rate, "gain": exact_text(result.gain.gamma)}
+            options.append(Option(gain, gain_words(result)))
     yield Candidate("lyapunov", _hypotheses(cells, function, result.verdict), tuple(options))
 
 
@@ -330,8 +335,6 @@ def _beyond_words(result: DecidedSystem) -> Iterator[str]:
     """What a check says that certificates have no words for."""
     if not isinstance(result, SystemResult):
         return
-    if result.gain is not None:
-        yield f"{gain_words(result)}: certificates hold no disturbances"
     if result.everywhere and result.domain is not None and result.domain.radius is not None:
         yield "all starts in the plane reach the equilibrium: V is certified on a square"
     if result.finite_time:

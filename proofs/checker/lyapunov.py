@@ -161,7 +161,7 @@ class Lyapunov:
         require(quotient is not None, "functions that are continuous")
         zero, found = constant(face.dimension, 0), []
         for turn in (1, -1):
-            jump = face.restricted(quotient.times(turn))
+            jump = face.restricted((quotient or zero).times(turn))
             guards = {**(face.guards({}) or {}), "sh": jump}
             for side, value, push in ((2, zero, turn), (3, jump, -turn)):
                 pushes = (constant(face.dimension, push),)

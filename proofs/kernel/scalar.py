@@ -18,12 +18,10 @@ from flint import arb, fmpq, fmpq_poly
 
 from nonsmooth.proofs.checker.cells import Domain, System, pattern
 from nonsmooth.proofs.checker.formulas import SignOf
-from nonsmooth.proofs.checker.lyapunov import ASYMPTOTICALLY_STABLE, STABLE, Statement
+from nonsmooth.proofs.checker.lyapunov import ASYMPTOTICALLY_STABLE, STABLE
 from nonsmooth.proofs.checker.polynomials import Polynomial
-from nonsmooth.proofs.checker.roots import read_subject
-from nonsmooth.proofs.checker.work import BUDGET
-from nonsmooth.proofs.kernel.search import NotShownError, Search
-from nonsmooth.proofs.kernel.subjects import subject_of
+from nonsmooth.proofs.checker.work import BUDGET, RejectedError
+from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.systems.scalar_stability import ScalarResult
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.numbers.number import Number
@@ -35,27 +33,25 @@ Signs: TypeAlias = tuple[int, ...]
 Theorem: TypeAlias = tuple[str, dict[str, Any]]  # its name, and its hypotheses
 
 
-def scalar_entry(result: ScalarResult) -> tuple[dict[str, Any], list[Statement]]:
-    """The evidence of a verdict in one state, and what it shows.
+def scalar_theorem(result: ScalarResult, system: System) -> Theorem:
+    """The theorem that shows a verdict in one state, with its hypotheses.
 
     Args:
-        result: of a check.
+        result: of a check, not undecided.
+        system: of the certificate.
 
     Raises:
-        NotShownError: for an undecided verdict, and where the evidence is not found.
-        NoCertificateError: for a point or an end that no certificate can name.
+        NoCertificateError: for formulas and points that no certificate can hold.
     """
-    if result.verdict is Translation.UNDECIDED:
-        raise NotShownError("required a verdict, received undecided")
     BUDGET.grant(1 << 60)  # formulas are read as the checker reads them; the search has limits of its own
-    system = read_subject(subject_of(result.scene))
-    if result.verdict is Translation.ASYMPTOTICALLY_STABLE:
-        theorem = _attraction(result, system)
-    elif result.verdict is Translation.STABLE:
-        theorem = _rest(system)
-    else:
-        theorem = _departure(system) if result.equilibrium is Equilibrium.FAILS else _escape(system)
-    return Search().entry(system, *theorem)
+    try:
+        if result.verdict is Translation.ASYMPTOTICALLY_STABLE:
+            return _attraction(result, system)
+        if result.verdict is Translation.STABLE:
+            return _rest(system)
+        return _departure(system) if result.equilibrium is Equilibrium.FAILS else _escape(system)
+    except RejectedError as error:
+        raise NoCertificateError(f"a certificate requires {error}") from None
 
 
 # ---- theorems and their functions V ------------------------------------------------------------
@@ -95,13 +91,13 @@ def _escape(system: System) -> Theorem:
     """V is the distance where the fields lead back, and minus the distance where they lead away.
 
     Raises:
-        NotShownError: where fields of one side have different signs.
+        NoCertificateError: where fields of one side have different signs.
     """
     (name,) = system.coordinates
     sides = zip((-1, 1), fields_beside(system), strict=True)
     outward = [{turn * _sign_beside(field, turn) for field in fields} for turn, fields in sides]
     if not (outward[0] | outward[1] <= {-1, 1} and max(map(len, outward)) == 1):
-        raise NotShownError("required fields of one sign on either side, to show instability")
+        raise NoCertificateError("required fields of one sign on either side, to show instability")
     (left,), (right,) = outward
     function = f"-{name}" if left < right else name if left > right else f"-Abs({name})"
     hypotheses = {"function": function, "second": None, "direction": ["1" if right > 0 else "-1"]}

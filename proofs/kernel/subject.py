@@ -15,7 +15,7 @@ class NoCertificateError(ValueError):
 
 
 def about(system: SwitchedSystem) -> dict[str, Any]:
-    """What a certificate is about; where roots of states stand for these, what was stated.
+    """What a certificate is about; where roots of states stand for these, what was stated, and of which states.
 
     Raises:
         NoCertificateError: for a point that no certificate can name.
@@ -25,7 +25,7 @@ def about(system: SwitchedSystem) -> dict[str, Any]:
         names, rooted = system.by_roots.roots.states, system.by_roots.roots.rooted
         stated = [z * abs(z) if name in rooted else z for name, z in zip(names, at, strict=True)]
         rhs = [[one_line(formula) for formula in member] for member in system.written]
-        return {"states": list(names), "rhs": rhs, "at": [exact_text(value) for value in stated]}
+        return {"states": list(names), "rhs": rhs, "at": list(map(exact_text, stated)), "roots": list(rooted)}
     return {
         "states": list(system.states),
         "rhs": [[one_line(side.text) for side in member.rhs] for member in system.members],
