@@ -14,6 +14,7 @@ from collections.abc import Callable
 from typing import Any, TypeAlias
 
 from .cells import System
+from .escape import show_escape
 from .lyapunov import Statement, show_departure, show_instability, show_stability
 from .positivity import Proofs
 from .roots import read_subject
@@ -28,6 +29,7 @@ THEOREMS: dict[str, Theorem] = {
     "lyapunov": show_stability,
     "instability": show_instability,
     "departure": show_departure,
+    "escape": show_escape,
 }
 
 

@@ -1,0 +1,406 @@
+"""Writers of the theorem ``escape``: a solution that leaves inside a cell, or along a face of cells, in any states.
+
+A *motion* is a linear subspace S (the whole space, a switching surface, a line) with a mixture of fields that is
+tangent to it: a polynomial field h in the coordinates of S.  Its first terms at the point propose where a solution
+leaves: along ``h(0)``; along an eigenvector of the linear part, inside a quadratic cone; along a ray that attracts its
+neighbours; or, on a line, to either side.  Floats propose, the theorem's own claims decide.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import combinations
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import solve_continuous_lyapunov
+
+from nonsmooth.proofs.checker.cells import pattern, read_system, solve
+from nonsmooth.proofs.checker.escape import lowest_form_at
+from nonsmooth.proofs.checker.lyapunov import Statement
+from nonsmooth.proofs.checker.polynomials import Polynomial, constant, lie_derivative, variable
+from nonsmooth.proofs.kernel.samples import SampledProofs, values_at
+from nonsmooth.proofs.kernel.search import NotShownError, Search
+from nonsmooth.proofs.kernel.written import as_checked, formula_text
+from nonsmooth.proofs.many_states.sign_cells import SignCell, SignCells, adjoining, build_cells, rational_terms
+from nonsmooth.proofs.systems.system_certificate import about
+from nonsmooth.symbolic.switched_system import SwitchedSystem
+
+Floats: TypeAlias = NDArray[np.float64]
+Field: TypeAlias = tuple[Polynomial, ...]
+Record: TypeAlias = dict[str, Any]
+
+RADII = 6  # half-widths of cubes that are tried, each a quarter of the one before
+WIDTHS = tuple(Fraction(1, 1 << bits) for bits in (1, 3, 5, 7))  # of cones about a direction, over its length
+SHARES = (Fraction(1, 2), Fraction(1, 4), Fraction(3, 4))  # of the first of two right-hand sides
+FINE = 1 << 10  # denominators of what floats propose
+WORK = 4_000  # of the search for simplices, for one claim
+MIDDLE = 3 / 8  # where mu lies between real parts: in the middle itself two eigenvalues of A - mu I may add to zero
+BENDS = (0, 1, 8, 64)  # factors c of barriers: their derivative is at least -c times themselves
+
+
+@dataclass(frozen=True)
+class Weighted:
+    """A field of a cell in a mixture.
+
+    Attributes:
+        cell: with its signs.
+        number: of the right-hand side.
+        field: on the cell.
+        weight: how much of it is taken.
+        toward: a vector that leads into the cell from a surface beside it.
+    """
+
+    cell: SignCell
+    number: int
+    field: Field
+    weight: Polynomial
+    toward: tuple[Fraction, ...]
+
+
+@dataclass(frozen=True)
+class Motion:
+    """A polynomial field on a subspace that the inclusion may follow.
+
+    Attributes:
+        signs: of all surfaces on the subspace, 0 where they vanish on it.
+        along: further linear forms that vanish on it.
+        mixture: the fields with their weights.
+        names: the states that are its coordinates.
+        coordinates: all states as forms in these.
+        field: the rates of its coordinates.
+    """
+
+    signs: str
+    along: tuple[str, ...]
+    mixture: tuple[Weighted, ...]
+    names: tuple[str, ...]
+    coordinates: Field
+    field: Field
+
+    @property
+    def count(self) -> int:
+        """The dimension of the subspace."""
+        return len(self.names)
+
+    def lifted(self, direction: Sequence[Fraction]) -> list[str]:
+        """A vector of the subspace in all states."""
+        forms = self.coordinates
+        return [str(sum((own.slope(k) * x for k, x in enumerate(direction)), Fraction(0))) for own in forms]
+
+
+@dataclass(frozen=True)
+class Region:
+    """Where a solution stays until it leaves: ``p_i > 0`` and ``W > 0``, in the coordinates of a motion.
+
+    Attributes:
+        barriers: each p with its factor lambda.
+        rise: W.
+        direction: a vector in it.
+    """
+
+    barriers: tuple[tuple[Polynomial, Polynomial], ...]
+    rise: Polynomial
+    direction: tuple[Fraction, ...]
+
+
+def show_escape_of(system: SwitchedSystem, search: Search | None = None) -> tuple[Record, list[Statement]]:
+    """Evidence that one solution leaves the checked point.
+
+    Args:
+        system: in any number of states.  Where right-hand sides only enclose the field, one solution says nothing.
+        search: with what was shown before.
+
+    Returns:
+        The entry of a certificate, and what it shows.
+
+    Raises:
+        NotShownError: where none is found.
+        BeyondReachError: for irrational numbers, and for too many surfaces or cells.
+    """
+    if system.waves:
+        raise NotShownError("fields that are only enclosed: one solution of the inclusion says nothing of theirs")
+    subject, search = read_system(about(system)), search or Search(WORK)
+    cells = build_cells(system, system.check.radius)
+    for motion in motions(cells):
+        for region in regions(motion):
+            for k in range(RADII):
+                hypotheses = _hypotheses(cells, motion, region, Fraction(str(cells.radius)) / 4**k)
+                try:
+                    SampledProofs().entry(subject, "escape", hypotheses)
+                    return search.entry(subject, "escape", hypotheses)
+                except NotShownError:
+                    continue
+    raise NotShownError("no solution was found that leaves inside a cell or along a face")
+
+
+def _hypotheses(cells: SignCells, motion: Motion, region: Region, radius: Fraction) -> Record:
+    def written(value: Polynomial) -> str:
+        return formula_text(value, motion.names)
+
+    return {
+        "within": str(radius),
+        "surfaces": list(map(str, cells.surfaces)),
+        "signs": motion.signs,
+        "along": list(motion.along),
+        "mixture": [
+            [pattern(own.cell.signs), own.number, formula_text(own.weight, cells.states), list(map(str, own.toward))]
+            for own in motion.mixture
+        ],
+        "barriers": [[written(barrier), written(factor)] for barrier, factor in region.barriers],
+        "function": written(region.rise),
+        "direction": motion.lifted(region.direction),
+    }
+
+
+# ---- motions: fields on subspaces ----------------------------------------------------------------
+
+
+def motions(cells: SignCells) -> Iterator[Motion]:
+    """Inside open cells, on surfaces between two cells, and on lines inside cells."""
+    near = adjoining(cells)
+    for cell in near:
+        for mixture in _mixtures(cell):
+            yield from _on_subspace(cells, pattern(cell.signs), mixture)
+    for first, second in combinations(near, 2):
+        apart = [j for j, (a, b) in enumerate(zip(first.signs, second.signs, strict=True)) if a != b]
+        if len(apart) == 1:
+            yield from _on_surface(cells, apart[0], first, second)
+    for cell in near:
+        for mixture in _mixtures(cell)[: len(cell.velocities)]:
+            for line in _invariant_lines(mixture[0].field):
+                yield from _on_subspace(cells, pattern(cell.signs), mixture, line)
+
+
+def _fields(cell: SignCell) -> list[Field]:
+    count = len(cell.velocities[0])
+    return [tuple(as_checked(part, count) for part in field) for field in cell.velocities]
+
+
+def _mixtures(cell: SignCell) -> list[list[Weighted]]:
+    """Each field of a cell alone, and pairs of fields."""
+    own = _fields(cell)
+    count = len(own[0])
+    still = (Fraction(0),) * count
+
+    def part(number: int, share: Fraction | int) -> Weighted:
+        return Weighted(cell, number, own[number], constant(count, share), still)
+
+    pairs = [[part(i, share), part(j, 1 - share)] for i, j in combinations(range(len(own)), 2) for share in SHARES]
+    return [[part(number, 1)] for number in range(len(own))] + pairs
+
+
+def _on_surface(cells: SignCells, j: int, first: SignCell, second: SignCell) -> Iterator[Motion]:
+    """Sliding between two cells on a surface through the point: weights that make the normal speeds cancel.
+
+    A field that is tangent to the surface is taken alone too.
+    """
+    count = len(cells.states)
+    surface = as_checked(rational_terms(cells.surfaces[j]), count)
+    if surface.at_origin:
+        return
+    signs = pattern(0 if i == j else sign for i, sign in enumerate(first.signs))
+
+    def part(cell: SignCell, number: int, field: Field, weight: Polynomial) -> Weighted:
+        return Weighted(cell, number, field, weight, tuple(cell.signs[j] * surface.slope(k) for k in range(count)))
+
+    for a, f in enumerate(_fields(first)):
+        yield from _on_subspace(cells, signs, [part(first, a, f, constant(count, 1))])
+        for b, g in enumerate(_fields(second)):
+            own, other = lie_derivative(surface, f), lie_derivative(surface, g)
+            for mixture in ((-other, own), (other, -own)):
+                yield from _on_subspace(cells, signs, [part(first, a, f, mixture[0]), part(second, b, g, mixture[1])])
+
+
+def _on_subspace(
+    cells: SignCells, signs: str, mixture: Sequence[Weighted], along: Sequence[Polynomial] = ()
+) -> Iterator[Motion]:
+    """The motion of a mixture on the subspace where surfaces with the sign 0, and further forms, vanish.
+
+    There is none where the mixture is not tangent to the subspace, or rests on it.
+    """
+    count = len(cells.states)
+    marked = zip(cells.surfaces, signs, strict=True)
+    zero = [as_checked(rational_terms(surface), count) for surface, sign in marked if sign == "0"]
+    flat = [*along, *(own for own in zero if own.degree == 1)]
+    coordinates = solve(flat, count)
+    if coordinates is None or not coordinates[0].count:
+        return
+    dimension = coordinates[0].count
+    field = [constant(count, 0)] * count
+    for own in mixture:
+        field = [part + own.weight * speed for part, speed in zip(field, own.field, strict=True)]
+    if any(lie_derivative(own, field).on(coordinates, dimension) for own in (*flat, *zero)):
+        return
+    free = [coordinates.index(variable(dimension, i)) for i in range(dimension)]
+    names = tuple(cells.states[k] for k in free)
+    rates = tuple(field[k].on(coordinates, dimension) for k in free)
+    if any(rates):
+        texts = tuple(formula_text(form, cells.states) for form in along)
+        yield Motion(signs, texts, tuple(mixture), names, coordinates, rates)
+
+
+def _invariant_lines(field: Field) -> Iterator[tuple[Polynomial, ...]]:
+    """Lines through the point to which a field is tangent, by the forms that vanish on them."""
+    count = len(field)
+    if count < 2 or any(part.at_origin for part in field) or not any(field):
+        return
+    for proposed in _radial_directions(field):
+        top = int(np.argmax(np.abs(proposed)))
+        ratios = [Fraction(float(x / proposed[top])).limit_denominator(FINE) for x in proposed]
+        forms = tuple(variable(count, k) - variable(count, top, ratio) for k, ratio in enumerate(ratios) if k != top)
+        coordinates = solve(forms, count)
+        if coordinates is not None and not any(lie_derivative(own, field).on(coordinates, 1) for own in forms):
+            yield forms
+
+
+def _radial_directions(field: Field) -> Iterator[Floats]:
+    """Directions along which the first terms of a field lead, in floats."""
+    count, degree = len(field), _lowest(field)
+    if degree == 1:
+        values, vectors = np.linalg.eig(_jacobian(field))
+        for k in range(count):
+            if abs(values[k].imag) < 1e-9:
+                yield np.asarray(vectors[:, k].real)
+    elif count == 2:
+        yield from _planar_rays(field, degree)
+
+
+# ---- regions: where a solution of a motion stays -------------------------------------------------
+
+
+def regions(motion: Motion) -> Iterator[Region]:
+    """Proposals by the first terms of a motion."""
+    if motion.count == 1:
+        for side in (1, -1):
+            yield Region((), variable(1, 0, side), (Fraction(side),))
+        return
+    degree = _lowest(motion.field)
+    if degree == 0:
+        velocity = [part.at_origin for part in motion.field]
+        for width in WIDTHS:
+            yield narrow_cone(velocity, width, constant(motion.count, 0))
+    elif degree == 1:
+        yield from _by_linear_part(motion)
+    elif motion.count == 2:
+        for ray in _planar_rays(motion.field, degree):
+            yield from _about_ray(ray, degree)
+
+
+def narrow_cone(velocity: Sequence[Fraction], width: Fraction, factor: Polynomial) -> Region:
+    """``|x_i - (v_i/v_k) x_k| < width s x_k`` with the largest entry ``v_k`` of a vector and its sign s."""
+    count = len(velocity)
+    k = max(range(count), key=lambda i: abs(velocity[i]))
+    ahead = variable(count, k, 1 if velocity[k] > 0 else -1)
+    barriers = []
+    for i in range(count):
+        if i != k:
+            beside = variable(count, i) - variable(count, k, velocity[i] / velocity[k])
+            barriers += [(ahead.times(width) + beside, factor), (ahead.times(width) - beside, factor)]
+    return Region(tuple(barriers), ahead, tuple(velocity))
+
+
+def _about_ray(ray: Floats, degree: int) -> Iterator[Region]:
+    """Narrow cones about a ray that attracts its neighbours."""
+    vector = rounded(ray)
+    top = max(range(2), key=lambda i: abs(vector[i]))
+    ahead = variable(2, top, 1 if vector[top] > 0 else -1)
+    for width in WIDTHS:
+        for bend in BENDS:
+            yield narrow_cone(vector, width, ahead.power(degree - 1).times(-bend))
+
+
+def _by_linear_part(motion: Motion) -> Iterator[Region]:
+    """Quadratic cones ``p = -x^T P x > 0`` with ``(A - mu I)^T P + P (A - mu I) = -R``: ``p' = 2 mu p + x^T R x``.
+
+    Of mu between real parts of eigenvalues; where one real eigenvalue alone is larger, with the eigenvector v and the
+    left eigenvector l, the cone has two parts, divided by ``l . x = 0``, and R may make it narrow.
+    """
+    matrix = _jacobian(motion.field)
+    values, vectors = np.linalg.eig(matrix)
+    parts = sorted({round(float(value.real), 9) for value in values}, reverse=True)
+    for above, below in zip(parts, [*parts[1:], min(parts[-1], 0.0) - 1], strict=True):
+        if above <= 1e-9:
+            return
+        yield from _chetaev(matrix, max(below, 0.0) + MIDDLE * (above - max(below, 0.0)))
+        right = [k for k, value in enumerate(values) if value.real > (above + below) / 2]
+        if len(right) == 1:
+            lead = np.linalg.inv(vectors)[right[0]].real
+            yield from _half_cones(matrix, below + MIDDLE * (above - below), vectors[:, right[0]].real, lead)
+
+
+def _chetaev(matrix: Floats, mu: float) -> Iterator[Region]:
+    """``W = -x^T P x`` alone, which rises where it is positive."""
+    found = solve_continuous_lyapunov((matrix - mu * np.eye(len(matrix))).T, -np.eye(len(matrix)))
+    quadratic = _rounded_form(-found)
+    vector = np.linalg.eigh(-(found + found.T))[1][:, -1]
+    direction = rounded(vector)
+    if lowest_form_at(quadratic, direction) > 0:
+        yield Region((), quadratic, direction)
+
+
+def _half_cones(matrix: Floats, mu: float, vector: Floats, lead: Floats) -> Iterator[Region]:
+    """Both parts of cones about an eigenvector, wide and narrow."""
+    size = len(matrix)
+    lead = lead / float(lead @ vector)
+    beside = np.eye(size) - np.outer(vector, lead)
+    for width in (Fraction(1), *WIDTHS):
+        weight = beside.T @ beside + float(width) ** 2 * np.outer(lead, lead)
+        found = solve_continuous_lyapunov((matrix - mu * np.eye(size)).T, -weight)
+        barrier = _rounded_form(-found)
+        factor = constant(size, Fraction(2 * mu).limit_denominator(FINE))
+        for side in (1, -1):
+            rise = sum((variable(size, k, x) for k, x in enumerate(rounded(side * lead))), constant(size, 0))
+            direction = rounded(side * vector)
+            if lowest_form_at(barrier, direction) > 0:
+                yield Region(((barrier, factor),), rise, direction)
+
+
+def _rounded_form(matrix: Floats) -> Polynomial:
+    """``x^T M x`` with rational coefficients."""
+    size = len(matrix)
+    scaled = (matrix + matrix.T) / np.abs(matrix).max() / 2
+    total = constant(size, 0)
+    for i in range(size):
+        for j in range(size):
+            value = Fraction(float(scaled[i, j])).limit_denominator(FINE)
+            total += variable(size, i) * variable(size, j, value)
+    return total
+
+
+def rounded(vector: Floats) -> tuple[Fraction, ...]:
+    """A vector in short fractions, its largest entry one."""
+    scale = float(np.abs(vector).max())
+    return tuple(Fraction(float(x) / scale).limit_denominator(FINE) for x in vector)
+
+
+def _lowest(field: Field) -> int:
+    """The lowest degree of the terms of a field."""
+    return min(sum(e) for part in field for e in part.terms)
+
+
+def _jacobian(field: Field) -> Floats:
+    return np.array([[float(part.slope(k)) for k in range(len(field))] for part in field])
+
+
+def _planar_rays(field: Field, degree: int) -> Iterator[Floats]:
+    """Directions in the plane in which the first terms of a field lead outward, those that attract first."""
+    first = [{e: c for e, c in part.terms.items() if sum(e) == degree} for part in field]
+    f, g = (Polynomial(2, terms) for terms in first)
+    x, y = variable(2, 0), variable(2, 1)
+    across = x * g - y * f
+    along = [float(across.terms.get((degree + 1 - k, k), 0)) for k in range(degree, -2, -1)]
+    slopes = [root.real for root in np.roots(along) if abs(root.imag) < 1e-9] if any(along) else []
+    found = [np.array([1.0, slope]) for slope in slopes]
+    if not along[0]:
+        found.append(np.array([0.0, 1.0]))
+    for ray in (side * own for own in found for side in (1, -1)):
+        if _at(f, ray) * ray[0] + _at(g, ray) * ray[1] > 0:
+            yield ray
+
+
+def _at(value: Polynomial, place: Floats) -> float:
+    return float(values_at(value, place[None, :])[0][0])
