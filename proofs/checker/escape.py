@@ -98,8 +98,7 @@ class Escape:
         cell, rhs, weight, toward = items(entry, 4)
         signs = read_all_signs(cell, len(self.signs), "-+")
         require(all(a == b for a, b in zip(signs, self.signs, strict=True) if b), "cells beside the subspace")
-        side = self.system.rhs[whole(rhs, len(self.system.rhs) - 1)]
-        formulas = [Formula(own, self.domain.place) for own in side]
+        formulas = self.system.fields(self.domain.place)[whole(rhs, len(self.system.rhs) - 1)]
         field = tuple(own.on(lambda value: self.surfaces.sign_on(signs, value)) for own in formulas)
         vector = tuple(constant(self.count, rational(value)) for value in items(toward, self.count))
         return Weighted(signs, field, self._polynomial(weight), vector)

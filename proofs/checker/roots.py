@@ -11,7 +11,8 @@ the times at which a solution has such a root are isolated until it meets the po
 continuous along the solution, and what falls between these times falls over them.  A solution cannot leave the point
 while a function that is zero there alone does not rise.  So stability, instability and starts that reach the point are
 the same for states and roots, and limit sets are those of the states' inclusion.  Rates are not: they are in another
-time.
+time.  One solution that leaves where no root is zero (:mod:`.escape`) needs no crossing: the factors ask the sign of
+every root, so it is that of a surface, and on a subspace where it is zero they make the field zero.
 """
 
 from __future__ import annotations

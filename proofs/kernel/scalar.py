@@ -49,7 +49,7 @@ def scalar_theorem(result: ScalarResult, system: System) -> Theorem:
             return _attraction(result, system)
         if result.verdict is Translation.STABLE:
             return _rest(system)
-        return _departure(system) if result.equilibrium is Equilibrium.FAILS else _escape(system)
+        return _departure(system) if result.equilibrium is Equilibrium.FAILS else _leaving(system)
     except RejectedError as error:
         raise NoCertificateError(f"a certificate requires {error}") from None
 
@@ -87,21 +87,28 @@ def _departure(system: System) -> Theorem:
     return "departure", {"cells": cells, "direction": ["1" if upward else "-1"]}
 
 
-def _escape(system: System) -> Theorem:
-    """V is the distance where the fields lead back, and minus the distance where they lead away.
+def _leaving(system: System) -> Theorem:
+    """Every solution that starts on one side leaves, or one solution does.
 
-    Raises:
-        NoCertificateError: where fields of one side have different signs.
+    Where all fields of each side have one sign, V is the distance on a side where they lead back, and minus it where
+    they lead away: that holds for all that several right-hand sides may enclose.  Else one of them is followed.
     """
     (name,) = system.coordinates
-    sides = zip((-1, 1), fields_beside(system), strict=True)
-    outward = [{turn * _sign_beside(field, turn) for field in fields} for turn, fields in sides]
-    if not (outward[0] | outward[1] <= {-1, 1} and max(map(len, outward)) == 1):
-        raise NoCertificateError("required fields of one sign on either side, to show instability")
-    (left,), (right,) = outward
-    function = f"-{name}" if left < right else name if left > right else f"-Abs({name})"
-    hypotheses = {"function": function, "second": None, "direction": ["1" if right > 0 else "-1"]}
-    return "instability", {"cells": stated_intervals(system, clear_radius(system)), **hypotheses}
+    radius = clear_radius(system)
+    cells = stated_intervals(system, radius)
+    left, right = (
+        [turn * _sign_beside(field, turn) for field in fields]
+        for turn, fields in zip((-1, 1), fields_beside(system), strict=True)
+    )
+    turn, outward = (1, right) if max(right) > 0 else (-1, left)
+    if abs(sum(left)) == len(left) and abs(sum(right)) == len(right):
+        function = f"-{name}" if sum(left) < sum(right) else name if sum(left) > sum(right) else f"-Abs({name})"
+        return "instability", {"cells": cells, "function": function, "second": None, "direction": [str(turn)]}
+    signs = pattern(_sign(surface, turn * radius / 2) for surface in build_intervals(system, radius).surfaces)
+    field = [signs, outward.index(1), "1", [str(turn)]]
+    start = {"within": str(radius), "surfaces": cells["surfaces"], "signs": signs, "direction": [str(turn)]}
+    rising = name if turn > 0 else f"-{name}"
+    return "escape", {**start, "along": [], "mixture": [field], "barriers": [], "function": rising}
 
 
 def within(reach: Number | Fraction) -> Fraction:
