@@ -98,8 +98,11 @@ class Escape:
         cell, rhs, weight, toward = items(entry, 4)
         signs = read_all_signs(cell, len(self.signs), "-+")
         require(all(a == b for a, b in zip(signs, self.signs, strict=True) if b), "cells beside the subspace")
-        formulas = self.system.fields(self.domain.place)[whole(rhs, len(self.system.rhs) - 1)]
-        field = tuple(own.on(lambda value: self.surfaces.sign_on(signs, value)) for own in formulas)
+        fields = [  # all of them are read, so that a system with one that is no formula is refused
+            tuple(own.on(lambda value: self.surfaces.sign_on(signs, value)) for own in side)
+            for side in self.system.fields(self.domain.place)
+        ]
+        field = fields[whole(rhs, len(fields) - 1)]
         vector = tuple(constant(self.count, rational(value)) for value in items(toward, self.count))
         return Weighted(signs, field, self._polynomial(weight), vector)
 

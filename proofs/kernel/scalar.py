@@ -105,7 +105,7 @@ def _leaving(system: System) -> Theorem:
         function = f"-{name}" if sum(left) < sum(right) else name if sum(left) > sum(right) else f"-Abs({name})"
         return "instability", {"cells": cells, "function": function, "second": None, "direction": [str(turn)]}
     signs = pattern(_sign(surface, turn * radius / 2) for surface in build_intervals(system, radius).surfaces)
-    field = [signs, outward.index(1), "1", [str(turn)]]
+    field = [signs, outward.index(max(outward)), "1", [str(turn)]]
     start = {"within": str(radius), "surfaces": cells["surfaces"], "signs": signs, "direction": [str(turn)]}
     rising = name if turn > 0 else f"-{name}"
     return "escape", {**start, "along": [], "mixture": [field], "barriers": [], "function": rising}
