@@ -167,7 +167,6 @@ FEW = {
     "proofs/test_plain_ties.py::test_equilibria_of_tied_systems": 1,
     "proofs/test_plain_ties.py::test_verdicts_on_tied_systems": 1,
     "proofs/test_roller.py::test_speeds_impose_their_twists": 1,
-    "proofs/test_root_certificate.py::test_super_twisting_and_its_kin_are_certified": 2,
     "proofs/test_rotation.py::test_drift_of_rings_is_the_closed_form": 3,
     "proofs/test_square_roots.py::test_known_systems_agree_with_their_polygons": 3,
     "proofs/test_square_roots.py::test_random_gains_agree_with_eigenvalues": 1,

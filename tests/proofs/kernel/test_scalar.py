@@ -188,9 +188,9 @@ def test_false_claims_have_no_certificate(name: str) -> None:
 
 
 def forged(result: ScalarResult, verdict: Translation, interval: tuple[str, str] | None) -> ScalarResult:
-    left, right = map(Fraction, interval or ("1", "1"))
-    sides = {"left": replace(result.left, reach=left), "right": replace(result.right, reach=right)}
-    return replace(result, verdict=verdict, equilibrium=Equilibrium.HOLDS, **sides)
+    ends = map(Fraction, interval or ("1", "1"))
+    left, right = (replace(side, reach=end) for side, end in zip((result.left, result.right), ends, strict=True))
+    return replace(result, verdict=verdict, equilibrium=Equilibrium.HOLDS, left=left, right=right)
 
 
 # ---- mutations -----------------------------------------------------------------------------------
