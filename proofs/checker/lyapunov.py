@@ -70,11 +70,8 @@ class Lyapunov:
             guards = self._guards(whole(self.inclusion), signs, cell) or {}
             self._show_on_cell(f"V {name}", self.potential(cell), guards, strict=True)
 
-    def show_falls(self, prefix: str, shift: Shift, *, strict: bool, between: bool = False) -> None:
-        """``V' + shift < 0`` off the point, or ``<= 0``: on closed cells and on all faces on which V bends.
-
-        With ``between``, the gradients ``grad P + mu grad g`` on faces lie between those of V on both sides.
-        """
+    def show_falls(self, prefix: str, shift: Shift, *, strict: bool) -> None:
+        """``V' + shift < 0`` off the point, or ``<= 0``: on closed cells and on all faces on which V bends."""
         space = whole(self.inclusion)
         for cell in self.inclusion.cells:
             guards = self._guards(space, dict(enumerate(cell.signs)), cell) or {}
@@ -85,8 +82,7 @@ class Lyapunov:
         for face in self.inclusion.faces():
             for name, cells in self._groups(face):
                 if not _is_settled(face, cells):
-                    more = self._between(face, cells) if between else []
-                    self._show_falls_on(face, name, cells, prefix, shift, more, strict=strict)
+                    self._show_falls_on(face, name, cells, prefix, shift, strict=strict)
 
     def _show_on_cell(self, name: str, value: Polynomial, guards: dict[str, Polynomial], *, strict: bool) -> None:
         inside = Inequality(value, guards, open=frozenset(guards))
@@ -120,19 +116,11 @@ class Lyapunov:
             yield name, cells
 
     def _show_falls_on(
-        self,
-        face: Face,
-        name: str,
-        cells: Sequence[Cell],
-        prefix: str,
-        shift: Shift,
-        more: Sequence[Inequality],
-        *,
-        strict: bool,
+        self, face: Face, name: str, cells: Sequence[Cell], prefix: str, shift: Shift, *, strict: bool
     ) -> None:
         """``(grad P + sum_j mu_j grad g_j) . f + shift < 0`` on a face, for each field f beside it."""
         first, surfaces = cells[0], self.inclusion.surfaces.listed
-        inequalities = list(more)
+        inequalities = []
         for cell in cells:
             others = {j: s for j, s in enumerate(cell.signs) if j not in face.zero}
             guards = self._guards(face, others, first)
@@ -149,27 +137,14 @@ class Lyapunov:
                 Claim(f"{prefix}face {name}", tuple(inequalities), strict, away, self.bounded, self.border)
             )
 
-    def _between(self, face: Face, cells: Sequence[Cell]) -> list[Inequality]:
-        """``grad P + mu grad g`` is a mixture of the gradients of V on both sides of the one surface g of a face.
-
-        These are ``grad P`` and ``grad P + h grad g``, so ``0 <= mu <= h`` where h is positive, and reversed.
-        """
-        require(len(face.zero) == 1, "surfaces on which V bends that meet at the point alone")
-        first = cells[0].functions[0]
-        second = next((cell.functions[0] for cell in cells if cell.functions[0] != first), first)
-        quotient = (second - first).divided(self.inclusion.surfaces.listed[face.zero[0]])
-        require(quotient is not None, "functions that are continuous")
-        zero, found = constant(face.dimension, 0), []
-        for turn in (1, -1):
-            jump = face.restricted((quotient or zero).times(turn))
-            guards = {**(face.guards({}) or {}), "sh": jump}
-            for side, value, push in ((2, zero, turn), (3, jump, -turn)):
-                pushes = (constant(face.dimension, push),)
-                found.append(Inequality(value, guards, pushes, face.zeros(), (side * turn,)))
-        return found
-
     def show_gradient(self, bound: Fraction) -> None:
-        """``|grad V| <= bound`` on every closed cell, both in units of the half-width of the cube."""
+        """``|grad V| <= bound`` on every closed cell, and V bends on at most one surface at a time off the point.
+
+        The gradient and the bound are in units of the half-width of the cube.
+        """
+        for face in self.inclusion.faces():
+            single = len(face.zero) == 1 or all(_is_settled(face, cells) for _, cells in self._groups(face))
+            require(single, "surfaces on which V bends that meet at the point alone")
         for name, signs, potential in self.inclusion.pieces():
             guards = self._guards(whole(self.inclusion), signs, potential) or {}
             square = lie_derivative(potential, [potential.derivative(k) for k in range(self.count)])
@@ -309,8 +284,10 @@ def show_rate(own: Lyapunov, rate: Any, gain: Any = None) -> None:
     """``V' <= -kappa V`` (exponential) or ``V' <= -kappa`` (finite) off the point, on the domain; less ``gain |d|``.
 
     The derivative is taken here in units of the half-width of the cube.  Let ``x' = v + d`` with v in F(x).  At almost
-    all times V has the derivative ``q . (v + d)`` for all vectors ``q = grad P + mu grad g`` of a face.  With one that
-    is a mixture of gradients of V, ``q . v`` is at most that of the rate, and ``q . d`` at most ``gain |d|``.
+    all times at which V bends on one surface g it has the derivative ``q . (v + d)`` for every
+    ``q = grad P + mu grad g``.  Each field f beside the face allows an interval of mu for which ``q . f`` is at most
+    that of the rate.  These intervals have a point in common, and each holds an end of the interval of the gradients
+    between those of V on both sides; so all have a common point (Helly), and there ``q . d`` is at most ``gain |d|``.
     """
     kind, kappa = take(rate, "kind kappa")
     speed = rational(kappa) * own.inclusion.domain.radius
@@ -320,7 +297,7 @@ def show_rate(own: Lyapunov, rate: Any, gain: Any = None) -> None:
     def shift(cell: Cell) -> Polynomial:
         return whole_rate if kind == "finite" else whole_rate * own.potential(cell)
 
-    own.show_falls("rate ", shift, strict=False, between=gain is not None)
+    own.show_falls("rate ", shift, strict=False)
     if gain is not None:
         require(rational(gain) > 0, "a positive gain")
         own.show_gradient(rational(gain) * own.inclusion.domain.radius)
