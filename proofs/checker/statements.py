@@ -109,7 +109,7 @@ def _equilibrium(said: bool, system: System) -> str:
 def _attracts(said: Any, system: System) -> str:
     if said == "everywhere":
         return "every solution reaches the point"
-    return f"every start with V < {said['below']} within {_cube(said, system)} reaches the point, {_function(said)}"
+    return f"every start with V < {said['below']} within {_cube(said, system)} reaches the point, {_function(said, system)}"
 
 
 def _rate(said: Any, system: System) -> str:
@@ -117,7 +117,7 @@ def _rate(said: Any, system: System) -> str:
     where = "the whole space" if said["within"] is None else _cube(said, system)
     below = f" where V < {said['below']}" if "below" in said else ""
     rise = f" + {said['gamma']} |d|" if "gamma" in said else ""
-    return f"V' <= -{fall}{rise} on {where}{below}, {_function(said)}"
+    return f"V' <= -{fall}{rise} on {where}{below}, {_function(said, system)}"
 
 
 def _gain(said: Any, system: System) -> str:
@@ -129,9 +129,10 @@ def _cube(said: Any, system: System) -> str:
     return f"{', '.join(f'abs({own})' for own in away)} <= {said['within']}"
 
 
-def _function(said: Any) -> str:
+def _function(said: Any, system: System) -> str:
     own = said["function"]
-    return f"V = {own}" if type(own) is str else f"V in {len(own)} pieces"
+    words = f"V = {own}" if type(own) is str else f"V in {len(own)} pieces"
+    return f"{words} of the displacement" if any(system.origin) else words
 
 
 _DESCRIBED: dict[str, Callable[[Any, System], str]] = {
