@@ -304,15 +304,16 @@ def show_rate(own: Lyapunov, rate: Any, gain: Any = None) -> None:
 
 
 def show_instability(system: System, hypotheses: Any, proofs: Proofs) -> list[Statement]:
-    """V falls off the point, and is negative at all small distances in one direction, inside a cell.
+    """V falls where it is not positive, and is negative at all small distances in one direction, inside a cell.
 
-    From there V falls, so the solution stays away from the point, where V is zero; away from it V falls at a speed that
-    is bounded from below, and is bounded on the cube: the solution leaves it.  A V that does not rise is enough where a
+    From there V falls, so it stays negative and the solution away from the point, where V is zero; away from it V falls
+    at a speed that is bounded from below, and is bounded on the cube: the solution leaves it.  A V that does not rise is enough where a
     second function W shows that no solution stays where ``V' = 0``.
     """
     cells, function, second, direction = take(hypotheses, "cells function second direction")
     own = Lyapunov(system, cells, function, second, proofs)
     require(own.bounded, "a cube")
+    own.below = Fraction(0)
     own.show_zero()
     own.show_falls("", own.zero, strict=not own.has_second)
     if own.has_second:

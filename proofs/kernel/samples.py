@@ -34,9 +34,9 @@ class SampledProofs(Search):
         self.used.append(claim.name)
 
 
-def sample_points(count: int, *, bounded: bool) -> Floats:
+def sample_points(count: int, *, bounded: bool, seed: int = 0) -> Floats:
     """Random points of the cube, as many near the origin as far from it, and points of its diagonals and axes."""
-    source = np.random.default_rng(count)
+    source = np.random.default_rng((count, seed))
     points = source.uniform(-1, 1, (POINTS, count)) * np.exp(-source.exponential(SHRINK, (POINTS, 1)))
     points[: POINTS // 2] = np.sign(points[: POINTS // 2]) * np.exp(-source.exponential(SHRINK, (POINTS // 2, count)))
     return points

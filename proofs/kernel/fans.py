@@ -1,0 +1,262 @@
+"""Piecewise linear functions V of two states by their values on rays, where the first terms of the fields decide.
+
+Lines through the point, among them the tangents of all switching curves, cut the plane into cones; V is linear on each,
+so it is given by its values on the rays.  That it falls along the first terms f of the fields is linear in these values:
+``grad V . f(u) < 0`` at directions u of each closed cone, and ``rho V(r) < 0`` on each ray r along which a mixture of
+fields from both sides has the radial velocity ``rho r``.  A linear program in floats proposes the values; terms of
+higher order change little on a small cube, on which the theorem's own claims decide.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any, TypeAlias
+
+import numpy as np
+from scipy.optimize import linprog
+
+from nonsmooth.proofs.checker.cells import Cell, Inclusion, System, read_system
+from nonsmooth.proofs.checker.lyapunov import ASYMPTOTICALLY_STABLE, UNSTABLE, Statement
+from nonsmooth.proofs.checker.polynomials import Polynomial
+from nonsmooth.proofs.kernel.curved_cells import sharpened
+from nonsmooth.proofs.kernel.samples import Floats, SampledProofs, values_at
+from nonsmooth.proofs.kernel.search import NotShownError, Search
+from nonsmooth.proofs.kernel.stated_cells import StatedCells, scaled, stated_cells
+from nonsmooth.proofs.systems.system_certificate import about
+from nonsmooth.proofs.systems.tangent_fan import form_lines, lowest_form
+from nonsmooth.symbolic.numbers.polynomial import Polynomial as Form
+from nonsmooth.symbolic.switched_system import SwitchedSystem
+
+Record: TypeAlias = dict[str, Any]
+Ray: TypeAlias = tuple[Fraction, Fraction]
+
+RADII = tuple(Fraction(1, 4**k) for k in range(1, 7))  # half-widths of cubes, over that of the scene
+MOST_LINES = 12
+DENOMINATORS = (1 << 4, 1 << 8, 1 << 14)  # of the values on the rays, tried in turn
+PLACES = (0.0, 0.25, 0.5, 0.75, 1.0)  # of the directions of a cone at which V is asked to fall
+LEAST = 1e-7  # by which it falls in floats, over the speed
+
+
+@dataclass(frozen=True)
+class Cone:
+    """A cone between two rays, with what acts there.
+
+    Attributes:
+        start: its first ray, counterclockwise.
+        end: its last ray.
+        cells: those that lie in it.
+    """
+
+    start: Ray
+    end: Ray
+    cells: tuple[Cell, ...]
+
+
+def show_by_fan(system: SwitchedSystem, verdict: str, search: Search | None = None) -> tuple[Record, list[Statement]]:
+    """Evidence of a verdict by a piecewise linear V.
+
+    Args:
+        system: in two states.
+        verdict: of the checked point.
+        search: with what was shown before.
+
+    Returns:
+        The entry of a certificate, and what it shows.
+
+    Raises:
+        NotShownError: where none is found.
+        BeyondReachError: for irrational numbers, and for too many surfaces or cells.
+    """
+    subject, search = read_system(about(system)), search or Search()
+    for lines in _line_sets(system):
+        for share in RADII:
+            stated = stated_cells(system, system.check.radius * share, lines)
+            stated = sharpened(stated, subject, search)
+            cones = build_cones(Inclusion(subject, stated.record, [], search))
+            values = falling_values(cones, verdict)
+            for denominator in DENOMINATORS if values is not None else ():
+                short = [Fraction(float(value)).limit_denominator(denominator) for value in values]
+                try:
+                    theorem, hypotheses = _written(stated, cones, short, verdict, system)
+                    SampledProofs().entry(subject, theorem, hypotheses)
+                    return search.entry(subject, theorem, hypotheses)
+                except NotShownError:
+                    continue
+    raise NotShownError("no piecewise linear function was found that shows it")
+
+
+# ---- lines and cones -----------------------------------------------------------------------------
+
+
+def _line_sets(system: SwitchedSystem) -> Iterator[list[Form]]:
+    """The tangents of all switching curves at the point, then with lines inside wide cones, closer and closer."""
+    x, y = system.displaced(system.states)
+    x, y = (own - centre for own, centre in zip((x, y), system.check.equilibrium, strict=True))
+    lines: list[Form] = []
+    for surface in system.surfaces(system.displaced(system.states)):
+        if surface.degree and (0, 0) not in surface.terms:
+            tangents = form_lines(lowest_form(surface))
+            if tangents is None:
+                raise NotShownError("a switching curve has a tangent without a rational name")
+            lines += [own for own in tangents if scaled(own) not in map(scaled, lines)]
+    directions = sorted({_direction(line) for line in lines}, key=_angle)
+    if len(directions) < 2:
+        directions = sorted({(Fraction(1), Fraction(0)), (Fraction(0), Fraction(1)), *directions}, key=_angle)
+    while len(directions) <= MOST_LINES:
+        yield [y * d[0] - x * d[1] for d in directions]
+        directions = sorted({*directions, *_between(directions)}, key=_angle)
+
+
+def _direction(line: Form) -> Ray:
+    """A vector along a line in the upper half plane, with short entries."""
+    a, b = (Fraction(str(line.terms.get(e, 0))) for e in ((1, 0), (0, 1)))
+    return _upper((b, -a))
+
+
+def _upper(vector: Ray) -> Ray:
+    size = max(abs(vector[0]), abs(vector[1]))
+    sign = 1 if (vector[1], vector[0]) > (0, 0) else -1
+    return vector[0] / size * sign, vector[1] / size * sign
+
+
+def _angle(ray: Ray) -> float:
+    return float(np.arctan2(float(ray[1]), float(ray[0])))
+
+
+def _between(directions: Sequence[Ray]) -> Iterator[Ray]:
+    """A short direction near the middle between each two neighbours."""
+    turned = [*directions[1:], (-directions[0][0], -directions[0][1])]
+    for (a, b), (c, d) in zip(directions, turned, strict=True):
+        p, q = np.hypot(float(a), float(b)), np.hypot(float(c), float(d))
+        middle = (float(a) / p + float(c) / q, float(b) / p + float(d) / q)
+        short = [Fraction(part / max(map(abs, middle))).limit_denominator(16) for part in middle]
+        yield _upper((short[0], short[1]))
+
+
+def build_cones(inclusion: Inclusion) -> list[Cone]:
+    """The cones between the lines through the point among the surfaces, counterclockwise, with the cells in each."""
+    listed = inclusion.surfaces.listed
+    lines = [j for j, own in enumerate(listed) if own.degree == 1 and not own.at_origin]
+    upper = {_upper((listed[j].slope(1), -listed[j].slope(0))) for j in lines}
+    rays = sorted({*upper, *((-a, -b) for a, b in upper)}, key=_angle)
+    cones = []
+    for start, end in zip(rays, [*rays[1:], rays[0]], strict=True):
+        inner = start[0] + end[0], start[1] + end[1]
+        signs = {j: listed[j].slope(0) * inner[0] + listed[j].slope(1) * inner[1] > 0 for j in lines}
+        cells = tuple(c for c in inclusion.cells if all((c.signs[j] > 0) == own for j, own in signs.items()))
+        cones.append(Cone(start, end, cells))
+    return cones
+
+
+# ---- the linear program --------------------------------------------------------------------------
+
+
+def falling_values(cones: Sequence[Cone], verdict: str) -> Floats | None:
+    """Values of V on the first rays of all cones, with which V falls as fast as it can; None where it does not.
+
+    For a stable point that need not attract V does not rise, and for an unstable one it is negative on some ray.
+    """
+    degree = min((sum(e) for cone in cones for c in cone.cells for _, f in c.fields for p in f for e in p.terms))
+    rows = [*_rows_of_cones(cones, degree), *_rows_of_rays(cones, degree)]
+    count = len(cones)
+    speeds = np.array([speed for _, speed in rows])
+    slopes = np.array([row for row, _ in rows])
+    if verdict == "stable":
+        # The least value is as large as it can be.
+        above, bounds = np.zeros(len(rows)), [(0.0, 1.0)] * (count + 1)
+    else:
+        above, bounds = speeds, [(-1.0, 1.0)] * count + [(0.0, 1.0)]
+    table = np.column_stack([slopes, above])
+    if verdict != UNSTABLE:
+        table = np.vstack([table, np.column_stack([-np.eye(count), np.ones(count)])])
+    found = linprog(np.append(np.zeros(count), -1.0), A_ub=table, b_ub=np.zeros(len(table)), bounds=bounds)
+    if not found.success or found.x[-1] < LEAST or (verdict == UNSTABLE and found.x[:-1].min() >= 0):
+        return None
+    values = np.asarray(found.x[:-1])
+    return values / np.abs(values).max()
+
+
+def _rows_of_cones(cones: Sequence[Cone], degree: int) -> Iterator[tuple[Floats, float]]:
+    """``grad V . f(u)`` as a linear function of the values, with the speed ``abs(f(u))``."""
+    count = len(cones)
+    for k, cone in enumerate(cones):
+        start, end = _floats(cone.start), _floats(cone.end)
+        inverse = np.linalg.inv(np.stack([start, end]))  # of (V(start), V(end)) = rays . grad V
+        for place in PLACES:
+            direction = (1 - place) * start + place * end
+            for velocity in _velocities(cone.cells, degree, direction):
+                row = np.zeros(count)
+                row[[k, (k + 1) % count]] = velocity @ inverse
+                yield row, float(np.linalg.norm(velocity))
+
+
+def _rows_of_rays(cones: Sequence[Cone], degree: int) -> Iterator[tuple[Floats, float]]:
+    """``rho V(r)`` for the mixtures of velocities on both sides of a ray r that are radial there."""
+    for k, cone in enumerate(cones):
+        ray = _floats(cone.start)
+        normal = np.array([-ray[1], ray[0]])
+        for f in _velocities(cones[k - 1].cells, degree, ray):
+            for g in _velocities(cone.cells, degree, ray):
+                a, b = float(normal @ f), float(normal @ g)
+                if a * b < 0:
+                    mixed = (abs(b) * f + abs(a) * g) / (abs(a) + abs(b))
+                    row = np.zeros(len(cones))
+                    row[k] = float(mixed @ ray) / float(ray @ ray)
+                    yield row, float(np.linalg.norm(mixed))
+
+
+def _velocities(cells: Sequence[Cell], degree: int, place: Floats) -> list[Floats]:
+    """The first terms of all fields of some cells at a direction."""
+    found = []
+    for cell in cells:
+        for _, field in cell.fields:
+            first = [Polynomial(2, {e: c for e, c in p.terms.items() if sum(e) == degree}) for p in field]
+            found.append(np.array([float(values_at(own, place[None, :])[0][0]) for own in first]))
+    return found
+
+
+def _floats(ray: Ray) -> Floats:
+    return np.array([float(ray[0]), float(ray[1])])
+
+
+# ---- the theorem ---------------------------------------------------------------------------------
+
+
+def _written(
+    stated: StatedCells, cones: Sequence[Cone], values: Sequence[Fraction], verdict: str, system: SwitchedSystem
+) -> tuple[str, Record]:
+    """The theorem's name, and its hypotheses with V as linear pieces."""
+    x, y = system.displaced(system.states)
+    x, y = (own - centre for own, centre in zip((x, y), system.check.equilibrium, strict=True))
+    pieces = []
+    for cone, value, after in zip(cones, values, [*values[1:], values[0]], strict=True):
+        first, last = (y * ray[0] - x * ray[1] for ray in (cone.start, cone.end))
+        slopes = _gradient(cone, value, after)
+        formula = " + ".join(f"{slope}*{name}" for slope, name in zip(slopes, system.states, strict=True))
+        pieces.append([stated.signs([(first, 1), (last, -1)]), formula])
+    common = {"cells": stated.record, "function": pieces, "second": None}
+    if verdict != UNSTABLE:
+        more = {"verdict": verdict, "everywhere": False, "level": None, "below": False, "rate": None}
+        return "lyapunov", {**common, **more}
+    return "instability", {**common, "direction": list(map(str, _downward(cones, values)))}
+
+
+def _gradient(cone: Cone, value: Fraction, after: Fraction) -> Ray:
+    """The gradient of the linear function with given values on both rays of a cone."""
+    (a, b), (c, d) = cone.start, cone.end
+    area = a * d - b * c
+    return (value * d - after * b) / area, (after * a - value * c) / area
+
+
+def _downward(cones: Sequence[Cone], values: Sequence[Fraction]) -> Ray:
+    """A direction inside the cone after the lowest ray, near the ray."""
+    k = min(range(len(values)), key=lambda i: values[i])
+    after, weight = values[(k + 1) % len(values)], 1
+    if values[k] >= 0:
+        raise NotShownError("a V that is negative on a ray")
+    while values[k] * weight + after >= 0:
+        weight *= 2
+    start, end = cones[k].start, cones[k].end
+    return start[0] * weight + end[0], start[1] * weight + end[1]
