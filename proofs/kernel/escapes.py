@@ -20,7 +20,7 @@ from scipy.linalg import solve_continuous_lyapunov
 
 from nonsmooth.proofs.checker.cells import pattern, read_system, solve
 from nonsmooth.proofs.checker.escape import lowest_form_at
-from nonsmooth.proofs.checker.lyapunov import Statement
+from nonsmooth.proofs.checker.lyapunov import Statement, sign_along
 from nonsmooth.proofs.checker.polynomials import Polynomial, constant, lie_derivative, variable
 from nonsmooth.proofs.kernel.samples import SampledProofs, values_at
 from nonsmooth.proofs.kernel.search import NotShownError, Search
@@ -127,7 +127,7 @@ def show_escape_of(system: SwitchedSystem, search: Search | None = None) -> tupl
     cells = build_cells(system, system.check.radius)
     for motion in motions(cells):
         for region in regions(motion):
-            for k in range(RADII):
+            for k in range(RADII if _may_leave(cells, motion, region) else 0):
                 hypotheses = _hypotheses(cells, motion, region, Fraction(str(cells.radius)) / 4**k)
                 try:
                     SampledProofs().entry(subject, "escape", hypotheses)
@@ -135,6 +135,17 @@ def show_escape_of(system: SwitchedSystem, search: Search | None = None) -> tupl
                 except NotShownError:
                     continue
     raise NotShownError("no solution was found that leaves inside a cell or along a face")
+
+
+def _may_leave(cells: SignCells, motion: Motion, region: Region) -> bool:
+    """Whether near the point, in its direction, a region lies where it is said to lie, and W rises there."""
+    direction = [Fraction(x) for x in motion.lifted(region.direction)]
+    for surface, mark in zip(cells.surfaces, motion.signs, strict=True):
+        sign = sign_along(as_checked(rational_terms(surface), len(cells.states)), direction)
+        if mark != "0" and sign != "-0+".index(mark) - 1:
+            return False
+    mixes = all(sign_along(own.weight, direction) >= 0 for own in motion.mixture)
+    return mixes and sign_along(lie_derivative(region.rise, motion.field), region.direction) > 0
 
 
 def _hypotheses(cells: SignCells, motion: Motion, region: Region, radius: Fraction) -> Record:
