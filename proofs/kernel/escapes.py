@@ -22,6 +22,7 @@ from nonsmooth.proofs.checker.cells import pattern, read_system, solve
 from nonsmooth.proofs.checker.escape import lowest_form_at
 from nonsmooth.proofs.checker.lyapunov import Statement, sign_along
 from nonsmooth.proofs.checker.polynomials import Polynomial, constant, lie_derivative, variable
+from nonsmooth.proofs.kernel.first_terms import MIDDLE, quadratic_form
 from nonsmooth.proofs.kernel.samples import SampledProofs, values_at
 from nonsmooth.proofs.kernel.search import NotShownError, Search
 from nonsmooth.proofs.kernel.written import as_checked, formula_text
@@ -38,7 +39,6 @@ WIDTHS = tuple(Fraction(1, 1 << bits) for bits in (1, 3, 5, 7))  # of cones abou
 SHARES = (Fraction(1, 2), Fraction(1, 4), Fraction(3, 4))  # of the first of two right-hand sides
 FINE = 1 << 10  # denominators of what floats propose
 WORK = 4_000  # of the search for simplices, for one claim
-MIDDLE = 3 / 8  # where mu lies between real parts: in the middle itself two eigenvalues of A - mu I may add to zero
 BENDS = (0, 1, 8, 64)  # factors c of barriers: their derivative is at least -c times themselves
 
 
@@ -346,7 +346,7 @@ def _by_linear_part(motion: Motion) -> Iterator[Region]:
 def _chetaev(matrix: Floats, mu: float) -> Iterator[Region]:
     """``W = -x^T P x`` alone, which rises where it is positive."""
     found = solve_continuous_lyapunov((matrix - mu * np.eye(len(matrix))).T, -np.eye(len(matrix)))
-    quadratic = _rounded_form(-found)
+    quadratic = quadratic_form(-found / np.abs(found).max(), FINE)
     vector = np.linalg.eigh(-(found + found.T))[1][:, -1]
     direction = rounded(vector)
     if lowest_form_at(quadratic, direction) > 0:
@@ -361,25 +361,13 @@ def _half_cones(matrix: Floats, mu: float, vector: Floats, lead: Floats) -> Iter
     for width in (Fraction(1), *WIDTHS):
         weight = beside.T @ beside + float(width) ** 2 * np.outer(lead, lead)
         found = solve_continuous_lyapunov((matrix - mu * np.eye(size)).T, -weight)
-        barrier = _rounded_form(-found)
+        barrier = quadratic_form(-found / np.abs(found).max(), FINE)
         factor = constant(size, Fraction(2 * mu).limit_denominator(FINE))
         for side in (1, -1):
             rise = sum((variable(size, k, x) for k, x in enumerate(rounded(side * lead))), constant(size, 0))
             direction = rounded(side * vector)
             if lowest_form_at(barrier, direction) > 0:
                 yield Region(((barrier, factor),), rise, direction)
-
-
-def _rounded_form(matrix: Floats) -> Polynomial:
-    """``x^T M x`` with rational coefficients."""
-    size = len(matrix)
-    scaled = (matrix + matrix.T) / np.abs(matrix).max() / 2
-    total = constant(size, 0)
-    for i in range(size):
-        for j in range(size):
-            value = Fraction(float(scaled[i, j])).limit_denominator(FINE)
-            total += variable(size, i) * variable(size, j, value)
-    return total
 
 
 def rounded(vector: Floats) -> tuple[Fraction, ...]:

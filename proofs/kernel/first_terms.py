@@ -1,0 +1,190 @@
+"""Evidence by the first terms at the point, in any number of states: no equilibrium, and linearizations.
+
+*No equilibrium*: a direction with which all velocities at the point have a positive product, by a linear program.
+*Linearization*: where all fields vanish at the point with one Jacobian A, ``V = x^T P x`` with
+``(A - mu I)^T P + P (A - mu I) = -I`` has ``V' = 2 mu V - |x|^2`` up to higher order.  For mu = 0 and a Hurwitz A it is
+a Lyapunov function; for mu >= 0 between real parts of eigenvalues it falls where ``V <= 0``, which has inner points.
+Floats propose, the theorem's own claims decide on a small cube.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from fractions import Fraction
+from typing import Any, TypeAlias
+
+import numpy as np
+from scipy.linalg import solve_continuous_lyapunov
+from scipy.optimize import linprog
+
+from nonsmooth.proofs.checker.cells import Inclusion, System, read_system
+from nonsmooth.proofs.checker.lyapunov import ASYMPTOTICALLY_STABLE, Statement, sign_along
+from nonsmooth.proofs.checker.polynomials import Polynomial, constant, variable
+from nonsmooth.proofs.kernel.curved_cells import sharpened
+from nonsmooth.proofs.kernel.samples import Floats, SampledProofs
+from nonsmooth.proofs.kernel.search import NotShownError, Search
+from nonsmooth.proofs.kernel.stated_cells import StatedCells, stated_cells
+from nonsmooth.proofs.kernel.written import formula_text
+from nonsmooth.proofs.systems.system_certificate import about
+from nonsmooth.symbolic.switched_system import SwitchedSystem
+
+Record: TypeAlias = dict[str, Any]
+Field: TypeAlias = tuple[Polynomial, ...]
+
+RADII = tuple(Fraction(1, 4**k) for k in range(7))  # half-widths of cubes, over that of the scene
+DENOMINATORS = (1 << 5, 1 << 10, 1 << 20)  # of what floats propose, tried in turn
+MIDDLE = 3 / 8  # where mu lies between real parts: in the middle itself two eigenvalues of A - mu I may add to zero
+DIRECTIONS = 200  # drawn about the one in which V is least
+
+
+def show_departure_of(system: SwitchedSystem, search: Search | None = None) -> tuple[Record, list[Statement]]:
+    """Evidence that the checked point is no equilibrium.
+
+    Args:
+        system: in any number of states.
+        search: with what was shown before.
+
+    Returns:
+        The entry of a certificate, and what it shows.
+
+    Raises:
+        NotShownError: where 0 is a mixture of the velocities there, or that is not known.
+        BeyondReachError: for irrational numbers, and for too many surfaces or cells.
+    """
+    subject, search = read_system(about(system)), search or Search()
+    for share in RADII:
+        stated = _cells(system, share, subject, search)
+        velocities = [[part.at_origin for part in field] for field in fields_around(stated, subject, search)]
+        direction = leading_direction(np.array(velocities, dtype=float))
+        for denominator in DENOMINATORS if direction is not None else ():
+            short = [str(Fraction(float(x)).limit_denominator(denominator)) for x in direction]
+            try:
+                return search.entry(subject, "departure", {"cells": stated.record, "direction": short})
+            except NotShownError:
+                continue
+    raise NotShownError("no direction was found in which all velocities at the point lead")
+
+
+def _cells(system: SwitchedSystem, share: Fraction, subject: System, search: Search) -> StatedCells:
+    return sharpened(stated_cells(system, system.check.radius * share), subject, search)
+
+
+def fields_around(stated: StatedCells, subject: System, search: Search) -> list[Field]:
+    """The fields of all cells whose closures may hold the point."""
+    inclusion = Inclusion(subject, stated.record, [], search)
+    return [field for cell in inclusion.around() for _, field in cell.fields]
+
+
+def leading_direction(velocities: Floats) -> Floats | None:
+    """The shortest n, by the sum of absolute values, with ``n . v >= 1`` for all velocities, over its largest entry.
+
+    Args:
+        velocities: one row for each.
+
+    Returns:
+        None where there is none in floats.
+    """
+    count = velocities.shape[1]
+    scaled = velocities / max(float(np.abs(velocities).max()), np.finfo(float).tiny)
+    found = linprog(np.ones(2 * count), A_ub=-np.hstack([scaled, -scaled]), b_ub=-np.ones(len(scaled)))
+    if not found.success:
+        return None
+    entries = found.x[:count] - found.x[count:]
+    return np.asarray(entries / np.abs(entries).max())
+
+
+# ---- linearization -------------------------------------------------------------------------------
+
+
+def show_linearization_of(
+    system: SwitchedSystem, verdict: str, search: Search | None = None
+) -> tuple[Record, list[Statement]]:
+    """Evidence of a verdict by a quadratic V, where all fields vanish at the point with one Jacobian.
+
+    Args:
+        system: in any number of states; its right-hand sides may enclose the field.
+        verdict: asymptotically stable, or unstable.
+        search: with what was shown before.
+
+    Returns:
+        The entry of a certificate, and what it shows.
+
+    Raises:
+        NotShownError: where there is no such V, or it is not shown.
+        BeyondReachError: for irrational numbers, and for too many surfaces or cells.
+    """
+    subject, search = read_system(about(system)), search or Search()
+    for share in RADII:
+        stated = _cells(system, share, subject, search)
+        matrix = common_jacobian(fields_around(stated, subject, search))
+        proposed = quadratics(matrix, attracts=verdict == ASYMPTOTICALLY_STABLE) if matrix is not None else ()
+        for quadratic, direction in proposed:
+            theorem, hypotheses = _written(stated, quadratic, direction, verdict, subject)
+            try:
+                SampledProofs().entry(subject, theorem, hypotheses)
+                return search.entry(subject, theorem, hypotheses)
+            except NotShownError:
+                continue
+    raise NotShownError("no quadratic function was found that shows it near the point")
+
+
+def _written(
+    stated: StatedCells, quadratic: Polynomial, direction: Sequence[Fraction], verdict: str, subject: System
+) -> tuple[str, Record]:
+    common = {"cells": stated.record, "function": formula_text(quadratic, subject.states), "second": None}
+    if verdict == ASYMPTOTICALLY_STABLE:
+        more = {"verdict": verdict, "everywhere": False, "level": None, "below": False, "rate": None}
+        return "lyapunov", {**common, **more}
+    return "instability", {**common, "direction": list(map(str, direction))}
+
+
+def common_jacobian(fields: Sequence[Field]) -> Floats | None:
+    """The one Jacobian of fields that vanish at the point; None where there is none."""
+    count = len(fields[0])
+    found = {tuple(part.slope(k) for part in field for k in range(count)) for field in fields}
+    if len(found) != 1 or any(part.at_origin for field in fields for part in field):
+        return None
+    return np.array(found.pop(), dtype=float).reshape(count, count)
+
+
+def quadratics(matrix: Floats, *, attracts: bool) -> Iterator[tuple[Polynomial, Sequence[Fraction]]]:
+    """Proposals of V, and of a direction in which it is negative."""
+    size = len(matrix)
+    for mu in _shifts(matrix, attracts=attracts):
+        solution = solve_continuous_lyapunov((matrix - mu * np.eye(size)).T, -np.eye(size))
+        solution = (solution + solution.T) / np.abs(solution).max() / 2
+        vectors = np.linalg.eigh(solution)[1]
+        for denominator in DENOMINATORS:
+            quadratic = quadratic_form(solution, denominator)
+            yield quadratic, _in_general_position(quadratic, vectors[:, 0])
+
+
+def _shifts(matrix: Floats, *, attracts: bool) -> list[float]:
+    """Zero for an A that is thought to be Hurwitz; else mu between real parts, the largest one positive."""
+    parts = sorted({round(float(value.real), 9) for value in np.linalg.eigvals(matrix)}, reverse=True)
+    if attracts:
+        return [0.0] if parts[0] < 0 else []
+    lower = [max(below, 0.0) for below in [*parts[1:], 0.0]]
+    return [low + MIDDLE * (high - low) for high, low in zip(parts, lower, strict=True) if high > low]
+
+
+def quadratic_form(matrix: Floats, denominator: int) -> Polynomial:
+    """``x^T M x`` with coefficients rounded to short fractions."""
+    size = len(matrix)
+    total = constant(size, 0)
+    for i in range(size):
+        for j in range(size):
+            value = Fraction(float(matrix[i, j])).limit_denominator(denominator)
+            total += variable(size, i) * variable(size, j, value)
+    return total
+
+
+def _in_general_position(quadratic: Polynomial, vector: Floats) -> list[Fraction]:
+    """A direction near a vector, in which V is negative, and which lies in no simple surface."""
+    source = np.random.default_rng(0)
+    for k in range(DIRECTIONS):
+        moved = vector / np.abs(vector).max() + source.normal(size=len(vector)) * 2.0 ** -(2 + k % 8)
+        direction = [Fraction(float(x)).limit_denominator(1 << 10) for x in moved]
+        if sign_along(quadratic, direction) < 0:
+            return direction
+    return [Fraction(float(x)) for x in vector]
