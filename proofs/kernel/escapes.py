@@ -358,7 +358,7 @@ def _half_cones(matrix: Floats, mu: float, vector: Floats, lead: Floats) -> Iter
     size = len(matrix)
     lead = lead / float(lead @ vector)
     beside = np.eye(size) - np.outer(vector, lead)
-    for width in (Fraction(1), *WIDTHS):
+    for width in (Fraction(1, 4), Fraction(1, 16), Fraction(1)):
         weight = beside.T @ beside + float(width) ** 2 * np.outer(lead, lead)
         found = solve_continuous_lyapunov((matrix - mu * np.eye(size)).T, -weight)
         barrier = quadratic_form(-found / np.abs(found).max(), FINE)
