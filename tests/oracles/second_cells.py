@@ -1,0 +1,124 @@
+"""Cells, functions by pieces and faces of a system in two states, by docs/specification.md: for the second checker."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from itertools import combinations, product
+from typing import Any, TypeAlias
+
+from flint import fmpq
+
+from tests.oracles.second_evidence import Claim, Proofs, Row
+from tests.oracles.second_formulas import GENS, Formula, Poly, degree, keys, need, number, on, solve, terms
+
+Signs: TypeAlias = tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Cell:
+    signs: Signs
+    fields: list[tuple[int, list[Poly]]]
+    v: Poly
+
+
+class Inclusion:
+    """The cells of a system in two states, with V on each."""
+
+    def __init__(self, subject: Any, cells: Any, function: Any, proofs: Proofs) -> None:
+        states, rhs, at = keys(subject, "states rhs at")
+        within, listed, empty = keys(cells, "within surfaces empty")
+        need(len(states) == len(at) == 2 and states[0] != states[1] and rhs, "a system in two states")
+        self.bounded, self.radius = within is not None, fmpq(1) if within is None else number(within)
+        need(self.radius > 0, "a cube of positive size")
+        away = {name: GENS[k] * self.radius for k, name in enumerate(states)}
+        place = {name: z + number(x) for (name, z), x in zip(away.items(), at, strict=True)}
+        self.surfaces = [Formula(own, away).value for own in listed]
+        need(all(degree(g) for g in self.surfaces), "surfaces that are not constant")
+        coprime = all(not degree(g.gcd(h)) for g, h in combinations(self.surfaces, 2))
+        need(coprime, "surfaces without a common factor")
+        for mark in empty:
+            self.show_empty(self.marked(mark), proofs, f"empty {mark}")
+        self.cells = []
+        for signs in product((1, -1), repeat=len(listed)):
+            if any(agrees(self.marked(mark), signs) for mark in empty):
+                continue
+            sign_of = partial(self.sign_on, signs)
+            fields = [[Formula(own, place, sign_of).value for own in side] for side in rhs]
+            need(all(len(own) == 2 for own in fields), "two formulas in every right-hand side")
+            different = [(k, f) for k, f in enumerate(fields) if f not in fields[:k]]
+            self.cells.append(Cell(signs, different, self.function_on(signs, function, away)))
+        self.bending = sorted(self.bending_surfaces())
+
+    def marked(self, mark: str) -> dict[int, int]:
+        need(len(mark) == len(self.surfaces) and set(mark) <= set("+-."), "a pattern")
+        return {j: 1 if sign == "+" else -1 for j, sign in enumerate(mark) if sign != "."}
+
+    def show_empty(self, signs: dict[int, int], proofs: Proofs, name: str) -> None:
+        last = max(signs)
+        guards = {f"s{j}": self.surfaces[j] * s for j, s in signs.items() if j != last}
+        guards |= self.cube(GENS[:2])
+        row = Row(-self.surfaces[last] * signs[last], guards, open=guards)
+        proofs.show(Claim(name, 2, [row], strict=False, bounded=self.bounded))
+
+    def cube(self, coordinates: Sequence[Poly]) -> dict[str, Poly]:
+        found = {}
+        for k, z in enumerate(coordinates if self.bounded else ()):
+            if degree(z):
+                found.update({f"b{k}": 1 - z * z, f"u{k}": 1 - z, f"d{k}": 1 + z})
+        return found
+
+    def sign_on(self, signs: Signs, value: Poly) -> int:
+        sign = 1
+        for s, surface in zip(signs, self.surfaces, strict=True):
+            while degree(value) and not divmod(value, surface)[1]:
+                value, sign = divmod(value, surface)[0], sign * s
+        left = 1 if terms(value)[0][1] > 0 else -1
+        even = all(c * left > 0 and not any(k % 2 for k in e) for e, c in terms(value))
+        need(even, "switching expressions that are products of surfaces")
+        return sign * left
+
+    def function_on(self, signs: Signs, function: Any, away: Mapping[str, Poly]) -> Poly:
+        pieces = [["." * len(signs), function]] if type(function) is str else function
+        own = [text for mark, text in pieces if agrees(self.marked(mark), signs)]
+        values = [Formula(text, dict(away), partial(self.sign_on, signs)).value for text in own]
+        need(values and all(v == values[0] for v in values), "one polynomial of V on every cell")
+        return values[0]
+
+    def bending_surfaces(self) -> set[int]:
+        by_signs = {cell.signs: cell.v for cell in self.cells}
+        found = {j for s, v in by_signs.items() for j in range(len(s)) if by_signs.get(flip(s, j), v) != v}
+        pieces: dict[Signs, Poly] = {}
+        for signs, v in by_signs.items():
+            own = pieces.setdefault(tuple(signs[j] for j in sorted(found)), v)
+            need(own == v, "a V that bends on its surfaces alone")
+        for signs, v in pieces.items():
+            for i, j in enumerate(sorted(found)):
+                gap = v - pieces.get(flip(signs, i), v)
+                need(not divmod(gap, self.surfaces[j])[1], "a V that is continuous")
+        return found
+
+    def name(self, signs: Signs, kept: Sequence[int], zero: Sequence[int] = ()) -> str:
+        return "".join("0" if j in zero else "-.+"[s + 1] if j in kept else "." for j, s in enumerate(signs))
+
+    def faces(self) -> Iterator[tuple[tuple[int, ...], list[Poly], int]]:
+        """The surfaces that vanish, both variables there, and the dimension."""
+        need(all(degree(self.surfaces[j]) == 1 for j in self.bending), "a V that bends on lines")
+        seen = set()
+        for chosen in [own for size in (1, 2) for own in combinations(self.bending, size)]:
+            coordinates, dimension = solve([self.surfaces[j] for j in chosen])
+            zero = tuple(j for j in self.bending if coordinates and not on(self.surfaces[j], coordinates))
+            beyond = self.bounded and any(not degree(z) and abs(z(0, 0, 0)) > 1 for z in coordinates)
+            at_point = not dimension and not any(coordinates)
+            if zero and zero not in seen and not beyond and not at_point:
+                yield zero, coordinates, dimension
+            seen.add(zero)
+
+
+def agrees(mark: Mapping[int, int], signs: Signs) -> bool:
+    return all(signs[j] == s for j, s in mark.items())
+
+
+def flip(signs: Signs, j: int) -> Signs:
+    return (*signs[:j], -signs[j], *signs[j + 1 :])

@@ -1,0 +1,140 @@
+"""Numbers and formulas of certificates, read by the grammar of docs/specification.md: a part of the second checker."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Sequence
+from typing import Any, TypeAlias
+
+from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
+
+RING = fmpq_mpoly_ctx.get(("a", "b", "c"), Ordering.lex)  # z_0 and z_1; or coordinates of a face, or of a triangle
+GENS, ZERO, ONE = RING.gens(), RING.constant(0), RING.constant(1)
+TOKEN = re.compile(r"(?:\d[\d_]*\.?[\d_]*|\.\d[\d_]*)(?:[eE][+-]?\d{1,3})?|[A-Za-z]\w*|\*\*|[-+*/(),]")
+Poly: TypeAlias = fmpq_mpoly
+SignOf: TypeAlias = Callable[[Poly], int]
+
+
+class RefusedError(ValueError):
+    """What a certificate does not show."""
+
+
+def need(holds: object, what: str) -> None:
+    if not holds:
+        raise RefusedError(what)
+
+
+def number(data: Any) -> fmpq:
+    need(type(data) is str and re.fullmatch(r"-?[0-9]{1,4000}(/[0-9]{1,4000})?", data), "a number")
+    top, _, bottom = data.partition("/")
+    return fmpq(int(top), int(bottom or 1))
+
+
+def keys(data: Any, names: str, more: str = "") -> list[Any]:
+    need(type(data) is dict and set(names.split()) <= set(data) <= {*names.split(), *more.split()}, f"keys {names}")
+    return [data[name] for name in names.split()]
+
+
+def terms(p: Poly) -> list[tuple[tuple[int, ...], fmpq]]:
+    return [(tuple(map(int, e)), c) for e, c in p.to_dict().items()]
+
+
+def degree(p: Poly) -> int:
+    return max((sum(e) for e, _ in terms(p)), default=0)
+
+
+# ---- formulas ------------------------------------------------------------------------------------
+
+
+class Formula:
+    """A formula by the grammar of the page; its value where the signs of its switching expressions are known."""
+
+    def __init__(self, text: Any, names: dict[str, Poly], sign_of: SignOf | None = None) -> None:
+        need(type(text) is str and len(text) <= 4000 and not re.search(r"[^A-Za-z0-9_.+*/(), -]", text), "a formula")
+        self.names, self.rest, self.sign_of = names, [*TOKEN.findall(text), ""], sign_of
+        need("".join(self.rest) == text.replace(" ", ""), "a formula")
+        self.value = self.sum()
+        need(self.rest == [""], "the end of a formula")
+
+    def take(self, *wanted: str) -> str:
+        return self.rest.pop(0) if self.rest[0] in wanted else ""
+
+    def sum(self) -> Poly:
+        value = self.term()
+        while sign := self.take("+", "-"):
+            value = value + self.term() if sign == "+" else value - self.term()
+        return value
+
+    def term(self) -> Poly:
+        value = self.factor()
+        while sign := self.take("*", "/"):
+            other = self.factor()
+            need(sign == "*" or (other and not degree(other)), "a division by a number")
+            value = value * other if sign == "*" else value * (1 / other(0, 0, 0))
+        return value
+
+    def factor(self) -> Poly:
+        if sign := self.take("+", "-"):
+            return self.factor() if sign == "+" else -self.factor()
+        value = self.atom()
+        if self.take("**"):
+            exponent = self.rest.pop(0)
+            need(exponent.isdecimal() and int(exponent) <= 40, "an exponent")
+            value = value ** int(exponent)
+        return value
+
+    def atom(self) -> Poly:
+        token = self.rest.pop(0)
+        if token == "(" or (token[:1].isalpha() and self.take("(")):
+            values = [self.sum()]
+            while token != "(" and self.take(","):
+                values.append(self.sum())
+            need(self.take(")"), "a bracket")
+            return values[0] if token == "(" else self.call(token, values)
+        if token[:1].isalpha():
+            need(token in self.names, "a name of a state")
+            return self.names[token]
+        mantissa, _, power = token.replace("_", "").lower().partition("e")
+        before, _, after = mantissa.partition(".")
+        need((before + after).isdecimal(), "a number in a formula")
+        return RING.constant(fmpq(int(before + after), 10 ** len(after)) * fmpq(10) ** int(power or 0))
+
+    def call(self, name: str, values: list[Poly]) -> Poly:
+        if name in ("Max", "max", "Min", "min"):
+            value = values[0]
+            for other in values[1:]:
+                value = self.chosen(value, other, 1 if name in ("Max", "max") else -1)
+            return value
+        need(len(values) == {"sat": 3, "sign": 1, "sgn": 1, "Abs": 1, "relu": 1}.get(name), f"arguments of {name}")
+        if name == "sat":
+            return self.chosen(values[1], self.chosen(values[2], values[0], -1), 1)
+        sign = self.sign(values[0])
+        return {"Abs": values[0] * sign, "relu": values[0] * max(sign, 0)}.get(name, ONE * sign)
+
+    def chosen(self, a: Poly, b: Poly, sense: int) -> Poly:
+        return a if self.sign(a - b) in (0, sense) else b
+
+    def sign(self, value: Poly) -> int:
+        need(self.sign_of is not None or not value, "a polynomial without switching")
+        return self.sign_of(value) if value and self.sign_of is not None else 0
+
+
+# ---- derivatives and subspaces ---------------------------------------------------------------------
+
+
+def on(p: Poly, coordinates: Sequence[Poly]) -> Poly:
+    return p.compose(*coordinates, ZERO)
+
+
+def along(v: Poly, f: Sequence[Poly]) -> Poly:
+    return v.derivative(0) * f[0] + v.derivative(1) * f[1]
+
+
+def solve(lines: Sequence[Poly]) -> tuple[list[Poly], int]:
+    """Both variables where lines vanish, in the free one; none where they do nowhere."""
+    p, q, r = ([own.to_dict().get(e, fmpq(0)) for own in lines] for e in ((1, 0, 0), (0, 1, 0), (0, 0, 0)))
+    if len(lines) == 1:
+        return ([(GENS[0] * q[0] + r[0]) * (-1 / p[0]), GENS[0]] if p[0] else [GENS[0], ZERO - r[0] / q[0]]), 1
+    bottom = p[0] * q[1] - p[1] * q[0]
+    x, y = q[0] * r[1] - q[1] * r[0], p[1] * r[0] - p[0] * r[1]
+    return ([ZERO + x / bottom, ZERO + y / bottom], 0) if bottom else ([], 0)

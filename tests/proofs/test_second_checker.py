@@ -1,0 +1,100 @@
+"""A checker that was written from docs/specification.md alone says the same as the first one, of mutants too."""
+
+from __future__ import annotations
+
+import json
+import random
+from functools import cache
+from typing import Any
+
+import pytest
+
+import nonsmooth as ns
+from nonsmooth.proofs.checker.statements import refusal
+from nonsmooth.proofs.kernel.subject import NoCertificateError
+from nonsmooth.proofs.system_certificates import certificate_of
+from nonsmooth.proofs.system_decision import decide_system
+from tests.oracles import second_checker
+from tests.proofs.mutants import Record, changed
+from tests.proofs.system_families import families
+from tests.proofs.test_system_families import system_of
+from tests.thorough import keep
+
+PLANAR = {known.name: known for known in families()}
+FIRST = [
+    *("crossed relays, contracting", "twisting 2, 1", "Coulomb friction", "parabola far away", "node and focus"),
+    *("flower", "two units, negative loop", "relays with a weak repeller", "van der Pol, reversed"),
+]
+SHORT = ("two units, negative loop", "Coulomb friction", "relays", "bends", "plane")  # of few numbers, for mutants
+OWN = {
+    "relays": ns.System(["x", "y"], ["-sign(x) + y/4", "-sign(y) - x/4"], radius="1/2"),
+    "bends": ns.System(["x", "y"], ["-sign(x)", "-y"], lyapunov="Abs(x) + y**2", radius="1/2"),
+    "plane": ns.System(["x", "y"], ["-x + y", "-x - y"]),
+}
+
+
+@cache
+def text_of(name: str) -> str:
+    """The certificate of a system; empty where there is none by a V alone."""
+    system = OWN[name].system if name in OWN else system_of(PLANAR[name])
+    try:
+        record = certificate_of(decide_system(system))
+    except NoCertificateError:
+        return ""
+    by_v = all(entry["theorem"] == "lyapunov" and not entry["hypotheses"]["second"] for entry in record["evidence"])
+    return json.dumps(record) if by_v and "roots" not in record["statement"]["subject"] else ""
+
+
+def both(record: Record) -> tuple[str, str]:
+    """Why each checker refuses a certificate."""
+    return refusal(record, len(json.dumps(record))), second_checker.refusal(record)
+
+
+@pytest.mark.parametrize("name", keep(len(FIRST), [*FIRST, *(name for name in PLANAR if name not in FIRST)]))
+def test_both_checkers_accept(name: str) -> None:
+    text = text_of(name)
+    assert text or name not in FIRST
+    if text:
+        assert both(json.loads(text)) == ("", "")
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("name", SHORT)
+def test_both_checkers_agree_on_mutants(name: str, seed: int) -> None:
+    """One letter of the hypotheses, the proofs or the statement is another one."""
+    record, source = json.loads(text_of(name)), random.Random(seed)
+    refused = 0
+    for _ in range(60):
+        part = source.choice(["statement", "evidence"])
+        forged = {**record, part: changed(record[part], "".join(record["statement"]["subject"]["states"]), source)}
+        first, second = both(forged)
+        assert bool(first) == bool(second), (first, second, forged)
+        refused += bool(first)
+    assert refused
+
+
+def entry_without(record: Record, key: str) -> Record:
+    (entry, *others) = record["evidence"]
+    proofs = {name: own for name, own in entry["proofs"].items() if name != key}
+    return {**record, "evidence": [{**entry, "proofs": proofs}, *others]}
+
+
+@pytest.mark.parametrize("name", SHORT)
+def test_both_checkers_reject(name: str) -> None:
+    """A missing proof, one too many, another version, an unknown key, no claim, another claim."""
+    record = json.loads(text_of(name))
+    (entry, *_) = record["evidence"]
+    more = {**entry, "proofs": {**entry["proofs"], "cell": {"squares": []}}}
+    statement = record["statement"]
+    forged: list[Any] = [
+        *(entry_without(record, key) for key in entry["proofs"]),
+        {**record, "evidence": [more]},
+        {**record, "version": "nonsmooth-certificate/3"},
+        {**record, "more": 1},
+        {**record, "evidence": []},
+        {**record, "statement": {**statement, "claims": []}},
+        {**record, "statement": {**statement, "claims": [{"stability": "unstable"}]}},
+        {**record, "statement": {**statement, "subject": {**statement["subject"], "at": ["0"]}}},
+    ]
+    for own in forged:
+        assert all(both(own))
