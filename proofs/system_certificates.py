@@ -8,27 +8,33 @@ decides may have a certificate, however it was found.  What is written has passe
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import partial
 from itertools import product
 from typing import Any, TypeAlias
 
 from nonsmooth.proofs.checker.cells import System
 from nonsmooth.proofs.checker.files import read
-from nonsmooth.proofs.checker.lyapunov import Statement
 from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.statements import VERSION, refusal
+from nonsmooth.proofs.checker.theorems import Statement
+from nonsmooth.proofs.kernel.near_point import show_near_point
 from nonsmooth.proofs.kernel.scalar import scalar_theorem
 from nonsmooth.proofs.kernel.search import NotShownError, Search
+from nonsmooth.proofs.kernel.second_function import find_second
 from nonsmooth.proofs.kernel.stated_cells import StatedCells, stated_cells
 from nonsmooth.proofs.kernel.subject import NoCertificateError, about, exact_text
+from nonsmooth.proofs.many_states.conclusion import ManyStateMethod
 from nonsmooth.proofs.many_states.decision import ManyStateResult
 from nonsmooth.proofs.many_states.facts import rate_words as many_rate_words
 from nonsmooth.proofs.many_states.facts import region_words as many_region_words
+from nonsmooth.proofs.many_states.instability import find_growth
 from nonsmooth.proofs.many_states.sign_cells import BeyondReachError, IrrationalError, surfaces_of
 from nonsmooth.proofs.system_decision import DecidedSystem
 from nonsmooth.proofs.systems.conclusion import Method
+from nonsmooth.proofs.systems.invariance import Staying, staying_of
 from nonsmooth.proofs.systems.scalar_stability import ScalarResult
 from nonsmooth.proofs.systems.system_facts import (
     gain_words,
@@ -78,12 +84,14 @@ class Candidate:
         hypotheses: without proofs.
         options: each is stated if it is shown too.
         known: evidence that the check has found already, by the names of claims.
+        needs_second: whether V does not fall everywhere, and further functions have to be found.
     """
 
     theorem: str
     hypotheses: Record
     options: tuple[Option, ...] = ()
     known: Record = field(default_factory=dict)
+    needs_second: bool = False
 
 
 def certificate_of(result: DecidedSystem) -> Record:
@@ -98,36 +106,35 @@ def certificate_of(result: DecidedSystem) -> Record:
     subject = about(result.scene)
     system, reasons = read_subject(subject), list[str]()
     try:
-        for candidate in _candidates(result):
+        for show in _ways(result, system):
             try:
-                entry, statements, left_out = _shown(system, candidate)
+                draft = show()
             except NotShownError as error:
                 reasons.append(str(error))
                 continue
-            certificate = Draft([entry], statements, left_out)
             for further in _further(result):
-                certificate.add(system, further)
-            certificate.left_out += _beyond_words(result)
-            return _checked(result.scene, subject, certificate)
+                draft.add(system, further)
+            draft.left_out += _beyond_words(result, draft)
+            return _checked(result.scene, subject, draft)
     except IrrationalError:
-        raise NoCertificateError(
-            "a certificate of a plain system needs rational numbers, received some with roots"
-        ) from None
+        expected = "a certificate of a plain system needs rational numbers, received some with roots"
+        raise NoCertificateError(expected) from None
     except BeyondReachError as error:
         reasons.append(str(error))
-    raise NoCertificateError(
-        f"{UNSHOWN}: {reasons[0]}" if reasons else f"no theorem shows a verdict by {result.method}"
-    )
+    raise NoCertificateError(f"{UNSHOWN}: {reasons[0]}")
 
 
-def _shown(system: System, candidate: Candidate) -> tuple[Record, list[Statement], list[str]]:
-    """The evidence of a theorem with as many of its options as are shown, its statements, and what is left out.
+def _shown(system: System, candidate: Candidate) -> Draft:
+    """The evidence of a theorem with as many of its options as are shown, and what is left out.
 
     Raises:
         NotShownError: where the verdict itself is not shown.
     """
-    search, hypotheses, left_out = Search(known=candidate.known), candidate.hypotheses, list[str]()
+    search, hypotheses = Search(known=candidate.known), candidate.hypotheses
+    if candidate.needs_second:
+        hypotheses = hypotheses | {"second": _second(system, hypotheses, search)}
     entry, statements = search.entry(system, candidate.theorem, hypotheses)
+    left_out = []
     for option in candidate.options:
         more = {**hypotheses, **option.hypotheses}
         try:
@@ -136,7 +143,19 @@ def _shown(system: System, candidate: Candidate) -> tuple[Record, list[Statement
             left_out.append(f"{option.words}: {UNSHOWN}: {error}")
         else:
             hypotheses = more
-    return entry, statements, [words for words in left_out if words]
+    return Draft([entry], statements, left_out)
+
+
+def _second(system: System, hypotheses: Record, search: Search) -> Record:
+    """Functions that rise one after the other where V, which does not rise, is kept.
+
+    Raises:
+        NotShownError: where none are found.
+    """
+    found = find_second(system, hypotheses["cells"], hypotheses["function"], search)
+    if found is None:
+        raise NotShownError("no functions were found that rise where V is kept")
+    return found
 
 
 @dataclass
@@ -189,14 +208,32 @@ def _checked(system: SwitchedSystem, subject: Record, draft: Draft) -> Record:
 # ---- theorems that may show a verdict ----------------------------------------------------------
 
 
-def _candidates(result: DecidedSystem) -> Iterator[Candidate]:
-    """Theorems with their hypotheses, in the order in which they are tried."""
+def _ways(result: DecidedSystem, system: System) -> Iterator[Callable[[], Draft]]:
+    """Ways to show a verdict, in the order in which they are tried."""
     if isinstance(result, ScalarResult):
-        yield Candidate(*scalar_theorem(result, read_subject(about(result.scene))))
-    elif isinstance(result, ManyStateResult):
-        yield from _in_many_states(result)
-    else:
-        yield from _in_the_plane(result)
+        yield partial(_shown, system, Candidate(*scalar_theorem(result, system)))
+        return
+    by_functions = _in_many_states(result) if isinstance(result, ManyStateResult) else _in_the_plane(result)
+    for candidate in by_functions:
+        yield partial(_shown, system, candidate)
+    if result.scene.by_roots is None:
+        yield partial(_near_point, result)
+    if isinstance(result, ManyStateResult) and result.verdict is Translation.UNSTABLE:
+        yield partial(_by_growth, result.scene, system)
+
+
+def _near_point(result: DecidedSystem) -> Draft:
+    """By what acts near the point: no equilibrium, the linearization, a solution that leaves, a fan."""
+    entry, statements = show_near_point(result.scene, str(result.verdict))
+    return Draft([entry], statements, [])
+
+
+def _by_growth(scene: SwitchedSystem, system: System) -> Draft:
+    """By a function that shows instability, searched now."""
+    growth = find_growth(scene)
+    if growth is None:
+        raise NotShownError("no function was found that shows instability")
+    return _shown(system, Candidate("instability", growth.entry["hypotheses"], known=growth.entry["proofs"]))
 
 
 def _in_the_plane(result: SystemResult) -> Iterator[Candidate]:
@@ -224,7 +261,17 @@ def _in_the_plane(result: SystemResult) -> Iterator[Candidate]:
         if result.gain is not None and result.gain.rate == result.rate:
             gain = {"rate": rate, "gain": exact_text(result.gain.gamma)}
             options.append(Option(gain, gain_words(result)))
-    yield Candidate("lyapunov", _hypotheses(cells, function, result.verdict), tuple(options))
+    weak = result.method is Method.INVARIANCE
+    yield Candidate("lyapunov", _hypotheses(cells, function, result.verdict), tuple(options), needs_second=weak)
+    if result.searched is not None and staying_of(result.lyapunov) is Staying.NONE:
+        yield _by_stated_function(result)
+
+
+def _by_stated_function(result: SystemResult) -> Candidate:
+    """The scene's own V and LaSalle's principle, for a searched V that falls, of higher degree, and is not shown."""
+    radius, text = result.reported_domain.radius, one_line(result.scene.check.lyapunov.text)
+    function, cells = _stated_function(result.scene, radius, (), text)
+    return Candidate("lyapunov", _hypotheses(cells, function, result.verdict), needs_second=True)
 
 
 def _in_many_states(result: ManyStateResult) -> Iterator[Candidate]:
@@ -244,12 +291,13 @@ def _in_many_states(result: ManyStateResult) -> Iterator[Candidate]:
         options.append(Option({"level": own["hypotheses"]["level"]}, words))
     if result.rate is not None:
         options.append(Option({"rate": result.rate.record}, many_rate_words(result)))
-    yield Candidate("lyapunov", hypotheses, tuple(options), own["proofs"])
+    weak = result.method is ManyStateMethod.INVARIANCE
+    yield Candidate("lyapunov", hypotheses, tuple(options), own["proofs"], needs_second=weak)
 
 
-def _hypotheses(cells: StatedCells, function: Any, verdict: Translation, second: Any = None) -> Record:
+def _hypotheses(cells: StatedCells, function: Any, verdict: Translation) -> Record:
     """Of theorem ``lyapunov``, without its options."""
-    found = {"cells": cells.record, "function": function, "second": second, "verdict": str(verdict)}
+    found = {"cells": cells.record, "function": function, "second": None, "verdict": str(verdict)}
     return {**found, "everywhere": False, "level": None, "below": False, "rate": None}
 
 
@@ -331,14 +379,28 @@ def _further(result: DecidedSystem) -> Iterator[Option]:
 # ---- what a certificate does not hold ----------------------------------------------------------
 
 
-def _beyond_words(result: DecidedSystem) -> Iterator[str]:
-    """What a check says that certificates have no words for."""
-    if not isinstance(result, SystemResult):
-        return
-    if result.everywhere and result.domain is not None and result.domain.radius is not None:
-        yield "all starts in the plane reach the equilibrium: V is certified on a square"
+def _beyond_words(result: DecidedSystem, draft: Draft) -> Iterator[str]:
+    """What a check says that the certificate has no words for, or no theorem."""
+    if isinstance(result, SystemResult):
+        yield from _beyond_in_the_plane(result, draft)
+    elif isinstance(result, ManyStateResult) and result.everywhere and not _attracts_everywhere(draft):
+        yield "all starts in the space reach the equilibrium: V is certified on a cube"
+
+
+def _beyond_in_the_plane(result: SystemResult, draft: Draft) -> Iterator[str]:
+    states, kinds = result.scene.states, {kind for statement in draft.statements for kind in statement}
+    if result.near is not None and "attracts" not in kinds and not any("level" in own for own in draft.left_out):
+        yield f"{reached_words(result.near, states)}: another theorem shows the verdict"
+    if result.rate is not None and "rate" not in kinds and not draft.left_out:
+        yield f"{rate_words(result)}: another theorem shows the verdict"
+    if result.everywhere and not _attracts_everywhere(draft):
+        yield "all starts in the plane reach the equilibrium: the verdict is certified near the point"
     if result.finite_time:
         yield "solutions near the equilibrium arrive in finite time: certificates hold no times of roots"
+
+
+def _attracts_everywhere(draft: Draft) -> bool:
+    return {"attracts": "everywhere"} in draft.statements
 
 
 def notes(system: SwitchedSystem) -> Record:

@@ -4,7 +4,7 @@ Let S be a linear subspace through the point, perhaps cut by one curved surface,
 others have given signs; x is the displacement from the point.  Let cells ``C_k`` be given whose closures hold U, each
 with one of its fields ``f_k`` and a polynomial weight ``w_k``, and ``h = sum_k w_k f_k``, with
 
-- ``U = {x in S : p_i(x) > 0 for all i, W(x) > 0}`` inside a cube, for polynomials ``p_i`` (barriers) and W, ``W(0) = 0``;
+- ``U = {x in S : p_i(x) > 0 for all i, W(x) > 0}`` inside a cube, polynomials ``p_i`` (barriers) and W, ``W(0) = 0``;
 - h tangent to S, ``w_k >= 0`` and ``sum_k w_k > 0`` on the closure of U off the point;
 - ``grad p_i . h >= lambda_i p_i`` and ``grad W . h > 0`` on the closure of U off the point, with polynomials lambda_i.
 
@@ -30,9 +30,9 @@ from typing import Any
 
 from .cells import Domain, Surfaces, System, no_switching, solve
 from .formulas import Formula
-from .lyapunov import UNSTABLE, Statement
 from .polynomials import Polynomial, constant, lie_derivative
 from .positivity import Claim, Inequality, Proofs, cube_guards
+from .theorems import UNSTABLE, Statement
 from .work import items, rational, require, take, text, whole
 
 MAX_BARRIERS, MAX_FIELDS = 40, 16
@@ -153,7 +153,7 @@ class Escape:
         return tuple(field)
 
     def show_start(self) -> None:
-        """U has points at all small distances: S has a curve in the direction, on which the lowest terms are positive."""
+        """U has points at all small distances: S has a curve in the direction, where the lowest terms are positive."""
         for own in (*self.forms, *map(self._on_flat, self.curved)):
             slope = sum((own.slope(k) * d for k, d in enumerate(self.direction)), Fraction(0))
             require(not slope, "a direction along the subspace")

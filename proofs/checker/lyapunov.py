@@ -18,31 +18,26 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from fractions import Fraction
+from functools import cached_property
 from math import prod
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
-from .cells import Cell, Face, Inclusion, Signs, System, are_joined, pattern, solve, whole
+from .cells import Cell, Face, Inclusion, Signs, are_joined, pattern, solve, whole
 from .polynomials import Polynomial, constant, lie_derivative, variable
 from .positivity import Claim, Inequality, Proofs
-from .work import BUDGET, items, rational, require, take
+from .work import BUDGET, require
 
 Shift: TypeAlias = Callable[[Cell], Polynomial]
-Statement: TypeAlias = dict[str, Any]
-
-ASYMPTOTICALLY_STABLE, STABLE, UNSTABLE = "asymptotically stable", "stable", "unstable"
 
 
 class Lyapunov:
     """The claims about a function V on a domain, each shown by its evidence."""
 
-    def __init__(self, system: System, cells: Any, function: Any, second: Any, proofs: Proofs) -> None:
-        functions = [function] if second is None else [function, second]
-        self.inclusion = Inclusion(system, cells, functions, proofs)
-        self.has_second, self.proofs = second is not None, proofs
+    def __init__(self, inclusion: Inclusion, proofs: Proofs) -> None:
+        self.inclusion, self.proofs = inclusion, proofs
         self.below: Fraction | None = None
         self.border = ""
-        self.count = system.count
-        self.bounded = self.inclusion.domain.bounded
+        self.count, self.bounded = inclusion.count, inclusion.domain.bounded
 
     def potential(self, cell: Cell) -> Polynomial:
         """V on a cell: the first of its functions."""
@@ -79,10 +74,8 @@ class Lyapunov:
                 value = -(lie_derivative(self.potential(cell), field) + shift(cell))
                 name = f"{prefix}cell {pattern(cell.signs)} field {number}"
                 self._show_on_cell(name, value, guards, strict=strict)
-        for face in self.inclusion.faces():
-            for name, cells in self._groups(face):
-                if not _is_settled(face, cells):
-                    self._show_falls_on(face, name, cells, prefix, shift, strict=strict)
+        for face, name, cells in self.bends:
+            self._show_falls_on(face, name, cells, prefix, shift, strict=strict)
 
     def _show_on_cell(self, name: str, value: Polynomial, guards: dict[str, Polynomial], *, strict: bool) -> None:
         inside = Inequality(value, guards, open=frozenset(guards))
@@ -97,6 +90,16 @@ class Lyapunov:
         if own.degree:
             return {**found, "sl": own}
         return found if own.at_origin > 0 else None
+
+    @cached_property
+    def bends(self) -> list[tuple[Face, str, list[Cell]]]:
+        """The parts of faces on which claims about closed cells do not suffice, by name, with the cells beside them."""
+        found = []
+        for face in self.inclusion.faces():
+            for name, cells in self._groups(face):
+                if not _is_settled(face, cells):
+                    found.append((face, name, cells))
+        return found
 
     def _groups(self, face: Face) -> Iterator[tuple[str, list[Cell]]]:
         """The cells beside a face by the signs of the bending surfaces that do not vanish on it.
@@ -142,49 +145,14 @@ class Lyapunov:
 
         The gradient and the bound are in units of the half-width of the cube.
         """
-        for face in self.inclusion.faces():
-            single = len(face.zero) == 1 or all(_is_settled(face, cells) for _, cells in self._groups(face))
-            require(single, "surfaces on which V bends that meet at the point alone")
-        for name, signs, potential in self.inclusion.pieces():
-            guards = self._guards(whole(self.inclusion), signs, potential) or {}
+        single = all(len(face.zero) == 1 for face, _, _ in self.bends)
+        require(single, "surfaces on which V bends that meet at the point alone")
+        for name, signs, cell in self.inclusion.pieces():
+            guards = self._guards(whole(self.inclusion), signs, cell) or {}
+            potential = self.potential(cell)
             square = lie_derivative(potential, [potential.derivative(k) for k in range(self.count)])
             room = constant(self.count, bound * bound) - square
             self._show_on_cell(f"gradient {name}", room, guards, strict=False)
-
-    def show_leaves(self) -> None:
-        """``W' > 0`` off the point along every velocity of a solution for which ``V' = 0``: W is the second function.
-
-        V' is known not to be positive.  On a face the fields of a mixture with ``V' = 0`` are those whose weighted
-        values of ``-V'`` add to zero, so that a multiple nu of these values may be added, as those of the functions mu.
-        """
-        space = whole(self.inclusion)
-        for cell in self.inclusion.cells:
-            guards = self._guards(space, dict(enumerate(cell.signs)), cell) or {}
-            for number, field in cell.fields:
-                rise, fall = (lie_derivative(own, field) for own in (cell.functions[1], cell.functions[0]))
-                inside = Inequality(rise, {**guards, "sv": fall}, open=frozenset(guards))
-                name = f"leaves cell {pattern(cell.signs)} field {number}"
-                self.proofs.show(Claim(name, (inside,), strict=True, bounded=self.bounded, border=self.border))
-        for face in self.inclusion.faces():
-            for name, cells in self._groups(face):
-                if not _is_settled(face, cells):
-                    self._show_leaves_on(face, name, cells)
-
-    def _show_leaves_on(self, face: Face, name: str, cells: Sequence[Cell]) -> None:
-        first, surfaces, inequalities = cells[0], self.inclusion.surfaces.listed, []
-        for cell in cells:
-            others = {j: s for j, s in enumerate(cell.signs) if j not in face.zero}
-            guards = self._guards(face, others, first)
-            if guards is None:
-                continue
-            side = tuple(cell.signs[j] for j in face.zero)
-            for _, field in cell.fields:
-                rise, fall = (face.restricted(lie_derivative(own, field)) for own in reversed(first.functions))
-                pushes = tuple(face.restricted(lie_derivative(surfaces[j], field)) for j in face.zero)
-                inequalities.append(Inequality(rise, guards, pushes, face.zeros(), side, weak=-fall))
-        if inequalities:
-            away = not face.holds_origin
-            self.proofs.show(Claim(f"leaves face {name}", tuple(inequalities), True, away, self.bounded, self.border))
 
     def show_border(self, level: Fraction) -> None:
         """V is at least the level on the border of the cube."""
@@ -228,114 +196,6 @@ def _is_settled(face: Face, cells: Sequence[Cell]) -> bool:
         return True
     fields = [{tuple(map(face.restricted, field)) for _, field in cell.fields} for cell in cells]
     return all(own == fields[0] for own in fields)
-
-
-# ---- theorems: each shows statements -----------------------------------------------------------
-
-
-def show_stability(system: System, hypotheses: Any, proofs: Proofs) -> list[Statement]:
-    """V is positive and does not rise: stable; it falls: asymptotically stable.
-
-    A V that does not rise is enough for attraction where no other solution stays where ``V' = 0``, which a second
-    function W shows (LaSalle 1960; Matrosov 1962; Ryan 1998).  A bounded solution tends to a set L that is weakly
-    invariant, with V constant.  A solution in L has ``V' = 0`` at almost all times, so W rises along it, to a limit;
-    what it tends to is weakly invariant too, with W constant, and W rises there: a contradiction unless L is the point.
-    With ``everywhere``, V and the field are forms on cones: every solution tends to the point.  With ``level``, every
-    start of the cube with ``V < level`` stays there and tends to the point; with ``below``, nothing is asked of points
-    with ``V >= level`` but on the border of the cube.  With ``rate``, V falls that fast; with ``gain`` beside it, of
-    solutions of ``x' in F(x) + d`` it falls that fast less ``gain |d|``, in the Euclidean norm.
-    """
-    names = "cells function second verdict everywhere level below rate"
-    cells, function, second, verdict, everywhere, level, below, rate, gain = take(hypotheses, names, "gain")
-    require(verdict in (ASYMPTOTICALLY_STABLE, STABLE), "a verdict")
-    attracts = verdict == ASYMPTOTICALLY_STABLE
-    own = Lyapunov(system, cells, function, second, proofs)
-    if below is True:
-        own.require_below(rational(level))
-    own.show_zero()
-    own.show_positive()
-    own.show_falls("", own.zero, strict=attracts and not own.has_second)
-    if own.has_second:
-        require(attracts, "a second function where the point attracts")
-        own.show_leaves()
-    shown: list[Statement] = [{"stability": verdict}]
-    about = {"function": function, "within": cells["within"]}
-    if type(function) is not str:
-        about["surfaces"] = cells["surfaces"]  # to whose signs the pieces of V refer
-    if system.coordinates != system.states:
-        about["in"] = list(system.coordinates)
-    if everywhere is True:
-        require(attracts and below is not True, "an attracting point")
-        own.require_all_of_space()
-        shown.append({"attracts": "everywhere"})
-    if level is not None:
-        require(attracts and own.bounded and rational(level) > 0, "a positive level around a point that attracts")
-        own.show_border(rational(level))
-        shown.append({"attracts": {**about, "below": level}})
-    if rate is not None:
-        require(system.coordinates == system.states, "rates in the time of the states")
-        show_rate(own, rate, gain)
-        shown.append({"rate": {**about, **rate, **({"below": level} if below is True else {})}})
-        shown += [{"gain": {**shown[-1]["rate"], "gamma": gain}}] if gain is not None else []
-    return shown
-
-
-def show_rate(own: Lyapunov, rate: Any, gain: Any = None) -> None:
-    """``V' <= -kappa V`` (exponential) or ``V' <= -kappa`` (finite) off the point, on the domain; less ``gain |d|``.
-
-    The derivative is taken here in units of the half-width of the cube.  Let ``x' = v + d`` with v in F(x).  At almost
-    all times at which V bends on one surface g it has the derivative ``q . (v + d)`` for every
-    ``q = grad P + mu grad g``.  Each field f beside the face allows an interval of mu for which ``q . f`` is at most
-    that of the rate.  These intervals have a point in common, and each holds an end of the interval of the gradients
-    between those of V on both sides; so all have a common point (Helly), and there ``q . d`` is at most ``gain |d|``.
-    """
-    kind, kappa = take(rate, "kind kappa")
-    speed = rational(kappa) * own.inclusion.domain.radius
-    require(speed > 0 and kind in ("finite", "exponential"), "a positive rate, finite or exponential")
-    whole_rate = constant(own.count, speed)
-
-    def shift(cell: Cell) -> Polynomial:
-        return whole_rate if kind == "finite" else whole_rate * own.potential(cell)
-
-    own.show_falls("rate ", shift, strict=False)
-    if gain is not None:
-        require(rational(gain) > 0, "a positive gain")
-        own.show_gradient(rational(gain) * own.inclusion.domain.radius)
-
-
-def show_instability(system: System, hypotheses: Any, proofs: Proofs) -> list[Statement]:
-    """V falls where it is not positive, and is negative at all small distances in one direction, inside a cell.
-
-    From there V falls, so it stays negative and the solution away from the point, where V is zero; away from it V falls
-    at a speed that is bounded from below, and is bounded on the cube: the solution leaves it.  A V that does not rise is enough where a
-    second function W shows that no solution stays where ``V' = 0``.
-    """
-    cells, function, second, direction = take(hypotheses, "cells function second direction")
-    own = Lyapunov(system, cells, function, second, proofs)
-    require(own.bounded, "a cube")
-    own.below = Fraction(0)
-    own.show_zero()
-    own.show_falls("", own.zero, strict=not own.has_second)
-    if own.has_second:
-        own.show_leaves()
-    ray = [rational(value) for value in items(direction, own.count)]
-    require(own.is_negative_along(ray), "a V that is negative in the direction")
-    return [{"stability": UNSTABLE}]
-
-
-def show_departure(system: System, hypotheses: Any, proofs: Proofs) -> list[Statement]:
-    """All velocities at the point have a positive product with one direction, so 0 is not in F there.
-
-    F is upper semicontinuous, so near the point all products stay above a positive number: every solution leaves.
-    """
-    cells, data = take(hypotheses, "cells direction")
-    inclusion = Inclusion(system.stated, cells, ["0"], proofs)
-    direction = [rational(value) for value in items(data, system.count)]
-    for cell in inclusion.around():
-        for _, field in cell.fields:
-            product = sum((n * part.at_origin for n, part in zip(direction, field, strict=True)), Fraction(0))
-            require(product > 0, "a direction in which all velocities at the point lead")
-    return [{"stability": UNSTABLE}, {"equilibrium": False}]
 
 
 def sign_along(value: Polynomial, direction: Sequence[Fraction]) -> int:

@@ -47,9 +47,9 @@ class Inequality:
         guards: by name.
         pushes: the polynomials q.
         zeros: the polynomials h that are zero, by name.
-    side: of the field that the inequality is about, on a face.
-    weak: another value, of which it is known that the mixtures that matter make it zero.
-    open: guards by name that count where they are positive; the closure of these points is what matters.
+        side: of the field that the inequality is about, on a face.
+        weak: other values, which the mixtures that matter make zero.
+        open: guards by name that count where they are positive; the closure of these points is what matters.
     """
 
     value: Polynomial
@@ -57,7 +57,7 @@ class Inequality:
     pushes: tuple[Polynomial, ...] = ()
     zeros: Mapping[str, Polynomial] = field(default_factory=dict)
     side: tuple[int, ...] = ()
-    weak: Polynomial | None = None
+    weak: tuple[Polynomial, ...] = ()
     open: frozenset[str] = frozenset()
 
 
@@ -85,6 +85,24 @@ class Claim:
     def count(self) -> int:
         """The number of variables."""
         return self.inequalities[0].value.count
+
+    @property
+    def is_homogeneous(self) -> bool:
+        """Whether it says of a place what it says of all its positive multiples, the bounds of the cube left aside.
+
+        All polynomials are forms; and where ``p + sum mu q > 0`` at a place, multiples of mu do it at its multiples,
+        since p and q differ in degree by the same number in all inequalities.
+        """
+        degrees: dict[tuple[int, int], set[int]] = {}
+        for own in self.inequalities:
+            surfaces = [guard for name, guard in own.guards.items() if name[0] == "s"]
+            if not all(form.is_form for form in (own.value, *own.weak, *own.pushes, *surfaces)):
+                return False
+            for i, value in enumerate((own.value, *own.weak)):
+                for j, push in enumerate(own.pushes):
+                    if value and push:
+                        degrees.setdefault((i, j), set()).add(value.degree - push.degree)
+        return all(len(gaps) == 1 for gaps in degrees.values())
 
 
 def show(claim: Claim, evidence: Any) -> None:
@@ -121,16 +139,8 @@ class Proofs:
         self.note_form(claim)
 
     def note_form(self, claim: Claim) -> None:
-        """Note whether a claim that was shown on the cube holds at every distance: then it is about forms.
-
-        With p and q forms whose degrees differ by the same number in all inequalities, functions mu scale with the
-        distance too.
-        """
-        for own in claim.inequalities:
-            self.are_forms = self.are_forms and all(form.is_form for form in (own.value, *own.pushes))
-        for pushes in zip(*(own.pushes for own in claim.inequalities), strict=True):
-            both = ((own.value, q) for own, q in zip(claim.inequalities, pushes, strict=True) if own.value and q)
-            self.are_forms = self.are_forms and len({p.degree - q.degree for p, q in both}) <= 1
+        """Note whether a claim that was shown is about forms."""
+        self.are_forms = self.are_forms and claim.is_homogeneous
 
     def require_used(self) -> None:
         """Nothing is left over."""
@@ -150,8 +160,8 @@ def pairs(claim: Claim) -> Iterator[Claim]:
             continue
         rise, fall = a.pushes[0], -b.pushes[0]
         guards = {**a.guards, **{f"{name}'": own for name, own in b.guards.items()}, "sp": rise, "sq": fall}
-        if a.weak is not None and b.weak is not None:
-            guards["sv"] = -(a.weak * fall + b.weak * rise)
+        for k, (own, other) in enumerate(zip(a.weak, b.weak, strict=True)):
+            guards[f"sv{k}"] = -(own * fall + other * rise)
         room = Inequality(a.value * fall + b.value * rise, guards, zeros=a.zeros, open=frozenset(("sp", "sq")))
         yield Claim(f"{claim.name} pair {i} {j}", (room,), claim.strict, claim.at_origin, claim.bounded, claim.border)
 

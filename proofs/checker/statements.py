@@ -15,9 +15,9 @@ from typing import Any, TypeAlias
 
 from .cells import System
 from .escape import show_escape
-from .lyapunov import Statement, show_departure, show_instability, show_stability
 from .positivity import Proofs
 from .roots import read_subject
+from .theorems import Statement, show_departure, show_instability, show_stability
 from .work import BUDGET, MALFORMED, RejectedError, items, require, take
 
 VERSION = "nonsmooth-certificate/2"
@@ -109,7 +109,8 @@ def _equilibrium(said: bool, system: System) -> str:
 def _attracts(said: Any, system: System) -> str:
     if said == "everywhere":
         return "every solution reaches the point"
-    return f"every start with V < {said['below']} within {_cube(said, system)} reaches the point, {_function(said, system)}"
+    starts = f"every start with V < {said['below']} within {_cube(said, system)}"
+    return f"{starts} reaches the point, {_function(said, system)}"
 
 
 def _rate(said: Any, system: System) -> str:

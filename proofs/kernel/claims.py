@@ -35,10 +35,8 @@ class Functions(Lyapunov):
     def __init__(self, system: System, cells: dict[str, Any], functions: Sequence[str]) -> None:
         BUDGET.grant(1 << 60)  # nobody forged this: it is the search's own question
         self.collected = Collected()
-        self.inclusion = Inclusion(system, cells, list(functions), self.collected)
-        self.count, self.bounded = system.count, self.inclusion.domain.bounded
-        self.has_second, self.below, self.border, self.number = False, None, "", 0
-        self.proofs = self.collected
+        super().__init__(Inclusion(system, cells, list(functions), self.collected), self.collected)
+        self.number = 0
 
     def potential(self, cell: Cell) -> Polynomial:
         """The function with the number, on a cell."""

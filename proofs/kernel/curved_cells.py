@@ -1,4 +1,4 @@
-"""Patterns of signs that curved surfaces do not have in a cube: samples propose them, the checker's own claims show them.
+"""Patterns of signs that curved surfaces do not have in a cube: samples propose them, the checker's claims show them.
 
 Of affine surfaces alone an exact linear program finds all patterns that do not occur
 (:mod:`nonsmooth.proofs.kernel.stated_cells`).  Beside a curved surface it takes both signs everywhere, also in cones
@@ -42,7 +42,7 @@ def sharpened(stated: StatedCells, subject: System, search: Search) -> StatedCel
             continue
         for mark in _contradictions(cell.signs, signs, known.surfaces):
             if _is_shown(stated, mark, subject, search):
-                found = replace(found, empty=(*found.empty, mark))
+                found = replace(found, empty={**found.empty, mark: search.found[f"empty {mark}"][1]})
                 break
     return found
 

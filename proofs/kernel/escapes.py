@@ -20,14 +20,15 @@ from scipy.linalg import solve_continuous_lyapunov
 
 from nonsmooth.proofs.checker.cells import pattern, read_system, solve
 from nonsmooth.proofs.checker.escape import lowest_form_at
-from nonsmooth.proofs.checker.lyapunov import Statement, sign_along
+from nonsmooth.proofs.checker.lyapunov import sign_along
 from nonsmooth.proofs.checker.polynomials import Polynomial, constant, lie_derivative, variable
+from nonsmooth.proofs.checker.theorems import Statement
 from nonsmooth.proofs.kernel.first_terms import MIDDLE, quadratic_form
 from nonsmooth.proofs.kernel.samples import SampledProofs, values_at
 from nonsmooth.proofs.kernel.search import NotShownError, Search
+from nonsmooth.proofs.kernel.subject import about
 from nonsmooth.proofs.kernel.written import as_checked, formula_text
 from nonsmooth.proofs.many_states.sign_cells import SignCell, SignCells, adjoining, build_cells, rational_terms
-from nonsmooth.proofs.systems.system_certificate import about
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 Floats: TypeAlias = NDArray[np.float64]

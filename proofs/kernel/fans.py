@@ -1,7 +1,7 @@
 """Piecewise linear functions V of two states by their values on rays, where the first terms of the fields decide.
 
 Lines through the point, among them the tangents of all switching curves, cut the plane into cones; V is linear on each,
-so it is given by its values on the rays.  That it falls along the first terms f of the fields is linear in these values:
+so it is given by its values on the rays.  That it falls along the first terms f of the fields is linear in them:
 ``grad V . f(u) < 0`` at directions u of each closed cone, and ``rho V(r) < 0`` on each ray r along which a mixture of
 fields from both sides has the radial velocity ``rho r``.  A linear program in floats proposes the values; terms of
 higher order change little on a small cube, on which the theorem's own claims decide.
@@ -17,14 +17,14 @@ from typing import Any, TypeAlias
 import numpy as np
 from scipy.optimize import linprog
 
-from nonsmooth.proofs.checker.cells import Cell, Inclusion, System, read_system
-from nonsmooth.proofs.checker.lyapunov import ASYMPTOTICALLY_STABLE, UNSTABLE, Statement
+from nonsmooth.proofs.checker.cells import Cell, Inclusion, read_system
 from nonsmooth.proofs.checker.polynomials import Polynomial
+from nonsmooth.proofs.checker.theorems import UNSTABLE, Statement
 from nonsmooth.proofs.kernel.curved_cells import sharpened
 from nonsmooth.proofs.kernel.samples import Floats, SampledProofs, values_at
 from nonsmooth.proofs.kernel.search import NotShownError, Search
 from nonsmooth.proofs.kernel.stated_cells import StatedCells, scaled, stated_cells
-from nonsmooth.proofs.systems.system_certificate import about
+from nonsmooth.proofs.kernel.subject import about
 from nonsmooth.proofs.systems.tangent_fan import form_lines, lowest_form
 from nonsmooth.symbolic.numbers.polynomial import Polynomial as Form
 from nonsmooth.symbolic.switched_system import SwitchedSystem
@@ -76,7 +76,9 @@ def show_by_fan(system: SwitchedSystem, verdict: str, search: Search | None = No
             stated = sharpened(stated, subject, search)
             cones = build_cones(Inclusion(subject, stated.record, [], search))
             values = falling_values(cones, verdict)
-            for denominator in DENOMINATORS if values is not None else ():
+            if values is None:
+                continue
+            for denominator in DENOMINATORS:
                 short = [Fraction(float(value)).limit_denominator(denominator) for value in values]
                 try:
                     theorem, hypotheses = _written(stated, cones, short, verdict, system)
@@ -117,7 +119,7 @@ def _direction(line: Form) -> Ray:
 
 def _upper(vector: Ray) -> Ray:
     size = max(abs(vector[0]), abs(vector[1]))
-    sign = 1 if (vector[1], vector[0]) > (0, 0) else -1
+    sign = 1 if (vector[1], vector[0]) > (Fraction(0), Fraction(0)) else -1
     return vector[0] / size * sign, vector[1] / size * sign
 
 

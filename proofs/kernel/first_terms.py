@@ -18,14 +18,15 @@ from scipy.linalg import solve_continuous_lyapunov
 from scipy.optimize import linprog
 
 from nonsmooth.proofs.checker.cells import Inclusion, System, read_system
-from nonsmooth.proofs.checker.lyapunov import ASYMPTOTICALLY_STABLE, Statement, sign_along
+from nonsmooth.proofs.checker.lyapunov import sign_along
 from nonsmooth.proofs.checker.polynomials import Polynomial, constant, variable
+from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE, Statement
 from nonsmooth.proofs.kernel.curved_cells import sharpened
 from nonsmooth.proofs.kernel.samples import Floats, SampledProofs
 from nonsmooth.proofs.kernel.search import NotShownError, Search
 from nonsmooth.proofs.kernel.stated_cells import StatedCells, stated_cells
+from nonsmooth.proofs.kernel.subject import about
 from nonsmooth.proofs.kernel.written import formula_text
-from nonsmooth.proofs.systems.system_certificate import about
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 Record: TypeAlias = dict[str, Any]
@@ -56,7 +57,9 @@ def show_departure_of(system: SwitchedSystem, search: Search | None = None) -> t
         stated = _cells(system, share, subject, search)
         velocities = [[part.at_origin for part in field] for field in fields_around(stated, subject, search)]
         direction = leading_direction(np.array(velocities, dtype=float))
-        for denominator in DENOMINATORS if direction is not None else ():
+        if direction is None:
+            continue
+        for denominator in DENOMINATORS:
             short = [str(Fraction(float(x)).limit_denominator(denominator)) for x in direction]
             try:
                 return search.entry(subject, "departure", {"cells": stated.record, "direction": short})

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, TypeAlias
 
-from nonsmooth.proofs.checker.lyapunov import ASYMPTOTICALLY_STABLE, UNSTABLE, Statement
+from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE, UNSTABLE, Statement
 from nonsmooth.proofs.kernel.escapes import show_escape_of
 from nonsmooth.proofs.kernel.fans import show_by_fan
 from nonsmooth.proofs.kernel.first_terms import show_departure_of, show_linearization_of

@@ -18,8 +18,8 @@ from flint import arb, fmpq, fmpq_poly
 
 from nonsmooth.proofs.checker.cells import Domain, System, pattern
 from nonsmooth.proofs.checker.formulas import SignOf
-from nonsmooth.proofs.checker.lyapunov import ASYMPTOTICALLY_STABLE, STABLE
 from nonsmooth.proofs.checker.polynomials import Polynomial
+from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE, STABLE
 from nonsmooth.proofs.checker.work import BUDGET, RejectedError
 from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.systems.scalar_stability import ScalarResult

@@ -10,9 +10,9 @@ from collections.abc import Mapping
 from typing import Any
 
 from nonsmooth.proofs.checker.cells import System
-from nonsmooth.proofs.checker.lyapunov import Statement
 from nonsmooth.proofs.checker.positivity import Claim, Proofs
 from nonsmooth.proofs.checker.statements import THEOREMS
+from nonsmooth.proofs.checker.theorems import Statement
 from nonsmooth.proofs.checker.work import BUDGET, RejectedError
 from nonsmooth.proofs.kernel import mixtures, simplices, squares
 

@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from nonsmooth.proofs.checker.lyapunov import show_rate
 from nonsmooth.proofs.checker.positivity import Claim
+from nonsmooth.proofs.checker.theorems import show_rate
 from nonsmooth.proofs.kernel.claims import Collected
 from nonsmooth.proofs.kernel.squares import condition_of, find, mu_shapes, terms_of, with_values
 from nonsmooth.proofs.many_states.examination import Asked, Examination, are_about_forms

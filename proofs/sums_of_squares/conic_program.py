@@ -119,7 +119,8 @@ def solve(
                     matrix.add(matrix.count, margin, inner if k else 1.0)
                 matrix.count += 1
                 right.append(0.0)
-            cones.append(clarabel.PSDTriangleConeT(size) if size > 1 else clarabel.NonnegativeConeT(1))
+            if size:
+                cones.append(clarabel.PSDTriangleConeT(size) if size > 1 else clarabel.NonnegativeConeT(1))
     if not np.isfinite([*matrix.values, *right]).all():  # coefficients beyond the range of floats
         return None
     shape = (matrix.count, total)

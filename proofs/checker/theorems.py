@@ -1,0 +1,140 @@
+"""Theorems about stability: what each needs to know, what it asks, and what it then states."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import Any, TypeAlias
+
+from .cells import Cell, Inclusion, System
+from .invariance import MAX_OTHERS, Chain
+from .lyapunov import Lyapunov
+from .polynomials import Polynomial, constant
+from .positivity import Proofs
+from .work import items, rational, require, take
+
+Statement: TypeAlias = dict[str, Any]
+
+ASYMPTOTICALLY_STABLE, STABLE, UNSTABLE = "asymptotically stable", "stable", "unstable"
+
+
+def show_stability(system: System, hypotheses: Any, proofs: Proofs) -> list[Statement]:
+    """V is positive and does not rise: stable; it falls: asymptotically stable.
+
+    A V that does not rise is enough for attraction where nothing else stays on one level of it, which further functions
+    W_1, ..., W_k show (LaSalle 1960; Matrosov 1962; Ryan 1998): along every velocity off the point the first of
+    ``-V', W_1', ..., W_k'`` that is not zero is positive.  *Proof.*  V falls to a limit along a bounded solution, so
+    this tends to a compact set L_0 that is weakly invariant, with V constant.  Let V, W_1, ..., W_(j-1) be constant on
+    such a set.  Along a solution in it W_j does not fall, and tends to a limit; what the solution tends to is such a
+    set on which W_j is constant too.  In the last one a solution has no rate that is not zero: it is at the point.
+    There V is zero, so it is zero on L_0, which is the point.
+
+    With ``everywhere``, V and the field are forms on cones: every solution tends to the point.  With ``level``, every
+    start of the cube with ``V < level`` stays there and tends to the point; with ``below``, nothing is asked of points
+    with ``V >= level`` but on the border of the cube.  With ``rate``, V falls that fast; with ``gain`` beside it, of
+    solutions of ``x' in F(x) + d`` it falls that fast less ``gain |d|``, in the Euclidean norm.
+    """
+    names = "cells function second verdict everywhere level below rate"
+    cells, function, second, verdict, everywhere, level, below, rate, gain = take(hypotheses, names, "gain")
+    require(verdict in (ASYMPTOTICALLY_STABLE, STABLE), "a verdict")
+    attracts = verdict == ASYMPTOTICALLY_STABLE
+    require(attracts or second is None, "further functions where the point attracts")
+    own = read_functions(system, cells, function, second, proofs)
+    if below is True:
+        own.require_below(rational(level))
+    own.show_zero()
+    own.show_positive()
+    show_falling(own, strict=attracts)
+    shown: list[Statement] = [{"stability": verdict}]
+    about = {"function": function, "within": cells["within"]}
+    if type(function) is not str:
+        about["surfaces"] = cells["surfaces"]  # to whose signs the pieces of V refer
+    if system.coordinates != system.states:
+        about["in"] = list(system.coordinates)
+    if everywhere is True:
+        require(attracts and below is not True, "an attracting point")
+        own.require_all_of_space()
+        shown.append({"attracts": "everywhere"})
+    if level is not None:
+        require(attracts and own.bounded and rational(level) > 0, "a positive level around a point that attracts")
+        own.show_border(rational(level))
+        shown.append({"attracts": {**about, "below": level}})
+    if rate is not None:
+        require(system.coordinates == system.states, "rates in the time of the states")
+        show_rate(own, rate, gain)
+        shown.append({"rate": {**about, **rate, **({"below": level} if below is True else {})}})
+        shown += [{"gain": {**shown[-1]["rate"], "gamma": gain}}] if gain is not None else []
+    return shown
+
+
+def show_rate(own: Lyapunov, rate: Any, gain: Any = None) -> None:
+    """``V' <= -kappa V`` (exponential) or ``V' <= -kappa`` (finite) off the point, on the domain; less ``gain |d|``.
+
+    The derivative is taken here in units of the half-width of the cube.  Let ``x' = v + d`` with v in F(x).  At almost
+    all times at which V bends on one surface g it has the derivative ``q . (v + d)`` for every
+    ``q = grad P + mu grad g``.  Each field f beside the face allows an interval of mu for which ``q . f`` is at most
+    that of the rate.  These intervals have a point in common, and each holds an end of the interval of the gradients
+    between those of V on both sides; so all have a common point (Helly), and there ``q . d`` is at most ``gain |d|``.
+    """
+    kind, kappa = take(rate, "kind kappa")
+    speed = rational(kappa) * own.inclusion.domain.radius
+    require(speed > 0 and kind in ("finite", "exponential"), "a positive rate, finite or exponential")
+    whole_rate = constant(own.count, speed)
+
+    def shift(cell: Cell) -> Polynomial:
+        return whole_rate if kind == "finite" else whole_rate * own.potential(cell)
+
+    own.show_falls("rate ", shift, strict=False)
+    if gain is not None:
+        require(rational(gain) > 0, "a positive gain")
+        own.show_gradient(rational(gain) * own.inclusion.domain.radius)
+
+
+def show_instability(system: System, hypotheses: Any, proofs: Proofs) -> list[Statement]:
+    """V falls where it is not positive, and is negative at all small distances in one direction, inside a cell.
+
+    From there V falls, so it stays negative and the solution away from the point, where V is zero; away from it V falls
+    at a speed that is bounded from below, and is bounded on the cube: the solution leaves it.  A V that does not rise
+    is enough with further functions, as for stability: a solution that stayed in the cube would tend to the point,
+    where V is zero.
+    """
+    cells, function, second, direction = take(hypotheses, "cells function second direction")
+    own = read_functions(system, cells, function, second, proofs)
+    require(own.bounded, "a cube")
+    own.below = Fraction(0)
+    own.show_zero()
+    show_falling(own, strict=True)
+    ray = [rational(value) for value in items(direction, own.count)]
+    require(own.is_negative_along(ray), "a V that is negative in the direction")
+    return [{"stability": UNSTABLE}]
+
+
+def show_departure(system: System, hypotheses: Any, proofs: Proofs) -> list[Statement]:
+    """All velocities at the point have a positive product with one direction, so 0 is not in F there.
+
+    F is upper semicontinuous, so near the point all products stay above a positive number: every solution leaves.
+    """
+    cells, data = take(hypotheses, "cells direction")
+    inclusion = Inclusion(system.stated, cells, ["0"], proofs)
+    direction = [rational(value) for value in items(data, system.count)]
+    for cell in inclusion.around():
+        for _, field in cell.fields:
+            product = sum((n * part.at_origin for n, part in zip(direction, field, strict=True)), Fraction(0))
+            require(product > 0, "a direction in which all velocities at the point lead")
+    return [{"stability": UNSTABLE}, {"equilibrium": False}]
+
+
+def read_functions(system: System, cells: Any, function: Any, second: Any, proofs: Proofs) -> Lyapunov:
+    """V, with further functions where the hypotheses name some."""
+    if second is None:
+        return Lyapunov(Inclusion(system, cells, [function], proofs), proofs)
+    others, zeros = take(second, "functions zeros")
+    functions = [function, *items(others, most=MAX_OTHERS)]
+    return Chain(Inclusion(system, cells, functions, proofs), proofs, zeros)
+
+
+def show_falling(own: Lyapunov, *, strict: bool) -> None:
+    """V falls off the point, or does not rise; where there are further functions, these rise one after the other."""
+    if isinstance(own, Chain):
+        own.show_chain()
+    else:
+        own.show_falls("", own.zero, strict=strict)

@@ -1,0 +1,256 @@
+"""Bounds from below of rates that are not negative, so that it is known where they vanish.
+
+A polynomial r is split into irreducible factors (python-flint).  A factor stays as it is if it is a switching surface
+with a sign or has an even power; one that is positive is replaced by a number; any other one must be a sum of surfaces
+with their signs, squares of linear forms and monomials that are seen to be nonnegative.  Where this fails, and for the
+rates of mixtures on faces, powers of coordinates and surfaces are compared with r at points.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import product
+from math import prod
+from typing import Any, TypeAlias
+
+import numpy as np
+from flint import Ordering, fmpq, fmpq_mpoly_ctx
+from numpy.typing import NDArray
+from scipy.optimize import nnls
+
+from nonsmooth.proofs.checker.cells import Face, Signs
+from nonsmooth.proofs.checker.polynomials import Polynomial, unit, variable
+from nonsmooth.proofs.kernel.search import NotShownError
+
+LEAST = 1e-3  # of a ratio to a power that is worth to be stated
+POWERS = (2, 4, 6, 8)
+TINY = 1e-12
+
+Floats: TypeAlias = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Power:
+    """A base with its exponent.
+
+    Attributes:
+        base: a polynomial on the face, or the number of a surface, with its sign there.
+        exponent: even unless the base is a surface.
+    """
+
+    base: Polynomial | int
+    exponent: int
+
+
+Term: TypeAlias = tuple[Fraction, tuple[Power, ...]]
+
+
+class Bounds:
+    """The bounds at one place.
+
+    Args:
+        place: a face, or a part of a cell.
+        signs: of surfaces there.
+        states: their names.
+        surfaces: their texts.
+        points: some, of shape (m, d), in the coordinates of the place.
+    """
+
+    def __init__(
+        self, place: Face, signs: Signs, states: Sequence[str], surfaces: Sequence[str], points: Floats
+    ) -> None:
+        self.place, self.states, self.surfaces, self.points = place, states, surfaces, points
+        listed = place.inclusion.surfaces
+        restricted = {j: place.restricted(listed.signed(j, s)) for j, s in signs.items()}
+        self.guards = {j: own for j, own in restricted.items() if own.degree}
+        self.signs = signs
+
+    # ---- of a polynomial -----------------------------------------------------------------------
+
+    def below(self, rate: Polynomial) -> list[Term] | None:
+        """Terms of a bound of a polynomial by its factors; None where these do not tell."""
+        if not rate:
+            return []
+        number, factors = factorized(rate)
+        total: list[Term] = [(Fraction(1), ())]
+        for factor, exponent in factors:
+            values = evaluated(factor, self.points)
+            turned = exponent % 2 == 1 and values.max(initial=0.0) <= TINY
+            if exponent % 2 == 1 and not turned and values.min(initial=0.0) < -TINY:
+                return None
+            number = -number if turned else number
+            own = self._of_factor(-factor if turned else factor, exponent, -values if turned else values)
+            if own is None:
+                return None
+            total = [(a * b, (*u, *v)) for (a, u), (b, v) in product(total, own)]
+        return [(number * factor, powers) for factor, powers in total] if number > 0 else None
+
+    def _of_factor(self, factor: Polynomial, exponent: int, values: Floats) -> list[Term] | None:
+        for j, guard in self.guards.items():
+            share = ratio(factor, guard)
+            if share is not None and (share > 0 or exponent % 2 == 0):
+                return [(share**exponent, (Power(j, exponent),))]
+        if factor.at_origin > 0 and (least := values.min(initial=float(factor.at_origin))) > 0:
+            return [(_rounded_down(least / 2) ** exponent, ())]
+        if exponent % 2 == 0 and is_solvable(factor):
+            return [(Fraction(1), (Power(factor, exponent),))]
+        summed = self._summed(factor)
+        if summed is None:
+            if exponent % 2 == 0 and values.min(initial=0.0) < 0 < values.max(initial=0.0):
+                raise NotShownError("zeros of a rate on a curve that cannot be solved for a variable")
+            return None
+        return [(c**exponent, tuple(Power(own.base, own.exponent * exponent) for own in term)) for c, term in summed]
+
+    def _summed(self, value: Polynomial) -> list[Term] | None:
+        """A polynomial that is zero at the origin as a sum of terms that are not negative."""
+        linear = {e: c for e, c in value.terms.items() if sum(e) == 1}
+        quadratic = {e: c for e, c in value.terms.items() if sum(e) == 2}
+        found = list(self._monomials({e: c for e, c in value.terms.items() if sum(e) > 2}))
+        by_surfaces = self._by_surfaces(Polynomial(value.count, linear))
+        squares = squares_of(Polynomial(value.count, quadratic))
+        if None in found or by_surfaces is None or squares is None or value.at_origin:
+            return None
+        return [*by_surfaces, *squares, *(term for term in found if term is not None)]
+
+    def _by_surfaces(self, form: Polynomial) -> list[Term] | None:
+        """A linear form as a sum of signed surfaces through the origin, with weights that are not negative."""
+        listed = {j: own for j, own in self.guards.items() if own.degree == 1 and not own.at_origin}
+        if not form or not listed:
+            return None if form else []
+        columns = np.array([[float(own.slope(k)) for own in listed.values()] for k in range(form.count)])
+        weights, _ = nnls(columns, np.array([float(form.slope(k)) for k in range(form.count)]))
+        exact = [Fraction(weight).limit_denominator(1000) for weight in weights]
+        rest = form
+        for weight, own in zip(exact, listed.values(), strict=True):
+            rest -= own.times(weight)
+        return None if rest else [(w, (Power(j, 1),)) for w, j in zip(exact, listed, strict=True) if w]
+
+    def _monomials(self, terms: Mapping[tuple[int, ...], Fraction]) -> Iterator[Term | None]:
+        """Each monomial whose sign is seen, by even powers and coordinates that are surfaces; None for any other."""
+        for exponents, value in terms.items():
+            powers, factor = [], value
+            for k, exponent in enumerate(exponents):
+                own = variable(len(exponents), k)
+                if exponent % 2 == 0:
+                    powers += [Power(own, exponent)] if exponent else []
+                    continue
+                found = ((j, ratio(own, guard)) for j, guard in self.guards.items())
+                j, share = next(((j, share) for j, share in found if share is not None), (0, Fraction(0)))
+                powers.append(Power(j, exponent))
+                factor *= share**exponent
+            yield (factor, tuple(powers)) if factor > 0 else None
+
+    # ---- of values -----------------------------------------------------------------------------
+
+    def at_points(self, places: Floats, values: Floats) -> list[Term]:
+        """Terms of a bound of values at points: powers of coordinates and surfaces that are below them."""
+        found: list[Term] = []
+        size = self.place.dimension
+        bases: list[tuple[Polynomial | int, Polynomial]] = list(self.guards.items())
+        bases += [(variable(size, k), variable(size, k)) for k in range(size)]
+        for name, base in bases:
+            against = np.abs(evaluated(base, places))
+            at = against > TINY
+            for power in (1, *POWERS) if isinstance(name, int) else POWERS:
+                least = float(np.min(values[at] / against[at] ** power, initial=1.0))
+                if at.any() and least > LEAST:
+                    found.append((_rounded_down(least / 2), (Power(name, power),)))
+                    break
+        return [(factor / len(found), powers) for factor, powers in found]
+
+    # ---- as certificates write them ------------------------------------------------------------
+
+    def written(self, terms: Sequence[Term]) -> list[Any]:
+        """Terms as lists of numbers, texts in the displacement, and exponents."""
+        found = []
+        for factor, powers in terms:
+            texts = [self._text(power.base) for power in powers]
+            shares = (share**power.exponent for (_, share), power in zip(texts, powers, strict=True))
+            listed = [[text, power.exponent] for (text, _), power in zip(texts, powers, strict=True)]
+            found.append([str(prod(shares, start=factor)), listed])
+        return found
+
+    def _text(self, base: Polynomial | int) -> tuple[str, Fraction]:
+        """A base as a formula, and by what number it was divided."""
+        if isinstance(base, int):
+            own = self.surfaces[base]
+            return own if self.signs[base] > 0 else f"-({own})", Fraction(1)
+        radius = self.place.inclusion.domain.radius
+        names = [self.states[self.place.coordinates.index(variable(base.count, k))] for k in range(base.count)]
+        scaled = {e: c / radius ** sum(e) for e, c in base.terms.items()}
+        leading = scaled[max(scaled)]
+        return formula(Polynomial(base.count, {e: c / leading for e, c in scaled.items()}), names), leading
+
+
+# ---- polynomials -----------------------------------------------------------------------------------
+
+
+def formula(value: Polynomial, names: Sequence[str]) -> str:
+    """A polynomial as a text."""
+    parts = []
+    for exponents, c in sorted(value.terms.items(), reverse=True):
+        powers = [name if e == 1 else f"{name}**{e}" for name, e in zip(names, exponents, strict=True) if e]
+        number = str(abs(c)) if abs(c) != 1 or not powers else ""
+        parts.append(f"{'-' if c < 0 else '+'} {'*'.join([*([number] if number else []), *powers])}")
+    joined = " ".join(parts)
+    return joined[2:] if joined.startswith("+") else f"-{joined[2:]}"
+
+
+def factorized(value: Polynomial) -> tuple[Fraction, list[tuple[Polynomial, int]]]:
+    """A number, and irreducible factors over the rationals with their exponents."""
+    if not value.degree:
+        return value.at_origin, []
+    names = tuple(f"u{k}" for k in range(value.count))
+    context = fmpq_mpoly_ctx.get(names, Ordering.lex)
+    number, parts = context.from_dict({e: fmpq(c.numerator, c.denominator) for e, c in value.terms.items()}).factor()
+    found = []
+    for part, exponent in parts:
+        terms = {tuple(map(int, e)): Fraction(int(c.p), int(c.q)) for e, c in part.to_dict().items()}
+        found.append((Polynomial(value.count, terms), int(exponent)))
+    return Fraction(int(number.p), int(number.q)), found
+
+
+def ratio(value: Polynomial, other: Polynomial) -> Fraction | None:
+    """By what number a polynomial is a multiple of another one; None where it is none."""
+    lead = max(other.terms)
+    share = value.terms.get(lead, Fraction(0)) / other.terms[lead]
+    return share if share and other.times(share) == value else None
+
+
+def is_solvable(value: Polynomial) -> bool:
+    """Whether one variable occurs alone, and in one term only."""
+    return any(value.slope(k) and sum(bool(e[k]) for e in value.terms) == 1 for k in range(value.count))
+
+
+def squares_of(value: Polynomial) -> list[Term] | None:
+    """A quadratic form as a sum of squares of linear forms, by Lagrange's reduction; None for an indefinite one."""
+    found: list[Term] = []
+    while value:
+        k = next((k for k in range(value.count) if value.terms.get(_square(value.count, k), 0) > 0), None)
+        if k is None:
+            return None
+        pivot = value.terms[_square(value.count, k)]
+        form = value.derivative(k).times(1 / (2 * pivot))
+        found.append((pivot, (Power(form, 2),)))
+        value -= (form * form).times(pivot)
+    return found
+
+
+def _square(count: int, k: int) -> tuple[int, ...]:
+    return tuple(2 * e for e in unit(count, k))
+
+
+def evaluated(value: Polynomial, points: Floats) -> Floats:
+    """A polynomial at points of shape (m, d), in floats."""
+    total = np.zeros(len(points))
+    for exponents, c in value.terms.items():
+        total += float(c) * np.prod(points ** np.array(exponents, dtype=float), axis=1)
+    return total
+
+
+def _rounded_down(value: float) -> Fraction:
+    """A number with few digits that is positive and not larger."""
+    exponent = int(np.floor(np.log2(value))) - 2
+    return Fraction(int(value / 2.0**exponent)) * Fraction(2) ** exponent

@@ -1,0 +1,421 @@
+"""The search for further functions W that rise where a weak Lyapunov function V is kept, and for bounds of the rates.
+
+LaSalle's principle as :func:`nonsmooth.proofs.checker.lyapunov.show_stability` states it: W_1, W_2, ... one after the
+other rise along all velocities with which the functions before stay constant, until nothing is left off the point.
+
+At points of the places that are left the velocities of solutions are mixtures of finitely many extreme ones.  That W
+rises along them is linear in its coefficients.  Monomials alone are tried first, then the least sum of coefficients.
+If no W rises along all of them, one that falls along none and rises along many makes the places fewer.  Floats propose;
+what is proposed is shown by the proofs of the theorem.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import combinations, product
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import linprog, nnls
+
+from nonsmooth.proofs.checker.cells import Cell, Face, Inclusion, System
+from nonsmooth.proofs.checker.invariance import MAX_OTHERS, Bound, Chain, common_signs
+from nonsmooth.proofs.checker.polynomials import Exponents, Polynomial
+from nonsmooth.proofs.checker.work import BUDGET, RejectedError
+from nonsmooth.proofs.kernel.bounds import Bounds, evaluated, formula
+from nonsmooth.proofs.kernel.search import NotShownError, Search
+
+SCALES = (1.0, 0.5, 0.25, 0.1, 0.03)  # of the points, in units of the cube
+DIRECTIONS = 16  # at random, on each scale and in each subspace of coordinates
+SMALL = 1e-10  # relative size of a rate that is called zero
+NEAR = 1e-9  # distance from a surface that is called zero
+DEGREES = {1: 8, 2: 6, 3: 4, 4: 4}  # of W by the number of states; 3 in more
+BENT_DEGREES = {1: 4, 2: 5}  # where W bends on surfaces
+WEIGHTS = {2: ((1, 1), (2, 1), (1, 2), (3, 1), (1, 3), (3, 2), (2, 3))}  # of the states; ones for other numbers of them
+MOST_HELPFUL = 3  # functions that make the places fewer, tried at each step
+MOST_BENDING = 4  # surfaces
+LEAST_MARGIN = 1e-6
+DENOMINATORS = (1, 2, 3, 4, 6, 8, 16, 64)
+MOST_TRIES = 24  # lists of functions
+
+Floats: TypeAlias = NDArray[np.float64]
+
+
+def find_second(
+    system: System, cells: Mapping[str, Any], function: Any, search: Search | None = None
+) -> dict[str, Any] | None:
+    """Functions and bounds for the hypothesis ``second`` of the theorems about a V that does not rise.
+
+    Args:
+        system: the subject.
+        cells: as a certificate states them.
+        function: V, likewise.
+        search: keeps the proofs that are found.
+
+    Returns:
+        The hypothesis; None where V rises somewhere, and where nothing was found or shown.
+    """
+    return Chains(system, cells, function, Search() if search is None else search).extended([])
+
+
+class Chains:
+    """The lists of functions W that are tried, from the first to the last one."""
+
+    def __init__(self, system: System, cells: Mapping[str, Any], function: Any, search: Search) -> None:
+        self.system, self.cells, self.function, self.search = system, cells, function, search
+        self.tries = 0
+
+    def extended(self, others: list[str]) -> dict[str, Any] | None:
+        """The hypothesis with some functions, and further ones where places are left."""
+        self.tries += 1
+        BUDGET.grant(1 << 60)
+        try:
+            survey = Survey(self.system, self.cells, self.function, others, self.search)
+        except (NotShownError, RejectedError):
+            return None
+        if not survey.left:
+            return {"functions": others, "zeros": survey.zeros}
+        for candidate in next_functions(survey) if len(others) < MAX_OTHERS else ():
+            found = self.extended([*others, candidate])
+            if found is not None or self.tries >= MOST_TRIES:
+                return found
+        return None
+
+
+# ---- what is left ----------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Left:
+    """A place at which the functions that are known stay constant along some velocities.
+
+    Attributes:
+        cell: whose polynomials the functions are there.
+        points: of shape (m, n), in units of the cube.
+        velocities: of shape (m, n), one at each.
+    """
+
+    cell: Cell
+    points: Floats
+    velocities: Floats
+
+
+class Survey(Chain):
+    """The places that some functions leave, with bounds of their rates, which are shown.
+
+    Attributes:
+        zeros: the bounds by the names of claims.
+        left: what is not yet shown to rise.
+
+    Raises:
+        NotShownError: where a rate is negative at a point, or a bound is not shown.
+    """
+
+    def __init__(
+        self, system: System, cells: Mapping[str, Any], function: Any, others: Sequence[str], search: Search
+    ) -> None:
+        self.system, self.stated = system, cells
+        super().__init__(Inclusion(system, dict(cells), [function, *others], search), search, {})
+        self.left: list[Left] = []
+        self.show_chain()
+
+    def leave(self, name: str, place: Face, cells: Sequence[Cell]) -> None:
+        """Note a place at which all functions may stay constant."""
+        samples = sampled(place, cells).still(cells[0].functions)
+        self.left.append(Left(cells[0], samples.points, samples.velocities))
+
+    def bound(self, name: str, step: int, place: Face, cells: Sequence[Cell]) -> Bound | None:
+        """Propose a bound of the rate of a step; None where it is positive at all points that are looked at."""
+        functions, signs, samples = cells[0].functions, common_signs(cells), sampled(place, cells)
+        still = samples.still(functions[:step])
+        values, sizes = rates(functions, step, still.points, still.velocities)
+        if np.any(values < -SMALL * sizes):
+            raise NotShownError(f"a rate is negative in {name}")
+        is_positive = bool(np.all(values > SMALL * sizes))
+        bounds = Bounds(place, signs, self.system.states, self.stated["surfaces"], samples.coordinates)
+        terms = None
+        if not place.zero:
+            ((_, field),) = cells[0].fields
+            terms = bounds.below(self.rate(place, functions[step] if step else -functions[0], field))
+        if terms is None and not is_positive:
+            terms = bounds.at_points(still.coordinates, values)
+        if terms is None:
+            return None
+        written = bounds.written(terms)
+        found = Bound(written, place, signs)
+        if is_positive and not found.places():
+            return None
+        self.zeros[name] = written
+        return found
+
+
+def rates(functions: Sequence[Polynomial], step: int, points: Floats, velocities: Floats) -> tuple[Floats, Floats]:
+    """The rate of a step at points along velocities, and the sizes of the numbers that it is a sum of."""
+    sign = 1.0 if step else -1.0
+    slopes = gradient(functions[step], points)
+    return sign * np.sum(slopes * velocities, axis=1), np.sum(np.abs(slopes * velocities), axis=1) + 1e-300
+
+
+def gradient(function: Polynomial, points: Floats) -> Floats:
+    """Of shape (m, n)."""
+    return np.stack([evaluated(function.derivative(k), points) for k in range(function.count)], axis=1)
+
+
+@dataclass(frozen=True)
+class Samples:
+    """Points of a place, each with an extreme velocity of the solutions there.
+
+    Attributes:
+        coordinates: of shape (m, d), in the free variables of the place.
+        points: of shape (m, n).
+        velocities: of shape (m, n).
+    """
+
+    coordinates: Floats
+    points: Floats
+    velocities: Floats
+
+    def still(self, functions: Sequence[Polynomial]) -> Samples:
+        """Those where some functions stay constant."""
+        kept = np.ones(len(self.points), dtype=bool)
+        for k in range(len(functions)):
+            values, sizes = rates(functions, k, self.points, self.velocities)
+            kept &= np.abs(values) <= SMALL * sizes
+        return Samples(self.coordinates[kept], self.points[kept], self.velocities[kept])
+
+
+def sampled(place: Face, cells: Sequence[Cell]) -> Samples:
+    """Points of a place off the origin, with the extreme velocities that keep its surfaces zero."""
+    listed, count = place.inclusion.surfaces.listed, place.inclusion.count
+    coordinates = points_of(place)
+    points = np.stack([evaluated(form, coordinates) for form in place.coordinates], axis=1)
+    inside = np.all(np.abs(points) <= 1 + NEAR, axis=1) & np.any(np.abs(points) > NEAR, axis=1)
+    for j in place.curved:
+        inside &= np.abs(evaluated(listed[j], points)) <= NEAR
+    coordinates, points = coordinates[inside], points[inside]
+    values = [evaluated(surface, points) for surface in listed]
+    normals = [gradient(listed[j], points) for j in place.zero]
+    fields: list[tuple[NDArray[np.bool_], Floats]] = []
+    for cell in cells:
+        beside = np.ones(len(points), dtype=bool)
+        for j, sign in enumerate(cell.signs):
+            beside &= (sign * values[j] >= -NEAR) | (j in place.zero)
+        fields += [(beside, np.stack([evaluated(part, points) for part in field], axis=1)) for _, field in cell.fields]
+    found: list[tuple[Floats, Floats, Floats]] = []
+    for i in range(len(points)):
+        own = [field[i] for beside, field in fields if beside[i]]
+        found += [(coordinates[i], points[i], v) for v in extreme_velocities(own, [normal[i] for normal in normals])]
+    if not found:
+        return Samples(np.zeros((0, place.dimension)), np.zeros((0, count)), np.zeros((0, count)))
+    return Samples(*(np.array(part) for part in zip(*found, strict=True)))
+
+
+def points_of(place: Face) -> Floats:
+    """Coordinates of points on several scales: in subspaces of coordinates, and from there on affine surfaces."""
+    size, rng = place.dimension, np.random.default_rng(0)
+    subsets = list(product((0.0, 1.0), repeat=size)) if size <= 4 else [tuple(np.ones(size)), *map(tuple, np.eye(size))]
+    found = [np.zeros((1, size))]
+    for scale, chosen in product(SCALES, subsets):
+        drawn = rng.uniform(-1, 1, (DIRECTIONS, size)) * np.array(chosen)
+        found.append(scale * drawn / np.max(np.abs(drawn), axis=1, keepdims=True, initial=NEAR))
+    points = np.vstack(found)
+    projected = [points]
+    for surface in place.inclusion.surfaces.listed:
+        own = place.restricted(surface)
+        if own.degree == 1:
+            slopes = np.array([float(own.slope(k)) for k in range(size)])
+            projected.append(points - np.outer(evaluated(own, points), slopes) / (slopes @ slopes))
+    return np.unique(np.round(np.vstack(projected), 12), axis=0)
+
+
+def extreme_velocities(fields: Sequence[Floats], normals: Sequence[Floats]) -> Iterator[Floats]:
+    """Of the mixtures of some velocities that are tangent to surfaces, those of which all others are mixtures."""
+    if not fields:
+        return
+    if not normals:
+        yield from fields
+        return
+    across = np.array([[normal @ field for field in fields] for normal in normals])
+    for size in range(1, len(normals) + 2):
+        for chosen in combinations(range(len(fields)), size):
+            matrix = np.vstack([across[:, chosen], np.ones(size)])
+            target = np.r_[np.zeros(len(normals)), 1.0]
+            weights, *_ = np.linalg.lstsq(matrix, target, rcond=None)
+            if np.all(weights > (0 if size == 1 else NEAR)) and np.allclose(matrix @ weights, target, atol=1e-10):
+                yield np.array([fields[k] for k in chosen]).T @ weights
+
+
+# ---- the next function -----------------------------------------------------------------------------
+
+
+def next_functions(survey: Survey) -> Iterator[str]:
+    """Candidates for the next function: those that rise along all velocities that are left, then those that help.
+
+    Args:
+        survey: of the functions before.
+    """
+    left = [own for own in survey.left if len(own.points)]
+    if rests(left):
+        return
+    if not left:
+        yield survey.system.states[0]  # at no point that was looked at something is left
+        return
+    known = [(basis, basis.rows(left)) for basis in forms(survey)]
+    for basis, rows in [*known, *((basis, basis.rows(left)) for basis in sums(survey))]:
+        yield from (basis.text(own) for own in rising(rows, basis.weights))
+    helpful: dict[str, float] = {}
+    for basis, rows in known:
+        for own in not_falling(rows, basis.weights):
+            helpful.setdefault(basis.text(own), -float(np.mean(rows @ np.array(own, dtype=float) > SMALL)))
+    yield from sorted(helpful, key=lambda own: helpful[own])[:MOST_HELPFUL]
+
+
+@dataclass(frozen=True)
+class Basis:
+    """Monomials, alone or times the absolute value of a surface.
+
+    Attributes:
+        survey: for the states, the radius and the surfaces.
+        functions: each monomial with the number of its surface.
+        weights: what a coefficient costs.
+    """
+
+    survey: Survey
+    functions: tuple[tuple[Exponents, int | None], ...]
+    weights: Floats
+
+    def rows(self, left: Sequence[Left]) -> Floats:
+        """The rates of all functions, of shape (m, k), each row in units of its largest entry."""
+        total = np.vstack([np.stack([self._rates(own, k) for k in range(len(self.functions))], axis=1) for own in left])
+        largest = np.max(np.abs(total), axis=1, keepdims=True)
+        return np.unique(np.round(total[largest[:, 0] > 0] / largest[largest[:, 0] > 0], 13), axis=0)
+
+    def _rates(self, left: Left, k: int) -> Floats:
+        exponents, j = self.functions[k]
+        own = Polynomial(len(exponents), {exponents: Fraction(1)})
+        if j is not None:
+            own *= self.survey.inclusion.surfaces.signed(j, left.cell.signs[j])
+        return np.sum(gradient(own, left.points) * left.velocities, axis=1)
+
+    def text(self, coefficients: Sequence[Fraction]) -> str:
+        """W as a formula in the displacement."""
+        states, radius = self.survey.system.states, self.survey.inclusion.domain.radius
+        by_surface: dict[int | None, dict[Exponents, Fraction]] = {}
+        for (exponents, j), value in zip(self.functions, coefficients, strict=True):
+            if value:
+                by_surface.setdefault(j, {})[exponents] = value / radius ** sum(exponents)
+        largest = max(abs(value) for terms in by_surface.values() for value in terms.values())
+        parts = []
+        for j, terms in by_surface.items():
+            own = formula(Polynomial(len(states), {e: c / largest for e, c in terms.items()}), states)
+            parts.append(own if j is None else f"({own})*Abs({self.survey.stated['surfaces'][j]})")
+        return " + ".join(parts)
+
+
+def rests(left: Sequence[Left]) -> bool:
+    """Whether at a point a mixture of the velocities that are left is zero, which no function changes."""
+    at: dict[bytes, list[Floats]] = {}
+    for own in left:
+        for point, velocity in zip(np.round(own.points, 9) + 0.0, own.velocities, strict=True):
+            at.setdefault(point.tobytes(), []).append(velocity)
+    for velocities in at.values():
+        matrix = np.vstack([np.array(velocities).T, np.ones(len(velocities))])
+        if nnls(matrix, np.r_[np.zeros(len(matrix) - 1), 1.0])[1] < NEAR:
+            return True
+    return False
+
+
+def forms(survey: Survey) -> Iterator[Basis]:
+    """Forms of one degree, for some weights of the states; then with absolute values of surfaces that are forms too."""
+    count, listed = survey.system.count, survey.inclusion.surfaces.listed
+    through = [j for j, own in enumerate(listed) if not own.at_origin]
+    for bent, weights in product((False, True), WEIGHTS.get(count, ((1,) * count,))):
+        degrees = {j: {_weight(e, weights) for e in listed[j].terms} for j in through[:MOST_BENDING]}
+        graded = {j: max(own) for j, own in degrees.items() if len(own) == 1}
+        for degree in range(1, (BENT_DEGREES if bent else DEGREES).get(count, 3) + 1):
+            basis = _basis(survey, weights, range(degree, degree + 1), graded if bent else {})
+            if basis.functions and (graded or not bent):
+                yield basis
+
+
+def sums(survey: Survey) -> Iterator[Basis]:
+    """Polynomials of rising degree."""
+    count = survey.system.count
+    for degree in range(2, DEGREES.get(count, 3) + 1):
+        yield _basis(survey, (1,) * count, range(1, degree + 1), {})
+
+
+def _weight(exponents: Exponents, weights: Sequence[int]) -> int:
+    return sum(map(int.__mul__, exponents, weights))
+
+
+def _basis(survey: Survey, weights: Sequence[int], degrees: range, surfaces: Mapping[int, int]) -> Basis:
+    """Monomials of some weighted degrees, alone and times the absolute values of surfaces of known degrees."""
+    every = list(product(*(range(degrees[-1] // weight + 1) for weight in weights)))
+    functions: list[tuple[Exponents, int | None]] = [(e, None) for e in every if _weight(e, weights) in degrees]
+    for j, degree in surfaces.items():
+        functions += [(e, j) for e in every if _weight(e, weights) + degree in degrees]
+    costs = np.array([1.0 + sum(e) / 4 + (j is not None) for e, j in functions])
+    return Basis(survey, tuple(functions), costs)
+
+
+def rising(rows: Floats, weights: Floats) -> Iterator[list[Fraction]]:
+    """Coefficients of functions that rise along all rows: a monomial alone, then the least sum of coefficients."""
+    size = rows.shape[1]
+    alone = [(weights[k], k, sign) for k in range(size) for sign in (1, -1) if np.all(sign * rows[:, k] > SMALL)]
+    for _, k, sign in sorted(alone)[:2]:
+        yield [Fraction(sign * int(i == k)) for i in range(size)]
+    if alone:
+        return
+    ones = np.ones((len(rows), 1))
+    margin = linprog([*np.zeros(size), -1.0], A_ub=np.hstack([-rows, ones]), b_ub=np.zeros(len(rows)), bounds=(-1, 1))
+    if margin.status or margin.x[-1] < LEAST_MARGIN:
+        return
+    limits = np.full(len(rows), -margin.x[-1] / 2)
+    least = linprog(np.r_[weights, weights], A_ub=np.hstack([-rows, rows]), b_ub=limits, bounds=(0, 1))
+    values = margin.x[:size] if least.status else least.x[:size] - least.x[size:]
+    found = rounded(values, lambda own: bool(np.all(rows @ own > SMALL)))
+    if found is not None:
+        yield found
+
+
+def not_falling(rows: Floats, weights: Floats) -> Iterator[list[Fraction]]:
+    """Coefficients of a function that falls along no row and rises along some."""
+    size = rows.shape[1]
+    helps = []
+    for k in range(size):
+        for sign in (1, -1):
+            own = sign * rows[:, k]
+            if np.all(own > -SMALL) and np.any(own > SMALL):
+                helps.append((-int(np.sum(own > SMALL)), weights[k], k, sign))
+    for _, _, k, sign in sorted(helps)[:1]:
+        yield [Fraction(sign * int(i == k)) for i in range(size)]
+    if helps:
+        return
+    count = len(rows)
+    costs = np.r_[np.tile(weights, 2) * 1e-3, -np.ones(count)]
+    matrix = np.hstack([-rows, rows, np.eye(count)])
+    limits = [(0, 10.0)] * (2 * size) + [(0, 0.1)] * count
+    solved = linprog(costs, A_ub=matrix, b_ub=np.zeros(count), bounds=limits)
+    if solved.status == 0 and solved.x[2 * size :].sum() > 0.05:
+        values = solved.x[:size] - solved.x[size : 2 * size]
+        found = rounded(values, lambda own: bool(np.all(rows @ own > -SMALL) and np.any(rows @ own > SMALL)))
+        if found is not None:
+            yield found
+
+
+def rounded(values: Floats, holds: Any) -> list[Fraction] | None:
+    """Rational numbers of small denominators near multiples of some values, with which something holds."""
+    largest = float(np.max(np.abs(values)))
+    if largest < NEAR:
+        return None
+    smallest = float(np.min(np.abs(values)[np.abs(values) > 1e-3 * largest]))
+    for unit_value in (largest, smallest):
+        for denominator in DENOMINATORS:
+            found = [Fraction(round(float(v) / unit_value * denominator), denominator) for v in values]
+            if holds(np.array(list(map(float, found)))):
+                return found
+    return None
