@@ -18,10 +18,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solve_continuous_lyapunov
 
-from nonsmooth.proofs.checker.cells import pattern, read_system, solve
+from nonsmooth.proofs.checker.cells import pattern, solve
 from nonsmooth.proofs.checker.escape import lowest_form_at
 from nonsmooth.proofs.checker.lyapunov import sign_along
 from nonsmooth.proofs.checker.polynomials import Polynomial, constant, lie_derivative, variable
+from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.theorems import Statement
 from nonsmooth.proofs.kernel.first_terms import MIDDLE, quadratic_form
 from nonsmooth.proofs.kernel.samples import SampledProofs, values_at
@@ -124,7 +125,7 @@ def show_escape_of(system: SwitchedSystem, search: Search | None = None) -> tupl
     """
     if system.waves:
         raise NotShownError("fields that are only enclosed: one solution of the inclusion says nothing of theirs")
-    subject, search = read_system(about(system)), search or Search(WORK)
+    subject, search = read_subject(about(system)), search or Search(WORK)
     cells = build_cells(system, system.check.radius)
     for motion in motions(cells):
         for region in regions(motion):
