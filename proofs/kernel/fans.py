@@ -17,8 +17,9 @@ from typing import Any, TypeAlias
 import numpy as np
 from scipy.optimize import linprog
 
-from nonsmooth.proofs.checker.cells import Cell, Inclusion, read_system
+from nonsmooth.proofs.checker.cells import Cell, Inclusion
 from nonsmooth.proofs.checker.polynomials import Polynomial
+from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.theorems import UNSTABLE, Statement
 from nonsmooth.proofs.kernel.curved_cells import sharpened
 from nonsmooth.proofs.kernel.samples import Floats, SampledProofs, values_at
@@ -69,7 +70,7 @@ def show_by_fan(system: SwitchedSystem, verdict: str, search: Search | None = No
         NotShownError: where none is found.
         BeyondReachError: for irrational numbers, and for too many surfaces or cells.
     """
-    subject, search = read_system(about(system)), search or Search()
+    subject, search = read_subject(about(system)), search or Search()
     for lines in _line_sets(system):
         for share in RADII:
             stated = stated_cells(system, system.check.radius * share, lines)

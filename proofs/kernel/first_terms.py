@@ -17,9 +17,10 @@ import numpy as np
 from scipy.linalg import solve_continuous_lyapunov
 from scipy.optimize import linprog
 
-from nonsmooth.proofs.checker.cells import Inclusion, System, read_system
+from nonsmooth.proofs.checker.cells import Inclusion, System
 from nonsmooth.proofs.checker.lyapunov import sign_along
 from nonsmooth.proofs.checker.polynomials import Polynomial, constant, variable
+from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE, Statement
 from nonsmooth.proofs.kernel.curved_cells import sharpened
 from nonsmooth.proofs.kernel.samples import Floats, SampledProofs
@@ -52,10 +53,10 @@ def show_departure_of(system: SwitchedSystem, search: Search | None = None) -> t
         NotShownError: where 0 is a mixture of the velocities there, or that is not known.
         BeyondReachError: for irrational numbers, and for too many surfaces or cells.
     """
-    subject, search = read_system(about(system)), search or Search()
+    subject, search = read_subject(about(system)), search or Search()
     for share in RADII:
         stated = _cells(system, share, subject, search)
-        velocities = [[part.at_origin for part in field] for field in fields_around(stated, subject, search)]
+        velocities = [[part.at_origin for part in field] for field in fields_around(stated, subject.stated, search)]
         direction = leading_direction(np.array(velocities, dtype=float))
         if direction is None:
             continue
@@ -116,7 +117,7 @@ def show_linearization_of(
         NotShownError: where there is no such V, or it is not shown.
         BeyondReachError: for irrational numbers, and for too many surfaces or cells.
     """
-    subject, search = read_system(about(system)), search or Search()
+    subject, search = read_subject(about(system)), search or Search()
     for share in RADII:
         stated = _cells(system, share, subject, search)
         matrix = common_jacobian(fields_around(stated, subject, search))
