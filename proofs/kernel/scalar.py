@@ -1,8 +1,9 @@
 """Certificates of systems in one state: a function V of the displacement, on the intervals between switchings.
 
 The point attracts with ``V = (x/a)^2`` left and ``(x/b)^2`` right of it, below the level 1 on ``(-a, b)``; it is
-stable with ``V = x^2``; a solution leaves it where V falls and is negative.  The signs of the fields beside the point
-say which of these to write, and the checker shows it.
+stable with ``V = x^2``; a solution leaves it where V falls and is negative, or along one field that leads away.  The
+signs of the fields beside the point say which of these to write, and the checker shows it.  All is about the
+displacement from the point, or about that of the signed root where the state has one.
 """
 
 from __future__ import annotations

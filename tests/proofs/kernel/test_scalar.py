@@ -97,6 +97,8 @@ TRUE: dict[str, tuple[list[Any], dict[str, Any], Translation, tuple[float, float
     "arbitrary switching": ([["-sign(x)"], ["-x**5"]], {"radius": 2}, ATTRACTS, (-2, 2)),
     "elsewhere": (["2 - x"], {"equilibrium": [2], "radius": 2}, ATTRACTS, (0, 4)),
     "root": (["-sqrt(Abs(x))*sign(x)"], {}, ATTRACTS, None),
+    "root off its zero": (["1/2 - sqrt(Abs(x))"], {"equilibrium": ["1/4"]}, ATTRACTS, None),
+    "root that leaves": (["relu(sqrt(Abs(x))*sign(x))"], {}, LEAVES, None),
     "rests on the left": (["-relu(x)"], {}, STAYS, None),
     "everywhere at rest": (["0"], {}, STAYS, None),
     "rests up to a switching": (["-relu(x - 1/4) + relu(-x)*sign(x + 1/8)*0"], {}, STAYS, None),
