@@ -216,8 +216,7 @@ def _ways(result: DecidedSystem, system: System) -> Iterator[Callable[[], Draft]
     by_functions = _in_many_states(result) if isinstance(result, ManyStateResult) else _in_the_plane(result)
     for candidate in by_functions:
         yield partial(_shown, system, candidate)
-    if result.scene.by_roots is None:
-        yield partial(_near_point, result)
+    yield partial(_near_point, result)
     if isinstance(result, ManyStateResult) and result.verdict is Translation.UNSTABLE:
         yield partial(_by_growth, result.scene, system)
 
