@@ -69,6 +69,8 @@ def _found(condition: Condition, ansatz: Ansatz, *, strict: bool) -> Proved | No
     claim = claim_of(condition, strict=strict)
     if not strict and not condition.constant:
         return Proved(claim, SumOfSquares((SquareTerm((), (), ()),)))
+    if not any(block.monomials for block in ansatz.blocks):  # no square has the terms of the condition
+        return None
     evidence = _strictly(claim, condition, ansatz) if strict else _weakly(claim, condition, ansatz)
     return None if evidence is None else Proved(claim, evidence)
 
