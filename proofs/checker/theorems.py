@@ -36,6 +36,7 @@ def show_stability(system: System, hypotheses: Any, proofs: Proofs) -> list[Stat
     names = "cells function second verdict everywhere level below rate"
     cells, function, second, verdict, everywhere, level, below, rate, gain = take(hypotheses, names, "gain")
     require(verdict in (ASYMPTOTICALLY_STABLE, STABLE), "a verdict")
+    require(type(everywhere) is bool and type(below) is bool, "everywhere and below as true or false")
     attracts = verdict == ASYMPTOTICALLY_STABLE
     require(attracts or second is None, "further functions where the point attracts")
     own = read_functions(system, cells, function, second, proofs)
