@@ -29,6 +29,7 @@ class Inclusion:
     def __init__(self, subject: Any, cells: Any, function: Any, proofs: Proofs) -> None:
         states, rhs, at = keys(subject, "states rhs at")
         within, listed, empty = keys(cells, "within surfaces empty")
+        need(all(type(own) is list for own in (states, at, rhs, listed, empty)), "lists")
         need(len(states) == len(at) == 2 and states[0] != states[1] and rhs, "a system in two states")
         self.bounded, self.radius = within is not None, fmpq(1) if within is None else number(within)
         need(self.radius > 0, "a cube of positive size")

@@ -158,6 +158,7 @@ def statements(subject: Any, entry: Any) -> list[Any]:
     cells, function, second, verdict, everywhere, level, below, rate = keys(hypotheses, LYAPUNOV, "gain")
     gain = hypotheses.get("gain")
     need(second is None and verdict in (ATTRACTS, STABLE), "a verdict by V alone")
+    need(type(everywhere) is type(below) is bool, "everywhere and below as true or false")
     proofs = Proofs(evidence)
     inclusion = Inclusion(subject, cells, function, proofs)
     own = Lyapunov(inclusion, number(level) if below else None, proofs)

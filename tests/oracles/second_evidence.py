@@ -128,7 +128,8 @@ def by_simplices(claim: Claim, trees: Any) -> None:
             leaf(claim, corners, tree)
             continue
         i, j, share, near, far = tree
-        need({i, j} <= set(range(claim.n + 1)) and i != j and 0 < number(share) < 1, "a cut inside an edge")
+        need(type(i) is type(j) is int and {i, j} <= set(range(claim.n + 1)) and i != j, "an edge")
+        need(0 < number(share) < 1, "a cut inside an edge")
         ends = zip(corners[i], corners[j], strict=True)
         new = [(1 - number(share)) * x + number(share) * y for x, y in ends]
         waiting += [([*corners[:k], new, *corners[k + 1 :]], part) for k, part in ((j, near), (i, far))]

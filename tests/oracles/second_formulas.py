@@ -27,6 +27,7 @@ def need(holds: object, what: str) -> None:
 def number(data: Any) -> fmpq:
     need(type(data) is str and re.fullmatch(r"-?[0-9]{1,4000}(/[0-9]{1,4000})?", data), "a number")
     top, _, bottom = data.partition("/")
+    need(not bottom or int(bottom), "a number")
     return fmpq(int(top), int(bottom or 1))
 
 
@@ -97,6 +98,7 @@ class Formula:
         mantissa, _, power = token.replace("_", "").lower().partition("e")
         before, _, after = mantissa.partition(".")
         need((before + after).isdecimal(), "a number in a formula")
+        need(not re.fullmatch("0+[1-9][0-9]*", token), "whole numbers that begin with no 0")
         return RING.constant(fmpq(int(before + after), 10 ** len(after)) * fmpq(10) ** int(power or 0))
 
     def call(self, name: str, values: list[Poly]) -> Poly:
