@@ -1,0 +1,287 @@
+"""Further functions W of LaSalle's principle: searched, checked, forged, and beside observability, hulls and paths."""
+
+from __future__ import annotations
+
+import copy
+import json
+from collections import Counter
+from collections.abc import Sequence
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.optimize import linprog
+
+from nonsmooth.proofs.checker.cells import read_system
+from nonsmooth.proofs.checker.statements import VERSION, refusal
+from nonsmooth.proofs.kernel.search import Search
+from nonsmooth.proofs.kernel.second_function import extreme_velocities, find_second
+from nonsmooth.proofs.kernel.stated_cells import stated_cells
+from nonsmooth.proofs.many_states.sign_cells import surfaces_of
+from nonsmooth.proofs.systems.system_certificate import about
+from nonsmooth.symbolic.files.system_file import build_system
+from nonsmooth.symbolic.piecewise import parse_piecewise
+from tests.thorough import keep, thorough
+
+Record = dict[str, Any]
+
+DISC, BALL = "x**2 + y**2", "x**2 + y**2 + z**2"
+
+
+def certificate(rhs: Any, function: str, states: str = "x y", radius: str | None = "1/2", **more: Any) -> Record | None:
+    """A certificate of attraction (of instability, where a direction is given); None where no W is found."""
+    check = {"radius": radius or "1/2"}
+    data = {"system": {"states": states.split(), "rhs": rhs}, "check": check}
+    system = build_system(data, "t", Path("t.toml"))
+    bends = surfaces_of(system, parse_piecewise(function, system.states))
+    half = None if radius is None else system.field(Fraction(radius))
+    cells, subject, search = stated_cells(system, half, bends).record, about(system), Search()
+    second = find_second(read_system(subject), cells, function, search)
+    if second is None:
+        return None
+    hypotheses: Record = {"cells": cells, "function": function, "second": second}
+    if "direction" in more:
+        entry, shown = search.entry(read_system(subject), "instability", {**hypotheses, **more})
+    else:
+        own = {"verdict": "asymptotically stable", "everywhere": False, "level": None, "below": None, "rate": None}
+        entry, shown = search.entry(read_system(subject), "lyapunov", {**hypotheses, **own, **more})
+    return {"version": VERSION, "statement": {"subject": subject, "claims": shown}, "evidence": [entry]}
+
+
+def refused(record: Record) -> str:
+    """What the checker says of a certificate after it was written and read."""
+    text = json.dumps(record)
+    return refusal(json.loads(text), len(text))
+
+
+def oscillator(friction: str, potential: str) -> tuple[list[str], str]:
+    """``x' = y, y' = -friction`` and its energy."""
+    return ["y", f"-({friction})"], f"y**2/2 + {potential}"
+
+
+# ---- what attracts -------------------------------------------------------------------------------
+
+ATTRACTING: dict[str, tuple[Any, str, str]] = {
+    "cubic friction": (*oscillator("x + y**3", "x**2/2"), "x y"),
+    "relay and cubic friction": (*oscillator("sign(x) + y**3", "Abs(x)"), "x y"),
+    "relay and drag": (*oscillator("sign(x) + y*Abs(y)", "Abs(x)"), "x y"),
+    "hard spring": (*oscillator("x**3 + y**3", "x**4/4"), "x y"),
+    "friction above": (*oscillator("x + relu(y)**3", "x**2/2"), "x y"),
+    "friction on the right": (*oscillator("x + relu(x)*y", "x**2/2"), "x y"),
+    "friction off an axis": (*oscillator("x + x**2*y", "x**2/2"), "x y"),
+    "friction off a line": (*oscillator("x + y*(x - 1/4)**2", "x**2/2"), "x y"),
+    "friction off a skew line": (["y - x*(x - 2*y)**2", "-x - 2*y*(x - 2*y)**2"], DISC, "x y"),
+    "two fields": ([["y", "-sign(x) - y**3"], ["y", "-sign(x) - y"]], "Abs(x) + y**2/2", "x y"),
+    "two speeds": ([["y", "-x - y**3"], ["2*y", "-2*x - y"]], DISC, "x y"),
+    "seen after two derivatives": (["y", "-x - z", "y - z**3"], BALL, "x y z"),
+    "a relay that is crossed": (["y", "-x - sgn(y + z)", "-z - sgn(y + z)"], BALL, "x y z"),
+    "half the space is crossed": (["y", "-x - relu(y)", "-z"], BALL, "x y z"),
+    "V in two pieces": (["y", "-x - relu(x) - y**3", "-z"], "x**2 + relu(x)**2 + y**2 + z**2", "x y z"),
+    "a relay and two steps": (["y", "-sign(x) - z", "y - z"], "Abs(x) + y**2/2 + z**2/2", "x y z"),
+}
+BENDING = {
+    "a quarter with friction": (*oscillator("x + relu(-x)*relu(y)", "x**2/2"), "x y"),
+    "relay, friction on the right": (*oscillator("sign(x) + relu(x)*y", "Abs(x)"), "x y"),
+}
+
+
+@pytest.mark.parametrize("name", [*ATTRACTING, *(pytest.param(name, marks=thorough) for name in BENDING)])
+def test_what_attracts_is_certified(name: str) -> None:
+    rhs, function, states = {**ATTRACTING, **BENDING}[name]
+    record = certificate(rhs, function, states)
+    assert record is not None
+    assert record["statement"]["claims"] == [{"stability": "asymptotically stable"}]
+    assert refused(record) == ""
+    assert refused(without_bounds(record))
+
+
+def without_bounds(record: Record) -> Record:
+    """The same certificate without what it states of the zeros of rates."""
+    forged = copy.deepcopy(record)
+    forged["evidence"][0]["hypotheses"]["second"]["zeros"] = {}
+    return forged
+
+
+def test_regions_and_all_of_space() -> None:
+    rhs, function = oscillator("x + y**3", "x**2/2")
+    record = certificate(rhs, function, level="1/8")
+    assert record is not None
+    assert record["statement"]["claims"][1]["attracts"]["below"] == "1/8"
+    assert refused(record) == ""
+    record = certificate(rhs, function, radius=None, everywhere=True)
+    assert record is not None
+    assert record["statement"]["claims"][1] == {"attracts": "everywhere"}
+    assert refused(record) == ""
+
+
+@pytest.mark.parametrize("damping", keep(1, ["-1/4*y", "-3*y", "-y**3"]))
+def test_what_leaves_is_certified(damping: str) -> None:
+    """A relay that gains energy: V falls where y is not zero, and rests nowhere."""
+    record = certificate(["y", f"-(sign(x) + {damping})"], "-(Abs(x) + y**2/2)", direction=["1", "1"])
+    assert record is not None
+    assert record["statement"]["claims"] == [{"stability": "unstable"}]
+    assert refused(record) == ""
+    assert certificate(["y", "-sign(x)"], "-(Abs(x) + y**2/2)", direction=["1", "1"]) is None
+
+
+# ---- what does not -------------------------------------------------------------------------------
+
+STAYING: dict[str, tuple[Any, str, str]] = {
+    "nothing falls": (*oscillator("x", "x**2/2"), "x y"),
+    "a segment of rest": (*oscillator("x + sign(y)", "x**2/2"), "x y"),
+    "orbits below the dead zone": (*oscillator("x + relu(y - 1/8)", "x**2/2"), "x y"),
+    "a limit cycle": (*oscillator("x + y*(x**2 + y**2 - 1/16)**2", "x**2/2"), "x y"),
+    "rests on a ray": (["-x", "-relu(y)"], DISC, "x y"),
+    "a line of equilibria": (["y - x", "x - y"], DISC, "x y"),
+    "one of two fields keeps V": ([["y", "-x - y**3"], ["y", "-x"]], DISC, "x y"),
+    "halves that each field leaves": ([["y", "-x - relu(x)*y"], ["y", "-x - relu(-x)*y"]], DISC, "x y"),
+    "opposite turns": ([["y", "-x - y"], ["-y", "x - y"]], DISC, "x y"),
+    "V rises": (*oscillator("x - y**3", "x**2/2"), "x y"),
+    "slides and oscillates": (["y", "-x - sgn(y + z)", "-sgn(y + z)"], BALL, "x y z"),
+    "a relay that holds": (["y", "-x + z", "-y - sgn(z)"], BALL, "x y z"),
+    "one field alone on the surface": (["-x", "-y*(1 + sgn(x))/2", "-z*(1 - sgn(x))/2"], BALL, "x y z"),
+}
+SLOW = ("slides and oscillates", "a relay that holds", "halves that each field leaves")
+
+
+@pytest.mark.parametrize("name", [pytest.param(name, marks=thorough if name in SLOW else ()) for name in STAYING])
+def test_where_something_stays_nothing_is_found(name: str) -> None:
+    assert certificate(*STAYING[name]) is None
+
+
+DAMPING = {"none": "", "linear": " - {0}", "cubic": " - {0}**3", "relay": " - sgn({0})"}
+
+
+def attracts(skew: np.ndarray, damped: Sequence[str]) -> bool:
+    """Near the point relays hold their states at zero; what is left must be seen by the other dampers (Kalman)."""
+    free = [k for k, kind in enumerate(damped) if kind != "relay"]
+    if not free:
+        return True
+    own = skew[np.ix_(free, free)]
+    seen = np.array([np.eye(len(free))[i] for i, k in enumerate(free) if damped[k] != "none"]).reshape(-1, len(free))
+    blocks = [seen @ np.linalg.matrix_power(own, power) for power in range(len(free))]
+    return int(np.linalg.matrix_rank(np.vstack(blocks))) == len(free)
+
+
+@pytest.mark.parametrize("count", keep(1, [8, 30]))
+def test_random_dissipative_systems_against_observability(count: int) -> None:
+    rng = np.random.default_rng(1)
+    known: Counter[tuple[bool, bool]] = Counter()
+    for _ in range(count):
+        states = ["x", "y", "z", "w"][: rng.integers(3, 5)]
+        upper = np.triu(rng.integers(-2, 3, (len(states),) * 2) * rng.integers(0, 2, (len(states),) * 2), 1)
+        skew = upper - upper.T
+        damped = [str(kind) for kind in rng.choice(["none", "none", "linear", "cubic", "relay"], len(states))]
+        rhs = []
+        for row, name, kind in zip(skew.tolist(), states, damped, strict=True):
+            terms = " + ".join(f"{c}*{other}" for c, other in zip(row, states, strict=True))
+            rhs.append(terms + DAMPING[kind].format(name))
+        record = certificate(rhs, " + ".join(f"{name}**2" for name in states), " ".join(states))
+        assert record is None or refused(record) == ""
+        known[record is not None, attracts(skew, damped)] += 1
+    assert set(known) == {(True, True), (False, False)}, known  # complete on these
+
+
+# ---- forged --------------------------------------------------------------------------------------
+
+
+def forged(name: str, zeros: Record | None = None, functions: Any = None) -> str:
+    """What the checker says of a certificate with other bounds or functions."""
+    record = certificate(*ATTRACTING[name])
+    assert record is not None
+    second = record["evidence"][0]["hypotheses"]["second"]
+    second["zeros"] = second["zeros"] if zeros is None else {**second["zeros"], **zeros}
+    second["functions"] = second["functions"] if functions is None else functions
+    return refused(record)
+
+
+CUBIC = "cell  field 0"  # of "cubic friction"
+
+
+@pytest.mark.parametrize(
+    ("bound", "reason"),
+    [
+        ([["1/2", [["y", 3]]]], "even powers"),
+        ([["-1/2", [["y", 4]]]], "positive factors"),
+        ([["0", [["y", 4]]]], "positive factors"),
+        ([["1/2", [["y", 0]]]], "even powers"),
+        ([["1/2", [["y*x + y**2 + x**2", 4]]]], ""),
+        ([["1/2", [["sign(y)", 4]]]], "surfaces without switching"),
+        ([["2", [["y", 4]]]], ""),  # r is y^4
+        ([["1/2", [["y", 4]]], ["1/64", [["x", 4]]]], ""),  # a larger bound than the rate
+        ([["1/2", [["y", 4]]]] * 17, "at most 16"),
+        ([["1/2", [["y", 99]]]], "whole number"),
+        ("y", "list"),
+        ([["1/2", "y"]], "list"),
+    ],
+)
+def test_forged_bounds_are_rejected(bound: Any, reason: str) -> None:
+    said = forged("cubic friction", {CUBIC: bound})
+    assert said
+    assert reason in said
+
+
+def test_forged_functions_are_rejected() -> None:
+    for functions in ([], ["x*y"], ["x", "-x*y"], ["Abs(y)"], ["x"] * 5, ["sign(y)"], "x*y", [["+", "x"]]):
+        assert forged("cubic friction", functions=functions), functions
+    assert forged("a relay and two steps", functions=["-x*y", "y*z"])  # the order matters
+    assert "nothing that stays" in forged("cubic friction", {f"{CUBIC} then 0": []})
+
+
+@pytest.mark.parametrize("name", ["nothing falls", "a segment of rest", "one of two fields keeps V"])
+def test_evidence_of_another_system_is_rejected(name: str) -> None:
+    record = certificate(*ATTRACTING["cubic friction"])
+    assert record is not None
+    rhs, function, _ = STAYING[name]
+    record["statement"]["subject"]["rhs"] = rhs if isinstance(rhs[0], list) else [rhs]
+    record["evidence"][0]["hypotheses"]["function"] = function
+    assert refused(record)
+
+
+# ---- by the definition -----------------------------------------------------------------------------
+
+
+def test_extreme_velocities_against_linear_programs() -> None:
+    """How far tangent mixtures of random velocities reach in a direction is how far the extreme ones do."""
+    rng, reached = np.random.default_rng(3), 0
+    for count in (0, 1, 2) * 6:
+        fields, normals = rng.normal(size=(5, 3)), rng.normal(size=(count, 3))
+        extreme = list(extreme_velocities(list(fields), list(normals)))
+        equations, right = np.vstack([normals @ fields.T, np.ones(5)]), [*np.zeros(count), 1.0]
+        for direction in rng.normal(size=(4, 3)):
+            solved = linprog(-fields @ direction, A_eq=equations, b_eq=right)
+            assert (solved.status == 2) == (not extreme)
+            if extreme:
+                reached += 1
+                assert np.max(np.array(extreme) @ direction) == pytest.approx(-solved.fun, abs=1e-9)
+    assert reached > 30
+
+
+@pytest.mark.parametrize(("name", "side"), [("friction above", 1), ("friction on the right", 0)])
+def test_functions_rise_along_paths_that_keep_v(name: str, side: int) -> None:
+    """Along a path in floats, while a state is negative so that nothing damps, the first W that changes rises."""
+    rhs = ATTRACTING[name][0]
+    record = certificate(*ATTRACTING[name])
+    assert record is not None
+    functions = record["evidence"][0]["hypotheses"]["second"]["functions"]
+    names = {"relu": lambda a: max(a, 0.0)}
+
+    def value(text: str, place: np.ndarray) -> float:
+        return float(eval(text, names, {"x": place[0], "y": place[1]}))  # noqa: S307 - formulas of this file
+
+    def moved(place: np.ndarray, step: float) -> np.ndarray:
+        middle = place + step / 2 * np.array([value(text, place) for text in rhs])
+        return place + step * np.array([value(text, middle) for text in rhs])
+
+    place, kept = np.array([0.3, 0.1]), 0
+    for _ in range(300):
+        before = place
+        for _ in range(10):
+            place = moved(place, 1e-3)
+        if max(place[side], before[side]) < 0:
+            kept += 1
+            changes = [value(text, place) - value(text, before) for text in functions]
+            assert next(change for change in changes if abs(change) > 1e-9) > 0, (before, changes)
+    assert kept > 50
