@@ -1,4 +1,4 @@
-"""Certificates of false claims that hide what happens on faces: patterns without points, cubes and multiples, curves."""
+"""Certificates of false claims that hide what happens on faces: patterns without points, multiples, curves."""
 
 from __future__ import annotations
 
