@@ -4,7 +4,7 @@ Let S be a linear subspace through the point, perhaps cut by one curved surface,
 others have given signs; x is the displacement from the point.  Let cells ``C_k`` be given whose closures hold U, each
 with one of its fields ``f_k`` and a polynomial weight ``w_k``, and ``h = sum_k w_k f_k``, with
 
-- ``U = {x in S : p_i(x) > 0 for all i, W(x) > 0}`` inside a cube, polynomials ``p_i`` (barriers) and W, ``W(0) = 0``;
+- ``U = {x in S : p_i(x) > 0 for all i, W(x) > 0}`` in a cube, for polynomials ``p_i`` (barriers) and W, ``W(0) = 0``;
 - h tangent to S, ``w_k >= 0`` and ``sum_k w_k > 0`` on the closure of U off the point;
 - ``grad p_i . h >= lambda_i p_i`` and ``grad W . h > 0`` on the closure of U off the point, with polynomials lambda_i.
 

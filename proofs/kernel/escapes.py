@@ -16,7 +16,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import solve_continuous_lyapunov
+from scipy.linalg import eig
 
 from nonsmooth.proofs.checker.cells import pattern, solve
 from nonsmooth.proofs.checker.escape import lowest_form_at
@@ -24,7 +24,7 @@ from nonsmooth.proofs.checker.lyapunov import sign_along
 from nonsmooth.proofs.checker.polynomials import Polynomial, constant, lie_derivative, variable
 from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.theorems import Statement
-from nonsmooth.proofs.kernel.first_terms import MIDDLE, quadratic_form
+from nonsmooth.proofs.kernel.first_terms import MIDDLE, lyapunov_solution, quadratic_form
 from nonsmooth.proofs.kernel.samples import SampledProofs, values_at
 from nonsmooth.proofs.kernel.search import NotShownError, Search
 from nonsmooth.proofs.kernel.subject import about
@@ -333,7 +333,7 @@ def _by_linear_part(motion: Motion) -> Iterator[Region]:
     left eigenvector l, the cone has two parts, divided by ``l . x = 0``, and R may make it narrow.
     """
     matrix = _jacobian(motion.field)
-    values, vectors = np.linalg.eig(matrix)
+    values, duals, vectors = eig(matrix, left=True)
     parts = sorted({round(float(value.real), 9) for value in values}, reverse=True)
     for above, below in zip(parts, [*parts[1:], min(parts[-1], 0.0) - 1], strict=True):
         if above <= 1e-9:
@@ -341,16 +341,16 @@ def _by_linear_part(motion: Motion) -> Iterator[Region]:
         yield from _chetaev(matrix, max(below, 0.0) + MIDDLE * (above - max(below, 0.0)))
         right = [k for k, value in enumerate(values) if value.real > (above + below) / 2]
         if len(right) == 1:
-            lead = np.linalg.inv(vectors)[right[0]].real
+            lead = duals[:, right[0]].real
             yield from _half_cones(matrix, below + MIDDLE * (above - below), vectors[:, right[0]].real, lead)
 
 
 def _chetaev(matrix: Floats, mu: float) -> Iterator[Region]:
     """``W = -x^T P x`` alone, which rises where it is positive."""
-    found = solve_continuous_lyapunov((matrix - mu * np.eye(len(matrix))).T, -np.eye(len(matrix)))
-    quadratic = quadratic_form(-found / np.abs(found).max(), FINE)
-    vector = np.linalg.eigh(-(found + found.T))[1][:, -1]
-    direction = rounded(vector)
+    found = lyapunov_solution(matrix, mu, np.eye(len(matrix)))
+    if found is None:
+        return
+    quadratic, direction = quadratic_form(-found, FINE), rounded(np.linalg.eigh(-found)[1][:, -1])
     if lowest_form_at(quadratic, direction) > 0:
         yield Region((), quadratic, direction)
 
@@ -362,8 +362,10 @@ def _half_cones(matrix: Floats, mu: float, vector: Floats, lead: Floats) -> Iter
     beside = np.eye(size) - np.outer(vector, lead)
     for width in (Fraction(1, 4), Fraction(1, 16), Fraction(1)):
         weight = beside.T @ beside + float(width) ** 2 * np.outer(lead, lead)
-        found = solve_continuous_lyapunov((matrix - mu * np.eye(size)).T, -weight)
-        barrier = quadratic_form(-found / np.abs(found).max(), FINE)
+        found = lyapunov_solution(matrix, mu, weight)
+        if found is None:
+            continue
+        barrier = quadratic_form(-found, FINE)
         factor = constant(size, Fraction(2 * mu).limit_denominator(FINE))
         for side in (1, -1):
             rise = sum((variable(size, k, x) for k, x in enumerate(rounded(side * lead))), constant(size, 0))

@@ -1,7 +1,7 @@
 """Piecewise linear functions V of two states by their values on rays, where the first terms of the fields decide.
 
 Lines through the point, among them the tangents of all switching curves, cut the plane into cones; V is linear on each,
-so it is given by its values on the rays.  That it falls along the first terms f of the fields is linear in them:
+so its values on the rays give it.  That it falls along the first terms f of the fields is linear in these values:
 ``grad V . f(u) < 0`` at directions u of each closed cone, and ``rho V(r) < 0`` on each ray r along which a mixture of
 fields from both sides has the radial velocity ``rho r``.  A linear program in floats proposes the values; terms of
 higher order change little on a small cube, on which the theorem's own claims decide.
@@ -20,7 +20,7 @@ from scipy.optimize import linprog
 from nonsmooth.proofs.checker.cells import Cell, Inclusion
 from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.checker.roots import read_subject
-from nonsmooth.proofs.checker.theorems import UNSTABLE, Statement
+from nonsmooth.proofs.checker.theorems import STABLE, UNSTABLE, Statement
 from nonsmooth.proofs.kernel.curved_cells import sharpened
 from nonsmooth.proofs.kernel.samples import Floats, SampledProofs, values_at
 from nonsmooth.proofs.kernel.search import NotShownError, Search
@@ -71,14 +71,17 @@ def show_by_fan(system: SwitchedSystem, verdict: str, search: Search | None = No
         BeyondReachError: for irrational numbers, and for too many surfaces or cells.
     """
     subject, search = read_subject(about(system)), search or Search()
+
+    def cells(lines: Sequence[Form], share: Fraction) -> StatedCells:
+        return sharpened(stated_cells(system, system.check.radius * share, lines), subject, search)
+
     for lines in _line_sets(system):
+        cones = build_cones(Inclusion(subject, cells(lines, RADII[-1]).record, [], search))
+        values = falling_values(cones, verdict)
+        if values is None:
+            continue
         for share in RADII:
-            stated = stated_cells(system, system.check.radius * share, lines)
-            stated = sharpened(stated, subject, search)
-            cones = build_cones(Inclusion(subject, stated.record, [], search))
-            values = falling_values(cones, verdict)
-            if values is None:
-                continue
+            stated = cells(lines, share)
             for denominator in DENOMINATORS:
                 short = [Fraction(float(value)).limit_denominator(denominator) for value in values]
                 try:
@@ -166,7 +169,7 @@ def falling_values(cones: Sequence[Cone], verdict: str) -> Floats | None:
     count = len(cones)
     speeds = np.array([speed for _, speed in rows])
     slopes = np.array([row for row, _ in rows])
-    if verdict == "stable":
+    if verdict == STABLE:
         # The least value is as large as it can be.
         above, bounds = np.zeros(len(rows)), [(0.0, 1.0)] * (count + 1)
     else:

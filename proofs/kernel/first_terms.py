@@ -36,6 +36,7 @@ Field: TypeAlias = tuple[Polynomial, ...]
 RADII = tuple(Fraction(1, 4**k) for k in range(7))  # half-widths of cubes, over that of the scene
 DENOMINATORS = (1 << 5, 1 << 10, 1 << 20)  # of what floats propose, tried in turn
 MIDDLE = 3 / 8  # where mu lies between real parts: in the middle itself two eigenvalues of A - mu I may add to zero
+TIE = 1e-6  # below which two eigenvalues of A - mu I add to zero
 DIRECTIONS = 200  # drawn about the one in which V is least
 
 
@@ -155,12 +156,28 @@ def quadratics(matrix: Floats, *, attracts: bool) -> Iterator[tuple[Polynomial, 
     """Proposals of V, and of a direction in which it is negative."""
     size = len(matrix)
     for mu in _shifts(matrix, attracts=attracts):
-        solution = solve_continuous_lyapunov((matrix - mu * np.eye(size)).T, -np.eye(size))
-        solution = (solution + solution.T) / np.abs(solution).max() / 2
+        solution = lyapunov_solution(matrix, mu, np.eye(size))
+        if solution is None:
+            continue
         vectors = np.linalg.eigh(solution)[1]
         for denominator in DENOMINATORS:
             quadratic = quadratic_form(solution, denominator)
             yield quadratic, _in_general_position(quadratic, vectors[:, 0])
+
+
+def lyapunov_solution(matrix: Floats, mu: float, weight: Floats) -> Floats | None:
+    """P with ``(A - mu I)^T P + P (A - mu I) = -R``, over its largest entry; None where it is not unique.
+
+    Args:
+        matrix: A.
+        mu: a shift.
+        weight: R, symmetric.
+    """
+    values = np.linalg.eigvals(matrix) - mu
+    if np.abs(values[:, None] + values[None, :]).min() < TIE:
+        return None
+    found = solve_continuous_lyapunov((matrix - mu * np.eye(len(matrix))).T, -weight)
+    return np.asarray((found + found.T) / np.abs(found + found.T).max())
 
 
 def _shifts(matrix: Floats, *, attracts: bool) -> list[float]:

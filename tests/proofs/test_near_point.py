@@ -1,0 +1,161 @@
+"""Evidence by what acts near the point: fans, linearizations, points that are no equilibria, beside oracles in floats."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+import nonsmooth as ns
+from nonsmooth.proofs.checker.cells import Inclusion, read_system
+from nonsmooth.proofs.checker.statements import VERSION, refusal
+from nonsmooth.proofs.kernel.curved_cells import sharpened
+from nonsmooth.proofs.kernel.fans import show_by_fan
+from nonsmooth.proofs.kernel.first_terms import leading_direction, show_departure_of
+from nonsmooth.proofs.kernel.near_point import show_near_point
+from nonsmooth.proofs.kernel.search import NotShownError, Search
+from nonsmooth.proofs.kernel.stated_cells import stated_cells
+from nonsmooth.proofs.systems.system_certificate import about
+from nonsmooth.symbolic.switched_system import SwitchedSystem
+from tests.proofs.mutants import Record
+from tests.proofs.switched_oracle import Judge, spread
+from tests.proofs.test_fan_certificate import random_fan
+from tests.thorough import thorough
+
+ATTRACTS, STABLE, UNSTABLE = "asymptotically stable", "stable", "unstable"
+TURN = ["sign(y)", "-sign(x) - sign(y)/2"]
+
+KNOWN = {
+    "turns outward": (["sign(y)", "-sign(x) + sign(y)/2"], UNSTABLE, "instability"),
+    "turns inward": (TURN, ATTRACTS, "lyapunov"),
+    "turns inward, higher terms": (["sign(y) + 5*x**2", "-sign(x) - sign(y)/2 + 9*x"], ATTRACTS, "lyapunov"),
+    "turns inward, curved": (["sign(y - x**2)", "-sign(x) - sign(y - x**2)/2"], ATTRACTS, "lyapunov"),
+    "closed orbits": (["sign(y)", "-sign(x)"], STABLE, "lyapunov"),
+    "equilibria on a line": (["0", "-sign(y)"], STABLE, "lyapunov"),
+    "slides home where it repels": (
+        ["sign(x)*(3*sign(y + Abs(x)) - 1)/2", "-1 - 2*sign(y + Abs(x))"], ATTRACTS, "lyapunov"
+    ),
+    "slides away": (["sign(x)", "-3*sign(y)"], UNSTABLE, "escape"),
+    "no equilibrium": (["1 + sign(x)/2", "y"], UNSTABLE, "departure"),
+    "no equilibrium beside a curve": (["-sign(x**3 - x**2 - y**2)", "-y"], UNSTABLE, "departure"),
+    "saddle beside curves": (["x + relu(y)**2", "-y"], UNSTABLE, "instability"),
+    "center and an unstable direction": (["y", "x**3", "z"], UNSTABLE, "instability"),
+    "node beside curves": (["-x + relu(y)**2", "-2*y + Abs(x)*x"], ATTRACTS, "lyapunov"),
+    "enclosed sine": (["y", "-sin(x) + y/4"], UNSTABLE, "instability"),
+}  # fmt: skip
+
+
+def build(rhs: list[str]) -> SwitchedSystem:
+    return ns.System(["x", "y", "z"][: len(rhs)], rhs, radius="1/2").system
+
+
+def certificate(system: SwitchedSystem, verdict: str) -> Record:
+    entry, claims = show_near_point(system, verdict)
+    assert {"stability": verdict} in claims
+    found = {"version": VERSION, "statement": {"subject": about(system), "claims": claims}, "evidence": [entry]}
+    return json.loads(json.dumps(found))
+
+
+def refused(record: Record) -> str:
+    return refusal(record, len(json.dumps(record)))
+
+
+@pytest.mark.parametrize("name", KNOWN)
+def test_known_verdicts_are_shown_to_the_checker(name: str) -> None:
+    rhs, verdict, theorem = KNOWN[name]
+    record = certificate(build(rhs), verdict)
+    assert record["evidence"][0]["theorem"] == theorem
+    assert refused(record) == ""
+
+
+@pytest.mark.parametrize(
+    "name", ["turns outward", "turns inward", "closed orbits", "slides away", "saddle beside curves"]
+)
+def test_no_other_verdict_is_shown(name: str) -> None:
+    rhs, verdict, _ = KNOWN[name]
+    for other in {ATTRACTS, STABLE, UNSTABLE} - {verdict} - ({STABLE} if verdict == ATTRACTS else set()):
+        with pytest.raises(NotShownError):
+            show_near_point(build(rhs), other)
+
+
+def test_a_value_of_the_function_that_is_too_large_is_rejected() -> None:
+    record = certificate(build(TURN), ATTRACTS)
+    pieces = record["evidence"][0]["hypotheses"]["function"]
+    for piece in pieces:
+        changed = [[mark, "x" if own == piece[1] else own] for mark, own in pieces]
+        forged = json.loads(json.dumps(record))
+        forged["evidence"][0]["hypotheses"]["function"] = changed
+        assert refused(forged)
+
+
+def compare_with_formulas(count: int, first: int) -> list[str]:
+    """The verdicts by formulas in floats on random fans, each shown, and no other one."""
+    decided = []
+    for seed in range(first, first + count):
+        system = random_fan(seed)
+        known = Judge(system).verdict()
+        for verdict in (ATTRACTS, UNSTABLE) if known is not None else ():
+            try:
+                record = certificate(build(list(system.rhs)), verdict)
+            except NotShownError:
+                continue
+            assert verdict == known, (seed, system.rhs)
+            assert refused(record) == "", (seed, system.rhs)
+            decided.append(verdict)
+    return decided
+
+
+def test_random_fans_against_formulas() -> None:
+    assert len(compare_with_formulas(4, 0)) > 2
+
+
+@thorough  # the small one: test_random_fans_against_formulas
+def test_many_random_fans_against_formulas() -> None:
+    decided = compare_with_formulas(100, 1000)
+    assert min(decided.count(ATTRACTS), decided.count(UNSTABLE)) > 20
+
+
+@thorough  # the small one: test_random_fans_against_formulas
+def test_random_fans_against_paths() -> None:
+    """What attracts by a piecewise linear V attracts polygons with small steps."""
+    attracted = 0
+    for seed in range(2000, 2040):
+        system = random_fan(seed, drift=False)
+        try:
+            show_by_fan(build(list(system.rhs)), ATTRACTS)
+        except NotShownError:
+            continue
+        attracted += 1
+        assert any(spread(system, steps=steps)[1] < 0.5 for steps in (4000, 64000)), (seed, system.rhs)
+    assert attracted > 5
+
+
+def test_patterns_without_points_are_those_of_a_fine_grid() -> None:
+    system = build(["-sign(y - x**2) + sign(x - y**3)", "-sign(x**2 + y**2 - 2)"])
+    search, subject = Search(), read_system(about(system))
+    stated = stated_cells(system, system.check.radius)
+    found = sharpened(stated, subject, search)
+    line = np.linspace(-0.5, 0.5, 202)
+    x, y = np.meshgrid(line, line)
+    signs = np.stack([y - x**2, x - y**3, x**2 + y**2 - 2], axis=-1).reshape(-1, 3) > 0
+    occurring = len(np.unique(signs, axis=0))
+    assert len(Inclusion(subject, stated.record, [], search).cells) == 8
+    assert len(Inclusion(subject, found.record, [], search).cells) == occurring == 4
+
+
+def test_directions_lead() -> None:
+    """All products are positive, where a point of the hull nearest to the origin says that there is a direction."""
+    rng = np.random.default_rng(5)
+    for _ in range(40):
+        velocities = rng.normal(size=(4, 3)) + 1
+        shares = rng.dirichlet(np.ones(4), 20_000)
+        nearest = float(np.linalg.norm(shares @ velocities, axis=1).min())
+        direction = leading_direction(velocities)
+        assert direction is None or (velocities @ direction > 0).all()
+        assert direction is not None or nearest < 0.2
+
+
+def test_an_equilibrium_has_no_direction() -> None:
+    with pytest.raises(NotShownError):
+        show_departure_of(build(["-sign(x)", "1 - 2*sign(y)"]))
