@@ -81,8 +81,9 @@ class Formula:
         left = self._value(node.left, sign_of, depth)
         if isinstance(node.op, ast.Pow):
             exponent = node.right
-            require(isinstance(exponent, ast.Constant) and type(exponent.value) is int, "whole exponents")
-            return left.power(exponent.value)  # type: ignore[attr-defined]
+            written = self.text[exponent.col_offset : exponent.end_col_offset]
+            require(re.fullmatch("[0-9]{1,2}", written), "whole exponents")
+            return left.power(int(written))
         right = self._value(node.right, sign_of, depth)
         match node.op:
             case ast.Add():

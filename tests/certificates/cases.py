@@ -1,0 +1,329 @@
+"""Systems whose certificates are kept as a corpus: small ones by theorem and kind of evidence, of one to eight states.
+
+A case is a subject, a theorem and its hypotheses.  Evidence is searched when the corpus is written; what a case claims
+was made up here, and is not taken from a verdict of the program.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise, product
+from typing import Any, TypeAlias
+
+from nonsmooth.proofs.checker.cells import read_system
+from nonsmooth.proofs.checker.statements import VERSION
+from nonsmooth.proofs.kernel.search import WORK, Search
+
+Record: TypeAlias = dict[str, Any]
+
+NAMES = ("x", "y", "z", "u", "v", "w", "p", "q")
+ATTRACTS, STAYS = "asymptotically stable", "stable"
+
+
+@dataclass(frozen=True)
+class Case:
+    """A certificate to be.
+
+    Attributes:
+        name: of its file.
+        subject: states, right-hand sides and point.
+        theorem: its name.
+        hypotheses: of the theorem, without proofs.
+    """
+
+    name: str
+    subject: Record
+    theorem: str
+    hypotheses: Record
+
+    def certificate(self, work: int = WORK) -> Record:
+        """The certificate, with evidence that is searched now.
+
+        Args:
+            work: coefficients that the search for simplices may look at, for one claim.
+
+        Raises:
+            NotShownError: where a hypothesis is not shown.
+        """
+        entry, shown = Search(work).entry(read_system(self.subject), self.theorem, self.hypotheses)
+        return {
+            "version": VERSION,
+            "statement": {"subject": self.subject, "claims": shown},
+            "evidence": [entry],
+        }
+
+
+def subject(rhs: Sequence[Any], at: Sequence[str] | None = None) -> Record:
+    """A system in as many states as a right-hand side has formulas; with lists of formulas it switches arbitrarily."""
+    sides = [list(side) for side in rhs] if isinstance(rhs[0], list) else [list(rhs)]
+    count = len(sides[0])
+    return {"states": list(NAMES[:count]), "rhs": sides, "at": list(at or ["0"] * count)}
+
+
+def cells(*surfaces: str, within: str | None = "1", empty: Sequence[str] = ()) -> Record:
+    """Hypotheses about cells."""
+    return {"within": within, "surfaces": list(surfaces), "empty": list(empty)}
+
+
+def lyapunov(function: Any, where: Record, verdict: str = ATTRACTS, **more: Any) -> Record:
+    """Hypotheses of theorem ``lyapunov``."""
+    bare = {"everywhere": False, "level": None, "below": False, "rate": None, "second": None}
+    return {"cells": where, "function": function, "verdict": verdict, **bare, **more}
+
+
+def instability(function: Any, where: Record, direction: Sequence[str], second: Any = None) -> Record:
+    """Hypotheses of theorem ``instability``."""
+    return {"cells": where, "function": function, "second": second, "direction": list(direction)}
+
+
+def rate(kind: str, kappa: str) -> Record:
+    """A rate of theorem ``lyapunov``."""
+    return {"kind": kind, "kappa": kappa}
+
+
+def squares_of(names: Sequence[str]) -> str:
+    """The sum of the squares of some states."""
+    return " + ".join(f"{name}**2" for name in names)
+
+
+def distances_of(names: Sequence[str]) -> str:
+    """The sum of their absolute values."""
+    return " + ".join(f"Abs({name})" for name in names)
+
+
+# ---- theorem lyapunov --------------------------------------------------------------------------
+
+
+def in_one_state() -> Iterator[Case]:
+    """Decay that is linear, of higher order, or by a relay, to points of any kind."""
+    sides = {
+        "linear": ("-2*x", "x**2", rate("exponential", "4")),
+        "cubic": ("-x**3", "x**2", None),
+        "linear-and-square": ("-x + x**2/2", "x**2", rate("exponential", "1")),
+        "relay": ("-sign(x)", "x**2", None),
+        "relay-and-drift": ("-2*sign(x) + x", "Abs(x)", rate("finite", "1")),
+        "steep-side": ("-x - relu(x)", "x**2 + x*Abs(x)/2", rate("exponential", "2")),
+        "saturated": ("-sat(2*x, -1, 1)", "x**2", None),
+    }
+    surfaces = {"relay": ["x"], "relay-and-drift": ["x"], "steep-side": ["x"], "saturated": ["2*x - 1", "2*x + 1"]}
+    for name, (side, function, speed) in sides.items():
+        for within in ("1", "1/2"):
+            where = cells(*surfaces.get(name, []), within=within)
+            text = f"one-{name}-{within.replace('/', 'of')}"
+            yield Case(text, subject([side]), "lyapunov", lyapunov(function, where))
+            if speed is not None:
+                yield Case(f"{text}-rate", subject([side]), "lyapunov", lyapunov(function, where, rate=speed))
+        yield Case(
+            f"one-{name}-region",
+            subject([side]),
+            "lyapunov",
+            lyapunov(function, cells(*surfaces.get(name, [])), level="1/2"),
+        )
+    moved = subject(["-sign(x - 3/4)"], at=["3/4"])
+    yield Case("one-moved", moved, "lyapunov", lyapunov("Abs(x)", cells("x"), rate=rate("finite", "1"), level="1/2"))
+    yield Case("one-rests", subject(["-relu(x)"]), "lyapunov", lyapunov("x**2", cells("x"), STAYS))
+
+
+def linear_systems() -> Iterator[Case]:
+    """Chains of states, each fed by the one before: sums of squares, or simplices in the plane."""
+    for count in range(2, 9):
+        names = NAMES[:count]
+        sides = ["-x"] + [f"-{own} + {before}/{2 + count % 3}" for before, own in pairwise(names)]
+        for name, where, more in (
+            ("cube", cells(), {}),
+            ("rate", cells(), {"rate": rate("exponential", "1/4")}),
+            ("region", cells(within="2"), {"level": "3"}),
+            ("everywhere", cells(), {"everywhere": True}),
+            ("space", cells(within=None), {"everywhere": True}),
+        ):
+            if count > 6 and name in ("rate", "region"):
+                continue
+            chain = subject(sides)
+            yield Case(f"chain-{count}-{name}", chain, "lyapunov", lyapunov(squares_of(names), where, **more))
+        keeps = [f"{after}" if k % 2 == 0 else f"-{before}" for k, (before, after) in enumerate(_neighbours(names))]
+        if count % 2 == 0:
+            yield Case(f"centre-{count}", subject(keeps), "lyapunov", lyapunov(squares_of(names), cells(), STAYS))
+
+
+def _neighbours(names: Sequence[str]) -> list[tuple[str, str]]:
+    """Of each state the one before it and the one after it in its pair."""
+    return [(names[k - k % 2], names[k - k % 2 + 1]) for k in range(len(names))] if len(names) % 2 == 0 else []
+
+
+def relays() -> Iterator[Case]:
+    """Relays: V that bends on their surfaces, and V that is smooth; faces of all codimensions."""
+    for count in (2, 3):
+        names = NAMES[:count]
+        gains = [str(1 + k) for k in range(count)]
+        sides = [f"-{gain}*sign({own})" for gain, own in zip(gains, names, strict=True)]
+        where, bent = cells(*names), distances_of(names)
+        yield Case(f"relays-{count}", subject(sides), "lyapunov", lyapunov(bent, where))
+        yield Case(f"relays-{count}-smooth", subject(sides), "lyapunov", lyapunov(squares_of(names), where))
+        yield Case(f"relays-{count}-region", subject(sides), "lyapunov", lyapunov(bent, where, level="1"))
+        yield Case(f"relays-{count}-everywhere", subject(sides), "lyapunov", lyapunov(bent, where, everywhere=True))
+    for speed in ("1/2", "3/4", "1"):
+        sides = ["-sign(x)", "-2*sign(y)"]
+        name = f"relays-rate-{speed}".replace("/", "of")
+        hypotheses = lyapunov("Abs(x) + Abs(y)", cells("x", "y"), rate=rate("finite", speed))
+        yield Case(name, subject(sides), "lyapunov", hypotheses)
+    for slope, drift in product(("0", "1/4", "1/2", "3/4"), repeat=2):
+        sides = [f"-sign(x) + {slope}*y", f"-sign(y) - {drift}*x"]
+        name = f"relays-{slope}-{drift}".replace("/", "of")
+        yield Case(name, subject(sides), "lyapunov", lyapunov("Abs(x) + Abs(y)", cells("x", "y"), level="1/2"))
+    for a, b in ((2, 1), (3, 1), (1, 2), (3, 2)):
+        lines = (f"{a}*x + {b}*y", f"{a}*y - {b}*x")
+        sides = [
+            f"-{a}*sign({lines[0]}) + {b}*sign({lines[1]})",
+            f"-{b}*sign({lines[0]}) - {a}*sign({lines[1]})",
+        ]
+        bent = f"Abs({lines[0]}) + Abs({lines[1]})"
+        yield Case(f"relays-on-{a}-{b}", subject(sides), "lyapunov", lyapunov(bent, cells(*lines)))
+
+
+def nonlinear_systems() -> Iterator[Case]:
+    """Polynomial fields, and sums and products of states as surfaces."""
+    cubes = ["-x**3 - x", "-y - y**3 + x*y/4", "-z - x*y/4", "-u - u*z/4"]
+    for count in range(2, 5):
+        names = NAMES[:count]
+        yield Case(f"cubic-{count}", subject(cubes[:count]), "lyapunov", lyapunov(squares_of(names), cells()))
+        below = lyapunov(squares_of(names), cells(), level="1/2", below=True)
+        yield Case(f"cubic-{count}-below", subject(cubes[:count]), "lyapunov", below)
+        fast: Record = {"rate": rate("exponential", "1"), "level": "1/2", "below": True}
+        hypotheses = lyapunov(squares_of(names), cells(), **fast)
+        yield Case(f"cubic-{count}-below-rate", subject(cubes[:count]), "lyapunov", hypotheses)
+    lorenz = subject(["10*(y - x)", "x/2 - y - x*z", "x*y - 8*z/3"])
+    yield Case("lorenz", lorenz, "lyapunov", lyapunov("x**2/10 + y**2 + z**2", cells(), level="1/20"))
+    curved = subject(["-x", "-y", "-z + Abs(x*y - z)/2"])
+    yield Case("curved-surface", curved, "lyapunov", lyapunov(squares_of("xyz"), cells("x*y - z")))
+    parabola = subject(["-x", "-y + Abs(y - x**2)/4"])
+    yield Case("parabola", parabola, "lyapunov", lyapunov(squares_of("xy"), cells("y - x**2")))
+    circle = subject(["-x*(3 + sign(1 - x**2 - y**2))", "-y"])
+    yield Case("circle", circle, "lyapunov", lyapunov(squares_of("xy"), cells("1 - x**2 - y**2", within="2")))
+    rows = subject(["-x + relu(y - 1/8)/4", "-y + relu(x - 1/4)/4"])
+    yield Case("rectifiers", rows, "lyapunov", lyapunov(squares_of("xy"), cells("y - 1/8", "x - 1/4")))
+
+
+def switched_systems() -> Iterator[Case]:
+    """Arbitrary switching, and functions in pieces."""
+    for count in range(1, 7):
+        names = NAMES[:count]
+        fields = [
+            [f"-{own}" for own in names],
+            [f"-2*{own} + {NAMES[(k + 1) % count]}/2" for k, own in enumerate(names)],
+            [f"-{own} - {NAMES[(k + 1) % count]}/4" for k, own in enumerate(names)],
+        ]
+        for number in (2, 3):
+            name = f"switched-{count}-{number}"
+            yield Case(name, subject(fields[:number]), "lyapunov", lyapunov(squares_of(names), cells()))
+    for weight in ("2", "3", "4"):
+        pieces: Any = [["+", f"x**2 + {weight}*y**2"], ["-", "x**2 + y**2"]]
+        sides = ["-x", "-y"]
+        name = f"pieces-{weight}"
+        yield Case(name, subject(sides), "lyapunov", lyapunov(pieces, cells("y"), level="1/2"))
+        corner: list[Any] = [
+            ["++", f"{weight}*x + {weight}*y"],
+            ["+-", f"{weight}*x - y"],
+            ["-+", f"{weight}*y - x"],
+            ["--", "-x - y"],
+        ]
+        yield Case(f"pieces-bent-{weight}", subject(sides), "lyapunov", lyapunov(corner, cells("x", "y")))
+        largest = f"Max({weight}*Abs(x), Abs(y))"
+        lines = ("x", "y", f"{weight}*x - y", f"{weight}*x + y")
+        yield Case(f"largest-{weight}", subject(sides), "lyapunov", lyapunov(largest, cells(*lines, empty=CONES)))
+
+
+CONES = ("+--.", "-++.", "++.-", "--.+")  # signs of x, y, a x - y and a x + y that contradict each other
+
+
+def by_a_second_function() -> Iterator[Case]:
+    """A V that stands still on a line, and W: the principle of LaSalle."""
+    for damping in ("1/2", "1", "2"):
+        oscillator = subject(["y", f"-x - {damping}*y"])
+        name = damping.replace("/", "of")
+        hypotheses = lyapunov("x**2 + y**2", cells(), second="-x*y")
+        yield Case(f"second-{name}", oscillator, "lyapunov", hypotheses)
+        cubic = subject(["y", f"-x - {damping}*y - x**3"])
+        hypotheses = lyapunov("x**2 + x**4/2 + y**2", cells(), second="-x*y")
+        yield Case(f"second-{name}-cubic", cubic, "lyapunov", hypotheses)
+        region = lyapunov("x**2 + y**2", cells(), second="-x*y", level="1")
+        yield Case(f"second-{name}-region", oscillator, "lyapunov", region)
+    friction = subject(["y", "-2*x - sign(y) - y"])
+    hypotheses = lyapunov("2*x**2 + y**2", cells("y"), STAYS)
+    yield Case("friction", friction, "lyapunov", hypotheses)
+    twisting = subject(["y", "-2*sign(x) - sign(y)"])
+    hypotheses = lyapunov("2*Abs(x) + y**2/2", cells("x", "y"), second="-x*y")
+    yield Case("twisting", twisting, "lyapunov", hypotheses)
+
+
+# ---- theorems instability and departure --------------------------------------------------------
+
+
+def unstable_systems() -> Iterator[Case]:
+    """Repellers, saddles and relays of the wrong sign."""
+    for count in range(1, 9):
+        names = NAMES[:count]
+        sides = [f"{own} + {NAMES[(k + 1) % count]}/4" for k, own in enumerate(names)]
+        function, axis = f"-({squares_of(names)})", ["1"] + ["0"] * (count - 1)
+        yield Case(f"repeller-{count}", subject(sides), "instability", instability(function, cells(), axis))
+        if count > 1:
+            saddle = ["2*x"] + [f"-{own} + x/4" for own in names[1:]]
+            function = f"{squares_of(names[1:])} - x**2"
+            yield Case(f"saddle-{count}", subject(saddle), "instability", instability(function, cells(), axis))
+        if count < 4:
+            outward = [f"sign({own})" for own in names]
+            slanted = [str(1 + k) for k in range(count)]
+            bent = f"-({distances_of(names)})"
+            yield Case(f"outward-{count}", subject(outward), "instability", instability(bent, cells(*names), slanted))
+    for power in (2, 3, 4):
+        side = f"x**{power}"
+        function = "-x" if power % 2 == 0 else "-x**2"
+        yield Case(f"power-{power}", subject([side]), "instability", instability(function, cells(), ["1"]))
+        pair = subject([side, "-y"])
+        function = "y**2 - x" if power % 2 == 0 else "y**2 - x**2"
+        yield Case(f"power-{power}-and-decay", pair, "instability", instability(function, cells(), ["1", "0"]))
+    for damping in ("1/2", "1", "2"):
+        oscillator = subject(["y", f"-x + {damping}*y"])
+        name = f"grows-{damping.replace('/', 'of')}"
+        hypotheses = instability("-(x**2 + y**2)", cells(), ["1", "0"], second="-x*y")
+        yield Case(name, oscillator, "instability", hypotheses)
+    moved = subject(["x - 1", "sign(y)"], at=["1", "0"])
+    yield Case("repeller-moved", moved, "instability", instability("-x**2 - Abs(y)", cells("y"), ["0", "1"]))
+
+
+def points_without_rest() -> Iterator[Case]:
+    """Points at which 0 is not in F."""
+    for count in range(1, 9):
+        names = NAMES[:count]
+        drift = subject(["1 + x**2"] + [f"-{own}" for own in names[1:]])
+        axis = ["1"] + ["0"] * (count - 1)
+        yield Case(f"drift-{count}", drift, "departure", {"cells": cells(), "direction": axis})
+        if count < 6:
+            relay = subject([f"2 + sign({names[-1]})"] + [f"-sign({own})" for own in names[1:]])
+            hypotheses = {"cells": cells(*names), "direction": axis}
+            yield Case(f"drift-{count}-relays", relay, "departure", hypotheses)
+    for a, b in ((1, 1), (2, 1), (1, 3)):
+        curve = f"y - {a}*x**2"
+        sides = subject([f"{b} + sign({curve})/2", "-sign(y)"])
+        hypotheses = {"cells": cells(curve, "y"), "direction": ["1", "0"]}
+        yield Case(f"drift-curve-{a}-{b}", sides, "departure", hypotheses)
+        space = {"cells": cells(curve, "y", within=None), "direction": ["2", "0"]}
+        yield Case(f"drift-curve-{a}-{b}-space", sides, "departure", space)
+
+
+GROUPS = (
+    in_one_state,
+    linear_systems,
+    relays,
+    nonlinear_systems,
+    switched_systems,
+    by_a_second_function,
+    unstable_systems,
+    points_without_rest,
+)
+
+
+def cases() -> Iterator[Case]:
+    """All of them; a new theorem adds a group."""
+    for group in GROUPS:
+        yield from group()

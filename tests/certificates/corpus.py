@@ -1,0 +1,55 @@
+"""The corpus of certificates as files: which there are, and what the checker says of each."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+from typing import Any, TypeAlias
+
+from nonsmooth.proofs.checker.statements import refusal
+from nonsmooth.proofs.checker.work import MALFORMED, take_once
+from tests.certificates.forgeries import Forgery
+
+Record: TypeAlias = dict[str, Any]
+
+GOOD, BAD = Path(__file__).parent / "good", Path(__file__).parent / "bad.jsonl"
+
+
+def text_of(certificate: Record) -> str:
+    """As it is written."""
+    return json.dumps(certificate, separators=(",", ":")) + "\n"
+
+
+@cache
+def good_certificates() -> dict[str, Record]:
+    """All good ones by name."""
+    return {path.stem: json.loads(path.read_text("utf-8")) for path in sorted(GOOD.glob("*.json"))}
+
+
+@cache
+def bad_certificates() -> tuple[Forgery, ...]:
+    """All forged ones."""
+    found = []
+    for line in BAD.read_text("utf-8").splitlines():
+        own = json.loads(line)
+        changes = tuple((path, value) for path, value in own.get("changes", ()))
+        text = tuple((piece, times) for piece, times in own.get("text", ()))
+        found.append(Forgery(own["kind"], own.get("of", ""), changes, text))
+    return tuple(found)
+
+
+def forged_text(own: Forgery, good: Mapping[str, Record]) -> str:
+    """The content of a forged file."""
+    return own.content if own.text else text_of(own.document(good[own.of]))
+
+
+def forged(own: Forgery, good: Mapping[str, Record]) -> str:
+    """Why a forged certificate is rejected, or cannot be read; empty where it is accepted."""
+    text = forged_text(own, good)
+    try:
+        data = json.loads(text, parse_float=str, parse_constant=str, object_pairs_hook=take_once)
+    except MALFORMED as error:
+        return f"unreadable: {type(error).__name__}"
+    return refusal(data, len(text.encode("utf-8", "surrogatepass")))

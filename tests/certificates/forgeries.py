@@ -1,0 +1,438 @@
+"""Forged certificates: good ones with something changed, so that they claim what is false or show too little.
+
+A forgery is kept as what it changes, so that a thousand of them are a small file.
+"""
+
+from __future__ import annotations
+
+import copy
+import json
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+Record: TypeAlias = dict[str, Any]
+Path: TypeAlias = list[Any]  # keys and indices from the top of a document
+
+GONE = {"gone": True}  # in the place of a value: the key is left out
+
+
+@dataclass(frozen=True)
+class Forgery:
+    """A certificate that must be rejected.
+
+    Attributes:
+        kind: what is wrong.
+        of: the name of the good certificate that it was; empty where it is a text of its own.
+        changes: paths, each with its new value.
+        text: pieces of a text, each with the number of times that it is repeated.
+    """
+
+    kind: str
+    of: str = ""
+    changes: tuple[tuple[Path, Any], ...] = ()
+    text: tuple[tuple[str, int], ...] = ()
+
+    @property
+    def record(self) -> Record:
+        """As the corpus keeps it."""
+        if self.text:
+            return {"kind": self.kind, "text": self.text}
+        return {"kind": self.kind, "of": self.of, "changes": self.changes}
+
+    def document(self, good: Record) -> Record:
+        """The forged certificate."""
+        found = copy.deepcopy(good)
+        for path, value in self.changes:
+            own: Any = found
+            for key in path[:-1]:
+                own = own[key]
+            if value == GONE:
+                del own[path[-1]]
+            elif isinstance(own, list) and path[-1] == len(own):
+                own.append(value)
+            else:
+                own[path[-1]] = value
+        return found
+
+    @property
+    def content(self) -> str:
+        """The text of a forgery that is one."""
+        return "".join(piece * times for piece, times in self.text)
+
+
+HYPOTHESES: Path = ["evidence", 0, "hypotheses"]
+PROOFS: Path = ["evidence", 0, "proofs"]
+SUBJECT: Path = ["statement", "subject"]
+CLAIMS: Path = ["statement", "claims"]
+
+
+# ---- each kind gives the changes that it makes to a good certificate, or none ---------------------
+
+
+def other_version(good: Record) -> Iterator[Any]:
+    """Of a version that is not known."""
+    yield [(["version"], "nonsmooth-certificate/3")]
+    yield [(["version"], GONE)]
+
+
+def other_frame(good: Record) -> Iterator[Any]:
+    """Keys that are missing, or one too many."""
+    for key in ("statement", "evidence"):
+        yield [([key], GONE)]
+        yield [([key], None)]
+    yield [(["proof"], {})]
+    yield [([*SUBJECT, "domain"], "1")]
+    yield [([*HYPOTHESES, "trust"], True)]
+
+
+def without_evidence(good: Record) -> Iterator[Any]:
+    """Claims of which nothing is shown."""
+    yield [(["evidence"], [])]
+    yield [(PROOFS, {})] if good["evidence"][0]["proofs"] else None
+    yield [(CLAIMS, [])]
+
+
+def without_one_proof(good: Record) -> Iterator[Any]:
+    """A proof less: of a cell, of a face, of V, of the border, of an empty pattern."""
+    for name in good["evidence"][0]["proofs"]:
+        yield [([*PROOFS, name], GONE)]
+
+
+def with_one_proof_more(good: Record) -> Iterator[Any]:
+    """A proof of a claim that is not asked."""
+    proofs = good["evidence"][0]["proofs"]
+    for name in list(proofs)[:2]:
+        yield [([*PROOFS, name + "+"], proofs[name])]
+        yield [([*PROOFS, " " + name], proofs[name])]
+
+
+def with_empty_proofs(good: Record) -> Iterator[Any]:
+    """A proof of nothing in the place of one."""
+    for name, own in good["evidence"][0]["proofs"].items():
+        yield [([*PROOFS, name], {})]
+        for kind, listed in own.items():
+            if listed:
+                yield [([*PROOFS, name, kind], [])]
+
+
+def with_exchanged_proofs(good: Record) -> Iterator[Any]:
+    """The proof of V for a cell."""
+    proofs = good["evidence"][0]["proofs"]
+    first = next((name for name in proofs if name.startswith("V")), None)
+    for name in proofs:
+        if first is not None and name.startswith("cell") and proofs[name] != proofs[first]:
+            yield [([*PROOFS, name], proofs[first]), ([*PROOFS, first], proofs[name]), ([*PROOFS, "none"], {})]
+
+
+def other_field(good: Record) -> Iterator[Any]:
+    """Another subject: time runs backward; a field more that leads away; a point beside."""
+    subject = good["statement"]["subject"]
+    for k, side in enumerate(subject["rhs"]):
+        yield [([*SUBJECT, "rhs", k], [f"-({own})" for own in side])]
+        yield [([*SUBJECT, "rhs", k, 0], f"{side[0]} - 100*({side[0]})")]
+        yield [([*SUBJECT, "rhs", k, 0], f"{side[0]} + sign({subject['states'][-1]} - 1/64)")]
+    away = [f"-8*({own})" for own in subject["rhs"][0]]
+    yield [([*SUBJECT, "rhs", len(subject["rhs"])], away)]
+
+
+def other_states(good: Record) -> Iterator[Any]:
+    """Names that are not known, twice there, or no names."""
+    names = good["statement"]["subject"]["states"]
+    yield [([*SUBJECT, "states", 0], "other")]
+    yield [([*SUBJECT, "states", 0], "1")]
+    yield [([*SUBJECT, "states", 0], f"{names[0]} ")]
+    yield [([*SUBJECT, "states", 0], "\uff58")]
+    yield [([*SUBJECT, "states"], [*names, names[0]])]
+    yield [([*SUBJECT, "at"], [])]
+
+
+def other_claims(good: Record) -> Iterator[Any]:
+    """A claim more that no theorem shows, or one that is larger than what is shown."""
+    claims = good["statement"]["claims"]
+    more: list[Any] = [
+        {"stability": "exponentially stable"},
+        {"stability": True},
+        {"attracts": "everything"},
+        {"gain": {"gamma": "1"}},
+        {},
+        None,
+        "stable",
+        [claims[0]],
+    ]
+    if {"stability": "unstable"} not in claims:
+        more += [{"stability": "unstable"}, {"equilibrium": False}]
+    else:
+        more += [{"stability": "stable"}, {"attracts": "everywhere"}]
+    for own in more:
+        yield [([*CLAIMS, len(claims)], own)]
+    for k, own in enumerate(claims):
+        for kind in ("attracts", "rate"):
+            for key in own.get(kind, {}) if isinstance(own.get(kind), dict) else ():
+                if isinstance(own[kind][key], str):
+                    yield [([*CLAIMS, k, kind, key], f"{own[kind][key]} ")]
+                yield [([*CLAIMS, k, kind, key], GONE)]
+
+
+def other_surfaces(good: Record) -> Iterator[Any]:
+    """A surface less, twice, with a common factor, constant or switched."""
+    surfaces = good["evidence"][0]["hypotheses"]["cells"]["surfaces"]
+    where = [*HYPOTHESES, "cells", "surfaces"]
+    name = good["statement"]["subject"]["states"][0]
+    if surfaces:
+        yield [(where, surfaces[1:])]
+        yield [(where, [*surfaces, surfaces[0]])]
+        yield [(where, [*surfaces, f"-2*({surfaces[0]})"])]
+        yield [(where, [*surfaces, f"({surfaces[0]})*(1 + {name}**2)"])]
+        yield [([*where, 0], f"({surfaces[0]})**2")]
+    for wrong in ("1", f"Abs({name})", f"sign({name})", f"1/{name}", "", "0"):
+        yield [([*where, len(surfaces)], wrong)]
+
+
+def other_cells(good: Record) -> Iterator[Any]:
+    """Cells that are said to be empty and are not; cubes of no size, or where nothing was shown."""
+    own = good["evidence"][0]["hypotheses"]["cells"]
+    size = len(own["surfaces"])
+    where = [*HYPOTHESES, "cells"]
+    for mark in ("." * size, "+" * size, "-" * size, "+" * (size + 1)):
+        if mark not in own["empty"]:
+            yield [([*where, "empty"], [*own["empty"], mark])]
+            yield [([*where, "empty"], [*own["empty"], mark]), ([*PROOFS, f"empty {mark}"], {"mixture": [{}]})]
+    other_sizes: tuple[Any, ...] = ("0", "-1", "1e9", 1, "1/0", "", [], "inf", True)
+    for within in other_sizes:
+        yield [([*where, "within"], within)]
+
+
+def other_function(good: Record) -> Iterator[Any]:
+    """A V that is not zero at the point, negative, not continuous, or no formula."""
+    hypotheses = good["evidence"][0]["hypotheses"]
+    own = hypotheses.get("function")
+    where = [*HYPOTHESES, "function"]
+    if own is None:
+        return
+    name = good["statement"]["subject"]["states"][0]
+    if isinstance(own, str):
+        wrong = [f"{own} + 1", f"-({own})", f"{own} + 1000*{name}", "0", f"({own})*0", f"{own} + sign({name})"]
+        wrong += [f"{own} # and more", f"({own},)", f"{own} if {name} else 0", f"[{own}][0]", f"(t := {own})"]
+        wrong += [f"{own}\n", f"({own}\n)*1", f"eval('{name}')", f"{own} + {name}.real", f"{own} @ 1", f"{own} % 2"]
+        wrong += [f"{own} + 1j*{name}", f"{own} + 0x1*{name}", f"{own} ** 41", f"{own} ** -1", f"({own})**(1/2)"]
+        for text in wrong:
+            if text.strip() != own:
+                yield [(where, text)]
+    else:
+        yield [(where, own[1:])]
+        yield [(where, [*own, ["." * len(own[0][0]), "0"]])]
+        yield [([*where, 0, 1], f"{own[0][1]} + {name}*100 + 1")]
+    yield [(where, None)]
+
+
+def other_level(good: Record) -> Iterator[Any]:
+    """Levels and rates beyond those that are shown."""
+    hypotheses = good["evidence"][0]["hypotheses"]
+    if good["evidence"][0]["theorem"] != "lyapunov":
+        return
+    for level in ("1000000", "-1", "0", "1/0", 1, True, "half"):
+        if hypotheses["level"] is not None:
+            yield [([*HYPOTHESES, "level"], level)]
+    if hypotheses["rate"] is not None:
+        for kappa in ("1000000", "-1", "0", "1/0"):
+            yield [([*HYPOTHESES, "rate", "kappa"], kappa)]
+        yield [([*HYPOTHESES, "rate", "kind"], "hyperbolic")]
+        yield [([*HYPOTHESES, "rate", "function"], "0")]
+    else:
+        yield [([*HYPOTHESES, "rate"], {"kind": "finite", "kappa": "1000"})]
+    for verdict in ("exponentially stable", "unstable", True, None):
+        yield [([*HYPOTHESES, "verdict"], verdict)]
+
+
+def other_direction(good: Record) -> Iterator[Any]:
+    """Directions along which V is not negative, or that are none."""
+    direction = good["evidence"][0]["hypotheses"].get("direction")
+    if direction is None:
+        return
+    where = [*HYPOTHESES, "direction"]
+    yield [(where, ["0"] * len(direction))]
+    yield [(where, [*direction, "0"])]
+    yield [(where, direction[1:])]
+    yield [(where, None)]
+    if good["evidence"][0]["theorem"] == "departure":
+        yield [(where, [f"-{own}" if own != "0" else own for own in direction])]
+
+
+def other_theorem(good: Record) -> Iterator[Any]:
+    """The evidence of one theorem for another."""
+    for name in ("lyapunov", "instability", "departure", "Lyapunov", "", None, "show_stability"):
+        if name != good["evidence"][0]["theorem"]:
+            yield [(["evidence", 0, "theorem"], name)]
+
+
+def other_numbers(good: Record) -> Iterator[Any]:
+    """Numbers of the evidence that are changed, or no numbers."""
+    for name, own in good["evidence"][0]["proofs"].items():
+        for kind, listed in own.items():
+            if kind == "squares" and listed and listed[0]:
+                gram: Path = [*PROOFS, name, kind, 0, 0, "gram", 0, 0]
+                for value in ("-1", "1000003/7", "0/1", "1.5", 1, "1/0", "NaN", "9" * 5000):
+                    yield [(gram, value)]
+                yield [([*PROOFS, name, kind, 0, 0, "guards"], ["s99"])]
+                yield [([*PROOFS, name, kind, 0, 0, "monomials", 0], [])]
+            if kind == "simplices" and listed and isinstance(listed[0], list):
+                for k, other in ((2, "0"), (2, "1"), (2, "-1/2"), (2, "3/2"), (0, 99), (0, listed[0][1]), (3, "")):
+                    yield [([*PROOFS, name, kind, 0, k], other)]
+            if kind == "simplices":
+                yield [([*PROOFS, name, kind], listed[1:])]
+                yield [([*PROOFS, name, kind, 0], {"on": ["s99"]})]
+                yield [([*PROOFS, name, kind, 0], {"on": [{"s99": "1"}]})]
+            if kind == "mixture" and listed and listed[0]:
+                guard = next(iter(listed[0]))
+                yield [([*PROOFS, name, kind, 0, guard], f"-{listed[0][guard]}")]
+                yield [([*PROOFS, name, kind, 0, guard], "1000003/7")]
+
+
+KINDS: tuple[Callable[[Record], Iterator[Any]], ...] = (
+    other_version,
+    other_frame,
+    without_evidence,
+    without_one_proof,
+    with_one_proof_more,
+    with_empty_proofs,
+    with_exchanged_proofs,
+    other_field,
+    other_states,
+    other_claims,
+    other_surfaces,
+    other_cells,
+    other_function,
+    other_level,
+    other_direction,
+    other_theorem,
+    other_numbers,
+)
+
+
+def forgeries(name: str, good: Record) -> dict[str, list[Forgery]]:
+    """All forgeries of a good certificate, by kind."""
+    found: dict[str, list[Forgery]] = {}
+    for kind in KINDS:
+        listed = [Forgery(kind.__name__, name, tuple(own)) for own in kind(good) if own]
+        if listed:
+            found[kind.__name__] = listed
+    return found
+
+
+# ---- texts that are no certificates, or take long to check ---------------------------------------
+
+
+def square(factor: str) -> Record:
+    """Evidence that a positive multiple of x**2 is positive."""
+    return {"squares": [[{"guards": [], "monomials": [[1]], "gram": [[factor]]}]]}
+
+
+def certificate_text(
+    rhs: str, surfaces: Sequence[str] = (), function: str = "x**2", proofs: Record | None = None
+) -> str:
+    """The text of a certificate in one state, with parts of the forger's choice; it is good for ``-x``."""
+    bare = {"second": None, "verdict": "stable", "everywhere": False, "level": None, "below": False, "rate": None}
+    hypotheses = {"cells": {"within": "1", "surfaces": surfaces, "empty": []}, "function": function, **bare}
+    own = {"V ": square("1"), "cell  field 0": square("2")} if proofs is None else proofs
+    data = {
+        "version": "nonsmooth-certificate/2",
+        "statement": {
+            "subject": {"states": ["x"], "rhs": [[rhs]], "at": ["0"]},
+            "claims": [{"stability": "stable"}],
+        },
+        "evidence": [{"theorem": "lyapunov", "hypotheses": hypotheses, "proofs": own}],
+    }
+    return json.dumps(data)
+
+
+def split_text(text: str, times: int) -> tuple[tuple[str, int], ...]:
+    """Pieces of a text in which ``@...@`` is repeated."""
+    head, piece, tail = text.split("@")
+    return (head, 1), (piece, times), (tail, 1)
+
+
+def texts() -> Iterator[Forgery]:
+    """Bombs of depth, digits and exponents, and documents that are no JSON."""
+    for opened in ("[", '{"a":', "[[],", '{"version":['):
+        for times in (1_000, 100_000):
+            yield Forgery("deep document", text=((opened, times),))
+    for own in ("", " ", "null", "[]", "{}", "0", "NaN", '"version"', '{"version":1', "\x00", "\ufeff{}", "{'a': 1}"):
+        yield Forgery("no document", text=((own or "\n", 1),))
+    for key in ("version", "statement", "evidence"):
+        good = certificate_text("-x")
+        yield Forgery("key twice", text=((good[:-1] + f', "{key}": null}}', 1),))
+    for digits in (5_000, 50_000):
+        yield Forgery("long number", text=split_text(certificate_text("-x*@9@"), digits))
+        yield Forgery("long number", text=(('{"version": ', 1), ("9", digits), ("}", 1)))
+    for number in ("1e999", "1e9999", "1e-999", "9e999**40", "(1e999**40)**40", "((1e999**40)**40)**40"):
+        yield Forgery("large exponent", text=((certificate_text(f"-x*{number}"), 1),))
+    for power in (
+        "x**41",
+        "x**1000000",
+        "x**-1",
+        "x**x",
+        "x**2.0",
+        "((x**40)**40)**40",
+        "(1+x)**40*x",
+        "x**True",
+    ):
+        yield Forgery("large power", text=((certificate_text(f"-{power}"), 1),))
+    for opened, closed in (
+        ("(", ")"),
+        ("-", ""),
+        ("Abs(", ")"),
+        ("(x,", ""),
+        ("x**", ""),
+        ("x if x else ", ""),
+        ("x+", ""),
+    ):
+        for times in (70, 300):
+            text = opened * times + "x" + closed * times
+            yield Forgery("deep formula", text=((certificate_text(text[:3900]), 1),))
+    wrong = ["-x;", "x=-x", "lambda: -x", "(lambda: -x)()", "[-x][0]", "(-x,)", "(-x).real", "-f(x)", "-Max(*x)"]
+    wrong += [
+        "__import__('os')",
+        "-x*'1'",
+        "-x*b'1'",
+        "-x + len('')",
+        "f'{-x}'",
+        "-x and -x",
+        "-x or x",
+        "not x",
+        "-(x)()",
+    ]
+    wrong += [
+        "-x*(1 < 2)",
+        "~x + 1",
+        "-x // 1",
+        "-x @ 1",
+        "-x << 0",
+        "-x if 1 else x",
+        "(t := -x)",
+        "-x + 0*t",
+        "-x*x**0x0",
+    ]
+    wrong += ["-0x1*x", "-x + 0j", "-x # + 2*x", "-x - \uff10", "-\uff58", "-x/0", "-x*x/x", "-x/(1-1)", "None"]
+    wrong += [
+        "-True*x",
+        "-x + (...)",
+        "y",
+        "-X",
+        "",
+        "-sat(x)",
+        "Max()",
+        "-sign(x=1)*x",
+        "-relu(x, x)",
+        "-x ** 1.0",
+    ]
+    for own in wrong:
+        yield Forgery("no formula", text=((certificate_text(own), 1),))
+        yield Forgery("no function", text=((certificate_text("-x", function=own), 1),))
+    yield Forgery("many cells", text=((certificate_text("-x", [f"x-{k}/100" for k in range(1, 64)]), 1),))
+    yield Forgery("high surfaces", text=((certificate_text("-x", [f"(x+{k})**40+1" for k in range(1, 30)]), 1),))
+    tree: Any = {}
+    for _ in range(40):
+        tree = [0, 1, "1/" + "9" * 200, tree, {}]
+    long = {"V ": {"simplices": [tree, {}]}, "cell  field 0": square("2")}
+    yield Forgery("long shares", text=((certificate_text("-x", function="x**40", proofs=long), 1),))

@@ -1,0 +1,229 @@
+"""What a certificate claims, put to the test in floats: Filippov's inclusion by its definition, apart from all proofs.
+
+F(x) is the hull of the values of the right-hand sides at places near x, so no surface and no cell need be known.  Euler
+polygons choose a random member of F(x) at every step.  A claim that holds passes; one that fails clearly does not.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable, Mapping
+from fractions import Fraction
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import nnls
+
+Array: TypeAlias = NDArray[np.float64]
+Record: TypeAlias = dict[str, Any]
+Values: TypeAlias = Mapping[str, Array]
+
+NEAR = 3  # places near a point at which the right-hand sides are taken
+FINENESS = 0.03  # of a step, in distances from the point
+STARTS, STEPS = 16, 200
+TIME, LONGEST = 0.02, 5.0  # a step and all of them, where steps are equal
+
+OPERATIONS: dict[type, Callable[[Any, Any], Any]] = {
+    ast.Add: np.add,
+    ast.Sub: np.subtract,
+    ast.Mult: np.multiply,
+    ast.Div: np.divide,
+    ast.Pow: np.power,
+}
+FUNCTIONS: dict[str, Callable[..., Any]] = {
+    "sign": np.sign,
+    "sgn": np.sign,
+    "Abs": np.abs,
+    "relu": lambda v: np.maximum(v, 0.0),
+    "sat": lambda v, low, high: np.maximum(low, np.minimum(high, v)),
+    "Max": lambda *v: np.maximum.reduce(np.broadcast_arrays(*v)),
+    "Min": lambda *v: np.minimum.reduce(np.broadcast_arrays(*v)),
+}
+
+
+def value(node: ast.AST, at: Values) -> Any:
+    """A formula's value, node by node."""
+    match node:
+        case ast.Expression(body=body):
+            return value(body, at)
+        case ast.Constant(value=number):
+            return float(str(number))
+        case ast.Name(id=name):
+            return at[name]
+        case ast.UnaryOp(op=op, operand=operand):
+            return value(operand, at) * (-1.0 if isinstance(op, ast.USub) else 1.0)
+        case ast.BinOp(left=left, op=op, right=right):
+            return OPERATIONS[type(op)](value(left, at), value(right, at))
+        case ast.Call(func=ast.Name(id=name), args=arguments):
+            return FUNCTIONS[name](*(value(own, at) for own in arguments))
+    raise ValueError(ast.dump(node))
+
+
+class FloatInclusion:
+    """``x' in F(x)`` about a point, in displacements z from it.
+
+    Args:
+        subject: of a certificate.
+        seed: of the choices.
+    """
+
+    def __init__(self, subject: Record, seed: int) -> None:
+        self.states, self.count = subject["states"], len(subject["states"])
+        self.at = np.array([float(Fraction(own)) for own in subject["at"]])
+        self.fields = [[ast.parse(own, mode="eval") for own in side] for side in subject["rhs"]]
+        self.random = np.random.default_rng(seed)
+
+    def function(self, formula: str, z: Array) -> Array:
+        """A formula in the displacements, at some of them (one per row)."""
+        found = value(ast.parse(formula, mode="eval"), dict(zip(self.states, z.T, strict=True)))
+        return np.broadcast_to(np.asarray(found, dtype=float), len(z)).copy()
+
+    def corners(self, z: Array, radius: Array) -> Array:
+        """Values of all right-hand sides at places near the displacements: shape (values, rows, states)."""
+        found = []
+        for _ in range(NEAR):
+            near = z + radius[:, None] * self.random.uniform(-1, 1, z.shape) + self.at
+            at = dict(zip(self.states, near.T, strict=True))
+            for side in self.fields:
+                parts = [np.broadcast_to(np.asarray(value(own, at), dtype=float), len(z)) for own in side]
+                found.append(np.stack(parts, axis=1))
+        return np.stack(found)
+
+    def members(self, z: Array, radius: Array) -> Array:
+        """One random member of F at each place; often a corner of it or nearly so."""
+        corners = self.corners(z, radius)
+        weights = self.random.dirichlet(np.full(len(corners), 0.3), len(z))
+        return np.asarray(np.einsum("ij,jik->ik", weights, corners))
+
+    def follow(self, starts: Array, steps: int = STEPS, longest: float = np.inf) -> tuple[Array, Array]:
+        """Euler polygons from some displacements: places (times, rows, states) and times of each.
+
+        Args:
+            starts: one per row.
+            steps: their number, each a share of the distance from the point.
+            longest: the longest time of a step.
+        """
+        z, time = starts.copy(), np.zeros(len(starts))
+        places, times = [z.copy()], [time.copy()]
+        for _ in range(steps):
+            size = np.linalg.norm(z, axis=1)
+            v = self.members(z, 0.5 * FINENESS * size)
+            speed = np.linalg.norm(v, axis=1)
+            step = np.where(speed > 1e-12 * size, np.minimum(FINENESS * size / (speed + 1e-300), longest), 0.0)
+            z, time = z + step[:, None] * v, time + step
+            places.append(z.copy())
+            times.append(time.copy())
+        return np.stack(places), np.stack(times)
+
+    def drift(self, starts: Array, furthest: float) -> Array:
+        """Distances along polygons with equal steps of time, which slide on surfaces; frozen beyond a distance."""
+        z, found = starts.copy(), [np.linalg.norm(starts, axis=1)]
+        near = 0.1 * found[0]
+        for _ in range(int(LONGEST / TIME)):
+            v = self.members(z, near)
+            step = np.minimum(TIME, 0.3 * found[0] / (np.linalg.norm(v, axis=1) + 1e-300))
+            z = z + np.where(found[-1] < furthest, step, 0.0)[:, None] * v
+            found.append(np.linalg.norm(z, axis=1))
+        return np.stack(found)
+
+    def sphere(self, radius: float) -> Array:
+        """Starts at a distance."""
+        drawn = self.random.normal(size=(STARTS, self.count))
+        return radius * drawn / np.linalg.norm(drawn, axis=1)[:, None]
+
+    def cube(self, half: float) -> Array:
+        """Starts in a cube."""
+        return self.random.uniform(-half, half, (8 * STARTS, self.count))
+
+
+def contradiction(statement: Record, half: float = 1.0, seed: int = 1) -> str:
+    """What a statement says that is seen to be false, in one line; empty where nothing is.
+
+    Args:
+        statement: of a certificate.
+        half: half the side of a cube on which the function that proves it is known.
+        seed: of the choices.
+    """
+    for claim in statement["claims"]:
+        ((kind, said),) = claim.items()
+        with np.errstate(all="ignore"):
+            found = JUDGES[kind](FloatInclusion(statement["subject"], seed), said, half)
+        if found:
+            return f"{kind}: {found}"
+    return ""
+
+
+def judge_stability(own: FloatInclusion, said: str, half: float) -> str:
+    """Polygons from a small sphere stay in the cube; where the point is unstable, some get farther away."""
+    start = half / 10
+    slid = own.drift(own.sphere(start), 100 * half).max()
+    if said != "unstable":
+        return f"a polygon gets from {start:.3g} to {slid:.3g}" if slid > 2 * half else ""
+    places, _ = own.follow(own.sphere(start), 2 * STEPS)
+    far = max(slid, float(np.linalg.norm(places, axis=2).max()))
+    return "" if far > 2 * start else f"no polygon gets farther than {far:.3g} from {start:.3g}"
+
+
+def judge_equilibrium(own: FloatInclusion, said: bool, half: float) -> str:
+    """Zero is no mixture of values near the point."""
+    values = own.corners(np.zeros((50, own.count)), np.full(50, 1e-6)).reshape(-1, own.count)
+    _, rest = nnls(np.vstack([values.T, np.ones(len(values))]), np.append(np.zeros(own.count), 1.0))
+    return "0 is a mixture of the velocities" if rest < 1e-6 and not said else ""
+
+
+def judge_region(own: FloatInclusion, said: Any, half: float) -> str:
+    """Polygons from the region stay in it, and do not rise; from anywhere, where no region is named."""
+    if said == "everywhere":
+        grown = own.drift(own.sphere(10.0), 1e4)[-1].max() / 10
+        return f"a polygon ends {grown:.3g} times as far" if grown > 5 else ""
+    half, level = float(Fraction(said["within"])), float(Fraction(said["below"]))
+    starts = own.cube(half)
+    starts = starts[levels(own, said, starts) < 0.95 * level][:STARTS]
+    if not len(starts):
+        return ""
+    places, _ = own.follow(starts)
+    if np.abs(places).max() > 1.05 * half:
+        return f"a polygon from below {level} reaches {np.abs(places).max():.3g}"
+    high = max(float(levels(own, said, here).max()) for here in places[:: STEPS // 20])
+    return f"V gets {high:.3g} from below {level}" if high > 1.05 * level else ""
+
+
+def judge_rate(own: FloatInclusion, said: Record, half: float) -> str:
+    """Along polygons V falls as fast as is said, while they stay where it is said."""
+    half = half if said["within"] is None else float(Fraction(said["within"]))
+    top = float(Fraction(said["below"])) if "below" in said else np.inf
+    starts = own.cube(half)
+    starts = starts[levels(own, said, starts) < 0.9 * top][:STARTS]
+    if not len(starts):
+        return ""
+    places, times = own.follow(starts, 100)
+    stays = np.all(np.abs(places) <= half, axis=(0, 2))
+    before, after = levels(own, said, places[0]), levels(own, said, places[-1])
+    kappa, time = float(Fraction(said["kappa"])), times[-1]
+    bound = before * np.exp(-kappa * time)
+    if said["kind"] == "finite":
+        bound = np.maximum(before - kappa * time, 0) + 0.1 * before
+    late = stays & (after > 1.3 * bound)
+    return f"V falls to {after[late][0]:.3g} and not to {bound[late][0]:.3g}" if late.any() else ""
+
+
+def levels(own: FloatInclusion, said: Record, z: Array) -> Array:
+    """V at some displacements, from one formula or from pieces."""
+    if isinstance(said["function"], str):
+        return own.function(said["function"], z)
+    found = np.full(len(z), np.nan)
+    sides = np.array([np.sign(own.function(surface, z)) for surface in said["surfaces"]])
+    for mark, formula in said["function"]:
+        wanted = [(j, 1 if sign == "+" else -1) for j, sign in enumerate(mark) if sign != "."]
+        here = np.all([sides[j] * sign >= 0 for j, sign in wanted], axis=0) if wanted else np.full(len(z), True)
+        found[here] = own.function(formula, z)[here]
+    return np.nan_to_num(found, nan=0.0)
+
+
+JUDGES: dict[str, Callable[[FloatInclusion, Any, float], str]] = {
+    "stability": judge_stability,
+    "equilibrium": judge_equilibrium,
+    "attracts": judge_region,
+    "rate": judge_rate,
+}

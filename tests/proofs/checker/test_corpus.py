@@ -1,0 +1,119 @@
+"""The corpus of certificates: good ones are accepted and true as far as floats see, forged ones are rejected."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from nonsmooth.proofs import checker
+from nonsmooth.proofs.checker.files import check_file
+from nonsmooth.proofs.checker.statements import refusal
+from tests.certificates.cases import GROUPS, cases
+from tests.certificates.corpus import GOOD, bad_certificates, forged, forged_text, good_certificates, text_of
+from tests.certificates.forgeries import certificate_text
+from tests.certificates.inclusion import contradiction
+from tests.proofs.checker.mutants import half_width
+from tests.thorough import keep, thorough
+
+STATUS = {0: "valid", 1: "rejected", 2: "unreadable"}
+
+
+def alone(path: Path) -> tuple[int, str]:
+    """Exit status and output of the checker as a command of its own, with nothing but the standard library."""
+    line = [sys.executable, "-I", "-S", str(Path(checker.__file__).parent), str(path)]
+    found = subprocess.run(line, capture_output=True, text=True, timeout=120, check=False)
+    assert not found.stderr
+    return found.returncode, found.stdout
+
+
+def test_good_ones_are_accepted() -> None:
+    """Every one, and there are of every theorem, kind of evidence and number of states."""
+    good = good_certificates()
+    refused = {name: refusal(own, len(text_of(own))) for name, own in good.items()}
+    assert not {name: why for name, why in refused.items() if why}
+    entries = [entry for own in good.values() for entry in own["evidence"]]
+    kinds = {kind for entry in entries for proof in entry["proofs"].values() for kind in proof}
+    assert kinds >= {"squares", "simplices", "pairs", "mixture"}
+    assert {entry["theorem"] for entry in entries} >= {"lyapunov", "instability", "departure"}
+    assert {len(own["statement"]["subject"]["states"]) for own in good.values()} == set(range(1, 9))
+    assert all(path.stat().st_size <= 20_000 for path in GOOD.glob("*.json"))
+
+
+def test_forged_ones_are_rejected() -> None:
+    """Every one, in one line."""
+    good = good_certificates()
+    for own in bad_certificates():
+        why = forged(own, good)
+        assert why, own.record
+        assert "\n" not in why
+    assert len(bad_certificates()) > 1_000
+
+
+@pytest.mark.parametrize("start", keep(1, range(0, 40, 10)))
+def test_the_command_says_the_same(start: int, tmp_path: Path) -> None:
+    """Some of each, as files."""
+    good = good_certificates()
+    for name in list(good)[start::40]:
+        status, said = alone(GOOD / f"{name}.json")
+        assert (status, said.splitlines()[0]) == (0, "valid"), name
+    for own in bad_certificates()[start::200]:
+        path = tmp_path / "forged.json"
+        path.write_text(forged_text(own, good), encoding="utf-8")
+        status, said = alone(path)
+        assert said.startswith(STATUS[status]), own.record
+        assert status, own.record
+        assert said.count("\n") == 1
+
+
+def test_texts_are_forged_at_one_place(tmp_path: Path) -> None:
+    """The text that forgeries change is good as it is."""
+    path = tmp_path / "good.json"
+    path.write_text(certificate_text("-x"), encoding="utf-8")
+    assert check_file(str(path))[0] == 0
+
+
+@pytest.mark.parametrize("part", keep(1, range(8)))
+def test_what_good_ones_claim_is_true(part: int) -> None:
+    """As far as floats see."""
+    for name, own in list(good_certificates().items())[part::16]:
+        assert not contradiction(own["statement"], half_width(own["evidence"][0]["hypotheses"])), name
+
+
+def test_floats_see_what_is_false() -> None:
+    """The oracle contradicts claims about systems that grow, rest elsewhere, or fall more slowly."""
+    grows = {"states": ["x", "y"], "rhs": [["x", "-sign(y)"]], "at": ["0", "0"]}
+    falls = {"states": ["x", "y"], "rhs": [["-x", "-y"]], "at": ["0", "0"]}
+    beside = {"states": ["x", "y"], "rhs": [["1/2 - x", "-y"]], "at": ["0", "0"]}
+    about = {"function": "x**2 + y**2", "within": "1"}
+    false = [
+        (grows, {"stability": "stable"}),
+        (grows, {"attracts": "everywhere"}),
+        (falls, {"stability": "unstable"}),
+        (falls, {"rate": {**about, "kind": "exponential", "kappa": "3"}}),
+        (falls, {"equilibrium": False}),
+        (beside, {"attracts": {**about, "below": "1/16"}}),
+    ]
+    for subject, claim in false:
+        assert contradiction({"subject": subject, "claims": [claim]}), claim
+    assert not contradiction({"subject": falls, "claims": [{"rate": {**about, "kind": "exponential", "kappa": "2"}}]})
+    assert not contradiction({"subject": beside, "claims": [{"equilibrium": False}]})
+
+
+@thorough
+def test_the_corpus_can_be_written_again() -> None:
+    """Evidence may be another one; what is claimed is the same.  The smaller test looks at one case of each group."""
+    for case in cases():
+        if case.name in good_certificates():
+            assert case.certificate()["statement"] == good_certificates()[case.name]["statement"], case.name
+
+
+def test_a_case_of_each_group_can_be_written_again() -> None:
+    """What is claimed of it stays the same."""
+    for group in GROUPS:
+        case = next(group())
+        assert case.certificate()["statement"] == good_certificates()[case.name]["statement"], case.name
+        assert json.loads(text_of(case.certificate()))
