@@ -6,21 +6,11 @@ from collections.abc import Callable
 
 import pytest
 
-from tests.proofs import (
-    test_fan_certificate,
-    test_invariance_certificate,
-    test_system_checker,
-)
 from tests.proofs.kernel import test_roots, test_scalar
-from tests.proofs.many_states import test_many_certificate
 
 ATTACKS: dict[str, Callable[[int, int], int]] = {
     "one state": test_scalar.attack,
-    "two states": test_system_checker.attack,
-    "velocities at the point": test_fan_certificate.attack,
-    "invariance principle": test_invariance_certificate.attack,
     "signed roots": test_roots.attack,
-    "three states": test_many_certificate.attack,
 }
 
 

@@ -1,4 +1,4 @@
-"""Evidence by what acts near the point: fans, linearizations, points that are no equilibria, beside oracles in floats."""
+"""Evidence by what acts near the point: fans, linearizations, points that are no equilibria, beside floats."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import json
 
 import numpy as np
 import pytest
+from tests.proofs.test_fan_certificate import random_fan
 
 import nonsmooth as ns
 from nonsmooth.proofs.checker.cells import Inclusion, read_system
@@ -16,11 +17,10 @@ from nonsmooth.proofs.kernel.first_terms import leading_direction, show_departur
 from nonsmooth.proofs.kernel.near_point import show_near_point
 from nonsmooth.proofs.kernel.search import NotShownError, Search
 from nonsmooth.proofs.kernel.stated_cells import stated_cells
-from nonsmooth.proofs.systems.system_certificate import about
+from nonsmooth.proofs.kernel.subject import about
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 from tests.proofs.mutants import Record
 from tests.proofs.switched_oracle import Judge, spread
-from tests.proofs.test_fan_certificate import random_fan
 from tests.thorough import thorough
 
 ATTRACTS, STABLE, UNSTABLE = "asymptotically stable", "stable", "unstable"

@@ -19,8 +19,8 @@ from nonsmooth.proofs.checker.statements import VERSION, refusal
 from nonsmooth.proofs.kernel.search import Search
 from nonsmooth.proofs.kernel.second_function import extreme_velocities, find_second
 from nonsmooth.proofs.kernel.stated_cells import stated_cells
+from nonsmooth.proofs.kernel.subject import about
 from nonsmooth.proofs.many_states.sign_cells import surfaces_of
-from nonsmooth.proofs.systems.system_certificate import about
 from nonsmooth.symbolic.files.system_file import build_system
 from nonsmooth.symbolic.piecewise import parse_piecewise
 from tests.thorough import keep, thorough
