@@ -10,6 +10,7 @@ A system is given by lines and, for each pattern of their signs, an affine field
 from __future__ import annotations
 
 import math
+import random
 from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
@@ -253,3 +254,26 @@ def _matrix(rng: np.random.Generator, scale: int = 4) -> tuple[tuple[Fraction, F
 def _vector(rng: np.random.Generator) -> tuple[Fraction, Fraction]:
     a, b = (Fraction(int(v), 2) for v in rng.integers(-6, 7, size=2))
     return a, b
+
+
+def random_fan(seed: int, *, drift: bool = True) -> Switched:
+    """One to three lines, relays that push to them and along them, products of relays, perhaps a linear part."""
+    source = random.Random(seed)
+    lines: list[tuple[int, int]] = []
+    count = source.randint(1, 3)
+    while len(lines) < count:
+        a, b = source.randint(-3, 3), source.randint(-3, 3)
+        if (a or b) and all(a * d - b * c for c, d in lines):
+            lines.append((a, b))
+    push, along, rest = source.randint(-1, 3), source.choice((-3, 0, 0, 3)), source.randint(0, 4)
+    terms: list[tuple[tuple[int, ...], Affine]] = []
+    for chosen in product((False, True), repeat=count):
+        taken = tuple(k for k in range(count) if chosen[k])
+        if len(taken) < 3:
+            velocity = [Fraction(source.randint(-rest, rest), 2) for _ in range(2)]
+            if len(taken) == 1:
+                a, b = lines[taken[0]]
+                velocity = [velocity[0] - push * a - along * b, velocity[1] - push * b + along * a]
+            c, d, e, f = (Fraction(source.randint(-2, 2) if drift and len(taken) < 2 else 0) for _ in range(4))
+            terms.append((taken, Affine(((c, d), (e, f)), (velocity[0], velocity[1]))))
+    return Switched(tuple(lines), tuple(terms))

@@ -32,7 +32,7 @@ NAMES = {
 STEP, BESIDE = 1e-2, 1e-7  # of a polygon, and of the displacement into a cell, over the distance from the point
 STEPS = 20_000
 
-LEAVING = {
+LEAVING: dict[str, tuple[str, Any]] = {
     "runs into a cell": ("x y", ["1", "x"]),
     "runs into a half plane": ("x y", ["y", "2*sign(x + y)"]),
     "slides where it attracts": ("x y", ["sign(x)", "-3*sign(y)"]),

@@ -24,7 +24,7 @@ def written(rhs: list[str], cells: Record, function: str, **more: Any) -> Record
         NotShownError: where a claim of it is not shown.
     """
     subject = {"states": ["x", "y"], "rhs": [rhs], "at": ["0", "0"]}
-    own = {"verdict": "asymptotically stable", "everywhere": False, "level": None, "below": None, "rate": None}
+    own = {"verdict": "asymptotically stable", "everywhere": False, "level": None, "below": False, "rate": None}
     hypotheses = {"cells": cells, "function": function, "second": None, **own, **more}
     entry, shown = Search().entry(read_system(subject), "lyapunov", hypotheses)
     return {"version": VERSION, "statement": {"subject": subject, "claims": shown}, "evidence": [entry]}

@@ -6,7 +6,6 @@ import json
 
 import numpy as np
 import pytest
-from tests.proofs.test_fan_certificate import random_fan
 
 import nonsmooth as ns
 from nonsmooth.proofs.checker.cells import Inclusion, read_system
@@ -20,7 +19,7 @@ from nonsmooth.proofs.kernel.stated_cells import stated_cells
 from nonsmooth.proofs.kernel.subject import about
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 from tests.proofs.mutants import Record
-from tests.proofs.switched_oracle import Judge, spread
+from tests.proofs.switched_oracle import Judge, random_fan, spread
 from tests.thorough import thorough
 
 ATTRACTS, STABLE, UNSTABLE = "asymptotically stable", "stable", "unstable"

@@ -45,7 +45,7 @@ def certificate(rhs: Any, function: str, states: str = "x y", radius: str | None
     if "direction" in more:
         entry, shown = search.entry(read_system(subject), "instability", {**hypotheses, **more})
     else:
-        own = {"verdict": "asymptotically stable", "everywhere": False, "level": None, "below": None, "rate": None}
+        own = {"verdict": "asymptotically stable", "everywhere": False, "level": None, "below": False, "rate": None}
         entry, shown = search.entry(read_system(subject), "lyapunov", {**hypotheses, **own, **more})
     return {"version": VERSION, "statement": {"subject": subject, "claims": shown}, "evidence": [entry]}
 

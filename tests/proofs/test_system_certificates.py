@@ -179,8 +179,8 @@ def test_faces_on_which_v_bends_are_asked(more: str, face: str) -> None:
     system = built(["-3*sgn(x)", "-3*sgn(y)", "sgn(z)"])
     text = f"Abs(x) + Abs(y){more} + Abs(z)"
     cells = stated_cells(system, system.check.radius, surfaces_of(system, parse_piecewise(text, system.states)))
-    hypotheses = {"cells": cells.record, "function": text, "second": None, "verdict": "asymptotically stable"}
-    hypotheses |= {"everywhere": False, "level": None, "below": False, "rate": None}
+    told = {"cells": cells.record, "function": text, "verdict": "asymptotically stable"}
+    hypotheses = {**told, "second": None, "everywhere": False, "level": None, "below": False, "rate": None}
     search = Search()
     with pytest.raises(NotShownError, match="no proof was found of face "):
         search.entry(read_system(about(system)), "lyapunov", hypotheses)
