@@ -88,8 +88,8 @@ class Lyapunov:
             for name, cells in groups.items():
                 need_joined({tuple(cell.signs[j] for j in zero) for cell in cells})
                 if not is_settled(cells, coordinates):
-                    rows = list(self.between(cells, zero, coordinates)) if gain else []
-                    rows += self.rows(cells, zero, coordinates, shift)
+                    need(not gain or len(zero) == 1, "a V that bends on one surface at a time")
+                    rows = list(self.rows(cells, zero, coordinates, shift))
                     if rows:
                         self.show(
                             f"{prefix}face {name}",
@@ -110,16 +110,6 @@ class Lyapunov:
                 value = on(along(first, f) + shift(first), coordinates)
                 pushes = [-on(along(self.inclusion.surfaces[j], f), coordinates) for j in zero]
                 yield Row(-value, guards or {}, pushes, side)
-
-    def between(self, cells: Sequence[Cell], zero: Sequence[int], coordinates: Sequence[Poly]) -> Iterator[Row]:
-        """``grad P + mu grad g`` is a mixture of the gradients of V on both sides of the one surface g."""
-        need(len(zero) == 1, "one surface")
-        other = next((cell.v for cell in cells if cell.v != cells[0].v), cells[0].v)
-        for e in (1, -1):
-            h = on(divmod(other - cells[0].v, self.inclusion.surfaces[zero[0]])[0], coordinates) * e
-            guards = {**self.inclusion.cube(coordinates), "sh": h}
-            yield Row(ZERO, guards, [ZERO + e], (2 * e,))
-            yield Row(h, guards, [ZERO - e], (3 * e,))
 
     def show_gradient(self, bound: fmpq) -> None:
         for name, signs, v in self.pieces():
