@@ -54,8 +54,9 @@ def show_claims(data: Any, size: int) -> list[Statement]:
     shown: list[Statement] = []
     for entry in items(evidence, most=MAX_THEOREMS):
         shown += show_entry(system, entry)
+    texts = {json.dumps(own, sort_keys=True) for own in shown}  # which tell truth values from numbers
     for claim in items(claims):
-        require(claim in shown, f"evidence of the claim {json.dumps(claim)[:200]}")
+        require(json.dumps(claim, sort_keys=True) in texts, f"evidence of the claim {json.dumps(claim)[:200]}")
     require(claims, "a claim")
     return list(claims)
 

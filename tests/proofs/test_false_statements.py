@@ -12,7 +12,7 @@ import pytest
 
 from nonsmooth.proofs.checker.cells import read_system
 from nonsmooth.proofs.checker.positivity import Claim, Proofs
-from nonsmooth.proofs.checker.statements import THEOREMS
+from nonsmooth.proofs.checker.statements import THEOREMS, VERSION, refusal
 from nonsmooth.proofs.checker.work import BUDGET, RejectedError
 from nonsmooth.proofs.kernel.search import NotShownError, Search
 
@@ -102,3 +102,15 @@ def test_more_curves_than_states_meet_in_a_face() -> None:
     rhs = (" - ".join(["-x", *(f"sign({curve})" for curve in curves)]), "-y")
     proofs = asked(rhs, attracts({"within": "1", "surfaces": curves, "empty": []}, function))
     assert len(proofs.asked["face 000"].inequalities) == 8
+
+
+def test_claims_are_compared_as_json() -> None:
+    """Python takes 0 for False; a reader of the file need not."""
+    about = subject("1 + sign(x)/2")
+    hypotheses = {"cells": {"within": "1", "surfaces": ["x"], "empty": []}, "direction": ["1"]}
+    entry, shown = Search().entry(read_system(about), "departure", hypotheses)
+    assert {"equilibrium": False} in shown
+    for value, accepted in ((False, True), (0, False)):
+        statement = {"subject": about, "claims": [{"equilibrium": value}]}
+        certificate = {"version": VERSION, "statement": statement, "evidence": [entry]}
+        assert (refusal(certificate, 1000) == "") == accepted
