@@ -9,6 +9,7 @@ import copy
 import json
 import random
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from fractions import Fraction
 from typing import Any, TypeAlias
 
@@ -46,26 +47,26 @@ def with_other_letter(own: str, source: random.Random) -> str:
     return own[:k] + source.choice(["", source.choice(LETTERS)]) + own[k + source.randrange(2) :]
 
 
-def change_value(data: Record, source: random.Random) -> None:
+def change_value(data: Any, source: random.Random) -> None:
     """Another number, sign or formula."""
     own, key = source.choice([place for place in places(data) if not isinstance(place[0][place[1]], dict | list)])
     old = own[key]
     own[key] = with_other_letter(old, source) if isinstance(old, str) else source.choice(VALUES)
 
 
-def replace_part(data: Record, source: random.Random) -> None:
+def replace_part(data: Any, source: random.Random) -> None:
     """Any part becomes another thing."""
     own, key = source.choice(places(data))
     own[key] = copy.deepcopy(source.choice(VALUES))
 
 
-def leave_out(data: Record, source: random.Random) -> None:
+def leave_out(data: Any, source: random.Random) -> None:
     """A key or an item less."""
     own, key = source.choice(places(data))
     del own[key]
 
 
-def copy_part(data: Record, source: random.Random) -> None:
+def copy_part(data: Any, source: random.Random) -> None:
     """A part of the document stands in the place of another one, or once more in its list."""
     found = places(data)
     (own, key), (other, name) = source.choice(found), source.choice(found)
@@ -76,20 +77,20 @@ def copy_part(data: Record, source: random.Random) -> None:
         other[name] = part
 
 
-def swap_parts(data: Record, source: random.Random) -> None:
+def swap_parts(data: Any, source: random.Random) -> None:
     """Two values of one container change places."""
     own, key = source.choice([place for place in places(data) if len(place[0]) > 1])
     other = source.choice([k for k in (own if isinstance(own, dict) else range(len(own))) if k != key])
     own[key], own[other] = own[other], own[key]
 
 
-def rename_key(data: Record, source: random.Random) -> None:
+def rename_key(data: Any, source: random.Random) -> None:
     """A key with another letter."""
     own, key = source.choice([place for place in places(data) if isinstance(place[0], dict)])
     own[with_other_letter(key, source)] = own.pop(key)
 
 
-CHANGES: tuple[Callable[[Record, random.Random], None], ...] = (
+CHANGES: tuple[Callable[[Any, random.Random], None], ...] = (
     change_value,
     change_value,
     change_value,
@@ -106,7 +107,8 @@ def mutant(original: Record, source: random.Random) -> Record:
     found = copy.deepcopy(original)
     where = source.choice([found, found["statement"], found["evidence"], found["evidence"][0]["hypotheses"]])
     for _ in range(source.choice([1, 1, 2])):
-        source.choice(CHANGES)(where, source)
+        with suppress(IndexError):  # a part without such a place is left as it is
+            source.choice(CHANGES)(where, source)
     return found
 
 
@@ -142,7 +144,8 @@ def false_theorems(cases: Sequence[Case], count: int, seed: int) -> tuple[list[s
         parts = {"subject": case.subject, "hypotheses": case.hypotheses}
         forged = copy.deepcopy(parts)
         for _ in range(source.choice([1, 1, 2])):
-            source.choice([change_value, change_value, swap_parts, copy_part, leave_out])(forged, source)
+            with suppress(IndexError):
+                source.choice([change_value, change_value, swap_parts, copy_part, leave_out])(forged, source)
         if forged == parts or set(forged) != set(parts):
             continue
         try:
