@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from itertools import pairwise, product
 from typing import Any, TypeAlias
 
-from nonsmooth.proofs.checker.cells import read_system
+from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.statements import VERSION
 from nonsmooth.proofs.kernel.search import WORK, Search
 
@@ -46,7 +46,7 @@ class Case:
         Raises:
             NotShownError: where a hypothesis is not shown.
         """
-        entry, shown = Search(work).entry(read_system(self.subject), self.theorem, self.hypotheses)
+        entry, shown = Search(work).entry(read_subject(self.subject), self.theorem, self.hypotheses)
         return {
             "version": VERSION,
             "statement": {"subject": self.subject, "claims": shown},
@@ -311,6 +311,64 @@ def points_without_rest() -> Iterator[Case]:
         yield Case(f"drift-curve-{a}-{b}-space", sides, "departure", space)
 
 
+def escape(where: Record, signs: str, mixture: Sequence[Any], function: str, **more: Any) -> Record:
+    """Hypotheses of theorem ``escape``: in the direction of the first state, where none is given."""
+    listed = {"within": where["within"], "surfaces": where["surfaces"], "signs": signs}
+    bare: Record = {"along": [], "barriers": [], **more}
+    return {**listed, "mixture": list(mixture), "function": function, **bare}
+
+
+def solutions_that_leave() -> Iterator[Case]:
+    """One solution inside a cell, along a surface, or along a mixture of right-hand sides."""
+    for power in range(1, 5):
+        hypotheses = escape(cells(), "", [["", 0, "1", ["1"]]], "x", direction=["1"])
+        yield Case(f"leaves-power-{power}", subject([f"x**{power}"]), "escape", hypotheses)
+        hypotheses = escape(cells("x"), "+", [["+", 0, "1", ["1"]]], "x", direction=["1"])
+        yield Case(f"leaves-relay-{power}", subject([f"sign(x) - x**{power}/2"]), "escape", hypotheses)
+    for count in range(2, 9):
+        names, none = NAMES[:count], ["0"] * count
+        axis = ["1", *none[1:]]
+        saddle = subject([f"{own}" if k == 0 else f"-{own}" for k, own in enumerate(names)])
+        hypotheses = escape(cells(), "", [["", 0, "1", none]], "x", along=list(names[1:]), direction=axis)
+        yield Case(f"leaves-saddle-{count}", saddle, "escape", hypotheses)
+        sides = ["x", *(f"-{own}" for own in names[1:-1]), f"-sign({names[-1]}) + 1/2"]
+        beside = [[mark, 0, weight, [*none[1:], sign]] for mark, weight, sign in (("+", "3", "1"), ("-", "1", "-1"))]
+        sliding = escape(cells(names[-1]), "0", beside, "x", along=list(names[1:-1]), direction=axis)
+        yield Case(f"leaves-sliding-{count}", subject(sides), "escape", sliding)
+    for fast in ("2", "3", "4"):
+        barrier = [["x**2 - y**2", "2"]]
+        hypotheses = escape(cells(), "", [["", 0, "1", ["0", "0"]]], "x", barriers=barrier, direction=["1", "0"])
+        yield Case(f"leaves-cone-{fast}", subject([f"{fast}*x", "y"]), "escape", hypotheses)
+        switched = subject([["x + y", f"-y + {fast}*x"], ["x - y", f"-y - {fast}*x"]])
+        mixed = [["", 0, "1", ["0", "0"]], ["", 1, "1", ["0", "0"]]]
+        hypotheses = escape(cells(), "", mixed, "x", along=["y"], direction=["1", "0"])
+        yield Case(f"leaves-switched-{fast}", switched, "escape", hypotheses)
+
+
+def systems_with_roots() -> Iterator[Case]:
+    """Square roots of a state, judged in its signed root."""
+    root = "sign(x)*sqrt(Abs(x))"
+    for name, side in (("plain", f"-{root}"), ("and-decay", f"-{root} - x"), ("and-growth", f"-2*{root} + x")):
+        own = {**subject([side]), "roots": ["x"]}
+        hypotheses = lyapunov("root_x**2", cells("root_x", within="1/2"))
+        yield Case(f"root-{name}", own, "lyapunov", hypotheses)
+    grows = {**subject([root]), "roots": ["x"]}
+    yield Case("root-grows", grows, "instability", instability("-root_x**2", cells("root_x"), ["1"]))
+    drift = {**subject([f"1 + {root}"]), "roots": ["x"]}
+    yield Case("root-drift", drift, "departure", {"cells": cells("root_x"), "direction": ["1"]})
+
+
+def gains() -> Iterator[Case]:
+    """What disturbances add to a rate."""
+    for count, gamma in product((1, 2, 3), ("3", "4")):
+        names = NAMES[:count]
+        decay = subject([f"-{own}" for own in names])
+        own: Record = {"rate": rate("exponential", "1"), "gain": gamma if count < 3 else str(2 * int(gamma))}
+        yield Case(f"gain-{count}-{gamma}", decay, "lyapunov", lyapunov(squares_of(names), cells(), **own))
+    relay = lyapunov("Abs(x)", cells("x"), rate=rate("finite", "1"), gain="1")
+    yield Case("gain-relay", subject(["-sign(x)"]), "lyapunov", relay)
+
+
 GROUPS = (
     in_one_state,
     linear_systems,
@@ -320,6 +378,9 @@ GROUPS = (
     by_a_second_function,
     unstable_systems,
     points_without_rest,
+    solutions_that_leave,
+    systems_with_roots,
+    gains,
 )
 
 

@@ -67,6 +67,12 @@ SUBJECT: Path = ["statement", "subject"]
 CLAIMS: Path = ["statement", "claims"]
 
 
+def cells_of(good: Record) -> tuple[Path, Record]:
+    """Where a theorem's hypotheses name surfaces and the cube, and these."""
+    hypotheses = good["evidence"][0]["hypotheses"]
+    return ([*HYPOTHESES, "cells"], hypotheses["cells"]) if "cells" in hypotheses else (HYPOTHESES, hypotheses)
+
+
 # ---- each kind gives the changes that it makes to a good certificate, or none ---------------------
 
 
@@ -176,8 +182,8 @@ def other_claims(good: Record) -> Iterator[Any]:
 
 def other_surfaces(good: Record) -> Iterator[Any]:
     """A surface less, twice, with a common factor, constant or switched."""
-    surfaces = good["evidence"][0]["hypotheses"]["cells"]["surfaces"]
-    where = [*HYPOTHESES, "cells", "surfaces"]
+    place, own = cells_of(good)
+    surfaces, where = own["surfaces"], [*place, "surfaces"]
     name = good["statement"]["subject"]["states"][0]
     if surfaces:
         yield [(where, surfaces[1:])]
@@ -191,11 +197,10 @@ def other_surfaces(good: Record) -> Iterator[Any]:
 
 def other_cells(good: Record) -> Iterator[Any]:
     """Cells that are said to be empty and are not; cubes of no size, or where nothing was shown."""
-    own = good["evidence"][0]["hypotheses"]["cells"]
+    where, own = cells_of(good)
     size = len(own["surfaces"])
-    where = [*HYPOTHESES, "cells"]
     for mark in ("." * size, "+" * size, "-" * size, "+" * (size + 1)):
-        if mark not in own["empty"]:
+        if mark not in own.get("empty", [mark]):
             yield [([*where, "empty"], [*own["empty"], mark])]
             yield [([*where, "empty"], [*own["empty"], mark]), ([*PROOFS, f"empty {mark}"], {"mixture": [{}]})]
     other_sizes: tuple[Any, ...] = ("0", "-1", "1e9", 1, "1/0", "", [], "inf", True)
@@ -259,6 +264,37 @@ def other_direction(good: Record) -> Iterator[Any]:
         yield [(where, [f"-{own}" if own != "0" else own for own in direction])]
 
 
+def other_mixture(good: Record) -> Iterator[Any]:
+    """A solution that leaves: weights, cells, barriers, a subspace or a function that do not fit."""
+    hypotheses = good["evidence"][0]["hypotheses"]
+    if "mixture" not in hypotheses:
+        return
+    where = [*HYPOTHESES, "mixture"]
+    count = len(good["statement"]["subject"]["states"])
+    yield [(where, [])]
+    for k, (cell, _, weight, _) in enumerate(hypotheses["mixture"]):
+        for other in ("0", f"-({weight})", "x", "sign(x)", f"({weight}) + x**2/3 - 1/2"):
+            yield [([*where, k, 2], other)]
+        yield [([*where, k, 1], len(good["statement"]["subject"]["rhs"]))]
+        yield [([*where, k, 1], "0")]
+        yield [([*where, k, 0], cell + "+")]
+        if cell:
+            yield [([*where, k, 0], cell.translate(str.maketrans("+-", "-+")))]
+        if "0" in hypotheses["signs"]:
+            yield [([*where, k, 3], ["0"] * count)]
+    if len(hypotheses["mixture"]) > 1:
+        yield [(where, hypotheses["mixture"][1:])]
+    for forms in (["1"], ["x"], ["x**2"], [f"{name}" for name in good["statement"]["subject"]["states"]]):
+        yield [([*HYPOTHESES, "along"], forms)]
+    yield [([*HYPOTHESES, "function"], f"-({hypotheses['function']})")]
+    yield [([*HYPOTHESES, "function"], f"{hypotheses['function']} + 1")]
+    yield [([*HYPOTHESES, "barriers"], [["-1", "0"]])]
+    yield [([*HYPOTHESES, "barriers"], [["x - x**2*100", "0"]])]
+    for k in range(len(hypotheses["barriers"])):
+        yield [([*HYPOTHESES, "barriers", k, 1], "1000")]
+    yield [([*HYPOTHESES, "signs"], hypotheses["signs"] + "+")]
+
+
 def other_theorem(good: Record) -> Iterator[Any]:
     """The evidence of one theorem for another."""
     for name in ("lyapunov", "instability", "departure", "Lyapunov", "", None, "show_stability"):
@@ -305,6 +341,7 @@ KINDS: tuple[Callable[[Record], Iterator[Any]], ...] = (
     other_function,
     other_level,
     other_direction,
+    other_mixture,
     other_theorem,
     other_numbers,
 )

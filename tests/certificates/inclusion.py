@@ -35,6 +35,7 @@ FUNCTIONS: dict[str, Callable[..., Any]] = {
     "sign": np.sign,
     "sgn": np.sign,
     "Abs": np.abs,
+    "sqrt": np.sqrt,
     "relu": lambda v: np.maximum(v, 0.0),
     "sat": lambda v, low, high: np.maximum(low, np.minimum(high, v)),
     "Max": lambda *v: np.maximum.reduce(np.broadcast_arrays(*v)),
@@ -90,27 +91,30 @@ class FloatInclusion:
                 found.append(np.stack(parts, axis=1))
         return np.stack(found)
 
-    def members(self, z: Array, radius: Array) -> Array:
-        """One random member of F at each place; often a corner of it or nearly so."""
+    def members(self, z: Array, radius: Array, *, outward: bool = False) -> Array:
+        """One member of F at each place: a random one, often nearly a corner, or the one that leads outward most."""
         corners = self.corners(z, radius)
+        if outward:
+            best = np.argmax(np.einsum("jik,ik->ji", corners, z), axis=0)
+            return np.asarray(corners[best, np.arange(len(z))])
         weights = self.random.dirichlet(np.full(len(corners), 0.3), len(z))
         return np.asarray(np.einsum("ij,jik->ik", weights, corners))
 
-    def follow(self, starts: Array, steps: int = STEPS, longest: float = np.inf) -> tuple[Array, Array]:
+    def follow(self, starts: Array, steps: int = STEPS, *, outward: bool = False) -> tuple[Array, Array]:
         """Euler polygons from some displacements: places (times, rows, states) and times of each.
 
         Args:
             starts: one per row.
             steps: their number, each a share of the distance from the point.
-            longest: the longest time of a step.
+            outward: whether they go outward where they can.
         """
         z, time = starts.copy(), np.zeros(len(starts))
         places, times = [z.copy()], [time.copy()]
         for _ in range(steps):
             size = np.linalg.norm(z, axis=1)
-            v = self.members(z, 0.5 * FINENESS * size)
+            v = self.members(z, 0.5 * FINENESS * size, outward=outward)
             speed = np.linalg.norm(v, axis=1)
-            step = np.where(speed > 1e-12 * size, np.minimum(FINENESS * size / (speed + 1e-300), longest), 0.0)
+            step = np.where(speed > 1e-12 * size, FINENESS * size / (speed + 1e-300), 0.0)
             z, time = z + step[:, None] * v, time + step
             places.append(z.copy())
             times.append(time.copy())
@@ -160,8 +164,8 @@ def judge_stability(own: FloatInclusion, said: str, half: float) -> str:
     slid = own.drift(own.sphere(start), 100 * half).max()
     if said != "unstable":
         return f"a polygon gets from {start:.3g} to {slid:.3g}" if slid > 2 * half else ""
-    places, _ = own.follow(own.sphere(start), 2 * STEPS)
-    far = max(slid, float(np.linalg.norm(places, axis=2).max()))
+    ends = [own.follow(own.sphere(start), 2 * STEPS, outward=outward)[0] for outward in (False, True)]
+    far = max(slid, *(float(np.linalg.norm(places, axis=2).max()) for places in ends))
     return "" if far > 2 * start else f"no polygon gets farther than {far:.3g} from {start:.3g}"
 
 
@@ -208,6 +212,21 @@ def judge_rate(own: FloatInclusion, said: Record, half: float) -> str:
     return f"V falls to {after[late][0]:.3g} and not to {bound[late][0]:.3g}" if late.any() else ""
 
 
+def judge_gain(own: FloatInclusion, said: Record, half: float) -> str:
+    """At places off all surfaces the derivative of V along ``v + d`` is that of the rate and ``gamma |d|`` at most."""
+    half = half if said["within"] is None else float(Fraction(said["within"]))
+    top = float(Fraction(said["below"])) if "below" in said else np.inf
+    z = own.cube(half)
+    before = levels(own, said, z)
+    v = own.members(z, np.full(len(z), 1e-9))
+    d = own.random.normal(size=z.shape)
+    slope = (levels(own, said, z + 1e-7 * (v + d)) - before) / 1e-7
+    fall = float(Fraction(said["kappa"])) * (before if said["kind"] == "exponential" else 1.0)
+    bound = float(Fraction(said["gamma"])) * np.linalg.norm(d, axis=1) - fall
+    wrong = (before < top) & (slope > bound + 1e-3 * (1 + np.abs(bound)))
+    return f"V rises at {slope[wrong][0]:.3g}, not {bound[wrong][0]:.3g}" if wrong.any() else ""
+
+
 def levels(own: FloatInclusion, said: Record, z: Array) -> Array:
     """V at some displacements, from one formula or from pieces."""
     if isinstance(said["function"], str):
@@ -226,4 +245,5 @@ JUDGES: dict[str, Callable[[FloatInclusion, Any, float], str]] = {
     "equilibrium": judge_equilibrium,
     "attracts": judge_region,
     "rate": judge_rate,
+    "gain": judge_gain,
 }

@@ -132,7 +132,7 @@ def false_mutants(originals: Sequence[Record], count: int, seed: int) -> tuple[l
 
 def half_width(hypotheses: Record) -> float:
     """Half the side of the cube of a theorem; one where it is all of the space."""
-    within = hypotheses["cells"]["within"]
+    within = hypotheses.get("cells", hypotheses)["within"]
     return 1.0 if within is None else float(Fraction(within))
 
 

@@ -11,7 +11,7 @@ import pytest
 
 from nonsmooth.proofs import checker
 from nonsmooth.proofs.checker.files import check_file
-from nonsmooth.proofs.checker.statements import refusal
+from nonsmooth.proofs.checker.statements import THEOREMS, refusal
 from tests.certificates.cases import GROUPS, cases
 from tests.certificates.corpus import GOOD, bad_certificates, forged, forged_text, good_certificates, text_of
 from tests.certificates.forgeries import certificate_text
@@ -38,7 +38,7 @@ def test_good_ones_are_accepted() -> None:
     entries = [entry for own in good.values() for entry in own["evidence"]]
     kinds = {kind for entry in entries for proof in entry["proofs"].values() for kind in proof}
     assert kinds >= {"squares", "simplices", "pairs", "mixture"}
-    assert {entry["theorem"] for entry in entries} >= {"lyapunov", "instability", "departure"}
+    assert {entry["theorem"] for entry in entries} == set(THEOREMS)
     assert {len(own["statement"]["subject"]["states"]) for own in good.values()} == set(range(1, 9))
     assert all(path.stat().st_size <= 20_000 for path in GOOD.glob("*.json"))
 
