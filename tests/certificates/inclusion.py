@@ -72,12 +72,12 @@ class FloatInclusion:
     def __init__(self, subject: Record, seed: int) -> None:
         self.states, self.count = subject["states"], len(subject["states"])
         self.at = np.array([float(Fraction(own)) for own in subject["at"]])
-        self.fields = [[ast.parse(own, mode="eval") for own in side] for side in subject["rhs"]]
+        self.fields = [[ast.parse(own.strip(), mode="eval") for own in side] for side in subject["rhs"]]
         self.random = np.random.default_rng(seed)
 
     def function(self, formula: str, z: Array) -> Array:
         """A formula in the displacements, at some of them (one per row)."""
-        found = value(ast.parse(formula, mode="eval"), dict(zip(self.states, z.T, strict=True)))
+        found = value(ast.parse(formula.strip(), mode="eval"), dict(zip(self.states, z.T, strict=True)))
         return np.broadcast_to(np.asarray(found, dtype=float), len(z)).copy()
 
     def corners(self, z: Array, radius: Array) -> Array:
@@ -114,7 +114,7 @@ class FloatInclusion:
             size = np.linalg.norm(z, axis=1)
             v = self.members(z, 0.5 * FINENESS * size, outward=outward)
             speed = np.linalg.norm(v, axis=1)
-            step = np.where(speed > 1e-12 * size, FINENESS * size / (speed + 1e-300), 0.0)
+            step = np.where(speed > 1e-60, FINENESS * size / (speed + 1e-300), 0.0)
             z, time = z + step[:, None] * v, time + step
             places.append(z.copy())
             times.append(time.copy())

@@ -25,6 +25,7 @@ Place: TypeAlias = tuple[Any, Any]  # a container of JSON, and a key or an index
 WORK = 2_000  # coefficients that the search for a mutant's evidence may look at
 
 LETTERS = "0123456789+-*/.()xyz "
+LIKE = ("0123456789", "+-*", "xy")
 VALUES: tuple[Any, ...] = (None, True, False, 0, 1, -1, "", "0", "1", "-1", "1/2", "1/0", [], {}, "x", "stable", 1.5)
 
 
@@ -52,6 +53,15 @@ def change_value(data: Any, source: random.Random) -> None:
     own, key = source.choice([place for place in places(data) if not isinstance(place[0][place[1]], dict | list)])
     old = own[key]
     own[key] = with_other_letter(old, source) if isinstance(old, str) else source.choice(VALUES)
+
+
+def change_letter(data: Any, source: random.Random) -> None:
+    """A digit, an operator or a state of a text becomes another one of its kind."""
+    texts = [(own, key) for own, key in places(data) if isinstance(own[key], str)]
+    own, key = source.choice([(own, key) for own, key in texts if any(set(own[key]) & set(kind) for kind in LIKE)])
+    k = source.choice([k for k, letter in enumerate(own[key]) if any(letter in kind for kind in LIKE)])
+    kind = next(kind for kind in LIKE if own[key][k] in kind)
+    own[key] = own[key][:k] + source.choice(kind) + own[key][k + 1 :]
 
 
 def replace_part(data: Any, source: random.Random) -> None:
@@ -117,9 +127,9 @@ def false_mutants(originals: Sequence[Record], count: int, seed: int) -> tuple[l
     source, found, accepted = random.Random(seed), list[str](), 0
     for k in range(count):
         original = originals[k % len(originals)]
-        forged = mutant(original, source)
-        text = json.dumps(forged)
-        refused = refusal(json.loads(text, parse_float=str, parse_constant=str), len(text))
+        text = json.dumps(mutant(original, source))
+        forged = json.loads(text, parse_float=str, parse_constant=str)
+        refused = refusal(forged, len(text))
         assert "\n" not in refused
         if refused or forged["statement"] == original["statement"]:
             continue
@@ -143,9 +153,9 @@ def false_theorems(cases: Sequence[Case], count: int, seed: int) -> tuple[list[s
         case = cases[k % len(cases)]
         parts = {"subject": case.subject, "hypotheses": case.hypotheses}
         forged = copy.deepcopy(parts)
-        for _ in range(source.choice([1, 1, 2])):
+        for _ in range(source.choice([1, 2, 3])):
             with suppress(IndexError):
-                source.choice([change_value, change_value, swap_parts, copy_part, leave_out])(forged, source)
+                source.choice([change_letter, change_letter, change_letter, swap_parts, change_value])(forged, source)
         if forged == parts or set(forged) != set(parts):
             continue
         try:

@@ -40,6 +40,6 @@ def test_many_mutants(theorem: str) -> None:
 def test_mutants_with_evidence(theorem: str) -> None:
     """Subjects and hypotheses are changed, and the forger searches evidence for them."""
     flat = [case for case in cases() if case.theorem == theorem and len(case.subject["states"]) < 3]
-    false, accepted = false_theorems(flat, 40, seed=3)
+    false, accepted = false_theorems(flat, 60, seed=3)
     assert not false
     assert accepted
