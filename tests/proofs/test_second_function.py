@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import json
+import random
 from collections import Counter
 from collections.abc import Sequence
 from fractions import Fraction
@@ -16,13 +17,15 @@ from scipy.optimize import linprog
 
 from nonsmooth.proofs.checker.cells import read_system
 from nonsmooth.proofs.checker.statements import VERSION, refusal
-from nonsmooth.proofs.kernel.search import Search
+from nonsmooth.proofs.checker.work import MALFORMED
+from nonsmooth.proofs.kernel.search import NotShownError, Search
 from nonsmooth.proofs.kernel.second_function import extreme_velocities, find_second
 from nonsmooth.proofs.kernel.stated_cells import stated_cells
 from nonsmooth.proofs.kernel.subject import about
 from nonsmooth.proofs.many_states.sign_cells import surfaces_of
 from nonsmooth.symbolic.files.system_file import build_system
 from nonsmooth.symbolic.piecewise import parse_piecewise
+from tests.proofs import mutants
 from tests.thorough import keep, thorough
 
 Record = dict[str, Any]
@@ -285,3 +288,70 @@ def test_functions_rise_along_paths_that_keep_v(name: str, side: int) -> None:
             changes = [value(text, place) - value(text, before) for text in functions]
             assert next(change for change in changes if abs(change) > 1e-9) > 0, (before, changes)
     assert kept > 50
+
+
+# ---- mutations -----------------------------------------------------------------------------------
+
+
+def mutated(record: Record, source: random.Random) -> Record:
+    """One digit, sign, operator or state changed in the right-hand sides, the functions or the bounds."""
+    found = copy.deepcopy(record)
+    subject, hypotheses = found["statement"]["subject"], found["evidence"][0]["hypotheses"]
+    second = hypotheses["second"]
+    holder, key = source.choice(
+        [(subject, "rhs"), (hypotheses, "function"), (second, "functions"), (second, "zeros")],
+    )
+    values = holder[key]
+    if isinstance(values, dict):
+        changed = mutants.changed(list(values.values()), "xy", source)
+        holder[key] = dict(zip(values, changed, strict=False))
+    else:
+        holder[key] = mutants.changed(values, "xy", source)
+    return found
+
+
+def searched(record: Record) -> str:
+    """What the checker says after the search has looked for other proofs of the same hypotheses."""
+    subject, hypotheses = record["statement"]["subject"], record["evidence"][0]["hypotheses"]
+    try:
+        entry, _ = Search(2_000).entry(read_system(subject), "lyapunov", hypotheses)
+    except NotShownError as error:
+        return str(error)
+    except MALFORMED as error:
+        return repr(error)
+    return refused({**record, "evidence": [entry]})
+
+
+def assert_true(record: Record, source: random.Random) -> None:
+    """A path from near the point loses V again and again, if it stays in the square."""
+    (rhs,), hypotheses = record["statement"]["subject"]["rhs"], record["evidence"][0]["hypotheses"]
+    names = {"relu": lambda a: max(a, 0.0), "sign": np.sign, "Abs": abs}
+    compiled = [compile(text, "formula", "eval") for text in (*rhs, hypotheses["function"])]
+
+    def values(place: np.ndarray) -> np.ndarray:
+        return np.array([eval(code, names, {"x": place[0], "y": place[1]}) for code in compiled])  # noqa: S307
+
+    half = float(Fraction(hypotheses["cells"]["within"]))
+    place = np.array([source.uniform(0.6, 0.8), source.uniform(-0.2, 0.2)]) * half
+    first, lost = values(place)[2], 0.0
+    for _ in range(10_000):
+        x, y, before = values(place)
+        slope = (values(place + 1e-6 * np.array([x, y]))[2] - before) / 1e-6
+        lost += 2e-3 * max(-slope - 1e-7, 0.0)
+        place = place + 2e-3 * values(place + 1e-3 * np.array([x, y]))[:2]
+        if np.max(np.abs(place)) > half:
+            return
+    assert lost > 1e-5 * first, record
+
+
+def attack(count: int, seed: int) -> int:
+    """How many of many mutants are accepted; each is put to the test."""
+    names = ("cubic friction", "relay and cubic friction", "friction above", "friction on the right", "hard spring")
+    found = [certificate(*ATTRACTING[name]) for name in names]
+    originals = [record for record in found if record is not None]
+    return mutants.attack(originals, mutated, searched, assert_true, count, seed)
+
+
+@thorough  # the small ones: test_forged_bounds_are_rejected and others above
+def test_mutants_are_rejected_or_still_true() -> None:
+    assert 0 < attack(60, 1) < 60
