@@ -45,7 +45,12 @@ Floats: TypeAlias = NDArray[np.float64]
 
 
 def find_second(
-    system: System, cells: Mapping[str, Any], function: Any, search: Search | None = None
+    system: System,
+    cells: Mapping[str, Any],
+    function: Any,
+    search: Search | None = None,
+    *,
+    below: Fraction | None = None,
 ) -> dict[str, Any] | None:
     """Functions and bounds for the hypothesis ``second`` of the theorems about a V that does not rise.
 
@@ -54,18 +59,21 @@ def find_second(
         cells: as a certificate states them.
         function: V, likewise.
         search: keeps the proofs that are found.
+        below: a level of V, where nothing is asked of points at which V is not less.
 
     Returns:
         The hypothesis; None where V rises somewhere, and where nothing was found or shown.
     """
-    return Chains(system, cells, function, Search() if search is None else search).extended([])
+    return Chains(system, cells, function, Search() if search is None else search, below).extended([])
 
 
 class Chains:
     """The lists of functions W that are tried, from the first to the last one."""
 
-    def __init__(self, system: System, cells: Mapping[str, Any], function: Any, search: Search) -> None:
-        self.system, self.cells, self.function, self.search = system, cells, function, search
+    def __init__(
+        self, system: System, cells: Mapping[str, Any], function: Any, search: Search, below: Fraction | None
+    ) -> None:
+        self.system, self.cells, self.function, self.search, self.below = system, cells, function, search, below
         self.tries = 0
 
     def extended(self, others: list[str]) -> dict[str, Any] | None:
@@ -73,7 +81,7 @@ class Chains:
         self.tries += 1
         BUDGET.grant(1 << 60)
         try:
-            survey = Survey(self.system, self.cells, self.function, others, self.search)
+            survey = Survey(self.system, self.cells, self.function, others, self.search, self.below)
         except (NotShownError, RejectedError):
             return None
         if not survey.left:
@@ -115,21 +123,35 @@ class Survey(Chain):
     """
 
     def __init__(
-        self, system: System, cells: Mapping[str, Any], function: Any, others: Sequence[str], search: Search
+        self,
+        system: System,
+        cells: Mapping[str, Any],
+        function: Any,
+        others: Sequence[str],
+        search: Search,
+        below: Fraction | None,
     ) -> None:
         self.system, self.stated = system, cells
         super().__init__(Inclusion(system, dict(cells), [function, *others], search), search, {})
+        self.below = below
         self.left: list[Left] = []
         self.show_chain()
 
     def leave(self, name: str, place: Face, cells: Sequence[Cell]) -> None:
         """Note a place at which all functions may stay constant."""
-        samples = sampled(place, cells).still(cells[0].functions)
+        samples = self.sampled(place, cells).still(cells[0].functions)
         self.left.append(Left(cells[0], samples.points, samples.velocities))
+
+    def sampled(self, place: Face, cells: Sequence[Cell]) -> Samples:
+        """Points of a place where V is below the level."""
+        found = sampled(place, cells)
+        if self.below is None:
+            return found
+        return found.where(evaluated(cells[0].functions[0], found.points) < float(self.below))
 
     def bound(self, name: str, step: int, place: Face, cells: Sequence[Cell]) -> Bound | None:
         """Propose a bound of the rate of a step; None where it is positive at all points that are looked at."""
-        functions, signs, samples = cells[0].functions, common_signs(cells), sampled(place, cells)
+        functions, signs, samples = cells[0].functions, common_signs(cells), self.sampled(place, cells)
         still = samples.still(functions[:step])
         values, sizes = rates(functions, step, still.points, still.velocities)
         if np.any(values < -SMALL * sizes):
@@ -184,6 +206,10 @@ class Samples:
         for k in range(len(functions)):
             values, sizes = rates(functions, k, self.points, self.velocities)
             kept &= np.abs(values) <= SMALL * sizes
+        return self.where(kept)
+
+    def where(self, kept: NDArray[np.bool_]) -> Samples:
+        """Some of them."""
         return Samples(self.coordinates[kept], self.points[kept], self.velocities[kept])
 
 
