@@ -139,13 +139,29 @@ def _leaf(claim: Claim, part: Part) -> dict[str, Any] | None:
     inside = [k for k, name in enumerate(outside) if name is None]
     mu = _common_mu(claim, part, inside)
     if mu is None:
-        return None
+        return _by_guard(claim, part)
     leaf: dict[str, Any] = {}
     if any(map(any, mu)):
         leaf["mu"] = [[str(value) for value in own] for own in mu]
     if any(outside):
         leaf["on"] = [{} if name is None else name for name in outside]
     return leaf
+
+
+def _by_guard(claim: Claim, part: Part) -> dict[str, Any] | None:
+    """A multiplier of a guard that is zero at places of the part and positive at none, for one inequality without mu."""
+    (own, *pushes), *others = part.values
+    for name, guard in () if pushes or others else part.guards[0].items():
+        degree = max(_degree(own), _degree(guard))
+        value, form = _raised(own, degree), _raised(guard, degree)
+        negative = [e for e, coefficient in value.items() if coefficient < 0]
+        if not negative or any(v > 0 for v in form.values()) or any(not form.get(e) for e in negative):
+            continue
+        factor = max(value[e] / form[e] for e in negative) + 1
+        total = {e: value.get(e, fmpq(0)) - factor * form.get(e, fmpq(0)) for e in {*value, *form}}
+        if not claim.strict or is_positive(claim, part.corners, total):
+            return {"on": [{name: str(factor)}]}
+    return None
 
 
 def _outside(claim: Claim, part: Part, free: frozenset[str], guards: dict[str, Form]) -> str | None:
