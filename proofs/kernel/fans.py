@@ -83,7 +83,7 @@ def show_by_fan(system: SwitchedSystem, verdict: str, search: Search | None = No
         for share in RADII:
             stated = cells(lines, share)
             for denominator in DENOMINATORS:
-                short = [Fraction(float(value)).limit_denominator(denominator) for value in values]
+                short = _short(values, denominator)
                 try:
                     theorem, hypotheses = _written(stated, cones, short, verdict, system)
                     SampledProofs().entry(subject, theorem, hypotheses)
@@ -91,6 +91,10 @@ def show_by_fan(system: SwitchedSystem, verdict: str, search: Search | None = No
                 except NotShownError:
                     continue
     raise NotShownError("no piecewise linear function was found that shows it")
+
+
+def _short(values: Floats, denominator: int) -> list[Fraction]:
+    return [Fraction(float(value)).limit_denominator(denominator) for value in values]
 
 
 # ---- lines and cones -----------------------------------------------------------------------------

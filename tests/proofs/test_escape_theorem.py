@@ -168,7 +168,7 @@ def test_forged_hypotheses_are_rejected(name: str) -> None:
     assert why in refused(record) or why in str(error.value)
 
 
-STABLE = {
+STABLE: dict[str, tuple[str, list[Any]]] = {
     "a slide home": ("x y", ["-sign(x)", "-sign(y)"]),
     "a focus": ("x y", ["-x + y", "-x - y"]),
     "a slide home beside velocities that leave": ("x y", ["y", "-2*sign(x + y)"]),
