@@ -7,19 +7,41 @@ that the surface does not meet near the point.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
 
 from nonsmooth.proofs.checker.cells import Domain, Inclusion, Pattern, Surfaces, System, pattern
+from nonsmooth.proofs.checker.roots import read_subject
+from nonsmooth.proofs.checker.work import BUDGET, RejectedError
 from nonsmooth.proofs.kernel.samples import Floats, sample_points, values_at
 from nonsmooth.proofs.kernel.search import NotShownError, Search
 from nonsmooth.proofs.kernel.stated_cells import StatedCells
+from nonsmooth.proofs.kernel.subject import about
+from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 LARGEST = 3  # signs that contradict each other
 TRIALS = 6  # contradictions that are tried, for one pattern
+
+
+def started(system: SwitchedSystem, search: Search | None) -> tuple[System, Search]:
+    """The subject of a certificate, and a search, which is charged no work: it has limits of its own."""
+    BUDGET.grant(1 << 60)
+    return read_subject(about(system)), search or Search()
+
+
+def build_inclusion(stated: StatedCells, subject: System, search: Search, functions: Sequence[str] = ()) -> Inclusion:
+    """The cells with their fields as the checker builds them.
+
+    Raises:
+        NotShownError: where it refuses to.
+    """
+    try:
+        return Inclusion(subject, stated.record, functions, search)
+    except RejectedError as error:
+        raise NotShownError(f"required {error}") from None
 
 
 def sharpened(stated: StatedCells, subject: System, search: Search) -> StatedCells:
@@ -33,7 +55,7 @@ def sharpened(stated: StatedCells, subject: System, search: Search) -> StatedCel
     if all(surface.degree == 1 for surface in stated.surfaces):
         return stated
     found = stated
-    known = Inclusion(subject, stated.record, [], search)
+    known = build_inclusion(stated, subject, search)
     signs = _sampled_signs(known.surfaces)
     occurring = {tuple(map(int, row)) for row in np.unique(signs, axis=0)}
     for cell in known.cells:
@@ -73,6 +95,6 @@ def _contradictions(signs: Pattern, sampled: Floats, surfaces: Surfaces) -> Iter
 def _is_shown(stated: StatedCells, mark: str, subject: System, search: Search) -> bool:
     try:
         Surfaces(Domain(subject, stated.within), stated.record["surfaces"], [mark], search)
-    except NotShownError:
+    except (NotShownError, RejectedError):
         return False
     return True

@@ -22,12 +22,11 @@ from nonsmooth.proofs.checker.cells import pattern, solve
 from nonsmooth.proofs.checker.escape import lowest_form_at
 from nonsmooth.proofs.checker.lyapunov import sign_along
 from nonsmooth.proofs.checker.polynomials import Polynomial, constant, lie_derivative, variable
-from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.theorems import Statement
+from nonsmooth.proofs.kernel.curved_cells import started
 from nonsmooth.proofs.kernel.first_terms import MIDDLE, lyapunov_solution, quadratic_form
 from nonsmooth.proofs.kernel.samples import SampledProofs, values_at
 from nonsmooth.proofs.kernel.search import NotShownError, Search
-from nonsmooth.proofs.kernel.subject import about
 from nonsmooth.proofs.kernel.written import as_checked, formula_text
 from nonsmooth.proofs.many_states.sign_cells import SignCell, SignCells, adjoining, build_cells, rational_terms
 from nonsmooth.symbolic.switched_system import SwitchedSystem
@@ -125,7 +124,7 @@ def show_escape_of(system: SwitchedSystem, search: Search | None = None) -> tupl
     """
     if system.waves:
         raise NotShownError("fields that are only enclosed: one solution of the inclusion says nothing of theirs")
-    subject, search = read_subject(about(system)), search or Search(WORK)
+    subject, search = started(system, search or Search(WORK))
     cells = build_cells(system, system.check.radius)
     for motion in motions(cells):
         for region in regions(motion):

@@ -19,13 +19,11 @@ from scipy.optimize import linprog
 
 from nonsmooth.proofs.checker.cells import Cell, Inclusion
 from nonsmooth.proofs.checker.polynomials import Polynomial
-from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.theorems import STABLE, UNSTABLE, Statement
-from nonsmooth.proofs.kernel.curved_cells import sharpened
+from nonsmooth.proofs.kernel.curved_cells import build_inclusion, sharpened, started
 from nonsmooth.proofs.kernel.samples import Floats, SampledProofs, values_at
 from nonsmooth.proofs.kernel.search import NotShownError, Search
 from nonsmooth.proofs.kernel.stated_cells import StatedCells, scaled, stated_cells
-from nonsmooth.proofs.kernel.subject import about
 from nonsmooth.proofs.systems.tangent_fan import form_lines, lowest_form
 from nonsmooth.symbolic.numbers.polynomial import Polynomial as Form
 from nonsmooth.symbolic.switched_system import SwitchedSystem
@@ -70,13 +68,13 @@ def show_by_fan(system: SwitchedSystem, verdict: str, search: Search | None = No
         NotShownError: where none is found.
         BeyondReachError: for irrational numbers, and for too many surfaces or cells.
     """
-    subject, search = read_subject(about(system)), search or Search()
+    subject, search = started(system, search)
 
     def cells(lines: Sequence[Form], share: Fraction) -> StatedCells:
         return sharpened(stated_cells(system, system.check.radius * share, lines), subject, search)
 
     for lines in _line_sets(system):
-        cones = build_cones(Inclusion(subject, cells(lines, RADII[-1]).record, [], search))
+        cones = build_cones(build_inclusion(cells(lines, RADII[-1]), subject, search))
         values = falling_values(cones, verdict)
         if values is None:
             continue

@@ -17,16 +17,14 @@ import numpy as np
 from scipy.linalg import solve_continuous_lyapunov
 from scipy.optimize import linprog
 
-from nonsmooth.proofs.checker.cells import Inclusion, System
+from nonsmooth.proofs.checker.cells import System
 from nonsmooth.proofs.checker.lyapunov import sign_along
 from nonsmooth.proofs.checker.polynomials import Polynomial, constant, variable
-from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE, Statement
-from nonsmooth.proofs.kernel.curved_cells import sharpened
+from nonsmooth.proofs.kernel.curved_cells import build_inclusion, sharpened, started
 from nonsmooth.proofs.kernel.samples import Floats, SampledProofs
 from nonsmooth.proofs.kernel.search import NotShownError, Search
 from nonsmooth.proofs.kernel.stated_cells import StatedCells, stated_cells
-from nonsmooth.proofs.kernel.subject import about
 from nonsmooth.proofs.kernel.written import formula_text
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
@@ -54,7 +52,7 @@ def show_departure_of(system: SwitchedSystem, search: Search | None = None) -> t
         NotShownError: where 0 is a mixture of the velocities there, or that is not known.
         BeyondReachError: for irrational numbers, and for too many surfaces or cells.
     """
-    subject, search = read_subject(about(system)), search or Search()
+    subject, search = started(system, search)
     for share in RADII:
         stated = _cells(system, share, subject, search)
         velocities = [[part.at_origin for part in field] for field in fields_around(stated, subject.stated, search)]
@@ -76,7 +74,7 @@ def _cells(system: SwitchedSystem, share: Fraction, subject: System, search: Sea
 
 def fields_around(stated: StatedCells, subject: System, search: Search) -> list[Field]:
     """The fields of all cells whose closures may hold the point."""
-    inclusion = Inclusion(subject, stated.record, [], search)
+    inclusion = build_inclusion(stated, subject, search)
     return [field for cell in inclusion.around() for _, field in cell.fields]
 
 
@@ -118,7 +116,7 @@ def show_linearization_of(
         NotShownError: where there is no such V, or it is not shown.
         BeyondReachError: for irrational numbers, and for too many surfaces or cells.
     """
-    subject, search = read_subject(about(system)), search or Search()
+    subject, search = started(system, search)
     for share in RADII:
         stated = _cells(system, share, subject, search)
         matrix = common_jacobian(fields_around(stated, subject, search))

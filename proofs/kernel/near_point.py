@@ -10,13 +10,14 @@ from nonsmooth.proofs.kernel.escapes import show_escape_of
 from nonsmooth.proofs.kernel.fans import show_by_fan
 from nonsmooth.proofs.kernel.first_terms import show_departure_of, show_linearization_of
 from nonsmooth.proofs.kernel.search import NotShownError, Search
+from nonsmooth.proofs.kernel.weighted_turns import show_by_weights
 from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
 
 Entry: TypeAlias = tuple[dict[str, Any], list[Statement]]
 
 
 def show_near_point(system: SwitchedSystem, verdict: str, search: Search | None = None) -> Entry:
-    """Evidence of a verdict: no equilibrium, linearization, a solution that leaves, a piecewise linear V.
+    """Evidence of a verdict: no equilibrium, linearization, a solution that leaves, a piecewise linear V, V and W.
 
     Args:
         system: in any number of states.
@@ -39,6 +40,7 @@ def show_near_point(system: SwitchedSystem, verdict: str, search: Search | None 
         ways.append(lambda: show_escape_of(system, search))
     if len(system.states) == len(PLANE):
         ways.append(lambda: show_by_fan(system, verdict, search))
+        ways.append(lambda: show_by_weights(system, verdict, search))
     reasons = []
     for show in ways:
         try:

@@ -149,11 +149,11 @@ def _leaf(claim: Claim, part: Part) -> dict[str, Any] | None:
 
 
 def _by_guard(claim: Claim, part: Part) -> dict[str, Any] | None:
-    """A multiplier of a guard that is zero at places of the part and positive at none, for one inequality without mu."""
+    """A multiplier of a guard that is zero at places of the part and positive at none, without mu."""
     (own, *pushes), *others = part.values
     for name, guard in () if pushes or others else part.guards[0].items():
         degree = max(_degree(own), _degree(guard))
-        value, form = _raised(own, degree), _raised(guard, degree)
+        value, form = (_raised(each, degree, part.corners) for each in (own, guard))
         negative = [e for e, coefficient in value.items() if coefficient < 0]
         if not negative or any(v > 0 for v in form.values()) or any(not form.get(e) for e in negative):
             continue

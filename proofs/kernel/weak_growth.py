@@ -11,13 +11,13 @@ from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
-from nonsmooth.proofs.checker.cells import read_system
+from nonsmooth.proofs.checker.cells import Inclusion, read_system
 from nonsmooth.proofs.checker.lyapunov import Lyapunov
 from nonsmooth.proofs.kernel.search import Search
 from nonsmooth.proofs.kernel.second_function import find_second
 from nonsmooth.proofs.kernel.stated_cells import stated_cells
+from nonsmooth.proofs.kernel.subject import about
 from nonsmooth.proofs.many_states.sign_cells import surfaces_of
-from nonsmooth.proofs.systems.system_certificate import about
 from nonsmooth.proofs.systems.weak_search import find_weak_lyapunov
 from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.switched_system import SwitchedSystem
@@ -44,7 +44,7 @@ def find_weak_growth(system: SwitchedSystem, search: Search | None = None) -> di
     second = find_second(subject, cells, function, proofs)
     if second is None:
         return None
-    stated = Lyapunov(subject, cells, function, second, proofs)
+    stated = Lyapunov(Inclusion(subject, cells, [function], proofs), proofs)
     leading = (own for own in DIRECTIONS if stated.is_negative_along(list(map(Fraction, own))))
     direction = next(leading, None)
     if direction is None:

@@ -1,10 +1,9 @@
-"""Functions V and W of two states where leading terms with weights decide: twisting, relays under inertia, bang-bang laws.
+"""Functions V and W of two states where leading terms with weights decide: twisting, relays under inertia and the like.
 
 Let F and G be linear forms, F of twice the weight of G: ``x' = y``, ``y' = -a sign(x) - b sign(y)`` has ``F = x`` and
-``G = y``.  Functions of the weight of F are F, its absolute value, that of every switching curve with the tangent
-``F = 0``, ``G**2`` and ``G abs(G)``; a linear program in floats finds a combination V that does not rise.  It cannot
-fall where ``G = 0``, because its derivative has a factor G there; the second function ``W = F G`` or ``-F G`` shows that
-no solution stays on this line.
+``G = y``.  Functions of the weight of F are F, its absolute value, ``G**2`` and ``G abs(G)``; a linear program in
+floats finds a combination V that does not rise.  It cannot fall where ``G = 0``, because its derivative has a factor G
+there; the second function ``W = F G`` or ``-F G`` shows that no solution stays on this line.
 """
 
 from __future__ import annotations
@@ -17,14 +16,13 @@ from typing import Any, TypeAlias
 import numpy as np
 from scipy.optimize import linprog
 
-from nonsmooth.proofs.checker.cells import Inclusion, read_system
-from nonsmooth.proofs.checker.lyapunov import ASYMPTOTICALLY_STABLE, STABLE, UNSTABLE, Statement
+from nonsmooth.proofs.checker.cells import Inclusion
 from nonsmooth.proofs.checker.polynomials import lie_derivative
-from nonsmooth.proofs.kernel.curved_cells import sharpened
+from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE, STABLE, UNSTABLE, Statement
+from nonsmooth.proofs.kernel.curved_cells import build_inclusion, sharpened, started
 from nonsmooth.proofs.kernel.samples import Floats, SampledProofs, values_at
 from nonsmooth.proofs.kernel.search import NotShownError, Search
 from nonsmooth.proofs.kernel.stated_cells import StatedCells, scaled, stated_cells
-from nonsmooth.proofs.systems.system_certificate import about
 from nonsmooth.proofs.systems.tangent_fan import form_lines, lowest_form
 from nonsmooth.symbolic.numbers.polynomial import Polynomial as Form
 from nonsmooth.symbolic.switched_system import SwitchedSystem
@@ -55,14 +53,17 @@ def show_by_weights(
         NotShownError: where none is found.
         BeyondReachError: for irrational numbers, and for too many surfaces or cells.
     """
-    subject, search = read_system(about(system)), search or Search()
+    subject, search = started(system, search)
     for heavy, light in _frames(system) if verdict != STABLE else ():
-        basis = _basis(system, heavy, light)
+        basis = [f"({heavy})", f"Abs({heavy})", f"({light})**2", f"({light})*Abs({light})"]
         for share in RADII:
             stated = stated_cells(system, system.check.radius * share, (heavy, light))
             stated = sharpened(stated, subject, search)
-            coefficients = _weak_function(Inclusion(subject, stated.record, basis, search), verdict)
-            for denominator in DENOMINATORS if coefficients is not None else ():
+            inclusion = build_inclusion(stated, subject, search, basis)
+            coefficients = _weak_function(inclusion, verdict) if _rests(inclusion) else None
+            if coefficients is None:
+                break
+            for denominator in DENOMINATORS:
                 function = _combined(coefficients, basis, denominator)
                 for sign in ("-1", "1"):
                     theorem, hypotheses = _written(stated, function, f"{sign}*({heavy})*({light})", verdict)
@@ -84,14 +85,10 @@ def _frames(system: SwitchedSystem) -> Iterator[tuple[Form, Form]]:
     yield from permutations(lines, 2)
 
 
-def _basis(system: SwitchedSystem, heavy: Form, light: Form) -> list[str]:
-    """The functions of the weight of the heavy form, as formulas."""
-    curves = []
-    for surface in system.surfaces(system.displaced(system.states)):
-        if surface.degree == 2 and not surface.terms.get((0, 0)) and scaled(lowest_form(surface)) == scaled(heavy):
-            curves.append(f"Abs({surface})")
-    square = f"({light})**2"
-    return [str(heavy), f"Abs({heavy})", square, f"({light})*Abs({light})", *curves]
+def _rests(inclusion: Inclusion) -> bool:
+    """Whether the heavy form, the first of the functions, has the derivative zero at the point along all fields."""
+    around = inclusion.around()
+    return not any(lie_derivative(cell.functions[0], field).at_origin for cell in around for _, field in cell.fields)
 
 
 def _weak_function(inclusion: Inclusion, verdict: str) -> Floats | None:
@@ -137,7 +134,7 @@ def _relative(columns: Sequence[Floats]) -> Floats:
 
 def _combined(coefficients: Floats, basis: Sequence[str], denominator: int) -> str:
     short = [Fraction(float(value)).limit_denominator(denominator) for value in coefficients]
-    return " + ".join(f"{value}*{own}" if own[0] in "A(" else f"{value}*({own})" for value, own in zip(short, basis, strict=True) if value) or "0"
+    return " + ".join(f"{value}*{own}" for value, own in zip(short, basis, strict=True) if value) or "0"
 
 
 def _written(stated: StatedCells, function: str, second: str, verdict: str) -> tuple[str, Record]:

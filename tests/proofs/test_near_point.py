@@ -41,6 +41,9 @@ KNOWN = {
     "saddle beside curves": (["x + relu(y)**2", "-y"], UNSTABLE, "instability"),
     "center and an unstable direction": (["y", "x**3", "z"], UNSTABLE, "instability"),
     "node beside curves": (["-x + relu(y)**2", "-2*y + Abs(x)*x"], ATTRACTS, "lyapunov"),
+    "twisting outward": (["y", "-3*sign(x) + 2*sign(y)"], UNSTABLE, "instability"),
+    "twisting inward": (["y", "-3*sign(x) - sign(y) + x"], ATTRACTS, "lyapunov"),
+    "relay that is pushed": (["y", "-sign(x) + y"], UNSTABLE, "instability"),
     "enclosed sine": (["y", "-sin(x) + y/4"], UNSTABLE, "instability"),
 }  # fmt: skip
 
