@@ -26,6 +26,7 @@ from nonsmooth.proofs.kernel.search import NotShownError, Search
 from nonsmooth.proofs.kernel.second_function import find_second
 from nonsmooth.proofs.kernel.stated_cells import StatedCells, stated_cells
 from nonsmooth.proofs.kernel.subject import NoCertificateError, about, exact_text
+from nonsmooth.proofs.kernel.weak_growth import find_weak_growth
 from nonsmooth.proofs.many_states.conclusion import ManyStateMethod
 from nonsmooth.proofs.many_states.decision import ManyStateResult
 from nonsmooth.proofs.many_states.facts import rate_words as many_rate_words
@@ -52,7 +53,7 @@ from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.scene_error import one_line
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
 
 LEFT_OUT = "left out"  # key of the notes
 MOST_LEFT_OUT, LONGEST = 16, 400  # lines of it that are read, and characters of each
@@ -217,7 +218,7 @@ def _ways(result: DecidedSystem, system: System) -> Iterator[Callable[[], Draft]
     for candidate in by_functions:
         yield partial(_shown, system, candidate)
     yield partial(_near_point, result)
-    if isinstance(result, ManyStateResult) and result.verdict is Translation.UNSTABLE:
+    if result.verdict is Translation.UNSTABLE:
         yield partial(_by_growth, result.scene, system)
 
 
@@ -229,10 +230,16 @@ def _near_point(result: DecidedSystem) -> Draft:
 
 def _by_growth(scene: SwitchedSystem, system: System) -> Draft:
     """By a function that shows instability, searched now."""
-    growth = find_growth(scene)
-    if growth is None:
+    if len(scene.states) > len(PLANE):
+        growth = find_growth(scene)
+        known = None if growth is None else growth.entry
+    else:
+        search = Search()
+        hypotheses = find_weak_growth(scene, search)
+        known = None if hypotheses is None else search.entry(system, "instability", hypotheses)[0]
+    if known is None:
         raise NotShownError("no function was found that shows instability")
-    return _shown(system, Candidate("instability", growth.entry["hypotheses"], known=growth.entry["proofs"]))
+    return _shown(system, Candidate("instability", known["hypotheses"], known=known["proofs"]))
 
 
 def _in_the_plane(result: SystemResult) -> Iterator[Candidate]:

@@ -33,7 +33,7 @@ from .formulas import Formula
 from .polynomials import Polynomial, constant, lie_derivative
 from .positivity import Claim, Inequality, Proofs, cube_guards
 from .theorems import UNSTABLE, Statement
-from .work import items, rational, require, take, text, whole
+from .work import BUDGET, items, longest, rational, require, take, text, whole
 
 MAX_BARRIERS, MAX_FIELDS = 40, 16
 
@@ -154,7 +154,7 @@ class Escape:
 
     def show_start(self) -> None:
         """U has points at all small distances: S has a curve in the direction, where the lowest terms are positive."""
-        for own in (*self.forms, *map(self._on_flat, self.curved)):
+        for own in (*self.forms, *self.curved):
             slope = sum((own.slope(k) * d for k, d in enumerate(self.direction)), Fraction(0))
             require(not slope, "a direction along the subspace")
         require(not self._on(self.rise).at_origin, "a function that is zero at the point")
@@ -162,10 +162,6 @@ class Escape:
             require(
                 lowest_form_at(own, self.direction) > 0, "barriers and a function that are positive in the direction"
             )
-
-    def _on_flat(self, value: Polynomial) -> Polynomial:
-        """The linear part of a polynomial."""
-        return Polynomial(value.count, {e: c for e, c in value.terms.items() if sum(e) == 1})
 
 
 def show_escape(system: System, hypotheses: Any, proofs: Proofs) -> list[Statement]:
@@ -202,6 +198,7 @@ def is_multiple(value: Polynomial, other: Polynomial) -> bool:
 def lowest_form_at(value: Polynomial, direction: Sequence[Fraction]) -> Fraction:
     """The terms of lowest degree of a polynomial, added at a vector."""
     lowest = min(map(sum, value.terms), default=0)
+    BUDGET.spend(len(value.terms) * (1 + (value.degree * longest(direction)) ** 2 // 4096))
     total = Fraction(0)
     for exponents, coefficient in value.terms.items():
         if sum(exponents) == lowest:

@@ -25,7 +25,7 @@ from typing import TypeAlias
 from .cells import Cell, Face, Inclusion, Signs, are_joined, pattern, solve, whole
 from .polynomials import Polynomial, constant, lie_derivative, variable
 from .positivity import Claim, Inequality, Proofs
-from .work import BUDGET, require
+from .work import BUDGET, longest, require
 
 Shift: TypeAlias = Callable[[Cell], Polynomial]
 
@@ -201,6 +201,7 @@ def _is_settled(face: Face, cells: Sequence[Cell]) -> bool:
 def sign_along(value: Polynomial, direction: Sequence[Fraction]) -> int:
     """The sign of a polynomial at all small distances from the origin in a direction."""
     by_degree: dict[int, Fraction] = {}
+    BUDGET.spend(len(value.terms) * (1 + (value.degree * longest(direction)) ** 2 // 4096))
     for exponents, coefficient in value.terms.items():
         own = coefficient * prod(x**exponent for x, exponent in zip(direction, exponents, strict=True))
         by_degree[sum(exponents)] = by_degree.get(sum(exponents), Fraction(0)) + own

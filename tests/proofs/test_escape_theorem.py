@@ -260,3 +260,13 @@ def assert_mutant(record: Record, source: random.Random) -> None:
 def test_mutants_are_rejected_or_still_true(name: str) -> None:
     accepted = mutants.attack([certificate(name)], mutated, refused, assert_mutant, 25, 1)
     assert accepted < 25
+
+
+def test_long_numbers_are_charged_as_work() -> None:
+    """A direction of thousands of digits, to high powers: refused before it is worked out."""
+    record = certificate("saddle")
+    hypotheses = record["evidence"][0]["hypotheses"]
+    hypotheses["function"] = " + ".join(f"x**{i}*y**{40 - i}" for i in range(41))
+    hypotheses["direction"] = ["9" * 4000 + "/" + "7" * 3999] * 2
+    record["evidence"] = [json.loads(json.dumps(record["evidence"][0])) for _ in range(20)]
+    assert "limits of work" in refused(record)
