@@ -287,6 +287,10 @@ def _in_many_states(result: ManyStateResult) -> Iterator[Candidate]:
         yield Candidate("instability", growth.entry["hypotheses"], known=growth.entry["proofs"])
     if proving is None:
         return
+    if result.method is ManyStateMethod.INVARIANCE and result.evidence.attraction is not None:
+        known = result.evidence.attraction
+        yield Candidate("lyapunov", known["hypotheses"], known=known["proofs"])
+        return
     own = proving.entry(region=result.region, rate=result.rate)
     hypotheses = own["hypotheses"] | {"verdict": str(result.verdict), "everywhere": False, "level": None, "rate": None}
     options = []
@@ -297,8 +301,7 @@ def _in_many_states(result: ManyStateResult) -> Iterator[Candidate]:
         options.append(Option({"level": own["hypotheses"]["level"]}, words))
     if result.rate is not None:
         options.append(Option({"rate": result.rate.record}, many_rate_words(result)))
-    weak = result.method is ManyStateMethod.INVARIANCE
-    yield Candidate("lyapunov", hypotheses, tuple(options), own["proofs"], needs_second=weak)
+    yield Candidate("lyapunov", hypotheses, tuple(options), own["proofs"])
 
 
 def _hypotheses(cells: StatedCells, function: Any, verdict: Translation) -> Record:

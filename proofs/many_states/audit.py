@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from nonsmooth.proofs.many_states.denominators import require_denominators
 from nonsmooth.proofs.many_states.examination import NotZeroError, examine
 from nonsmooth.proofs.many_states.examined_lyapunov import ExaminedLyapunov
-from nonsmooth.proofs.many_states.invariance import nothing_stays
 from nonsmooth.proofs.many_states.sign_cells import BeyondReachError
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.invariance import Staying
@@ -83,7 +82,7 @@ def audit_many(scene: SwitchedSystem, lyapunov: str) -> ManyStateAudit:
 def _result(scene: SwitchedSystem, lyapunov: str, found: ExaminedLyapunov) -> ManyStateAudit:
     """The verdict that follows from the conditions."""
     examination = found.examination
-    if examination.verdict is Decrease.WEAK and nothing_stays(examination):
+    if found.attraction(scene) is not None:
         reason = f"{examination.reason}, and {Staying.NONE}"
         return ManyStateAudit(scene, lyapunov, AuditVerdict.VALID, Translation.ASYMPTOTICALLY_STABLE, reason, found)
     verdict, proves = {

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import StrEnum
 from fractions import Fraction
+from typing import Any
 
 from nonsmooth.proofs.many_states.escape import Velocity
 from nonsmooth.proofs.many_states.examined_lyapunov import ExaminedLyapunov
@@ -43,7 +44,8 @@ class StabilityEvidence:
         named: the V of the scene (without one the sum of squares of the states).
         searched: a V that was searched and falls; None where none was needed or found.
         growth: a V that shows instability; None where none was needed or found.
-        left: whether nothing but the point stays where the V that shows stability does not fall.
+        attraction: LaSalle's principle with its evidence, as a certificate holds it, where the V that shows stability
+            does not fall everywhere; None where that was not needed or not found.
         beyond: why the system is not looked at; empty where it is.
     """
 
@@ -56,7 +58,7 @@ class StabilityEvidence:
     searched: ExaminedLyapunov | None = None
     growth: GrowthEvidence | None = None
     beyond: str = ""
-    left: bool = False
+    attraction: dict[str, Any] | None = None
 
     @property
     def proving(self) -> ExaminedLyapunov | None:
@@ -104,7 +106,7 @@ def _by_functions(evidence: StabilityEvidence) -> tuple[Translation, str, ManySt
     proving = evidence.proving
     if proving is not None and proving.examination.verdict is Decrease.STRICT:
         return Translation.ASYMPTOTICALLY_STABLE, proving.examination.reason, ManyStateMethod.LYAPUNOV
-    if proving is not None and proving.examination.verdict is Decrease.WEAK and evidence.left:
+    if proving is not None and proving.examination.verdict is Decrease.WEAK and evidence.attraction is not None:
         return (
             Translation.ASYMPTOTICALLY_STABLE,
             f"{proving.examination.reason}, and {Staying.NONE}",

@@ -26,7 +26,6 @@ from nonsmooth.proofs.many_states.escape import escaping_rate, escaping_velocity
 from nonsmooth.proofs.many_states.examination import examine
 from nonsmooth.proofs.many_states.examined_lyapunov import ExaminedLyapunov, is_shown
 from nonsmooth.proofs.many_states.instability import find_growth
-from nonsmooth.proofs.many_states.invariance import nothing_stays
 from nonsmooth.proofs.many_states.linear_part import Spectrum, linear_part, quadratic_text, unstable_mixture
 from nonsmooth.proofs.many_states.lyapunov_search import SCALES, find_lyapunov
 from nonsmooth.proofs.many_states.relay_degree import RelayDegree, high_degree_relay
@@ -98,9 +97,17 @@ class ManyStateResult(StabilityResult):
             return False
         own = evidence.named is None or evidence.named.formula.text == self.scene.check.lyapunov.text
         own = own and (evidence.searched is None or evidence.searched.examination.verdict is Decrease.STRICT)
-        own = own and (not evidence.left or _with_invariance(evidence).left)
+        own = own and self._attraction_is_shown()
         own = own and (evidence.growth is None or is_shown(self.scene, evidence.growth.entry, Translation.UNSTABLE))
         return own and conclude(evidence) == (self.verdict, self.reason, self.method) and self._reach_is_genuine()
+
+    def _attraction_is_shown(self) -> bool:
+        """Whether the checker accepts LaSalle's principle, where it was used, of the V that shows stability."""
+        entry, proving = self.evidence.attraction, self.evidence.proving
+        if entry is None:
+            return True
+        of_this = proving is not None and entry["hypotheses"]["function"] == proving.formula.text
+        return of_this and is_shown(self.scene, entry, Translation.ASYMPTOTICALLY_STABLE)
 
     def _reach_is_genuine(self) -> bool:
         """Whether the checker accepts the region and the rate, of the V that proves asymptotic stability."""
@@ -146,13 +153,13 @@ def _with_functions(scene: SwitchedSystem, evidence: StabilityEvidence) -> Stabi
         return evidence
     if default:
         evidence = _with_named(scene, evidence, hasty=False)
-    return _with_invariance(_with_growth(scene, evidence))
+    return _with_invariance(scene, _with_growth(scene, evidence))
 
 
-def _with_invariance(evidence: StabilityEvidence) -> StabilityEvidence:
+def _with_invariance(scene: SwitchedSystem, evidence: StabilityEvidence) -> StabilityEvidence:
     """Whether solutions leave where the V that shows stability does not fall."""
     proving = evidence.proving
-    return replace(evidence, left=proving is not None and nothing_stays(proving.examination))
+    return evidence if proving is None else replace(evidence, attraction=proving.attraction(scene))
 
 
 def _begin(scene: SwitchedSystem) -> StabilityEvidence:

@@ -5,9 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from nonsmooth.proofs.checker.cells import read_system
+from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.statements import show_entry
 from nonsmooth.proofs.checker.work import BUDGET, MALFORMED, MAX_BYTES, RejectedError
+from nonsmooth.proofs.kernel.search import NotShownError, Search
+from nonsmooth.proofs.kernel.second_function import find_second
 from nonsmooth.proofs.kernel.subject import about
 from nonsmooth.proofs.many_states.decay import ProvedDecay
 from nonsmooth.proofs.many_states.examination import Examination, examine
@@ -43,6 +45,26 @@ class ExaminedLyapunov:
         undecided = self.examination.verdict is Decrease.UNDECIDED
         return undecided or examine(system, self.formula, self.radius) == self.examination
 
+    def attraction(self, system: SwitchedSystem) -> dict[str, Any] | None:
+        """LaSalle's principle with its evidence, for a V that does not rise; None where that is not found.
+
+        Where V and the fields are forms on cones every solution is attracted.
+        """
+        if self.examination.verdict is not Decrease.WEAK:
+            return None
+        subject, search = read_subject(about(system)), Search()
+        stated = self.entry()["hypotheses"]
+        second = find_second(subject, stated["cells"], stated["function"], search)
+        if second is None:
+            return None
+        hypotheses = {**stated, "second": second, "verdict": str(Translation.ASYMPTOTICALLY_STABLE)}
+        for everywhere in (True, False):
+            try:
+                return search.entry(subject, "lyapunov", {**hypotheses, "everywhere": everywhere})[0]
+            except NotShownError:
+                continue
+        return None
+
     def entry(self, *, region: SublevelSet | None = None, rate: ProvedDecay | None = None) -> dict[str, Any]:
         """The theorem with its evidence, as a certificate holds it: what V shows, where from, and how fast."""
         stated, falls = self.examination.stated, self.examination.verdict is Decrease.STRICT
@@ -66,6 +88,6 @@ def is_shown(system: SwitchedSystem, entry: dict[str, Any], verdict: Translation
     """Whether the checker accepts a theorem about a system, and the theorem shows a verdict."""
     BUDGET.grant(MAX_BYTES)
     try:
-        return {"stability": str(verdict)} in show_entry(read_system(about(system)), entry)
+        return {"stability": str(verdict)} in show_entry(read_subject(about(system)), entry)
     except (*MALFORMED, RejectedError):
         return False
