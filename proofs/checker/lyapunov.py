@@ -31,7 +31,15 @@ Shift: TypeAlias = Callable[[Cell], Polynomial]
 
 
 class Lyapunov:
-    """The claims about a function V on a domain, each shown by its evidence."""
+    """The claims about a function V on a domain, each shown by its evidence.
+
+    Args:
+        system: the subject.
+        cells: half the side of the cube or null, the surfaces, the patterns without points.
+        function: V in the displacement: a formula, or one for each of some patterns of signs.
+        second: null, or the functions W_1, ..., W_k of :meth:`show_chain`, and the bounds of rates by names of claims.
+        proofs: show the claims.
+    """
 
     def __init__(self, inclusion: Inclusion, proofs: Proofs) -> None:
         self.inclusion, self.proofs = inclusion, proofs
