@@ -292,11 +292,12 @@ def next_functions(survey: Survey) -> Iterator[str]:
     known = [(basis, basis.rows(left)) for basis in forms(survey)]
     for basis, rows in [*known, *((basis, basis.rows(left)) for basis in sums(survey))]:
         yield from (basis.text(own) for own in rising(rows, basis.weights))
-    helpful: dict[str, float] = {}
-    for basis, rows in known:
-        for own in not_falling(rows, basis.weights):
-            helpful.setdefault(basis.text(own), -float(np.mean(rows @ np.array(own, dtype=float) > SMALL)))
-    yield from sorted(helpful, key=lambda own: helpful[own])[:MOST_HELPFUL]
+    for bent in (False, True):
+        helpful: dict[str, float] = {}
+        for basis, rows in known:
+            for own in not_falling(rows, basis.weights) if basis.bends is bent else ():
+                helpful.setdefault(basis.text(own), -float(np.mean(rows @ np.array(own, dtype=float) > SMALL)))
+        yield from sorted(helpful, key=lambda own: helpful[own])[:MOST_HELPFUL]
 
 
 @dataclass(frozen=True)
@@ -313,11 +314,16 @@ class Basis:
     functions: tuple[tuple[Exponents, int | None], ...]
     weights: Floats
 
+    @property
+    def bends(self) -> bool:
+        """Whether there are absolute values."""
+        return any(j is not None for _, j in self.functions)
+
     def rows(self, left: Sequence[Left]) -> Floats:
-        """The rates of all functions, of shape (m, k), each row in units of its largest entry."""
+        """The rates of all functions, of shape (m, k), each row in units of its largest entry, if that is not zero."""
         total = np.vstack([np.stack([self._rates(own, k) for k in range(len(self.functions))], axis=1) for own in left])
         largest = np.max(np.abs(total), axis=1, keepdims=True)
-        return np.unique(np.round(total[largest[:, 0] > 0] / largest[largest[:, 0] > 0], 13), axis=0)
+        return np.unique(np.round(total / np.where(largest > 0, largest, 1.0), 13), axis=0)
 
     def _rates(self, left: Left, k: int) -> Floats:
         exponents, j = self.functions[k]
@@ -391,6 +397,8 @@ def _basis(survey: Survey, weights: Sequence[int], degrees: range, surfaces: Map
 def rising(rows: Floats, weights: Floats) -> Iterator[list[Fraction]]:
     """Coefficients of functions that rise along all rows: a monomial alone, then the least sum of coefficients."""
     size = rows.shape[1]
+    if not np.all(np.any(rows, axis=1)):
+        return
     alone = [(weights[k], k, sign) for k in range(size) for sign in (1, -1) if np.all(sign * rows[:, k] > SMALL)]
     for _, k, sign in sorted(alone)[:2]:
         yield [Fraction(sign * int(i == k)) for i in range(size)]
