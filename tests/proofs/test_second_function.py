@@ -7,6 +7,7 @@ import json
 import random
 from collections import Counter
 from collections.abc import Sequence
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -18,8 +19,11 @@ from scipy.optimize import linprog
 from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.checker.cells import read_system
+from nonsmooth.proofs.checker.polynomials import variable
+from nonsmooth.proofs.checker.positivity import Claim, Inequality, cube_guards, identity, show
 from nonsmooth.proofs.checker.statements import VERSION, refusal
-from nonsmooth.proofs.checker.work import MALFORMED
+from nonsmooth.proofs.checker.work import MALFORMED, RejectedError
+from nonsmooth.proofs.kernel import simplices
 from nonsmooth.proofs.kernel.search import NotShownError, Search
 from nonsmooth.proofs.kernel.second_function import extreme_velocities, find_second
 from nonsmooth.proofs.kernel.stated_cells import stated_cells
@@ -374,3 +378,18 @@ def attack(count: int, seed: int) -> int:
 @thorough  # the small ones: test_forged_bounds_are_rejected and others above
 def test_mutants_are_rejected_or_still_true() -> None:
     assert 0 < attack(60, 1) < 60
+
+
+def test_a_guard_that_is_positive_nowhere_has_a_multiplier() -> None:
+    """Where x >= 0 and -x >= 0, y^2 - 5 x + x y is y^2; beside this line it is negative at places."""
+    x, y = variable(2, 0), variable(2, 1)
+    value = y * y - x.times(5) + x * y
+    on_the_line = Inequality(value, {"s0": x, "s1": -x, **cube_guards(identity(2), 2)})
+    claim = Claim("line", (on_the_line,), strict=False)
+    evidence = simplices.search(claim, 10_000)
+    assert evidence is not None
+    show(claim, evidence)
+    half = Claim("half", (replace(on_the_line, guards={"s0": x, **cube_guards(identity(2), 2)}),), strict=False)
+    assert simplices.search(half, 10_000) is None
+    with pytest.raises(RejectedError):
+        show(half, evidence)
