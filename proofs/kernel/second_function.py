@@ -37,7 +37,7 @@ BENT_DEGREES = {1: 4, 2: 5}  # where W bends on surfaces
 WEIGHTS = {2: ((1, 1), (2, 1), (1, 2), (3, 1), (1, 3), (3, 2), (2, 3))}  # of the states; ones for other numbers of them
 MOST_HELPFUL = 3  # functions that make the places fewer, tried at each step
 MOST_BENDING = 4  # surfaces
-LEAST_MARGIN = 1e-6
+LEAST_MARGIN = 1e-6  # of rates along the velocities that are left, each in units of its largest term
 DENOMINATORS = (1, 2, 3, 4, 6, 8, 16, 64)
 MOST_TRIES = 24  # lists of functions
 
