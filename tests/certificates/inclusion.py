@@ -164,8 +164,11 @@ def judge_stability(own: FloatInclusion, said: str, half: float) -> str:
     slid = own.drift(own.sphere(start), 100 * half).max()
     if said != "unstable":
         return f"a polygon gets from {start:.3g} to {slid:.3g}" if slid > 2 * half else ""
-    ends = [own.follow(own.sphere(start), 2 * STEPS, outward=outward)[0] for outward in (False, True)]
-    far = max(slid, *(float(np.linalg.norm(places, axis=2).max()) for places in ends))
+    far = slid
+    for outward in (False, True):
+        if far <= 2 * start:
+            places, _ = own.follow(own.sphere(start), 2 * STEPS, outward=outward)
+            far = max(far, float(np.linalg.norm(places, axis=2).max()))
     return "" if far > 2 * start else f"no polygon gets farther than {far:.3g} from {start:.3g}"
 
 
