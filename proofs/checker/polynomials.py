@@ -27,7 +27,7 @@ class Polynomial:
     __slots__ = ("_bits", "count", "terms")
 
     def __init__(self, count: int, terms: Mapping[Exponents, Fraction]) -> None:
-        BUDGET.spend(1 + len(terms))
+        BUDGET.spend(8 + len(terms))  # a polynomial costs some steps, however short it is
         self.count = count
         self.terms = {exponents: value for exponents, value in terms.items() if value}
         self._bits = 0
