@@ -14,6 +14,7 @@ from nonsmooth.proofs.checker.statements import refusal
 from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import decide_system
+from tests.certificates.corpus import bad_certificates, forged_text, good_certificates
 from tests.oracles import second_checker
 from tests.proofs.mutants import Record, changed
 from tests.proofs.system_families import families
@@ -41,8 +42,20 @@ def text_of(name: str) -> str:
         record = certificate_of(decide_system(system))
     except NoCertificateError:
         return ""
-    by_v = all(entry["theorem"] == "lyapunov" and not entry["hypotheses"]["second"] for entry in record["evidence"])
-    return json.dumps(record) if by_v and "roots" not in record["statement"]["subject"] else ""
+    return json.dumps(record) if is_by_v(record) else ""
+
+
+def is_by_v(record: Record) -> bool:
+    """Whether the second checker knows all of a certificate."""
+    entries = record["evidence"]
+    by_v = all(own["theorem"] in ("lyapunov", "instability") for own in entries)
+    about = record["statement"]["subject"]
+    return (
+        by_v
+        and len(about["states"]) == 2
+        and "roots" not in about
+        and not any(own["hypotheses"]["second"] for own in entries)
+    )
 
 
 def both(record: Record) -> tuple[str, str]:
@@ -98,3 +111,23 @@ def test_both_checkers_reject(name: str) -> None:
     ]
     for own in forged:
         assert all(both(own))
+
+
+def test_the_corpus_is_accepted() -> None:
+    """All good ones by a V alone, but those that ask what the second checker does not know."""
+    known = {name: own for name, own in good_certificates().items() if is_by_v(own)}
+    refused = {name: second_checker.refusal(own) for name, own in known.items()}
+    assert {why for why in refused.values() if why} <= {"a V that bends on lines"}
+    assert len(known) >= 50
+
+
+@pytest.mark.parametrize("start", keep(1, range(8)))
+def test_what_is_forged_of_the_corpus_is_rejected(start: int) -> None:
+    """Whatever the first checker must reject."""
+    good, seen = good_certificates(), 0
+    for own in bad_certificates()[start::8]:
+        if own.of not in good or own.text or not is_by_v(good[own.of]):
+            continue
+        seen += 1
+        assert second_checker.refusal(json.loads(forged_text(own, good))), own
+    assert seen
