@@ -79,10 +79,17 @@ class Formula:
             return self.factor() if sign == "+" else -self.factor()
         value = self.atom()
         if self.take("**"):
-            exponent = self.rest.pop(0)
-            need(exponent.isdecimal() and int(exponent) <= 40, "an exponent")
-            value = value ** int(exponent)
+            value = value ** self.exponent()
         return value
+
+    def exponent(self) -> int:
+        token = self.rest.pop(0)
+        if token == "(":
+            value = self.exponent()
+            need(self.take(")"), "a bracket")
+            return value
+        need(re.fullmatch("0|[1-9][0-9]?", token) and int(token) <= 40, "an exponent")
+        return int(token)
 
     def atom(self) -> Poly:
         token = self.rest.pop(0)
@@ -98,7 +105,8 @@ class Formula:
         mantissa, _, power = token.replace("_", "").lower().partition("e")
         before, _, after = mantissa.partition(".")
         need((before + after).isdecimal(), "a number in a formula")
-        need(not re.fullmatch("0+[1-9][0-9]*", token), "whole numbers that begin with no 0")
+        need(not re.fullmatch("0[0-9_]*[1-9][0-9_]*", token), "whole numbers that begin with no 0")
+        need(not re.search("_(?![0-9])|(?<![0-9])_", token), "digits around underscores")
         return RING.constant(fmpq(int(before + after), 10 ** len(after)) * fmpq(10) ** int(power or 0))
 
     def call(self, name: str, values: list[Poly]) -> Poly:

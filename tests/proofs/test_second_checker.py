@@ -131,3 +131,66 @@ def test_what_is_forged_of_the_corpus_is_rejected(start: int) -> None:
         seen += 1
         assert second_checker.refusal(json.loads(forged_text(own, good))), own
     assert seen
+
+
+FORMULAS = [
+    *(
+        "x",
+        "-x**2",
+        "+x - -y",
+        "x/2/3",
+        "2*(x + y)**3",
+        "1.5e-2*x",
+        ".5 + 1. + 1_0",
+        "x**((2))",
+        "x/(1 + 1)",
+        "  x * y  ",
+    ),
+    *(
+        "x**0x2",
+        "x**-1",
+        "x**2**3",
+        "x**41",
+        "x**2.0",
+        "x**True",
+        "x//2",
+        "x y",
+        "x/y",
+        "x/0",
+        "012",
+        "1__0",
+        "0x1",
+        "1j",
+    ),
+    *(
+        "",
+        "x if x else y",
+        "x and y",
+        "(x,)",
+        "lambda: x",
+        "x # y",
+        "x;y",
+        "z",
+        "Abs(x)",
+        "f(x)",
+        "x.real",
+        "1e1000",
+        "x\n",
+    ),
+]
+
+
+@pytest.mark.parametrize("text", FORMULAS)
+def test_both_read_the_same_formulas(text: str) -> None:
+    """Of the grammar, and of what only looks like it; there is no surface by whose sign Abs(x) would be known."""
+    about = {"states": ["x", "y"], "rhs": [["-x", "-y"]], "at": ["0", "0"]}
+    function = f"x**2 + y**2 + 0*({text})"
+    hypotheses: Record = {"cells": {"within": "1", "surfaces": [], "empty": []}, "function": function, "second": None}
+    hypotheses |= {"verdict": "stable", "everywhere": False, "level": None, "below": False, "rate": None}
+    plain: Record = {"simplices": [{}] * 8}
+    entry = {"theorem": "lyapunov", "hypotheses": hypotheses, "proofs": {"V ": plain, "cell  field 0": plain}}
+    statement = {"subject": about, "claims": [{"stability": "stable"}]}
+    record = {"version": "nonsmooth-certificate/2", "statement": statement, "evidence": [entry]}
+    first, second = both(record)
+    assert bool(first) == bool(second), (first, second)
+    assert bool(first) == (FORMULAS.index(text) >= 10)
