@@ -24,6 +24,7 @@ from nonsmooth.proofs.kernel.near_point import show_near_point
 from nonsmooth.proofs.kernel.scalar import scalar_theorem
 from nonsmooth.proofs.kernel.search import NotShownError, Search
 from nonsmooth.proofs.kernel.second_function import find_second
+from nonsmooth.proofs.kernel.sign_cells import BeyondReachError, IrrationalError, surfaces_of
 from nonsmooth.proofs.kernel.stated_cells import StatedCells, stated_cells
 from nonsmooth.proofs.kernel.subject import NoCertificateError, about, exact_text
 from nonsmooth.proofs.kernel.weak_growth import find_weak_growth
@@ -32,7 +33,6 @@ from nonsmooth.proofs.many_states.decision import ManyStateResult
 from nonsmooth.proofs.many_states.facts import rate_words as many_rate_words
 from nonsmooth.proofs.many_states.facts import region_words as many_region_words
 from nonsmooth.proofs.many_states.instability import find_growth
-from nonsmooth.proofs.many_states.sign_cells import BeyondReachError, IrrationalError, surfaces_of
 from nonsmooth.proofs.system_decision import DecidedSystem
 from nonsmooth.proofs.systems.conclusion import Method
 from nonsmooth.proofs.systems.invariance import Staying, staying_of

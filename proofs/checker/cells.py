@@ -24,7 +24,7 @@ MAX_FACES = 2_000
 MAX_LINES = 8  # on which it is tried whether two surfaces have a common factor
 
 Pattern: TypeAlias = tuple[int, ...]  # a sign, -1 or 1, of every surface
-Signs: TypeAlias = Mapping[int, int]  # of some surfaces
+SurfaceSigns: TypeAlias = Mapping[int, int]  # of some surfaces
 
 
 @dataclass(frozen=True)
@@ -290,7 +290,7 @@ class Inclusion:
         at = [surface.at_origin for surface in self.surfaces.listed]
         return [cell for cell in self.cells if all(s * v >= 0 for s, v in zip(cell.signs, at, strict=True))]
 
-    def pieces(self) -> Iterator[tuple[str, Signs, Cell]]:
+    def pieces(self) -> Iterator[tuple[str, SurfaceSigns, Cell]]:
         """A cell of each pattern of signs of the bending surfaces: its name, these signs, itself."""
         seen = set()
         for cell in self.cells:
@@ -401,7 +401,7 @@ class Face:
         beyond = self.inclusion.domain.bounded and any(abs(value) > 1 for value in still)
         return beyond or (not self.dimension and self.holds_origin)
 
-    def guards(self, signs: Signs) -> dict[str, Polynomial] | None:
+    def guards(self, signs: SurfaceSigns) -> dict[str, Polynomial] | None:
         """Surfaces with signs, and the cube; None where one of them is a negative number on the subspace."""
         bounded = self.inclusion.domain.bounded
         found = cube_guards(self.coordinates, self.dimension) if bounded else {}

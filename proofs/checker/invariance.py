@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
-from .cells import Cell, Face, Inclusion, Signs, no_switching, pattern, whole
+from .cells import Cell, Face, Inclusion, SurfaceSigns, no_switching, pattern, whole
 from .formulas import Formula
 from .lyapunov import Lyapunov
 from .polynomials import Polynomial, constant, lie_derivative, variable
@@ -34,7 +34,7 @@ class Bound:
         RejectedError: for a bound that may be negative.
     """
 
-    def __init__(self, data: Any, face: Face, signs: Signs) -> None:
+    def __init__(self, data: Any, face: Face, signs: SurfaceSigns) -> None:
         self.face, self.value, self.are_linear = face, constant(face.dimension, 0), True
         self.terms: list[list[Polynomial]] = []
         for entry in items(data, most=MAX_TERMS):
@@ -49,7 +49,7 @@ class Bound:
             self.value += term
             self.terms.append(bases)
 
-    def _power(self, data: Any, signs: Signs) -> tuple[Polynomial, int]:
+    def _power(self, data: Any, signs: SurfaceSigns) -> tuple[Polynomial, int]:
         """A base and its exponent, where the power is not negative."""
         inclusion = self.face.inclusion
         formula, number = items(data, 2)
@@ -199,7 +199,7 @@ def step_name(name: str, path: Sequence[int]) -> str:
     return f"{name} then {'.'.join(map(str, path))}" if path else name
 
 
-def common_signs(cells: Sequence[Cell]) -> Signs:
+def common_signs(cells: Sequence[Cell]) -> SurfaceSigns:
     """The signs of surfaces that all cells share."""
     first = cells[0].signs
     return {j: s for j, s in enumerate(first) if all(cell.signs[j] == s for cell in cells)}

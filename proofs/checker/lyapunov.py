@@ -22,7 +22,7 @@ from functools import cached_property
 from math import prod
 from typing import TypeAlias
 
-from .cells import Cell, Face, Inclusion, Signs, are_joined, pattern, solve, whole
+from .cells import Cell, Face, Inclusion, SurfaceSigns, are_joined, pattern, solve, whole
 from .polynomials import Polynomial, constant, lie_derivative, variable
 from .positivity import Claim, Inequality, Proofs
 from .work import BUDGET, longest, require
@@ -89,7 +89,7 @@ class Lyapunov:
         inside = Inequality(value, guards, open=frozenset(guards))
         self.proofs.show(Claim(name, (inside,), strict, bounded=self.bounded, border=self.border))
 
-    def _guards(self, face: Face, signs: Signs, cell: Cell) -> dict[str, Polynomial] | None:
+    def _guards(self, face: Face, signs: SurfaceSigns, cell: Cell) -> dict[str, Polynomial] | None:
         """Guards of surfaces and cube on a face, and that V is below the level; None where one is a negative number."""
         found = face.guards(signs)
         if found is None or self.below is None:

@@ -20,13 +20,13 @@ from flint import Ordering, fmpq, fmpq_mpoly_ctx
 from numpy.typing import NDArray
 from scipy.optimize import nnls
 
-from nonsmooth.proofs.checker.cells import Face, Signs
+from nonsmooth.proofs.checker.cells import Face, SurfaceSigns
 from nonsmooth.proofs.checker.polynomials import Polynomial, unit, variable
 from nonsmooth.proofs.kernel.search import NotShownError
 
-LEAST = 1e-3  # of a ratio to a power that is worth to be stated
+LEAST = 2.0**-10  # of a ratio to a power that is worth to be stated
 POWERS = (2, 4, 6, 8)
-TINY = 1e-12
+TINY = 2.0**-40
 
 Floats: TypeAlias = NDArray[np.float64]
 
@@ -59,7 +59,7 @@ class Bounds:
     """
 
     def __init__(
-        self, place: Face, signs: Signs, states: Sequence[str], surfaces: Sequence[str], points: Floats
+        self, place: Face, signs: SurfaceSigns, states: Sequence[str], surfaces: Sequence[str], points: Floats
     ) -> None:
         self.place, self.states, self.surfaces, self.points = place, states, surfaces, points
         listed = place.inclusion.surfaces

@@ -27,8 +27,8 @@ from nonsmooth.proofs.kernel.curved_cells import started
 from nonsmooth.proofs.kernel.first_terms import MIDDLE, lyapunov_solution, quadratic_form
 from nonsmooth.proofs.kernel.samples import SampledProofs, values_at
 from nonsmooth.proofs.kernel.search import NotShownError, Search
+from nonsmooth.proofs.kernel.sign_cells import SignCell, SignCells, adjoining, build_cells, rational_terms
 from nonsmooth.proofs.kernel.written import as_checked, formula_text
-from nonsmooth.proofs.many_states.sign_cells import SignCell, SignCells, adjoining, build_cells, rational_terms
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 Floats: TypeAlias = NDArray[np.float64]
@@ -63,7 +63,7 @@ class Weighted:
 
 
 @dataclass(frozen=True)
-class Motion:
+class FollowedField:
     """A polynomial field on a subspace that the inclusion may follow.
 
     Attributes:
@@ -94,7 +94,7 @@ class Motion:
 
 
 @dataclass(frozen=True)
-class Region:
+class BarrierRegion:
     """Where a solution stays until it leaves: ``p_i > 0`` and ``W > 0``, in the coordinates of a motion.
 
     Attributes:
@@ -138,7 +138,7 @@ def show_escape_of(system: SwitchedSystem, search: Search | None = None) -> tupl
     raise NotShownError("no solution was found that leaves inside a cell or along a face")
 
 
-def _may_leave(cells: SignCells, motion: Motion, region: Region) -> bool:
+def _may_leave(cells: SignCells, motion: FollowedField, region: BarrierRegion) -> bool:
     """Whether near the point, in its direction, a region lies where it is said to lie, and W rises there."""
     direction = [Fraction(x) for x in motion.lifted(region.direction)]
     for surface, mark in zip(cells.surfaces, motion.signs, strict=True):
@@ -149,7 +149,7 @@ def _may_leave(cells: SignCells, motion: Motion, region: Region) -> bool:
     return mixes and sign_along(lie_derivative(region.rise, motion.field), region.direction) > 0
 
 
-def _hypotheses(cells: SignCells, motion: Motion, region: Region, radius: Fraction) -> Record:
+def _hypotheses(cells: SignCells, motion: FollowedField, region: BarrierRegion, radius: Fraction) -> Record:
     def written(value: Polynomial) -> str:
         return formula_text(value, motion.names)
 
@@ -171,7 +171,7 @@ def _hypotheses(cells: SignCells, motion: Motion, region: Region, radius: Fracti
 # ---- motions: fields on subspaces ----------------------------------------------------------------
 
 
-def motions(cells: SignCells) -> Iterator[Motion]:
+def motions(cells: SignCells) -> Iterator[FollowedField]:
     """Inside open cells, on surfaces between two cells, and on lines inside cells."""
     near = adjoining(cells)
     for cell in near:
@@ -205,7 +205,7 @@ def _mixtures(cell: SignCell) -> list[list[Weighted]]:
     return [[part(number, 1)] for number in range(len(own))] + pairs
 
 
-def _on_surface(cells: SignCells, j: int, first: SignCell, second: SignCell) -> Iterator[Motion]:
+def _on_surface(cells: SignCells, j: int, first: SignCell, second: SignCell) -> Iterator[FollowedField]:
     """Sliding between two cells on a surface through the point: weights that make the normal speeds cancel.
 
     A field that is tangent to the surface is taken alone too.
@@ -229,7 +229,7 @@ def _on_surface(cells: SignCells, j: int, first: SignCell, second: SignCell) -> 
 
 def _on_subspace(
     cells: SignCells, signs: str, mixture: Sequence[Weighted], along: Sequence[Polynomial] = ()
-) -> Iterator[Motion]:
+) -> Iterator[FollowedField]:
     """The motion of a mixture on the subspace where surfaces with the sign 0, and further forms, vanish.
 
     There is none where the mixture is not tangent to the subspace, or rests on it.
@@ -252,7 +252,7 @@ def _on_subspace(
     rates = tuple(field[k].on(coordinates, dimension) for k in free)
     if any(rates):
         texts = tuple(formula_text(form, cells.states) for form in along)
-        yield Motion(signs, texts, tuple(mixture), names, coordinates, rates)
+        yield FollowedField(signs, texts, tuple(mixture), names, coordinates, rates)
 
 
 def _invariant_lines(field: Field) -> Iterator[tuple[Polynomial, ...]]:
@@ -275,7 +275,7 @@ def _radial_directions(field: Field) -> Iterator[Floats]:
     if degree == 1:
         values, vectors = np.linalg.eig(_jacobian(field))
         for k in range(count):
-            if abs(values[k].imag) < 1e-9:
+            if abs(values[k].imag) < 2.0**-30:
                 yield np.asarray(vectors[:, k].real)
     elif count == 2:
         yield from _planar_rays(field, degree)
@@ -284,11 +284,11 @@ def _radial_directions(field: Field) -> Iterator[Floats]:
 # ---- regions: where a solution of a motion stays -------------------------------------------------
 
 
-def regions(motion: Motion) -> Iterator[Region]:
+def regions(motion: FollowedField) -> Iterator[BarrierRegion]:
     """Proposals by the first terms of a motion."""
     if motion.count == 1:
         for side in (1, -1):
-            yield Region((), variable(1, 0, side), (Fraction(side),))
+            yield BarrierRegion((), variable(1, 0, side), (Fraction(side),))
         return
     degree = _lowest(motion.field)
     if degree == 0:
@@ -302,7 +302,7 @@ def regions(motion: Motion) -> Iterator[Region]:
             yield from _about_ray(ray, degree)
 
 
-def narrow_cone(velocity: Sequence[Fraction], width: Fraction, factor: Polynomial) -> Region:
+def narrow_cone(velocity: Sequence[Fraction], width: Fraction, factor: Polynomial) -> BarrierRegion:
     """``|x_i - (v_i/v_k) x_k| < width s x_k`` with the largest entry ``v_k`` of a vector and its sign s."""
     count = len(velocity)
     k = max(range(count), key=lambda i: abs(velocity[i]))
@@ -312,10 +312,10 @@ def narrow_cone(velocity: Sequence[Fraction], width: Fraction, factor: Polynomia
         if i != k:
             beside = variable(count, i) - variable(count, k, velocity[i] / velocity[k])
             barriers += [(ahead.times(width) + beside, factor), (ahead.times(width) - beside, factor)]
-    return Region(tuple(barriers), ahead, tuple(velocity))
+    return BarrierRegion(tuple(barriers), ahead, tuple(velocity))
 
 
-def _about_ray(ray: Floats, degree: int) -> Iterator[Region]:
+def _about_ray(ray: Floats, degree: int) -> Iterator[BarrierRegion]:
     """Narrow cones about a ray that attracts its neighbours."""
     vector = rounded(ray)
     top = max(range(2), key=lambda i: abs(vector[i]))
@@ -325,7 +325,7 @@ def _about_ray(ray: Floats, degree: int) -> Iterator[Region]:
             yield narrow_cone(vector, width, ahead.power(degree - 1).times(-bend))
 
 
-def _by_linear_part(motion: Motion) -> Iterator[Region]:
+def _by_linear_part(motion: FollowedField) -> Iterator[BarrierRegion]:
     """Quadratic cones ``p = -x^T P x > 0`` with ``(A - mu I)^T P + P (A - mu I) = -R``: ``p' = 2 mu p + x^T R x``.
 
     Of mu between real parts of eigenvalues; where one real eigenvalue alone is larger, with the eigenvector v and the
@@ -335,7 +335,7 @@ def _by_linear_part(motion: Motion) -> Iterator[Region]:
     values, duals, vectors = eig(matrix, left=True)
     parts = sorted({round(float(value.real), 9) for value in values}, reverse=True)
     for above, below in zip(parts, [*parts[1:], min(parts[-1], 0.0) - 1], strict=True):
-        if above <= 1e-9:
+        if above <= 2.0**-30:
             return
         yield from _chetaev(matrix, max(below, 0.0) + MIDDLE * (above - max(below, 0.0)))
         right = [k for k, value in enumerate(values) if value.real > (above + below) / 2]
@@ -344,17 +344,17 @@ def _by_linear_part(motion: Motion) -> Iterator[Region]:
             yield from _half_cones(matrix, below + MIDDLE * (above - below), vectors[:, right[0]].real, lead)
 
 
-def _chetaev(matrix: Floats, mu: float) -> Iterator[Region]:
+def _chetaev(matrix: Floats, mu: float) -> Iterator[BarrierRegion]:
     """``W = -x^T P x`` alone, which rises where it is positive."""
     found = lyapunov_solution(matrix, mu, np.eye(len(matrix)))
     if found is None:
         return
     quadratic, direction = quadratic_form(-found, FINE), rounded(np.linalg.eigh(-found)[1][:, -1])
     if lowest_form_at(quadratic, direction) > 0:
-        yield Region((), quadratic, direction)
+        yield BarrierRegion((), quadratic, direction)
 
 
-def _half_cones(matrix: Floats, mu: float, vector: Floats, lead: Floats) -> Iterator[Region]:
+def _half_cones(matrix: Floats, mu: float, vector: Floats, lead: Floats) -> Iterator[BarrierRegion]:
     """Both parts of cones about an eigenvector, wide and narrow."""
     size = len(matrix)
     lead = lead / float(lead @ vector)
@@ -370,7 +370,7 @@ def _half_cones(matrix: Floats, mu: float, vector: Floats, lead: Floats) -> Iter
             rise = sum((variable(size, k, x) for k, x in enumerate(rounded(side * lead))), constant(size, 0))
             direction = rounded(side * vector)
             if lowest_form_at(barrier, direction) > 0:
-                yield Region(((barrier, factor),), rise, direction)
+                yield BarrierRegion(((barrier, factor),), rise, direction)
 
 
 def rounded(vector: Floats) -> tuple[Fraction, ...]:
@@ -395,7 +395,7 @@ def _planar_rays(field: Field, degree: int) -> Iterator[Floats]:
     x, y = variable(2, 0), variable(2, 1)
     across = x * g - y * f
     along = [float(across.terms.get((degree + 1 - k, k), 0)) for k in range(degree, -2, -1)]
-    slopes = [root.real for root in np.roots(along) if abs(root.imag) < 1e-9] if any(along) else []
+    slopes = [root.real for root in np.roots(along) if abs(root.imag) < 2.0**-30] if any(along) else []
     found = [np.array([1.0, slope]) for slope in slopes]
     if not along[0]:
         found.append(np.array([0.0, 1.0]))

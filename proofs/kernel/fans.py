@@ -35,11 +35,11 @@ RADII = tuple(Fraction(1, 4**k) for k in range(1, 7))  # half-widths of cubes, o
 MOST_LINES = 12
 DENOMINATORS = (1 << 4, 1 << 8, 1 << 14)  # of the values on the rays, tried in turn
 PLACES = (0.0, 0.25, 0.5, 0.75, 1.0)  # of the directions of a cone at which V is asked to fall
-LEAST = 1e-7  # by which it falls in floats, over the speed
+LEAST = 2.0**-23  # by which it falls in floats, over the speed
 
 
 @dataclass(frozen=True)
-class Cone:
+class FanCone:
     """A cone between two rays, with what acts there.
 
     Attributes:
@@ -143,7 +143,7 @@ def _between(directions: Sequence[Ray]) -> Iterator[Ray]:
         yield _upper((short[0], short[1]))
 
 
-def build_cones(inclusion: Inclusion) -> list[Cone]:
+def build_cones(inclusion: Inclusion) -> list[FanCone]:
     """The cones between the lines through the point among the surfaces, counterclockwise, with the cells in each."""
     listed = inclusion.surfaces.listed
     lines = [j for j, own in enumerate(listed) if own.degree == 1 and not own.at_origin]
@@ -154,14 +154,14 @@ def build_cones(inclusion: Inclusion) -> list[Cone]:
         inner = start[0] + end[0], start[1] + end[1]
         signs = {j: listed[j].slope(0) * inner[0] + listed[j].slope(1) * inner[1] > 0 for j in lines}
         cells = tuple(c for c in inclusion.cells if all((c.signs[j] > 0) == own for j, own in signs.items()))
-        cones.append(Cone(start, end, cells))
+        cones.append(FanCone(start, end, cells))
     return cones
 
 
 # ---- the linear program --------------------------------------------------------------------------
 
 
-def falling_values(cones: Sequence[Cone], verdict: str) -> Floats | None:
+def falling_values(cones: Sequence[FanCone], verdict: str) -> Floats | None:
     """Values of V on the first rays of all cones, with which V falls as fast as it can; None where it does not.
 
     For a stable point that need not attract V does not rise, and for an unstable one it is negative on some ray.
@@ -186,7 +186,7 @@ def falling_values(cones: Sequence[Cone], verdict: str) -> Floats | None:
     return values / np.abs(values).max()
 
 
-def _rows_of_cones(cones: Sequence[Cone], degree: int) -> Iterator[tuple[Floats, float]]:
+def _rows_of_cones(cones: Sequence[FanCone], degree: int) -> Iterator[tuple[Floats, float]]:
     """``grad V . f(u)`` as a linear function of the values, with the speed ``abs(f(u))``."""
     count = len(cones)
     for k, cone in enumerate(cones):
@@ -200,7 +200,7 @@ def _rows_of_cones(cones: Sequence[Cone], degree: int) -> Iterator[tuple[Floats,
                 yield row, float(np.linalg.norm(velocity))
 
 
-def _rows_of_rays(cones: Sequence[Cone], degree: int) -> Iterator[tuple[Floats, float]]:
+def _rows_of_rays(cones: Sequence[FanCone], degree: int) -> Iterator[tuple[Floats, float]]:
     """``rho V(r)`` for the mixtures of velocities on both sides of a ray r that are radial there."""
     for k, cone in enumerate(cones):
         ray = _floats(cone.start)
@@ -233,7 +233,7 @@ def _floats(ray: Ray) -> Floats:
 
 
 def _written(
-    stated: StatedCells, cones: Sequence[Cone], values: Sequence[Fraction], verdict: str, system: SwitchedSystem
+    stated: StatedCells, cones: Sequence[FanCone], values: Sequence[Fraction], verdict: str, system: SwitchedSystem
 ) -> tuple[str, Record]:
     """The theorem's name, and its hypotheses with V as linear pieces."""
     x, y = system.displaced(system.states)
@@ -251,14 +251,14 @@ def _written(
     return "instability", {**common, "direction": list(map(str, _downward(cones, values)))}
 
 
-def _gradient(cone: Cone, value: Fraction, after: Fraction) -> Ray:
+def _gradient(cone: FanCone, value: Fraction, after: Fraction) -> Ray:
     """The gradient of the linear function with given values on both rays of a cone."""
     (a, b), (c, d) = cone.start, cone.end
     area = a * d - b * c
     return (value * d - after * b) / area, (after * a - value * c) / area
 
 
-def _downward(cones: Sequence[Cone], values: Sequence[Fraction]) -> Ray:
+def _downward(cones: Sequence[FanCone], values: Sequence[Fraction]) -> Ray:
     """A direction inside the cone after the lowest ray, near the ray."""
     k = min(range(len(values)), key=lambda i: values[i])
     after, weight = values[(k + 1) % len(values)], 1

@@ -14,8 +14,8 @@ from nonsmooth.proofs.kernel.search import NotShownError, Search
 Floats: TypeAlias = NDArray[np.float64]
 
 POINTS, SHRINK = 600, 4.0  # points of each claim; the exponential scale of their distances
-SLACK = 1e-9  # of the largest term, below which a value counts as zero
-STEPS, TINY = 8, 1e-30  # of Newton's method toward a surface; the least square of a slope
+SLACK = 2.0**-30  # of the largest term, below which a value counts as zero
+STEPS, TINY = 8, 2.0**-100  # of Newton's method toward a surface; the least square of a slope
 
 
 class SampledProofs(Search):

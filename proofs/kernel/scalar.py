@@ -30,7 +30,7 @@ from nonsmooth.symbolic.numbers.number import Number
 FINE = 1 << 20  # an end with roots is certified up to this part of its distance
 WIDEST = Fraction(1)  # half the interval on which local verdicts are certified, at most
 
-Signs: TypeAlias = tuple[int, ...]
+Pattern: TypeAlias = tuple[int, ...]
 Theorem: TypeAlias = tuple[str, dict[str, Any]]  # its name, and its hypotheses
 
 
@@ -133,7 +133,7 @@ def within(reach: Number | Fraction) -> Fraction:
 
 
 @dataclass(frozen=True)
-class Intervals:
+class SmoothIntervals:
     """The displacements between which nothing switches.
 
     Attributes:
@@ -147,7 +147,7 @@ class Intervals:
     fields: tuple[tuple[Polynomial, ...], ...]
 
 
-def build_intervals(system: System, radius: Fraction) -> Intervals:
+def build_intervals(system: System, radius: Fraction) -> SmoothIntervals:
     """The intervals of a system within a distance from the point.
 
     The formulas are read at a place of each interval; where they ask for the sign of a polynomial with factors that
@@ -160,7 +160,7 @@ def build_intervals(system: System, radius: Fraction) -> Intervals:
         places = tuple(_places_between(known, radius))
         fields = tuple(tuple(formula.on(_signs_at(place, surfaces)) for formula in formulas) for place in places)
         if len(surfaces) == len(known):
-            return Intervals(known, places, fields)
+            return SmoothIntervals(known, places, fields)
 
 
 def _signs_at(place: Fraction, surfaces: list[fmpq_poly]) -> SignOf:
@@ -247,7 +247,7 @@ def _text(surface: fmpq_poly, name: str) -> str:
     return " + ".join(own for k, own in enumerate(powers) if surface[k])
 
 
-def _empty_patterns(occurring: Sequence[Signs]) -> Iterator[str]:
+def _empty_patterns(occurring: Sequence[Pattern]) -> Iterator[str]:
     """Patterns of signs that occur nowhere, of which every other pattern that does not occur holds one."""
     size, listed = len(occurring[0]), list[dict[int, int]]()
     for beginning in dict.fromkeys(signs[:k] for k in range(size) for signs in occurring):
@@ -258,7 +258,7 @@ def _empty_patterns(occurring: Sequence[Signs]) -> Iterator[str]:
     return (pattern(own.get(j) for j in range(size)) for own in listed)
 
 
-def _contradiction(signs: dict[int, int], occurring: Sequence[Signs]) -> dict[int, int]:
+def _contradiction(signs: dict[int, int], occurring: Sequence[Pattern]) -> dict[int, int]:
     """As few as possible of some signs that occur nowhere together."""
     for j in list(signs):
         fewer = {k: sign for k, sign in signs.items() if k != j}
@@ -267,5 +267,5 @@ def _contradiction(signs: dict[int, int], occurring: Sequence[Signs]) -> dict[in
     return signs
 
 
-def _occurs(signs: dict[int, int], occurring: Sequence[Signs]) -> bool:
+def _occurs(signs: dict[int, int], occurring: Sequence[Pattern]) -> bool:
     return any(all(own[j] == sign for j, sign in signs.items()) for own in occurring)

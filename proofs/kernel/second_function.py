@@ -30,14 +30,14 @@ from nonsmooth.proofs.kernel.search import NotShownError, Search
 
 SCALES = (1.0, 0.5, 0.25, 0.1, 0.03)  # of the points, in units of the cube
 DIRECTIONS = 16  # at random, on each scale and in each subspace of coordinates
-SMALL = 1e-10  # relative size of a rate that is called zero
-NEAR = 1e-9  # distance from a surface that is called zero
+SMALL = 2.0**-33  # relative size of a rate that is called zero
+NEAR = 2.0**-30  # distance from a surface that is called zero
 DEGREES = {1: 8, 2: 6, 3: 4, 4: 4}  # of W by the number of states; 3 in more
 BENT_DEGREES = {1: 4, 2: 5}  # where W bends on surfaces
 WEIGHTS = {2: ((1, 1), (2, 1), (1, 2), (3, 1), (1, 3), (3, 2), (2, 3))}  # of the states; ones for other numbers of them
 MOST_HELPFUL = 3  # functions that make the places fewer, tried at each step
 MOST_BENDING = 4  # surfaces
-LEAST_MARGIN = 1e-6  # of rates along the velocities that are left, each in units of its largest term
+LEAST_MARGIN = 2.0**-20  # of rates along the velocities that are left, each in units of its largest term
 DENOMINATORS = (1, 2, 3, 4, 6, 8, 16, 64)
 MOST_TRIES = 24  # lists of functions
 
@@ -178,7 +178,7 @@ def rates(functions: Sequence[Polynomial], step: int, points: Floats, velocities
     """The rate of a step at points along velocities, and the sizes of the numbers that it is a sum of."""
     sign = 1.0 if step else -1.0
     slopes = gradient(functions[step], points)
-    return sign * np.sum(slopes * velocities, axis=1), np.sum(np.abs(slopes * velocities), axis=1) + 1e-300
+    return sign * np.sum(slopes * velocities, axis=1), np.sum(np.abs(slopes * velocities), axis=1) + 2.0**-1000
 
 
 def gradient(function: Polynomial, points: Floats) -> Floats:
@@ -270,7 +270,7 @@ def extreme_velocities(fields: Sequence[Floats], normals: Sequence[Floats]) -> I
             matrix = np.vstack([across[:, chosen], np.ones(size)])
             target = np.r_[np.zeros(len(normals)), 1.0]
             weights, *_ = np.linalg.lstsq(matrix, target, rcond=None)
-            if np.all(weights > (0 if size == 1 else NEAR)) and np.allclose(matrix @ weights, target, atol=1e-10):
+            if np.all(weights > (0 if size == 1 else NEAR)) and np.all(np.abs(matrix @ weights - target) <= NEAR):
                 yield np.array([fields[k] for k in chosen]).T @ weights
 
 
@@ -430,7 +430,7 @@ def not_falling(rows: Floats, weights: Floats) -> Iterator[list[Fraction]]:
     if helps:
         return
     count = len(rows)
-    costs = np.r_[np.tile(weights, 2) * 1e-3, -np.ones(count)]
+    costs = np.r_[np.tile(weights, 2) * 2.0**-10, -np.ones(count)]
     matrix = np.hstack([-rows, rows, np.eye(count)])
     limits = [(0, 10.0)] * (2 * size) + [(0, 0.1)] * count
     solved = linprog(costs, A_ub=matrix, b_ub=np.zeros(count), bounds=limits)
@@ -446,7 +446,7 @@ def rounded(values: Floats, holds: Any) -> list[Fraction] | None:
     largest = float(np.max(np.abs(values)))
     if largest < NEAR:
         return None
-    smallest = float(np.min(np.abs(values)[np.abs(values) > 1e-3 * largest]))
+    smallest = float(np.min(np.abs(values)[np.abs(values) > 2.0**-10 * largest]))
     for unit_value in (largest, smallest):
         for denominator in DENOMINATORS:
             found = [Fraction(round(float(v) / unit_value * denominator), denominator) for v in values]

@@ -26,11 +26,11 @@ Corner: TypeAlias = tuple[fmpq, ...]
 
 LARGEST_MU = 1e6  # value of a function mu at a corner
 MU_DENOMINATORS = (1 << 4, 1 << 12, 1 << 24)  # of these values, tried in turn
-SLACK = 1e-7  # by which a coefficient that a linear program finds may be negative: exact arithmetic decides
+SLACK = 2.0**-23  # by which a coefficient that a linear program finds may be negative: exact arithmetic decides
 
 
 @dataclass
-class Part:
+class SimplexPart:
     """A simplex on its way to being shown.
 
     Attributes:
@@ -74,11 +74,11 @@ def search(claim: Claim, work: int) -> dict[str, Any] | None:
     return {"simplices": trees}
 
 
-def _root(claim: Claim, corners: Sequence[Sequence[Fraction]]) -> Part:
+def _root(claim: Claim, corners: Sequence[Sequence[Fraction]]) -> SimplexPart:
     exact = tuple(tuple(fmpq(x.numerator, x.denominator) for x in corner) for corner in corners)
     values = [[_form(own, exact) for own in (i.value, *i.pushes)] for i in claim.inequalities]
     guards = [{name: _form(own, exact) for name, own in i.guards.items() if name[0] == "s"} for i in claim.inequalities]
-    return Part(exact, values, guards, 0)
+    return SimplexPart(exact, values, guards, 0)
 
 
 def _form(value: Polynomial, corners: Sequence[Corner]) -> Form:
@@ -111,7 +111,7 @@ def _product(first: Form, second: Form) -> Form:
     return total
 
 
-def _grow(claim: Claim, root: Part, work: int) -> int | None:
+def _grow(claim: Claim, root: SimplexPart, work: int) -> int | None:
     """Cut a root simplex until every leaf is shown; the work that is left, None where it is not shown."""
     waiting = [root]
     while waiting:
@@ -132,7 +132,7 @@ def _grow(claim: Claim, root: Part, work: int) -> int | None:
     return work
 
 
-def _leaf(claim: Claim, part: Part) -> dict[str, Any] | None:
+def _leaf(claim: Claim, part: SimplexPart) -> dict[str, Any] | None:
     """The multipliers with which the coefficients show all inequalities on a part."""
     asked = zip(claim.inequalities, part.guards, strict=True)
     outside = [_outside(claim, part, inequality.open, guards) for inequality, guards in asked]
@@ -148,7 +148,7 @@ def _leaf(claim: Claim, part: Part) -> dict[str, Any] | None:
     return leaf
 
 
-def _by_guard(claim: Claim, part: Part) -> dict[str, Any] | None:
+def _by_guard(claim: Claim, part: SimplexPart) -> dict[str, Any] | None:
     """A multiplier of a guard that is zero at places of the part and positive at none, without mu."""
     (own, *pushes), *others = part.values
     for name, guard in () if pushes or others else part.guards[0].items():
@@ -164,7 +164,7 @@ def _by_guard(claim: Claim, part: Part) -> dict[str, Any] | None:
     return None
 
 
-def _outside(claim: Claim, part: Part, free: frozenset[str], guards: dict[str, Form]) -> str | None:
+def _outside(claim: Claim, part: SimplexPart, free: frozenset[str], guards: dict[str, Form]) -> str | None:
     """A guard that is positive nowhere on the part."""
     for name, form in guards.items():
         if all(value <= 0 for value in form.values()):
@@ -174,7 +174,7 @@ def _outside(claim: Claim, part: Part, free: frozenset[str], guards: dict[str, F
     return None
 
 
-def _common_mu(claim: Claim, part: Part, inside: Sequence[int]) -> list[list[fmpq]] | None:
+def _common_mu(claim: Claim, part: SimplexPart, inside: Sequence[int]) -> list[list[fmpq]] | None:
     """Values at the corners of affine functions mu with which the coefficients of all ``p + sum mu q`` show them.
 
     The functions zero are tried first; then a linear program proposes values, and exact arithmetic decides.
@@ -252,7 +252,7 @@ def _raised(form: Form, degree: int, corners: Sequence[Corner]) -> Form:
     return form
 
 
-def _shows(claim: Claim, part: Part, k: int, form: Form) -> bool:
+def _shows(claim: Claim, part: SimplexPart, k: int, form: Form) -> bool:
     """Whether the coefficients of a form show the k-th inequality on a part."""
     if any(value < 0 for value in form.values()):
         return False
@@ -276,7 +276,7 @@ def is_positive(claim: Claim, corners: Sequence[Corner], found: Form, border: Fo
     return all(any(value for e, value in found.items() if e[k] + e[i] == sum(e)) for k, i in pairs_of)
 
 
-def _is_refuted(claim: Claim, part: Part) -> bool:
+def _is_refuted(claim: Claim, part: SimplexPart) -> bool:
     """Whether an inequality without mu is false at a corner that lies in the closed cell."""
     size = len(part.corners)
     for k, corner in enumerate(part.corners):
@@ -295,7 +295,7 @@ def _at(form: Form, k: int, size: int) -> fmpq:
     return form.get(tuple(_degree(form) * int(i == k) for i in range(size)), fmpq(0))
 
 
-def _cut(claim: Claim, part: Part) -> tuple[int, int, fmpq]:
+def _cut(claim: Claim, part: SimplexPart) -> tuple[int, int, fmpq]:
     """Where to cut: an affine guard that changes its sign on an edge, else the edge of doubt, else the longest."""
     size = len(part.corners)
     for guards in part.guards:
@@ -315,7 +315,7 @@ def _cut(claim: Claim, part: Part) -> tuple[int, int, fmpq]:
     return (*edge, fmpq(1, 2))
 
 
-def rational_root(part: Part) -> fmpq | None:
+def rational_root(part: SimplexPart) -> fmpq | None:
     """Where a polynomial vanishes inside an interval, as a share of it: halving alone would never meet that place."""
     forms = [form for own in part.values for form in own[:1]] + [form for own in part.guards for form in own.values()]
     for form in forms:
@@ -329,7 +329,7 @@ def rational_root(part: Part) -> fmpq | None:
     return None
 
 
-def _edge_of_doubt(part: Part) -> tuple[int, int] | None:
+def _edge_of_doubt(part: SimplexPart) -> tuple[int, int] | None:
     """Between the two corners to which the most negative coefficient of a p belongs most."""
     lowest, place = fmpq(0), None
     for forms in part.values:
@@ -356,16 +356,16 @@ def _longest_edge(corners: Sequence[Corner], *, near: bool) -> tuple[int, int]:
     )
 
 
-def _halves(part: Part, i: int, j: int, share: fmpq) -> tuple[Part, Part]:
+def _halves(part: SimplexPart, i: int, j: int, share: fmpq) -> tuple[SimplexPart, SimplexPart]:
     middle = tuple((1 - share) * a + share * b for a, b in zip(part.corners[i], part.corners[j], strict=True))
     return _half(part, j, i, share, middle), _half(part, i, j, 1 - share, middle)
 
 
-def _half(part: Part, moved: int, kept: int, share: fmpq, middle: Corner) -> Part:
+def _half(part: SimplexPart, moved: int, kept: int, share: fmpq, middle: Corner) -> SimplexPart:
     corners = (*part.corners[:moved], middle, *part.corners[moved + 1 :])
     values = [[_cut_form(form, moved, kept, share) for form in forms] for forms in part.values]
     guards = [{name: _cut_form(form, moved, kept, share) for name, form in own.items()} for own in part.guards]
-    return Part(corners, values, guards, part.depth + 1)
+    return SimplexPart(corners, values, guards, part.depth + 1)
 
 
 def _cut_form(form: Form, moved: int, kept: int, share: fmpq) -> Form:
@@ -383,7 +383,7 @@ def _cut_form(form: Form, moved: int, kept: int, share: fmpq) -> Form:
     return {e: value for e, value in found.items() if value}
 
 
-def _tree(root: Part) -> Any:
+def _tree(root: SimplexPart) -> Any:
     """The tree below a part, as certificates write it."""
     if isinstance(root.node, dict):
         return root.node

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from nonsmooth.proofs.checker.cells import pattern
-from nonsmooth.proofs.many_states.sign_cells import Pattern, SignCells, build_cells, least_mixture
+from nonsmooth.proofs.kernel.sign_cells import Pattern, SignCells, build_cells, least_mixture
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.switched_system import SwitchedSystem

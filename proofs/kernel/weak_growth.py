@@ -15,9 +15,9 @@ from nonsmooth.proofs.checker.cells import Inclusion, read_system
 from nonsmooth.proofs.checker.lyapunov import Lyapunov
 from nonsmooth.proofs.kernel.search import Search
 from nonsmooth.proofs.kernel.second_function import find_second
+from nonsmooth.proofs.kernel.sign_cells import surfaces_of
 from nonsmooth.proofs.kernel.stated_cells import stated_cells
 from nonsmooth.proofs.kernel.subject import about
-from nonsmooth.proofs.many_states.sign_cells import surfaces_of
 from nonsmooth.proofs.systems.weak_search import find_weak_lyapunov
 from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.switched_system import SwitchedSystem

@@ -33,7 +33,7 @@ RADII = tuple(Fraction(1, 4**k) for k in range(1, 5))  # half-widths of cubes, o
 DENOMINATORS = (1 << 2, 1 << 5, 1 << 9)  # of the coefficients of V, tried in turn
 ANGLES, DISTANCES = 160, (1.0, 0.6, 0.3)  # of the points at which V is asked to fall
 LEAST = 1 / 16  # of V at samples, over its largest term there
-SLACK = 1e-7  # by which V may rise in floats, over its largest term there
+SLACK = 2.0**-23  # by which V may rise in floats, over its largest term there
 
 
 def show_by_weights(
@@ -118,7 +118,7 @@ def _weak_function(inclusion: Inclusion, verdict: str) -> Floats | None:
 
 def _points() -> Iterator[Floats]:
     """Points of the cube, beside the axes as near as weights bring them."""
-    angles = np.linspace(-np.pi, np.pi, ANGLES, endpoint=False) + 1e-3
+    angles = np.linspace(-np.pi, np.pi, ANGLES, endpoint=False) + 2.0**-10
     circle = np.stack([np.cos(angles), np.sin(angles)], axis=1)
     for distance in DISTANCES:
         yield circle * distance
@@ -129,7 +129,7 @@ def _points() -> Iterator[Floats]:
 def _relative(columns: Sequence[Floats]) -> Floats:
     """One row for each point, divided by its largest entry."""
     table = np.stack(columns, axis=1)
-    return np.asarray(table / np.maximum(np.abs(table).max(axis=1, keepdims=True), 1e-300))
+    return np.asarray(table / np.maximum(np.abs(table).max(axis=1, keepdims=True), 2.0**-1000))
 
 
 def _combined(coefficients: Floats, basis: Sequence[str], denominator: int) -> str:

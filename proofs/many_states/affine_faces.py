@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from flint import fmpq, fmpq_mat
 
-from nonsmooth.proofs.many_states.sign_cells import RationalTerms
+from nonsmooth.proofs.kernel.sign_cells import RationalTerms
 from nonsmooth.symbolic.numbers.polynomial import Exponents, Terms, add_terms, multiply_terms
 
 

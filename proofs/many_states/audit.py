@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from nonsmooth.proofs.kernel.sign_cells import BeyondReachError
 from nonsmooth.proofs.many_states.denominators import require_denominators
 from nonsmooth.proofs.many_states.examination import NotZeroError, examine
 from nonsmooth.proofs.many_states.examined_lyapunov import ExaminedLyapunov
-from nonsmooth.proofs.many_states.sign_cells import BeyondReachError
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.invariance import Staying
 from nonsmooth.proofs.systems.lyapunov_audit import KEY, AuditVerdict

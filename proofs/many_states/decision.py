@@ -19,6 +19,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from nonsmooth.proofs.inequalities.linear_program import best_mixture, mixtures_to_zero
+from nonsmooth.proofs.kernel.sign_cells import BeyondReachError, SignCells, adjoining, build_cells
 from nonsmooth.proofs.many_states.conclusion import ManyStateMethod, StabilityEvidence, conclude
 from nonsmooth.proofs.many_states.decay import ProvedDecay, decay_rate
 from nonsmooth.proofs.many_states.denominators import require_denominators
@@ -29,7 +30,6 @@ from nonsmooth.proofs.many_states.instability import find_growth
 from nonsmooth.proofs.many_states.linear_part import Spectrum, linear_part, quadratic_text, unstable_mixture
 from nonsmooth.proofs.many_states.lyapunov_search import SCALES, find_lyapunov
 from nonsmooth.proofs.many_states.relay_degree import RelayDegree, high_degree_relay
-from nonsmooth.proofs.many_states.sign_cells import BeyondReachError, SignCells, adjoining, build_cells
 from nonsmooth.proofs.many_states.sublevel import SublevelSet, largest_sublevel
 from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.derivatives import Decrease

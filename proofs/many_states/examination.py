@@ -13,12 +13,7 @@ from nonsmooth.proofs.checker.cells import read_system
 from nonsmooth.proofs.checker.positivity import Claim
 from nonsmooth.proofs.checker.work import MALFORMED, RejectedError
 from nonsmooth.proofs.kernel.claims import Functions
-from nonsmooth.proofs.kernel.squares import Squares, condition_of, find
-from nonsmooth.proofs.kernel.stated_cells import StatedCells, stated_cells
-from nonsmooth.proofs.kernel.subject import NoCertificateError, about
-from nonsmooth.proofs.many_states.face_witness import as_fractions, rising_slide
-from nonsmooth.proofs.many_states.samples import Point, exact_value, refuting_point
-from nonsmooth.proofs.many_states.sign_cells import (
+from nonsmooth.proofs.kernel.sign_cells import (
     BeyondReachError,
     RationalTerms,
     SignCells,
@@ -26,6 +21,11 @@ from nonsmooth.proofs.many_states.sign_cells import (
     rational_terms,
     surfaces_of,
 )
+from nonsmooth.proofs.kernel.squares import Squares, condition_of, find
+from nonsmooth.proofs.kernel.stated_cells import StatedCells, stated_cells
+from nonsmooth.proofs.kernel.subject import NoCertificateError, about
+from nonsmooth.proofs.many_states.face_witness import as_fractions, rising_slide
+from nonsmooth.proofs.many_states.samples import Point, exact_value, refuting_point
 from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.symbolic.numbers.number import Number

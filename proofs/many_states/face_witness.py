@@ -16,9 +16,9 @@ import numpy as np
 from flint import fmpq, fmpq_mat
 
 from nonsmooth.proofs.inequalities.linear_program import best_mixture
+from nonsmooth.proofs.kernel.sign_cells import RationalTerms, SignCell, SignCells, rational_terms
 from nonsmooth.proofs.many_states.affine_faces import AffineFace, build_face, unit
 from nonsmooth.proofs.many_states.samples import Point, exact_value
-from nonsmooth.proofs.many_states.sign_cells import RationalTerms, SignCell, SignCells, rational_terms
 from nonsmooth.symbolic.numbers.polynomial import Exponents
 
 POINTS = 80  # of one face, half of them at the largest distance

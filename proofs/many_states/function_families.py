@@ -13,8 +13,8 @@ from itertools import combinations, combinations_with_replacement
 
 from flint import fmpq
 
+from nonsmooth.proofs.kernel.sign_cells import RationalTerms, SignCells, rational_terms
 from nonsmooth.proofs.many_states.affine_faces import build_face
-from nonsmooth.proofs.many_states.sign_cells import RationalTerms, SignCells, rational_terms
 from nonsmooth.symbolic.numbers.polynomial import Polynomial, add_terms
 
 

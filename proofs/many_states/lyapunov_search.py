@@ -15,12 +15,12 @@ from fractions import Fraction
 from flint import fmpq
 
 from nonsmooth.proofs.checker.positivity import Claim
+from nonsmooth.proofs.kernel.sign_cells import BeyondReachError, SignCells, build_cells
 from nonsmooth.proofs.kernel.squares import Shape, condition_of, mu_shapes, terms_of
 from nonsmooth.proofs.kernel.stated_cells import stated_cells
 from nonsmooth.proofs.many_states.examination import examine, functions_on
 from nonsmooth.proofs.many_states.examined_lyapunov import ExaminedLyapunov
 from nonsmooth.proofs.many_states.function_families import PiecewiseFunction, families, formula_text
-from nonsmooth.proofs.many_states.sign_cells import BeyondReachError, SignCells, build_cells
 from nonsmooth.proofs.sums_of_squares.ansatz import Ansatz, Condition, build_ansatz
 from nonsmooth.proofs.sums_of_squares.conic_program import solve_inside
 from nonsmooth.proofs.sums_of_squares.prove import Effort, normalized

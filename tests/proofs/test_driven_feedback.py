@@ -28,7 +28,7 @@ from nonsmooth.proofs.clauses.feedback.driven_law import (
     rim_speeds,
 )
 from nonsmooth.proofs.clauses.feedback.ellipse_twists import BalancedTwist, balance_twist, exclude_twist
-from nonsmooth.proofs.clauses.feedback.exclusion import BUDGET, HALVES, Divided, Excluded, Search, enclosure
+from nonsmooth.proofs.clauses.feedback.exclusion import BUDGET, HALVES, Divided, Excluded, ExclusionSearch, enclosure
 from nonsmooth.proofs.clauses.feedback.twist_candidates import candidates_of
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.verdicts import Feedback, Rotation, Theorem4, Translation
@@ -365,7 +365,7 @@ def test_an_exclusion_keeps_to_its_budget(arrays: Arrays, supports: int) -> None
     zero, one = scene.field.zero, scene.field.one
     region = load_regions(scene, (zero, zero))[0]
     trial = balance_twist(scene, region, (zero, one, zero))
-    search = Search(trial.wheels)
+    search = ExclusionSearch(trial.wheels)
     search.exclude([HALVES] * len(trial.wheels))
     assert 0 <= search.left < BUDGET
 

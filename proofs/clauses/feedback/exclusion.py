@@ -99,10 +99,10 @@ def border_enclosure(wheel: WheelForces, arc: Arc) -> list[tuple[arb, arb]]:
 
 def search_exclusion(wheels: Sequence[WheelForces]) -> Exclusion | None:
     """An exclusion of all forces, where the budget finds one."""
-    return Search(wheels).exclude([HALVES] * len(wheels)) if wheels else None
+    return ExclusionSearch(wheels).exclude([HALVES] * len(wheels)) if wheels else None
 
 
-class Search:
+class ExclusionSearch:
     """Depth first, with one budget of linear programs."""
 
     def __init__(self, wheels: Sequence[WheelForces]) -> None:

@@ -11,11 +11,11 @@ import pytest
 from flint import fmpq
 from numpy.typing import NDArray
 
+from nonsmooth.proofs.kernel.sign_cells import build_cells, is_empty
 from nonsmooth.proofs.many_states.audit import audit_many
 from nonsmooth.proofs.many_states.conclusion import ManyStateMethod
 from nonsmooth.proofs.many_states.decision import decide_many
 from nonsmooth.proofs.many_states.linear_part import Spectrum, spectrum_of
-from nonsmooth.proofs.many_states.sign_cells import build_cells, is_empty
 from nonsmooth.proofs.systems.decay_rate import DecayKind
 from nonsmooth.proofs.systems.lyapunov_audit import AuditVerdict
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
