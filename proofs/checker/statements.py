@@ -109,9 +109,9 @@ def _equilibrium(said: bool, system: System) -> str:
 
 def _attracts(said: Any, system: System) -> str:
     if said == "everywhere":
-        return "every solution reaches the point"
+        return "every solution tends to the point"
     starts = f"every start with V < {said['below']} within {_cube(said, system)}"
-    return f"{starts} reaches the point, {_function(said, system)}"
+    return f"{starts} tends to the point, {_function(said, system)}"
 
 
 def _rate(said: Any, system: System) -> str:

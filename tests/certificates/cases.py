@@ -14,6 +14,7 @@ from typing import Any, TypeAlias
 from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.statements import VERSION
 from nonsmooth.proofs.kernel.search import WORK, Search
+from nonsmooth.proofs.kernel.second_function import find_second
 
 Record: TypeAlias = dict[str, Any]
 
@@ -72,9 +73,9 @@ def lyapunov(function: Any, where: Record, verdict: str = ATTRACTS, **more: Any)
     return {"cells": where, "function": function, "verdict": verdict, **bare, **more}
 
 
-def instability(function: Any, where: Record, direction: Sequence[str], second: Any = None) -> Record:
+def instability(function: Any, where: Record, direction: Sequence[str]) -> Record:
     """Hypotheses of theorem ``instability``."""
-    return {"cells": where, "function": function, "second": second, "direction": list(direction)}
+    return {"cells": where, "function": function, "second": None, "direction": list(direction)}
 
 
 def rate(kind: str, kappa: str) -> Record:
@@ -241,19 +242,29 @@ def by_a_second_function() -> Iterator[Case]:
     for damping in ("1/2", "1", "2"):
         oscillator = subject(["y", f"-x - {damping}*y"])
         name = damping.replace("/", "of")
-        hypotheses = lyapunov("x**2 + y**2", cells(), second="-x*y")
+        hypotheses = with_second(oscillator, lyapunov("x**2 + y**2", cells()))
         yield Case(f"second-{name}", oscillator, "lyapunov", hypotheses)
         cubic = subject(["y", f"-x - {damping}*y - x**3"])
-        hypotheses = lyapunov("x**2 + x**4/2 + y**2", cells(), second="-x*y")
+        hypotheses = with_second(cubic, lyapunov("x**2 + x**4/2 + y**2", cells()))
         yield Case(f"second-{name}-cubic", cubic, "lyapunov", hypotheses)
-        region = lyapunov("x**2 + y**2", cells(), second="-x*y", level="1")
+        region = with_second(oscillator, lyapunov("x**2 + y**2", cells(), level="1"))
         yield Case(f"second-{name}-region", oscillator, "lyapunov", region)
     friction = subject(["y", "-2*x - sign(y) - y"])
     hypotheses = lyapunov("2*x**2 + y**2", cells("y"), STAYS)
     yield Case("friction", friction, "lyapunov", hypotheses)
     twisting = subject(["y", "-2*sign(x) - sign(y)"])
-    hypotheses = lyapunov("2*Abs(x) + y**2/2", cells("x", "y"), second="-x*y")
+    hypotheses = with_second(twisting, lyapunov("2*Abs(x) + y**2/2", cells("x", "y")))
     yield Case("twisting", twisting, "lyapunov", hypotheses)
+    damped_at_an_end = subject(["y", "-x - z", "y - z**3"])
+    hypotheses = with_second(damped_at_an_end, lyapunov("x**2 + y**2 + z**2", cells()))
+    yield Case("chain", damped_at_an_end, "lyapunov", hypotheses)
+
+
+def with_second(about: Record, hypotheses: Record) -> Record:
+    """The hypotheses with functions that rise where V is kept."""
+    found = find_second(read_subject(about), hypotheses["cells"], hypotheses["function"])
+    assert found is not None
+    return {**hypotheses, "second": found}
 
 
 # ---- theorems instability and departure --------------------------------------------------------
@@ -285,7 +296,7 @@ def unstable_systems() -> Iterator[Case]:
     for damping in ("1/2", "1", "2"):
         oscillator = subject(["y", f"-x + {damping}*y"])
         name = f"grows-{damping.replace('/', 'of')}"
-        hypotheses = instability("-(x**2 + y**2)", cells(), ["1", "0"], second="-x*y")
+        hypotheses = with_second(oscillator, instability("-(x**2 + y**2)", cells(), ["1", "0"]))
         yield Case(name, oscillator, "instability", hypotheses)
     moved = subject(["x - 1", "sign(y)"], at=["1", "0"])
     yield Case("repeller-moved", moved, "instability", instability("-x**2 - Abs(y)", cells("y"), ["0", "1"]))
