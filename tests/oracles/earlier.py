@@ -27,6 +27,7 @@ Record: TypeAlias = dict[str, Any]
 Ray: TypeAlias = tuple[Fraction, Fraction]
 
 SAMPLES, HALVINGS = 64, 30  # of an interval in which V stays below a level
+SIDE = 8  # points on half a side of a square, at which the sign of V is looked at
 
 
 class NoWordError(ValueError):
@@ -130,7 +131,7 @@ def _reach(certificate: Record, hypotheses: Record, level: Fraction, end: Fracti
     """The distance from the point up to which V stays below a level, looked at between the point and an end."""
 
     def is_below(share: Fraction) -> bool:
-        return _value(certificate, hypotheses, share * end) < level
+        return _value(certificate, hypotheses, [share * end]) < level
 
     first = next((k for k in range(1, SAMPLES + 1) if not is_below(Fraction(k, SAMPLES))), SAMPLES + 1)
     if first > SAMPLES:
@@ -142,10 +143,11 @@ def _reach(certificate: Record, hypotheses: Record, level: Fraction, end: Fracti
     return abs(end) * inside
 
 
-def _value(certificate: Record, hypotheses: Record, distance: Fraction) -> Fraction:
-    """V at a distance from the point, in one state."""
-    (name,) = certificate["statement"]["subject"]["states"]
-    place = {name: constant(1, distance)}
+def _value(certificate: Record, hypotheses: Record, displacement: Sequence[Fraction]) -> Fraction:
+    """V at a displacement from the point."""
+    system = _system(certificate)
+    names = getattr(system, "coordinates", system.states)
+    place = {name: constant(1, z) for name, z in zip(names, displacement, strict=True)}
 
     def sign_of(value: Polynomial) -> int:
         return 1 if value.at_origin >= 0 else -1
@@ -157,7 +159,7 @@ def _value(certificate: Record, hypotheses: Record, distance: Fraction) -> Fract
     for mark, formula in function:
         if all(own == "." or own == "-+"[sign > 0] for own, sign in zip(mark, signs, strict=True)):
             return Formula(formula, place).on(sign_of).at_origin
-    raise AssertionError(distance)
+    raise AssertionError(displacement)
 
 
 # ---- two states ----------------------------------------------------------------------------------
@@ -172,6 +174,8 @@ def _in_the_plane(certificate: Record) -> Record:
     grows = theorem == "instability"
     if grows and hypotheses["second"] is not None:
         raise NoWordError("instability by two functions")
+    if grows and _is_positive_somewhere(certificate, hypotheses):
+        raise NoWordError("instability by a V of both signs in two states")
     everywhere = "everywhere" in _claims(certificate, "attracts")
     found = {
         "schema": system_checker.SCHEMA,
@@ -188,6 +192,14 @@ def _in_the_plane(certificate: Record) -> Record:
     if hypotheses["second"] is not None:
         found["curves"] = list(_curves(certificate, hypotheses))
     return found
+
+
+def _is_positive_somewhere(certificate: Record, hypotheses: Record) -> bool:
+    """Whether V is positive at a point of a grid on the border of a square."""
+    within = Fraction(hypotheses["cells"]["within"])
+    grid = [Fraction(k, SIDE) * within for k in range(-SIDE, SIDE + 1)]
+    points = [(x, y) for x in grid for y in grid if max(abs(x), abs(y)) == within]
+    return any(_value(certificate, hypotheses, own) > 0 for own in points)
 
 
 def _function(hypotheses: Record, system: System, sense: str) -> str | list[Record]:
@@ -369,6 +381,8 @@ def _squares(claim: Claim, evidence: Record) -> tuple[list[list[Record]], list[A
         if searched is None:
             raise NoWordError(f"no squares for {claim.name}")
         evidence = searched
+    if any("sl" in block["guards"] for blocks in evidence["squares"] for block in blocks):
+        raise NoWordError("instability asked where V is not positive alone")
     count = len(claim.inequalities[0].pushes)
     return evidence["squares"], evidence.get("mu") or [[] for _ in range(count)]
 

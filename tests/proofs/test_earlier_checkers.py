@@ -39,6 +39,8 @@ NO_WORDS = {
     "departure in two states",
     "instability by two functions",
     "claims below a level alone",
+    "instability by a V of both signs in two states",
+    "instability asked where V is not positive alone",
     "further functions in three states and more",
     "V by pieces in three states and more",
     "the whole space as the domain",
