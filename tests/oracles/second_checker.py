@@ -1,4 +1,4 @@
-"""A second checker of plain systems in two states, written from docs/specification.md alone: theorem ``lyapunov``.
+"""A second checker of plain systems in two states, written from docs/specification.md alone: what a V shows.
 
 It shares no code with the first one, and takes polynomials, common divisors and quotients from FLINT.  It knows no
 roots of states, no further functions and no curved surfaces on which V bends, and refuses what has them.
@@ -25,6 +25,7 @@ from tests.oracles.second_formulas import (
     need,
     number,
     on,
+    terms,
 )
 
 LYAPUNOV = "cells function second verdict everywhere level below rate"
@@ -32,10 +33,10 @@ ATTRACTS, STABLE = "asymptotically stable", "stable"
 
 
 class Lyapunov:
-    """The claims about V; with a level, asked below it alone."""
+    """The claims about V; with a level, asked below it alone, and not strictly at it if it is a border."""
 
-    def __init__(self, inclusion: Inclusion, below: fmpq | None, proofs: Proofs) -> None:
-        self.inclusion, self.below, self.proofs = inclusion, below, proofs
+    def __init__(self, inclusion: Inclusion, below: fmpq | None, proofs: Proofs, border: str = "sl") -> None:
+        self.inclusion, self.below, self.proofs, self.border = inclusion, below, proofs, border
 
     def guards(self, coordinates: Sequence[Poly], signs: Mapping[int, int], v: Poly) -> dict[str, Poly] | None:
         """None where one of them is a negative number, or V is never below the level."""
@@ -52,14 +53,16 @@ class Lyapunov:
         return None if self.below is not None and not degree(room) and room(0, 0, 0) <= 0 else found
 
     def show(self, name: str, n: int, rows: list[Row], *, strict: bool, at_origin: bool = False) -> None:
-        border = "" if self.below is None else "sl"
+        border = "" if self.below is None else self.border
         self.proofs.show(Claim(name, n, rows, strict, self.inclusion.bounded, at_origin, border))
 
     def show_positive(self) -> None:
-        own = self.inclusion
         for name, signs, v in self.pieces():
             guards = self.guards(GENS[:2], signs, v) or {}
             self.show(f"V {name}", 2, [Row(v, guards, open=guards)], strict=True)
+
+    def show_zero(self) -> None:
+        own = self.inclusion
         around = [
             cell
             for cell in own.cells
@@ -144,7 +147,9 @@ def is_settled(cells: Sequence[Cell], coordinates: Sequence[Poly]) -> bool:
 def statements(subject: Any, entry: Any) -> list[Any]:
     """What an entry of the evidence shows."""
     theorem, hypotheses, evidence = keys(entry, "theorem hypotheses proofs")
-    need(theorem == "lyapunov", "theorem lyapunov")
+    if theorem == "instability":
+        return instability(subject, hypotheses, evidence)
+    need(theorem == "lyapunov", "theorem lyapunov or instability")
     cells, function, second, verdict, everywhere, level, below, rate = keys(hypotheses, LYAPUNOV, "gain")
     gain = hypotheses.get("gain")
     need(second is None and verdict in (ATTRACTS, STABLE), "a verdict by V alone")
@@ -152,6 +157,7 @@ def statements(subject: Any, entry: Any) -> list[Any]:
     proofs = Proofs(evidence)
     inclusion = Inclusion(subject, cells, function, proofs)
     own = Lyapunov(inclusion, number(level) if below else None, proofs)
+    own.show_zero()
     own.show_positive()
     own.show_falls("", lambda v: ZERO, strict=verdict == ATTRACTS)
     shown: list[Any] = [{"stability": verdict}]
@@ -181,6 +187,32 @@ def statements(subject: Any, entry: Any) -> list[Any]:
             shown.append({"gain": {**shown[-1]["rate"], "gamma": gain}})
     need(not proofs.left, "proofs that are asked for")
     return shown
+
+
+def instability(subject: Any, hypotheses: Any, evidence: Any) -> list[Any]:
+    """V falls where it is not positive, and is negative in a direction, inside a cell."""
+    cells, function, second, direction = keys(hypotheses, "cells function second direction")
+    need(second is None and cells["within"] is not None and len(direction) == 2, "V alone, a cube and a direction")
+    proofs, ray = Proofs(evidence), [number(x) for x in direction]
+    inclusion = Inclusion(subject, cells, function, proofs)
+    own = Lyapunov(inclusion, fmpq(0), proofs, border="")
+    own.show_zero()
+    own.show_falls("", lambda v: ZERO, strict=True)
+    inside = [
+        cell
+        for cell in inclusion.cells
+        if all(sign_along(g, ray) * s > 0 for g, s in zip(inclusion.surfaces, cell.signs, strict=True))
+    ]
+    need(any(sign_along(cell.v, ray) < 0 for cell in inside), "a V that is negative in the direction")
+    need(not proofs.left, "proofs that are asked for")
+    return [{"stability": "unstable"}]
+
+
+def sign_along(p: Poly, ray: Sequence[fmpq]) -> int:
+    """The sign at all small distances along a ray."""
+    along_ray = on(p, [GENS[0] * x for x in ray])
+    lowest = min(terms(along_ray), default=((), fmpq(0)))[1]
+    return (lowest > 0) - (lowest < 0)
 
 
 def refusal(certificate: Any) -> str:

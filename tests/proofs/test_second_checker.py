@@ -24,9 +24,16 @@ from tests.thorough import keep
 PLANAR = {known.name: known for known in families()}
 FIRST = [
     *("crossed relays, contracting", "twisting 2, 1", "Coulomb friction", "parabola far away", "node and focus"),
-    *("flower", "two units, negative loop", "relays with a weak repeller", "van der Pol, reversed"),
+    *("flower", "two units, negative loop", "relays with a weak repeller", "van der Pol, reversed", "saddle"),
 ]
-SHORT = ("two units, negative loop", "Coulomb friction", "relays", "bends", "plane")  # of few numbers, for mutants
+SHORT = (
+    "two units, negative loop",
+    "Coulomb friction",
+    "relays",
+    "bends",
+    "plane",
+    "saddle",
+)  # of few numbers, for mutants
 OWN = {
     "relays": ns.System(["x", "y"], ["-sign(x) + y/4", "-sign(y) - x/4"], radius="1/2"),
     "bends": ns.System(["x", "y"], ["-sign(x)", "-y"], lyapunov="Abs(x) + y**2", radius="1/2"),
@@ -106,7 +113,7 @@ def test_both_checkers_reject(name: str) -> None:
         {**record, "more": 1},
         {**record, "evidence": []},
         {**record, "statement": {**statement, "claims": []}},
-        {**record, "statement": {**statement, "claims": [{"stability": "unstable"}]}},
+        {**record, "statement": {**statement, "claims": [{"stability": "certain"}]}},
         {**record, "statement": {**statement, "subject": {**statement["subject"], "at": ["0"]}}},
     ]
     for own in forged:
