@@ -19,7 +19,7 @@ from nonsmooth.proofs.checker.work import BUDGET, RejectedError
 from nonsmooth.proofs.kernel.samples import Floats, sample_points, values_at
 from nonsmooth.proofs.kernel.search import NotShownError, Search
 from nonsmooth.proofs.kernel.stated_cells import StatedCells
-from nonsmooth.proofs.kernel.subject import about
+from nonsmooth.proofs.kernel.subject import NoCertificateError, about
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 LARGEST = 3  # signs that contradict each other
@@ -27,9 +27,16 @@ TRIALS = 6  # contradictions that are tried, for one pattern
 
 
 def started(system: SwitchedSystem, search: Search | None) -> tuple[System, Search]:
-    """The subject of a certificate, and a search, which is charged no work: it has limits of its own."""
+    """The subject of a certificate, and a search, which is charged no work: it has limits of its own.
+
+    Raises:
+        NotShownError: for a system that no certificate can name.
+    """
     BUDGET.grant(1 << 60)
-    return read_subject(about(system)), search or Search()
+    try:
+        return read_subject(about(system)), search or Search()
+    except (NoCertificateError, RejectedError) as error:
+        raise NotShownError(str(error)) from None
 
 
 def build_inclusion(stated: StatedCells, subject: System, search: Search, functions: Sequence[str] = ()) -> Inclusion:

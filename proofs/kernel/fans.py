@@ -24,6 +24,7 @@ from nonsmooth.proofs.kernel.curved_cells import build_inclusion, sharpened, sta
 from nonsmooth.proofs.kernel.samples import Floats, SampledProofs, values_at
 from nonsmooth.proofs.kernel.search import NotShownError, Search
 from nonsmooth.proofs.kernel.stated_cells import StatedCells, scaled, stated_cells
+from nonsmooth.proofs.many_states.sign_cells import rational
 from nonsmooth.proofs.systems.tangent_fan import form_lines, lowest_form
 from nonsmooth.symbolic.numbers.polynomial import Polynomial as Form
 from nonsmooth.symbolic.switched_system import SwitchedSystem
@@ -119,8 +120,8 @@ def _line_sets(system: SwitchedSystem) -> Iterator[list[Form]]:
 
 def _direction(line: Form) -> Ray:
     """A vector along a line in the upper half plane, with short entries."""
-    a, b = (Fraction(str(line.terms.get(e, 0))) for e in ((1, 0), (0, 1)))
-    return _upper((b, -a))
+    a, b = (rational(line.terms.get(e, line.field.zero)) for e in ((1, 0), (0, 1)))
+    return _upper((Fraction(int(b.p), int(b.q)), Fraction(-int(a.p), int(a.q))))
 
 
 def _upper(vector: Ray) -> Ray:

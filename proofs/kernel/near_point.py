@@ -11,6 +11,7 @@ from nonsmooth.proofs.kernel.fans import show_by_fan
 from nonsmooth.proofs.kernel.first_terms import show_departure_of, show_linearization_of
 from nonsmooth.proofs.kernel.search import NotShownError, Search
 from nonsmooth.proofs.kernel.weighted_turns import show_by_weights
+from nonsmooth.proofs.many_states.sign_cells import BeyondReachError
 from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
 
 Entry: TypeAlias = tuple[dict[str, Any], list[Statement]]
@@ -29,7 +30,6 @@ def show_near_point(system: SwitchedSystem, verdict: str, search: Search | None 
 
     Raises:
         NotShownError: where none of them shows it, with the reason of each.
-        BeyondReachError: for irrational numbers, and for too many surfaces or cells.
     """
     ways: list[Callable[[], Entry]] = []
     if verdict == UNSTABLE:
@@ -45,6 +45,6 @@ def show_near_point(system: SwitchedSystem, verdict: str, search: Search | None 
     for show in ways:
         try:
             return show()
-        except NotShownError as error:
+        except (NotShownError, BeyondReachError) as error:
             reasons.append(str(error))
     raise NotShownError("; ".join(reasons))

@@ -18,7 +18,7 @@ from nonsmooth.proofs.kernel.search import NotShownError, Search
 from nonsmooth.proofs.kernel.stated_cells import stated_cells
 from nonsmooth.proofs.kernel.subject import about
 from nonsmooth.symbolic.switched_system import SwitchedSystem
-from tests.proofs.mutants import Record
+from tests.proofs.mutants import Record, is_one_line
 from tests.proofs.switched_oracle import Judge, random_fan, spread
 from tests.thorough import thorough
 
@@ -44,6 +44,7 @@ KNOWN = {
     "twisting outward": (["y", "-3*sign(x) + 2*sign(y)"], UNSTABLE, "instability"),
     "twisting inward": (["y", "-3*sign(x) - sign(y) + x"], ATTRACTS, "lyapunov"),
     "relay that is pushed": (["y", "-sign(x) + y"], UNSTABLE, "instability"),
+    "forms of several degrees": (["-x**3 - sign(x)*y**2", "-y**3"], ATTRACTS, "lyapunov"),
     "enclosed sine": (["y", "-sin(x) + y/4"], UNSTABLE, "instability"),
 }  # fmt: skip
 
@@ -161,3 +162,18 @@ def test_directions_lead() -> None:
 def test_an_equilibrium_has_no_direction() -> None:
     with pytest.raises(NotShownError):
         show_departure_of(build(["-sign(x)", "1 - 2*sign(y)"]))
+
+
+@pytest.mark.parametrize(
+    ("rhs", "verdict"),
+    [
+        (["sqrt(2)*sign(y)", "-sign(x) + sign(y)/2"], UNSTABLE),
+        (["sign(y - sqrt(2)*x)", "-sign(x) + sign(y - sqrt(2)*x)/2"], UNSTABLE),
+        (["-sign(x) + sqrt(Abs(y))", "-sign(y)"], ATTRACTS),
+        (["-y", "x"], STABLE),
+    ],
+)
+def test_other_systems_are_refused_in_one_line(rhs: list[str], verdict: str) -> None:
+    with pytest.raises(NotShownError) as error:
+        show_near_point(build(rhs), verdict)
+    assert is_one_line(str(error.value))
