@@ -10,8 +10,8 @@ from nonsmooth.proofs.kernel.escapes import show_escape_of
 from nonsmooth.proofs.kernel.fans import show_by_fan
 from nonsmooth.proofs.kernel.first_terms import show_departure_of, show_linearization_of
 from nonsmooth.proofs.kernel.search import NotShownError, Search
+from nonsmooth.proofs.kernel.sign_cells import BeyondReachError
 from nonsmooth.proofs.kernel.weighted_turns import show_by_weights
-from nonsmooth.proofs.many_states.sign_cells import BeyondReachError
 from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
 
 Entry: TypeAlias = tuple[dict[str, Any], list[Statement]]
