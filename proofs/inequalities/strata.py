@@ -25,6 +25,9 @@ from nonsmooth.proofs.inequalities.real_roots import RealRoot
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 
+RISES = "the derivative of V is positive"
+RISES_ON_LINE = "V increases along a line on which it bends"
+
 
 class StratumPart(StrEnum):
     """Where a derivative is looked at."""
@@ -41,6 +44,11 @@ class Refutation:
     point: Point
     value: Any | None
     meaning: str
+
+    @property
+    def is_of_rates(self) -> bool:
+        """Whether it speaks of V along the fields, not of V alone."""
+        return self.meaning in (RISES, RISES_ON_LINE)
 
 
 @dataclass(frozen=True)
@@ -81,7 +89,7 @@ def stratum_of(cell: LyapunovCell, outcomes: tuple[Outcome, ...]) -> Stratum:
     refuted = [o for o, trend in zip(outcomes, trends, strict=True) if trend is Trend.POSITIVE]
     refutation = None
     if refuted and isinstance(refuted[0], Counterexample):
-        refutation = Refutation(refuted[0].point, refuted[0].value, "the derivative of V is positive")
+        refutation = Refutation(refuted[0].point, refuted[0].value, RISES)
     rates = [rate(sample) for rate in cell.rates]
     interval = Interval(min(rates), max(rates))
     trend = worst(trends)
@@ -166,7 +174,7 @@ def _kink_stratum(cells: Sequence[LyapunovCell], kink: Kink) -> Stratum:
     refutation = None
     if trends.bacciotti_ceragioli is Trend.POSITIVE:
         at = place.low if isinstance(place, RealRoot) else place
-        refutation = Refutation(kink.point(at), None, "V increases along a line on which it bends")
+        refutation = Refutation(kink.point(at), None, RISES_ON_LINE)
         if not isinstance(place, RealRoot):
             found = derivatives_at(cells, kink.point(at)).bacciotti_ceragioli
             refutation = Refutation(kink.point(at), found.high if found else None, refutation.meaning)

@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from fractions import Fraction
 
 from nonsmooth.proofs.kernel.sign_cells import BeyondReachError
 from nonsmooth.proofs.many_states.denominators import require_denominators
-from nonsmooth.proofs.many_states.examination import NotZeroError, examine
+from nonsmooth.proofs.many_states.examination import RISES, FailurePoint, NotZeroError, examine
 from nonsmooth.proofs.many_states.examined_lyapunov import ExaminedLyapunov
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.invariance import Staying
 from nonsmooth.proofs.systems.lyapunov_audit import KEY, AuditVerdict
+from nonsmooth.proofs.systems.stated_rise import NOT_OF_THE_FIELD, rising_place
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.expression import ExpressionError
 from nonsmooth.symbolic.files.system_file import parse_lyapunov
 from nonsmooth.symbolic.notebook import ShortRepr, html_table
+from nonsmooth.symbolic.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.scene_error import SceneError, requirement
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
@@ -30,6 +33,7 @@ class ManyStateAudit(ShortRepr):
         proves: what it shows of the equilibrium; None where it shows nothing.
         reason: one sentence for people.
         function: V with its conditions; None where the system or V is not looked at.
+        witness: where V fails.
     """
 
     scene: SwitchedSystem
@@ -38,6 +42,7 @@ class ManyStateAudit(ShortRepr):
     proves: Translation | None
     reason: str
     function: ExaminedLyapunov | None
+    witness: FailurePoint | None = None
 
     def _repr_html_(self) -> str:
         rows = [(self.lyapunov, self.verdict, self.proves or "nothing", self.reason)]
@@ -90,5 +95,20 @@ def _result(scene: SwitchedSystem, lyapunov: str, found: ExaminedLyapunov) -> Ma
         Decrease.WEAK: (AuditVerdict.VALID, Translation.STABLE),
         Decrease.REFUTED: (AuditVerdict.INVALID, None),
         Decrease.UNDECIDED: (AuditVerdict.UNDECIDED, None),
-    }[found.examination.verdict]
-    return ManyStateAudit(scene, lyapunov, verdict, proves, found.examination.reason, found)
+    }[examination.verdict]
+    reason, witness = examination.reason, examination.failure
+    if witness is not None and scene.waves:
+        witness = _stated_failure(scene, found.formula, witness)
+        verdict = verdict if witness is not None else AuditVerdict.UNDECIDED
+        reason = reason if witness is not None else NOT_OF_THE_FIELD
+    return ManyStateAudit(scene, lyapunov, verdict, proves, reason, found, witness)
+
+
+def _stated_failure(system: SwitchedSystem, formula: PiecewiseExpression, found: FailurePoint) -> FailurePoint | None:
+    """What refutes V for the stated field, where sines and cosines of states are enclosed; None where nothing does."""
+    if found.meaning != RISES:
+        return found
+    place = rising_place(system, formula, found.point)
+    rational = () if place is None else tuple(c.as_rational() for c in place)
+    known = tuple(Fraction(int(c.p), int(c.q)) for c in rational if c is not None)
+    return FailurePoint(known, None, RISES) if known and len(known) == len(rational) else None

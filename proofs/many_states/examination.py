@@ -32,6 +32,7 @@ from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
+RISES = "V increases"
 SLIDES_UP = "V increases along a solution that slides on a face"
 POSITIVE, CELL, FACE = "V", "cell", "face"  # what names of claims begin with
 
@@ -60,10 +61,13 @@ class Asked:
 
 @dataclass(frozen=True)
 class FailurePoint:
-    """Where V fails: the displacement from the checked point, the value there, and what it means."""
+    """Where V fails: the displacement from the checked point, the value there, and what it means.
+
+    The value is None where it is known by its sign only.
+    """
 
     point: tuple[Fraction, ...]
-    value: Fraction
+    value: Fraction | None
     meaning: str
 
 
@@ -237,7 +241,7 @@ def _failure(cells: SignCells, point: Point, value: fmpq, *, positive: bool) -> 
     place = tuple(_fraction(x * cells.radius) for x in point)
     if positive:
         return FailurePoint(place, _fraction(value), "V is not positive")
-    return FailurePoint(place, _fraction(-value / cells.radius), "V increases")
+    return FailurePoint(place, _fraction(-value / cells.radius), RISES)
 
 
 def _fraction(value: fmpq) -> Fraction:

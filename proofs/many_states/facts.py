@@ -136,7 +136,8 @@ def _witness(failure: FailurePoint | None) -> Fact:
         return Fact("witness")
     record = {"point": Quantity(failure.point), "value": Quantity(failure.value), "meaning": failure.meaning}
     place = ", ".join(map(str, failure.point))
-    return Fact("witness", record, f"{failure.meaning} at ({place}) (value {failure.value})", row="witness")
+    value = "" if failure.value is None else f" (value {failure.value})"
+    return Fact("witness", record, f"{failure.meaning} at ({place}){value}", row="witness")
 
 
 def many_state_audit_facts(result: ManyStateAudit) -> Iterator[Fact]:
@@ -145,7 +146,9 @@ def many_state_audit_facts(result: ManyStateAudit) -> Iterator[Fact]:
     yield Fact("verdict", str(result.verdict))
     yield text_fact("reason", result.reason, "because")
     yield Fact("domain") if result.function is None else text_fact("domain", domain_words(result.function), "on")
+    if result.scene.written or result.scene.others:
+        yield row_fact("field", rewriting_words(result.scene))
     if result.proves is not None:
         yield row_fact("shows", f"the equilibrium is {result.proves}")
-    yield _witness(None if result.function is None else result.function.examination.failure)
+    yield _witness(result.witness)
     yield Fact("proves", None if result.proves is None else str(result.proves))

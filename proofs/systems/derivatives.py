@@ -157,7 +157,7 @@ def conclude(
     cells: Sequence[LyapunovCell], definite: Sequence[Outcome], strata: Sequence[Stratum]
 ) -> tuple[Decrease, Refutation | None, str]:
     """The verdict from the evidence."""
-    refuted = next(_refutations(cells, definite, strata), None)
+    refuted = next(refutations(cells, definite, strata), None)
     if refuted is not None:
         return Decrease.REFUTED, refuted, refuted.meaning
     trends = [_trusted(stratum) for stratum in strata]
@@ -182,9 +182,10 @@ def _trusted(stratum: Stratum) -> Trend:
     return Trend.UNDECIDED if trend is Trend.POSITIVE and stratum.refutation is None else trend
 
 
-def _refutations(
+def refutations(
     cells: Sequence[LyapunovCell], definite: Sequence[Outcome], strata: Sequence[Stratum]
 ) -> Iterator[Refutation]:
+    """Where V is not zero at the equilibrium, not positive, not continuous, or increases."""
     for cell, outcome in zip(cells, definite, strict=True):
         zero = cell.potential.field.zero
         at_origin = cell.potential.terms.get((0, 0), zero)

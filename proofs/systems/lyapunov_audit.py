@@ -21,11 +21,12 @@ from nonsmooth.analysis.cells.switched_cells import (
     system_cells,
 )
 from nonsmooth.analysis.contact_rule import CellRule, rule_of
-from nonsmooth.proofs.inequalities.strata import Refutation
+from nonsmooth.proofs.inequalities.strata import RISES, Refutation
 from nonsmooth.proofs.systems.denominators import require_denominators
-from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine, inhabited
+from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine, inhabited, refutations
 from nonsmooth.proofs.systems.domain import Domain, domain_names, domains
 from nonsmooth.proofs.systems.invariance import Staying, decide_staying
+from nonsmooth.proofs.systems.stated_rise import NOT_OF_THE_FIELD, rising_place
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.files.system_file import parse_lyapunov
 from nonsmooth.symbolic.notebook import ShortRepr, html_table
@@ -148,12 +149,28 @@ def _result(scene: Scene | SwitchedSystem, lyapunov: str, result: LyapunovResult
         Decrease.REFUTED: (AuditVerdict.INVALID, None),
         Decrease.UNDECIDED: (AuditVerdict.UNDECIDED, None),
     }[result.verdict]
-    reason = result.reason
+    reason, witness = result.reason, result.witness
+    if result.verdict is Decrease.REFUTED and isinstance(scene, SwitchedSystem) and scene.waves:
+        witness = _stated_refutation(scene, lyapunov, result)
+        reason = NOT_OF_THE_FIELD if witness is None else witness.meaning
+        verdict = AuditVerdict.UNDECIDED if witness is None else verdict
     if result.verdict is Decrease.WEAK and isinstance(scene, SwitchedSystem):
         staying = decide_staying(result.cells)
         reason = f"{reason}{', and' if staying is Staying.NONE else ';'} {staying}"
         proves = Translation.ASYMPTOTICALLY_STABLE if staying is Staying.NONE else proves
-    return AuditResult(scene, lyapunov, verdict, proves, reason, _named(result.witness), result)
+    return AuditResult(scene, lyapunov, verdict, proves, reason, _named(witness), result)
+
+
+def _stated_refutation(system: SwitchedSystem, lyapunov: str, result: LyapunovResult) -> Refutation | None:
+    """What refutes V for the stated field, where sines and cosines of states are enclosed; None where nothing does."""
+    formula = parse_lyapunov(lyapunov, system.states, system.origin, KEY)
+    for found in refutations(result.cells, result.definite, result.strata):
+        if not found.is_of_rates:
+            return found
+        place = rising_place(system, formula, found.point)
+        if place is not None:
+            return Refutation((place[0], place[1]), None, RISES)
+    return None
 
 
 def _named(witness: Refutation | None) -> Refutation | None:

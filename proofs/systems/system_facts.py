@@ -263,6 +263,8 @@ def audit_facts(result: AuditResult) -> Iterator[Fact]:
     """Whether somebody's V is a Lyapunov function."""
     yield Fact("V", result.lyapunov, str(result.verdict), row=f"V = {one_line(result.lyapunov)}")
     yield Fact("domain") if result.result is None else text_fact("domain", result.domain_text, "on")
+    if isinstance(result.scene, SwitchedSystem) and (result.scene.written or result.scene.others):
+        yield row_fact("field", rewriting_words(result.scene))  # of which the derivatives speak
     if result.result is not None:
         yield from _derivatives(result.result)
     yield Fact("verdict", str(result.verdict))

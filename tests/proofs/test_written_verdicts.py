@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from nonsmooth.proofs.many_states.audit import audit_many
 from nonsmooth.proofs.systems.lyapunov_audit import AuditVerdict, audit
 from nonsmooth.proofs.systems.system_facts import rewriting_words
 from nonsmooth.proofs.systems.system_stability import system_check
@@ -23,7 +25,11 @@ NAMES = {"sin": np.sin, "cos": np.cos, "pi": math.pi, "Abs": np.abs, "sgn": np.s
 
 
 def built(rhs: list[Any], parameters: dict[str, Any] | None = None, **check: Any) -> SwitchedSystem:
-    system: dict[str, Any] = {"states": ["x", "y"], "rhs": rhs, **({"parameters": parameters} if parameters else {})}
+    system: dict[str, Any] = {
+        "states": ["x", "y", "z"][: len(rhs)],
+        "rhs": rhs,
+        **({"parameters": parameters} if parameters else {}),
+    }
     return build_system({"system": system, "check": check}, "t", Path("t.toml"))
 
 
@@ -120,3 +126,37 @@ def test_denominators_must_not_vanish_on_the_square() -> None:
 def test_an_audit_speaks_of_the_stated_field() -> None:
     assert audit(built(["y", "-sin(x) - y"]), "x**2 + x*y/2 + y**2").verdict is AuditVerdict.VALID
     assert audit(built(["y", "-sin(x) - y"]), "x**2 - x*y + y**2").verdict is AuditVerdict.INVALID
+
+
+@pytest.mark.parametrize("frequency", [1, 2, 3, "7/2", 6])
+@pytest.mark.parametrize("relay", ["", " - 2*sign(x)", " - sign(x)/9"])
+def test_an_audit_with_sines_agrees_with_samples_of_the_stated_derivative(frequency: int | str, relay: str) -> None:
+    """V = x^2 + y^2 has V' = 2 x x' + 2 y y'; what only encloses the sine refutes nothing."""
+    system = built([f"-sin({frequency}*x){relay}", "-y"])
+    found = audit(system, "x**2 + y**2")
+    x = np.linspace(-0.5, 0.5, 4_001)
+    friction = {"": 0.0, " - 2*sign(x)": 2.0, " - sign(x)/9": 1 / 9}[relay]
+    rate = np.sin(float(Fraction(frequency)) * x) + friction * np.sign(x)
+    rises = bool(np.any(-2 * x * rate > 0))
+    assert found.check()
+    assert found.verdict is not (AuditVerdict.VALID if rises else AuditVerdict.INVALID)
+    if found.witness is not None:
+        (a, _), value = (float(c) for c in found.witness.point), found.witness.value
+        assert value is None
+        assert a * np.sin(float(Fraction(frequency)) * a) < 0
+    many = audit_many(built([f"-sin({frequency}*x){relay}", "-y", "-z"]), "x**2 + y**2 + z**2")
+    assert many.check()
+    assert many.verdict is not (AuditVerdict.VALID if rises else AuditVerdict.INVALID)
+
+
+def test_an_audit_with_sines_refutes_a_function_that_rises_along_the_stated_field() -> None:
+    found = audit(built(["-sin(6*x)/4 - sign(y)/8", "-sign(y)"]), "x**2 + y**2")
+    assert found.verdict is AuditVerdict.INVALID
+    assert found.witness is not None
+    x, y = (float(c) for c in found.witness.point)
+    assert 2 * x * (-np.sin(6 * x) / 4 - np.sign(y) / 8) - 2 * abs(y) > 0
+    many = audit_many(built(["sin(x) - sign(y)/8", "-sign(y)", "-z"]), "x**2 + y**2 + z**2")
+    assert many.verdict is AuditVerdict.INVALID
+    assert many.witness is not None
+    x, y, z = map(float, many.witness.point)
+    assert x * (np.sin(x) - np.sign(y) / 8) - abs(y) - z * z > 0

@@ -86,6 +86,7 @@ def test_a_witness_is_a_point_at_which_v_fails() -> None:
     found = audit_many(built(rhs), SQUARES).function
     assert found is not None
     assert found.examination.failure is not None
+    assert found.examination.failure.value is not None
     x, y, z = found.examination.failure.point
     value = 2 * (x * y + y * z + z * (-x - 2 * y - z - 2 * np.sign(float(x + y + z)).astype(int)))
     assert value == found.examination.failure.value > 0
