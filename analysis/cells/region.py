@@ -103,8 +103,10 @@ class Region:
     def sign_of(self, surface: Polynomial) -> int | None:
         """Sign of a polynomial inside, where the generators or a guard show it."""
         if surface.degree > 1:
-            known = [s for guard in self.guards for s in (1, -1) if not surface - guard * s]
-            return known[0] if known else self._sign_by_coefficients(surface)
+            for guarded, side in ((surface, 1), (-surface, -1)):
+                if any(guard.terms == guarded.terms for guard in self.guards):
+                    return side
+            return self._sign_by_coefficients(surface)
         a, b, c = line_of(surface)
         signs = {sign(a * x + b * y + c * w) for x, y, w in self.generators}
         return None if {1, -1} <= signs else max(signs, key=abs)

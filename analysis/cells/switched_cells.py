@@ -69,24 +69,35 @@ class TooManyCells(ValueError):
 
 def smooth_pieces(
     regions: Iterable[Region], evaluate: Callable[[SignOf], Piece], limit: int = MAX_CELLS
-) -> Iterator[tuple[Region, Piece]]:
+) -> list[tuple[Region, Piece]]:
     """Regions cut until the formulas are smooth on each, with their value there.
+
+    All regions are cut once before one is cut again: each holds a cell at least, so there are too many cells as soon as
+    there are too many regions.
 
     Raises:
         TooManyCells: beyond the limit.
     """
-    waiting = list(regions)[::-1]
-    while waiting:
-        region = waiting.pop()
-        try:
-            piece = evaluate(lambda surface, r=region: sign_on(r, surface))  # type: ignore[misc]
-        except Unsettled as found:
-            waiting += list(region.split(found.surface))[::-1]
-            continue
-        limit -= 1
-        if limit < 0:
-            raise TooManyCells("required formulas with fewer switching surfaces")
+    parts: list[tuple[Region, Piece | None]] = [(region, None) for region in regions]
+    while len(parts) <= limit:
+        settled = [(region, piece) for region, piece in parts if piece is not None]
+        if len(settled) == len(parts):
+            return settled
+        parts = [finer for region, piece in parts for finer in _cut_once(region, piece, evaluate)]
+    raise TooManyCells("required formulas with fewer switching surfaces")
+
+
+def _cut_once(
+    region: Region, piece: Piece | None, evaluate: Callable[[SignOf], Piece]
+) -> Iterator[tuple[Region, Piece | None]]:
+    """A region with its value, or its parts on the sides of a surface that changes its sign on it."""
+    if piece is not None:
         yield region, piece
+        return
+    try:
+        yield region, evaluate(lambda surface: sign_on(region, surface))
+    except Unsettled as found:
+        yield from ((part, None) for part in region.split(found.surface))
 
 
 def sign_on(region: Region, surface: Polynomial) -> int:
@@ -202,7 +213,7 @@ def lyapunov_cells(
             return lyapunov.polynomial(values, sign_of)
 
         try:
-            pieces = list(smooth_pieces([cell.region], evaluate, MAX_CELLS - len(found)))
+            pieces = smooth_pieces([cell.region], evaluate, MAX_CELLS - len(found))
         except ExpressionError as error:
             raise SceneError(file, key, requirement(error), lyapunov.text) from None
         except TooManyCells:

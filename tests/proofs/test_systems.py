@@ -6,6 +6,7 @@ import warnings
 from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,7 +16,18 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import nonsmooth.symbolic.files.scene_file
-from nonsmooth.analysis.cells.switched_cells import fields_by_signs, plane, square_regions, system_cells, velocities_at
+from nonsmooth.analysis.cells.region import Region
+from nonsmooth.analysis.cells.switched_cells import (
+    TooManyCells,
+    Unsettled,
+    fields_by_signs,
+    plane,
+    sign_on,
+    smooth_pieces,
+    square_regions,
+    system_cells,
+    velocities_at,
+)
 from nonsmooth.proofs.inequalities.ladder import Interval
 from nonsmooth.proofs.systems.conclusion import Method
 from nonsmooth.proofs.systems.derivatives import Decrease
@@ -464,6 +476,49 @@ def test_patterns_that_no_point_has_are_left_out(load: Load) -> None:
     surfaces, modes = fields_by_signs(load("-sign(x - 1)*sign(x + 1)", "-sign(y)*sign(x**2 + y**2 + 1)"))
     assert {str(surface) for surface in surfaces} >= {"x - 1", "x + 1", "y"}
     assert len(modes) == 6  # not x < -1 and x > 1
+
+
+def pieces_in_depth(waiting: list[Region], evaluate: Any) -> list[tuple[Region, Any]]:
+    """The slow literal definition: each region is cut until it is settled before the next one is looked at."""
+    found = []
+    waiting = waiting[::-1]
+    while waiting:
+        region = waiting.pop()
+        try:
+            found.append((region, evaluate(partial(sign_on, region))))
+        except Unsettled as unsettled:
+            waiting += list(region.split(unsettled.surface))[::-1]
+    return found
+
+
+@pytest.mark.parametrize(
+    "formulas",
+    [
+        ("-sign(x) - Abs(x - 2*y)", "-sign(y + x/3 - 1/4)*Abs(x - 1/2)"),
+        ("-sign(x - y**2) + sign(y - x**3)", "-y*sign(x*y - 1/9) - sign(x + y**2)"),
+        ("Max(x, y, -x - y)", "Min(x - y, 1/3)*sign(x**2 + y**2 - 1)"),
+    ],
+)
+def test_cells_are_those_of_cutting_one_after_the_other(load: Load, formulas: tuple[str, str]) -> None:
+    scene = load(*formulas)
+    states = scene.displaced(PLANE)
+    regions = square_regions(scene.check.radius)
+    found = smooth_pieces(regions, lambda sign_of: scene.velocity(sign_of, states))
+    assert found == pieces_in_depth(list(regions), lambda sign_of: scene.velocity(sign_of, states))
+
+
+def test_too_many_cells_are_noticed_before_they_are_found(load: Load) -> None:
+    scene = load("-" + " - ".join(f"sign(x*{k} - y**2)" for k in range(1, 30)), "-y")
+    states = scene.displaced(PLANE)
+    asked: list[Any] = []
+
+    def evaluate(sign_of: Any) -> Any:
+        asked.append(sign_of)
+        return scene.velocity(sign_of, states)
+
+    with pytest.raises(TooManyCells):
+        smooth_pieces(square_regions(scene.check.radius), evaluate, 50)
+    assert len(asked) <= 2 * 50
 
 
 # ---- results that claim more than they show -------------------------------------------------------
