@@ -62,11 +62,7 @@ class SignField:
         near = [self._active(surface, x, value) for surface, value in zip(self.surfaces, values, strict=True)]
         active = tuple(k for k, close in enumerate(near) if close)
         sides = tuple(0 if close else (1 if v > 0 else -1) for v, close in zip(values, near, strict=True))
-        patterns = tuple(sorted(product((-1, 0, 1), repeat=len(active)), key=lambda p: -p.count(0)))
-        if len(active) > 1:
-            gradients = [self.surfaces[k].gradient(x) for k in active]
-            normals = [gradient / length(gradient) for gradient in gradients]
-            patterns = tuple(p for p in patterns if has_points(p, normals))
+        patterns = _patterns_with_points([unit_normal(self.surfaces[k], x) for k in active])
         key = (sides, patterns)
         if key not in self._known:
             self._known[key] = [self._face(_filled(sides, active, p), patterns, active) for p in patterns]
@@ -145,7 +141,8 @@ class SignField:
     def blend(self, x: Vector, width: float) -> Iterator[tuple[Velocity, float]]:
         """Products of smoothed signs ``clip(h/width, -1, 1)``."""
         smoothed = [min(1.0, max(-1.0, height / width)) for height in self._heights(x)]
-        for pattern in product((-1, 1), repeat=len(smoothed)):
+        sides = [(round(value),) if abs(value) == 1 else (-1, 1) for value in smoothed]
+        for pattern in product(*sides):
             weight = float(np.prod([(1 + s * value) / 2 for s, value in zip(pattern, smoothed, strict=True)]))
             if weight:
                 yield self.flow(pattern), weight
@@ -157,6 +154,19 @@ class SignField:
             gradient = surface.gradient(x)
             heights.append(surface.value(x) / (float(np.sqrt(gradient @ gradient)) or 1.0))
         return heights
+
+
+def _patterns_with_points(normals: Sequence[Vector]) -> tuple[Signs, ...]:
+    """Every pattern of -, 0, + of surfaces through a point whose tangent cone has points; most zeros first.
+
+    One surface after the other: a pattern without points has none with a further sign.  In the plane n lines leave
+    4 n + 1 patterns of 3^n.
+    """
+    patterns: list[Signs] = [()]
+    for count in range(1, len(normals) + 1):
+        longer = [(*pattern, side) for pattern in patterns for side in (-1, 0, 1)]
+        patterns = longer if count == 1 else [p for p in longer if has_points(p, normals[:count])]
+    return tuple(sorted(patterns, key=lambda p: (-p.count(0), p)))
 
 
 def _touch(surfaces: Sequence[Surface], x: Vector) -> bool:

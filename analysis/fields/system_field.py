@@ -97,11 +97,11 @@ def _as_stated(system: SwitchedSystem, sign_of: SignOf, states: Sequence[Polynom
     shape = len(system.members), len(system.states)
 
     def velocity(t: float, x: Vector) -> Vector:
-        weights: Vector = np.ones(1)
+        weights = [1.0]
         for wave, v in zip(system.waves, inner(x) if inner is not None else (), strict=True):
             e = wave_weight(wave, float(v))
-            weights = np.asarray(np.kron(weights, [1.0 - e, e]), dtype=float)
-        value = weights @ members(x).reshape(shape)
+            weights = [weight * share for weight in weights for share in (1.0 - e, e)]
+        value = np.array(weights) @ members(x).reshape(shape)
         return np.asarray(value if scale is None else value / scale(x)[0])
 
     return velocity

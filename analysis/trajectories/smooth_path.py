@@ -34,11 +34,13 @@ from nonsmooth.analysis.trajectories.result import (
 from nonsmooth.analysis.trajectories.stiffness import EXPLICIT, IMPLICIT
 from nonsmooth.analysis.trajectories.stretch import Stretch, follow_face
 from nonsmooth.analysis.trajectories.whirls import WHIRL_LOOP, SurfaceCrossing, last_turn, whirl_around
+from nonsmooth.symbolic.numbers.work_limit import WorkMeter
 
 RELATIVE_TOLERANCE = 1e-12  # of DOP853, per step; at 1e-13 rounding takes over
 ABSOLUTE_TOLERANCE = 1e-13  # in units of the states' size
 MAX_EVENTS = 2_000
-MAX_STEPS = 40_000  # of DOP853, some ten seconds; paths of the built-in scenes take some hundred
+MAX_WORK = 300_000  # evaluations of fields, some 25,000 steps of DOP853; paths of the built-in scenes take some hundred
+SWITCH_WORK = 20  # that many evaluations cost as much as to look at one face where the path switches
 MAX_STALLED = 20  # switches that may follow each other at one moment: more than there are faces at a point
 REST_SPEED = 1e-9  # relative to the fields around a point: a slower motion is called rest
 NEWTON_STEPS = 3  # onto surfaces from within their slack, where two steps reach rounding
@@ -55,6 +57,7 @@ def follow_smooth(
     max_events: int = MAX_EVENTS,
     rtol: float = RELATIVE_TOLERANCE,
     atol: float | None = None,
+    meter: WorkMeter | None = None,
 ) -> Trajectory:
     """Follow a Filippov solution from a state at time zero.
 
@@ -66,13 +69,14 @@ def follow_smooth(
         max_events: number of events after which the path ends in any case.
         rtol: relative tolerance of DOP853.
         atol: absolute tolerance; None for :data:`ABSOLUTE_TOLERANCE` times the size of the states.
+        meter: evaluations of fields after which the path ends in any case; None for :data:`MAX_WORK`.
 
     Raises:
         ValueError: for a start outside the domain.
         TrajectoryError: for a violated Lyapunov bound or a state without continuation.
     """
     atol = ABSOLUTE_TOLERANCE * field.size if atol is None else atol
-    return _begun(field, start, until, watch, (rtol, atol)).follow(max_events)
+    return _begun(field, start, until, watch, (rtol, atol), meter).follow(max_events)
 
 
 def follow_legs(
@@ -100,11 +104,12 @@ def _begun(
     until: float,
     watch: LyapunovWatch | None,
     tolerances: tuple[float, float],
+    meter: WorkMeter | None = None,
 ) -> _SmoothPath:
     x = np.array([float(value) for value in start])
     if not np.isfinite(x).all() or not field.faces_at(x):
         raise ValueError(f"required a start inside the domain of the cells, received {x.tolist()}")
-    return _SmoothPath(field, x, until, watch, tolerances)
+    return _SmoothPath(field, x, until, watch, tolerances, meter or WorkMeter(MAX_WORK))
 
 
 class _SmoothPath:
@@ -117,12 +122,13 @@ class _SmoothPath:
         until: float,
         watch: LyapunovWatch | None,
         tolerances: tuple[float, float],
+        meter: WorkMeter,
     ) -> None:
         self.field, self.until, self.watch, self.tolerances = field, until, watch, tolerances
         self.time, self.x, self.faces = 0.0, x, field.faces_at(x)
         self.before: Face | None = None
         self.step: float | None = None
-        self.steps_left = MAX_STEPS
+        self.meter = meter
         self.stalled = 0
         self.events: list[Event] = []
         self.pieces: list[Piece] = []
@@ -142,7 +148,8 @@ class _SmoothPath:
             if not choices or len(self.events) >= max_events:
                 reason = EndReason.EVENTS if choices else EndReason.OUTSIDE
                 break
-            if self.steps_left <= 0:
+            self.meter.left -= SWITCH_WORK * len(self.faces)
+            if self.meter.left <= 0:
                 reason = EndReason.STEPS
                 break
             self._say(choices)
@@ -162,10 +169,10 @@ class _SmoothPath:
             self.until,
             tolerances=self.tolerances,
             first_step=self.step,
-            most_steps=self.steps_left,
+            most_work=self.meter.left,
         )
         self.step = stretch.step
-        self.steps_left -= stretch.taken
+        self.meter.left -= stretch.work
         self.method = IMPLICIT if stretch.stiff else self.method
         self.stalled = self.stalled + 1 if stretch.times[-1] == stretch.times[0] else 0
         if self.stalled > MAX_STALLED:

@@ -27,7 +27,7 @@ from nonsmooth.symbolic.under_way import tell
 
 # Growth of the step that DOP853 proposes: its error was some (0.9/4)^8 of the tolerance, a millionth.
 EASY_GROWTH = 4.0
-IMPLICIT_STEP = 10  # explicit steps that cost as much as an implicit one
+IMPLICIT_STEP = 120  # evaluations of all fields that cost as much as an implicit step
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class Stretch:
         interpolants: dense output of each step.
         met: the surface it met at its end, if any.
         step: size of the last full step, to start the next stretch with.
-        taken: steps, an implicit one for as many explicit ones as it costs.
+        work: evaluations of the members' fields; an implicit step counts as as many as it costs.
         stiff: whether an implicit method took over.
     """
 
@@ -49,7 +49,7 @@ class Stretch:
     interpolants: list[Interpolant]
     met: tuple[Surface, ...]
     step: float
-    taken: int
+    work: int
     stiff: bool = False
 
     @property
@@ -116,9 +116,9 @@ def follow_face(
     *,
     tolerances: tuple[float, float],
     first_step: float | None,
-    most_steps: int,
+    most_work: int,
 ) -> Stretch:
-    """Integrate a face's motion to its first event, or to ``until``, or until it has taken its steps.
+    """Integrate a face's motion to its first event, or to ``until``, or until it has done its work.
 
     Raises:
         TrajectoryError: where the integrator gives up, or what tells events is not a number.
@@ -133,13 +133,14 @@ def follow_face(
     values = [guard.value(t, x) for guard in guards]
     times, states = [t], [x]
     interpolants: list[Interpolant] = []
-    taken = 0
+    work = 0
     while True:
         if not stiff and not len(times) % PROBED and holds_the_step(velocity, solver, until, field.size):
             stiff = True
             solver = _implicit(velocity, solver, until, (rtol, atol), field.size)
-        before = (solver.t, solver.y, solver.f)
+        before, evaluations = (solver.t, solver.y, solver.f), solver.nfev
         message = solver.step()
+        work += len(choice.motion.face.members) * (IMPLICIT_STEP if stiff else solver.nfev - evaluations)
         if solver.status == "failed":
             raise TrajectoryError(f"the integrator stopped at t = {solver.t:.6g}: {message}")
         tell(f"t = {solver.t:.6g} of {until:.6g}")
@@ -154,17 +155,16 @@ def follow_face(
             met = () if found[1].surface is None else (found[1].surface,)
             interpolants.append(last.interpolant)
             states.append(last.interpolant(found[0]))
-            return Stretch([*times, found[0]], states, interpolants, met, size, taken + 1, stiff)
+            return Stretch([*times, found[0]], states, interpolants, met, size, work, stiff)
         late = _LateInterpolant(choice.motion, before[:2], float(solver.t), tolerances)
         interpolants.append(last.interpolant if stiff else late)
         times.append(float(solver.t))
         states.append(solver.y)
         values = following
         if stiff and solver.status == "running" and comes_to_rest(velocity, solver, until, field.size, atol):
-            return _resting(Stretch(times, states, interpolants, (), size, taken, stiff), until)
-        taken += IMPLICIT_STEP if stiff else 1
-        if solver.status == "finished" or taken >= most_steps:
-            return Stretch(times, states, interpolants, (), size, taken, stiff)
+            return _resting(Stretch(times, states, interpolants, (), size, work, stiff), until)
+        if solver.status == "finished" or work >= most_work:
+            return Stretch(times, states, interpolants, (), size, work, stiff)
 
 
 def _implicit(velocity: Velocity, solver: Any, until: float, tolerances: tuple[float, float], size: float) -> Any:

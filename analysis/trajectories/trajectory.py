@@ -20,6 +20,7 @@ from nonsmooth.analysis.trajectories.lyapunov_watch import LyapunovWatch, distan
 from nonsmooth.analysis.trajectories.piecewise_constant import follow_constant
 from nonsmooth.analysis.trajectories.result import Trajectory
 from nonsmooth.analysis.trajectories.smooth_path import follow_smooth
+from nonsmooth.symbolic.numbers.work_limit import WorkMeter
 
 __all__ = ["SwitchedField", "simulate"]
 
@@ -30,6 +31,7 @@ def simulate(
     until: Any | None = None,
     *,
     watch: LyapunovWatch | None = None,
+    meter: WorkMeter | None = None,
 ) -> Trajectory:
     """Event-driven Filippov solution from a state at time zero.
 
@@ -38,6 +40,7 @@ def simulate(
         start: initial state, ``(x, y, theta)`` for arrays.
         until: last time; None only for constant twists: to the rest, however long that takes.
         watch: certified bound on V'; None watches ``|c - c*|^2`` for constant twists.
+        meter: work of several paths together, for fields that are not constant on cells; None for that of one.
 
     Raises:
         ValueError: for a start outside the domain, a last time that is not positive, or a smooth field without a
@@ -51,4 +54,4 @@ def simulate(
         return follow_constant(field, start, until, watch or distance_watch(field))
     if until is None or not math.isfinite(until):
         raise ValueError("required a finite last time for a field that is not constant on its cells")
-    return follow_smooth(field, start, float(until), watch)
+    return follow_smooth(field, start, float(until), watch, meter=meter)

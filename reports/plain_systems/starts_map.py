@@ -19,7 +19,8 @@ from rich.text import Text
 
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.fields.system_field import system_field
-from nonsmooth.analysis.trajectories.result import TrajectoryError
+from nonsmooth.analysis.trajectories.result import EndReason, TrajectoryError
+from nonsmooth.analysis.trajectories.smooth_path import MAX_WORK
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.answers.contradictions import FollowedStarts, contradictions_of_map
 from nonsmooth.proofs.systems.border_motion import BorderKind
@@ -32,11 +33,13 @@ from nonsmooth.reports.progress import ProgressCall, progress
 from nonsmooth.reports.records import contradictions_record
 from nonsmooth.reports.terminal import two_columns
 from nonsmooth.symbolic.number_text import percent_text
+from nonsmooth.symbolic.numbers.work_limit import WorkMeter
 from nonsmooth.symbolic.scene_error import one_line
 
 Floats: TypeAlias = NDArray[np.float64]
 
 SCHEMA = "nonsmooth-system-map/1"
+WORK_OF_A_START = 2_000  # evaluations of fields: usual paths take some hundred
 ARRIVED = 1e-9  # of the half-width: a path that is this near has arrived, as far as the integrator can tell
 
 
@@ -206,11 +209,15 @@ def build_system_map(portrait: PhasePortrait, count: int, until: float) -> Syste
 
 
 def _followed(portrait: PhasePortrait, starts: Floats, until: float, report: ProgressCall) -> Iterator[Floats]:
-    """The last place of every path."""
+    """The last place of every path; not a number where it is not followed to the last time."""
     field = system_field(portrait.system, starts.max(axis=0), centred=True)
+    meter = WorkMeter(max(MAX_WORK, WORK_OF_A_START * len(starts)))
     for k, start in enumerate(starts):
         report(k, len(starts))
         try:
-            yield np.array([float(v) for v in simulate(field, tuple(start), until).end.state])
+            end = simulate(field, tuple(start), until, meter=meter).end
         except (TrajectoryError, RefusalError):
             yield np.full(2, np.nan)
+            continue
+        is_cut_short = end.reason in (EndReason.STEPS, EndReason.EVENTS)
+        yield np.full(2, np.nan) if is_cut_short else np.array([float(v) for v in end.state])

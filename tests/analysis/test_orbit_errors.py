@@ -125,7 +125,7 @@ def test_a_path_that_runs_away_is_refused_in_words() -> None:
 
 def test_a_path_ends_after_its_steps(monkeypatch: pytest.MonkeyPatch) -> None:
     """An oscillation that would take days: what was reached is right, and the reason is said."""
-    monkeypatch.setattr(smooth_path, "MAX_STEPS", 60)
+    monkeypatch.setattr(smooth_path, "MAX_WORK", 720)
     path = ns.System(PLANE, ["y", "-x + 0*sign(x)"]).simulate((1.0, 0.0), 1e9).trajectory
     assert path.end.reason is EndReason.STEPS
     assert 1 < path.end.t < 100

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from fractions import Fraction
 from typing import TYPE_CHECKING
@@ -196,3 +197,31 @@ def test_the_least_mix_of_two_is_exact() -> None:
     assert least_mix((Fraction(-1), third), (Fraction(2), third)) == Fraction(2, 3)
     assert least_mix((third, third), (third, third)) == Fraction(1, 2)
     assert least_mix((Fraction(1), third), (Fraction(2), third)) == 1
+
+
+def test_the_patterns_at_a_point_are_those_with_states_beside_it() -> None:
+    """Ten lines through a point: a pattern counts iff some direction has its signs, of very many that are tried."""
+    angles = np.linspace(0.1, 3.0, 10)
+    normals = [np.array([np.cos(a), np.sin(a)]) for a in angles]
+    surfaces = tuple(affine_surface(f"s{k}", n.tolist()) for k, n in enumerate(normals))
+    field = SignField(("x", "y"), surfaces, lambda signs: lambda t, x: np.zeros(2))
+    turns = np.linspace(0, 2 * np.pi, 20_001)
+    heights = np.stack([np.cos(turns), np.sin(turns)], axis=1) @ np.array(normals).T
+    open_cones = {tuple(signs) for signs in np.sign(heights).astype(int).tolist() if 0 not in signs}
+    faces = field.faces_at(np.zeros(2))
+    cells = [tuple(side for _, side in face.bounds) for face in faces if not face.keep]
+    assert len(cells) == 20
+    assert set(cells) == open_cones
+    assert [len(face.keep) for face in faces] == [10] + [1] * 20 + [0] * 20
+
+
+def test_smoothed_fields_are_sums_over_all_patterns() -> None:
+    """Products of ``(1 +- clip(h/width))/2`` over every pattern, those of weight zero left out."""
+    field = four_lines()
+    for x in (np.array([0.3, 0.1]), np.array([0.05, 0.02]), np.array([0.1, 0.1])):
+        clipped = [float(np.clip(h / 0.1, -1, 1)) for h in field._heights(x)]
+        literal = [
+            float(np.prod([(1 + s * v) / 2 for s, v in zip(pattern, clipped, strict=True)]))
+            for pattern in itertools.product((-1, 1), repeat=len(clipped))
+        ]
+        assert [weight for _, weight in field.blend(x, 0.1)] == [weight for weight in literal if weight]

@@ -16,6 +16,7 @@ from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.reports.console import BAD_INPUT
 from nonsmooth.reports.figures.system_map import build_figure
 from nonsmooth.reports.phase_portrait import PhasePortrait
+from nonsmooth.reports.plain_systems import starts_map
 from nonsmooth.reports.plain_systems.starts_map import SystemMap, Whereabouts, build_system_map
 from nonsmooth.symbolic.files.system_file import load_system
 from tests.thorough import keep
@@ -125,3 +126,17 @@ def test_too_many_starts_and_three_states_are_refused(invoke: Invoke, tmp_path: 
     file = tmp_path / "three.toml"
     file.write_text('[system]\nstates = ["x", "y", "z"]\nrhs = ["-x", "-y", "-sign(z)"]\n', encoding="utf-8")
     assert "required two states" in invoke("simulate", str(file), "--grid", "3").err
+
+
+def test_paths_of_a_map_that_end_early_are_not_said_to_be_anywhere(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Circles, followed for too long: beyond the work that all starts share nothing is said of ends."""
+    system = ns.System(("x", "y"), ["y", "-x"], radius=1)
+    monkeypatch.setattr(starts_map, "MAX_WORK", 20_000)
+    found = build_system_map(PhasePortrait(system.system), 3, 200.0)
+    assert 0 < found.whereabouts.count(Whereabouts.LOST) < 9
+    for start, end, kind in zip(found.starts, found.ends, found.whereabouts, strict=True):
+        if kind is Whereabouts.LOST:
+            assert np.isnan(end).all()
+        else:
+            turn = complex(*start) * np.exp(-200j)
+            assert end == pytest.approx([turn.real, turn.imag], abs=1e-8)
