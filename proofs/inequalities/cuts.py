@@ -15,6 +15,7 @@ from flint import fmpq
 
 from nonsmooth.proofs.inequalities.binary_forms import edge_line
 from nonsmooth.proofs.inequalities.dense_polynomials import Coefficients, trimmed, value
+from nonsmooth.proofs.inequalities.effort import effort_left, take_effort
 from nonsmooth.proofs.inequalities.forms import LONG_BITS, Problem
 from nonsmooth.proofs.inequalities.real_roots import positive_roots, samples_between
 from nonsmooth.proofs.inequalities.subdivision import SubCone, Violation
@@ -27,6 +28,7 @@ CUT_DEPTH = 3  # zeros are looked for in the first parts only
 # Largest degree times 2^(square roots in the coefficients), times the length of rational ones: Sturm chains below a
 # tenth of a second.
 ROOT_WORK = 64
+OF_A_ROOT = 150  # coefficients of a cone that cost as much as one unit of this work
 
 Edge: TypeAlias = tuple[int, int]
 
@@ -55,8 +57,10 @@ def zero_cut(problem: Problem, part: SubCone) -> tuple[int, int, Any] | Violatio
 def _suspects(line: Coefficients) -> Iterator[tuple[Any, bool]]:
     """Parameters at which a form on an edge is negative, or zero without a name of higher degree."""
     curve = trimmed(line)
-    if not curve or _root_work(curve) > ROOT_WORK:
+    work = _root_work(curve) if curve else 0
+    if not curve or work > min(ROOT_WORK, effort_left() // OF_A_ROOT):
         return
+    take_effort(work * OF_A_ROOT)
     roots = positive_roots(curve)
     for t in samples_between(roots):
         if sign(value(curve, t)) < 0:

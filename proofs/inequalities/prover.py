@@ -31,6 +31,7 @@ from nonsmooth.proofs.inequalities.binary_forms import RootEvidence, Zero, decid
 from nonsmooth.proofs.inequalities.cell_forms import PLANE, CellClaim, build_parts, place_of
 from nonsmooth.proofs.inequalities.copositive import QuadraticEvidence, decide_quadratic
 from nonsmooth.proofs.inequalities.cuts import zero_cut
+from nonsmooth.proofs.inequalities.effort import effort_left
 from nonsmooth.proofs.inequalities.forms import Problem
 from nonsmooth.proofs.inequalities.products import ProductEvidence, decide_product
 from nonsmooth.proofs.inequalities.samples import counterexample
@@ -268,7 +269,8 @@ def decide(problem: Problem) -> Evidence | Violation | Zero | Stuck:
         product = decide_product(problem, decide)
         if product is not None:
             return product
-    return subdivide(problem, MUCH_WORK, lambda node: zero_cut(problem, node))
+    work = min(MUCH_WORK, effort_left())
+    return subdivide(problem, work, lambda node: zero_cut(problem, node)) if work else found
 
 
 def confirms(evidence: Evidence, problem: Problem) -> bool:

@@ -114,11 +114,17 @@ class RealRoot:
     def halved(self) -> RealRoot:
         """The same root between closer bounds."""
         middle = _regular_point(self.sturm, self.low, self.high)
-        below = self.sturm.count(self.low, middle)
+        first, here, last = (self.sturm.sign_at(t) for t in (self.low, middle, self.high))
+        below = here != first if first != last else self.sturm.count(self.low, middle)  # a chain for even roots only
         low, high = (self.low, middle) if below else (middle, self.high)
         half = RealRoot(self.coefficients, low, high)
-        vars(half)["sturm"] = self.sturm  # the same polynomial
+        vars(half).update(sturm=self.sturm, closest=self.closest)  # the same polynomial, the same root
         return half
+
+    @cached_property
+    def closest(self) -> list[RealRoot]:
+        """The root between the closest bounds that were found yet, by whatever was asked of it; one entry."""
+        return [self]
 
     def sign_of(self, other: Coefficients) -> int:
         """Sign of another polynomial at the root."""
@@ -128,9 +134,10 @@ class RealRoot:
         common = greatest_divisor(self.coefficients, other)
         if len(common) > 1 and Sturm(common).count(self.low, self.high):
             return 0
-        chain, here = Sturm(other), self
+        chain, here = Sturm(other), min(self, self.closest[0], key=lambda root: root.high - root.low)
         while not (chain.sign_at(here.low) and chain.sign_at(here.high)) or chain.count(here.low, here.high):
             here = here.halved()
+        self.closest[0] = here
         return chain.sign_at(here.low)
 
     def exact(self) -> Number | None:

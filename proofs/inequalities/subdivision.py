@@ -17,6 +17,7 @@ from typing import Any, TypeAlias
 
 from flint import fmpq
 
+from nonsmooth.proofs.inequalities.effort import take_effort
 from nonsmooth.proofs.inequalities.forms import Pieces, Problem, Role, Vector, face_sign, face_sum
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.polynomial import Terms
@@ -102,6 +103,7 @@ def subdivide(problem: Problem, budget: int, cut: Cut | None = None) -> Tree | V
     while waiting and budget > 0:
         node = waiting.popleft()
         budget -= node.pieces.work
+        take_effort(node.pieces.work)
         if problem.settles(node.generators, node.pieces):
             continue
         violation = _violation(problem, node)

@@ -13,8 +13,9 @@ from nonsmooth.analysis.cells.switched_cells import (
     square_regions,
     system_cells,
 )
+from nonsmooth.proofs.inequalities.effort import effort_of_its_own, shared_effort
 from nonsmooth.proofs.systems.decay_rate import DecayRate, RegionRate, decay_rate, region_rate
-from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, inhabited
+from nonsmooth.proofs.systems.derivatives import EFFORT, Decrease, LyapunovResult, inhabited
 from nonsmooth.proofs.systems.disturbance_gain import DisturbanceGain, disturbance_gain
 from nonsmooth.proofs.systems.domain import Domain
 from nonsmooth.proofs.systems.lyapunov_search import searched_cells
@@ -57,6 +58,7 @@ class Reach:
     gain: DisturbanceGain | None = None
 
 
+@shared_effort(EFFORT)
 def certified_reach(
     scene: SwitchedSystem,
     certificate: LyapunovResult | None,
@@ -103,6 +105,7 @@ def _beyond(scene: SwitchedSystem, domain: Domain, searched: SearchedLyapunov | 
     return largest_sublevel(cells, scene.check.radius, falls=False) if cells and short else None
 
 
+@effort_of_its_own(EFFORT)
 def arrives_in_finite_time(
     scene: SwitchedSystem, cells: Sequence[FieldCell], verdict: Translation, certificate: LyapunovResult | None
 ) -> bool:

@@ -24,6 +24,7 @@ from typing import Any
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.switched_cells import LyapunovCell
 from nonsmooth.proofs.inequalities.cell_forms import CellClaim, build_parts
+from nonsmooth.proofs.inequalities.effort import shared_effort
 from nonsmooth.proofs.inequalities.emptiness import is_empty
 from nonsmooth.proofs.inequalities.germs import Adherence, adherence
 from nonsmooth.proofs.inequalities.kinks import Trend, worst
@@ -34,6 +35,7 @@ from nonsmooth.proofs.inequalities.subdivision import Leaf, Split, subdivide
 from nonsmooth.symbolic.notebook import ShortRepr
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 
+EFFORT = 150_000  # coefficients looked at for all inequalities of one V: a few seconds
 EMPTINESS_WORK = 2_000  # coefficients looked at to find that a cell beside a curve is empty; kept otherwise
 
 
@@ -125,6 +127,7 @@ def _still_true(outcome: Outcome) -> bool:
     return isinstance(outcome, Undecided) or outcome.check()
 
 
+@shared_effort(EFFORT)
 def examine(cells: Sequence[LyapunovCell]) -> LyapunovResult:
     """Decide Lyapunov's conditions on cells that cover the domain, the equilibrium at the origin."""
     real = inhabited(cells)

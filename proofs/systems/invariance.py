@@ -28,10 +28,11 @@ from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.region import Region, common_edges
 from nonsmooth.analysis.cells.switched_cells import LyapunovCell, PlaneField
 from nonsmooth.proofs.inequalities.cell_forms import directions
+from nonsmooth.proofs.inequalities.effort import effort_of_its_own
 from nonsmooth.proofs.inequalities.prover import Proof, Sense, prove
 from nonsmooth.proofs.inequalities.strata import bends_along_a_curve
 from nonsmooth.proofs.systems.border_motion import along_edge
-from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult
+from nonsmooth.proofs.systems.derivatives import EFFORT, Decrease, LyapunovResult
 from nonsmooth.proofs.systems.rest_points import Rests, find_rests
 from nonsmooth.symbolic.numbers.lazy import evaluated
 from nonsmooth.symbolic.numbers.number import sign
@@ -50,6 +51,7 @@ class Staying(StrEnum):
     UNDECIDED = "whether other solutions stay where V' = 0 is not decided"
 
 
+@effort_of_its_own(EFFORT)
 def decide_staying(cells: Sequence[LyapunovCell]) -> Staying:
     """Whether a solution other than the origin stays for ever on one level of V inside the domain.
 

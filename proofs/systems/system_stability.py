@@ -28,6 +28,7 @@ from nonsmooth.analysis.cells.switched_cells import (
     LyapunovCell,
     square_regions,
 )
+from nonsmooth.proofs.inequalities.effort import shared_effort
 from nonsmooth.proofs.inequalities.strata import Refutation
 from nonsmooth.proofs.systems.certified_reach import (
     Reach,
@@ -40,7 +41,7 @@ from nonsmooth.proofs.systems.certified_reach import (
 from nonsmooth.proofs.systems.conclusion import Method, conclude, conclude_uncovered
 from nonsmooth.proofs.systems.decay_rate import DecayRate, RegionRate
 from nonsmooth.proofs.systems.denominators import require_denominators
-from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine, inhabited
+from nonsmooth.proofs.systems.derivatives import EFFORT, Decrease, LyapunovResult, examine, inhabited
 from nonsmooth.proofs.systems.disturbance_gain import DisturbanceGain
 from nonsmooth.proofs.systems.domain import SHRINKING, Domain, domain_names, domains, plane_cells
 from nonsmooth.proofs.systems.invariance import Staying, staying_of
@@ -63,6 +64,8 @@ from nonsmooth.proofs.systems.sublevel_region import SublevelRegion
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.switched_system import SwitchedSystem
+
+SEARCH_EFFORT = 2 * EFFORT  # for all candidates of a search together
 
 
 @dataclass(frozen=True, repr=False)
@@ -279,6 +282,7 @@ def _uncovered(
     )
 
 
+@shared_effort(SEARCH_EFFORT)
 def _searched(
     scene: SwitchedSystem,
     cells: Sequence[FieldCell],
@@ -304,6 +308,7 @@ def _searched(
 Known: TypeAlias = tuple[LyapunovResult | None, Domain | None, SearchedLyapunov | None]
 
 
+@shared_effort(EFFORT)
 def _by_invariance(
     scene: SwitchedSystem, rays: Sequence[RayMove], concluded: tuple[Translation, str, Method], known: Known
 ) -> tuple[LyapunovResult | None, Domain | None, SearchedLyapunov | None, Staying | None]:

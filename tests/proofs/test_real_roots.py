@@ -130,3 +130,33 @@ def test_rational_chains_count_what_irrational_ones_count(roots: list[int]) -> N
     irrational = [c * ROOT for c in rational]
     counts = {Sturm(chain).count(Fraction(-7, 2), Fraction(1, 2)) for chain in (rational, irrational)}
     assert counts == {len({root for root in roots if root <= 0})}
+
+
+def test_close_roots_of_many_polynomials_are_told_apart_with_little_work(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Roots ``10^-8 k``, of products of two factors each: what was found of a root is not found again for each pair."""
+    field, halvings = NumberField(), 0
+    halved = RealRoot.halved
+
+    def counted(root: RealRoot) -> RealRoot:
+        nonlocal halvings
+        halvings += 1
+        return halved(root)
+
+    monkeypatch.setattr(RealRoot, "halved", counted)
+    scale = 10**8
+    curves = [[field(k * (k + 1)), field(-scale * (2 * k + 1)), field(scale**2)] for k in range(1, 40)]
+    found = separated(root for curve in curves for root in positive_roots(curve))
+    assert [sum(root.low < Fraction(k, scale) < root.high for root in found) for k in range(1, 41)] == [1] * 40
+    assert len(found) == 40
+    assert halvings < 100 * 78
+
+
+@pytest.mark.parametrize("power", [1, 2, 3, 4])
+def test_halves_hold_the_root_whatever_its_multiplicity(power: int) -> None:
+    field = NumberField()
+    coefficients = [field(c) for c in np.polynomial.polynomial.polypow([-1, 3], power).astype(int).tolist()]
+    [root] = positive_roots(coefficients)
+    for _ in range(30):
+        root = root.halved()
+        assert root.low < Fraction(1, 3) < root.high
+    assert root.check()
