@@ -29,6 +29,17 @@ def take_effort(units: int) -> None:
         meter.left -= units
 
 
+def require_effort(units: int) -> None:
+    """Take work that nothing can be said without.
+
+    Raises:
+        WorkLimitError: where none is left.
+    """
+    meter = _meter.get()
+    if meter is not None:
+        meter.spend(units)
+
+
 @contextmanager
 def shared_effort(units: int) -> Iterator[None]:
     """Limit the work inside a block; within another block, what is done counts for both."""

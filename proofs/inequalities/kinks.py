@@ -25,9 +25,12 @@ from typing import Any
 from nonsmooth.analysis.cells.region import Segment
 from nonsmooth.analysis.cells.switched_cells import LyapunovCell
 from nonsmooth.proofs.inequalities.dense_polynomials import Coefficients, difference, product, trimmed, value
+from nonsmooth.proofs.inequalities.effort import require_effort
 from nonsmooth.proofs.inequalities.real_roots import RealRoot, positive_roots, separated
 from nonsmooth.symbolic.numbers.lazy import evaluated
 from nonsmooth.symbolic.numbers.polynomial import Polynomial, in_generators
+
+OF_A_SIGN = 4  # coefficients of a cone that cost as much as one of a polynomial whose sign at a root is asked for
 
 
 class Trend(StrEnum):
@@ -111,9 +114,15 @@ class Kink:
 
     @cached_property
     def roots(self) -> list[RealRoot]:
-        """Where a sign that matters may change, inside the edge."""
+        """Where a sign that matters may change, inside the edge.
+
+        Raises:
+            WorkLimitError: for too many of them.
+        """
         curves = {tuple(trimmed(curve)) for curve in self._curves()}
-        return separated(root for curve in curves if len(curve) > 1 for root in positive_roots(curve))
+        work = max(map(len, curves), default=0) * OF_A_SIGN
+        roots = (root for curve in curves if len(curve) > 1 for root in positive_roots(curve))
+        return separated(roots, lambda: require_effort(work))
 
     def _curves(self) -> list[Coefficients]:
         table = self._table
@@ -140,7 +149,11 @@ class Kink:
         return x / w, y / w
 
     def trends(self) -> tuple[Trends, Fraction | RealRoot]:
-        """The worst trends on the open edge, and where the last derivative is worst."""
+        """The worst trends on the open edge, and where the last derivative is worst.
+
+        Raises:
+            WorkLimitError: for too many places at which signs are asked for.
+        """
         places: list[Fraction | RealRoot] = [*self.samples(), *self.roots]
         found = [self.trends_at(place) for place in places]
         order = [trend.bacciotti_ceragioli.rank for trend in found]
@@ -151,6 +164,7 @@ class Kink:
         """The signs of the three maxima at a parameter."""
 
         def sign_of(curve: Coefficients) -> int:
+            require_effort(len(curve) * OF_A_SIGN)
             return place.sign_of(curve) if isinstance(place, RealRoot) else value(curve, place).sign()
 
         table = self._table

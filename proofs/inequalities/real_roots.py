@@ -9,7 +9,7 @@ grows quickly with the degree over a field of many square roots: meant for degre
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -181,8 +181,13 @@ def samples_between(roots: Sequence[RealRoot]) -> list[Fraction]:
     return [root.low for root in roots[:1]] + [root.high for root in roots] or [Fraction(1)]
 
 
-def separated(roots: Iterable[RealRoot]) -> list[RealRoot]:
-    """Distinct roots of several polynomials, ascending, with disjoint bounds."""
+def separated(roots: Iterable[RealRoot], before_each: Callable[[], None] = lambda: None) -> list[RealRoot]:
+    """Distinct roots of several polynomials, ascending, with disjoint bounds.
+
+    Args:
+        roots: of them.
+        before_each: called before two roots are compared; it may end the work by an exception.
+    """
     kept: list[RealRoot] = []
     waiting = list(roots)
     while waiting:
@@ -190,7 +195,9 @@ def separated(roots: Iterable[RealRoot]) -> list[RealRoot]:
         clash = next((k for k, other in enumerate(kept) if root.low < other.high and other.low < root.high), None)
         if clash is None:
             kept.append(root)
-        elif not _same(root, kept[clash]):
+            continue
+        before_each()
+        if not _same(root, kept[clash]):
             waiting += [root.halved(), kept.pop(clash).halved()]
     return sorted(kept, key=lambda root: root.low)
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
+from fractions import Fraction
 from itertools import combinations
 from typing import Any
 
@@ -18,13 +19,16 @@ from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.region import Region, common_edges
 from nonsmooth.analysis.cells.switched_cells import LyapunovCell, distinct, gradients_at, velocities_at
 from nonsmooth.proofs.inequalities.curved_kinks import CurvedKink
+from nonsmooth.proofs.inequalities.effort import effort_of_its_own
 from nonsmooth.proofs.inequalities.kinks import Kink, Trend, Trends, worst
 from nonsmooth.proofs.inequalities.ladder import Interval, Ladder, ladder_at
 from nonsmooth.proofs.inequalities.prover import Counterexample, Outcome, Proof, Sense, Undecided, prove
 from nonsmooth.proofs.inequalities.real_roots import RealRoot
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
+from nonsmooth.symbolic.numbers.work_limit import WorkLimitError
 
+BEND_EFFORT = 100_000  # for all edges on which V bends: a few seconds
 RISES = "the derivative of V is positive"
 RISES_ON_LINE = "V increases along a line on which it bends"
 
@@ -127,8 +131,13 @@ def trend_of(outcome: Outcome) -> Trend:
 # ---- edges and corners where V bends ---------------------------------------------------------
 
 
-def bend_strata(cells: Sequence[LyapunovCell]) -> Iterator[Stratum]:
-    """Edges on which V bends or jumps, and their corners."""
+@effort_of_its_own(BEND_EFFORT)
+def bend_strata(cells: Sequence[LyapunovCell]) -> tuple[Stratum, ...]:
+    """Edges on which V bends or jumps, and their corners; undecided where these are too much work together."""
+    return tuple(_bend_strata(cells))
+
+
+def _bend_strata(cells: Sequence[LyapunovCell]) -> Iterator[Stratum]:
     corners: list[Point] = []
     for first, second in combinations(cells, 2):
         if not first.potential - second.potential:
@@ -165,7 +174,10 @@ def _parting(first: LyapunovCell, second: LyapunovCell) -> list[Polynomial]:
 
 
 def _kink_stratum(cells: Sequence[LyapunovCell], kink: Kink) -> Stratum:
-    trends, place = kink.trends()
+    try:
+        trends, place = kink.trends()
+    except WorkLimitError:
+        return _open_stratum(cells, kink.point(Fraction(1)))
     guarded = bool(kink.first.region.guards or kink.second.region.guards)
     if guarded:  # not every point of the edge belongs to both cells: only the largest set is an upper bound
         bound = trends.naive if trends.naive.rank <= Trend.NONPOSITIVE.rank else Trend.UNDECIDED
@@ -208,7 +220,7 @@ def _corner_stratum(cells: Sequence[LyapunovCell], corner: Point) -> Stratum:
 
 
 def _open_stratum(cells: Sequence[LyapunovCell], sample: Point) -> Stratum:
-    """Two pieces of V beside a curve."""
+    """Two pieces of V beside a curve, or on an edge that is too much work."""
     undecided = Trends(Trend.UNDECIDED, Trend.UNDECIDED, Trend.UNDECIDED)
     return Stratum(StratumPart.SURFACE, sample, derivatives_at(cells, sample), undecided, None, None, constant=False)
 
