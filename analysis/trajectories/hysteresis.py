@@ -23,6 +23,7 @@ RELATIVE_TOLERANCE = 1e-9  # of the adaptive integrator within a mode: far below
 ABSOLUTE_TOLERANCE = 1e-12  # in units of the state
 MAX_SWITCHES = 1_000_000  # a width of 1e-6 over a path of unit length
 MAX_EVALUATIONS = 100_000  # of the smoothed field: some seconds; a layer thinner than the tolerance is never crossed
+MAX_RELAY_EVALUATIONS = 300_000  # of the fields with hysteresis: some ten seconds
 LOCATED = 0.5  # of the width: a switch farther off is not resolved by floats, and the zigzag would stand still
 
 
@@ -41,7 +42,7 @@ def simulate_hysteresis(
 
     Raises:
         ValueError: for a width, last time or step that is not positive, a start outside the domain, or a width so
-            small that floats do not resolve its switches.
+            small that floats do not resolve its switches, or that the integrator does not get through them.
         TrajectoryError: where the integrator gives up.
     """
     if not width > 0 or not 0 < until < math.inf or (step is not None and not step > 0):
@@ -64,6 +65,7 @@ class _Relay:
         self.states: list[Vector] = []
         self.events: list[Event] = []
         self.reason = EndReason.TIME
+        self.evaluations = itertools.count(1)
 
     def follow(self, mode: Mode, x: Vector, step: float | None) -> None:
         """Mode after mode."""
@@ -93,8 +95,14 @@ class _Relay:
             return self.field.margin(mode, x) + self.width
 
         beyond.terminal, beyond.direction = True, -1  # type: ignore[attr-defined]  # SciPy reads these
+        velocity = self.field.velocity(mode)
+
+        def counted(t: float, x: Vector) -> Vector:
+            _require_within(next(self.evaluations), MAX_RELAY_EVALUATIONS, self.width, t)
+            return velocity(t, x)
+
         solution = solve_ivp(
-            self.field.velocity(mode),
+            counted,
             (self.times[-1], self.until),
             self.states[-1],
             events=beyond,
@@ -133,6 +141,16 @@ class _Relay:
         )
 
 
+def _require_within(evaluations: int, most: int, width: float, t: float) -> None:
+    """Refuse a width that takes too much work.
+
+    Raises:
+        ValueError: for more evaluations than are allowed.
+    """
+    if evaluations > most:
+        raise ValueError(f"required a width that {most} evaluations resolve, received {width:g} at t = {t:.6g}")
+
+
 def _runge_kutta(velocity: Velocity, t: float, x: Vector, step: float) -> Vector:
     """One step of the classical scheme of fourth order."""
     k1 = velocity(t, x)
@@ -161,10 +179,7 @@ def simulate_smoothed(field: SwitchedField, start: Sequence[float], until: float
     evaluations = itertools.count(1)
 
     def mixed(t: float, x: Vector) -> Vector:
-        if next(evaluations) > MAX_EVALUATIONS:
-            raise ValueError(
-                f"required a width that {MAX_EVALUATIONS} evaluations resolve, received {width:g} at t = {t:.6g}"
-            )
+        _require_within(next(evaluations), MAX_EVALUATIONS, width, t)
         return np.asarray(sum(weight * velocity(t, x) for velocity, weight in field.blend(x, width)))
 
     solution = solve_ivp(mixed, (0.0, until), x, method="LSODA", rtol=RELATIVE_TOLERANCE, atol=ABSOLUTE_TOLERANCE)
