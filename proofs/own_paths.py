@@ -13,6 +13,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from nonsmooth.analysis.cells.partition import Partition
+from nonsmooth.proofs.theorem4_result import Contradiction
 
 STARTS = 4
 CLOSE = 2.0**-40  # of the half side of the square: the distance of the starts
@@ -21,7 +22,15 @@ CROSSINGS = 8.0  # of the square, at the least speed: as long as a path is follo
 
 
 class ContradictionError(RuntimeError):
-    """A verdict and a path of this program that contradict each other: a fault, on one line."""
+    """A law that is certified and a path of this program that contradict each other: nobody may rely on either.
+
+    Attributes:
+        found: both sides.
+    """
+
+    def __init__(self, scene: str, law: str, path: str) -> None:
+        self.found = Contradiction("feedback law and path", (law, path), ("feedback",))
+        super().__init__(f"{scene}: {self.found.text}; nobody may rely on either (please report this)")
 
 
 @dataclass(frozen=True)

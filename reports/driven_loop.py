@@ -153,8 +153,9 @@ class DrivenLoop:
             if rise > RISE_SLACK * values[0]:
                 where = place_text([float(entry) for entry in path.states[0]])
                 raise ContradictionError(
-                    f"{self.scene.name}: the path from {where} lets V rise by {rise:.3g} from {values[0]:.3g}, "
-                    "although the feedback clause certifies the law: please report this"
+                    self.scene.name,
+                    "the feedback clause certifies that V falls under the law",
+                    f"the path from {where}, as it was computed, lets V rise by {rise:.3g} from {values[0]:.3g}",
                 )
         elif np.abs(path.array[:, :2]).max() >= self.reach:
             raise TrajectoryError("the body leaves the square in which the speeds impose their twists")

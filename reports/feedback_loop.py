@@ -210,8 +210,9 @@ class FeedbackLoop:
             start = ", ".join(f"{float(value):.6g}" for value in path.states[0])
             where = "" if region is None else f" where {region}"
             raise ContradictionError(
-                f"{self.partition.scene.name}: the path from ({start}) {seen}, although the feedback clause certifies "
-                f"the {self.law} law{where}: please report this"
+                self.partition.scene.name,
+                f"the feedback clause certifies that {falling} falls under the {self.law} law{where}",
+                f"the path from ({start}), as it was computed, {seen}",
             )
 
 

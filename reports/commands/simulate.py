@@ -163,7 +163,7 @@ def simulate(  # noqa: PLR0913, PLR0917  # one parameter for each option of the 
 ) -> int:
     """Follow a Filippov solution or a body with mass, map where many starts end, or find a periodic orbit.
 
-    Exit status: 0 done, 2 bad input, 3 where paths of a map contradict what is proved.
+    Exit status: 0 done, 2 bad input, 3 where paths contradict what is proved.
     """
     from nonsmooth.reports.animation.output import require_film
     from nonsmooth.reports.shown import show

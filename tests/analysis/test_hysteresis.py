@@ -150,5 +150,5 @@ def test_a_zigzag_of_too_many_switches_is_refused(monkeypatch: pytest.MonkeyPatc
     field = SignField(("x",), (affine_surface("x", (1,)),), lambda s: lambda t, x: np.array([-float(s[0])]))
     monkeypatch.setattr(hysteresis, "MAX_RELAY_EVALUATIONS", 20_000)
     assert simulate_hysteresis(field, (0.0,), 1.0, 1e-2).end.t == 1.0
-    with pytest.raises(ValueError, match="required a width that 20000 evaluations resolve, received 1e-06 at t = 0.00"):
+    with pytest.raises(ValueError, match="required a width that 20000 evaluations resolve, received 1e-06"):
         simulate_hysteresis(field, (0.0,), 1.0, 1e-6)
