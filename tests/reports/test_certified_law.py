@@ -308,7 +308,7 @@ def test_a_path_that_contradicts_its_certificate_decides_nothing(invoke: Invoke)
     assert outcome.err.count("\n") == 1
     assert "feedback law and path contradict each other" in outcome.err
     assert "the feedback clause certifies that V falls under the gradient law where" in outcome.err
-    assert "but the path from (0.1, 0.05, 0.1), as it was computed, lets V rise by" in outcome.err
+    assert "but the path from (0.1, 0.05, 0.1), as it was computed, leaves the checked square" in outcome.err
     with pytest.raises(RuntimeError, match="please report this"):
         derive_report(load_scene("four-wheel"), Invocation("four-wheel"), ("trajectories",))
 
