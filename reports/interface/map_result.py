@@ -7,7 +7,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from nonsmooth.analysis.cells.contact_partition import build_partition
+from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.fields.kinematics import Kinematics
+from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.reports.basins import MAX_GRID, GridRun
 from nonsmooth.reports.interface.argument_error import ArgumentError
 from nonsmooth.reports.interface.short_text import short_lines
@@ -41,7 +43,7 @@ def map_scene(scene: Scene, grid: int, heading: float, until: float | None, kine
 
     Raises:
         ArgumentError: for a grid, a heading or a last time that cannot be used.
-        RefusalError: where the motion is not determined.
+        RefusalError: where the motion is not determined, or cells are so thin that floats lose their borders.
     """
     _require_grid(grid)
     if not math.isfinite(heading):
@@ -54,7 +56,12 @@ def map_scene(scene: Scene, grid: int, heading: float, until: float | None, kine
 
         return MapResult(build_body_map(scene, run))
     partition = build_partition(scene)
-    return MapResult(ShownMap(partition, run, build_map(partition, run)))
+    try:
+        return MapResult(ShownMap(partition, run, build_map(partition, run)))
+    except TrajectoryError as error:
+        place = str(error).removesuffix(": please report this")
+        required = "required cells that floats tell apart, to follow paths"
+        raise RefusalError(f"{required}, received thinner ones ({place})") from None
 
 
 def map_system(system: SwitchedSystem, grid: int, until: float) -> MapResult:

@@ -8,6 +8,7 @@ import json
 import math
 import sys
 import xml.etree.ElementTree as ET
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +16,8 @@ import numpy as np
 import pytest
 
 import nonsmooth as ns
+from nonsmooth.analysis.cells.partition import RefusalError
+from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.reports import progress as progress_module
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import run
@@ -174,3 +177,32 @@ def test_progress_is_shown_on_a_terminal_and_only_when_it_lasts(monkeypatch: pyt
             report(2, 2)
         shown[patience] = "counting starts" in stream.getvalue()
     assert shown == {0.0: True, 60.0: False}
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_cells_too_thin_for_floats_are_refused_or_mapped(seed: int) -> None:
+    """Rings that are regular but for rounding: two borders that ought to be one are 1e-15 apart."""
+    rng = np.random.default_rng(seed)
+    count, off = (4, 8)[seed % 2], math.radians((0, 3, 7)[seed % 3])
+    turns = 2 * math.pi * np.arange(count) / count
+    places = np.stack([np.cos(turns), np.sin(turns)], axis=1) + rng.uniform(-1, 1, (count, 2)) * 10.0 ** -(
+        14 + seed % 2
+    )
+    wheels = [ns.Wheel((x, y), t + math.pi + off, 1, 1, 0.5) for (x, y), t in zip(places.tolist(), turns, strict=True)]
+    with suppress(RefusalError):
+        found = ns.Array(wheels).map(5).shown
+        assert isinstance(found, ShownMap)
+        assert sum(found.found.shares) == pytest.approx(1)
+
+
+def test_a_path_that_floats_lose_is_one_line(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def lost(*arguments: Any) -> Any:
+        raise TrajectoryError("no edge of cell 1 at (0, 0): please report this")
+
+    monkeypatch.setattr("nonsmooth.reports.interface.map_result.build_map", lost)
+    assert run(app, ["simulate", "four-wheel", "--grid", "2"]) == 2
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    assert "required cells that floats tell apart, to follow paths, received thinner ones (no edge of cell 1" in said
