@@ -6,10 +6,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
+from flint import arb
 from scipy.optimize import minimize
 
 from nonsmooth.analysis.cells.loads import LoadError, LoadRegion, load_regions, value_at
 from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, Situation, common_twist, ellipse_point
+from nonsmooth.proofs.clauses.at_point.linearization import _root_of_positive
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
@@ -157,3 +159,13 @@ def test_wheels_that_stick_hold_the_body(arrays: Arrays) -> None:
     wheels = tuple(replace(w, given_speed=zero) if w.index % 2 == 0 else w for w in scene.wheels)
     point = point_of(replace(scene, wheels=wheels))
     assert (point.situation, point.translation) == (Situation.STICKING, Translation.STABLE)
+
+
+def test_a_double_eigenvalue_among_rounded_numbers_has_a_finite_ball() -> None:
+    """A regular ring whose angles are rounded: ``trace^2 = 4 det``, and a ball of what is left of it holds zero."""
+    for ball in (arb(0, 2.37e-12), arb(1e-13, 1e-12), arb(4), arb(2, 1e-9)):
+        root = _root_of_positive(ball)
+        assert root.is_finite()
+        for share in (0.0, 0.5, 1.0):
+            place = float(ball.mid()) + share * float(ball.rad())
+            assert root.contains(arb(place).sqrt())

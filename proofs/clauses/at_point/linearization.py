@@ -23,6 +23,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
+from flint import arb
+
 from nonsmooth.analysis.cells.loads import Affine, LoadRegion
 from nonsmooth.analysis.contact_rule import smooth_rule_of
 from nonsmooth.symbolic.constraints import (
@@ -85,7 +87,7 @@ class Linearization:
         if discriminant.sign() <= 0:
             return self.trace / 2
         if isinstance(discriminant, Lazy):  # its root is no number of the scene's field
-            return (self.trace.ball + discriminant.ball.sqrt()) / 2
+            return (self.trace.ball + _root_of_positive(discriminant.ball)) / 2
         return (self.trace + discriminant.sqrt()) / 2
 
     @property
@@ -235,3 +237,8 @@ def _add_curvature(hessian: list[list[Number]], slip: Slip) -> None:
     for r in range(3):
         for s in range(3):
             hessian[r][s] = hessian[r][s] + factor * w[r] * w[s]
+
+
+def _root_of_positive(ball: arb) -> arb:
+    """A ball around the square root of a positive number; its own ball may hold zero where rounding told its sign."""
+    return ball.sqrt() if ball > 0 else arb(0).union(ball.upper().sqrt())
