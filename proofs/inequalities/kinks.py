@@ -18,8 +18,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from fractions import Fraction
-from functools import cached_property
+from functools import cached_property, reduce
 from itertools import combinations, pairwise
+from operator import or_
 from typing import Any
 
 from nonsmooth.analysis.cells.region import Segment
@@ -31,6 +32,7 @@ from nonsmooth.symbolic.numbers.lazy import evaluated
 from nonsmooth.symbolic.numbers.polynomial import Polynomial, in_generators
 
 OF_A_SIGN = 4  # coefficients of a cone that cost as much as one of a polynomial whose sign at a root is asked for
+SHORT = 4  # coefficients up to which square roots in them make little difference
 
 
 class Trend(StrEnum):
@@ -120,7 +122,7 @@ class Kink:
             WorkLimitError: for too many of them.
         """
         curves = {tuple(trimmed(curve)) for curve in self._curves()}
-        work = max(map(len, curves), default=0) * OF_A_SIGN
+        work = max(map(_work_of_sign, curves), default=0)
         roots = (root for curve in curves if len(curve) > 1 for root in positive_roots(curve))
         return separated(roots, lambda: require_effort(work))
 
@@ -164,7 +166,7 @@ class Kink:
         """The signs of the three maxima at a parameter."""
 
         def sign_of(curve: Coefficients) -> int:
-            require_effort(len(curve) * OF_A_SIGN)
+            require_effort(_work_of_sign(curve))
             return place.sign_of(curve) if isinstance(place, RealRoot) else value(curve, place).sign()
 
         table = self._table
@@ -183,3 +185,10 @@ class Kink:
             Trend.EMPTY if apart else Trend.of_sign(largest),
             Trend.of_sign(max(common)) if common else Trend.EMPTY,
         )
+
+
+def _work_of_sign(curve: Coefficients) -> int:
+    """What the sign of a polynomial at a root costs, in coefficients of a cone: much more where it is irrational."""
+    masks = reduce(or_, (mask for c in curve for mask in c.terms), 0)
+    roots = masks.bit_count() + any(c.field.modulus is not None for c in curve)
+    return OF_A_SIGN * len(curve) * (len(curve) << roots if roots and len(curve) > SHORT else 1)
