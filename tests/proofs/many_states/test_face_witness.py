@@ -47,6 +47,7 @@ def witness(audited: ManyStateAudit) -> tuple[list[Fraction], Fraction]:
     assert audited.function is not None
     failure = audited.function.examination.failure
     assert failure is not None
+    assert failure.value is not None
     return list(failure.point), failure.value
 
 
