@@ -1,8 +1,9 @@
 """Certificates of plain systems: for each verdict the theorem that shows it, with evidence for the checker.
 
 A theorem's hypotheses are taken from the result of a check: the function V that decided, its domain, what was proved of
-regions and rates.  The evidence is searched anew (:mod:`nonsmooth.proofs.kernel.search`), so every verdict that a V
-decides may have a certificate, however it was found.  What is written has passed the checker.
+regions and rates.  Evidence that the check has found is written as it is, what is missing is searched
+(:mod:`nonsmooth.proofs.kernel.search`); so a verdict may have a certificate however it was decided.  What is written
+has passed the checker.
 """
 
 from __future__ import annotations
@@ -57,7 +58,7 @@ from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
 
 LEFT_OUT = "left out"  # key of the notes
 MOST_LEFT_OUT, LONGEST = 16, 400  # lines of it that are read, and characters of each
-NEARLY = Fraction(63, 64)
+NEARLY = Fraction(63, 64)  # of the level of a largest region, where all of it is not shown
 UNSHOWN = "the checker does not show it"
 
 Record: TypeAlias = dict[str, Any]

@@ -47,4 +47,4 @@ def show_near_point(system: SwitchedSystem, verdict: str, search: Search | None 
             return show()
         except (NotShownError, BeyondReachError) as error:
             reasons.append(str(error))
-    raise NotShownError("; ".join(reasons))
+    raise NotShownError("; ".join(reasons) or "no theorem was found that shows it")

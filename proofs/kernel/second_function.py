@@ -76,7 +76,7 @@ class Chains:
         self.system, self.cells, self.function, self.search, self.below = system, cells, function, search, below
         self.tries = 0
 
-    def extended(self, others: list[str]) -> dict[str, Any] | None:
+    def extended(self, others: list[Any]) -> dict[str, Any] | None:
         """The hypothesis with some functions, and further ones where places are left."""
         self.tries += 1
         BUDGET.grant(1 << 60)
@@ -127,7 +127,7 @@ class Survey(Chain):
         system: System,
         cells: Mapping[str, Any],
         function: Any,
-        others: Sequence[str],
+        others: Sequence[Any],
         search: Search,
         below: Fraction | None,
     ) -> None:

@@ -22,8 +22,9 @@ from nonsmooth.proofs.checker.cells import Inclusion, pattern
 from nonsmooth.proofs.checker.polynomials import lie_derivative
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE, STABLE, UNSTABLE, Statement
 from nonsmooth.proofs.kernel.curved_cells import build_inclusion, sharpened, started
-from nonsmooth.proofs.kernel.samples import Floats, SampledProofs, values_at
+from nonsmooth.proofs.kernel.samples import Floats, values_at
 from nonsmooth.proofs.kernel.search import NotShownError, Search
+from nonsmooth.proofs.kernel.second_function import Chains
 from nonsmooth.proofs.kernel.sign_cells import rational
 from nonsmooth.proofs.kernel.stated_cells import StatedCells, scaled, stated_cells
 from nonsmooth.proofs.systems.tangent_fan import form_lines, lowest_form
@@ -98,10 +99,12 @@ def show_by_weights(
             for denominator in DENOMINATORS:
                 first = _written(frame, _rounded(frame, functions[0], denominator, second=False), texts[:2])
                 second = _written(frame, _rounded(frame, functions[1], denominator, second=True), texts[2:])
-                theorem, hypotheses = _hypotheses(stated, first, second, verdict)
+                below = Fraction(0) if verdict == UNSTABLE else None
+                rising = Chains(subject, stated.record, first, search, below).extended([second])
+                if rising is None:
+                    continue
                 try:
-                    SampledProofs().entry(subject, theorem, hypotheses)
-                    return search.entry(subject, theorem, hypotheses)
+                    return search.entry(subject, *_hypotheses(stated, first, rising, verdict))
                 except NotShownError:
                     continue
     raise NotShownError("no pair of functions was found for leading terms with weights")
@@ -272,7 +275,7 @@ def _rounded(frame: Frame, values: Floats, denominator: int, *, second: bool) ->
     return found
 
 
-def _hypotheses(stated: StatedCells, first: Any, second: Any, verdict: str) -> tuple[str, Record]:
+def _hypotheses(stated: StatedCells, first: Any, second: Record, verdict: str) -> tuple[str, Record]:
     common = {"cells": stated.record, "function": first, "second": second}
     if verdict == ASYMPTOTICALLY_STABLE:
         more = {"verdict": verdict, "everywhere": False, "level": None, "below": False, "rate": None}
