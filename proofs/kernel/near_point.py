@@ -10,7 +10,7 @@ from nonsmooth.proofs.kernel.escapes import show_escape_of
 from nonsmooth.proofs.kernel.fans import show_by_fan
 from nonsmooth.proofs.kernel.first_terms import show_departure_of, show_linearization_of
 from nonsmooth.proofs.kernel.search import NotShownError, Search
-from nonsmooth.proofs.kernel.sign_cells import BeyondReachError
+from nonsmooth.proofs.kernel.sign_cells import BeyondReachError, IrrationalError
 from nonsmooth.proofs.kernel.weighted_turns import show_by_weights
 from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
 
@@ -30,6 +30,7 @@ def show_near_point(system: SwitchedSystem, verdict: str, search: Search | None 
 
     Raises:
         NotShownError: where none of them shows it, with the reason of each.
+        IrrationalError: for numbers with roots.
     """
     ways: list[Callable[[], Entry]] = []
     if verdict == UNSTABLE:
@@ -45,6 +46,8 @@ def show_near_point(system: SwitchedSystem, verdict: str, search: Search | None 
     for show in ways:
         try:
             return show()
+        except IrrationalError:
+            raise
         except (NotShownError, BeyondReachError) as error:
             reasons.append(str(error))
     raise NotShownError("; ".join(reasons) or "no theorem was found that shows it")

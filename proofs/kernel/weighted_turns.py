@@ -42,7 +42,7 @@ SLACK = 2.0**-23  # by which V may rise in floats, over its largest term there
 
 
 @dataclass(frozen=True)
-class Frame:
+class WeightedFrame:
     """Two linear forms, and cells on which functions are taken.
 
     Attributes:
@@ -92,7 +92,7 @@ def show_by_weights(
         for share in RADII:
             stated = stated_cells(system, system.check.radius * share, (heavy, light))
             stated = sharpened(stated, subject, search)
-            frame = Frame(heavy, light, stated, build_inclusion(stated, subject, search, texts))
+            frame = WeightedFrame(heavy, light, stated, build_inclusion(stated, subject, search, texts))
             functions = _functions(frame, verdict) if frame.rests else None
             if functions is None:
                 break
@@ -123,7 +123,7 @@ def _frames(system: SwitchedSystem) -> Iterator[tuple[Form, Form]]:
 # ---- the linear programs -------------------------------------------------------------------------
 
 
-def _functions(frame: Frame, verdict: str) -> tuple[Floats, Floats] | None:
+def _functions(frame: WeightedFrame, verdict: str) -> tuple[Floats, Floats] | None:
     """Coefficients of V, positive or, for an unstable point, negative, and of W; None where there are none."""
     places = _points(frame)
     above, falling, rising, sizes = _rows(frame, places)
@@ -144,7 +144,7 @@ def _functions(frame: Frame, verdict: str) -> tuple[Floats, Floats] | None:
     return None if second is None else (first, second)
 
 
-def _floats(frame: Frame, *, second: bool) -> Floats:
+def _floats(frame: WeightedFrame, *, second: bool) -> Floats:
     return np.array([list(map(float, row)) for row in _ties(frame, second=second)]).reshape(-1, frame.count)
 
 
@@ -169,7 +169,7 @@ def _solved(table: Floats, limits: Floats, ties: Floats, prices: Floats, *, low:
     return np.asarray(found.x[:count] / np.abs(found.x[:count]).max())
 
 
-def _rows(frame: Frame, points: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+def _rows(frame: WeightedFrame, points: Floats) -> tuple[Floats, Floats, Floats, Floats]:
     """Values of V and V', W' as linear functions of the coefficients, one row for each point of a cell and its field.
 
     The last column is the distance of the point by weights.
@@ -193,7 +193,7 @@ def _rows(frame: Frame, points: Floats) -> tuple[Floats, Floats, Floats, Floats]
     return np.vstack(above), np.vstack(falling), np.vstack(rising), np.concatenate(sizes)
 
 
-def _points(frame: Frame) -> Floats:
+def _points(frame: WeightedFrame) -> Floats:
     """Points of the cube on weighted circles ``F = r^2 cos, G = r sin``, in units of its half-width."""
     half = float(frame.inclusion.domain.radius)
     matrix = np.array([[float(own.slope(k)) for k in range(2)] for own in _lines(frame)]) / half
@@ -206,14 +206,14 @@ def _points(frame: Frame) -> Floats:
     return np.asarray(points[(np.abs(points) <= 1).all(axis=1)])
 
 
-def _lines(frame: Frame) -> Sequence[Any]:
+def _lines(frame: WeightedFrame) -> Sequence[Any]:
     """F and G as the checker has them, up to a factor."""
     listed = frame.inclusion.surfaces.listed
     texts = list(map(scaled, frame.stated.surfaces))
     return [listed[texts.index(scaled(own))] for own in (frame.heavy, frame.light)]
 
 
-def _ties(frame: Frame, *, second: bool) -> Iterator[list[fmpq]]:
+def _ties(frame: WeightedFrame, *, second: bool) -> Iterator[list[fmpq]]:
     """Rows of coefficients that add to zero: functions of cells with one other sign agree on that surface.
 
     ``a F + b G^2`` is a multiple of ``k F + c G^2`` where ``c a = k b``, and of G where ``a = 0``; times G always.
@@ -230,7 +230,7 @@ def _ties(frame: Frame, *, second: bool) -> Iterator[list[fmpq]]:
                 yield row
 
 
-def _relations(frame: Frame, surface: Form, *, second: bool) -> list[tuple[fmpq, fmpq]]:
+def _relations(frame: WeightedFrame, surface: Form, *, second: bool) -> list[tuple[fmpq, fmpq]]:
     """Factors of a and b that add to zero where ``a F + b G^2``, for W times G, is a multiple of a surface."""
     if scaled(surface) == scaled(frame.light):
         return [] if second else [(fmpq(1), fmpq(0))]
@@ -251,7 +251,7 @@ def _relative(rows: Floats) -> Floats:
 # ---- the theorem ---------------------------------------------------------------------------------
 
 
-def _written(frame: Frame, coefficients: Sequence[fmpq], texts: Sequence[str]) -> list[list[str]]:
+def _written(frame: WeightedFrame, coefficients: Sequence[fmpq], texts: Sequence[str]) -> list[list[str]]:
     """A function as a formula for each cell."""
     pieces = []
     for k, cell in enumerate(frame.inclusion.cells):
@@ -260,7 +260,7 @@ def _written(frame: Frame, coefficients: Sequence[fmpq], texts: Sequence[str]) -
     return pieces
 
 
-def _rounded(frame: Frame, values: Floats, denominator: int, *, second: bool) -> list[fmpq]:
+def _rounded(frame: WeightedFrame, values: Floats, denominator: int, *, second: bool) -> list[fmpq]:
     """Short fractions near the coefficients of a function that is continuous: some are rounded, the others follow."""
     short = [Fraction(float(value)).limit_denominator(denominator) for value in values]
     found = [fmpq(value.numerator, value.denominator) for value in short]

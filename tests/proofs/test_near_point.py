@@ -15,6 +15,7 @@ from nonsmooth.proofs.kernel.fans import show_by_fan
 from nonsmooth.proofs.kernel.first_terms import leading_direction, show_departure_of
 from nonsmooth.proofs.kernel.near_point import show_near_point
 from nonsmooth.proofs.kernel.search import NotShownError, Search
+from nonsmooth.proofs.kernel.sign_cells import IrrationalError
 from nonsmooth.proofs.kernel.stated_cells import stated_cells
 from nonsmooth.proofs.kernel.subject import about
 from nonsmooth.symbolic.switched_system import SwitchedSystem
@@ -174,6 +175,6 @@ def test_an_equilibrium_has_no_direction() -> None:
     ],
 )
 def test_other_systems_are_refused_in_one_line(rhs: list[str], verdict: str) -> None:
-    with pytest.raises(NotShownError) as error:
+    with pytest.raises((NotShownError, IrrationalError)) as error:
         show_near_point(build(rhs), verdict)
     assert is_one_line(str(error.value))

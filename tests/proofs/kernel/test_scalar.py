@@ -150,7 +150,7 @@ def test_the_checker_needs_nothing_else(tmp_path: Path) -> None:
     line = [sys.executable, "-I", "-S", str(Path(checker.__file__).parent), str(file)]
     done = subprocess.run(line, capture_output=True, text=True, check=False, timeout=60)
     assert (done.returncode, done.stdout.splitlines()[0]) == (0, "valid")
-    assert "reaches the point" in done.stdout
+    assert "tends to the point" in done.stdout
 
 
 # ---- what is false -------------------------------------------------------------------------------
