@@ -470,9 +470,9 @@ def _show_by_mixture(claim: Claim, mixtures: Any) -> None:
             factor = rational(value)
             require(name in inequality.guards and factor >= 0, "multipliers of guards, not negative")
             total += inequality.guards[name].times(-factor)
-        require(total.degree <= 1, "an affine mixture")
+        require(total.degree <= 1, f"an affine mixture for {claim.name}")
         slopes = [abs(total.slope(k)) for k in range(total.count)]
-        require(claim.bounded or not any(slopes), "a mixture that is bounded")
+        require(claim.bounded or not any(slopes), f"a mixture that is bounded for {claim.name}")
         least = total.at_origin - sum(slopes, Fraction(0))
         require(least > 0 or (not claim.strict and not least), f"a mixture that is not negative, for {claim.name}")
 

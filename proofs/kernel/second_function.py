@@ -1,6 +1,6 @@
 """The search for further functions W that rise where a weak Lyapunov function V is kept, and for bounds of the rates.
 
-LaSalle's principle as :func:`nonsmooth.proofs.checker.lyapunov.show_stability` states it: W_1, W_2, ... one after the
+LaSalle's principle as :func:`nonsmooth.proofs.checker.theorems.show_stability` states it: W_1, W_2, ... one after the
 other rise along all velocities with which the functions before stay constant, until nothing is left off the point.
 
 At points of the places that are left the velocities of solutions are mixtures of finitely many extreme ones.  That W
