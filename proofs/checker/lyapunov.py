@@ -130,8 +130,7 @@ class Lyapunov:
         self, face: Face, name: str, cells: Sequence[Cell], prefix: str, shift: Shift, *, strict: bool
     ) -> None:
         """``(grad P + sum_j mu_j grad g_j) . f + shift < 0`` on a face, for each field f beside it."""
-        first, surfaces = cells[0], self.inclusion.surfaces.listed
-        inequalities = []
+        first, inequalities = cells[0], []
         for cell in cells:
             others = {j: s for j, s in enumerate(cell.signs) if j not in face.zero}
             guards = self._guards(face, others, first)
@@ -139,14 +138,18 @@ class Lyapunov:
                 continue
             for _, field in cell.fields:
                 value = face.restricted(lie_derivative(self.potential(first), field) + shift(first))
-                pushes = (face.restricted(lie_derivative(surfaces[j], field)) for j in face.zero)
                 side = tuple(cell.signs[j] for j in face.zero)
-                inequalities.append(Inequality(-value, guards, tuple(-own for own in pushes), face.zeros(), side))
+                inequalities.append(Inequality(-value, guards, self._pushes(face, field), face.zeros(), side))
         if inequalities:
             away = not face.holds_origin
             self.proofs.show(
                 Claim(f"{prefix}face {name}", tuple(inequalities), strict, away, self.bounded, self.border)
             )
+
+    def _pushes(self, face: Face, field: Sequence[Polynomial]) -> tuple[Polynomial, ...]:
+        """``-grad g_j . f`` of the surfaces that vanish on a face."""
+        surfaces = self.inclusion.surfaces.listed
+        return tuple(-face.restricted(lie_derivative(surfaces[j], field)) for j in face.zero)
 
     def show_gradient(self, bound: Fraction) -> None:
         """``|grad V| <= bound`` on every closed cell, and V bends on at most one surface at a time off the point.

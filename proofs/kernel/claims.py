@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from typing import Any
 
-from nonsmooth.proofs.checker.cells import Cell, Inclusion, System
+from nonsmooth.proofs.checker.cells import Cell, Face, Inclusion, SurfaceSigns, System
 from nonsmooth.proofs.checker.lyapunov import Lyapunov
 from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.checker.positivity import Claim, Proofs
@@ -37,10 +37,27 @@ class Functions(Lyapunov):
         self.collected = Collected()
         super().__init__(Inclusion(system, cells, list(functions), self.collected), self.collected)
         self.number = 0
+        self._known: dict[Hashable, Any] = {}  # of all functions: guards and pushes
 
     def potential(self, cell: Cell) -> Polynomial:
         """The function with the number, on a cell."""
         return cell.functions[self.number]
+
+    def _guards(self, face: Face, signs: SurfaceSigns, cell: Cell) -> dict[str, Polynomial] | None:
+        """The guards on a face, which are the same for all functions."""
+        key = face.zero, tuple(signs.items())
+        if key not in self._known:
+            self._known[key] = super()._guards(face, signs, cell)
+        found: dict[str, Polynomial] | None = self._known[key]
+        return found
+
+    def _pushes(self, face: Face, field: Sequence[Polynomial]) -> tuple[Polynomial, ...]:
+        """The pushes of a field of a cell on a face, which are the same for all functions."""
+        key = face.zero, id(field)
+        if key not in self._known:
+            self._known[key] = super()._pushes(face, field)
+        found: tuple[Polynomial, ...] = self._known[key]
+        return found
 
     def claims(self, number: int = 0, *, positive: bool = True, strict: bool = True) -> list[Claim]:
         """What Lyapunov's theorem asks of a function: that it is positive, and that it falls."""
