@@ -46,7 +46,11 @@ def show_claims(data: Any, size: int) -> list[Statement]:
     Raises:
         RejectedError: for a claim that is not shown.
     """
-    BUDGET.grant(size)
+    with BUDGET.granted(size):
+        return _shown(data)
+
+
+def _shown(data: Any) -> list[Statement]:
     version, statement, evidence, _ = take(data, "version statement evidence", "notes")
     require(version == VERSION, f"the version {VERSION}")
     subject, claims = take(statement, "subject claims")

@@ -9,13 +9,15 @@ its length.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from fractions import Fraction
 from typing import Any
 
 MAX_BYTES = 64 << 20
 MAX_DIGITS = 4_000  # of a numerator or a denominator
 BASE_WORK, WORK_PER_BYTE = 5_000_000, 400
+UNLIMITED = 1 << 62
 
 RATIONAL = re.compile(rf"-?[0-9]{{1,{MAX_DIGITS}}}(/[0-9]{{1,{MAX_DIGITS}}})?")
 
@@ -48,14 +50,19 @@ def require(holds: object, claim: str) -> None:
 
 
 class Budget:
-    """The units of work that are left."""
+    """The units of work that are left; while no certificate is checked, more than there are."""
 
     def __init__(self) -> None:
-        self.left = BASE_WORK
+        self.left = UNLIMITED
 
-    def grant(self, size: int) -> None:
-        """Begin with a certificate of a number of bytes."""
+    @contextmanager
+    def granted(self, size: int) -> Iterator[None]:
+        """Check a certificate of a number of bytes, and no more after it."""
         self.left = BASE_WORK + WORK_PER_BYTE * size
+        try:
+            yield
+        finally:
+            self.left = UNLIMITED
 
     def spend(self, units: int) -> None:
         """Charge some units.

@@ -21,7 +21,7 @@ from nonsmooth.proofs.checker.cells import Domain, System, pattern
 from nonsmooth.proofs.checker.formulas import SignOf
 from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE, STABLE
-from nonsmooth.proofs.checker.work import BUDGET, RejectedError
+from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.systems.scalar_stability import ScalarResult
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
@@ -44,7 +44,6 @@ def scalar_theorem(result: ScalarResult, system: System) -> Theorem:
     Raises:
         NoCertificateError: for formulas and points that no certificate can hold.
     """
-    BUDGET.grant(1 << 60)  # formulas are read as the checker reads them; the search has limits of its own
     try:
         if result.verdict is Translation.ASYMPTOTICALLY_STABLE:
             return _attraction(result, system)

@@ -13,7 +13,7 @@ from nonsmooth.proofs.checker.cells import System
 from nonsmooth.proofs.checker.positivity import Claim, Proofs
 from nonsmooth.proofs.checker.statements import THEOREMS
 from nonsmooth.proofs.checker.theorems import Statement
-from nonsmooth.proofs.checker.work import BUDGET, RejectedError
+from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.kernel import mixtures, simplices, squares
 
 WORK = 20_000  # coefficients that the search for simplices may look at, for one claim
@@ -67,7 +67,6 @@ class Search(Proofs):
             NotShownError: where a hypothesis is not shown.
         """
         self.used, self.are_forms = [], True
-        BUDGET.grant(1 << 60)  # the search has limits of its own
         try:
             shown = THEOREMS[theorem](system, hypotheses, self)
         except RejectedError as error:

@@ -86,8 +86,8 @@ class ExaminedLyapunov:
 
 def is_shown(system: SwitchedSystem, entry: dict[str, Any], verdict: Translation) -> bool:
     """Whether the checker accepts a theorem about a system, and the theorem shows a verdict."""
-    BUDGET.grant(MAX_BYTES)
     try:
-        return {"stability": str(verdict)} in show_entry(read_subject(about(system)), entry)
+        with BUDGET.granted(MAX_BYTES):
+            return {"stability": str(verdict)} in show_entry(read_subject(about(system)), entry)
     except (*MALFORMED, RejectedError):
         return False

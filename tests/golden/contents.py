@@ -45,9 +45,8 @@ def content_of(path: Path) -> Any:
 def _document(document: Any) -> Any:
     """A JSON file; of a certificate what it is about, since its evidence may be another and `verify` judges it."""
     if isinstance(document, dict) and "certificate" in str(document.get("version")):
-        kept = ("version", "statement", "notes")
         theorems = [entry["theorem"] for entry in document["evidence"]]
-        return {"theorems": theorems, **{key: document[key] for key in kept}}
+        return {"theorems": theorems, **{key: document[key] for key in ("version", "statement", "notes")}}
     if isinstance(document, dict) and "certificate" in str(document.get("schema")):
         kept = ("schema", "states", "rhs", "at", "verdict", "theorem4", "rule", "notes")
         return {"keys": sorted(document), **{key: plain(document[key]) for key in kept if key in document}}

@@ -19,7 +19,6 @@ from nonsmooth.proofs.checker.cells import Cell, Domain, Inclusion, System, no_s
 from nonsmooth.proofs.checker.formulas import Formula
 from nonsmooth.proofs.checker.polynomials import Polynomial, constant, lie_derivative
 from nonsmooth.proofs.checker.positivity import Claim, Proofs
-from nonsmooth.proofs.checker.work import BUDGET
 from nonsmooth.proofs.kernel import squares
 from tests.oracles import many_state_checker, system_checker
 
@@ -243,7 +242,6 @@ def _cone(sides: Sequence[Polynomial]) -> tuple[Ray, Ray] | None:
 
 def _curves(certificate: Record, hypotheses: Record) -> Iterator[str]:
     """The factors of V' on all cells, as hints on where it may vanish."""
-    BUDGET.grant(1 << 24)
     system = _system(certificate)
     names = getattr(system, "coordinates", system.states)
     inclusion = Inclusion(system, hypotheses["cells"], [hypotheses["function"]], Believed())
@@ -306,7 +304,6 @@ def _in_many_states(certificate: Record) -> Record:
 
 def _asked(certificate: Record, theorem: str, hypotheses: Record) -> dict[str, Claim]:
     """The claims that version 2 derives."""
-    BUDGET.grant(1 << 24)
     proofs = Believed()
     statements.THEOREMS[theorem](_system(certificate), hypotheses, proofs)
     return proofs.asked

@@ -13,7 +13,7 @@ import pytest
 from nonsmooth.proofs.checker.cells import read_system
 from nonsmooth.proofs.checker.positivity import Claim, Proofs
 from nonsmooth.proofs.checker.statements import THEOREMS, VERSION, refusal
-from nonsmooth.proofs.checker.work import BUDGET, RejectedError
+from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.kernel.search import NotShownError, Search
 
 Cells = dict[str, Any]
@@ -42,7 +42,6 @@ def attracts(cells: Cells, function: Any, **more: Any) -> dict[str, Any]:
 
 
 def asked(rhs: tuple[str, ...], hypotheses: dict[str, Any]) -> Believed:
-    BUDGET.grant(1 << 20)
     proofs = Believed()
     THEOREMS["lyapunov"](read_system(subject(*rhs)), hypotheses, proofs)
     return proofs

@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Sequence
+from fractions import Fraction
 from itertools import product
 from typing import Any
 
@@ -19,6 +20,7 @@ from nonsmooth.proofs.checker.cells import Inclusion, read_system
 from nonsmooth.proofs.checker.files import check_file
 from nonsmooth.proofs.checker.positivity import Proofs
 from nonsmooth.proofs.checker.statements import refusal
+from nonsmooth.proofs.checker.work import BUDGET, RejectedError, rational
 from nonsmooth.proofs.kernel.search import NotShownError
 from tests.certificates.cases import Case, cells, instability, lyapunov, rate, subject
 from tests.certificates.corpus import text_of
@@ -242,3 +244,10 @@ def test_brackets_that_are_nested_too_deeply(tmp_path: Any) -> None:
     path = tmp_path / "forged.json"
     path.write_text(certificate_text("(x," * 1300 + "x"), encoding="utf-8")
     assert check_file(str(path)) == (1, "rejected: required well-formed data, not a MemoryError")
+
+
+def test_a_certificate_that_is_too_much_work_stops_no_other() -> None:
+    """What is left of the work of one file is not what the next one, or a search, may do."""
+    with pytest.raises(RejectedError, match="limits of work"), BUDGET.granted(0):
+        BUDGET.spend(1 << 40)
+    assert rational("3/4") == Fraction(3, 4)
