@@ -123,6 +123,7 @@ class Kink:
         """
         curves = {tuple(trimmed(curve)) for curve in self._curves()}
         work = max(map(_work_of_sign, curves), default=0)
+        require_effort(sum(len(curve) * _work_of_sign(curve) for curve in curves))  # of Sturm chains
         roots = (root for curve in curves if len(curve) > 1 for root in positive_roots(curve))
         return separated(roots, lambda: require_effort(work))
 

@@ -159,10 +159,10 @@ def _found(
     system: SwitchedSystem, cells: Sequence[FieldCell], basis: Sequence[BasisFunction], budget: Budget
 ) -> tuple[PiecewiseExpression, LyapunovResult] | None:
     """Rounds of proposals and refutations for one family."""
-    blank = build_formula(basis, [Fraction(1)] * len(basis), system.states)
     try:
+        blank = build_formula(basis, [Fraction(1)] * len(basis), system.states)
         pieces = inhabited(lyapunov_cells(cells, blank, system.states, system.origin))
-    except SceneError:
+    except (ExpressionError, SceneError):
         return None
     sides = build_sides(pieces, basis)
     rows = build_rows(sides)

@@ -125,10 +125,10 @@ def _propose(
     system: SwitchedSystem, cells: Sequence[FieldCell], basis: Sequence[BasisFunction]
 ) -> Iterator[Coefficients]:
     """Rounded coefficients that keep all rows in floats."""
-    blank = build_formula(basis, [Fraction(1)] * len(basis), system.states)
     try:
+        blank = build_formula(basis, [Fraction(1)] * len(basis), system.states)
         pieces = inhabited(lyapunov_cells(cells, blank, system.states, system.origin))
-    except SceneError:
+    except (ExpressionError, SceneError):
         return
     positive, falling = build_weak_rows(build_sides(pieces, basis))
     widest = _largest_margin(positive, falling)

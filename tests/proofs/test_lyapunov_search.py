@@ -23,6 +23,7 @@ from nonsmooth.proofs.systems.piecewise_quadratic import find_near
 from nonsmooth.proofs.systems.search import SearchedLyapunov, enlarged_pieces, reversed_cells
 from nonsmooth.proofs.systems.sublevel_region import largest_sublevel
 from nonsmooth.proofs.systems.system_stability import system_check
+from nonsmooth.proofs.systems.weak_search import find_weak_lyapunov
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from tests.thorough import keep, thorough
@@ -249,3 +250,12 @@ def test_what_v_does_not_allow_is_not_claimed(load: Load) -> None:
     assert isinstance(result.certificate.cells[0].potential, Polynomial)  # type: ignore[union-attr]
     if result.rate is not None:
         assert result.rate.check(result.certificate.cells)  # type: ignore[union-attr]
+
+
+def test_families_too_large_for_a_formula_are_left_out(load: Load) -> None:
+    """Six lines make a family of 68 functions, and a formula has at most sixty terms."""
+    system = load(
+        "y*(2 + sign(x + y) - sign(x + 2*y) + sign(x - y))", "-x*(3 + sign(x - 2*y) - sign(2*x + y)) + y*Abs(x)"
+    )
+    assert len(lines_through(system)) == 6
+    assert find_weak_lyapunov(system) is None
