@@ -6,7 +6,6 @@ import copy
 import json
 import random
 from collections import Counter
-from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
@@ -32,6 +31,7 @@ from nonsmooth.proofs.kernel.subject import about
 from nonsmooth.proofs.kernel.weak_growth import find_weak_growth
 from nonsmooth.symbolic.files.system_file import build_system
 from nonsmooth.symbolic.piecewise import parse_piecewise
+from tests.dissipative_systems import dissipative_systems
 from tests.proofs import mutants
 from tests.thorough import keep, thorough
 
@@ -177,36 +177,13 @@ def test_where_something_stays_nothing_is_found(name: str) -> None:
     assert certificate(*STAYING[name]) is None
 
 
-DAMPING = {"none": "", "linear": " - {0}", "cubic": " - {0}**3", "relay": " - sgn({0})"}
-
-
-def attracts(skew: np.ndarray, damped: Sequence[str]) -> bool:
-    """Near the point relays hold their states at zero; what is left must be seen by the other dampers (Kalman)."""
-    free = [k for k, kind in enumerate(damped) if kind != "relay"]
-    if not free:
-        return True
-    own = skew[np.ix_(free, free)]
-    seen = np.array([np.eye(len(free))[i] for i, k in enumerate(free) if damped[k] != "none"]).reshape(-1, len(free))
-    blocks = [seen @ np.linalg.matrix_power(own, power) for power in range(len(free))]
-    return int(np.linalg.matrix_rank(np.vstack(blocks))) == len(free)
-
-
 @pytest.mark.parametrize("count", keep(1, [8, 30]))
 def test_random_dissipative_systems_against_observability(count: int) -> None:
-    rng = np.random.default_rng(1)
     known: Counter[tuple[bool, bool]] = Counter()
-    for _ in range(count):
-        states = ["x", "y", "z", "w"][: rng.integers(3, 5)]
-        upper = np.triu(rng.integers(-2, 3, (len(states),) * 2) * rng.integers(0, 2, (len(states),) * 2), 1)
-        skew = upper - upper.T
-        damped = [str(kind) for kind in rng.choice(["none", "none", "linear", "cubic", "relay"], len(states))]
-        rhs = []
-        for row, name, kind in zip(skew.tolist(), states, damped, strict=True):
-            terms = " + ".join(f"{c}*{other}" for c, other in zip(row, states, strict=True))
-            rhs.append(terms + DAMPING[kind].format(name))
-        record = certificate(rhs, " + ".join(f"{name}**2" for name in states), " ".join(states))
+    for system in dissipative_systems(count):
+        record = certificate(list(system.rhs), system.energy, " ".join(system.states))
         assert record is None or refused(record) == ""
-        known[record is not None, attracts(skew, damped)] += 1
+        known[record is not None, system.attracts] += 1
     assert set(known) == {(True, True), (False, False)}, known  # complete on these
 
 

@@ -19,6 +19,7 @@ from nonsmooth.proofs.systems.lyapunov_audit import AuditVerdict
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.files.system_file import build_system
 from nonsmooth.symbolic.switched_system import SwitchedSystem
+from tests.dissipative_systems import dissipative_systems
 from tests.thorough import keep
 
 ATTRACTS, STAYS = Translation.ASYMPTOTICALLY_STABLE, Translation.STABLE
@@ -84,38 +85,15 @@ def test_the_check_decides_by_the_principle() -> None:
     assert not replace(claimed, verdict=ATTRACTS, reason=result.reason, method=ManyStateMethod.INVARIANCE).check()
 
 
-DAMPING = {"none": "", "linear": " - {0}", "cubic": " - {0}**3", "relay": " - sgn({0})"}
-
-
-def attracts(skew: np.ndarray, damped: list[str]) -> bool:
-    """Near the point relays hold their states at zero; what is left must be seen by the other dampers."""
-    free = [k for k, kind in enumerate(damped) if kind != "relay"]
-    own = skew[np.ix_(free, free)]
-    if not free:
-        return True
-    seen = np.array([np.eye(len(free))[i] for i, k in enumerate(free) if damped[k] != "none"]).reshape(-1, len(free))
-    blocks = [seen @ np.linalg.matrix_power(own, power) for power in range(len(free))]
-    return int(np.linalg.matrix_rank(np.vstack(blocks))) == len(free)
-
-
 @pytest.mark.parametrize("count", keep(1, [8, 30]))
 def test_random_dissipative_systems_against_observability(count: int) -> None:
-    rng = np.random.default_rng(1)
     known: Counter[tuple[bool, bool]] = Counter()
-    for _ in range(count):
-        states = ["x", "y", "z", "w"][: rng.integers(3, 5)]
-        upper = np.triu(rng.integers(-2, 3, (len(states),) * 2) * rng.integers(0, 2, (len(states),) * 2), 1)
-        skew = upper - upper.T
-        damped = [str(kind) for kind in rng.choice(["none", "none", "linear", "cubic", "relay"], len(states))]
-        rhs = []
-        for row, name, kind in zip(skew.tolist(), states, damped, strict=True):
-            terms = " + ".join(f"{c}*{other}" for c, other in zip(row, states, strict=True))
-            rhs.append(terms + DAMPING[kind].format(name))
-        audited = audit_many(built(rhs, " ".join(states)), " + ".join(f"{name}**2" for name in states))
+    for system in dissipative_systems(count):
+        audited = audit_many(built(system.rhs, " ".join(system.states)), system.energy)
         if audited.proves is None:
             continue
-        known[audited.proves is ATTRACTS, attracts(skew, damped)] += 1
-        assert audited.proves is not ATTRACTS or attracts(skew, damped), rhs
+        known[audited.proves is ATTRACTS, system.attracts] += 1
+        assert audited.proves is not ATTRACTS or system.attracts, system.rhs
     assert known[True, True] >= count // 8
     assert known[False, False] >= count // 8
     assert not known[False, True]  # complete on these
