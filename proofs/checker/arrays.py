@@ -1,14 +1,12 @@
-"""Stand-alone checker of certificates: ``python -I -S checker.py FILE``, with the standard library alone.
+"""Certificates of arrays of driven wheels, with the standard library alone.
 
 It shares no code with the workbench that wrote the certificate and rebuilds every claim from the wheels.  A certificate
 names the wheels, a contact rule, the cells of the checked square with their twists, and for each clause of Theorem 4
 the evidence for its verdict.  The methods ``show_...`` at the end hold one claim each: what it says, and why the test
 implies it.  A clause whose verdict is ``undecided`` claims nothing.
 
-Exit status: 0 valid, 1 rejected, 2 not readable, 3 valid but without any claim.
-
 The file in order: limits, the shapes of JSON, exact numbers, planar geometry, the array with its rows and loads, the
-cells, the fan of cones at the checked point, arrays within tolerances, the clauses, the command.
+cells, the fan of cones at the checked point, arrays within tolerances, the clauses, what is said of a certificate.
 
 Conventions: J is the quarter turn.  A twist is ``(vx, vy, omega, 1)``; the body at c moves by ``c' = v + omega J c``,
 measured from the checked point.  A row is the vector of an equation ``row . twist = 0``: rolling ``d . v(p) = u`` and
@@ -18,10 +16,7 @@ no side slip ``n . v(p) = 0`` with ``v(p) = v + omega J p``; of a wheel with a f
 
 from __future__ import annotations
 
-import json
 import math
-import re
-import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
@@ -30,23 +25,21 @@ from functools import cmp_to_key
 from itertools import combinations, pairwise, permutations, product
 from typing import Any, TypeAlias
 
+from .work import MALFORMED, RATIONAL, RejectedError, require
+
 SCHEMA = "nonsmooth-certificate/1"
 KEYS = "schema field at radius rule loads wheels points cells equilibrium translation rotation feedback theorem4 notes"
 ROBUST = "robust"  # one more key, of a certificate about all arrays within tolerances
 
 # ---- limits: no certificate keeps the checker busy for ever ------------------------------------
 
-MAX_BYTES = 64 << 20
 MAX_GENERATORS = 400
 MAX_DEGREE = 400
 MAX_WHEELS = 20_000
 MAX_FACTORS = 64  # of one product of generators
-MAX_DIGITS = 4000  # of a rational number, on either side of its bar
 MAX_WORK = 60_000_000  # operations on machine words, as they are charged below: some twenty seconds
 PRECISIONS = (96, 384, 1536)  # bits with which a sign is looked for, one after the other
 WORD = 30  # bits
-
-RATIONAL = re.compile(rf"-?[0-9]{{1,{MAX_DIGITS}}}(/[0-9]{{1,{MAX_DIGITS}}})?")
 
 # ---- words -------------------------------------------------------------------------------------
 
@@ -54,21 +47,6 @@ HOLDS, FAILS, HYPOTHESES_NOT_MET, UNDECIDED = "holds", "fails", "hypotheses not 
 ASYMPTOTICALLY_STABLE, STABLE, UNSTABLE = "asymptotically stable", "stable", "unstable"
 NEUTRAL = "stable, not attractive"
 STABILIZABLE, NO_CERTIFICATE, NOT_APPLICABLE = "stabilizable", "no certificate", "not applicable"
-
-
-class RejectedError(ValueError):
-    """A claim that does not hold or is not shown."""
-
-
-# What data of another form than a certificate's raise while they are read.
-MALFORMED = (KeyError, TypeError, ValueError, IndexError, AttributeError, ArithmeticError, RecursionError, MemoryError)
-
-
-def require(holds: object, claim: str) -> None:
-    """Reject the certificate unless something holds."""
-    if not holds:
-        raise RejectedError(claim)
-
 
 # ---- shapes of JSON ----------------------------------------------------------------------------
 
@@ -1530,7 +1508,7 @@ class Checker:
         return UNDECIDED if is_open else HOLDS
 
 
-# ---- the command -------------------------------------------------------------------------------
+# ---- what is said of a certificate -------------------------------------------------------------
 
 
 def read_certificate(data: Any) -> tuple[str, Checker | None]:
@@ -1549,30 +1527,8 @@ def check_certificate(data: Any) -> str:
     return read_certificate(data)[0]
 
 
-def load(path: str) -> Any:
-    """The JSON document of a file.
-
-    Raises:
-        OSError, ValueError, RecursionError: where it cannot be read or is no JSON document.
-    """
-    with open(path, "rb") as file:
-        text = file.read(MAX_BYTES + 1)
-    require(len(text) <= MAX_BYTES, f"more than {MAX_BYTES} bytes")
-    return json.loads(text, parse_float=str, parse_constant=str, object_pairs_hook=_object)
-
-
-def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    found = dict(pairs)
-    require(len(found) == len(pairs), "a key twice")
-    return found
-
-
-def check_file(path: str) -> tuple[int, str]:
-    """Exit status and what to print: 0 valid, 1 rejected, 2 unreadable, 3 valid without any claim."""
-    try:
-        data = load(path)
-    except (OSError, *MALFORMED) as error:
-        return 2, f"unreadable: {error}"
+def judge(data: Any) -> tuple[int, str]:
+    """Exit status and what to print of a certificate: 0 valid, 1 rejected, 3 valid without any claim."""
     claim, checker = read_certificate(data)
     if checker is None:
         return 1, f"rejected: required {claim}"
@@ -1604,17 +1560,3 @@ def _robust_lines(robust: Robust | None) -> list[str]:
 
 def _shown(number: Any) -> str:
     return number if type(number) is str and len(number) < 30 else "an exact number of its field"
-
-
-def main(arguments: Sequence[str]) -> int:
-    """Check one file."""
-    if len(arguments) != 1:
-        print("usage: checker.py FILE")
-        return 2
-    status, line = check_file(arguments[0])
-    print(line)
-    return status
-
-
-if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))

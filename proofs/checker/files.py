@@ -31,7 +31,7 @@ def check_file(path: str) -> tuple[int, str]:
     if schema in EARLIER:
         return 2, f"of an earlier version: nonsmooth check SYSTEM --certificate {path} writes it anew, as {VERSION}"
     if type(data) is dict and "version" not in data:
-        return arrays.check_file(path)
+        return arrays.judge(data)
     reason = refusal(data, size)
     if reason:
         return 1, f"rejected: required {reason}"

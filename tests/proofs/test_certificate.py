@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import pytest
 
 from nonsmooth.proofs.certificate import CertificateError, build_certificate, certificate_text
-from nonsmooth.proofs.checker.arrays import check_certificate, check_file
+from nonsmooth.proofs.checker.arrays import check_certificate
+from nonsmooth.proofs.checker.files import check_file
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.translation.certified_disc import certified_disc
 from nonsmooth.proofs.theorem4 import check_cells, check_smooth

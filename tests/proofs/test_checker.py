@@ -28,7 +28,9 @@ from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.proofs.certificate import build_certificate, certificate_text
 from nonsmooth.proofs.checker import arrays as checker
-from nonsmooth.proofs.checker.arrays import check_certificate, check_file
+from nonsmooth.proofs.checker.arrays import check_certificate
+from nonsmooth.proofs.checker.files import check_file
+from nonsmooth.proofs.checker.work import MAX_BYTES
 from nonsmooth.proofs.clauses.equilibrium.on_cells import decide_equilibrium
 from nonsmooth.proofs.clauses.feedback.by_friction import decide_driven_feedback
 from nonsmooth.proofs.clauses.feedback.by_rows import decide_feedback
@@ -53,7 +55,7 @@ if TYPE_CHECKING:
 Record: TypeAlias = dict[str, Any]
 Path_: TypeAlias = tuple[Any, ...]
 
-CHECKER = Path(checker.__file__)
+CHECKER = Path(checker.__file__).parent
 MUTANTS = 300
 EVIDENCE_MUTANTS = 40  # of each certificate; the benchmarks take 300
 WITH_FEEDBACK_EVIDENCE = (
@@ -99,20 +101,20 @@ def four_wheel_box() -> Record:
 # ---- stand-alone -------------------------------------------------------------------------
 
 
-def test_the_checker_is_one_file_that_needs_the_standard_library_only() -> None:
-    source = CHECKER.read_text(encoding="utf-8")
+def test_the_checker_is_one_folder_that_needs_the_standard_library_only() -> None:
     modules = set[str]()
-    for node in ast.walk(ast.parse(source)):
-        if isinstance(node, ast.Import):
-            modules |= {alias.name.split(".")[0] for alias in node.names}
-        elif isinstance(node, ast.ImportFrom):
-            assert node.module is not None
-            modules.add(node.module.split(".")[0])
+    for file in CHECKER.glob("*.py"):
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Import):
+                modules |= {alias.name.split(".")[0] for alias in node.names}
+            elif isinstance(node, ast.ImportFrom) and node.level != 1:  # not one of the folder's own modules
+                assert node.module is not None
+                modules.add(node.module.split(".")[0])
     assert modules <= set(sys.stdlib_module_names)
 
 
 def run_alone(path: Path) -> subprocess.CompletedProcess[str]:
-    """The file copied elsewhere would do as well: ``-I -S`` finds neither the workbench nor any other package."""
+    """The folder copied elsewhere would do as well: ``-I -S`` finds neither the workbench nor any other package."""
     command = [sys.executable, "-I", "-S", str(CHECKER), str(path)]
     return subprocess.run(command, capture_output=True, text=True, check=False)
 
@@ -165,7 +167,7 @@ def test_what_is_no_json_document_is_unreadable(content: bytes, tmp_path: Path) 
 def test_absent_files_folders_and_large_files_are_unreadable(tmp_path: Path) -> None:
     large = tmp_path / "large.json"
     with large.open("wb") as file:
-        file.truncate(checker.MAX_BYTES + 1)
+        file.truncate(MAX_BYTES + 1)
     for path in (tmp_path / "absent.json", tmp_path, large):
         assert check_file(str(path))[0] == 2
     assert run_alone(tmp_path / "absent.json").returncode == 2
@@ -176,14 +178,15 @@ def test_no_file_or_two_files_is_a_usage_error() -> None:
         result = subprocess.run(
             [sys.executable, "-I", "-S", str(CHECKER), *arguments], capture_output=True, text=True, check=False
         )
-        assert (result.returncode, result.stdout) == (2, "usage: checker.py FILE\n")
+        assert (result.returncode, result.stdout) == (2, "usage: python -I -S checker FILE\n")
 
 
 @pytest.mark.parametrize("data", [None, [], {}, "valid", 1, True, {"schema": "nonsmooth-certificate/1"}], ids=repr)
 def test_json_that_is_no_certificate_is_rejected(data: object, tmp_path: Path) -> None:
     path = tmp_path / "file.json"
     path.write_text(json.dumps(data), encoding="utf-8")
-    assert check_file(str(path)) == (1, f"rejected: required an object with the keys {checker.KEYS}")
+    assert check_file(str(path))[0] == 1
+    assert checker.judge(data) == (1, f"rejected: required an object with the keys {checker.KEYS}")
 
 
 # ---- numbers -----------------------------------------------------------------------------

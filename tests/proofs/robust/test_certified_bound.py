@@ -13,7 +13,8 @@ import pytest
 
 from nonsmooth.proofs.certificate import build_certificate, certificate_text
 from nonsmooth.proofs.certified_scene import find_difference
-from nonsmooth.proofs.checker.arrays import check_certificate, check_file
+from nonsmooth.proofs.checker.arrays import check_certificate
+from nonsmooth.proofs.checker.files import check_file
 from nonsmooth.proofs.robust.decide import decide_robust
 from nonsmooth.proofs.theorem4 import check_cells
 from nonsmooth.symbolic.files.scene_file import load_scene
