@@ -243,12 +243,13 @@ class Inclusion:
 
     def __init__(self, system: System, data: Any, functions: Sequence[Any], proofs: Proofs) -> None:
         within, surfaces, empty = take(data, "within surfaces empty")
-        self.domain = Domain(system, within)
+        self.domain, self.proofs = Domain(system, within), proofs
         self.count, self.surfaces = system.count, Surfaces(self.domain, surfaces, empty, proofs)
         fields = system.fields(self.domain.place)
         own = [Function(self.domain, self.surfaces, function) for function in functions]
         self.cells = [self._cell(signs, fields, own) for signs in self.surfaces.patterns()]
         self.bending = self._bending_surfaces()
+        self.parted = self._parted_pieces()
         system.show_equivalent(self)
 
     def _cell(self, signs: Pattern, fields: Sequence[Sequence[Formula]], functions: Sequence[Function]) -> Cell:
@@ -260,30 +261,57 @@ class Inclusion:
         return Cell(signs, different, tuple(function.on(signs) for function in functions))
 
     def _bending_surfaces(self) -> tuple[int, ...]:
-        """The surfaces across which a function changes its polynomial; the functions are shown to be continuous.
-
-        The polynomials of two pieces that differ in one sign differ by a multiple of that surface.  Cells that have a
-        point in common are joined by such steps among cells that hold it, on surfaces that vanish there.
-        """
-        listed, by_signs = self.surfaces.listed, {cell.signs: cell for cell in self.cells}
+        """The surfaces across which a function changes its polynomial."""
+        by_signs = {cell.signs: cell for cell in self.cells}
         found = set()
         for cell in self.cells:
             for j in range(len(cell.signs)):
                 other = by_signs.get(flipped(cell.signs, j))
                 if cell.signs[j] > 0 and other is not None and other.functions != cell.functions:
                     found.add(j)
-        bending = tuple(sorted(found))
+        return tuple(sorted(found))
+
+    def _parted_pieces(self) -> set[frozenset[Pattern]]:
+        """Pairs of pieces that differ in one sign, and have no common point; the functions are shown to be continuous.
+
+        The polynomials of all other such pairs differ by a multiple of that surface.  Cells that have a point in common
+        are joined by such steps among cells that hold it, on surfaces that vanish there.
+        """
         pieces: dict[Pattern, tuple[Polynomial, ...]] = {}
         for cell in self.cells:
-            own = pieces.setdefault(tuple(cell.signs[j] for j in bending), cell.functions)
+            own = pieces.setdefault(self.signs_of_piece(cell), cell.functions)
             require(own == cell.functions, "functions that bend on their surfaces alone")
+        parted = set()
         for signs, own in pieces.items():
-            for i, j in enumerate(bending):
+            for i, j in enumerate(self.bending):
                 beside = pieces.get(flipped(signs, i))
-                if signs[i] > 0 and beside is not None:
-                    gaps = [a - b for a, b in zip(own, beside, strict=True)]
-                    require(all(gap.divided(listed[j]) is not None for gap in gaps), "functions that are continuous")
-        return bending
+                if signs[i] < 0 or beside is None:
+                    continue
+                gaps = [a - b for a, b in zip(own, beside, strict=True)]
+                if any(gap.divided(self.surfaces.listed[j]) is None for gap in gaps):
+                    require(self._are_parted(signs, j), "functions that are continuous")
+                    parted.add(frozenset((signs, flipped(signs, i))))
+        return parted
+
+    def signs_of_piece(self, cell: Cell) -> Pattern:
+        """The signs of the bending surfaces on a cell."""
+        return tuple(cell.signs[j] for j in self.bending)
+
+    def _are_parted(self, signs: Pattern, j: int) -> bool:
+        """Whether it is shown that pieces on the two sides of a surface have no common point but the checked one.
+
+        The evidence is of ``-1 > 0`` off the point, where the surface vanishes and the others have the signs.
+        """
+        face = build_face(self, (j,))
+        beside = {k: s for k, s in zip(self.bending, signs, strict=True) if k != j}
+        guards = None if face is None else face.guards(beside)
+        if face is None or guards is None or face.is_outside:
+            return True
+        name = pattern(0 if k == j else beside.get(k) for k in range(len(self.surfaces.listed)))
+        empty = Inequality(constant(face.dimension, -1), guards, zeros=face.zeros())
+        away = not face.holds_origin
+        bounded = self.domain.bounded
+        return self.proofs.shows(Claim(f"parted {name}", (empty,), strict=True, at_origin=away, bounded=bounded))
 
     def around(self) -> list[Cell]:
         """The cells whose closures may hold the point."""
@@ -326,17 +354,27 @@ def flipped(signs: Pattern, j: int) -> Pattern:
     return (*signs[:j], -signs[j], *signs[j + 1 :])
 
 
-def are_joined(patterns: set[Pattern]) -> bool:
-    """Whether steps of one sign each lead from any of some patterns to any other, among these."""
-    waiting = [next(iter(patterns))]
-    seen = set(waiting)
-    while waiting:
-        signs = waiting.pop()
-        BUDGET.spend(1 + len(signs))
-        steps = {flipped(signs, j) for j in range(len(signs))} & patterns - seen
-        seen |= steps
-        waiting += steps
-    return seen == patterns
+def components(patterns: set[Pattern], parted: set[frozenset[Pattern]]) -> list[set[Pattern]]:
+    """Some patterns in parts, so that steps of one sign each lead to the others of its part only.
+
+    Args:
+        patterns: at least one.
+        parted: pairs between which no step leads.
+    """
+    left, found = set(patterns), []
+    while left:
+        waiting = [min(left)]
+        part = set(waiting)
+        while waiting:
+            signs = waiting.pop()
+            BUDGET.spend(1 + len(signs))
+            steps = {flipped(signs, j) for j in range(len(signs))} & left - part
+            steps = {own for own in steps if frozenset((signs, own)) not in parted}
+            part |= steps
+            waiting += steps
+        left -= part
+        found.append(part)
+    return found
 
 
 def are_coprime(a: Polynomial, b: Polynomial) -> bool:

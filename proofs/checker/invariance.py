@@ -145,6 +145,8 @@ class Chain(Lyapunov):
             self.leave(name, place, cells)
             return
         own = step_name(name, path)
+        if path and self.is_left_out(own, place):
+            return
         bound = self.bound(own, len(path), place, cells)
         if bound is not None:
             self.proofs.are_forms = self.proofs.are_forms and bound.are_linear

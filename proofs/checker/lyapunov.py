@@ -22,7 +22,7 @@ from functools import cached_property
 from math import prod
 from typing import TypeAlias
 
-from .cells import Cell, Face, Inclusion, SurfaceSigns, are_joined, pattern, solve, whole
+from .cells import Cell, Face, Inclusion, SurfaceSigns, components, pattern, solve, whole
 from .polynomials import Polynomial, constant, lie_derivative, variable
 from .positivity import Claim, Inequality, Proofs
 from .work import BUDGET, longest, require
@@ -104,16 +104,35 @@ class Lyapunov:
         """The parts of faces on which claims about closed cells do not suffice, by name, with the cells beside them."""
         found = []
         for face in self.inclusion.faces():
+            zero = pattern(0 if j in face.zero else None for j in range(len(self.inclusion.surfaces.listed)))
+            if self.is_left_out(zero, face):
+                continue
             for name, cells in self._groups(face):
                 if not _is_settled(face, cells):
                     found.append((face, name, cells))
         return found
 
+    def is_left_out(self, name: str, face: Face) -> bool:
+        """Whether it is shown that the surfaces of a face vanish together at no place but the checked point.
+
+        The evidence is of ``g_1^2 + ... + g_k^2 > 0`` off the point, for the curved surfaces on the subspace of the
+        others.  Without it the face counts.
+        """
+        zeros = face.zeros().values()
+        if not zeros or (len(zeros) == 1 and face.dimension == self.count):
+            return False
+        total = constant(face.dimension, 0)
+        for own in zeros:
+            total += own * own
+        apart = Inequality(total, face.guards({}) or {})
+        away = not face.holds_origin
+        return self.proofs.shows(Claim(f"apart {name}", (apart,), strict=True, at_origin=away, bounded=self.bounded))
+
     def _groups(self, face: Face) -> Iterator[tuple[str, list[Cell]]]:
         """The cells beside a face by the signs of the bending surfaces that do not vanish on it.
 
-        The polynomials of a function on such cells agree on the face: steps of one sign join them, whether or not all
-        of these cells have points.
+        Steps of one sign join the cells that hold a point of it; so the polynomials of a function on them agree there.
+        Cells that no such steps join have no common point: they are parts of their own.
         """
         groups: dict[str, list[Cell]] = {}
         bending = self.inclusion.bending
@@ -122,9 +141,10 @@ class Lyapunov:
             signs = (0 if j in face.zero else s if j in bending else None for j, s in enumerate(cell.signs))
             groups.setdefault(pattern(signs), []).append(cell)
         for name, cells in groups.items():
-            sides = {tuple(cell.signs[j] for j in face.zero) for cell in cells}
-            require(are_joined(sides), "pieces of functions that are joined by single steps beside every face")
-            yield name, cells
+            parts = components(set(map(self.inclusion.signs_of_piece, cells)), self.inclusion.parted)
+            for number, part in enumerate(parts):
+                own = [cell for cell in cells if self.inclusion.signs_of_piece(cell) in part]
+                yield (name if len(parts) == 1 else f"{name} part {number}"), own
 
     def _show_falls_on(
         self, face: Face, name: str, cells: Sequence[Cell], prefix: str, shift: Shift, *, strict: bool

@@ -138,6 +138,13 @@ class Proofs:
         show(claim, self.left.pop(claim.name))
         self.note_form(claim)
 
+    def shows(self, claim: Claim) -> bool:
+        """Show a claim that nothing needs, if there is evidence of its name; whether there is."""
+        if claim.name not in self.left:
+            return False
+        self.show(claim)
+        return True
+
     def note_form(self, claim: Claim) -> None:
         """Note whether a claim that was shown is about forms."""
         self.are_forms = self.are_forms and claim.is_homogeneous

@@ -31,6 +31,7 @@ class Search(Proofs):
     Attributes:
         found: each claim that was shown, with its evidence, by name.
         used: the names of those that the last theorem asked for.
+        missed: claims that nothing needs, and that were not shown, by name.
         known: evidence of claims by their names that need not be searched; the checker looks at it in the end.
     """
 
@@ -38,6 +39,7 @@ class Search(Proofs):
         super().__init__({})
         self.work, self.known = work, known or {}
         self.found: dict[str, tuple[Claim, Any]] = {}
+        self.missed: dict[str, Claim] = {}
         self.used: list[str] = []
 
     def show(self, claim: Claim) -> None:
@@ -54,6 +56,17 @@ class Search(Proofs):
             self.found[claim.name] = claim, evidence
         self.used.append(claim.name)
         self.note_form(claim)
+
+    def shows(self, claim: Claim) -> bool:
+        """Find evidence of a claim that nothing needs, if there is any; whether it was found."""
+        if self.missed.get(claim.name) == claim:
+            return False
+        try:
+            self.show(claim)
+        except NotShownError:
+            self.missed[claim.name] = claim
+            return False
+        return True
 
     def entry(self, system: System, theorem: str, hypotheses: dict[str, Any]) -> tuple[dict[str, Any], list[Statement]]:
         """A theorem with its proofs as a certificate holds it, and what it shows.

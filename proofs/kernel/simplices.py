@@ -37,6 +37,7 @@ class SimplexPart:
         corners: in homogeneous coordinates.
         values: for each inequality the forms of p and of the polynomials q.
         guards: for each inequality the forms of its guards.
+        zeros: the forms of the polynomials that are zero, where there is one inequality.
         depth: the number of cuts above it.
         node: its tree, once it is known.
     """
@@ -44,6 +45,7 @@ class SimplexPart:
     corners: tuple[Corner, ...]
     values: list[list[Form]]
     guards: list[dict[str, Form]]
+    zeros: dict[str, Form]
     depth: int
     node: Any = field(default=None)
 
@@ -52,17 +54,17 @@ def search(claim: Claim, work: int) -> dict[str, Any] | None:
     """A tree for every root simplex of a claim.
 
     Args:
-        claim: without polynomials that are zero.
+        claim: of functions mu it has at most one where polynomials are zero.
         work: coefficients that may be looked at.
 
     Returns:
         The evidence; None where it was not found with this work, or where the claim is false at a corner.
     """
-    if any(inequality.zeros for inequality in claim.inequalities):
-        return None
     if len(claim.inequalities[0].pushes) == 1:
-        found = [search(own, work) for own in pairs(claim)]
+        found = [search(own, work) for own in pairs(claim)]  # also where curves are zero, which is not made use of
         return None if any(own is None for own in found) else {"pairs": found}
+    if claim.inequalities[0].pushes and any(inequality.zeros for inequality in claim.inequalities):
+        return None
     trees = []
     for corners in root_simplices(claim.count, bounded=claim.bounded):
         root = _root(claim, corners)
@@ -78,7 +80,8 @@ def _root(claim: Claim, corners: Sequence[Sequence[Fraction]]) -> SimplexPart:
     exact = tuple(tuple(fmpq(x.numerator, x.denominator) for x in corner) for corner in corners)
     values = [[_form(own, exact) for own in (i.value, *i.pushes)] for i in claim.inequalities]
     guards = [{name: _form(own, exact) for name, own in i.guards.items() if name[0] == "s"} for i in claim.inequalities]
-    return SimplexPart(exact, values, guards, 0)
+    zeros = {name: _form(own, exact) for name, own in claim.inequalities[0].zeros.items()}
+    return SimplexPart(exact, values, guards, zeros, 0)
 
 
 def _form(value: Polynomial, corners: Sequence[Corner]) -> Form:
@@ -139,7 +142,7 @@ def _leaf(claim: Claim, part: SimplexPart) -> dict[str, Any] | None:
     inside = [k for k, name in enumerate(outside) if name is None]
     mu = _common_mu(claim, part, inside)
     if mu is None:
-        return _by_guard(claim, part)
+        return _by_multiplier(claim, part)
     leaf: dict[str, Any] = {}
     if any(map(any, mu)):
         leaf["mu"] = [[str(value) for value in own] for own in mu]
@@ -148,20 +151,42 @@ def _leaf(claim: Claim, part: SimplexPart) -> dict[str, Any] | None:
     return leaf
 
 
-def _by_guard(claim: Claim, part: SimplexPart) -> dict[str, Any] | None:
-    """A multiplier of a guard that is zero at places of the part and positive at none, without mu."""
+def _by_multiplier(claim: Claim, part: SimplexPart) -> dict[str, Any] | None:
+    """A multiple of one guard, or of one polynomial that is zero, to take off an inequality without functions mu."""
     (own, *pushes), *others = part.values
-    for name, guard in () if pushes or others else part.guards[0].items():
-        degree = max(_degree(own), _degree(guard))
-        value, form = (_raised(each, degree, part.corners) for each in (own, guard))
-        negative = [e for e, coefficient in value.items() if coefficient < 0]
-        if not negative or any(v > 0 for v in form.values()) or any(not form.get(e) for e in negative):
+    if pushes or others:
+        return None
+    for name, form in {**part.guards[0], **part.zeros}.items():
+        degree = max(_degree(own), _degree(form))
+        value, taken = (_raised(each, degree, part.corners) for each in (own, form))
+        factor = _multiplier(value, taken, signed=name not in part.zeros)
+        if factor is None:
             continue
-        factor = max(value[e] / form[e] for e in negative) + 1
-        total = {e: value.get(e, fmpq(0)) - factor * form.get(e, fmpq(0)) for e in {*value, *form}}
-        if not claim.strict or is_positive(claim, part.corners, total):
+        rest = {e: value.get(e, fmpq(0)) - factor * taken.get(e, fmpq(0)) for e in {*value, *taken}}
+        if not claim.strict or is_positive(claim, part.corners, rest):
             return {"on": [{name: str(factor)}]}
     return None
+
+
+def _multiplier(value: Form, taken: Form, *, signed: bool) -> fmpq | None:
+    """The middle of the numbers c for which no coefficient of ``value - c taken`` is negative; None without any.
+
+    Args:
+        value: a form.
+        taken: another one, of the same degree.
+        signed: whether c must not be negative.
+    """
+    if any(v < 0 and not taken.get(e) for e, v in value.items()):
+        return None
+    least = max((value.get(e, fmpq(0)) / h for e, h in taken.items() if h < 0), default=None)
+    most = min((value.get(e, fmpq(0)) / h for e, h in taken.items() if h > 0), default=None)
+    if signed and (least is None or least < 0):
+        least = fmpq(0)
+    if least is None:
+        return None if most is None else most - 1
+    if most is None:
+        return least + 1
+    return (least + most) / 2 if least <= most else None
 
 
 def _outside(claim: Claim, part: SimplexPart, free: frozenset[str], guards: dict[str, Form]) -> str | None:
@@ -282,6 +307,8 @@ def _is_refuted(claim: Claim, part: SimplexPart) -> bool:
     for k, corner in enumerate(part.corners):
         if not corner[-1] or (not any(corner[:-1]) and not claim.at_origin):
             continue
+        if any(_at(form, k, size) for form in part.zeros.values()):
+            continue
         for forms, guards in zip(part.values, part.guards, strict=True):
             if len(forms) > 1 or any(_at(form, k, size) <= 0 for form in guards.values()):
                 continue
@@ -365,7 +392,8 @@ def _half(part: SimplexPart, moved: int, kept: int, share: fmpq, middle: Corner)
     corners = (*part.corners[:moved], middle, *part.corners[moved + 1 :])
     values = [[_cut_form(form, moved, kept, share) for form in forms] for forms in part.values]
     guards = [{name: _cut_form(form, moved, kept, share) for name, form in own.items()} for own in part.guards]
-    return SimplexPart(corners, values, guards, part.depth + 1)
+    zeros = {name: _cut_form(form, moved, kept, share) for name, form in part.zeros.items()}
+    return SimplexPart(corners, values, guards, zeros, part.depth + 1)
 
 
 def _cut_form(form: Form, moved: int, kept: int, share: fmpq) -> Form:

@@ -1,13 +1,16 @@
 """A function V of two states where leading terms with weights decide: twisting, relays under inertia and the like.
 
 Let F and G be linear forms, F of twice the weight of G: ``x' = y``, ``y' = -a sign(x) - b sign(y)`` has ``F = x`` and
-``G = y``.  A linear program in floats finds ``V = c Abs(F) + d F + G**2`` that does not rise; better it cannot do where
-``G = 0``, because its derivative has a factor G there.  Further functions show that no solution stays where V is kept.
+``G = y``.  F may also be what a field switches by, such as ``x + y Abs(y)`` of a bang-bang law on a curved line.  A
+linear program in floats finds ``V = c Abs(F) + d F + G**2`` that does not rise; better it cannot do where ``G = 0``,
+because its derivative has a factor G there.  Further functions show that no solution stays where V is kept.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import ast
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from fractions import Fraction
 from itertools import permutations
 from typing import Any
@@ -18,13 +21,14 @@ from scipy.optimize import linprog
 from nonsmooth.proofs.checker.cells import Inclusion
 from nonsmooth.proofs.checker.polynomials import lie_derivative
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE, STABLE, UNSTABLE, Statement
-from nonsmooth.proofs.kernel.curved_cells import build_inclusion, started
+from nonsmooth.proofs.kernel.curved_cells import build_inclusion, sharpened, started
 from nonsmooth.proofs.kernel.samples import Floats, sample_points, values_at
 from nonsmooth.proofs.kernel.search import NotShownError, Search
 from nonsmooth.proofs.kernel.second_function import find_second
+from nonsmooth.proofs.kernel.sign_cells import surfaces_of
 from nonsmooth.proofs.kernel.stated_cells import scaled, stated_cells
 from nonsmooth.proofs.systems.tangent_fan import form_lines, lowest_form
-from nonsmooth.symbolic.numbers.polynomial import Polynomial as Form
+from nonsmooth.symbolic.piecewise import parse_piecewise
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 RADII = (Fraction(1, 4), Fraction(1, 16))  # half-widths of cubes, over that of the scene
@@ -55,15 +59,17 @@ def show_by_weights(
     grows = verdict == UNSTABLE
     for heavy, light in _frames(system) if verdict != STABLE else ():
         basis = (f"Abs({heavy})", f"({heavy})", f"({light})**2")
+        bent = surfaces_of(system, parse_piecewise(basis[0], system.states))
         for share in RADII:
-            cells = stated_cells(system, system.check.radius * share, [heavy])
-            if any(surface.degree > 1 for surface in cells.surfaces):
+            cells = stated_cells(system, system.check.radius * share, bent)
+            if len(bent) == 1 and any(surface.degree > 1 for surface in cells.surfaces):
                 continue  # V would have to bend on curves
-            found = _coefficients(build_inclusion(cells, subject, search, basis), grows=grows)
-            for denominator in DENOMINATORS if found else ():
-                c, d = (Fraction(value).limit_denominator(denominator) for value in found)
-                function = f"{c}*{basis[0]} + {d}*{basis[1]} + {basis[2]}"
-                function = f"-({function})" if grows else function
+            cells = sharpened(cells, subject, search)
+            try:
+                inclusion = build_inclusion(cells, subject, search, basis)
+            except NotShownError:
+                continue  # Abs(F) is not shown to be continuous
+            for function in _proposals(inclusion, basis, grows=grows):
                 below = Fraction(0) if grows else None
                 second = find_second(subject, cells.record, function, search, below=below)
                 if second is not None:
@@ -79,14 +85,40 @@ def _theorem(common: dict[str, Any], *, grows: bool) -> tuple[str, dict[str, Any
     return "lyapunov", {**common, "verdict": ASYMPTOTICALLY_STABLE, **options}
 
 
-def _frames(system: SwitchedSystem) -> Iterator[tuple[Form, Form]]:
-    """Pairs of lines through the point: tangents of switching curves, and the axes."""
+def _proposals(inclusion: Inclusion, basis: Sequence[str], *, grows: bool) -> list[str]:
+    """The function with coefficients that are rounded more and more finely, each once."""
+    found = []
+    values = _coefficients(inclusion, grows=grows)
+    for denominator in DENOMINATORS if values else ():
+        c, d = (Fraction(value).limit_denominator(denominator) for value in values)
+        function = f"{c}*{basis[0]} + {d}*{basis[1]} + {basis[2]}"
+        found.append(f"-({function})" if grows else function)
+    return list(dict.fromkeys(found))
+
+
+def _frames(system: SwitchedSystem) -> Iterator[tuple[str, str]]:
+    """Pairs of F and G: what fields switch by, where that switches too; tangents of switching curves, and the axes."""
     states = system.displaced(system.states)
     lines = [own - centre for own, centre in zip(states, system.check.equilibrium, strict=True)]
     for surface in system.surfaces(states):
         if surface.degree and (0, 0) not in surface.terms:
             lines += [own for own in form_lines(lowest_form(surface)) or [] if scaled(own) not in map(scaled, lines)]
-    yield from permutations(lines, 2)
+    for text in dict.fromkeys(_bent_lines(system)) if not any(system.check.equilibrium) else ():
+        curves = surfaces_of(system, parse_piecewise(f"Abs({text})", system.states))
+        tangents = [scaled(lowest_form(curve)) for curve in curves if curve.degree > 1]
+        yield from ((text, str(own)) for own in lines if scaled(own) not in tangents)
+    yield from permutations(map(str, lines), 2)
+
+
+def _bent_lines(system: SwitchedSystem) -> Iterator[str]:
+    """What right-hand sides take the sign of, where that itself switches."""
+    for side in system.rhs:
+        for part in side.switching_parts:
+            call = part.tree
+            if isinstance(call, ast.Call) and len(call.args) == 1:
+                inner = replace(part, tree=call.args[0])
+                if inner.switching_parts:
+                    yield ast.unparse(inner.tree)
 
 
 def _coefficients(inclusion: Inclusion, *, grows: bool) -> list[float]:

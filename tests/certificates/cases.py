@@ -255,6 +255,13 @@ def by_a_second_function() -> Iterator[Case]:
     twisting = subject(["y", "-2*sign(x) - sign(y)"])
     hypotheses = with_second(twisting, lyapunov("2*Abs(x) + y**2/2", cells("x", "y")))
     yield Case("twisting", twisting, "lyapunov", hypotheses)
+    for factor in ("1/4", "1"):
+        curve, other = f"x + {factor}*y**2", f"x - {factor}*y**2"
+        line = f"x + {factor}*y*Abs(y)"
+        bang_bang = subject(["y", f"-sign({line})"])
+        where = cells("y", curve, other, within="1/8")
+        hypotheses = with_second(bang_bang, lyapunov(f"Abs({line}) + y**2/2", where))
+        yield Case(f"bang-bang-{factor.replace('/', 'of')}", bang_bang, "lyapunov", hypotheses)
     damped_at_an_end = subject(["y", "-x - z", "y - z**3"])
     hypotheses = with_second(damped_at_an_end, lyapunov("x**2 + y**2 + z**2", cells()))
     yield Case("chain", damped_at_an_end, "lyapunov", hypotheses)

@@ -71,6 +71,9 @@ class Believed(Proofs):
     def show(self, claim: Claim) -> None:
         self.asked[claim.name] = claim
 
+    def shows(self, claim: Claim) -> bool:
+        raise NoWordError("surfaces and pieces without a common point")
+
 
 def _claims(certificate: Record, kind: str) -> list[Any]:
     return [claim[kind] for claim in certificate["statement"]["claims"] if kind in claim]

@@ -11,7 +11,7 @@ from typing import Any, TypeAlias
 from flint import fmpq
 
 from tests.oracles.second_evidence import Claim, Proofs, Row
-from tests.oracles.second_formulas import GENS, Formula, Poly, degree, keys, need, number, on, solve, terms
+from tests.oracles.second_formulas import GENS, ZERO, Formula, Poly, degree, keys, need, number, on, solve, terms
 
 Signs: TypeAlias = tuple[int, ...]
 
@@ -51,6 +51,7 @@ class Inclusion:
             different = [(k, f) for k, f in enumerate(fields) if f not in fields[:k]]
             self.cells.append(Cell(signs, different, self.function_on(signs, function, away)))
         self.bending = sorted(self.bending_surfaces())
+        self.parted = set(self.parted_pieces(proofs))
 
     def marked(self, mark: str) -> dict[int, int]:
         need(len(mark) == len(self.surfaces) and set(mark) <= set("+-."), "a pattern")
@@ -90,15 +91,41 @@ class Inclusion:
     def bending_surfaces(self) -> set[int]:
         by_signs = {cell.signs: cell.v for cell in self.cells}
         found = {j for s, v in by_signs.items() for j in range(len(s)) if by_signs.get(flip(s, j), v) != v}
-        pieces: dict[Signs, Poly] = {}
-        for signs, v in by_signs.items():
-            own = pieces.setdefault(tuple(signs[j] for j in sorted(found)), v)
-            need(own == v, "a V that bends on its surfaces alone")
-        for signs, v in pieces.items():
-            for i, j in enumerate(sorted(found)):
-                gap = v - pieces.get(flip(signs, i), v)
-                need(not divmod(gap, self.surfaces[j])[1], "a V that is continuous")
         return found
+
+    def piece(self, cell: Cell) -> Signs:
+        return tuple(cell.signs[j] for j in self.bending)
+
+    def parted_pieces(self, proofs: Proofs) -> Iterator[frozenset[Signs]]:
+        pieces: dict[Signs, Poly] = {}
+        for cell in self.cells:
+            need(pieces.setdefault(self.piece(cell), cell.v) == cell.v, "a V that bends on its surfaces alone")
+        for signs, v in pieces.items():
+            for i, j in enumerate(self.bending):
+                gap = v - pieces.get(flip(signs, i), v)
+                if signs[i] > 0 and divmod(gap, self.surfaces[j])[1]:
+                    self.show_parted(j, dict(zip(self.bending, signs, strict=True)), proofs)
+                    yield frozenset((signs, flip(signs, i)))
+
+    def show_parted(self, j: int, signs: Mapping[int, int], proofs: Proofs) -> None:
+        need(degree(self.surfaces[j]) == 1, "a V that bends on lines")
+        coordinates, dimension = solve([self.surfaces[j]])
+        if self.bounded and any(not degree(z) and abs(z(0, 0, 0)) > 1 for z in coordinates):
+            return
+        guards = self.cube(coordinates)
+        for k, s in signs.items():
+            own = on(self.surfaces[k] * s, coordinates)
+            if k == j:
+                continue
+            if degree(own):
+                guards[f"s{k}"] = own
+            elif own(0, 0, 0) < 0:
+                return
+        name = "".join("0" if k == j else "-.+"[signs.get(k, 0) + 1] for k in range(len(self.surfaces)))
+        away = any(z(0, 0, 0) for z in coordinates)
+        claim = Claim(f"parted {name}", dimension, [Row(ZERO - 1, guards)], True, self.bounded, away)
+        need(claim.name in proofs.left, "a V that is continuous")
+        proofs.show(claim)
 
     def name(self, signs: Signs, kept: Sequence[int], zero: Sequence[int] = ()) -> str:
         return "".join("0" if j in zero else "-.+"[s + 1] if j in kept else "." for j, s in enumerate(signs))

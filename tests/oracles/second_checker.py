@@ -88,8 +88,7 @@ class Lyapunov:
             groups: dict[str, list[Cell]] = {}
             for cell in own.cells:
                 groups.setdefault(own.name(cell.signs, own.bending, zero), []).append(cell)
-            for name, cells in groups.items():
-                need_joined({tuple(cell.signs[j] for j in zero) for cell in cells})
+            for name, cells in self.parts(groups):
                 if not is_settled(cells, coordinates):
                     need(not gain or len(zero) == 1, "a V that bends on one surface at a time")
                     rows = list(self.rows(cells, zero, coordinates, shift))
@@ -101,6 +100,16 @@ class Lyapunov:
                             strict=strict,
                             at_origin=any(z(0, 0, 0) for z in coordinates),
                         )
+
+    def parts(self, groups: dict[str, list[Cell]]) -> Iterator[tuple[str, list[Cell]]]:
+        own = self.inclusion
+        for name, cells in groups.items():
+            found = list(joined({own.piece(cell) for cell in cells}, own.parted))
+            for k, part in enumerate(found):
+                yield (
+                    f"{name} part {k}" if len(found) > 1 else name,
+                    [cell for cell in cells if own.piece(cell) in part],
+                )
 
     def rows(
         self, cells: Sequence[Cell], zero: Sequence[int], coordinates: Sequence[Poly], shift: Callable[[Poly], Poly]
@@ -130,13 +139,16 @@ class Lyapunov:
                     self.proofs.show(Claim(f"border {name} {'-.+'[side + 1]}{k}", 1, [row], strict=False))
 
 
-def need_joined(patterns: set[Signs]) -> None:
-    seen, waiting = set[Signs](), [min(patterns)]
-    while waiting:
-        signs = waiting.pop()
-        seen.add(signs)
-        waiting += [own for j in range(len(signs)) if (own := flip(signs, j)) in patterns - seen]
-    need(seen == patterns, "cells beside a face that are joined by single steps")
+def joined(patterns: set[Signs], parted: set[frozenset[Signs]]) -> Iterator[set[Signs]]:
+    left = set(patterns)
+    while left:
+        part, before = {min(left)}, set[Signs]()
+        while part != before:
+            before = set(part)
+            steps = {(a, b) for a in before for k in range(len(a)) if (b := flip(a, k)) in left}
+            part |= {b for a, b in steps if frozenset((a, b)) not in parted}
+        left -= part
+        yield part
 
 
 def is_settled(cells: Sequence[Cell], coordinates: Sequence[Poly]) -> bool:

@@ -46,6 +46,7 @@ NO_WORDS = {
     "the whole space as the domain",
     "empty patterns by other evidence than mixtures",
     "roots in one state",
+    "surfaces and pieces without a common point",
 }
 PLANAR = {known.name: known for known in families()}
 FIRST = [

@@ -18,11 +18,12 @@ import pytest
 
 from nonsmooth.proofs.checker.cells import Inclusion, read_system
 from nonsmooth.proofs.checker.files import check_file
+from nonsmooth.proofs.checker.lyapunov import Lyapunov
 from nonsmooth.proofs.checker.positivity import Proofs
 from nonsmooth.proofs.checker.statements import refusal
 from nonsmooth.proofs.checker.work import BUDGET, RejectedError, rational
-from nonsmooth.proofs.kernel.search import NotShownError
-from tests.certificates.cases import Case, cells, instability, lyapunov, rate, subject
+from nonsmooth.proofs.kernel.search import NotShownError, Search
+from tests.certificates.cases import Case, by_a_second_function, cells, instability, lyapunov, rate, subject
 from tests.certificates.corpus import text_of
 from tests.certificates.forgeries import certificate_text
 from tests.certificates.inclusion import FloatInclusion, contradiction
@@ -75,8 +76,64 @@ def test_functions_are_continuous() -> None:
     assert refused(rhs, "lyapunov", lyapunov(padded, where)) == "required surfaces of which no two have a common factor"
 
 
+def bang_bang() -> tuple[dict[str, Any], dict[str, Any]]:
+    """A certificate with a V that bends on two halves of parabolas, and the proofs in it."""
+    (case,) = (own for own in by_a_second_function() if own.name == "bang-bang-1")
+    certificate = case.certificate()
+    return certificate, certificate["evidence"][0]["proofs"]
+
+
+def test_parted_pieces_and_faces_without_points_are_shown() -> None:
+    """Without the proofs V is not seen to be continuous, and faces on which both parabolas vanish count."""
+    certificate, proofs = bang_bang()
+    assert not refusal(certificate, len(text_of(certificate)))
+    optional = [name for name in proofs if name.split()[0] in ("parted", "apart")]
+    assert sorted(optional) == ["apart .00", "apart 0.0", "apart 00.", "apart 000", "parted 0+-", "parted 0-+"]
+    for name in optional:
+        certificate, proofs = bang_bang()
+        del proofs[name]
+        why = refusal(certificate, len(text_of(certificate)))
+        expected = "functions that are continuous" if name.startswith("parted") else "a proof of face "
+        assert why.startswith(expected)
+
+
+@pytest.mark.parametrize("name", ["parted 0+-", "apart 00."])
+def test_proofs_of_common_points_belong_to_their_place(name: str) -> None:
+    """The proof of another claim does not show it; one that is not asked is no evidence."""
+    certificate, proofs = bang_bang()
+    proofs[name] = proofs["V +++"] if "V +++" in proofs else proofs["empty .-+"]
+    assert refusal(certificate, len(text_of(certificate)))
+    certificate, proofs = bang_bang()
+    proofs[name.replace("0", "+")] = proofs[name]
+    assert refusal(certificate, len(text_of(certificate))) == "proofs of claims that are asked"
+
+
+def test_pieces_with_common_points_are_not_parted() -> None:
+    """V jumps on a line beyond 1/8, which both pieces reach there; within 1/16 they have no common point."""
+    pieces = [["-+", "x**2 + y**2"], ["--", "x**2 + 2*y**2 + x"], ["+.", "x**2 + y**2"]]
+    for within, why in (("1/4", "required functions that are continuous"), ("1/16", "")):
+        assert refused(["-x", "-y"], "lyapunov", lyapunov(pieces, cells("1/8 - x", "y", within=within))) == why
+
+
+def test_faces_with_points_are_not_left_out() -> None:
+    """Two circles meet at the checked point and at another one, at which V does not fall: solutions rest there."""
+    circles = ["(x - 1)**2 + y**2 - 1", "x**2 + (y - 1)**2 - 1"]  # both hold (0, 0) and (1, 1)
+    towards = [f"-(x - 1) - x*({circles[0]})**2", "-(y - 1)"]
+    function = f"x**2 + y**2 + {' + '.join(f'Abs({own})' for own in circles)}"
+    for within, apart in (("3/2", False), ("1/2", True)):
+        proofs = Search(WORK)
+        own = Lyapunov(
+            Inclusion(read_system(subject(towards)), cells(*circles, within=within), [function], proofs), proofs
+        )
+        both = next(face for face in own.inclusion.faces() if face.zero == (0, 1))
+        assert own.is_left_out("00", both) is apart
+
+
 def test_pieces_are_joined_beside_faces() -> None:
-    """Six planes meet in the x axis, along which solutions leave; a piece without any point says that V falls there."""
+    """Six planes meet in the x axis, along which solutions leave; a piece without any point says that V falls there.
+
+    No step of one sign joins it to the others, so these have to show it by themselves.
+    """
     signs = "--+++-"
     lines = [(1, 0), (0, 1), (1, 1), (-1, 1), (2, 1), (-2, 1)]
     lines = [(a, b) if sign == "+" else (-a, -b) for (a, b), sign in zip(lines, signs, strict=True)]
@@ -87,7 +144,7 @@ def test_pieces_are_joined_beside_faces() -> None:
     pieces = [["+" * 6, "-9*x**2"], *([own, f"x**2 + 3*({distances})"] for own in sorted(real))]
     empty = sorted({"".join(own) for own in product("-+", repeat=6)} - real - {"+" * 6})
     why = refused(["x", "-sign(y)", "-sign(z)"], "lyapunov", lyapunov(pieces, cells(*texts, empty=empty)))
-    assert why == "required pieces of functions that are joined by single steps beside every face"
+    assert why == "no proof was found of face 000000 part 0"
 
 
 def test_fields_of_all_sides_count_on_a_face() -> None:
