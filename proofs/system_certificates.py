@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import partial
 from itertools import product
@@ -50,6 +50,7 @@ from nonsmooth.proofs.systems.system_facts import (
 from nonsmooth.proofs.systems.system_stability import SystemResult
 from nonsmooth.proofs.systems.written_potential import PotentialPiece
 from nonsmooth.proofs.verdicts import Translation
+from nonsmooth.symbolic.enclosed_numbers import NoEnclosureError, enclose_numbers
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
@@ -105,6 +106,7 @@ def certificate_of(result: DecidedSystem) -> Record:
     """
     if result.verdict is Translation.UNDECIDED:
         raise NoCertificateError("a certificate needs a verdict, received undecided")
+    result = replace(result, scene=in_rational_numbers(result.scene))
     subject = about(result.scene)
     system, reasons = read_subject(subject), list[str]()
     try:
@@ -124,6 +126,18 @@ def certificate_of(result: DecidedSystem) -> Record:
     except BeyondReachError as error:
         reasons.append(str(error))
     raise NoCertificateError(f"{UNSHOWN}: {reasons[0]}")
+
+
+def in_rational_numbers(system: SwitchedSystem) -> SwitchedSystem:
+    """What a certificate about a system speaks of: the system, or one in rational numbers that encloses it.
+
+    Raises:
+        NoCertificateError: where there is none.
+    """
+    try:
+        return enclose_numbers(system)
+    except NoEnclosureError as error:
+        raise NoCertificateError(f"a certificate of a plain system needs rational numbers, received {error}") from None
 
 
 def _shown(system: System, candidate: Candidate) -> Draft:
@@ -450,4 +464,5 @@ def find_system_difference(file: str, system: SwitchedSystem) -> str:
     """
     data, _ = read(file)
     subject = data["statement"]["subject"]
-    return next((f"other {key}" for key, value in about(system).items() if subject[key] != value), "")
+    own = about(in_rational_numbers(system))
+    return next((f"other {key}" for key, value in own.items() if subject[key] != value), "")

@@ -90,6 +90,7 @@ class SwitchedSystem(ShortRepr):
         named_rhs: the one field that is enclosed, in the states and in names of its sines and cosines; else empty.
         names: what these names mean.
         by_roots: what the system stands for where its states are signed roots of the stated ones; None otherwise.
+        encloses_numbers: whether the right-hand sides have rational bounds in place of irrational numbers.
     """
 
     name: str
@@ -106,6 +107,7 @@ class SwitchedSystem(ShortRepr):
     by_roots: SeenByRoots | None = None
     named_rhs: tuple[PiecewiseExpression, ...] = ()
     names: tuple[Wave, ...] = ()
+    encloses_numbers: bool = False
 
     @property
     def members(self) -> tuple[SwitchedSystem, ...]:
@@ -117,7 +119,12 @@ class SwitchedSystem(ShortRepr):
     @property
     def has_one_field(self) -> bool:
         """Whether the system as it was stated has one right-hand side: several may enclose it."""
-        return not self.others or (bool(self.waves) and len(self.written) == 1)
+        return not self.others or (self.only_encloses and len(self.written) == 1)
+
+    @property
+    def only_encloses(self) -> bool:
+        """Whether the right-hand sides only enclose the stated field: what one of them allows, that need not."""
+        return bool(self.waves) or self.encloses_numbers
 
     @property
     def stated_states(self) -> tuple[str, ...]:

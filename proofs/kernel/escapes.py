@@ -122,7 +122,7 @@ def show_escape_of(system: SwitchedSystem, search: Search | None = None) -> tupl
         NotShownError: where none is found.
         BeyondReachError: for irrational numbers, and for too many surfaces or cells.
     """
-    if system.waves:
+    if system.only_encloses:
         raise NotShownError("fields that are only enclosed: one solution of the inclusion says nothing of theirs")
     subject, search = started(system, search or Search(WORK))
     cells = build_cells(system, system.check.radius)

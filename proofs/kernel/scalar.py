@@ -42,14 +42,18 @@ def scalar_theorem(result: ScalarResult, system: System) -> Theorem:
         system: of the certificate.
 
     Raises:
-        NoCertificateError: for formulas and points that no certificate can hold.
+        NoCertificateError: for formulas and points that no certificate can hold, and for a solution that leaves where
+            right-hand sides only enclose the field.
     """
     try:
         if result.verdict is Translation.ASYMPTOTICALLY_STABLE:
             return _attraction(result, system)
         if result.verdict is Translation.STABLE:
             return _rest(system)
-        return _departure(system) if result.equilibrium is Equilibrium.FAILS else _leaving(system)
+        found = _departure(system) if result.equilibrium is Equilibrium.FAILS else _leaving(system)
+        if found[0] == "escape" and result.scene.only_encloses:
+            raise NoCertificateError("one solution of fields that are only enclosed says nothing of the stated one")
+        return found
     except RejectedError as error:
         raise NoCertificateError(f"a certificate requires {error}") from None
 

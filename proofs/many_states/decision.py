@@ -16,6 +16,7 @@ Rays, fans and leading terms are used for two states only.
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 from nonsmooth.proofs.inequalities.linear_program import best_mixture, mixtures_to_zero
@@ -35,6 +36,7 @@ from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.stability_result import StabilityResult
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
+from nonsmooth.symbolic.enclosed_numbers import NoEnclosureError, enclose_numbers
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.piecewise import parse_piecewise
 from nonsmooth.symbolic.switched_system import SwitchedSystem
@@ -123,10 +125,14 @@ class ManyStateResult(StabilityResult):
 def decide_many(scene: SwitchedSystem) -> ManyStateResult:
     """Decide the stability of the checked point of a system in three states and more.
 
+    Irrational numbers are enclosed between rational ones: the result speaks of that system, and so of the stated one.
+
     Raises:
         SceneError: for formulas that cannot be used, and for denominators that may vanish.
     """
     require_denominators(scene)
+    with suppress(NoEnclosureError):
+        scene = enclose_numbers(scene)
     evidence = _begin(scene)
     if not evidence.beyond and conclude(evidence)[0] is not Translation.UNSTABLE:
         evidence = _with_functions(scene, evidence)
@@ -203,6 +209,7 @@ def decide_equilibrium(scene: SwitchedSystem, cells: SignCells) -> Equilibrium:
     """Whether 0 is a mixture of the velocities at the point.
 
     Beside curved surfaces a pattern of signs may have no cell: then a mixture may be none of F, and nothing is claimed.
+    Nor is it where numbers are enclosed, unless all velocities vanish.
     """
     zero = (0,) * len(cells.states)
     near = adjoining(cells)
@@ -210,7 +217,8 @@ def decide_equilibrium(scene: SwitchedSystem, cells: SignCells) -> Equilibrium:
     columns, target = mixtures_to_zero(sorted(velocities, key=str))
     if best_mixture(columns, target, [scene.field.zero] * len(columns)) is None:
         return Equilibrium.FAILS
-    certain = all(surface.degree == 1 for surface in cells.surfaces) or not any(map(any, velocities))
+    at_rest = not any(map(any, velocities))
+    certain = at_rest or (all(surface.degree == 1 for surface in cells.surfaces) and not scene.encloses_numbers)
     return Equilibrium.HOLDS if certain else Equilibrium.UNDECIDED
 
 

@@ -25,7 +25,7 @@ Velocity = tuple[fmpq, ...]
 
 def escaping_velocity(system: SwitchedSystem, cells: SignCells) -> Velocity | None:
     """The velocity at the point of a cell that it leads into; None where no cell has one."""
-    if system.waves:
+    if system.only_encloses:
         return None
     zero = (0,) * len(cells.states)
     for cell in adjoining(cells):
@@ -51,7 +51,7 @@ def _leads_into(cells: SignCells, cell: SignCell, velocity: Sequence[fmpq]) -> b
 
 def escaping_rate(system: SwitchedSystem, cells: SignCells) -> Fraction | None:
     """A lower bound of the rate at which solutions leave along a ray in an open cone; None where none is found."""
-    if system.waves:
+    if system.only_encloses:
         return None
     zero = (0,) * len(cells.states)
     near = [(j, s) for j, s in enumerate(cells.surfaces) if zero not in s.terms]

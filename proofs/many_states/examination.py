@@ -230,7 +230,7 @@ def find_slide(
         claim: about the face; about a cell nothing is found.
     """
     kind, signs, *_ = claim.name.split()
-    if kind != FACE or system.waves:
+    if kind != FACE or system.only_encloses:
         return None
     zero = [j for j, sign in enumerate(signs) if sign == "0"]
     found = rising_slide(cells, potential_pieces(system, cells, formula), zero)

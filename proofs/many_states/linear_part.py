@@ -78,7 +78,7 @@ def unstable_mixture(system: SwitchedSystem, cells: SignCells) -> LinearPart | N
 
     A mixture of right-hand sides is a field that the system may follow.  Those that only enclose one show nothing.
     """
-    if not system.others or system.waves:
+    if not system.others or system.only_encloses:
         return None
     near = adjoining(cells)
     members = [_common_jacobian([cell.velocities[k] for cell in near]) for k in range(len(near[0].velocities))]

@@ -75,7 +75,7 @@ def high_degree_relay(system: SwitchedSystem, cells: SignCells) -> RelayDegree |
         system: right-hand sides that only enclose the field say nothing here.
         cells: of a cube about the point.
     """
-    if system.waves:
+    if system.only_encloses:
         return None
     return next(_found(cells), None)
 

@@ -88,9 +88,10 @@ def rewriting_words(system: SwitchedSystem) -> str:
         said.append(f"with {' and '.join(roots.meanings)}, in a time that passes {roots.time_scale} times slower")
     if system.scale is not None:
         said.append(f"multiplied by {one_line(system.scale.text)}, which is positive on the square: other speeds")
-    if system.waves:
-        count = len(system.members)
-        said.append(f"sin and cos of states lie between polynomials: between {count} right-hand sides")
+    enclosed = ["sin and cos of states lie between polynomials"] if system.waves else []
+    enclosed += ["irrational numbers lie between rational ones"] if system.encloses_numbers else []
+    if enclosed:
+        said.append(f"{' and '.join(enclosed)}: between {len(system.members)} right-hand sides")
     elif system.others:
         said.append(f"any of {len(system.members)} right-hand sides, or a mixture of them, at any time")
     return f"{'; '.join(said)}."

@@ -30,7 +30,7 @@ from nonsmooth.proofs.certificate import build_certificate, certificate_text
 from nonsmooth.proofs.checker import arrays as checker
 from nonsmooth.proofs.checker.arrays import check_certificate
 from nonsmooth.proofs.checker.files import check_file
-from nonsmooth.proofs.checker.work import MAX_BYTES
+from nonsmooth.proofs.checker.work import MAX_BYTES, RATIONAL
 from nonsmooth.proofs.clauses.equilibrium.on_cells import decide_equilibrium
 from nonsmooth.proofs.clauses.feedback.by_friction import decide_driven_feedback
 from nonsmooth.proofs.clauses.feedback.by_rows import decide_feedback
@@ -770,7 +770,7 @@ def changed(value: Any, rng: np.random.Generator) -> Any:
             return _changed_list(value, rng)
         case bool() | int():
             options = [value + 1, value - 1, -value, -value - 1, 10**30, True, None, str(value), float(value)]
-        case str() if checker.RATIONAL.fullmatch(value):
+        case str() if RATIONAL.fullmatch(value):
             q = Fraction(value)
             others = [q + 1, q - 1, -q, 2 * q, q / 2, q + Fraction(1, 7), q + Fraction(1, 10**12), Fraction(0)]
             options = [*map(str, others), "NaN", "1e3", value + "0", "-" + value, value + "/0", "9" * 4400, 3, None]

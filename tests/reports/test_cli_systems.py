@@ -177,8 +177,8 @@ BAD = {
         "flower: contact.rule: required no contact rule for a plain switched system, received 'box'",
     ),
     "a certificate of a system": (
-        ["check", "eq-3", "--certificate", "eq-3.json"],
-        "eq-3: a certificate of a plain system needs rational numbers, received some with roots",
+        ["check", "eq-3", "--at", "sqrt(2),0", "--certificate", "eq-3.json"],
+        "eq-3: a certificate of a plain system needs rational numbers, received sqrt(2)",
     ),
     "a certificate of all rules": (
         ["check", "four-wheel", "--rule", "all", "--certificate", "all.json"],
@@ -412,6 +412,18 @@ def test_a_point_that_no_certificate_names_is_one_line(invoke: Invoke, tmp_path:
     refused = invoke("verify", str(file), "flower", "--at", "sqrt(2),0")
     assert refused.status == BAD_INPUT
     assert "needs rational numbers" in refused.err
+
+
+def test_certificates_of_the_papers_equations(tmp_path: Path, invoke: Invoke) -> None:
+    """Their speeds hold the square root of two, which lies between rational numbers."""
+    for name in ("eq-3", "eq-4"):
+        file = str(tmp_path / f"{name}.json")
+        assert invoke("check", name, "--certificate", file).status == 0
+        accepted = invoke("verify", file, name)
+        assert (accepted.status, accepted.out.splitlines()[0]) == (0, "valid")
+    assert invoke("verify", file, "eq-3").status == 1
+    noted = json.loads(Path(file).read_text(encoding="utf-8"))["notes"]
+    assert noted["right-hand sides"] == "irrational numbers lie between rational ones: between 4 right-hand sides."
 
 
 def test_a_fan_is_certified_and_verified(tmp_path: Path, invoke: Invoke) -> None:

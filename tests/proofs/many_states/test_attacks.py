@@ -106,7 +106,9 @@ def test_a_witness_is_a_point_at_which_v_fails() -> None:
         (["y", "-x", "-z**3"], {STAYS, Translation.UNDECIDED}),
         (["x**2", "-y", "-z"], {LEAVES, Translation.UNDECIDED}),
         (["-sgn(x)", "-sgn(y)", "0"], {STAYS, Translation.UNDECIDED}),
-        (["sqrt(2)*x", "-y", "-z"], {Translation.UNDECIDED}),  # irrational numbers are not looked at
+        (["sqrt(2)*x", "-y", "-z"], {Translation.UNSTABLE}),
+        (["-sqrt(2)*x + y", "-y", "-sign(z)/sqrt(3)"], {Translation.ASYMPTOTICALLY_STABLE}),
+        (["-x - sign(x + sqrt(2)*y)", "-y", "-z"], {Translation.UNDECIDED}),  # surfaces are not enclosed
         (["-10**30*x", "-y", "-z"], {Translation.UNDECIDED}),  # nor are those whose powers are no floats
         (["-x**16", "-y**15", "-z"], {Translation.UNDECIDED, LEAVES}),
     ],
