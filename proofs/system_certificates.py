@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import partial
@@ -149,6 +150,12 @@ def _shown(system: System, candidate: Candidate) -> Draft:
     search, hypotheses = Search(known=candidate.known), candidate.hypotheses
     if candidate.needs_second:
         hypotheses = hypotheses | {"second": _second(system, hypotheses, search)}
+    every = hypotheses.copy()
+    for option in candidate.options:
+        every |= option.hypotheses
+    with suppress(NotShownError):
+        entry, statements = search.entry(system, candidate.theorem, every)
+        return Draft([entry], statements, [])
     entry, statements = search.entry(system, candidate.theorem, hypotheses)
     left_out = []
     for option in candidate.options:

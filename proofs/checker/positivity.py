@@ -21,14 +21,14 @@ is named that has no positive coefficient: the open cell has no point on the lea
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import permutations, product
-from math import comb, lcm
+from math import comb, lcm, prod
 from typing import Any, TypeAlias
 
-from .polynomials import MAX_DEGREE, Exponents, Polynomial, constant, unit, variable
+from .polynomials import MAX_DEGREE, Exponents, Polynomial, constant, variable
 from .work import BUDGET, bits, items, longest, product_cost, rational, require, take, whole
 
 MAX_SQUARES, MAX_ROWS, MAX_FACTORS = 400, 200, 4
@@ -242,10 +242,7 @@ class Square:
         """
         values = [value for row in self.gram for value in row]
         BUDGET.spend(1 + len(values) * (1 + longest(values) ** 2 // 4096))
-        bottom = 1
-        for value in values:
-            BUDGET.spend(product_cost(bottom.bit_length(), bits(value)))
-            bottom = lcm(bottom, value.denominator)
+        bottom = common_denominator(values)
         BUDGET.spend(len(values) * product_cost(bottom.bit_length(), longest(values)))
         rest = [[int(value * bottom) for value in row] for row in self.gram]
         size, before, rank = len(rest), 1, 0
@@ -374,13 +371,59 @@ def degree_of(form: Coefficients) -> int:
 
 
 def barycentric(value: Polynomial, corners: Sequence[Corner]) -> Coefficients:
-    """A polynomial p of degree d as the form ``w^d p(z / w)`` of the coordinates t with ``(z, w) = sum_k t_k P_k``."""
-    count, size = value.count, len(corners)
-    homogeneous = Polynomial(count + 1, {(*e, value.degree - sum(e)): c for e, c in value.terms.items()})
-    coordinates = [
-        Polynomial(size, {unit(size, k): corner[i] for k, corner in enumerate(corners)}) for i in range(count + 1)
-    ]
-    return homogeneous.on(coordinates, size).terms
+    """A polynomial p of degree d as the form ``w^d p(z / w)`` of the coordinates t with ``(z, w) = sum_k t_k P_k``.
+
+    It is computed in whole numbers: of p times a common denominator, and of corners times denominators of their own.
+    """
+    degree, size = value.degree, len(corners)
+    bottom = common_denominator(value.terms.values())
+    scales = [common_denominator(corner) for corner in corners]
+    whole_corners = [[int(x * scale) for x in corner] for corner, scale in zip(corners, scales, strict=True)]
+    coordinates = [{k: own[i] for k, own in enumerate(whole_corners) if own[i]} for i in range(value.count + 1)]
+    terms = {(*e, degree - sum(e)): int(c * bottom) for e, c in value.terms.items()}
+    found = _substituted(terms, coordinates, (0,) * size)
+    if all(scale == 1 for scale in scales):
+        return {e: Fraction(c, bottom) for e, c in found.items()}
+    return {e: Fraction(c, bottom * prod(map(pow, scales, e))) for e, c in found.items()}
+
+
+def common_denominator(values: Iterable[Fraction]) -> int:
+    """Of some rational numbers."""
+    bottom = 1
+    for value in values:
+        BUDGET.spend(product_cost(bottom.bit_length(), bits(value)))
+        bottom = lcm(bottom, value.denominator)
+    return bottom
+
+
+def _substituted(
+    terms: Mapping[Exponents, int], coordinates: Sequence[Mapping[int, int]], still: Exponents
+) -> dict[Exponents, int]:
+    """A polynomial in whole numbers where the variables are linear forms, by Horner's scheme in one after the other.
+
+    Args:
+        terms: by the exponents of all variables.
+        coordinates: the coefficients of each linear form by the numbers of its variables.
+        still: the exponents of a number.
+    """
+    if not coordinates:
+        return dict.fromkeys([still], sum(terms.values()))
+    by_exponent: dict[int, dict[Exponents, int]] = {}
+    for (first, *others), c in terms.items():
+        by_exponent.setdefault(first, {})[tuple(others)] = c
+    total: dict[Exponents, int] = {}
+    for exponent in range(max(by_exponent, default=-1), -1, -1):
+        lengths = [max(map(int.bit_length, own.values()), default=0) for own in (total, coordinates[0])]
+        BUDGET.spend(1 + len(total) * len(coordinates[0]) * product_cost(*lengths))
+        times: dict[Exponents, int] = {}
+        for e, c in total.items():
+            for k, factor in coordinates[0].items():
+                key = (*e[:k], e[k] + 1, *e[k + 1 :])
+                times[key] = times.get(key, 0) + c * factor
+        total = times
+        for e, c in _substituted(by_exponent.get(exponent, {}), coordinates[1:], still).items():
+            total[e] = total.get(e, 0) + c
+    return {e: c for e, c in total.items() if c}
 
 
 def raised(form: Coefficients, degree: int, corners: Sequence[Corner]) -> Coefficients:

@@ -31,7 +31,7 @@ class Search(Proofs):
     Attributes:
         found: each claim that was shown, with its evidence, by name.
         used: the names of those that the last theorem asked for.
-        missed: claims that nothing needs, and that were not shown, by name.
+        missed: claims that were not shown, by name.
         known: evidence of claims by their names that need not be searched; the checker looks at it in the end.
     """
 
@@ -50,8 +50,10 @@ class Search(Proofs):
         """
         found = self.found.get(claim.name)
         if found is None or found[0] != claim:
-            evidence = self.known.get(claim.name) or prove(claim, self.work)
+            missed = self.missed.get(claim.name) == claim
+            evidence = None if missed else self.known.get(claim.name) or prove(claim, self.work)
             if evidence is None:
+                self.missed[claim.name] = claim
                 raise NotShownError(f"no proof was found of {claim.name}")
             self.found[claim.name] = claim, evidence
         self.used.append(claim.name)
@@ -59,12 +61,9 @@ class Search(Proofs):
 
     def shows(self, claim: Claim) -> bool:
         """Find evidence of a claim that nothing needs, if there is any; whether it was found."""
-        if self.missed.get(claim.name) == claim:
-            return False
         try:
             self.show(claim)
         except NotShownError:
-            self.missed[claim.name] = claim
             return False
         return True
 

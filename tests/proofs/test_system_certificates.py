@@ -155,9 +155,12 @@ def test_a_claim_that_is_not_shown_is_left_out_and_named() -> None:
     assert "no proof was found of rate cell" in rate
 
 
-def test_numbers_with_roots_have_none() -> None:
+def test_irrational_numbers_lie_between_rational_ones() -> None:
+    record = certificate_of(decide_system(load_system("eq-4")))
+    assert claims(record, "stability") == ["asymptotically stable"]
+    assert len(record["statement"]["subject"]["rhs"]) == 4
     with pytest.raises(NoCertificateError, match="rational"):
-        certificate_of(decide_system(load_system("eq-4")))
+        certificate_of(decide_system(load_system("eq-4", at="sqrt(2)/2,0")))
 
 
 @pytest.mark.parametrize("name", ["slides", "several planes", "grows"])
