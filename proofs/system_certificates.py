@@ -22,19 +22,17 @@ from nonsmooth.proofs.checker.files import read
 from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.statements import VERSION, refusal
 from nonsmooth.proofs.checker.theorems import Statement
-from nonsmooth.proofs.kernel.near_point import show_near_point
 from nonsmooth.proofs.kernel.scalar import scalar_theorem
 from nonsmooth.proofs.kernel.search import NotShownError, Search
 from nonsmooth.proofs.kernel.second_function import find_second
 from nonsmooth.proofs.kernel.sign_cells import BeyondReachError, IrrationalError, surfaces_of
 from nonsmooth.proofs.kernel.stated_cells import StatedCells, stated_cells
 from nonsmooth.proofs.kernel.subject import NoCertificateError, about, exact_text
-from nonsmooth.proofs.kernel.weak_growth import find_weak_growth
 from nonsmooth.proofs.many_states.conclusion import ManyStateMethod
 from nonsmooth.proofs.many_states.decision import ManyStateResult
 from nonsmooth.proofs.many_states.facts import rate_words as many_rate_words
 from nonsmooth.proofs.many_states.facts import region_words as many_region_words
-from nonsmooth.proofs.many_states.instability import find_growth
+from nonsmooth.proofs.strategies import show_verdict
 from nonsmooth.proofs.system_decision import DecidedSystem
 from nonsmooth.proofs.systems.conclusion import Method
 from nonsmooth.proofs.systems.invariance import Staying, staying_of
@@ -56,7 +54,7 @@ from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.scene_error import one_line
-from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
+from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 LEFT_OUT = "left out"  # key of the notes
 MOST_LEFT_OUT, LONGEST = 16, 400  # lines of it that are read, and characters of each
@@ -239,29 +237,13 @@ def _ways(result: DecidedSystem, system: System) -> Iterator[Callable[[], Draft]
     by_functions = _in_many_states(result) if isinstance(result, ManyStateResult) else _in_the_plane(result)
     for candidate in by_functions:
         yield partial(_shown, system, candidate)
-    yield partial(_near_point, result)
-    if result.verdict is Translation.UNSTABLE:
-        yield partial(_by_growth, result.scene, system)
+    yield partial(_by_strategies, result)
 
 
-def _near_point(result: DecidedSystem) -> Draft:
-    """By what acts near the point: no equilibrium, the linearization, a solution that leaves, a fan."""
-    entry, statements = show_near_point(result.scene, str(result.verdict))
+def _by_strategies(result: DecidedSystem) -> Draft:
+    """By what shows the verdict near the point, or a function that is searched now."""
+    entry, statements = show_verdict(result.scene, str(result.verdict))
     return Draft([entry], statements, [])
-
-
-def _by_growth(scene: SwitchedSystem, system: System) -> Draft:
-    """By a function that shows instability, searched now."""
-    if len(scene.states) > len(PLANE):
-        growth = find_growth(scene)
-        known = None if growth is None else growth.entry
-    else:
-        search = Search()
-        hypotheses = find_weak_growth(scene, search)
-        known = None if hypotheses is None else search.entry(system, "instability", hypotheses)[0]
-    if known is None:
-        raise NotShownError("no function was found that shows instability")
-    return _shown(system, Candidate("instability", known["hypotheses"], known=known["proofs"]))
 
 
 def _in_the_plane(result: SystemResult) -> Iterator[Candidate]:

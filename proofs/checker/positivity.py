@@ -1,4 +1,4 @@
-"""Inequalities between polynomials, and the three kinds of evidence that show them; none is searched for here.
+"""Inequalities between polynomials, and the kinds of evidence that show them; none is searched for here.
 
 An *inequality* says ``p + sum_j mu_j q_j > 0`` at the points of a domain at which all guards g are ``>= 0`` and all
 polynomials of a second list are zero.  A *claim* is a list of inequalities for which there are common functions mu, of
@@ -16,12 +16,14 @@ the coefficients of ``p + sum mu q - sum lambda g - sum nu h`` in barycentric co
 strict if they are positive at all corners but the origin, and on every edge from the origin to a direction.  Or a guard
 is named that has no positive coefficient: the open cell has no point on the leaf, and its closure lies in the others.
 
+*pairs*: for a claim with one function mu, evidence of the claims that say that one exists (:func:`pairs`).
+
 *mixture*: numbers lambda for which ``p - sum lambda g`` is affine, with its least value on the domain not negative.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import permutations, product
@@ -111,18 +113,9 @@ def show(claim: Claim, evidence: Any) -> None:
     Raises:
         RejectedError: where the evidence does not show it.
     """
-    require(type(evidence) is dict and len(evidence) in (1, 2), f"evidence of {claim.name}")
-    if "squares" in evidence:
-        _show_by_squares(claim, *take(evidence, "squares", "mu"))
-    elif "simplices" in evidence:
-        _show_by_simplices(claim, *take(evidence, "simplices"))
-    elif "pairs" in evidence:
-        (listed,) = take(evidence, "pairs")
-        asked = list(pairs(claim))
-        for one, own in zip(asked, items(listed, len(asked)), strict=True):
-            show(one, own)
-    else:
-        _show_by_mixture(claim, *take(evidence, "mixture"))
+    kinds = [kind for kind in KINDS if type(evidence) is dict and kind in evidence]
+    require(len(kinds) == 1, f"evidence of {claim.name}")
+    KINDS[kinds[0]](claim, evidence)
 
 
 class Proofs:
@@ -173,10 +166,18 @@ def pairs(claim: Claim) -> Iterator[Claim]:
         yield Claim(f"{claim.name} pair {i} {j}", (room,), claim.strict, claim.at_origin, claim.bounded, claim.border)
 
 
+def _show_by_pairs(claim: Claim, evidence: Any) -> None:
+    (listed,) = take(evidence, "pairs")
+    asked = list(pairs(claim))
+    for one, own in zip(asked, items(listed, len(asked)), strict=True):
+        show(one, own)
+
+
 # ---- sums of squares ---------------------------------------------------------------------------
 
 
-def _show_by_squares(claim: Claim, squares: Any, mu: Any) -> None:
+def _show_by_squares(claim: Claim, evidence: Any) -> None:
+    squares, mu = take(evidence, "squares", "mu")
     size = len(claim.inequalities[0].pushes)
     functions = [read_polynomial(own, claim.count) for own in items(mu or [], size)]
     for inequality, listed in zip(claim.inequalities, items(squares, len(claim.inequalities)), strict=True):
@@ -291,7 +292,8 @@ def root_simplices(count: int, *, bounded: bool) -> Iterator[tuple[Corner, ...]]
             yield tuple(corners)
 
 
-def _show_by_simplices(claim: Claim, trees: Any) -> None:
+def _show_by_simplices(claim: Claim, evidence: Any) -> None:
+    (trees,) = take(evidence, "simplices")
     roots = list(root_simplices(claim.count, bounded=claim.bounded))
     for corners, tree in zip(roots, items(trees, len(roots)), strict=True):
         _show_on_simplex(claim, corners, tree)
@@ -512,7 +514,8 @@ def _at_corner(form: Coefficients, k: int, size: int) -> Exponents:
 # ---- mixtures ----------------------------------------------------------------------------------
 
 
-def _show_by_mixture(claim: Claim, mixtures: Any) -> None:
+def _show_by_mixture(claim: Claim, evidence: Any) -> None:
+    (mixtures,) = take(evidence, "mixture")
     for inequality, data in zip(claim.inequalities, items(mixtures, len(claim.inequalities)), strict=True):
         require(type(data) is dict and not inequality.pushes, "multipliers by guard")
         total = inequality.value
@@ -539,3 +542,12 @@ def cube_guards(coordinates: Sequence[Polynomial], count: int) -> dict[str, Poly
 def identity(count: int) -> tuple[Polynomial, ...]:
     """The variables themselves."""
     return tuple(variable(count, k) for k in range(count))
+
+
+# The kinds of evidence by the keys of their objects; a new one is a function and a line here.
+KINDS: dict[str, Callable[[Claim, Any], None]] = {
+    "squares": _show_by_squares,
+    "simplices": _show_by_simplices,
+    "pairs": _show_by_pairs,
+    "mixture": _show_by_mixture,
+}

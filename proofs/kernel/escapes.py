@@ -108,11 +108,14 @@ class BarrierRegion:
     direction: tuple[Fraction, ...]
 
 
-def show_escape_of(system: SwitchedSystem, search: Search | None = None) -> tuple[Record, list[Statement]]:
+def show_escape_of(
+    system: SwitchedSystem, verdict: str, search: Search | None = None
+) -> tuple[Record, list[Statement]]:
     """Evidence that one solution leaves the checked point.
 
     Args:
         system: in any number of states.  Where right-hand sides only enclose the field, one solution says nothing.
+        verdict: unstable.
         search: with what was shown before.
 
     Returns:

@@ -38,11 +38,14 @@ TIE = 2.0**-20  # below which two eigenvalues of A - mu I add to zero
 DIRECTIONS = 200  # drawn about the one in which V is least
 
 
-def show_departure_of(system: SwitchedSystem, search: Search | None = None) -> tuple[Record, list[Statement]]:
+def show_departure_of(
+    system: SwitchedSystem, verdict: str, search: Search | None = None
+) -> tuple[Record, list[Statement]]:
     """Evidence that the checked point is no equilibrium.
 
     Args:
         system: in any number of states.
+        verdict: unstable.
         search: with what was shown before.
 
     Returns:

@@ -6,7 +6,8 @@ proofs that are looked for while it asks for them: what it shows then, it shows 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 from nonsmooth.proofs.checker.cells import System
@@ -87,6 +88,35 @@ class Search(Proofs):
         return {"theorem": theorem, "hypotheses": hypotheses, "proofs": proofs}, shown
 
 
+@dataclass(frozen=True)
+class Kind:
+    """A kind of evidence.
+
+    Attributes:
+        search: evidence of a claim, with some work; None where none is found.
+        place: of the kind in the order for a claim, the lowest first; None where it is not tried.
+    """
+
+    search: Callable[[Claim, int], dict[str, Any] | None]
+    place: Callable[[Claim], int | None]
+
+
+def _place_of_mixtures(claim: Claim) -> int | None:
+    return 0 if all(own.value.degree <= 1 for own in claim.inequalities) else None
+
+
+def _place_of_simplices(claim: Claim) -> int | None:
+    return None if claim.count > MOST_BY_SIMPLICES else 1 if claim.count <= FLAT else 3
+
+
+# A new kind of evidence is a line here, and one of KINDS in the checker.
+KINDS = [
+    Kind(lambda claim, work: mixtures.search(claim), _place_of_mixtures),
+    Kind(simplices.search, _place_of_simplices),
+    Kind(lambda claim, work: squares.search(claim), lambda claim: 2),
+]
+
+
 def prove(claim: Claim, work: int = WORK) -> dict[str, Any] | None:
     """Evidence of a claim by the first kind that shows it; None where none does, which refutes nothing.
 
@@ -94,11 +124,9 @@ def prove(claim: Claim, work: int = WORK) -> dict[str, Any] | None:
         claim: as a theorem states it.
         work: coefficients that the search for simplices may look at.
     """
-    if all(own.value.degree <= 1 for own in claim.inequalities):
-        found = mixtures.search(claim)
+    places = [(kind.place(claim), kind) for kind in KINDS]
+    for _, kind in sorted(((place, kind) for place, kind in places if place is not None), key=lambda own: own[0]):
+        found = kind.search(claim, work)
         if found is not None:
             return found
-    by_simplices = claim.count <= MOST_BY_SIMPLICES
-    if by_simplices and claim.count <= FLAT:
-        return simplices.search(claim, work) or squares.search(claim)
-    return squares.search(claim) or (simplices.search(claim, work) if by_simplices else None)
+    return None

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 import nonsmooth as ns
 from nonsmooth.proofs.checker.cells import read_system
 from nonsmooth.proofs.checker.statements import VERSION, refusal
+from nonsmooth.proofs.checker.theorems import UNSTABLE
 from nonsmooth.proofs.kernel.escapes import show_escape_of
 from nonsmooth.proofs.kernel.samples import SampledProofs
 from nonsmooth.proofs.kernel.search import NotShownError, Search
@@ -54,7 +55,7 @@ LEAVING: dict[str, tuple[str, Any]] = {
 def certificate(name: str) -> Record:
     states, rhs = LEAVING[name]
     system = ns.System(states.split(), rhs, radius="1/2").system
-    entry, claims = show_escape_of(system)
+    entry, claims = show_escape_of(system, UNSTABLE)
     sides = [list(side) for side in ([rhs] if isinstance(rhs[0], str) else rhs)]
     subject = {"states": states.split(), "rhs": sides, "at": ["0"] * len(states.split())}
     found = {"version": VERSION, "statement": {"subject": subject, "claims": claims}, "evidence": [entry]}
@@ -186,7 +187,7 @@ def test_nothing_is_shown_of_points_that_attract(name: str) -> None:
     states, rhs = STABLE[name]
     system = ns.System(states.split(), rhs, radius="1/2").system
     with pytest.raises(NotShownError):
-        show_escape_of(system)
+        show_escape_of(system, UNSTABLE)
 
 
 def random_hypotheses(source: random.Random) -> Record:

@@ -13,11 +13,11 @@ from nonsmooth.proofs.checker.statements import VERSION, refusal
 from nonsmooth.proofs.kernel.curved_cells import sharpened
 from nonsmooth.proofs.kernel.fans import show_by_fan
 from nonsmooth.proofs.kernel.first_terms import leading_direction, show_departure_of
-from nonsmooth.proofs.kernel.near_point import show_near_point
 from nonsmooth.proofs.kernel.search import NotShownError, Search
 from nonsmooth.proofs.kernel.sign_cells import IrrationalError
 from nonsmooth.proofs.kernel.stated_cells import stated_cells
 from nonsmooth.proofs.kernel.subject import about
+from nonsmooth.proofs.strategies import show_verdict
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 from tests.proofs.mutants import Record, is_one_line
 from tests.proofs.switched_oracle import Judge, random_fan, spread
@@ -55,7 +55,7 @@ def build(rhs: list[str]) -> SwitchedSystem:
 
 
 def certificate(system: SwitchedSystem, verdict: str) -> Record:
-    entry, claims = show_near_point(system, verdict)
+    entry, claims = show_verdict(system, verdict)
     assert {"stability": verdict} in claims
     found = {"version": VERSION, "statement": {"subject": about(system), "claims": claims}, "evidence": [entry]}
     return json.loads(json.dumps(found))
@@ -80,7 +80,7 @@ def test_no_other_verdict_is_shown(name: str) -> None:
     rhs, verdict, _ = KNOWN[name]
     for other in {ATTRACTS, STABLE, UNSTABLE} - {verdict} - ({STABLE} if verdict == ATTRACTS else set()):
         with pytest.raises(NotShownError):
-            show_near_point(build(rhs), other)
+            show_verdict(build(rhs), other)
 
 
 def test_a_value_of_the_function_that_is_too_large_is_rejected() -> None:
@@ -162,7 +162,7 @@ def test_directions_lead() -> None:
 
 def test_an_equilibrium_has_no_direction() -> None:
     with pytest.raises(NotShownError):
-        show_departure_of(build(["-sign(x)", "1 - 2*sign(y)"]))
+        show_departure_of(build(["-sign(x)", "1 - 2*sign(y)"]), UNSTABLE)
 
 
 @pytest.mark.parametrize(
@@ -176,5 +176,5 @@ def test_an_equilibrium_has_no_direction() -> None:
 )
 def test_other_systems_are_refused_in_one_line(rhs: list[str], verdict: str) -> None:
     with pytest.raises((NotShownError, IrrationalError)) as error:
-        show_near_point(build(rhs), verdict)
+        show_verdict(build(rhs), verdict)
     assert is_one_line(str(error.value))

@@ -1,0 +1,55 @@
+"""A new theorem is a function of the checker, a strategy and a line for each; a new kind of evidence likewise."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from nonsmooth.proofs import strategies
+from nonsmooth.proofs.checker.positivity import KINDS as SHOWN_KINDS
+from nonsmooth.proofs.checker.statements import THEOREMS, refusal
+from nonsmooth.proofs.kernel.search import KINDS, NotShownError
+from nonsmooth.proofs.system_certificates import certificate_of, certificate_text
+from nonsmooth.proofs.system_decision import decide_system
+from nonsmooth.symbolic.files.system_file import build_system
+from nonsmooth.symbolic.switched_system import SwitchedSystem
+from tests.rehearsals.still import CONSTANTS, STILL, show_by_constants, show_still
+
+
+@pytest.fixture(autouse=True)
+def _registered(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(THEOREMS, "still", show_still)
+    monkeypatch.setattr(strategies, "STRATEGIES", (STILL, *strategies.STRATEGIES))
+    monkeypatch.setitem(SHOWN_KINDS, "constant", show_by_constants)
+    monkeypatch.setattr("nonsmooth.proofs.kernel.search.KINDS", [CONSTANTS, *KINDS])
+
+
+def built(rhs: list[str], **check: str) -> SwitchedSystem:
+    document = {"system": {"states": ["x", "y", "z"][: len(rhs)], "rhs": rhs}, "check": check}
+    return build_system(document, "t", Path("t.toml"))
+
+
+def test_a_theorem_and_its_evidence_stand_in_certificates() -> None:
+    entry, shown = strategies.show_verdict(built(["0", "0", "0*sign(x)"]), "stable")
+    assert (entry["theorem"], shown) == ("still", [{"stability": "stable"}])
+    assert set(map(str, entry["proofs"].values())) == {str({"constant": True})}
+    subject = {"states": ["x", "y", "z"], "rhs": [["0", "0", "0*sign(x)"]], "at": ["0", "0", "0"]}
+    certificate: dict[str, Any] = {
+        "version": "nonsmooth-certificate/2",
+        "statement": {"subject": subject, "claims": shown},
+        "evidence": [entry],
+    }
+    assert not refusal(certificate, 10_000)
+    subject["rhs"] = [["0", "0", "x**2"]]
+    assert refusal(certificate, 10_000) == "numbers that are large enough"
+
+
+def test_other_strategies_follow() -> None:
+    with pytest.raises(NotShownError):
+        strategies.show_verdict(built(["0", "0", "y"]), "stable")
+    result = decide_system(built(["-sign(x)", "-sign(y)"], lyapunov="Abs(x) + Abs(y)"))
+    certificate = certificate_of(result)
+    assert not refusal(certificate, len(certificate_text(certificate)))
+    assert {"constant": True} in certificate["evidence"][0]["proofs"].values()
