@@ -159,12 +159,6 @@ def surfaces_of(system: SwitchedSystem, formula: PiecewiseExpression) -> tuple[P
     return tuple(surface for surface in found if surface.degree)
 
 
-def piece_on(system: SwitchedSystem, formula: PiecewiseExpression, signs: Mapping[Polynomial, int]) -> Polynomial:
-    """The polynomial that a formula of the displacement is where its surfaces have given signs."""
-    values = dict(zip(system.states, system.coordinates(), strict=True))
-    return formula.polynomial(values, signs_by_factors(signs))
-
-
 def patterns(surfaces: Sequence[Polynomial], radius: Number) -> Iterator[Pattern]:
     """All patterns of signs whose cells are not proved to be empty in the open cube."""
     affine = [surface.degree == 1 for surface in surfaces]

@@ -14,9 +14,9 @@ from fractions import Fraction
 
 from flint import fmpq, fmpq_mat
 
+from nonsmooth.proofs.checker.polynomials import unit
 from nonsmooth.proofs.inequalities.real_roots import RealRoot, positive_roots
 from nonsmooth.proofs.kernel.sign_cells import RationalTerms, SignCell, SignCells, adjoining, rational_terms
-from nonsmooth.proofs.many_states.affine_faces import unit
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 

@@ -15,17 +15,14 @@ from nonsmooth.proofs.checker.work import MALFORMED, RejectedError
 from nonsmooth.proofs.kernel.claims import Functions
 from nonsmooth.proofs.kernel.sign_cells import (
     BeyondReachError,
-    RationalTerms,
     SignCells,
-    piece_on,
-    rational_terms,
     surfaces_of,
 )
 from nonsmooth.proofs.kernel.squares import Squares, condition_of, find
 from nonsmooth.proofs.kernel.stated_cells import StatedCells, stated_cells
 from nonsmooth.proofs.kernel.subject import NoCertificateError, about
-from nonsmooth.proofs.many_states.face_witness import as_fractions, rising_slide
-from nonsmooth.proofs.many_states.samples import Point, exact_value, refuting_point
+from nonsmooth.proofs.many_states.face_witness import rising_slide
+from nonsmooth.proofs.many_states.samples import Point, as_fractions, exact_value, refuting_point
 from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.symbolic.numbers.number import Number
@@ -121,18 +118,6 @@ def are_about_forms(claims: Sequence[Claim]) -> bool:
     return noted.are_forms
 
 
-def potential_pieces(system: SwitchedSystem, cells: SignCells, formula: PiecewiseExpression) -> RationalPieces:
-    """V on every cell."""
-    pieces: RationalPieces = {}
-    for cell in cells.cells:
-        signs = dict(zip(cells.surfaces, cell.signs, strict=True))
-        pieces[cell.signs] = (rational_terms(piece_on(system, formula, signs)),)
-    return pieces
-
-
-RationalPieces = dict[tuple[int, ...], tuple[RationalTerms, ...]]
-
-
 def examine(
     system: SwitchedSystem, formula: PiecewiseExpression, radius: Number, *, effort: Effort = Effort.FULL
 ) -> Examination:
@@ -158,7 +143,7 @@ def examine(
     for claim in claims:
         asked.append(answer(claim, effort))
         if asked[-1].found is None:
-            failure = find_slide(system, formula, stated.cells, claim) if effort is Effort.FULL else None
+            failure = find_slide(system, conditions, claim) if effort is Effort.FULL else None
             if failure is not None:
                 return Examination(formula, stated, (), Decrease.REFUTED, failure, failure.meaning, conditions)
             break
@@ -218,34 +203,26 @@ def find_failure(cells: SignCells, claims: Sequence[Claim]) -> FailurePoint | No
     return None
 
 
-def find_slide(
-    system: SwitchedSystem, formula: PiecewiseExpression, cells: SignCells, claim: Claim
-) -> FailurePoint | None:
+def find_slide(system: SwitchedSystem, conditions: Functions, claim: Claim) -> FailurePoint | None:
     """A point of a face at which V increases along a solution that slides; None where none is found.
 
     Args:
         system: in any number of states; where its right-hand sides only enclose the field, nothing is found.
-        formula: V.
-        cells: of the cube.
+        conditions: on V.
         claim: about the face; about a cell nothing is found.
     """
     kind, signs, *_ = claim.name.split()
     if kind != FACE or system.only_encloses:
         return None
-    zero = [j for j, sign in enumerate(signs) if sign == "0"]
-    found = rising_slide(cells, potential_pieces(system, cells, formula), zero)
-    return None if found is None else FailurePoint(as_fractions(found[0]), _fraction(found[1]), SLIDES_UP)
+    found = rising_slide(conditions, [j for j, sign in enumerate(signs) if sign == "0"])
+    return None if found is None else FailurePoint(*found, SLIDES_UP)
 
 
 def _failure(cells: SignCells, point: Point, value: fmpq, *, positive: bool) -> FailurePoint:
-    place = tuple(_fraction(x * cells.radius) for x in point)
+    place, (at_point,) = as_fractions([x * cells.radius for x in point]), as_fractions([value])
     if positive:
-        return FailurePoint(place, _fraction(value), "V is not positive")
-    return FailurePoint(place, _fraction(-value / cells.radius), RISES)
-
-
-def _fraction(value: fmpq) -> Fraction:
-    return Fraction(int(value.p), int(value.q))
+        return FailurePoint(place, at_point, "V is not positive")
+    return FailurePoint(place, -at_point / as_fractions([cells.radius])[0], RISES)
 
 
 def _conclude(asked: Sequence[Asked]) -> tuple[Decrease, str]:

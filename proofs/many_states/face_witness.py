@@ -9,109 +9,114 @@ continuously on the place near the point: there is a solution along the face, an
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
 
 import numpy as np
 from flint import fmpq, fmpq_mat
 
+from nonsmooth.proofs.checker.cells import Cell, Face, Inclusion
+from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.inequalities.linear_program import best_mixture
-from nonsmooth.proofs.kernel.sign_cells import RationalTerms, SignCell, SignCells, rational_terms
-from nonsmooth.proofs.many_states.affine_faces import AffineFace, build_face, unit
-from nonsmooth.proofs.many_states.samples import Point, exact_value
-from nonsmooth.symbolic.numbers.polynomial import Exponents
+from nonsmooth.proofs.kernel.claims import Functions
+from nonsmooth.proofs.kernel.squares import terms_of
+from nonsmooth.proofs.many_states.samples import Point, as_fractions, exact_value
+from nonsmooth.symbolic.numbers.number_field import NumberField
 
 POINTS = 80  # of one face, half of them at the largest distance
 HALVINGS = 6  # of the distance from the point
 FINE = 1 << 6  # denominator of a coordinate, in parts of its distance
 EXTREME = 0.5  # the share of coordinates that are least or largest
 
-Pieces = Mapping[tuple[int, ...], Sequence[RationalTerms]]
 
-
-def rising_slide(cells: SignCells, pieces: Pieces, zero: Sequence[int]) -> tuple[Point, fmpq] | None:
+def rising_slide(conditions: Functions, zero: Sequence[int]) -> tuple[tuple[Fraction, ...], Fraction] | None:
     """A point of a face and a positive derivative of V along a solution from there; None where none is found.
 
     Args:
-        cells: of a cube about the checked point; all of their fields may act.
-        pieces: of every cell, V as its only polynomial.
+        conditions: on V; all fields of a cell may act.
         zero: the surfaces that vanish on the face.
     """
-    surfaces = [rational_terms(surface) for surface in cells.surfaces]
-    face = build_face([surfaces[j] for j in zero], len(cells.states))
-    if face is None or not face.dimension:
+    inclusion = conditions.inclusion
+    face = next((own for own in inclusion.faces() if own.zero == tuple(zero)), None)
+    if face is None or face.curved or not face.dimension:
         return None
-    for point in _points(face, cells.radius):
-        signs = [_sign(exact_value(surface, point)) for surface in surfaces]
-        if not _is_clear(cells, surfaces, signs):
+    radius = inclusion.domain.radius
+    for point in _points(face):
+        here = [_sign(_value(surface, point)) for surface in inclusion.surfaces.listed]
+        if not _is_clear(inclusion, here):
             continue
-        around = [cell for cell in cells.cells if all(s in {0, c} for s, c in zip(signs, cell.signs, strict=True))]
-        rise = _largest_rise(cells, [surfaces[j] for j, s in enumerate(signs) if not s], around, pieces, point)
+        around = [cell for cell in inclusion.cells if all(s in {0, c} for s, c in zip(here, cell.signs, strict=True))]
+        through = [surface for surface, s in zip(inclusion.surfaces.listed, here, strict=True) if not s]
+        rise = _largest_rise(conditions, through, around, point)
         if rise is not None:
-            return point, rise
+            return tuple(x * radius for x in as_fractions(point)), rise / radius
     return None
 
 
-def _points(face: AffineFace, radius: fmpq) -> Iterator[Point]:
+def _points(face: Face) -> Iterator[Point]:
     """Rational points of a face in the cube, nearer and farther; many of them near its border or near other faces."""
     rng = np.random.default_rng(0)
     for _ in range(POINTS):
-        scale = radius / fmpq(FINE << max(0, int(rng.integers(-HALVINGS, HALVINGS))))
+        scale = fmpq(1, FINE << max(0, int(rng.integers(-HALVINGS, HALVINGS))))
         inside = rng.integers(1, FINE, face.dimension)
         sizes = np.where(rng.random(face.dimension) < EXTREME, rng.choice((1, FINE), face.dimension), inside)
         free = [scale * int(k) for k in sizes * rng.choice((-1, 1), face.dimension)]
-        point = tuple(exact_value(form, free) for form in face.coordinates)
-        if any(point) and all(abs(x) <= radius for x in point):
+        point = tuple(_value(form, free) for form in face.coordinates)
+        if any(point) and all(abs(x) <= 1 for x in point):
             yield point
 
 
-def _is_clear(cells: SignCells, surfaces: Sequence[RationalTerms], signs: Sequence[int]) -> bool:
+def _is_clear(inclusion: Inclusion, signs: Sequence[int]) -> bool:
     """Whether every listed cell with the signs of a point meets there.
 
     That is so if all surfaces are planes, for a segment from the point into such a cell keeps its signs; and if the
     surfaces through the point are planes in general position.
     """
-    here = [j for j, s in enumerate(signs) if not s]
-    if all(surface.degree == 1 for surface in cells.surfaces):
+    listed = inclusion.surfaces.listed
+    if all(surface.degree == 1 for surface in listed):
         return True
-    count = len(cells.states)
-    return all(cells.surfaces[j].degree == 1 for j in here) and _rank([surfaces[j] for j in here], count) == len(here)
-
-
-def _rank(forms: Sequence[RationalTerms], count: int) -> int:
-    rows = [[form.get(unit(count, k), fmpq(0)) for k in range(count)] for form in forms]
-    return int(fmpq_mat(rows).rank())
+    here = [surface for surface, s in zip(listed, signs, strict=True) if not s]
+    return all(surface.degree == 1 for surface in here) and _rank([_slopes(own) for own in here]) == len(here)
 
 
 def _largest_rise(
-    cells: SignCells, through: Sequence[RationalTerms], around: Sequence[SignCell], pieces: Pieces, point: Point
-) -> fmpq | None:
+    conditions: Functions, through: Sequence[Polynomial], around: Sequence[Cell], point: Point
+) -> Fraction | None:
     """The largest derivative of V along the surfaces through a point, if a solution is shown to have it."""
-    count, field = len(cells.states), cells.surfaces[0].field
-    independent: list[RationalTerms] = []
+    normals: list[list[fmpq]] = []
     for form in through:
-        if _rank([*independent, form], count) > len(independent):
-            independent.append(form)
-    gradient = [exact_value(_slope(pieces[around[0].signs][0], k), point) for k in range(count)] if around else []
-    fields = list(dict.fromkeys(tuple(exact_value(f, point) for f in own) for c in around for own in c.velocities))
-    normals = [[form.get(unit(count, k), fmpq(0)) for k in range(count)] for form in independent]
-    if not fields:
+        if _rank([*normals, _slopes(form)]) > len(normals):
+            normals.append(_slopes(form))
+    if not around:
         return None
+    potential = conditions.potential(around[0])
+    gradient = [_value(potential.derivative(k), point) for k in range(potential.count)]
+    fields = dict.fromkeys(tuple(_value(part, point) for part in own) for cell in around for _, own in cell.fields)
     rises = [_dot(gradient, velocity) for velocity in fields]
     across = [tuple(_dot(normal, velocity) for normal in normals) for velocity in fields]
     if max(rises) <= 0 or any(min(speeds) > 0 or max(speeds) < 0 for speeds in zip(*across, strict=True)):
         return None  # V rises along none of them, or all leave a surface to one side: so do their mixtures
+    field = NumberField()
     columns = [(*map(field, speeds), field.one) for speeds in across]
     target = (*(field.zero for _ in normals), field.one)
     mixture = best_mixture(columns, target, [field(rise) for rise in rises])
     if mixture is None or mixture.value.sign() <= 0 or len(mixture.weights) <= len(normals):
         return None
-    return mixture.value.as_rational()
+    rise = mixture.value.as_rational()
+    return None if rise is None else as_fractions([rise])[0]
 
 
-def _slope(terms: Mapping[Exponents, fmpq], k: int) -> RationalTerms:
-    """A partial derivative."""
-    return {(*e[:k], e[k] - 1, *e[k + 1 :]): c * e[k] for e, c in terms.items() if e[k]}
+def _value(polynomial: Polynomial, point: Sequence[fmpq]) -> fmpq:
+    return exact_value(terms_of(polynomial), point)
+
+
+def _slopes(form: Polynomial) -> list[fmpq]:
+    terms = terms_of(form)
+    return [sum((c for e, c in terms.items() if e[k]), fmpq(0)) for k in range(form.count)]
+
+
+def _rank(rows: Sequence[Sequence[fmpq]]) -> int:
+    return int(fmpq_mat([list(row) for row in rows]).rank()) if rows else 0
 
 
 def _dot(first: Sequence[fmpq], second: Sequence[fmpq]) -> fmpq:
@@ -120,8 +125,3 @@ def _dot(first: Sequence[fmpq], second: Sequence[fmpq]) -> fmpq:
 
 def _sign(value: fmpq) -> int:
     return int(value > 0) - int(value < 0)
-
-
-def as_fractions(point: Point) -> tuple[Fraction, ...]:
-    """The same point."""
-    return tuple(Fraction(int(x.p), int(x.q)) for x in point)

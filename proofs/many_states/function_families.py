@@ -13,9 +13,9 @@ from itertools import combinations, combinations_with_replacement
 
 from flint import fmpq
 
-from nonsmooth.proofs.kernel.sign_cells import RationalTerms, SignCells, rational_terms
-from nonsmooth.proofs.many_states.affine_faces import build_face
-from nonsmooth.symbolic.numbers.polynomial import Polynomial, add_terms
+from nonsmooth.proofs.kernel.sign_cells import SignCells, rational_terms
+from nonsmooth.proofs.kernel.written import as_checked
+from nonsmooth.symbolic.numbers.polynomial import Polynomial
 
 
 @dataclass(frozen=True)
@@ -88,18 +88,13 @@ def _degree(cells: SignCells) -> int:
 
 def field_jumps(cells: SignCells, surface: Polynomial) -> bool:
     """Whether the field differs on the two sides of a hyperplane."""
-    j = cells.surfaces.index(surface)
-    face = build_face([rational_terms(surface)], len(cells.states))
+    j, count = cells.surfaces.index(surface), len(cells.states)
+    plane = as_checked(rational_terms(surface), count)
     by_signs = {cell.signs: cell.velocities for cell in cells.cells}
     for signs, own in by_signs.items():
-        other = by_signs.get((*signs[:j], -signs[j], *signs[j + 1 :]))
-        if other is None or other == own or face is None:
-            continue
+        other = by_signs.get((*signs[:j], -signs[j], *signs[j + 1 :]), own)
         for first, second in zip(own, other, strict=True):
-            if any(face.restricted(_less(a, b)) for a, b in zip(first, second, strict=True)):
+            gaps = (as_checked(a, count) - as_checked(b, count) for a, b in zip(first, second, strict=True))
+            if any(gap.divided(plane) is None for gap in gaps):
                 return True
     return False
-
-
-def _less(a: RationalTerms, b: RationalTerms) -> RationalTerms:
-    return add_terms(a, {e: -c for e, c in b.items()})

@@ -20,8 +20,8 @@ from itertools import combinations, combinations_with_replacement, pairwise
 import numpy as np
 from flint import fmpq, fmpq_mat, fmpq_poly
 
+from nonsmooth.proofs.checker.polynomials import unit
 from nonsmooth.proofs.kernel.sign_cells import RationalTerms, SignCells, adjoining
-from nonsmooth.proofs.many_states.affine_faces import unit
 from nonsmooth.proofs.many_states.function_families import PiecewiseFunction, formula_text
 from nonsmooth.proofs.sums_of_squares.gram_certificate import RationalMatrix, is_definite
 from nonsmooth.proofs.sums_of_squares.rounding import simplest

@@ -23,8 +23,8 @@ from functools import reduce
 
 from flint import fmpq, fmpq_mat
 
+from nonsmooth.proofs.checker.polynomials import unit
 from nonsmooth.proofs.kernel.sign_cells import RationalTerms, SignCells, adjoining, rational_terms
-from nonsmooth.proofs.many_states.affine_faces import unit
 from nonsmooth.symbolic.numbers.polynomial import Exponents, add_terms, multiply_terms
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from fractions import Fraction
 
 import numpy as np
 from flint import fmpq
@@ -72,3 +73,8 @@ def exact_value(terms: Mapping[Exponents, fmpq], point: Sequence[fmpq]) -> fmpq:
                 product *= x**exponent
         total += product
     return total
+
+
+def as_fractions(point: Sequence[fmpq]) -> tuple[Fraction, ...]:
+    """The same numbers."""
+    return tuple(Fraction(int(x.p), int(x.q)) for x in point)
