@@ -14,14 +14,13 @@ from itertools import combinations
 from typing import Any, TypeAlias
 
 from .formulas import NAME, Formula
-from .polynomials import Polynomial, constant, unit, variable
+from .polynomials import Polynomial, are_coprime, constant, solve, variable
 from .positivity import Claim, Inequality, Proofs, cube_guards, identity
 from .work import BUDGET, items, rational, require, take, text
 
 MIN_STATES, MAX_STATES = 1, 8
 MAX_FIELDS, MAX_SURFACES, MAX_CELLS, MAX_EMPTY = 64, 64, 1_000, 2_000
 MAX_FACES = 2_000
-MAX_LINES = 8  # on which it is tried whether two surfaces have a common factor
 
 Pattern: TypeAlias = tuple[int, ...]  # a sign, -1 or 1, of every surface
 SurfaceSigns: TypeAlias = Mapping[int, int]  # of some surfaces
@@ -377,34 +376,6 @@ def components(patterns: set[Pattern], parted: set[frozenset[Pattern]]) -> list[
     return found
 
 
-def are_coprime(a: Polynomial, b: Polynomial) -> bool:
-    """Whether two polynomials are seen to have no common factor.
-
-    Where a keeps its degree on a line, every factor of a keeps its own.  So it is enough that both have no common
-    factor on one such line; a few lines are tried.
-    """
-    if a.degree == b.degree == 1:
-        return a.times(1 / a.terms[max(a.terms)]) != b.times(1 / b.terms[max(b.terms)])
-    for k in range(1, MAX_LINES):
-        line = [Polynomial(1, {(0,): Fraction(1, i + k), (1,): Fraction(i * i + k)}) for i in range(a.count)]
-        first, second = a.on(line, 1), b.on(line, 1)
-        if first.degree < a.degree:
-            continue
-        while second:
-            first, second = second, remainder(first, second)
-        if not first.degree:
-            return True
-    return False
-
-
-def remainder(value: Polynomial, divisor: Polynomial) -> Polynomial:
-    """What a division of polynomials in one variable leaves."""
-    while value and value.degree >= divisor.degree:
-        ratio = value.terms[max(value.terms)] / divisor.terms[max(divisor.terms)]
-        value -= divisor * Polynomial(1, {(value.degree - divisor.degree,): ratio})
-    return value
-
-
 @dataclass(frozen=True)
 class Face:
     """Where some surfaces vanish: an affine subspace, on which curved surfaces may vanish too.
@@ -456,7 +427,7 @@ class Face:
         return {f"s{j}": self.restricted(self.inclusion.surfaces.listed[j]) for j in self.curved}
 
 
-def whole(inclusion: Inclusion) -> Face:
+def whole_domain(inclusion: Inclusion) -> Face:
     """The face on which no surface need vanish."""
     return Face(inclusion, (), (), identity(inclusion.count), inclusion.count)
 
@@ -477,33 +448,3 @@ def build_face(inclusion: Inclusion, chosen: Sequence[int]) -> Face | None:
     zero = {j for j in inclusion.bending if not bare.restricted(listed[j])} | set(curved)
     kept = tuple(j for j in curved if bare.restricted(listed[j]))
     return Face(inclusion, tuple(sorted(zero)), kept, coordinates, dimension)
-
-
-def solve(forms: Sequence[Polynomial], count: int) -> tuple[Polynomial, ...] | None:
-    """The variables where affine forms vanish, as affine forms in the free ones, by Gauss's elimination."""
-    rows = [[*(form.slope(k) for k in range(count)), form.at_origin] for form in forms]
-    pivots: list[int] = []
-    for column in range(count + 1):
-        top = len(pivots)
-        found = next((i for i in range(top, len(rows)) if rows[i][column]), None)
-        if found is None:
-            continue
-        if column == count:
-            return None
-        rows[top], rows[found] = rows[found], rows[top]
-        rows[top] = [value / rows[top][column] for value in rows[top]]
-        for i, row in enumerate(rows):
-            if i != top and row[column]:
-                rows[i] = [a - row[column] * b for a, b in zip(row, rows[top], strict=True)]
-        pivots.append(column)
-    free = [k for k in range(count) if k not in pivots]
-    size = len(free)
-    found_forms = []
-    for k in range(count):
-        if k in free:
-            found_forms.append(variable(size, free.index(k)))
-            continue
-        row = rows[pivots.index(k)]
-        terms = {unit(size, i): -row[other] for i, other in enumerate(free)}
-        found_forms.append(Polynomial(size, {**terms, (0,) * size: -row[count]}))
-    return tuple(found_forms)

@@ -28,9 +28,9 @@ from fractions import Fraction
 from math import prod
 from typing import Any
 
-from .cells import Domain, Surfaces, System, no_switching, solve
+from .cells import Domain, Surfaces, System, no_switching
 from .formulas import Formula
-from .polynomials import Polynomial, constant, lie_derivative
+from .polynomials import Polynomial, constant, lie_derivative, solve
 from .positivity import Claim, Inequality, Proofs, cube_guards
 from .theorems import UNSTABLE, Statement
 from .work import BUDGET, items, longest, rational, require, take, text, whole

@@ -11,13 +11,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
-from .cells import Cell, Face, Inclusion, SurfaceSigns, no_switching, pattern, whole
+from .cells import Cell, Face, Inclusion, SurfaceSigns, no_switching, pattern, whole_domain
 from .formulas import Formula
 from .lyapunov import Lyapunov
 from .polynomials import Polynomial, constant, lie_derivative, variable
 from .positivity import Claim, Inequality, Proofs
-from .work import BUDGET, items, rational, require
-from .work import whole as whole_number
+from .work import BUDGET, items, rational, require, whole
 
 MAX_OTHERS = 4  # functions beside V
 MAX_TERMS, MAX_FACTORS, MAX_POWER, MAX_PLACES = 16, 8, 20, 64
@@ -55,7 +54,7 @@ class Bound:
         formula, number = items(data, 2)
         base, exponent = (
             Formula(formula, inclusion.domain.displacement).on(no_switching),
-            whole_number(number, MAX_POWER),
+            whole(number, MAX_POWER),
         )
         signed = (inclusion.surfaces.signed(j, s) for j, s in signs.items())
         require(exponent and (exponent % 2 == 0 or base in signed), "even powers, or signed surfaces, in a bound")
@@ -124,7 +123,7 @@ class Chain(Lyapunov):
         have.  On a face where a function bends all fields have a common bound: r is the rate of their mixtures that are
         tangent to it.
         """
-        space = whole(self.inclusion)
+        space = whole_domain(self.inclusion)
         for cell in self.inclusion.cells:
             for number, field in cell.fields:
                 name = f"cell {pattern(cell.signs)} field {number}"

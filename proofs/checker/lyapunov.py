@@ -22,8 +22,8 @@ from functools import cached_property
 from math import prod
 from typing import TypeAlias
 
-from .cells import Cell, Face, Inclusion, SurfaceSigns, components, pattern, solve, whole
-from .polynomials import Polynomial, constant, lie_derivative, variable
+from .cells import Cell, Face, Inclusion, SurfaceSigns, components, pattern, whole_domain
+from .polynomials import Polynomial, constant, lie_derivative, solve, variable
 from .positivity import Claim, Inequality, Proofs
 from .work import BUDGET, longest, require
 
@@ -70,12 +70,12 @@ class Lyapunov:
     def show_positive(self) -> None:
         """V > 0 off the point."""
         for name, signs, cell in self.inclusion.pieces():
-            guards = self._guards(whole(self.inclusion), signs, cell) or {}
+            guards = self._guards(whole_domain(self.inclusion), signs, cell) or {}
             self._show_on_cell(f"V {name}", self.potential(cell), guards, strict=True)
 
     def show_falls(self, prefix: str, shift: Shift, *, strict: bool) -> None:
         """``V' + shift < 0`` off the point, or ``<= 0``: on closed cells and on all faces on which V bends."""
-        space = whole(self.inclusion)
+        space = whole_domain(self.inclusion)
         for cell in self.inclusion.cells:
             guards = self._guards(space, dict(enumerate(cell.signs)), cell) or {}
             for number, field in cell.fields:
@@ -179,7 +179,7 @@ class Lyapunov:
         single = all(len(face.zero) == 1 for face, _, _ in self.bends)
         require(single, "surfaces on which V bends that meet at the point alone")
         for name, signs, cell in self.inclusion.pieces():
-            guards = self._guards(whole(self.inclusion), signs, cell) or {}
+            guards = self._guards(whole_domain(self.inclusion), signs, cell) or {}
             potential = self.potential(cell)
             square = lie_derivative(potential, [potential.derivative(k) for k in range(self.count)])
             room = constant(self.count, bound * bound) - square

@@ -1,4 +1,4 @@
-"""Polynomials with rational coefficients in a fixed number of variables: sums, products, derivatives, substitution."""
+"""Polynomials with rational coefficients: sums, products, derivatives, substitution, affine equations."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import TypeAlias
 from .work import BUDGET, longest, product_cost, require
 
 MAX_DEGREE, MAX_TERMS = 40, 50_000
+MAX_LINES = 8  # on which it is tried whether two polynomials have a common factor
 
 Exponents: TypeAlias = tuple[int, ...]
 
@@ -163,3 +164,61 @@ def lie_derivative(potential: Polynomial, field: Sequence[Polynomial]) -> Polyno
     for k, part in enumerate(field):
         total += potential.derivative(k) * part
     return total
+
+
+def are_coprime(a: Polynomial, b: Polynomial) -> bool:
+    """Whether two polynomials are seen to have no common factor.
+
+    Where a keeps its degree on a line, every factor of a keeps its own.  So it is enough that both have no common
+    factor on one such line; a few lines are tried.
+    """
+    if a.degree == b.degree == 1:
+        return a.times(1 / a.terms[max(a.terms)]) != b.times(1 / b.terms[max(b.terms)])
+    for k in range(1, MAX_LINES):
+        line = [Polynomial(1, {(0,): Fraction(1, i + k), (1,): Fraction(i * i + k)}) for i in range(a.count)]
+        first, second = a.on(line, 1), b.on(line, 1)
+        if first.degree < a.degree:
+            continue
+        while second:
+            first, second = second, remainder(first, second)
+        if not first.degree:
+            return True
+    return False
+
+
+def remainder(value: Polynomial, divisor: Polynomial) -> Polynomial:
+    """What a division of polynomials in one variable leaves."""
+    while value and value.degree >= divisor.degree:
+        ratio = value.terms[max(value.terms)] / divisor.terms[max(divisor.terms)]
+        value -= divisor * Polynomial(1, {(value.degree - divisor.degree,): ratio})
+    return value
+
+
+def solve(forms: Sequence[Polynomial], count: int) -> tuple[Polynomial, ...] | None:
+    """The variables where affine forms vanish, as affine forms in the free ones, by Gauss's elimination."""
+    rows = [[*(form.slope(k) for k in range(count)), form.at_origin] for form in forms]
+    pivots: list[int] = []
+    for column in range(count + 1):
+        top = len(pivots)
+        found = next((i for i in range(top, len(rows)) if rows[i][column]), None)
+        if found is None:
+            continue
+        if column == count:
+            return None
+        rows[top], rows[found] = rows[found], rows[top]
+        rows[top] = [value / rows[top][column] for value in rows[top]]
+        for i, row in enumerate(rows):
+            if i != top and row[column]:
+                rows[i] = [a - row[column] * b for a, b in zip(row, rows[top], strict=True)]
+        pivots.append(column)
+    free = [k for k in range(count) if k not in pivots]
+    size = len(free)
+    found_forms = []
+    for k in range(count):
+        if k in free:
+            found_forms.append(variable(size, free.index(k)))
+            continue
+        row = rows[pivots.index(k)]
+        terms = {unit(size, i): -row[other] for i, other in enumerate(free)}
+        found_forms.append(Polynomial(size, {**terms, (0,) * size: -row[count]}))
+    return tuple(found_forms)

@@ -26,9 +26,9 @@ from itertools import combinations_with_replacement
 from math import isqrt
 from typing import Any
 
-from .cells import Face, Inclusion, System, read_system, solve
+from .cells import Face, Inclusion, System, read_system
 from .formulas import Formula, SignOf
-from .polynomials import Polynomial
+from .polynomials import Polynomial, solve
 from .positivity import Claim, Inequality
 from .work import items, require, take
 

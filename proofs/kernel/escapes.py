@@ -18,10 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eig
 
-from nonsmooth.proofs.checker.cells import pattern, solve
+from nonsmooth.proofs.checker.cells import pattern
 from nonsmooth.proofs.checker.escape import lowest_form_at
 from nonsmooth.proofs.checker.lyapunov import sign_along
-from nonsmooth.proofs.checker.polynomials import Polynomial, constant, lie_derivative, variable
+from nonsmooth.proofs.checker.polynomials import Polynomial, constant, lie_derivative, solve, variable
 from nonsmooth.proofs.checker.theorems import Statement
 from nonsmooth.proofs.kernel.curved_cells import started
 from nonsmooth.proofs.kernel.first_terms import MIDDLE, lyapunov_solution, quadratic_form
