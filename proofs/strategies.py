@@ -22,6 +22,7 @@ from nonsmooth.proofs.kernel.sign_cells import BeyondReachError, IrrationalError
 from nonsmooth.proofs.kernel.weak_growth import find_weak_growth
 from nonsmooth.proofs.kernel.weighted_turns import show_by_weights
 from nonsmooth.proofs.many_states.instability import find_growth
+from nonsmooth.proofs.many_states.relay_degree import show_relay_of
 from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
 
 Entry: TypeAlias = tuple[dict[str, Any], list[Statement]]  # of a certificate, and what it shows
@@ -79,6 +80,7 @@ STRATEGIES = (
     Strategy("solution that leaves", show_escape_of, (UNSTABLE,)),
     Strategy("piecewise linear V on a fan", show_by_fan, (UNSTABLE, STABLE, ASYMPTOTICALLY_STABLE), len(PLANE)),
     Strategy("leading terms with weights", show_by_weights, (UNSTABLE, ASYMPTOTICALLY_STABLE), len(PLANE)),
+    Strategy("relative degree of a relay", show_relay_of, (UNSTABLE,)),
     Strategy("function that shows instability", show_growth_of, (UNSTABLE,)),
 )
 

@@ -67,6 +67,34 @@ def find_second(
     return Chains(system, cells, function, Search() if search is None else search, below).extended([])
 
 
+def stated_second(
+    system: System,
+    cells: Mapping[str, Any],
+    function: Any,
+    others: Sequence[str],
+    search: Search,
+    *,
+    below: Fraction | None = None,
+) -> dict[str, Any] | None:
+    """The same with known functions W: bounds of their rates are found.
+
+    Args:
+        system: the subject.
+        cells: as a certificate states them.
+        function: V, likewise.
+        others: the functions W.
+        search: keeps the proofs that are found.
+        below: a level of V, where nothing is asked of points at which V is not less.
+    """
+    if len(others) > MAX_OTHERS:
+        return None
+    try:
+        survey = Survey(system, cells, function, others, search, below)
+    except (NotShownError, RejectedError):
+        return None
+    return None if survey.left else {"functions": list(others), "zeros": survey.zeros}
+
+
 class Chains:
     """The lists of functions W that are tried, from the first to the last one."""
 

@@ -18,15 +18,28 @@ rest of the field is arbitrary.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import reduce
+from typing import Any
 
 from flint import fmpq, fmpq_mat
 
 from nonsmooth.proofs.checker.polynomials import unit
+from nonsmooth.proofs.checker.theorems import Statement
+from nonsmooth.proofs.kernel.bounds import formula
+from nonsmooth.proofs.kernel.curved_cells import started
+from nonsmooth.proofs.kernel.search import NotShownError, Search
+from nonsmooth.proofs.kernel.second_function import stated_second
 from nonsmooth.proofs.kernel.sign_cells import RationalTerms, SignCells, adjoining, rational_terms
+from nonsmooth.proofs.kernel.stated_cells import stated_cells
+from nonsmooth.proofs.kernel.written import as_checked
 from nonsmooth.symbolic.numbers.polynomial import Exponents, add_terms, multiply_terms
 from nonsmooth.symbolic.switched_system import SwitchedSystem
+
+SHIFTS = (fmpq(0), fmpq(1, 64), fmpq(-1, 100))  # of a direction, off the other surfaces
+RADII = (Fraction(1), Fraction(1, 4), Fraction(1, 16), Fraction(1, 64))  # half-widths of cubes, over that of the scene
 
 
 @dataclass(frozen=True)
@@ -78,6 +91,47 @@ def high_degree_relay(system: SwitchedSystem, cells: SignCells) -> RelayDegree |
     if system.only_encloses:
         return None
     return next(_found(cells), None)
+
+
+def show_relay_of(
+    system: SwitchedSystem, verdict: str, search: Search | None = None
+) -> tuple[dict[str, Any], list[Statement]]:
+    """Evidence that the point is unstable by W and by functions that rise where W is kept.
+
+    Where ``s = h_0 = 0`` and W is kept, ``(h_0 h_1)' = h_1^2 + h_0 h_2`` is not negative, and zero where ``h_1 = 0``;
+    there ``(h_1 h_2)' = h_2^2``, and so on up to ``h_(r-1)``.  Where all of these are zero W is zero, and points at
+    which W is not positive do not count.
+
+    Args:
+        system: in any number of states.
+        verdict: unstable.
+        search: with what was shown before.
+
+    Returns:
+        The entry of a certificate, and what it shows.
+
+    Raises:
+        NotShownError: where no surface shows it, or no such functions are found.
+        BeyondReachError: for irrational numbers, and for too many surfaces or cells.
+    """
+    subject, search = started(system, search)
+    for share in RADII:
+        stated = stated_cells(system, system.check.radius * share)
+        relay = high_degree_relay(system, stated.cells)
+        if relay is None:
+            continue
+        ladder = _ladder(stated.cells, rational_terms(stated.cells.surfaces[relay.surface]))
+        function, *others = (
+            formula(as_checked(own, len(system.states)), system.states)
+            for own in (_scaled(relay.rising, fmpq(-1)), *map(multiply_terms, ladder, ladder[1:]))
+        )
+        second = stated_second(subject, stated.record, function, others, search, below=Fraction(0))
+        for shift in SHIFTS if second is not None else ():
+            direction = [str(x + k * shift) for k, x in enumerate(relay.direction, 1)]
+            hypotheses = {"cells": stated.record, "function": function, "second": second, "direction": direction}
+            with suppress(NotShownError):
+                return search.entry(subject, "instability", hypotheses)
+    raise NotShownError("no relay was found whose relative degree shows it")
 
 
 def _found(cells: SignCells) -> Iterator[RelayDegree]:

@@ -16,7 +16,9 @@ import nonsmooth as ns
 from nonsmooth.proofs.many_states.conclusion import ManyStateMethod
 from nonsmooth.proofs.many_states.decision import ManyStateResult, decide_many, first_cells
 from nonsmooth.proofs.many_states.relay_degree import high_degree_relay
+from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.verdicts import Translation
+from tests.certificates.inclusion import contradiction
 from tests.thorough import keep
 
 Floats = NDArray[np.float64]
@@ -49,6 +51,25 @@ def test_known_degrees(rhs: list[str], degree: int) -> None:
         assert result.evidence.relay.degree == degree
     else:
         assert result.method is ManyStateMethod.ESCAPE
+
+
+@pytest.mark.parametrize(
+    "rhs",
+    [
+        ["y", "z", "-sgn(x)"],
+        ["y", "z", "sgn(x) - x - y - z"],
+        ["y", "z + x**2", "-2*sgn(x) - sgn(y) - z"],
+        ["y", "z", "u", "v", "-sgn(x)"],
+        ["y", "z", "-sgn(x) + u", "-u + x"],
+    ],
+)
+def test_the_function_of_a_relay_is_certified(rhs: list[str]) -> None:
+    """Products of neighbouring derivatives rise one after the other where it is kept."""
+    certificate = certificate_of(decided(rhs))
+    (entry,) = certificate["evidence"]
+    assert entry["theorem"] == "instability"
+    assert entry["hypotheses"]["second"]["functions"]
+    assert not contradiction(certificate["statement"], 1 / 16)
 
 
 @pytest.mark.parametrize(
