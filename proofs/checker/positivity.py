@@ -384,8 +384,8 @@ def barycentric(value: Polynomial, corners: Sequence[Corner]) -> Coefficients:
     coordinates = [{k: own[i] for k, own in enumerate(whole_corners) if own[i]} for i in range(value.count + 1)]
     terms = {(*e, degree - sum(e)): int(c * bottom) for e, c in value.terms.items()}
     found = _substituted(terms, coordinates, (0,) * size)
-    if all(scale == 1 for scale in scales):
-        return {e: Fraction(c, bottom) for e, c in found.items()}
+    lengths = max(map(int.bit_length, found.values()), default=0), bottom.bit_length()
+    BUDGET.spend(len(found) * product_cost(lengths[0], lengths[1] + degree * max(map(int.bit_length, scales))))
     return {e: Fraction(c, bottom * prod(map(pow, scales, e))) for e, c in found.items()}
 
 
