@@ -61,7 +61,7 @@ def search(claim: Claim, work: int) -> dict[str, Any] | None:
         The evidence; None where it was not found with this work, or where the claim is false at a corner.
     """
     if len(claim.inequalities[0].pushes) == 1:
-        found = [search(own, work) for own in pairs(claim)]  # also where curves are zero, which is not made use of
+        found = [search(own, work) for own in pairs(claim)]
         return None if any(own is None for own in found) else {"pairs": found}
     if claim.inequalities[0].pushes and any(inequality.zeros for inequality in claim.inequalities):
         return None
