@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -14,12 +15,17 @@ from nonsmooth.proofs.systems.invariance import Staying
 from nonsmooth.proofs.systems.lyapunov_audit import KEY, AuditVerdict
 from nonsmooth.proofs.systems.stated_rise import NOT_OF_THE_FIELD, rising_place
 from nonsmooth.proofs.verdicts import Translation
+from nonsmooth.symbolic.enclosed_numbers import NoEnclosureError, enclose_numbers
 from nonsmooth.symbolic.expression import ExpressionError
 from nonsmooth.symbolic.files.system_file import parse_lyapunov
 from nonsmooth.symbolic.notebook import ShortRepr, html_table
 from nonsmooth.symbolic.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.scene_error import SceneError, requirement
 from nonsmooth.symbolic.switched_system import SwitchedSystem
+
+NOT_OF_THE_NUMBERS = (
+    "V increases along fields with bounds of irrational numbers; along the field itself that is not shown"
+)
 
 
 @dataclass(frozen=True, repr=False)
@@ -74,6 +80,8 @@ def audit_many(scene: SwitchedSystem, lyapunov: str) -> ManyStateAudit:
     formula = parse_lyapunov(lyapunov, scene.states, scene.origin, KEY)
     if not all(scene.field.has_angle(turn) for turn in formula.turns()):
         raise SceneError(scene.origin, KEY, "angles that occur in the scene, or multiples of pi/12", lyapunov)
+    with suppress(NoEnclosureError):
+        scene = enclose_numbers(scene)
     try:
         found = ExaminedLyapunov(formula, scene.check.radius, examine(scene, formula, scene.check.radius))
     except BeyondReachError as error:
@@ -97,17 +105,20 @@ def _result(scene: SwitchedSystem, lyapunov: str, found: ExaminedLyapunov) -> Ma
         Decrease.UNDECIDED: (AuditVerdict.UNDECIDED, None),
     }[examination.verdict]
     reason, witness = examination.reason, examination.failure
-    if witness is not None and scene.waves:
+    if witness is not None and scene.only_encloses:
         witness = _stated_failure(scene, found.formula, witness)
         verdict = verdict if witness is not None else AuditVerdict.UNDECIDED
-        reason = reason if witness is not None else NOT_OF_THE_FIELD
+        open_reason = NOT_OF_THE_NUMBERS if scene.encloses_numbers else NOT_OF_THE_FIELD
+        reason = reason if witness is not None else open_reason
     return ManyStateAudit(scene, lyapunov, verdict, proves, reason, found, witness)
 
 
 def _stated_failure(system: SwitchedSystem, formula: PiecewiseExpression, found: FailurePoint) -> FailurePoint | None:
-    """What refutes V for the stated field, where sines and cosines of states are enclosed; None where nothing does."""
+    """What refutes V for the stated field, where right-hand sides only enclose it; None where nothing does."""
     if found.meaning != RISES:
         return found
+    if system.encloses_numbers:
+        return None
     place = rising_place(system, formula, found.point)
     rational = () if place is None else tuple(c.as_rational() for c in place)
     known = tuple(Fraction(int(c.p), int(c.q)) for c in rational if c is not None)

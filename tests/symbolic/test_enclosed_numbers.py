@@ -12,8 +12,10 @@ import pytest
 import sympy
 from scipy.optimize import linprog
 
+from nonsmooth.proofs.many_states.audit import audit_many
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import decide_system
+from nonsmooth.proofs.systems.lyapunov_audit import AuditVerdict
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.enclosed_numbers import NoEnclosureError, enclose_numbers
 from nonsmooth.symbolic.files.system_file import build_system
@@ -96,3 +98,18 @@ def test_what_one_of_the_bounds_allows_is_not_certified(rhs: list[str], verdict:
         return
     with pytest.raises(ValueError, match="only enclosed"):
         certificate_of(result)
+
+
+@pytest.mark.parametrize(
+    ("rhs", "function", "verdict"),
+    [
+        (["-sqrt(2)*x + y", "-y", "-z/sqrt(3)"], "x**2 + y**2 + z**2", AuditVerdict.VALID),
+        (["-sqrt(2)*x + y", "-y", "-z/sqrt(3)"], "x**2 - y**2 + z**2", AuditVerdict.INVALID),
+        (["-sqrt(2)*x", "y", "-z"], "x**2 + y**2 + z**2", AuditVerdict.UNDECIDED),  # true of all of them, not asked
+        (["sqrt(2)*y", "-sqrt(2)*x", "-z"], "x**2 + y**2 + z**2", AuditVerdict.UNDECIDED),
+    ],
+)
+def test_functions_are_judged_by_what_holds_of_all_bounds(rhs: list[str], function: str, verdict: AuditVerdict) -> None:
+    found = audit_many(built(rhs), function)
+    assert found.verdict is verdict
+    assert found.check()
