@@ -20,7 +20,6 @@ from nonsmooth.symbolic.constraints import (
     cofactors,
     combine,
     cross_product,
-    independent,
     inner,
     rows_with_friction,
     scaled,
@@ -142,8 +141,3 @@ def take_census(scene: Scene) -> ContactCensus:
     states = regular_states(scene)
     possible = triples_with_friction(scene)
     return ContactCensus(possible, possible - len(states), len({state.twist for state in states}))
-
-
-def input_rank(state: ContactState) -> int:
-    """Number of independent inputs of a contact state (rank of its control vector fields)."""
-    return len(independent(list(state.control_fields.values())))

@@ -69,11 +69,6 @@ class Units:
         return f"{self.length}/s" if self.length else ""
 
     @property
-    def angular_speed(self) -> str:
-        """Of rotation rates."""
-        return "rad/s" if self.length else ""
-
-    @property
     def time(self) -> str:
         """Of times."""
         return "s" if self.length else ""

@@ -107,9 +107,9 @@ def _result(scene: SwitchedSystem, lyapunov: str, found: ExaminedLyapunov) -> Ma
     reason, witness = examination.reason, examination.failure
     if witness is not None and scene.only_encloses:
         witness = _stated_failure(scene, found.formula, witness)
-        verdict = verdict if witness is not None else AuditVerdict.UNDECIDED
-        open_reason = NOT_OF_THE_NUMBERS if scene.encloses_numbers else NOT_OF_THE_FIELD
-        reason = reason if witness is not None else open_reason
+        if witness is None:
+            verdict = AuditVerdict.UNDECIDED
+            reason = NOT_OF_THE_NUMBERS if scene.encloses_numbers else NOT_OF_THE_FIELD
     return ManyStateAudit(scene, lyapunov, verdict, proves, reason, found, witness)
 
 

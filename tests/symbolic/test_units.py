@@ -29,14 +29,14 @@ def load(folder: Path, text: str) -> Scene:
 def test_a_scene_without_units_has_empty_labels(tmp_path: Path) -> None:
     units = load(tmp_path, WHEELS).units
     assert units == Units()
-    assert {units.length, units.speed, units.angular_speed, units.time} == {""}
+    assert {units.length, units.speed, units.time} == {""}
 
 
 @pytest.mark.parametrize("length", ["m", "cm", "mm", "in"])
 def test_labels(tmp_path: Path, length: str) -> None:
     scene = load(tmp_path, f'{WHEELS}[units]\nlength = "{length}"\n')
     units = scene.units
-    assert (units.length, units.speed, units.angular_speed, units.time) == (length, f"{length}/s", "rad/s", "s")
+    assert (units.length, units.speed, units.time) == (length, f"{length}/s", "s")
     assert [wheel.speed for wheel in scene.wheels] == [2, 1, 1]
 
 
