@@ -19,10 +19,10 @@ from nonsmooth.proofs.kernel.fans import show_by_fan
 from nonsmooth.proofs.kernel.first_terms import show_departure_of, show_linearization_of
 from nonsmooth.proofs.kernel.search import NotShownError, Search
 from nonsmooth.proofs.kernel.sign_cells import BeyondReachError, IrrationalError
-from nonsmooth.proofs.kernel.weak_growth import find_weak_growth
 from nonsmooth.proofs.kernel.weighted_turns import show_by_weights
 from nonsmooth.proofs.many_states.instability import find_growth
 from nonsmooth.proofs.many_states.relay_degree import show_relay_of
+from nonsmooth.proofs.weak_growth import find_weak_growth
 from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
 
 Entry: TypeAlias = tuple[dict[str, Any], list[Statement]]  # of a certificate, and what it shows

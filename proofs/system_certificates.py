@@ -22,7 +22,6 @@ from nonsmooth.proofs.checker.files import read
 from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.statements import VERSION, refusal
 from nonsmooth.proofs.checker.theorems import Statement
-from nonsmooth.proofs.kernel.scalar import scalar_theorem
 from nonsmooth.proofs.kernel.search import NotShownError, Search
 from nonsmooth.proofs.kernel.second_function import find_second
 from nonsmooth.proofs.kernel.sign_cells import BeyondReachError, IrrationalError, surfaces_of
@@ -32,6 +31,7 @@ from nonsmooth.proofs.many_states.conclusion import ManyStateMethod
 from nonsmooth.proofs.many_states.decision import ManyStateResult
 from nonsmooth.proofs.many_states.facts import rate_words as many_rate_words
 from nonsmooth.proofs.many_states.facts import region_words as many_region_words
+from nonsmooth.proofs.scalar_theorems import scalar_theorem
 from nonsmooth.proofs.strategies import show_verdict
 from nonsmooth.proofs.system_decision import DecidedSystem
 from nonsmooth.proofs.systems.conclusion import Method

@@ -25,7 +25,7 @@ from nonsmooth.proofs.kernel.samples import Floats, SampledProofs, values_at
 from nonsmooth.proofs.kernel.search import NotShownError, Search
 from nonsmooth.proofs.kernel.sign_cells import rational
 from nonsmooth.proofs.kernel.stated_cells import StatedCells, scaled, stated_cells
-from nonsmooth.proofs.systems.tangent_fan import form_lines, lowest_form
+from nonsmooth.proofs.kernel.tangents import form_lines, lowest_form
 from nonsmooth.symbolic.numbers.polynomial import Polynomial as Form
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 

@@ -24,9 +24,17 @@ from scipy.optimize import linprog, nnls
 from nonsmooth.proofs.checker.cells import Cell, Face, Inclusion, System
 from nonsmooth.proofs.checker.invariance import MAX_OTHERS, Bound, Chain, common_signs
 from nonsmooth.proofs.checker.polynomials import Exponents, Polynomial
+from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.kernel.bounds import Bounds, evaluated, formula
+from nonsmooth.proofs.kernel.curved_cells import sharpened, started
 from nonsmooth.proofs.kernel.search import NotShownError, Search
+from nonsmooth.proofs.kernel.sign_cells import BeyondReachError, surfaces_of
+from nonsmooth.proofs.kernel.stated_cells import stated_cells
+from nonsmooth.proofs.kernel.subject import NoCertificateError
+from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.piecewise import PiecewiseExpression
+from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 SCALES = (1.0, 0.5, 0.25, 0.1, 0.03)  # of the points, in units of the cube
 DIRECTIONS = 16  # at random, on each scale and in each subspace of coordinates
@@ -93,6 +101,27 @@ def stated_second(
     except (NotShownError, RejectedError):
         return None
     return None if survey.left else {"functions": list(others), "zeros": survey.zeros}
+
+
+def find_attraction(system: SwitchedSystem, potential: PiecewiseExpression, radius: Number) -> dict[str, Any] | None:
+    """The entry of a certificate that shows asymptotic stability by V and further functions; None where none is found.
+
+    Args:
+        system: in any number of states.
+        potential: V in the displacement, which does not rise.
+        radius: half the side of a cube about the point.
+    """
+    try:
+        subject, search = started(system, None)
+        cells = sharpened(stated_cells(system, radius, surfaces_of(system, potential)), subject, search)
+        second = find_second(subject, cells.record, potential.text, search)
+        if second is None:
+            return None
+        options = {"everywhere": False, "level": None, "below": False, "rate": None}
+        function = {"cells": cells.record, "function": potential.text, "second": second}
+        return search.entry(subject, "lyapunov", {**function, "verdict": ASYMPTOTICALLY_STABLE, **options})[0]
+    except (NotShownError, BeyondReachError, NoCertificateError):
+        return None
 
 
 class Chains:

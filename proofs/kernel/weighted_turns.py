@@ -27,7 +27,7 @@ from nonsmooth.proofs.kernel.search import NotShownError, Search
 from nonsmooth.proofs.kernel.second_function import find_second
 from nonsmooth.proofs.kernel.sign_cells import surfaces_of
 from nonsmooth.proofs.kernel.stated_cells import scaled, stated_cells
-from nonsmooth.proofs.systems.tangent_fan import form_lines, lowest_form
+from nonsmooth.proofs.kernel.tangents import form_lines, lowest_form
 from nonsmooth.symbolic.piecewise import parse_piecewise
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 

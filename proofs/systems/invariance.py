@@ -14,8 +14,11 @@ Then every solution from a sublevel set of V inside the domain tends to the orig
 (arbitrary switching), F is their hull.  None of them lets V rise, so a mixture keeps V only if all fields that it mixes
 do: 1 and 2 are asked of each field in each cell, 3 of all mixtures, for two fields that each move may rest together.
 Fields are not asked one after the other: one may keep V where another does not, and a signal may always take the first.
-  Condition 1 is exact over Q: an
-irreducible factor q of the rate whose zero set holds an arc of a level divides the Jacobian of V and q.
+Condition 1 is exact over Q: an irreducible factor q of the rate whose zero set holds an arc of a level divides the
+Jacobian of V and q.
+
+Where 1 to 3 leave it open, as beside curves on which V bends, further functions are searched that rise where V is kept
+(:mod:`nonsmooth.proofs.kernel.second_function`).
 """
 
 from __future__ import annotations
@@ -31,14 +34,17 @@ from nonsmooth.proofs.inequalities.cell_forms import directions
 from nonsmooth.proofs.inequalities.effort import effort_of_its_own
 from nonsmooth.proofs.inequalities.prover import Proof, Sense, prove
 from nonsmooth.proofs.inequalities.strata import bends_along_a_curve
+from nonsmooth.proofs.kernel.second_function import find_attraction
 from nonsmooth.proofs.systems.border_motion import along_edge
 from nonsmooth.proofs.systems.derivatives import EFFORT, Decrease, LyapunovResult
 from nonsmooth.proofs.systems.rest_points import Rests, find_rests
 from nonsmooth.symbolic.numbers.lazy import evaluated
-from nonsmooth.symbolic.numbers.number import sign
+from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
+from nonsmooth.symbolic.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.plane import cross
 from nonsmooth.symbolic.surfaces import divides, factorize
+from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 
 class Staying(StrEnum):
@@ -152,6 +158,23 @@ def _middles(cells: Sequence[LyapunovCell]) -> Iterator[Point]:
 
 def _in_cone(ray: Point, start: Point, end: Point) -> bool:
     return sign(cross(start, ray)) >= 0 and sign(cross(ray, end)) >= 0
+
+
+def decide_staying_of(
+    system: SwitchedSystem, formula: PiecewiseExpression | None, radius: Number, cells: Sequence[LyapunovCell]
+) -> Staying:
+    """The same; where the zero sets leave it open, further functions are searched that rise where V is kept.
+
+    Args:
+        system: in two states.
+        formula: V in the displacement; None for one of pieces, for which none are searched.
+        radius: half the side of the square on which they are searched.
+        cells: cover the domain; V is positive and does not increase on them.
+    """
+    found = decide_staying(cells)
+    if found in (Staying.NONE, Staying.RESTS) or formula is None or system.by_roots is not None:
+        return found
+    return found if find_attraction(system, formula, radius) is None else Staying.NONE
 
 
 def staying_of(certificate: LyapunovResult | None) -> Staying | None:

@@ -44,7 +44,7 @@ from nonsmooth.proofs.systems.denominators import require_denominators
 from nonsmooth.proofs.systems.derivatives import EFFORT, Decrease, LyapunovResult, examine, inhabited
 from nonsmooth.proofs.systems.disturbance_gain import DisturbanceGain
 from nonsmooth.proofs.systems.domain import SHRINKING, Domain, domain_names, domains, plane_cells
-from nonsmooth.proofs.systems.invariance import Staying, staying_of
+from nonsmooth.proofs.systems.invariance import Staying, decide_staying_of
 from nonsmooth.proofs.systems.leading_terms import LeadingTerms, decide_leading_terms
 from nonsmooth.proofs.systems.local_cells import conic_germ, decide_equilibrium
 from nonsmooth.proofs.systems.lyapunov_search import has_curves
@@ -160,7 +160,8 @@ class SystemResult(StabilityResult):
         genuine = genuine and self.finite_time is arrives_in_finite_time(
             self.scene, cells, self.verdict, self.certificate
         )
-        genuine = genuine and (self.staying is None or self.staying is staying_of(self.certificate))
+        by = self.certificate, self.domain, self.searched
+        genuine = genuine and (self.staying is None or self.staying is _staying(self.scene, *by))
         return genuine and concluded == (self.verdict, self.reason, self.method) and self.recompute(cells)
 
     def _region_is_genuine(self) -> bool:
@@ -231,7 +232,9 @@ def system_check(scene: SwitchedSystem) -> SystemResult:
     certificate, domain = _certificate(scene, reported, others)
     fan, growth, searched, leading, staying = None, None, None, None, None
     if has_curves(scene) and not (scene.check.is_default or rays):
-        staying = staying_of(certificate)  # of the V that the scene names: beside curves a search takes long
+        staying = _staying(
+            scene, certificate, domain, None
+        )  # of the V that the scene names: beside curves a search takes long
     if staying is not Staying.NONE and (certificate is None or certificate.verdict is not Decrease.STRICT):
         fan = decide_constant_fan(cells)
         if holds is Equilibrium.HOLDS and fan is None:
@@ -320,19 +323,32 @@ def _by_invariance(
     weak = method is Method.LYAPUNOV and verdict is Translation.STABLE
     if not (weak or method is Method.NONE) or (weak and rays):
         return *known, None
-    staying = staying_of(known[0])
+    staying = _staying(scene, *known)
     if staying is Staying.NONE:
         return *known, staying
     if weak and known[1] is not None and known[1].radius == scene.check.radius:
         smaller = Domain(scene.check.radius * SHRINKING)
         result = examine(scene_cells(scene, square_regions(smaller.radius or scene.check.radius)))
-        if result.verdict is Decrease.WEAK and staying_of(result) is Staying.NONE:
+        if _staying(scene, result, smaller, None) is Staying.NONE:
             return result, smaller, None, Staying.NONE
     found = search_weak_lyapunov(scene, may_attract=not rays)
     if found is None:
         return *known, staying
-    own = None if rays else staying_of(found.result)
+    own = None if rays else _staying(scene, found.result, found.domain, found)
     return (*known, staying) if weak and own is not Staying.NONE else (found.result, found.domain, found, own)
+
+
+def _staying(
+    scene: SwitchedSystem,
+    certificate: LyapunovResult | None,
+    domain: Domain | None,
+    searched: SearchedLyapunov | None,
+) -> Staying | None:
+    """What stays where V' = 0, of a V that does not increase; None for any other."""
+    if certificate is None or certificate.verdict is not Decrease.WEAK or domain is None:
+        return None
+    formula = scene.check.lyapunov if searched is None else searched.formula
+    return decide_staying_of(scene, formula, domain.radius or scene.check.radius, certificate.cells)
 
 
 def _certificate(

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from nonsmooth.analysis.cells.switched_cells import square_regions
+from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.systems.certified_reach import scene_cells
 from nonsmooth.proofs.systems.conclusion import Method
 from nonsmooth.proofs.systems.invariance import Staying, decide_staying
@@ -55,6 +56,26 @@ def with_v(system: SwitchedSystem, lyapunov: str) -> SwitchedSystem:
 def test_what_stays(load: Load, friction: str, potential: str, staying: Staying) -> None:
     system = with_v(load("y", f"-({friction})"), f"y**2/2 + {potential}")
     assert decide_staying(scene_cells(system, square_regions(system.check.radius))) is staying
+
+
+BANG_BANG = "Abs(x + y*Abs(y)/3) + y**2/2"
+
+
+def test_further_functions_decide_where_zero_sets_do_not(load: Load) -> None:
+    """V bends on a curve, along which solutions of the double integrator switch once: known since Pontryagin."""
+    system = with_v(load("y", "-sign(x + y*Abs(y)/3)"), BANG_BANG)
+    cells = scene_cells(system, square_regions(system.check.radius))
+    assert decide_staying(cells) is Staying.UNDECIDED
+    result = system_check(system)
+    assert (result.verdict, result.method) == (Translation.ASYMPTOTICALLY_STABLE, Method.INVARIANCE)
+    assert result.check()
+    claims = certificate_of(result)["statement"]["claims"]
+    assert {"stability": "asymptotically stable"} in claims
+    assert any("attracts" in claim for claim in claims)
+    assert audit(system, BANG_BANG).proves is Translation.ASYMPTOTICALLY_STABLE
+    for orbits in (load("y", "-x"), load("-sign(y)", "sign(x)")):
+        potential = "x**2 + y**2" if orbits.rhs[0].text == "y" else "Abs(x) + Abs(y)"
+        assert audit(orbits, potential).proves is Translation.STABLE
 
 
 @pytest.mark.usefixtures("strict_search")

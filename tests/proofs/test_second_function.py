@@ -28,7 +28,7 @@ from nonsmooth.proofs.kernel.second_function import extreme_velocities, find_sec
 from nonsmooth.proofs.kernel.sign_cells import surfaces_of
 from nonsmooth.proofs.kernel.stated_cells import stated_cells
 from nonsmooth.proofs.kernel.subject import about
-from nonsmooth.proofs.kernel.weak_growth import find_weak_growth
+from nonsmooth.proofs.weak_growth import find_weak_growth
 from nonsmooth.symbolic.files.system_file import build_system
 from nonsmooth.symbolic.piecewise import parse_piecewise
 from tests.dissipative_systems import dissipative_systems
