@@ -22,6 +22,7 @@ from nonsmooth.proofs.checker.formulas import SignOf
 from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE, STABLE
 from nonsmooth.proofs.checker.work import RejectedError
+from nonsmooth.proofs.kernel.search import stability_hypotheses
 from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.systems.scalar_stability import ScalarResult
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
@@ -69,18 +70,13 @@ def _attraction(result: ScalarResult, system: System) -> Theorem:
     if left == right:
         function = f"{name}**2/({right**2})"
     cells = stated_intervals(system, max(left, right))
-    return "lyapunov", {**_stability(cells, function, ASYMPTOTICALLY_STABLE), "level": "1", "below": True}
+    return "lyapunov", {**stability_hypotheses(cells, function, ASYMPTOTICALLY_STABLE), "level": "1", "below": True}
 
 
 def _rest(system: System) -> Theorem:
     """``V = x^2``, near the point."""
     cells = stated_intervals(system, clear_radius(system))
-    return "lyapunov", _stability(cells, f"{system.coordinates[0]}**2", STABLE)
-
-
-def _stability(cells: dict[str, Any], function: str, verdict: str) -> dict[str, Any]:
-    options = {"second": None, "everywhere": False, "level": None, "below": False, "rate": None}
-    return {"cells": cells, "function": function, "verdict": verdict, **options}
+    return "lyapunov", stability_hypotheses(cells, f"{system.coordinates[0]}**2", STABLE)
 
 
 def _departure(system: System) -> Theorem:

@@ -9,15 +9,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 from nonsmooth.proofs.checker.cells import MAX_STATES
-from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE, STABLE, UNSTABLE, Statement
+from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE, STABLE, UNSTABLE
 from nonsmooth.proofs.kernel.curved_cells import started
 from nonsmooth.proofs.kernel.escapes import show_escape_of
 from nonsmooth.proofs.kernel.fans import show_by_fan
 from nonsmooth.proofs.kernel.first_terms import show_departure_of, show_linearization_of
-from nonsmooth.proofs.kernel.search import NotShownError, Search
+from nonsmooth.proofs.kernel.search import Entry, NotShownError, Search
 from nonsmooth.proofs.kernel.sign_cells import BeyondReachError, IrrationalError
 from nonsmooth.proofs.kernel.weighted_turns import show_by_weights
 from nonsmooth.proofs.many_states.instability import find_growth
@@ -25,7 +25,6 @@ from nonsmooth.proofs.many_states.relay_degree import show_relay_of
 from nonsmooth.proofs.weak_growth import find_weak_growth
 from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
 
-Entry: TypeAlias = tuple[dict[str, Any], list[Statement]]  # of a certificate, and what it shows
 Show: TypeAlias = Callable[[SwitchedSystem, str, Search | None], Entry]
 
 

@@ -22,7 +22,7 @@ from nonsmooth.proofs.checker.files import read
 from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.statements import VERSION, refusal
 from nonsmooth.proofs.checker.theorems import Statement
-from nonsmooth.proofs.kernel.search import NotShownError, Search
+from nonsmooth.proofs.kernel.search import NotShownError, Search, stability_hypotheses
 from nonsmooth.proofs.kernel.second_function import find_second
 from nonsmooth.proofs.kernel.sign_cells import BeyondReachError, IrrationalError, surfaces_of
 from nonsmooth.proofs.kernel.stated_cells import StatedCells, stated_cells
@@ -272,7 +272,9 @@ def _in_the_plane(result: SystemResult) -> Iterator[Candidate]:
             gain = {"rate": rate, "gain": exact_text(result.gain.gamma)}
             options.append(Option(gain, gain_words(result)))
     weak = result.method is Method.INVARIANCE
-    yield Candidate("lyapunov", _hypotheses(cells, function, result.verdict), tuple(options), needs_second=weak)
+    yield Candidate(
+        "lyapunov", stability_hypotheses(cells.record, function, str(result.verdict)), tuple(options), needs_second=weak
+    )
     if result.searched is not None and staying_of(result.lyapunov) is Staying.NONE:
         yield _by_stated_function(result)
 
@@ -281,7 +283,7 @@ def _by_stated_function(result: SystemResult) -> Candidate:
     """The scene's own V and LaSalle's principle, for a searched V that falls, of higher degree, and is not shown."""
     radius, text = result.reported_domain.radius, one_line(result.scene.check.lyapunov.text)
     function, cells = _stated_function(result.scene, radius, (), text)
-    return Candidate("lyapunov", _hypotheses(cells, function, result.verdict), needs_second=True)
+    return Candidate("lyapunov", stability_hypotheses(cells.record, function, str(result.verdict)), needs_second=True)
 
 
 def _in_many_states(result: ManyStateResult) -> Iterator[Candidate]:
@@ -306,12 +308,6 @@ def _in_many_states(result: ManyStateResult) -> Iterator[Candidate]:
     if result.rate is not None:
         options.append(Option({"rate": result.rate.record}, many_rate_words(result)))
     yield Candidate("lyapunov", hypotheses, tuple(options), own["proofs"])
-
-
-def _hypotheses(cells: StatedCells, function: Any, verdict: Translation) -> Record:
-    """Of theorem ``lyapunov``, without its options."""
-    found = {"cells": cells.record, "function": function, "second": None, "verdict": str(verdict)}
-    return {**found, "everywhere": False, "level": None, "below": False, "rate": None}
 
 
 def _stated_function(
@@ -381,7 +377,7 @@ def _further(result: DecidedSystem) -> Iterator[Option]:
         return
     system, region, far = result.scene, result.region, result.region_rate
     function, cells = _stated_function(system, region.radius, proving_pieces(result), proving_text(result))
-    own = {**_hypotheses(cells, function, result.verdict), "below": True}
+    own = {**stability_hypotheses(cells.record, function, str(result.verdict)), "below": True}
     words = reached_words(region, system.states)
     yield Option({**own, "level": exact_text(region.level)}, words)
     if far is not None:

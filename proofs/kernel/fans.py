@@ -19,10 +19,10 @@ from scipy.optimize import linprog
 
 from nonsmooth.proofs.checker.cells import Cell, Inclusion
 from nonsmooth.proofs.checker.polynomials import Polynomial
-from nonsmooth.proofs.checker.theorems import STABLE, UNSTABLE, Statement
+from nonsmooth.proofs.checker.theorems import STABLE, UNSTABLE
 from nonsmooth.proofs.kernel.curved_cells import build_inclusion, sharpened, started
 from nonsmooth.proofs.kernel.samples import Floats, SampledProofs, values_at
-from nonsmooth.proofs.kernel.search import NotShownError, Search
+from nonsmooth.proofs.kernel.search import Entry, NotShownError, Search, stability_hypotheses
 from nonsmooth.proofs.kernel.sign_cells import rational
 from nonsmooth.proofs.kernel.stated_cells import StatedCells, scaled, stated_cells
 from nonsmooth.proofs.kernel.tangents import form_lines, lowest_form
@@ -54,7 +54,7 @@ class FanCone:
     cells: tuple[Cell, ...]
 
 
-def show_by_fan(system: SwitchedSystem, verdict: str, search: Search | None = None) -> tuple[Record, list[Statement]]:
+def show_by_fan(system: SwitchedSystem, verdict: str, search: Search | None = None) -> Entry:
     """Evidence of a verdict by a piecewise linear V.
 
     Args:
@@ -245,11 +245,10 @@ def _written(
         slopes = _gradient(cone, value, after)
         formula = " + ".join(f"{slope}*{name}" for slope, name in zip(slopes, system.states, strict=True))
         pieces.append([stated.signs([(first, 1), (last, -1)]), formula])
-    common = {"cells": stated.record, "function": pieces, "second": None}
     if verdict != UNSTABLE:
-        more = {"verdict": verdict, "everywhere": False, "level": None, "below": False, "rate": None}
-        return "lyapunov", {**common, **more}
-    return "instability", {**common, "direction": list(map(str, _downward(cones, values)))}
+        return "lyapunov", stability_hypotheses(stated.record, pieces, verdict)
+    direction = list(map(str, _downward(cones, values)))
+    return "instability", {"cells": stated.record, "function": pieces, "second": None, "direction": direction}
 
 
 def _gradient(cone: FanCone, value: Fraction, after: Fraction) -> Ray:

@@ -20,10 +20,10 @@ from scipy.optimize import linprog
 from nonsmooth.proofs.checker.cells import System
 from nonsmooth.proofs.checker.lyapunov import sign_along
 from nonsmooth.proofs.checker.polynomials import Polynomial, constant, variable
-from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE, Statement
+from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE
 from nonsmooth.proofs.kernel.curved_cells import build_inclusion, sharpened, started
 from nonsmooth.proofs.kernel.samples import Floats, SampledProofs
-from nonsmooth.proofs.kernel.search import NotShownError, Search
+from nonsmooth.proofs.kernel.search import Entry, NotShownError, Search, stability_hypotheses
 from nonsmooth.proofs.kernel.stated_cells import StatedCells, stated_cells
 from nonsmooth.proofs.kernel.written import formula_text
 from nonsmooth.symbolic.switched_system import SwitchedSystem
@@ -38,9 +38,7 @@ TIE = 2.0**-20  # below which two eigenvalues of A - mu I add to zero
 DIRECTIONS = 200  # drawn about the one in which V is least
 
 
-def show_departure_of(
-    system: SwitchedSystem, verdict: str, search: Search | None = None
-) -> tuple[Record, list[Statement]]:
+def show_departure_of(system: SwitchedSystem, verdict: str, search: Search | None = None) -> Entry:
     """Evidence that the checked point is no equilibrium.
 
     Args:
@@ -102,9 +100,7 @@ def leading_direction(velocities: Floats) -> Floats | None:
 # ---- linearization -------------------------------------------------------------------------------
 
 
-def show_linearization_of(
-    system: SwitchedSystem, verdict: str, search: Search | None = None
-) -> tuple[Record, list[Statement]]:
+def show_linearization_of(system: SwitchedSystem, verdict: str, search: Search | None = None) -> Entry:
     """Evidence of a verdict by a quadratic V, where all fields vanish at the point with one Jacobian.
 
     Args:
@@ -137,11 +133,11 @@ def show_linearization_of(
 def _written(
     stated: StatedCells, quadratic: Polynomial, direction: Sequence[Fraction], verdict: str, subject: System
 ) -> tuple[str, Record]:
-    common = {"cells": stated.record, "function": formula_text(quadratic, subject.states), "second": None}
+    cells, function = stated.record, formula_text(quadratic, subject.states)
     if verdict == ASYMPTOTICALLY_STABLE:
-        more = {"verdict": verdict, "everywhere": False, "level": None, "below": False, "rate": None}
-        return "lyapunov", {**common, **more}
-    return "instability", {**common, "direction": list(map(str, direction))}
+        return "lyapunov", stability_hypotheses(cells, function, verdict)
+    own = {"cells": cells, "function": function, "second": None, "direction": list(map(str, direction))}
+    return "instability", own
 
 
 def common_jacobian(fields: Sequence[Field]) -> Floats | None:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeAlias
 
 from nonsmooth.proofs.checker.cells import System
 from nonsmooth.proofs.checker.positivity import Claim, Proofs
@@ -20,6 +20,9 @@ from nonsmooth.proofs.kernel import mixtures, simplices, squares
 WORK = 20_000  # coefficients that the search for simplices may look at, for one claim
 FLAT = 2  # variables up to which simplices are tried before sums of squares
 MOST_BY_SIMPLICES = 3  # beyond, a cube consists of too many
+
+
+Entry: TypeAlias = tuple[dict[str, Any], list[Statement]]  # of a certificate, and what it shows
 
 
 class NotShownError(ValueError):
@@ -68,7 +71,7 @@ class Search(Proofs):
             return False
         return True
 
-    def entry(self, system: System, theorem: str, hypotheses: dict[str, Any]) -> tuple[dict[str, Any], list[Statement]]:
+    def entry(self, system: System, theorem: str, hypotheses: dict[str, Any]) -> Entry:
         """A theorem with its proofs as a certificate holds it, and what it shows.
 
         Args:
@@ -86,6 +89,21 @@ class Search(Proofs):
             raise NotShownError(f"required {error}") from None
         proofs = {name: self.found[name][1] for name in self.used}
         return {"theorem": theorem, "hypotheses": hypotheses, "proofs": proofs}, shown
+
+
+def stability_hypotheses(
+    cells: dict[str, Any], function: Any, verdict: str, second: dict[str, Any] | None = None
+) -> dict[str, Any]:
+    """Of theorem ``lyapunov``, with nothing stated beyond the verdict.
+
+    Args:
+        cells: as a certificate states them.
+        function: V, likewise.
+        verdict: stable, or asymptotically stable.
+        second: further functions with bounds of their rates, where V does not fall everywhere.
+    """
+    stated = {"cells": cells, "function": function, "second": second, "verdict": verdict}
+    return {**stated, "everywhere": False, "level": None, "below": False, "rate": None}
 
 
 @dataclass(frozen=True)

@@ -28,7 +28,7 @@ from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.kernel.bounds import Bounds, evaluated, formula
 from nonsmooth.proofs.kernel.curved_cells import sharpened, started
-from nonsmooth.proofs.kernel.search import NotShownError, Search
+from nonsmooth.proofs.kernel.search import NotShownError, Search, stability_hypotheses
 from nonsmooth.proofs.kernel.sign_cells import BeyondReachError, surfaces_of
 from nonsmooth.proofs.kernel.stated_cells import stated_cells
 from nonsmooth.proofs.kernel.subject import NoCertificateError
@@ -59,6 +59,7 @@ def find_second(
     search: Search | None = None,
     *,
     below: Fraction | None = None,
+    others: Sequence[str] = (),
 ) -> dict[str, Any] | None:
     """Functions and bounds for the hypothesis ``second`` of the theorems about a V that does not rise.
 
@@ -68,39 +69,12 @@ def find_second(
         function: V, likewise.
         search: keeps the proofs that are found.
         below: a level of V, where nothing is asked of points at which V is not less.
+        others: the first of the functions, where some are known.
 
     Returns:
         The hypothesis; None where V rises somewhere, and where nothing was found or shown.
     """
-    return Chains(system, cells, function, Search() if search is None else search, below).extended([])
-
-
-def stated_second(
-    system: System,
-    cells: Mapping[str, Any],
-    function: Any,
-    others: Sequence[str],
-    search: Search,
-    *,
-    below: Fraction | None = None,
-) -> dict[str, Any] | None:
-    """The same with known functions W: bounds of their rates are found.
-
-    Args:
-        system: the subject.
-        cells: as a certificate states them.
-        function: V, likewise.
-        others: the functions W.
-        search: keeps the proofs that are found.
-        below: a level of V, where nothing is asked of points at which V is not less.
-    """
-    if len(others) > MAX_OTHERS:
-        return None
-    try:
-        survey = Survey(system, cells, function, others, search, below)
-    except (NotShownError, RejectedError):
-        return None
-    return None if survey.left else {"functions": list(others), "zeros": survey.zeros}
+    return Chains(system, cells, function, Search() if search is None else search, below).extended([*others])
 
 
 def find_attraction(system: SwitchedSystem, potential: PiecewiseExpression, radius: Number) -> dict[str, Any] | None:
@@ -117,9 +91,8 @@ def find_attraction(system: SwitchedSystem, potential: PiecewiseExpression, radi
         second = find_second(subject, cells.record, potential.text, search)
         if second is None:
             return None
-        options = {"everywhere": False, "level": None, "below": False, "rate": None}
-        function = {"cells": cells.record, "function": potential.text, "second": second}
-        return search.entry(subject, "lyapunov", {**function, "verdict": ASYMPTOTICALLY_STABLE, **options})[0]
+        hypotheses = stability_hypotheses(cells.record, potential.text, ASYMPTOTICALLY_STABLE, second)
+        return search.entry(subject, "lyapunov", hypotheses)[0]
     except (NotShownError, BeyondReachError, NoCertificateError):
         return None
 

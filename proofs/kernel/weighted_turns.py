@@ -20,10 +20,10 @@ from scipy.optimize import linprog
 
 from nonsmooth.proofs.checker.cells import Inclusion
 from nonsmooth.proofs.checker.polynomials import lie_derivative
-from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE, STABLE, UNSTABLE, Statement
+from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE, STABLE, UNSTABLE
 from nonsmooth.proofs.kernel.curved_cells import build_inclusion, sharpened, started
 from nonsmooth.proofs.kernel.samples import Floats, sample_points, values_at
-from nonsmooth.proofs.kernel.search import NotShownError, Search
+from nonsmooth.proofs.kernel.search import Entry, NotShownError, Search, stability_hypotheses
 from nonsmooth.proofs.kernel.second_function import find_second
 from nonsmooth.proofs.kernel.sign_cells import surfaces_of
 from nonsmooth.proofs.kernel.stated_cells import scaled, stated_cells
@@ -38,9 +38,7 @@ SLACK = 2.0**-20  # by which V may rise in floats
 DIRECTION = ["3", "7"]  # in which V is negative near an unstable point
 
 
-def show_by_weights(
-    system: SwitchedSystem, verdict: str, search: Search | None = None
-) -> tuple[dict[str, Any], list[Statement]]:
+def show_by_weights(system: SwitchedSystem, verdict: str, search: Search | None = None) -> Entry:
     """Evidence of a verdict by V and further functions, where one linear form has twice the weight of another.
 
     Args:
@@ -73,16 +71,15 @@ def show_by_weights(
                 below = Fraction(0) if grows else None
                 second = find_second(subject, cells.record, function, search, below=below)
                 if second is not None:
-                    common = {"cells": cells.record, "function": function, "second": second}
-                    return search.entry(subject, *_theorem(common, grows=grows))
+                    theorem = "instability" if grows else "lyapunov"
+                    return search.entry(subject, theorem, _hypotheses(cells.record, function, second, grows=grows))
     raise NotShownError("no function was found for leading terms with weights")
 
 
-def _theorem(common: dict[str, Any], *, grows: bool) -> tuple[str, dict[str, Any]]:
+def _hypotheses(cells: dict[str, Any], function: str, second: dict[str, Any], *, grows: bool) -> dict[str, Any]:
     if grows:
-        return "instability", {**common, "direction": DIRECTION}
-    options = {"everywhere": False, "level": None, "below": False, "rate": None}
-    return "lyapunov", {**common, "verdict": ASYMPTOTICALLY_STABLE, **options}
+        return {"cells": cells, "function": function, "second": second, "direction": DIRECTION}
+    return stability_hypotheses(cells, function, ASYMPTOTICALLY_STABLE, second)
 
 
 def _proposals(inclusion: Inclusion, basis: Sequence[str], *, grows: bool) -> list[str]:

@@ -8,7 +8,7 @@ from typing import Any
 from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.statements import show_entry
 from nonsmooth.proofs.checker.work import BUDGET, MALFORMED, MAX_BYTES, RejectedError
-from nonsmooth.proofs.kernel.search import NotShownError, Search
+from nonsmooth.proofs.kernel.search import NotShownError, Search, stability_hypotheses
 from nonsmooth.proofs.kernel.second_function import find_second
 from nonsmooth.proofs.kernel.subject import about
 from nonsmooth.proofs.many_states.decay import ProvedDecay
@@ -68,14 +68,10 @@ class ExaminedLyapunov:
     def entry(self, *, region: SublevelSet | None = None, rate: ProvedDecay | None = None) -> dict[str, Any]:
         """The theorem with its evidence, as a certificate holds it: what V shows, where from, and how fast."""
         stated, falls = self.examination.stated, self.examination.verdict is Decrease.STRICT
-        hypotheses = {
-            "cells": stated.record,
-            "function": self.formula.text,
-            "second": None,
-            "verdict": str(PROVES[self.examination.verdict]),
+        verdict = str(PROVES[self.examination.verdict])
+        hypotheses = stability_hypotheses(stated.record, self.formula.text, verdict) | {
             "everywhere": falls and self.examination.is_homogeneous,
             "level": None if region is None else str(region.level),
-            "below": False,
             "rate": None if rate is None else rate.record,
         }
         proofs = {**stated.proofs, **self.examination.proofs}

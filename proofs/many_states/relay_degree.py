@@ -22,16 +22,14 @@ from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import reduce
-from typing import Any
 
 from flint import fmpq, fmpq_mat
 
 from nonsmooth.proofs.checker.polynomials import unit
-from nonsmooth.proofs.checker.theorems import Statement
 from nonsmooth.proofs.kernel.bounds import formula
 from nonsmooth.proofs.kernel.curved_cells import started
-from nonsmooth.proofs.kernel.search import NotShownError, Search
-from nonsmooth.proofs.kernel.second_function import stated_second
+from nonsmooth.proofs.kernel.search import Entry, NotShownError, Search
+from nonsmooth.proofs.kernel.second_function import find_second
 from nonsmooth.proofs.kernel.sign_cells import RationalTerms, SignCells, adjoining, rational_terms
 from nonsmooth.proofs.kernel.stated_cells import stated_cells
 from nonsmooth.proofs.kernel.written import as_checked
@@ -93,9 +91,7 @@ def high_degree_relay(system: SwitchedSystem, cells: SignCells) -> RelayDegree |
     return next(_found(cells), None)
 
 
-def show_relay_of(
-    system: SwitchedSystem, verdict: str, search: Search | None = None
-) -> tuple[dict[str, Any], list[Statement]]:
+def show_relay_of(system: SwitchedSystem, verdict: str, search: Search | None = None) -> Entry:
     """Evidence that the point is unstable by W and by functions that rise where W is kept.
 
     Where ``s = h_0 = 0`` and W is kept, ``(h_0 h_1)' = h_1^2 + h_0 h_2`` is not negative, and zero where ``h_1 = 0``;
@@ -125,7 +121,7 @@ def show_relay_of(
             formula(as_checked(own, len(system.states)), system.states)
             for own in (_scaled(relay.rising, fmpq(-1)), *map(multiply_terms, ladder, ladder[1:]))
         )
-        second = stated_second(subject, stated.record, function, others, search, below=Fraction(0))
+        second = find_second(subject, stated.record, function, search, below=Fraction(0), others=others)
         for shift in SHIFTS if second is not None else ():
             direction = [str(x + k * shift) for k, x in enumerate(relay.direction, 1)]
             hypotheses = {"cells": stated.record, "function": function, "second": second, "direction": direction}

@@ -14,9 +14,9 @@ from nonsmooth.proofs.checker.positivity import Claim, Inequality, Proofs
 from nonsmooth.proofs.checker.theorems import STABLE, Statement
 from nonsmooth.proofs.checker.work import require, take
 from nonsmooth.proofs.kernel.curved_cells import started
-from nonsmooth.proofs.kernel.search import Kind, Search
+from nonsmooth.proofs.kernel.search import Entry, Kind, Search
 from nonsmooth.proofs.kernel.stated_cells import stated_cells
-from nonsmooth.proofs.strategies import Entry, Strategy
+from nonsmooth.proofs.strategies import Strategy
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 
