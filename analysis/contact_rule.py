@@ -16,7 +16,8 @@ from functools import cache
 from importlib import import_module
 from typing import TYPE_CHECKING, ClassVar
 
-from nonsmooth.symbolic.rule import CONTACT_RULES
+from nonsmooth.symbolic.number_text import numbers_text
+from nonsmooth.symbolic.rule import CONTACT_RULES, MIXED, MIXED_RULE
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.cells.partition import Partition
@@ -143,7 +144,7 @@ def contact_rule(name: str) -> ContactRule:
     Raises:
         KeyError: for a name that is not registered.
     """
-    return _imported(CONTACT_RULES[name])
+    return _imported(MIXED_RULE if name == MIXED else CONTACT_RULES[name])
 
 
 def rule_of(scene: Scene) -> ContactRule:
@@ -151,9 +152,22 @@ def rule_of(scene: Scene) -> ContactRule:
     return contact_rule(scene.contact.rule)
 
 
-def all_rules() -> tuple[ContactRule, ...]:
-    """Every registered rule, in the order of the registry."""
-    return tuple(contact_rule(name) for name in CONTACT_RULES)
+def rule_notes(scene: Scene) -> list[str]:
+    """What a reader must know of a scene's contact rule: which wheels name one, and where it is a poor model."""
+    named: dict[str, list[int]] = {}
+    for wheel in scene.wheels:
+        if "contact" in wheel.named:
+            named.setdefault(scene.rule_of_wheel(wheel), []).append(wheel.index)
+    others = {scene.rule_of_wheel(wheel) for wheel in scene.wheels if "contact" not in wheel.named}
+    parts = [f"of wheels {numbers_text(tuple(numbers))} {rule}" for rule, numbers in named.items()]
+    said = f"own contact rules: {'; '.join([*parts, *(f'of all others {rule}' for rule in others)])}"
+    return [*([said] if named else []), *filter(None, [rule_of(scene).remark(scene)])]
+
+
+def all_rules(scene: Scene | None = None) -> tuple[ContactRule, ...]:
+    """Every registered rule, in the order of the registry; last that of a scene whose wheels have different ones."""
+    mixed = (MIXED,) if scene is not None and scene.contact.rule == MIXED else ()
+    return tuple(contact_rule(name) for name in (*CONTACT_RULES, *mixed))
 
 
 def cell_rules() -> tuple[CellRule, ...]:

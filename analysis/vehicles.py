@@ -118,7 +118,7 @@ class VehicleMotion:
 def vehicle_motions(vehicle: Vehicle) -> tuple[VehicleMotion | RefusalError, ...]:
     """What every registered rule says, or why it says nothing."""
     motions: list[VehicleMotion | RefusalError] = []
-    for rule in all_rules():
+    for rule in all_rules(vehicle.scene):
         try:
             motions.append(vehicle_motion(vehicle, rule))
         except RefusalError as error:
@@ -134,7 +134,7 @@ def vehicle_motion(vehicle: Vehicle, rule: ContactRule | None = None) -> Vehicle
     """
     scene = vehicle.scene
     chosen = contact_rule(scene.contact.rule) if rule is None else rule
-    judged = replace(vehicle, scene=replace(scene, contact=replace(scene.contact, rule=chosen.name)))
+    judged = replace(vehicle, scene=scene.under(chosen.name))
     if isinstance(chosen, SmoothRule):
         return _least_dissipation(judged, chosen)
     if not isinstance(chosen, CellRule):

@@ -12,7 +12,6 @@ must have one too.  Where the scene is refused, so are the others.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from fractions import Fraction
 from functools import cache, partial
 from typing import Any
@@ -56,7 +55,7 @@ def build_pruning(scene: Scene) -> StudyPlan:
     """The plan for every contact rule; a rule that refuses the array fails, and says why."""
     trials = []
     for rule in CONTACT_RULES:
-        ruled = replace(scene, contact=replace(scene.contact, rule=rule))
+        ruled = scene.under(rule)
         judge = partial(_judge_pruning, cache(partial(_checked, ruled, False)))
         trials += [
             Trial(f"{rule}, {kind}", partial(_checked, ruled, prune), judge)
@@ -139,7 +138,7 @@ class ArrayVerdict:
 
 def array_verdict_rows(scene: Scene) -> Rows:
     """Friction ratios (rule ``nearest``), then scales, offsets and wheels nearly in line under the scene's rule."""
-    nearest = replace(scene, contact=replace(scene.contact, rule="nearest"))
+    nearest = scene.under("nearest")
     plain = {side: ArrayVerdict(with_friction_ratio(nearest, Fraction(2) ** side)) for side in (-1, 0, 1)}
     for parameter, ratio in RATIOS.items():
         side = (ratio > 1) - (ratio < 1)

@@ -11,7 +11,7 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from nonsmooth.analysis.contact_rule import rule_of
+from nonsmooth.analysis.contact_rule import rule_notes, rule_of
 from nonsmooth.proofs.answers.answer import Answer, Position
 from nonsmooth.proofs.answers.answers import Answers
 from nonsmooth.proofs.answers.bounds import at_least
@@ -52,8 +52,7 @@ def answers_view(result: Check, answers: Answers) -> RenderableType:
         parts.append(headings_view(answers.headings))
     rule = rule_of(result.scene)
     parts.append(Text(f"rule {rule.name}: {rule.summary}"))
-    if remark := rule.remark(result.scene):
-        parts.append(Text(f"note: {remark}", "yellow"))
+    parts += [Text(f"note: {note}", "yellow") for note in rule_notes(result.scene)]
     if answers.others:
         parts.append(Text(f"other rules: {'; '.join(map(_in_short, answers.others))}"))
     theorem = Text(f"Theorem 4 ({THEOREM}): ")

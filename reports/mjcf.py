@@ -231,7 +231,7 @@ def _require_ellipses(scene: Scene) -> None:
     """
     from nonsmooth.symbolic.scene_error import SceneError, StatedFact
 
-    if scene.contact.rule == ROLLERS:
+    if ROLLERS in map(scene.rule_of_wheel, scene.wheels):
         expected = f"a rule of wheels without rollers to export it (the friction of the engine is rule {RULE})"
         raise SceneError(scene.origin, "contact.rule", expected, StatedFact(f'"{ROLLERS}"'))
     if scene.contact.loads is not None:

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from nonsmooth.reports.console import RefusedError
-from nonsmooth.symbolic.rule import CONTACT_RULES
+from nonsmooth.symbolic.rule import CONTACT_RULES, MIXED
+
+if TYPE_CHECKING:
+    from nonsmooth.symbolic.scene import Scene
 
 ALL_RULES = "all"
 AUTO = "auto"  # for --at: the best rest point of the square
@@ -17,9 +20,10 @@ THEOREM = "theorem4"
 REQUIRABLE = ("position", "heading", "pose", "tolerances", THEOREM)
 
 
-def chosen_rules(rule: str | None) -> tuple[str | None, ...]:
-    """The contact rules that ``--rule`` asks for; one None for the scene's own."""
-    return tuple(CONTACT_RULES) if rule == ALL_RULES else (rule,)
+def under_all_rules(scene: Scene) -> list[Scene]:
+    """All wheels of an array under every contact rule, and the array itself where its wheels have different ones."""
+    ruled = [scene.under(name) for name in CONTACT_RULES]
+    return [*ruled, scene] if scene.contact.rule == MIXED else ruled
 
 
 def required_answers(text: str | None) -> tuple[str, ...]:

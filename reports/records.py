@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from nonsmooth.analysis.cells.partition import Partition
-from nonsmooth.analysis.contact_rule import rule_of
+from nonsmooth.analysis.contact_rule import rule_notes
 from nonsmooth.proofs.answers.answers import Answers, answers_of
 from nonsmooth.proofs.answers.contact_wheels import contact_facts
 from nonsmooth.proofs.answers.failures import Failure, worst_failure
@@ -56,7 +56,7 @@ def check_record(
         **contradictions_record(result.contradictions),
         "continuum": continuum,
         "failures": None if failures is None else failure_records(failures),
-        "notes": [*angle_notes(scene.field), *filter(None, [rule_of(scene).remark(scene)])],
+        "notes": [*angle_notes(scene.field), *rule_notes(scene)],
         "skipped": [{"what": s.what, "count": s.count, "why": s.why} for s in result.skipped],
         "seconds": {step: round(seconds, 6) for step, seconds in result.seconds.items()},
     }

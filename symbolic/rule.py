@@ -5,11 +5,15 @@ This is the registry.  A contact rule is one class on
 scene files, comparisons and reports offer whatever stands here, in this order.  Only names are kept, so that
 a command line can offer them at once; :func:`nonsmooth.analysis.contact_rule.contact_rule` imports the
 class when it is needed.
+
+A rule in ``BY_FRICTION_SET`` gives each wheel a set of forces of its own, so wheels of one array may name different
+ones.  Such an array has the rule :data:`MIXED`, which nobody names.
 """
 
 from __future__ import annotations
 
 DEFAULT_RULE = "nearest"
+MIXED = "mixed"
 
 CONTACT_RULES = {  # name in scenes and on the command line: module and class
     "nearest": "nonsmooth.analysis.contact_rules.nearest:NearestRule",
@@ -17,6 +21,8 @@ CONTACT_RULES = {  # name in scenes and on the command line: module and class
     "ellipse": "nonsmooth.analysis.contact_rules.ellipse:EllipseRule",
     "roller": "nonsmooth.analysis.contact_rules.roller:RollerRule",
 }
+BY_FRICTION_SET = {"ellipse", "roller"}
+MIXED_RULE = "nonsmooth.analysis.contact_rules.mixed:MixedRule"
 
 
 def read_rule(value: object) -> str:

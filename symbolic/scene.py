@@ -34,10 +34,15 @@ from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
 @dataclass(frozen=True)
 class Friction:
-    """Coulomb coefficients along the friction axis (``roll``, mu_R) and across it (``side``, mu_S); both >= 0."""
+    """Coulomb coefficients along the friction axis (``roll``, mu_R) and across it (``side``, mu_S); both >= 0.
+
+    ``rule`` is the contact rule of the wheel in an array whose wheels have different ones; empty where all have the
+    scene's.
+    """
 
     roll: Number
     side: Number
+    rule: str = ""
 
 
 @dataclass(frozen=True)
@@ -124,6 +129,12 @@ class Wheel:
             return product
         return self.given_speed and product * self.given_speed / self.length
 
+    def naming_no_rule(self) -> Wheel:
+        """The same wheel, under whatever contact rule its scene has."""
+        if "contact" not in self.named and not self.friction.rule:
+            return self
+        return replace(self, friction=replace(self.friction, rule=""), named=self.named - {"contact"})
+
     @cached_property
     def unit_direction(self) -> Vector:
         """``d_i = D_i/|D_i|``."""
@@ -207,6 +218,17 @@ class Scene(ShortRepr):
     def places(self) -> dict[int, int]:
         """Where each wheel stands in ``wheels``, by its number: a body leaves some out."""
         return {wheel.index: k for k, wheel in enumerate(self.wheels)}
+
+    def under(self, rule: str) -> Scene:
+        """The same array with all wheels under one contact rule; as it is under the rule that it has."""
+        if rule == self.contact.rule:
+            return self
+        wheels, idle = (tuple(wheel.naming_no_rule() for wheel in group) for group in (self.wheels, self.idle))
+        return replace(self, wheels=wheels, idle=idle, contact=replace(self.contact, rule=rule))
+
+    def rule_of_wheel(self, wheel: Wheel) -> str:
+        """The contact rule of one wheel: its own in an array of wheels with different ones, else the scene's."""
+        return wheel.friction.rule or self.contact.rule
 
     def checked_at(self, point: Vector, radius: Number) -> Scene:
         """The same array, checked at another point; a length that is not stated follows it."""

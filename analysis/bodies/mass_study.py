@@ -21,7 +21,7 @@ the comparison, a rest does not.  Paths are compared at sampled times: a sampled
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -129,7 +129,7 @@ def rule_path(scene: Scene, rule: str, start: Sequence[float], until: float) -> 
         SceneError: for a table of loads beside an outline.
         TrajectoryError: where the path cannot be followed.
     """
-    chosen = replace(scene, contact=replace(scene.contact, rule=rule))
+    chosen = scene.under(rule)
     own = contact_rule(rule)
     if isinstance(own, SmoothRule):
         return own.path(chosen, start, until)
@@ -169,7 +169,7 @@ def mass_study(scene: Scene, bodies: Sequence[RigidBody], start: Sequence[float]
     x, y, theta = (float(value) for value in start)
     paths: dict[str, Trajectory] = {}
     skipped: dict[str, str] = {}
-    for rule in all_rules():
+    for rule in all_rules(scene):
         try:
             paths[rule.name] = rule_path(scene, rule.name, (x, y, theta), until)
         except (RefusalError, ValueError, TrajectoryError) as error:

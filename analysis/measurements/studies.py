@@ -7,7 +7,7 @@ of its result) and the slopes that theory predicts.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
 from itertools import combinations, islice
@@ -267,7 +267,7 @@ def build_box_minimizers(scene: Scene) -> StudyPlan:
     Raises:
         LeftOut: where the loads do not exist in the square.
     """
-    boxed = replace(scene, contact=replace(scene.contact, rule="box"))
+    boxed = scene.under("box")
     try:
         partition = build_box_partition(boxed)
     except RefusalError as error:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import combinations
 from typing import TypeAlias
 
@@ -118,11 +118,10 @@ def compare_rules(scene: Scene) -> Agreement:
     """
     partitions: dict[str, Partition] = {}
     for rule in cell_rules():
-        own = replace(scene, contact=replace(scene.contact, rule=rule.name))
-        partitions[rule.name] = rule.build_partition(own)
+        partitions[rule.name] = rule.build_partition(scene.under(rule.name))
     shared = {(p, q): shared_area(partitions[p], partitions[q]) for p, q in combinations(partitions, 2)}
     differences: dict[RulePair, TwistDifference] = {}
-    for other in all_rules():
+    for other in all_rules(scene):
         if isinstance(other, SmoothRule):
             found = _differences(scene, other, partitions)
             differences.update({(other.name, name): difference for name, difference in found.items()})

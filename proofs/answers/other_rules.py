@@ -6,7 +6,7 @@ under the others too, where that is little work.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.proofs.answers.answer import Answer, Results
@@ -49,7 +49,7 @@ def other_rules(scene: Scene) -> tuple[OtherRule, ...]:
 def _under(scene: Scene, name: str) -> OtherRule:
     if len(scene.wheels) > FEW_WHEELS:
         return OtherRule(name, (), TAKES_LONG)
-    other = replace(scene, contact=replace(scene.contact, rule=name))
+    other = scene.under(name)
     try:
         with work_limit(scene.field, FEW_UNITS):
             results = _decided(Workspace(other, sample=False))

@@ -8,6 +8,7 @@ from nonsmooth.reports.check_files import CheckFiles
 from nonsmooth.reports.check_output import failed_wheels, write_check_views, write_records
 from nonsmooth.reports.console import UNDECIDED, RefusedError, refusals_named, write_json, write_views
 from nonsmooth.reports.options import (
+    ALL_RULES,
     AUTO,
     AllowOutside,
     AtOrAuto,
@@ -23,9 +24,10 @@ from nonsmooth.reports.options import (
     RulesOption,
     SceneTexts,
     asks_for_failures,
-    chosen_rules,
     required_answers,
+    under_all_rules,
 )
+from nonsmooth.symbolic.rule import CONTACT_RULES
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -66,17 +68,19 @@ def check(  # noqa: PLR0913, PLR0917  # one parameter for each option of the com
     """
     from nonsmooth.symbolic.contact_set import TipsError
     from nonsmooth.symbolic.files.system_file import load_any
+    from nonsmooth.symbolic.scene import Scene
     from nonsmooth.symbolic.switched_system import SwitchedSystem
 
-    rules, required = chosen_rules(rule), required_answers(require)
-    files, failures = CheckFiles.asked(certificate, law, len(rules)), asks_for_failures(fail)
-    fixed_at = None if at == AUTO else at
-    loaded = [
-        load_any(scene, rule=name, radius=radius, at=fixed_at, allow_outside=allow_outside)
-        for scene in scenes
-        for name in rules
-    ]
-    best = at == AUTO
+    required, failures = required_answers(require), asks_for_failures(fail)
+    best, compares = at == AUTO, rule == ALL_RULES
+    files = CheckFiles.asked(certificate, law, len(CONTACT_RULES) if compares else 1)
+    named, fixed_at = None if compares else rule, None if best else at
+    loaded: list[Scene | SwitchedSystem] = []
+    for text in scenes:
+        scene = load_any(text, rule=named, radius=radius, at=fixed_at, allow_outside=allow_outside)
+        if compares:
+            _require_arrays([scene], f"--rule {ALL_RULES}")
+        loaded += under_all_rules(scene) if compares and isinstance(scene, Scene) else [scene]
     if best:
         _require_arrays(loaded, "--at auto")
     if len(scenes) > 1:

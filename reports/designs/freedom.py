@@ -103,7 +103,7 @@ class Freedom:
                 turns = step * 4 // self.order
                 own = scene.wheels[place]
                 like = replace(chosen, friction=own.friction, speed_limit=own.speed_limit, named=own.named)
-                tables[place] = wheel_entry(wheel_after_turns(scene, like, turns), unit)
+                tables[place] = wheel_entry(wheel_after_turns(scene, like, turns), scene, unit)
         return {**kept, "wheel": tables}
 
     def _chosen(self, wheel: Wheel, numbers: list[float]) -> Wheel:

@@ -21,6 +21,7 @@ class Wheel:
         mu_side: friction across it; None for the array's.
         speed_limit: the largest speed of its drive (length/second); None for the array's.
         axis: the friction axis, as a heading is written; None for the array's, which is the rim unless it names one.
+        contact: its contact rule, ``"ellipse"`` or ``"roller"``, in an array whose wheels differ; None for the array's.
     """
 
     position: Sequence[Any]
@@ -30,6 +31,7 @@ class Wheel:
     mu_side: Any = None
     speed_limit: Any = None
     axis: Any = None
+    contact: str | None = None
 
     def table(self) -> dict[str, Any]:
         """The ``[[wheel]]`` table of a scene file."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from nonsmooth.analysis.contact_rule import rule_of
+from nonsmooth.analysis.contact_rule import rule_notes, rule_of
 from nonsmooth.proofs.answers.answer import Answer
 from nonsmooth.proofs.answers.contact_wheels import contact_facts
 from nonsmooth.proofs.answers.destinations import Destination, Destinations
@@ -45,12 +45,11 @@ def _items(subject: Subject) -> Bullets:
     """The contact rule in a sentence, what the other rules say, and the theorem."""
     rule, verdict = rule_of(subject.scene), subject.result.verdict
     theorem = Verdict(str(verdict), _TONES[verdict.exit_status])
-    remark = rule.remark(subject.scene)
     contact = "; ".join(fact.words for fact in contact_facts(subject.result) if fact.words)
     return Bullets(
         (
             (f"Contact rule {rule.name}: {rule.summary}.",),
-            *([(f"Note: {remark}.",)] if remark else []),
+            *((f"Note: {note}.",) for note in rule_notes(subject.scene)),
             (f"Contact: {contact}.",),
             *(_other_rule(other) for other in subject.answers.others),
             *(("; ".join(contradiction_lines(one)) + ".",) for one in subject.result.contradictions),

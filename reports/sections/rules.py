@@ -32,7 +32,7 @@ def without_rules(subject: Subject) -> str:
 def rules_section(subject: Subject) -> Section:
     """Cells, agreement and largest differences of all rules."""
     agreement = subject.agreement
-    blocks: list[Block] = [_rules_list(agreement), _agreement_map(subject)]
+    blocks: list[Block] = [_rules_list(subject, agreement), _agreement_map(subject)]
     for (first, second), shared in agreement.shared.items():
         words = (
             "{} and {} prescribe the same set of twists on a share of {} of the area, exactly, "
@@ -56,10 +56,10 @@ def rules_section(subject: Subject) -> Section:
     return Section("The contact rules side by side", tuple(blocks))
 
 
-def _rules_list(agreement: Agreement) -> Bullets:
+def _rules_list(subject: Subject, agreement: Agreement) -> Bullets:
     """What each rule is, and how many cells it has."""
     items = []
-    for rule in all_rules():
+    for rule in all_rules(subject.scene):
         partition = agreement.partitions.get(rule.name)
         count = 0 if partition is None else len(partition.cells)
         cells = "1 cell" if count == 1 else f"{count} cells" if count else "no cells, a continuous field"

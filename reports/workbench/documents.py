@@ -21,7 +21,7 @@ from nonsmooth.symbolic.files.toml_bounds import toml_excess
 if TYPE_CHECKING:
     from nonsmooth.reports.interface.array import Array
     from nonsmooth.reports.interface.system import System
-    from nonsmooth.symbolic.scene import Wheel
+    from nonsmooth.symbolic.scene import Scene, Wheel
 
 Document: TypeAlias = dict[str, Any]
 
@@ -157,19 +157,20 @@ def expanded(document: Mapping[str, Any], array: Array) -> Document:
     """
     if not any(layout in document for layout in LAYOUTS):
         return dict(canonical(document))
-    wheels = array.scene.wheels
+    scene = array.scene
+    wheels = scene.wheels
     if len(wheels) > MAX_WHEELS:
         raise RequestError(f"required at most {MAX_WHEELS} wheels, received {len(wheels)}")
     is_table = "wheels" in document
     unit = UnitsTable.model_validate(document.get("units", {})).speed_factor
-    tables = [_own_table(wheel, unit) if is_table else {"position": _pair(wheel.position)} for wheel in wheels]
+    tables = [_own_table(wheel, scene, unit) if is_table else {"position": _pair(wheel.position)} for wheel in wheels]
     out: Document = {}
     for key, value in document.items():
         out.update({"wheel": tables} if key in LAYOUTS else {key: value})
     return dict(canonical(out))
 
 
-def _own_table(wheel: Wheel, unit: Fraction) -> Document:
+def _own_table(wheel: Wheel, scene: Scene, unit: Fraction) -> Document:
     """Everything that a row of a table may say of its wheel, speeds in the document's unit of so many lengths/s."""
     table: Document = {
         "position": _pair(wheel.position),
@@ -182,6 +183,8 @@ def _own_table(wheel: Wheel, unit: Fraction) -> Document:
         table["speed_limit"] = str(wheel.speed_limit / unit)
     if wheel.axis is not None:
         table["axis"] = _pair(wheel.axis)
+    if "contact" in wheel.named:
+        table["contact"] = scene.rule_of_wheel(wheel)
     return table
 
 

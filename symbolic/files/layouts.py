@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from fractions import Fraction
 from typing import Annotated, NamedTuple, Protocol
 
-from pydantic import Field, StrictInt
+from pydantic import Field, PlainValidator, StrictInt
 
 from nonsmooth.symbolic.files.scene_values import (
     Angle,
@@ -21,10 +21,12 @@ from nonsmooth.symbolic.files.scene_values import (
 )
 from nonsmooth.symbolic.files.velocity_fields import Heading, HeadingField
 from nonsmooth.symbolic.plane import Vector
+from nonsmooth.symbolic.rule import read_rule
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact
 
 MAX_WHEELS = 250_000  # about 10 s to load; a larger array would not be checked in a day
 MAX_RING = 360  # the degree of the number field grows with the count: up to 358 below this bound
+RuleName = Annotated[str, PlainValidator(read_rule)]
 _ONE = Fraction(1)
 
 
@@ -37,6 +39,7 @@ class Own(NamedTuple):
     mu_side: Exact | None = None
     speed_limit: Exact | None = None
     axis: Heading | None = None
+    contact: str | None = None
 
 
 class WheelPlace(NamedTuple):
@@ -67,11 +70,12 @@ class WheelTable(TomlTable):
     mu_side: OptionalExact = None
     speed_limit: OptionalExact = None
     axis: HeadingField | None = None
+    contact: RuleName | None = None
 
     def place(self, numbers: Numbers, key: str) -> WheelPlace:
         """This wheel at its exact position."""
         x, y = (numbers(value, f"{key}.position") for value in self.position)
-        own = Own(self.heading, self.speed, self.mu_roll, self.mu_side, self.speed_limit, self.axis)
+        own = Own(self.heading, self.speed, self.mu_roll, self.mu_side, self.speed_limit, self.axis, self.contact)
         return WheelPlace(key, (x, y), own)
 
 

@@ -20,7 +20,7 @@ def one_by_one(document: Mapping[str, Any], scene: Scene) -> dict[str, Any]:
     """A document of the same array with a list of wheels, exact, in place of what laid them out."""
     kept = {key: value for key, value in document.items() if key not in LAYOUTS}
     unit = unit_of_speed(document, scene)
-    return {**kept, "wheel": [wheel_entry(wheel, unit) for wheel in scene.wheels]}
+    return {**kept, "wheel": [wheel_entry(wheel, scene, unit) for wheel in scene.wheels]}
 
 
 def unit_of_speed(document: Mapping[str, Any], scene: Scene) -> Fraction:
@@ -28,11 +28,12 @@ def unit_of_speed(document: Mapping[str, Any], scene: Scene) -> Fraction:
     return stated_units(dict(document), scene.source).speed_factor
 
 
-def wheel_entry(wheel: Wheel, unit: Fraction) -> dict[str, Any]:
+def wheel_entry(wheel: Wheel, scene: Scene, unit: Fraction) -> dict[str, Any]:
     """One wheel as a table of a scene file.
 
     Args:
         wheel: of a scene that was read from a file.
+        scene: this scene.
         unit: of speed, in lengths per second.
     """
     entry: dict[str, Any] = {
@@ -46,6 +47,8 @@ def wheel_entry(wheel: Wheel, unit: Fraction) -> dict[str, Any]:
         entry["mu_side"] = str(wheel.friction.side)
     if "speed_limit" in wheel.named and wheel.speed_limit is not None:
         entry["speed_limit"] = str(wheel.speed_limit / unit)
+    if "contact" in wheel.named:
+        entry["contact"] = scene.rule_of_wheel(wheel)
     if wheel.axis is not None:
         entry["axis"] = [str(number) for number in wheel.axis]
     return entry

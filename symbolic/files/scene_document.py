@@ -9,7 +9,7 @@ from pydantic import Field, PlainValidator, StrictStr
 
 from nonsmooth.symbolic.files.body_table import BodyTable
 from nonsmooth.symbolic.files.feedback_table import FeedbackTable
-from nonsmooth.symbolic.files.layouts import Grid, Ring, WheelTable
+from nonsmooth.symbolic.files.layouts import Grid, Ring, RuleName, WheelTable
 from nonsmooth.symbolic.files.load_values import Loads
 from nonsmooth.symbolic.files.scene_values import (
     PLANE,
@@ -21,7 +21,7 @@ from nonsmooth.symbolic.files.scene_values import (
 from nonsmooth.symbolic.files.tolerance_table import ToleranceTable
 from nonsmooth.symbolic.files.velocity_fields import AnyField, HeadingField
 from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
-from nonsmooth.symbolic.rule import DEFAULT_RULE, read_rule
+from nonsmooth.symbolic.rule import DEFAULT_RULE
 from nonsmooth.symbolic.units import LengthUnit, SpeedUnit, Units
 
 MAX_NAME = 200  # characters
@@ -48,7 +48,6 @@ def read_name(value: object) -> str:
 
 
 Name = Annotated[str | None, PlainValidator(read_name)]
-RuleName = Annotated[str, PlainValidator(read_rule)]
 
 
 class UnitsTable(TomlTable):

@@ -245,13 +245,14 @@ def build_scene(
     document = _document(data, file)
     layout = _layout(document, file, lambda: wheels or wheel_table(data, file, path, allow_outside=allow_outside) or "")
     numbers = Numbers(file, field_of(_turns(document, layout), _remarks(document, layout)))
-    built = WheelBuilder(document, numbers).build(layout.places(numbers))
+    builder = WheelBuilder(document, numbers)
+    built = builder.build(layout.places(numbers))
     body = None if document.body is None else build_body(document.body, numbers)
     return Scene(
         name=document.name or path.stem,
         field=numbers.field,
         wheels=built,
-        contact=build_contact(document.contact, numbers, built),
+        contact=build_contact(document.contact, builder.rule, numbers, built),
         check=build_check(document, numbers, built),
         source=file,
         continuum=build_continuum(document, numbers, built),

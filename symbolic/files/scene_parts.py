@@ -18,8 +18,8 @@ from nonsmooth.symbolic.scene_error import SceneError, StatedFact
 from nonsmooth.symbolic.support_polygon import default_radius
 
 
-def build_contact(table: ContactTable, numbers: Numbers, wheels: tuple[Wheel, ...]) -> Contact:
-    """The contact rule and the loads that a ``[contact]`` table names.
+def build_contact(table: ContactTable, rule: str, numbers: Numbers, wheels: tuple[Wheel, ...]) -> Contact:
+    """The contact rule that the wheels have together, and the loads that a ``[contact]`` table names.
 
     Raises:
         SceneError: for loads that are stated twice, or cannot be used.
@@ -27,7 +27,7 @@ def build_contact(table: ContactTable, numbers: Numbers, wheels: tuple[Wheel, ..
     if table.loads is not None and table.table is not None:
         raise SceneError(numbers.file, "contact.table", "either loads or table", StatedFact("both"))
     stated = table.table if table.loads is None else table.loads
-    return Contact(table.rule, build_loads(stated, numbers, [wheel.position for wheel in wheels]))
+    return Contact(rule, build_loads(stated, numbers, [wheel.position for wheel in wheels]))
 
 
 def build_continuum(document: SceneDocument, numbers: Numbers, wheels: tuple[Wheel, ...]) -> ContinuousField:

@@ -131,12 +131,15 @@ def build_vehicle(data: dict[str, Any], file: str, path: Path) -> Vehicle:
         required = "track and wheel_base, or wheels of [[wheel]]"
         raise SceneError(file, "vehicle.wheel_base", required, StatedFact("nothing"))
     rows = () if base is None or track is None else _rows(track, base, table.rows)
-    common = SceneDocument.model_construct(units=document.units, friction=document.friction, drive=document.drive)
-    wheels = WheelBuilder(common, numbers).build(_places(document, numbers, rows))
+    common = SceneDocument.model_construct(
+        units=document.units, friction=document.friction, drive=document.drive, contact=document.contact
+    )
+    builder = WheelBuilder(common, numbers)
+    wheels = builder.build(_places(document, numbers, rows))
     left, right = (
         _side_speed(wheel for wheel in wheels if (wheel.position[1].sign() > 0) is is_left) for is_left in (True, False)
     )
-    scene = _scene(document, numbers, wheels, path)
+    scene = _scene(document, builder.rule, numbers, wheels, path)
     return Vehicle(scene, track, base, left, right, radius, measured, table.source or "")
 
 
@@ -176,11 +179,11 @@ def _side_speed(wheels: Iterable[Wheel]) -> Number | None:
     return speeds.pop() if len(speeds) == 1 else None
 
 
-def _scene(document: VehicleDocument, numbers: Numbers, wheels: tuple[Wheel, ...], path: Path) -> Scene:
+def _scene(document: VehicleDocument, rule: str, numbers: Numbers, wheels: tuple[Wheel, ...], path: Path) -> Scene:
     """The wheels as an array, checked at the centre of mass."""
     x, y = (numbers(value, "vehicle.centre_of_mass") for value in document.vehicle.centre_of_mass)
     places = [wheel.position for wheel in wheels]
     radius, length = default_radius(places, (x, y)), default_length(places, (x, y))
     check = CheckedSquare((x, y), radius, length=length, has_default_length=True, has_default_radius=True)
-    contact, units = build_contact(document.contact, numbers, wheels), document.units.labels
+    contact, units = build_contact(document.contact, rule, numbers, wheels), document.units.labels
     return Scene(document.name or path.stem, numbers.field, wheels, contact, check, source=numbers.file, units=units)

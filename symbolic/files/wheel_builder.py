@@ -11,19 +11,25 @@ from nonsmooth.symbolic.files.velocity_fields import INWARD
 from nonsmooth.symbolic.number_text import short_text
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.plane import Vector, cross, dot
+from nonsmooth.symbolic.rule import BY_FRICTION_SET, MIXED
 from nonsmooth.symbolic.scene import Friction, Wheel
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact
 
 
 class WheelBuilder:
-    """Builds the wheels of one scene; equal friction is one shared object."""
+    """Builds the wheels of one scene; equal friction is one shared object.
+
+    Attributes:
+        rule: the contact rule of the scene, known once its wheels are built.
+    """
 
     def __init__(self, document: SceneDocument, numbers: Numbers) -> None:
         self._numbers, self._document = numbers, document
         self._psi = (document.field or INWARD).psi(numbers, "field")
         self._unit_speed = unit_speed(document, numbers)
         self._field_speed = speed_of_field(document, numbers)
-        self._frictions: dict[tuple[Exact | None, Exact | None], Friction] = {}
+        self.rule = document.contact.rule
+        self._frictions: dict[tuple[Exact | None, Exact | None, str | None], Friction] = {}
         self._limits: dict[Exact | None, Number | None] = {}
         self._names: dict[frozenset[str], frozenset[str]] = {}
 
@@ -31,12 +37,14 @@ class WheelBuilder:
         """Wheels numbered from 1.
 
         Raises:
-            SceneError: for fewer than two wheels, two wheels at one place, no heading or axis, bad friction, and a
-                speed above its limit.
+            SceneError: for fewer than two wheels, two wheels at one place, no heading or axis, bad friction, contact
+                rules that do not mix, and a speed above its limit.
         """
         wheels: list[Wheel] = []
         taken: dict[Vector, int] = {}
-        for index, place in enumerate(places, 1):
+        listed = list(places)
+        self.rule = self._rule_of(listed)
+        for index, place in enumerate(listed, 1):
             first = taken.setdefault(place.position, index)
             if first != index:
                 where = StatedFact(f"{_text(place.position)}, the place of wheel {first}")
@@ -60,6 +68,27 @@ class WheelBuilder:
         if limit is not None:
             self._refuse_above(limit, wheel, place)
         return wheel
+
+    def _rule_of(self, places: Iterable[WheelPlace]) -> str:
+        """The one contact rule of all wheels, or that of wheels with different ones.
+
+        Raises:
+            SceneError: for a rule that says where an array moves, not which forces a wheel carries, beside another.
+        """
+        common = self._document.contact.rule
+        first: dict[str, str] = {}
+        for place in places:
+            own = place.own.contact
+            first.setdefault(own or common, "contact.rule" if own is None else f"{place.key}.contact")
+        if len(first) < 2:
+            return next(iter(first), common)
+        for rule, key in first.items():
+            if rule not in BY_FRICTION_SET:
+                mixing = " or ".join(f'"{name}"' for name in sorted(BY_FRICTION_SET))
+                others = ", ".join(f'"{name}"' for name in first if name != rule)
+                expected = f"{mixing} beside wheels of rule {others} (rule {rule} holds for a whole array)"
+                raise self._error(key, expected, StatedFact(f'"{rule}"'))
+        return MIXED
 
     def _named(self, place: WheelPlace) -> frozenset[str]:
         """What a wheel states itself; equal sets are one shared object."""
@@ -130,14 +159,16 @@ class WheelBuilder:
         return speed if self._unit_speed is self._numbers.field.one else speed * self._unit_speed
 
     def _friction(self, index: int, place: WheelPlace) -> Friction:
-        named = place.own.mu_roll, place.own.mu_side
+        own = place.own
+        named = own.mu_roll, own.mu_side, own.contact
         if named not in self._frictions:
             roll = self._coefficient("mu_roll", named[0], index, place)
             side = self._coefficient("mu_side", named[1], index, place)
             if not roll and not side:
-                key = "friction" if named == (None, None) else place.key
+                key = "friction" if named[:2] == (None, None) else place.key
                 raise self._error(key, "mu_roll or mu_side above 0", StatedFact("0 for both"))
-            self._frictions[named] = Friction(roll, side)
+            rule = (own.contact or self._document.contact.rule) if self.rule == MIXED else ""
+            self._frictions[named] = Friction(roll, side, rule)
         return self._frictions[named]
 
     def _coefficient(self, name: str, own: Exact | None, index: int, place: WheelPlace) -> Number:

@@ -18,9 +18,10 @@ from typing import Any, NamedTuple
 from nonsmooth.symbolic.files.layouts import MAX_WHEELS, Own, WheelPlace
 from nonsmooth.symbolic.files.scene_values import AngleUnit, Exact, Numbers, angles, read_exact
 from nonsmooth.symbolic.files.velocity_fields import Heading, read_heading
+from nonsmooth.symbolic.rule import read_rule
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact, requirement
 
-COLUMNS = ("x", "y", "heading", "speed", "mu_roll", "mu_side", "speed_limit", "axis")
+COLUMNS = ("x", "y", "heading", "speed", "mu_roll", "mu_side", "speed_limit", "axis", "contact")
 DIRECTIONS = ("heading", "axis")
 SEPARATORS = (",", ";", "\t")
 LIKENESS = 0.7  # of an unknown column to a missing one, above which it is taken for misspelt (difflib)
@@ -96,8 +97,10 @@ class _Cells:
                 raise self.error(line, column, requirement(error), text) from None
         return known[text]
 
-    def _read(self, column: str, text: str) -> Heading | Exact:
-        """A number, or a heading as in a scene file; a direction is one quoted cell, "[a, b]"."""
+    def _read(self, column: str, text: str) -> Heading | Exact | str:
+        """A number, a contact rule, or a heading as in a scene file; a direction is one quoted cell, "[a, b]"."""
+        if column == "contact":
+            return read_rule(text)
         if _DECIMAL_COMMA.fullmatch(text):
             raise ValueError("required a decimal point instead of a comma")
         if column not in DIRECTIONS:

@@ -157,7 +157,7 @@ MALFORMED = [
 MALFORMED_CSV = [
     ("", "w.csv:1", "x and y"),
     ("x,heading\n1,0\n", "w.csv:1", "x and y"),
-    ("x,y,headng\n1,0,red\n", "w.csv:1", "mu_side,speed_limit,axis (is heading meant?), received 'headng'"),
+    ("x,y,headng\n1,0,red\n", "w.csv:1", "mu_side,speed_limit,axis,contact (is heading meant?), received 'headng'"),
     ("# wheels\n\nx,y,speed_rpm\n1,0,3\n", "w.csv:3", "(is speed meant?), received 'speed_rpm'"),
     ("x;y\n0,5;1\n2;2\n", "w.csv:2.x", "a decimal point instead of a comma, received '0,5'"),
     ('x,y\n"0,5",1\n2,2\n', "w.csv:2.x", "a decimal point instead of a comma, received '0,5'"),

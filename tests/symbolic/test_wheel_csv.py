@@ -103,7 +103,7 @@ def test_columns_that_are_not_taken_for_misspelt_ones(name: str) -> None:
 def test_misspelt_columns(name: str, meant: str) -> None:
     with pytest.raises(SceneError) as caught:
         parse_wheels(f"x,y,{name}\n1,2,\n", "w.csv", "my.toml")
-    known = "x,y,heading,speed,mu_roll,mu_side,speed_limit,axis"
+    known = "x,y,heading,speed,mu_roll,mu_side,speed_limit,axis,contact"
     assert (
         str(caught.value)
         == f"my.toml: w.csv:1: required a header out of {known} (is {meant} meant?), received '{name}'"

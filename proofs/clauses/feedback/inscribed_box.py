@@ -30,7 +30,7 @@ def inscribed_boxes(scene: Scene) -> Scene | None:
         if width is None:
             return None
         wheels.append(replace(wheel, friction=Friction(limits.along * width, limits.across * limits.cut)))
-    return replace(scene, wheels=tuple(wheels), contact=replace(scene.contact, rule="box"))
+    return replace(scene.under("box"), wheels=tuple(wheels))
 
 
 def box_width(limits: FrictionSet) -> Fraction | None:
