@@ -35,7 +35,7 @@ from nonsmooth.proofs.scalar_theorems import scalar_theorem
 from nonsmooth.proofs.strategies import show_verdict
 from nonsmooth.proofs.system_decision import DecidedSystem
 from nonsmooth.proofs.systems.conclusion import Method
-from nonsmooth.proofs.systems.invariance import Staying, staying_of
+from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.scalar_stability import ScalarResult
 from nonsmooth.proofs.systems.system_facts import (
     gain_words,
@@ -275,7 +275,7 @@ def _in_the_plane(result: SystemResult) -> Iterator[Candidate]:
     yield Candidate(
         "lyapunov", stability_hypotheses(cells.record, function, str(result.verdict)), tuple(options), needs_second=weak
     )
-    if result.searched is not None and staying_of(result.lyapunov) is Staying.NONE:
+    if result.searched is not None and result.lyapunov.verdict is Decrease.WEAK:
         yield _by_stated_function(result)
 
 

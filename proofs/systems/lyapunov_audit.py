@@ -25,7 +25,7 @@ from nonsmooth.proofs.inequalities.strata import RISES, Refutation
 from nonsmooth.proofs.systems.denominators import require_denominators
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine, inhabited, refutations
 from nonsmooth.proofs.systems.domain import Domain, domain_names, domains
-from nonsmooth.proofs.systems.invariance import Staying, decide_staying_of
+from nonsmooth.proofs.systems.invariance import Staying, decide_staying
 from nonsmooth.proofs.systems.stated_rise import NOT_OF_THE_FIELD, rising_place
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.files.system_file import parse_lyapunov
@@ -156,7 +156,7 @@ def _result(scene: Scene | SwitchedSystem, lyapunov: str, result: LyapunovResult
         verdict = AuditVerdict.UNDECIDED if witness is None else verdict
     if result.verdict is Decrease.WEAK and isinstance(scene, SwitchedSystem):
         formula = parse_lyapunov(lyapunov, scene.states, scene.origin, KEY)
-        staying = decide_staying_of(scene, formula, scene.check.radius, result.cells)
+        staying = decide_staying(scene, formula, scene.check.radius, result.cells)
         reason = f"{reason}{', and' if staying is Staying.NONE else ';'} {staying}"
         proves = Translation.ASYMPTOTICALLY_STABLE if staying is Staying.NONE else proves
     return AuditResult(scene, lyapunov, verdict, proves, reason, _named(witness), result)

@@ -44,7 +44,7 @@ from nonsmooth.proofs.systems.denominators import require_denominators
 from nonsmooth.proofs.systems.derivatives import EFFORT, Decrease, LyapunovResult, examine, inhabited
 from nonsmooth.proofs.systems.disturbance_gain import DisturbanceGain
 from nonsmooth.proofs.systems.domain import SHRINKING, Domain, domain_names, domains, plane_cells
-from nonsmooth.proofs.systems.invariance import Staying, decide_staying_of
+from nonsmooth.proofs.systems.invariance import Staying, decide_staying
 from nonsmooth.proofs.systems.leading_terms import LeadingTerms, decide_leading_terms
 from nonsmooth.proofs.systems.local_cells import conic_germ, decide_equilibrium
 from nonsmooth.proofs.systems.lyapunov_search import has_curves
@@ -348,7 +348,7 @@ def _staying(
     if certificate is None or certificate.verdict is not Decrease.WEAK or domain is None:
         return None
     formula = scene.check.lyapunov if searched is None else searched.formula
-    return decide_staying_of(scene, formula, domain.radius or scene.check.radius, certificate.cells)
+    return decide_staying(scene, formula, domain.radius or scene.check.radius, certificate.cells)
 
 
 def _certificate(

@@ -21,7 +21,7 @@ from nonsmooth.analysis.cells.switched_cells import (
 )
 from nonsmooth.proofs.inequalities.prover import Proof, Sense, prove
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine, inhabited
-from nonsmooth.proofs.systems.invariance import Staying, decide_staying
+from nonsmooth.proofs.systems.invariance import attracts, resting_place
 from nonsmooth.proofs.systems.lyapunov_basis import (
     BasisFunction,
     bent_functions,
@@ -65,7 +65,7 @@ def find_weak_lyapunov(system: SwitchedSystem, *, may_attract: bool = True) -> F
                 result = _audited(system, cells, formula) if left >= 0 else None
                 if result is None:
                     continue
-                if not may_attract or decide_staying(result.cells) is Staying.NONE:
+                if not may_attract or (resting_place(result.cells) is None and attracts(system, formula, radius)):
                     return FoundLyapunov(formula, radius, result)
                 first = first or FoundLyapunov(formula, radius, result)
         if first is not None:

@@ -12,9 +12,8 @@ from nonsmooth.analysis.cells.switched_cells import square_regions
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.systems.certified_reach import scene_cells
 from nonsmooth.proofs.systems.conclusion import Method
-from nonsmooth.proofs.systems.invariance import Staying, decide_staying
+from nonsmooth.proofs.systems.invariance import Staying, decide_staying, resting_place
 from nonsmooth.proofs.systems.lyapunov_audit import AuditVerdict, audit
-from nonsmooth.proofs.systems.rest_points import Rests, find_rests
 from nonsmooth.proofs.systems.system_stability import system_check
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.files.system_file import parse_lyapunov
@@ -38,8 +37,14 @@ def with_v(system: SwitchedSystem, lyapunov: str) -> SwitchedSystem:
     return replace(system, check=replace(system.check, lyapunov=parsed, is_default=False))
 
 
+def staying(system: SwitchedSystem, share: int = 1) -> Staying:
+    """Of the scene's V, on a part of the checked square."""
+    radius = system.check.radius / share
+    return decide_staying(system, system.check.lyapunov, radius, scene_cells(system, square_regions(radius)))
+
+
 @pytest.mark.parametrize(
-    ("friction", "potential", "staying"),
+    ("friction", "potential", "known"),
     [
         ("x + y**3", "x**2/2", Staying.NONE),
         ("sign(x) + y", "Abs(x)", Staying.NONE),
@@ -53,19 +58,17 @@ def with_v(system: SwitchedSystem, lyapunov: str) -> SwitchedSystem:
         ("x + y*(1 + sign(x**2 + y**2 - 1/16))", "x**2/2", Staying.CELLS),
     ],
 )
-def test_what_stays(load: Load, friction: str, potential: str, staying: Staying) -> None:
-    system = with_v(load("y", f"-({friction})"), f"y**2/2 + {potential}")
-    assert decide_staying(scene_cells(system, square_regions(system.check.radius))) is staying
+def test_what_stays(load: Load, friction: str, potential: str, known: Staying) -> None:
+    assert staying(with_v(load("y", f"-({friction})"), f"y**2/2 + {potential}")) is known
 
 
 BANG_BANG = "Abs(x + y*Abs(y)/3) + y**2/2"
 
 
-def test_further_functions_decide_where_zero_sets_do_not(load: Load) -> None:
+def test_a_curve_of_switching_attracts(load: Load) -> None:
     """V bends on a curve, along which solutions of the double integrator switch once: known since Pontryagin."""
     system = with_v(load("y", "-sign(x + y*Abs(y)/3)"), BANG_BANG)
-    cells = scene_cells(system, square_regions(system.check.radius))
-    assert decide_staying(cells) is Staying.UNDECIDED
+    assert staying(system) is Staying.NONE
     result = system_check(system)
     assert (result.verdict, result.method) == (Translation.ASYMPTOTICALLY_STABLE, Method.INVARIANCE)
     assert result.check()
@@ -133,19 +136,19 @@ def test_shrinking_avoids_a_far_equilibrium(load: Load, force: str, potential: s
 @pytest.mark.parametrize(
     ("first", "second", "rests"),
     [
-        ("y", "-x - sign(y)", Rests.SOME),
-        ("y", "-x**3 - y**3", Rests.NONE),
-        ("-sign(x) + 2*sign(y)", "-2*sign(x) - sign(y)", Rests.NONE),
-        ("1/4 - x", "-y", Rests.SOME),
-        ("1 - 4*sign(x)*x", "-y", Rests.SOME),
-        ("y - x**2", "-x", Rests.NONE),
-        ("-sign(x - 1/4)", "-y", Rests.SOME),
-        ("y + sign(x - 1/4)", "-y - 1", Rests.NONE),
+        ("y", "-x - sign(y)", True),
+        ("y", "-x**3 - y**3", False),
+        ("-sign(x) + 2*sign(y)", "-2*sign(x) - sign(y)", False),
+        ("1/4 - x", "-y", True),
+        ("1 - 4*sign(x)*x", "-y", True),
+        ("y - x**2", "-x", False),
+        ("-sign(x - 1/4)", "-y", True),
+        ("y + sign(x - 1/4)", "-y - 1", False),
     ],
 )
-def test_rests(load: Load, first: str, second: str, rests: Rests) -> None:
+def test_rests(load: Load, first: str, second: str, rests: bool) -> None:
     system = load(first, second)
-    assert find_rests(scene_cells(system, square_regions(system.check.radius))) is rests
+    assert (resting_place(scene_cells(system, square_regions(system.check.radius))) is not None) is rests
 
 
 FRICTIONS = (
@@ -184,8 +187,7 @@ def test_random_oscillators_against_paths(load: Load, seed: int) -> None:
     force = list(ENERGIES)[rng.integers(len(ENERGIES))]
     friction = FRICTIONS[rng.integers(len(FRICTIONS))]
     system = with_v(load("y", f"-({force}) - ({friction})"), f"y**2/2 + {ENERGIES[force]}")
-    cells = scene_cells(system, square_regions(system.check.radius / 2))
-    found = decide_staying(cells)
+    found = staying(system, 2)
     lost, moving = energy_lost(force, friction, ENERGIES[force], 2e-2)
     if found is Staying.NONE:
         assert lost > 1e-4
