@@ -24,9 +24,8 @@ from typing import Any
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.switched_cells import LyapunovCell
 from nonsmooth.proofs.inequalities.cell_forms import CellClaim, build_parts
+from nonsmooth.proofs.inequalities.curved_regions import Adherence, adherence, is_empty
 from nonsmooth.proofs.inequalities.effort import shared_effort
-from nonsmooth.proofs.inequalities.emptiness import is_empty
-from nonsmooth.proofs.inequalities.germs import Adherence, adherence
 from nonsmooth.proofs.inequalities.kinks import Trend, worst
 from nonsmooth.proofs.inequalities.ladder import Interval
 from nonsmooth.proofs.inequalities.prover import Counterexample, Outcome, Proof, Sense, Undecided, ZeroBetween, prove

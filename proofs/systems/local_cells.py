@@ -1,7 +1,8 @@
 """The cells of a switched system at the origin: which ones count there, and where they are cones.
 
 The Filippov set at a point is the hull of the limits of the fields of the cells whose *open* parts have points
-arbitrarily near; a guard that merely vanishes at the point adds nothing (:mod:`nonsmooth.proofs.inequalities.germs`).
+arbitrarily near; a guard that merely vanishes at the point adds nothing
+(:mod:`nonsmooth.proofs.inequalities.curved_regions`).
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from dataclasses import replace
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.region import cone_region
 from nonsmooth.analysis.cells.switched_cells import FieldCell, distinct
-from nonsmooth.proofs.inequalities.germs import Adherence, Extent, adherence, sectors
+from nonsmooth.proofs.inequalities.curved_regions import Adherence, Extent, adherence, sectors
 from nonsmooth.proofs.verdicts import Equilibrium
 from nonsmooth.symbolic.plane import hull_holds_zero
 

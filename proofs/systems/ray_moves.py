@@ -21,8 +21,8 @@ from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell, PlaneField, velocities_at
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, Move, decide_cones
 from nonsmooth.proofs.inequalities.cell_forms import directions
+from nonsmooth.proofs.inequalities.curved_regions import Adherence, ray_adherence
 from nonsmooth.proofs.inequalities.dense_polynomials import trimmed, value
-from nonsmooth.proofs.inequalities.germs import Adherence, ray_adherence
 from nonsmooth.proofs.inequalities.ladder import mixtures
 from nonsmooth.proofs.inequalities.real_roots import RealRoot, positive_roots, samples_between
 from nonsmooth.proofs.systems.local_cells import conic_germ

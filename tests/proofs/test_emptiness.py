@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from nonsmooth.analysis.cells.switched_cells import square_regions
-from nonsmooth.proofs.inequalities.emptiness import is_empty
+from nonsmooth.proofs.inequalities.curved_regions import is_empty
 from nonsmooth.proofs.systems.system_stability import system_check
 from nonsmooth.symbolic.files.system_file import load_system
 from nonsmooth.symbolic.numbers.number_field import NumberField

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from nonsmooth.analysis.cells.region import quadrants
-from nonsmooth.proofs.inequalities.germs import Adherence, Extent, adherence, extent, ray_adherence
+from nonsmooth.proofs.inequalities.curved_regions import Adherence, Extent, adherence, extent, ray_adherence
 from nonsmooth.proofs.systems.conclusion import Method
 from nonsmooth.proofs.systems.domain import plane_cells
 from nonsmooth.proofs.systems.local_cells import conic_germ, decide_equilibrium
