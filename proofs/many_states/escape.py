@@ -92,13 +92,10 @@ def _height(system: SwitchedSystem, adjugates: Sequence[fmpq_mat], form: Sequenc
 
 
 def _resolvent(matrix: fmpq_mat) -> tuple[list[fmpq], list[fmpq_mat]]:
-    """The characteristic polynomial, ascending, and the coefficients of ``adj(s I - A)``, descending (Leverrier)."""
+    """The characteristic polynomial, ascending, and the coefficients of ``adj(s I - A)``, descending."""
     count = matrix.nrows()
     identity = fmpq_mat([[fmpq(i == j) for j in range(count)] for i in range(count)])
-    coefficients, adjugates = [fmpq(1)], [identity]
-    for k in range(1, count + 1):
-        turned = matrix * adjugates[-1]
-        value = -sum((turned[i, i] for i in range(count)), fmpq(0)) / k
-        coefficients.append(value)
-        adjugates.append(turned + identity * value)
-    return coefficients[::-1], adjugates[:count]
+    coefficients, adjugates = matrix.charpoly().coeffs(), [identity]
+    for value in coefficients[-2:0:-1]:
+        adjugates.append(matrix * adjugates[-1] + identity * value)
+    return coefficients, adjugates

@@ -15,16 +15,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
-from itertools import combinations, combinations_with_replacement, pairwise
+from fractions import Fraction
+from itertools import combinations, combinations_with_replacement
 
 import numpy as np
 from flint import fmpq, fmpq_mat, fmpq_poly
 
 from nonsmooth.proofs.checker.polynomials import unit
+from nonsmooth.proofs.inequalities.real_roots import Sturm
 from nonsmooth.proofs.kernel.sign_cells import RationalTerms, SignCells, adjoining
 from nonsmooth.proofs.many_states.function_families import PiecewiseFunction, formula_text
 from nonsmooth.proofs.sums_of_squares.gram_certificate import RationalMatrix, is_definite
 from nonsmooth.proofs.sums_of_squares.rounding import simplest
+from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 SHIFTS = tuple(fmpq(1, 1 << bits) for bits in (4, 10, 20, 40))
@@ -177,35 +180,15 @@ def lyapunov_product(matrix: RationalMatrix, quadratic: RationalMatrix) -> Ratio
 
 def _on_the_axis(matrix: RationalMatrix) -> Spectrum:
     """Whether a linear field whose eigenvalues touch the imaginary axis is stable."""
-    characteristic = _characteristic(matrix)
+    a = fmpq_mat([list(row) for row in matrix])
+    characteristic = a.charpoly()
     mirrored = fmpq_poly([c if k % 2 == 0 else -c for k, c in enumerate(characteristic.coeffs())])
     axis = characteristic.gcd(mirrored)
     rest = characteristic // axis
     once = axis // axis.gcd(axis.derivative())
     if not (_is_hurwitz(rest) and _has_imaginary_roots_only(once)):
         return Spectrum.UNDECIDED
-    size = len(matrix)
-    a = fmpq_mat([list(row) for row in matrix])
-    identity = fmpq_mat([[fmpq(i == j) for j in range(size)] for i in range(size)])
-    total = identity * fmpq(0)
-    for c in reversed((rest * once).coeffs()):
-        total = total * a + identity * c
-    annihilated = not any(total[i, j] for i in range(size) for j in range(size))
-    return Spectrum.NEUTRAL if annihilated else Spectrum.GROWING
-
-
-def _characteristic(matrix: RationalMatrix) -> fmpq_poly:
-    """The characteristic polynomial (Faddeev and LeVerrier)."""
-    size = len(matrix)
-    a = fmpq_mat([list(row) for row in matrix])
-    identity = fmpq_mat([[fmpq(i == j) for j in range(size)] for i in range(size)])
-    coefficients, product = [fmpq(1)], identity
-    for k in range(1, size + 1):
-        turned = a * product
-        value = -sum((turned[i, i] for i in range(size)), fmpq(0)) / k
-        coefficients.append(value)
-        product = turned + identity * value
-    return fmpq_poly(coefficients[::-1])
+    return Spectrum.GROWING if (rest * once) % a.minpoly() else Spectrum.NEUTRAL
 
 
 def _is_hurwitz(polynomial: fmpq_poly) -> bool:
@@ -223,21 +206,11 @@ def _is_hurwitz(polynomial: fmpq_poly) -> bool:
 def _has_imaginary_roots_only(polynomial: fmpq_poly) -> bool:
     """Whether an even or odd polynomial with simple roots has them all on the imaginary axis.
 
-    ``s^k g(s^2)`` does iff all roots of g are real and not positive: so many sign changes has the Sturm sequence of g.
+    ``s^k g(s^2)``, with ``g(0)`` not zero, does iff all roots of g are real and negative.
     """
-    values = polynomial.coeffs()
+    values, field = polynomial.coeffs(), NumberField()
     first = next(k for k, c in enumerate(values) if c)
-    half = fmpq_poly(values[first::2])
     if any(values[first + 1 :: 2]):
         return False
-    chain = [half, half.derivative()]
-    while chain[-1].degree() > 0:
-        chain.append(-(chain[-2] % chain[-1]))
-    at_zero = [p.coeffs()[0] if p else fmpq(0) for p in chain]
-    at_minus_infinity = [p.coeffs()[-1] * (-1) ** p.degree() if p else fmpq(0) for p in chain]
-    return _changes(at_minus_infinity) - _changes(at_zero) == half.degree()
-
-
-def _changes(values: Sequence[fmpq]) -> int:
-    signs = [value > 0 for value in values if value]
-    return sum(a is not b for a, b in pairwise(signs))
+    half = Sturm([field(c * (-1) ** k) for k, c in enumerate(values[first::2])])
+    return half.count(Fraction(0), None) == len(half.coefficients) - 1
