@@ -12,7 +12,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import combinations
-from math import comb
 from typing import Any, TypeAlias
 
 from flint import fmpq
@@ -20,7 +19,7 @@ from flint import fmpq
 from nonsmooth.proofs.inequalities.effort import take_effort
 from nonsmooth.proofs.inequalities.forms import Pieces, Problem, Role, Vector, face_sign, face_sum
 from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.numbers.polynomial import Terms
+from nonsmooth.symbolic.numbers.polynomial import with_mixture
 
 NEARBY_STEPS = 40  # distances 4^-k tried beside a corner that is no point of the claim
 
@@ -164,39 +163,14 @@ def _edge_to_halve(part: SubCone) -> tuple[int, int]:
 def _halves(node: SubCone, first: int, second: int, weight: Any) -> tuple[SubCone, SubCone]:
     middle = _mixture(node.generators, first, second, weight)
     place = _mixture(node.places, first, second, Fraction(1, 2))
-    near = node.pieces.mapped(lambda terms: substituted(terms, first, second, 1 - weight, weight))
-    far = node.pieces.mapped(lambda terms: substituted(terms, second, first, weight, 1 - weight))
+    near = node.pieces.mapped(lambda terms: with_mixture(terms, first, second, 1 - weight, weight))
+    far = node.pieces.mapped(lambda terms: with_mixture(terms, second, first, weight, 1 - weight))
     return (
         SubCone(
             _replaced(node.generators, second, middle), _replaced(node.places, second, place), near, node.depth + 1
         ),
         SubCone(_replaced(node.generators, first, middle), _replaced(node.places, first, place), far, node.depth + 1),
     )
-
-
-def substituted(terms: Terms, kept: int, replaced: int, alpha: Any, beta: Any) -> Terms:
-    """Coefficients after ``m = alpha g_kept + beta g_replaced`` took the place of ``g_replaced``:
-    ``lambda_replaced = beta mu``, ``lambda_kept = mu_kept + alpha mu``.
-    """
-    total: Terms = {}
-    powers_of_alpha, powers_of_beta = _powers(alpha, terms, kept), _powers(beta, terms, replaced)
-    for exponents, c in terms.items():
-        scaled = c * powers_of_beta[exponents[replaced]] if exponents[replaced] else c
-        for k in range(exponents[kept] + 1):
-            target = list(exponents)
-            target[kept] -= k
-            target[replaced] += k
-            key = tuple(target)
-            value = scaled * (powers_of_alpha[k] * comb(exponents[kept], k)) if k else scaled
-            total[key] = total[key] + value if key in total else value
-    return {e: c for e, c in total.items() if c}
-
-
-def _powers(base: Any, terms: Terms, index: int) -> list[Any]:
-    powers = [1 + 0 * base]
-    for _ in range(max((e[index] for e in terms), default=0)):
-        powers.append(powers[-1] * base)
-    return powers
 
 
 def _violation(problem: Problem, node: SubCone) -> Violation | None:

@@ -11,13 +11,13 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import combinations
-from math import comb
 from typing import Any, TypeAlias
 
 from flint import fmpq, fmpq_poly
 
-from nonsmooth.proofs.checker.polynomials import Polynomial
+from nonsmooth.proofs.checker.polynomials import Polynomial, unit
 from nonsmooth.proofs.checker.positivity import Claim, pairs, root_simplices
+from nonsmooth.symbolic.numbers.polynomial import in_generators, with_mixture
 
 Exponents: TypeAlias = tuple[int, ...]
 Form: TypeAlias = dict[Exponents, fmpq]
@@ -86,32 +86,9 @@ def _root(claim: Claim, corners: Sequence[Sequence[Fraction]]) -> SimplexPart:
 
 def _form(value: Polynomial, corners: Sequence[Corner]) -> Form:
     """A polynomial as a form of its own degree in barycentric coordinates."""
-    size, degree = len(corners), value.degree
-    linear = [{_unit(size, k): corner[i] for k, corner in enumerate(corners) if corner[i]} for i in range(size)]
-    powers: list[list[Form]] = [[{(0,) * size: fmpq(1)}] for _ in linear]
-    total: Form = {}
-    for exponents, c in value.terms.items():
-        part: Form = {(0,) * size: fmpq(c.numerator, c.denominator)}
-        for own, form, power in zip(powers, linear, (*exponents, degree - sum(exponents)), strict=True):
-            while len(own) <= power:
-                own.append(_product(own[-1], form))
-            part = _product(part, own[power]) if power else part
-        for e, v in part.items():
-            total[e] = total.get(e, fmpq(0)) + v
-    return {e: v for e, v in total.items() if v}
-
-
-def _unit(size: int, k: int) -> Exponents:
-    return tuple(int(i == k) for i in range(size))
-
-
-def _product(first: Form, second: Form) -> Form:
-    total: Form = {}
-    for a, u in first.items():
-        for b, v in second.items():
-            key = tuple(map(int.__add__, a, b))
-            total[key] = total.get(key, fmpq(0)) + u * v
-    return total
+    degree = value.degree
+    terms = {(*e, degree - sum(e)): fmpq(c.numerator, c.denominator) for e, c in value.terms.items()}
+    return in_generators(terms, corners)
 
 
 def _grow(claim: Claim, root: SimplexPart, work: int) -> int | None:
@@ -329,7 +306,7 @@ def _cut(claim: Claim, part: SimplexPart) -> tuple[int, int, fmpq]:
         for form in guards.values():
             if _degree(form) != 1:
                 continue
-            at = [form.get(_unit(size, k), fmpq(0)) for k in range(size)]
+            at = [form.get(unit(size, k), fmpq(0)) for k in range(size)]
             for i, j in combinations(range(size), 2):
                 if at[i] * at[j] < 0:
                     return i, j, at[i] / (at[i] - at[j])
@@ -389,26 +366,14 @@ def _halves(part: SimplexPart, i: int, j: int, share: fmpq) -> tuple[SimplexPart
 
 
 def _half(part: SimplexPart, moved: int, kept: int, share: fmpq, middle: Corner) -> SimplexPart:
+    def cut(form: Form) -> Form:
+        return with_mixture(form, kept, moved, 1 - share, share)
+
     corners = (*part.corners[:moved], middle, *part.corners[moved + 1 :])
-    values = [[_cut_form(form, moved, kept, share) for form in forms] for forms in part.values]
-    guards = [{name: _cut_form(form, moved, kept, share) for name, form in own.items()} for own in part.guards]
-    zeros = {name: _cut_form(form, moved, kept, share) for name, form in part.zeros.items()}
+    values = [list(map(cut, forms)) for forms in part.values]
+    guards = [{name: cut(form) for name, form in own.items()} for own in part.guards]
+    zeros = {name: cut(form) for name, form in part.zeros.items()}
     return SimplexPart(corners, values, guards, zeros, part.depth + 1)
-
-
-def _cut_form(form: Form, moved: int, kept: int, share: fmpq) -> Form:
-    """The form after ``t_kept -> t_kept + (1 - share) t_moved`` and ``t_moved -> share t_moved``."""
-    rest = 1 - share
-    found: Form = {}
-    for exponents, value in form.items():
-        top, own = exponents[kept], exponents[moved]
-        scaled = value * share**own
-        for k in range(top + 1):
-            key = list(exponents)
-            key[kept], key[moved] = top - k, own + k
-            at = tuple(key)
-            found[at] = found.get(at, fmpq(0)) + scaled * comb(top, k) * rest**k
-    return {e: value for e, value in found.items() if value}
 
 
 def _tree(root: SimplexPart) -> Any:

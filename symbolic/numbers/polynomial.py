@@ -12,6 +12,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
+from math import comb
 from typing import Any, TypeAlias
 
 from nonsmooth.symbolic.numbers.exact_real import ExactRing
@@ -59,6 +60,31 @@ def in_generators(terms: Mapping[Exponents, Any], generators: Sequence[Sequence[
             product = multiply_terms(product, known[power]) if power else product
         total = add_terms(total, product)
     return total
+
+
+def with_mixture(terms: Mapping[Exponents, Any], kept: int, replaced: int, alpha: Any, beta: Any) -> Terms:
+    """The form on a part of a cone in which ``m = alpha g_kept + beta g_replaced`` takes the place of ``g_replaced``:
+    ``lambda_replaced = beta mu``, ``lambda_kept = mu_kept + alpha mu``.
+    """
+    total: Terms = {}
+    powers_of_alpha, powers_of_beta = _powers(alpha, terms, kept), _powers(beta, terms, replaced)
+    for exponents, c in terms.items():
+        scaled = c * powers_of_beta[exponents[replaced]] if exponents[replaced] else c
+        for k in range(exponents[kept] + 1):
+            target = list(exponents)
+            target[kept] -= k
+            target[replaced] += k
+            key = tuple(target)
+            value = scaled * (powers_of_alpha[k] * comb(exponents[kept], k)) if k else scaled
+            total[key] = total[key] + value if key in total else value
+    return {e: c for e, c in total.items() if c}
+
+
+def _powers(base: Any, terms: Mapping[Exponents, Any], index: int) -> list[Any]:
+    powers = [1 + 0 * base]
+    for _ in range(max((e[index] for e in terms), default=0)):
+        powers.append(powers[-1] * base)
+    return powers
 
 
 @dataclass(frozen=True)
