@@ -13,8 +13,8 @@ if TYPE_CHECKING:
     from nonsmooth.proofs.certificate import certificate_text as certificate_text
     from nonsmooth.proofs.checker import check_file as check_file
     from nonsmooth.proofs.inequalities.prover import prove as prove
-    from nonsmooth.proofs.systems.lyapunov_audit import audit as audit
-    from nonsmooth.proofs.systems.system_stability import system_check as system_check
+    from nonsmooth.proofs.system_audit import audit as audit
+    from nonsmooth.proofs.system_decision import decide_system as decide_system
     from nonsmooth.proofs.theorem4 import check_theorem4 as check_theorem4
     from nonsmooth.proofs.theorem4_result import CellCheck as CellCheck
     from nonsmooth.proofs.theorem4_result import SmoothCheck as SmoothCheck
@@ -26,8 +26,8 @@ __getattr__ = on_demand(
         "certificate_text": "certificate",
         "check_file": "checker",
         "prove": "inequalities.prover",
-        "audit": "systems.lyapunov_audit",
-        "system_check": "systems.system_stability",
+        "audit": "system_audit",
+        "decide_system": "system_decision",
         "check_theorem4": "theorem4",
         "CellCheck": "theorem4_result",
         "SmoothCheck": "theorem4_result",

@@ -36,7 +36,7 @@ from nonsmooth.analysis.measurements.harness import Assessment, Case, Clock, Res
 from nonsmooth.analysis.measurements.path_studies import MASS, SYSTEM_PATHS, TRAJECTORIES
 from nonsmooth.analysis.measurements.studies import BOX_MINIMIZERS, DERIVATION, ELLIPSE_MINIMIZERS, UPPER_DERIVATIVE
 from nonsmooth.proofs.certificate import CertificateError, build_certificate
-from nonsmooth.proofs.systems.system_stability import system_check
+from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.theorem4_result import CellCheck, Check, SmoothCheck
 from nonsmooth.symbolic.contact_states import possible_triples
@@ -183,15 +183,15 @@ ARRAY_VERDICTS = Case("verdicts", array=array_verdict_rows)
 
 def system_verdict_rows(scene: SwitchedSystem) -> Rows:
     """Scales of state and time, then ratios of the two rates."""
-    own, criterion = system_check(scene), "the verdict of the system in its own units, with evidence that verifies"
+    own, criterion = decide_system(scene), "the verdict of the system in its own units, with evidence that verifies"
     for case, quantity in (("state scale", "length"), ("time scale", "speed")):
         for power in POWERS:
-            found = system_check(scaled_system(scene, **{quantity: Fraction(10) ** power}))
+            found = decide_system(scaled_system(scene, **{quantity: Fraction(10) ** power}))
             same = (found.verdict, found.method, found.equilibrium) == (own.verdict, own.method, own.equilibrium)
             ok, error = same and found.check(), 0.0 if same else None
             yield ResultRow(case, f"1e{power}", str(found.verdict), error, ok, criterion)
     for parameter, ratio in RATIOS.items():
-        found = system_check(with_rate_ratio(scene, ratio))
+        found = decide_system(with_rate_ratio(scene, ratio))
         yield _evident("ratio of rates", parameter, str(found.verdict), found.check())
 
 

@@ -24,7 +24,7 @@ from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE, STABLE
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.kernel.search import stability_hypotheses
 from nonsmooth.proofs.kernel.subject import NoCertificateError
-from nonsmooth.proofs.systems.scalar_stability import ScalarResult
+from nonsmooth.proofs.system_decision import StabilityResult
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.numbers.number import Number
 
@@ -35,7 +35,7 @@ Pattern: TypeAlias = tuple[int, ...]
 Theorem: TypeAlias = tuple[str, dict[str, Any]]  # its name, and its hypotheses
 
 
-def scalar_theorem(result: ScalarResult, system: System) -> Theorem:
+def scalar_theorem(result: StabilityResult, system: System) -> Theorem:
     """The theorem that shows a verdict in one state, with its hypotheses.
 
     Args:
@@ -62,10 +62,11 @@ def scalar_theorem(result: ScalarResult, system: System) -> Theorem:
 # ---- theorems and their functions V ------------------------------------------------------------
 
 
-def _attraction(result: ScalarResult, system: System) -> Theorem:
+def _attraction(result: StabilityResult, system: System) -> Theorem:
     """``V < 1`` exactly on the interval of starts that reach the point."""
     (name,) = system.coordinates
-    right, left = (within(side.reach) for side in (result.right, result.left) if side.reach is not None)
+    sides = result.deciding.proofs
+    right, left = (within(side.reach) for side in (sides.right, sides.left) if side.reach is not None)
     function = f"relu({name})**2/({right**2}) + relu(-{name})**2/({left**2})"
     if left == right:
         function = f"{name}**2/({right**2})"

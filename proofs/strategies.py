@@ -1,112 +1,38 @@
-"""The registry of strategies: ways to theorems that show verdicts on plain systems, in the order of their trial.
+"""The registry of strategies that decide the stability of a plain system's checked point, in the order of their trial.
 
-A strategy looks for hypotheses of a theorem of :mod:`nonsmooth.proofs.checker.theorems` and for the evidence of its
-claims.  A new one is a function with the signature of :data:`Show` and a line of :data:`STRATEGIES`; its theorem is a
-function of the checker and a line of ``THEOREMS`` there.  The V that decided a check is tried before all of these.
+A strategy asks one theorem.  It is a function from the checked point and what is known to a finding, and a line of
+:data:`STRATEGIES`, which says for how many states it speaks.  One that searches has a second function, which verifies
+what was found.  The last finding decides, as a strategy is asked only for more than is known; a V that does not
+increase decides only where there is no other.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import TypeAlias
+from nonsmooth.proofs.many_states import decision as space
+from nonsmooth.proofs.systems import scalar_stability as line
+from nonsmooth.proofs.systems import system_stability as plane
+from nonsmooth.proofs.systems.findings import Strategy
 
-from nonsmooth.proofs.checker.cells import MAX_STATES
-from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE, STABLE, UNSTABLE
-from nonsmooth.proofs.kernel.curved_cells import started
-from nonsmooth.proofs.kernel.escapes import show_escape_of
-from nonsmooth.proofs.kernel.fans import show_by_fan
-from nonsmooth.proofs.kernel.first_terms import show_departure_of, show_linearization_of
-from nonsmooth.proofs.kernel.search import Entry, NotShownError, Search
-from nonsmooth.proofs.kernel.sign_cells import BeyondReachError, IrrationalError
-from nonsmooth.proofs.kernel.weighted_turns import show_by_weights
-from nonsmooth.proofs.many_states.instability import find_growth
-from nonsmooth.proofs.many_states.relay_degree import show_relay_of
-from nonsmooth.proofs.weak_growth import find_weak_growth
-from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
+ONE, TWO, MORE = range(1, 2), range(2, 3), range(3, 9)  # states
 
-Show: TypeAlias = Callable[[SwitchedSystem, str, Search | None], Entry]
-
-
-@dataclass(frozen=True)
-class Strategy:
-    """A way to a theorem.
-
-    Attributes:
-        name: of what shows the verdict.
-        show: finds the entry of a certificate for a system, a verdict and a search with what was shown before; raises
-            ``NotShownError`` where nothing is found, and ``BeyondReachError`` for systems that it does not look at.
-        verdicts: those that it may show.
-        most_states: of the systems that it is for.
-    """
-
-    name: str
-    show: Show
-    verdicts: tuple[str, ...]
-    most_states: int = MAX_STATES
-
-
-def show_growth_of(system: SwitchedSystem, verdict: str, search: Search | None = None) -> Entry:
-    """Evidence that the point is unstable by a function that falls, or does not rise, and is negative near it.
-
-    Args:
-        system: in two states or more.
-        verdict: unstable.
-        search: with what was shown before.
-
-    Returns:
-        The entry of a certificate, and what it shows.
-
-    Raises:
-        NotShownError: where none is found.
-        BeyondReachError: for irrational numbers, and for too many surfaces or cells.
-    """
-    subject, search = started(system, search)
-    if len(system.states) == len(PLANE):
-        hypotheses = find_weak_growth(system, search)
-    else:
-        growth = find_growth(system)
-        hypotheses = None if growth is None else growth.entry["hypotheses"]
-        search = search if growth is None else Search(known=growth.entry["proofs"])
-    if hypotheses is None:
-        raise NotShownError("no function was found that shows instability")
-    return search.entry(subject, "instability", hypotheses)
-
-
-STRATEGIES = (
-    Strategy("no equilibrium", show_departure_of, (UNSTABLE,)),
-    Strategy("linearization", show_linearization_of, (UNSTABLE, ASYMPTOTICALLY_STABLE)),
-    Strategy("solution that leaves", show_escape_of, (UNSTABLE,)),
-    Strategy("piecewise linear V on a fan", show_by_fan, (UNSTABLE, STABLE, ASYMPTOTICALLY_STABLE), len(PLANE)),
-    Strategy("leading terms with weights", show_by_weights, (UNSTABLE, ASYMPTOTICALLY_STABLE), len(PLANE)),
-    Strategy("relative degree of a relay", show_relay_of, (UNSTABLE,)),
-    Strategy("function that shows instability", show_growth_of, (UNSTABLE,)),
-)
-
-
-def show_verdict(system: SwitchedSystem, verdict: str, search: Search | None = None) -> Entry:
-    """Evidence of a verdict by the first strategy that finds it.
-
-    Args:
-        system: in two states or more.
-        verdict: asymptotically stable, stable or unstable.
-        search: with what was shown before.
-
-    Returns:
-        The entry of a certificate, and what it shows, the verdict among it.
-
-    Raises:
-        NotShownError: where none finds it, with the reason of each.
-        IrrationalError: for numbers with roots.
-    """
-    reasons = []
-    for strategy in STRATEGIES:
-        if verdict not in strategy.verdicts or len(system.states) > strategy.most_states:
-            continue
-        try:
-            return strategy.show(system, verdict, search)
-        except IrrationalError:
-            raise
-        except (NotShownError, BeyondReachError) as error:
-            reasons.append(str(error))
-    raise NotShownError("; ".join(reasons) or "no theorem was found that shows it")
+STRATEGIES = [
+    Strategy("signs on either side", ONE, line.show_by_signs, line.verify_signs),
+    Strategy("no equilibrium", TWO, plane.show_departure),
+    Strategy("no equilibrium", MORE, space.show_departure),
+    Strategy("uncovered axes of roots", TWO, plane.leave_uncovered),
+    Strategy("solution that leaves", MORE, space.show_escape),
+    Strategy("relative degree of a relay", MORE, space.show_relay),
+    Strategy("linearization", MORE, space.show_linearization),
+    Strategy("stated V", TWO, plane.show_by_given, plane.verify_function),
+    Strategy("stated V", MORE, space.show_by_given, space.verify_function),
+    Strategy("invariance principle, beside curves", TWO, plane.show_stated_attraction, plane.verify_attraction),
+    Strategy("fan of cones", TWO, plane.show_by_fan),
+    Strategy("leading terms", TWO, plane.show_by_leading_terms),
+    Strategy("ray of escape", TWO, plane.show_ray),
+    Strategy("searched V", TWO, plane.search_function, plane.verify_function),
+    Strategy("searched V", MORE, space.search_function, space.verify_function),
+    Strategy("sum of squares of the states", MORE, space.show_by_default, space.verify_function),
+    Strategy("function that shows instability", MORE, space.search_growth, space.verify_growth),
+    Strategy("invariance principle", TWO, plane.search_attraction, plane.verify_attraction),
+    Strategy("invariance principle", MORE, space.show_attraction, space.verify_attraction),
+]

@@ -27,34 +27,26 @@ from nonsmooth.proofs.kernel.second_function import find_second
 from nonsmooth.proofs.kernel.sign_cells import BeyondReachError, IrrationalError, surfaces_of
 from nonsmooth.proofs.kernel.stated_cells import StatedCells, stated_cells
 from nonsmooth.proofs.kernel.subject import NoCertificateError, about, exact_text
-from nonsmooth.proofs.many_states.conclusion import ManyStateMethod
-from nonsmooth.proofs.many_states.decision import ManyStateResult
-from nonsmooth.proofs.many_states.facts import rate_words as many_rate_words
-from nonsmooth.proofs.many_states.facts import region_words as many_region_words
 from nonsmooth.proofs.scalar_theorems import scalar_theorem
-from nonsmooth.proofs.strategies import show_verdict
-from nonsmooth.proofs.system_decision import DecidedSystem
-from nonsmooth.proofs.systems.conclusion import Method
-from nonsmooth.proofs.systems.derivatives import Decrease
-from nonsmooth.proofs.systems.scalar_stability import ScalarResult
-from nonsmooth.proofs.systems.system_facts import (
+from nonsmooth.proofs.system_decision import StabilityResult
+from nonsmooth.proofs.system_facts import (
     gain_words,
-    proving_pieces,
-    proving_text,
     rate_words,
     reached_words,
     region_rate_words,
     rewriting_words,
 )
-from nonsmooth.proofs.systems.system_stability import SystemResult
+from nonsmooth.proofs.systems.derivatives import Decrease
+from nonsmooth.proofs.systems.findings import ExaminedFunction, Method
 from nonsmooth.proofs.systems.written_potential import PotentialPiece
+from nonsmooth.proofs.theorem_searches import show_verdict
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.enclosed_numbers import NoEnclosureError, enclose_numbers
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.scene_error import one_line
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
 
 LEFT_OUT = "left out"  # key of the notes
 MOST_LEFT_OUT, LONGEST = 16, 400  # lines of it that are read, and characters of each
@@ -96,7 +88,7 @@ class Candidate:
     needs_second: bool = False
 
 
-def certificate_of(result: DecidedSystem) -> Record:
+def certificate_of(result: StabilityResult) -> Record:
     """The certificate of a verdict on a plain system; it has passed the checker.
 
     Raises:
@@ -229,102 +221,97 @@ def _checked(system: SwitchedSystem, subject: Record, draft: Draft) -> Record:
 # ---- theorems that may show a verdict ----------------------------------------------------------
 
 
-def _ways(result: DecidedSystem, system: System) -> Iterator[Callable[[], Draft]]:
+def _ways(result: StabilityResult, system: System) -> Iterator[Callable[[], Draft]]:
     """Ways to show a verdict, in the order in which they are tried."""
-    if isinstance(result, ScalarResult):
+    if result.method is Method.SIGNS:
         yield partial(_shown, system, Candidate(*scalar_theorem(result, system)))
         return
-    by_functions = _in_many_states(result) if isinstance(result, ManyStateResult) else _in_the_plane(result)
-    for candidate in by_functions:
+    for candidate in _candidates(result):
         yield partial(_shown, system, candidate)
-    yield partial(_by_strategies, result)
+    yield partial(_by_searches, result)
 
 
-def _by_strategies(result: DecidedSystem) -> Draft:
+def _by_searches(result: StabilityResult) -> Draft:
     """By what shows the verdict near the point, or a function that is searched now."""
     entry, statements = show_verdict(result.scene, str(result.verdict))
     return Draft([entry], statements, [])
 
 
-def _in_the_plane(result: SystemResult) -> Iterator[Candidate]:
-    """The V that decided, on its domain."""
-    system, domain = result.scene, result.domain
-    if result.proving is None or domain is None:
-        return
-    grows = result.method is Method.GROWTH
-    # Where V grows on all of the plane a square is enough, and bounded.
-    radius = system.check.radius if grows and domain.radius is None else domain.radius
-    function, cells = _stated_function(system, radius, proving_pieces(result), proving_text(result))
-    if grows:
-        hypotheses = {"cells": cells.record, "function": _negated(function), "second": None}
-        yield Candidate("instability", {**hypotheses, "direction": _open_direction(system, cells.surfaces)})
-        return
+def _candidates(result: StabilityResult) -> Iterator[Candidate]:
+    """The theorem that decided, with the V that did."""
+    entry, function = result.deciding.entry, result.function
+    if entry is not None:
+        yield Candidate(entry["theorem"], entry["hypotheses"], known=entry["proofs"])
+    elif function is not None and function.grows:
+        yield _by_growth(result.scene, function)
+    elif function is not None:
+        yield _by_function(result, function)
+        yield from _by_stated_function(result)
+
+
+def _by_growth(system: SwitchedSystem, function: ExaminedFunction) -> Candidate:
+    """A V that grows: where it does on all of the plane a square is enough, and bounded."""
+    stated, cells = _stated_function(system, function.domain.radius or system.check.radius, function)
+    hypotheses = {"cells": cells.record, "function": _negated(stated), "second": None}
+    return Candidate("instability", {**hypotheses, "direction": _open_direction(system, cells.surfaces)})
+
+
+def _by_function(result: StabilityResult, function: ExaminedFunction) -> Candidate:
+    """A V that falls, on its domain, with its region, its rate and its gain."""
+    system, reach, verdict = result.scene, result.reach, str(result.verdict)
+    states, known = system.states, function.known_entry(reach)
+    if known is None:
+        stated, cells = _stated_function(system, function.domain.radius, function)
+        hypotheses, proofs = stability_hypotheses(cells.record, stated, verdict), {}
+    else:
+        own, proofs = known["hypotheses"], known["proofs"]
+        hypotheses = stability_hypotheses(own["cells"], own["function"], verdict)
     options = []
-    if result.everywhere:
-        options.append(Option({"everywhere": True}, "all starts in the plane reach the equilibrium"))
-    if result.near is not None:
-        words = reached_words(result.near, system.states)
-        options.append(Option({"level": exact_text(result.near.level)}, words))
-    if result.rate is not None and system.by_roots is None:  # rates are in the time of the roots
-        rate = {"kind": result.rate.decay.name.lower(), "kappa": exact_text(result.rate.kappa)}
-        options.append(Option({"rate": rate}, rate_words(result)))
-        if result.gain is not None and result.gain.rate == result.rate:
-            gain = {"rate": rate, "gain": exact_text(result.gain.gamma)}
-            options.append(Option(gain, gain_words(result)))
+    if reach.everywhere and (known is None or function.domain.radius is None):
+        options.append(Option({"everywhere": True}, f"all starts in {_whole(system)} reach the equilibrium"))
+    if reach.near is not None:
+        options.append(Option({"level": exact_text(reach.near.level)}, reached_words(reach.near, states)))
+    if reach.rate is not None and system.by_roots is None:  # rates are in the time of the roots
+        rate = {"kind": reach.rate.decay.name.lower(), "kappa": exact_text(reach.rate.kappa)}
+        options.append(Option({"rate": rate}, rate_words(reach, states)))
+        if reach.gain is not None and reach.gain.rate == reach.rate:
+            gain = {"rate": rate, "gain": exact_text(reach.gain.gamma)}
+            options.append(Option(gain, gain_words(reach, states)))
     weak = result.method is Method.INVARIANCE
-    yield Candidate(
-        "lyapunov", stability_hypotheses(cells.record, function, str(result.verdict)), tuple(options), needs_second=weak
-    )
-    if result.searched is not None and result.lyapunov.verdict is Decrease.WEAK:
-        yield _by_stated_function(result)
+    return Candidate("lyapunov", hypotheses, tuple(options), proofs, needs_second=weak)
 
 
-def _by_stated_function(result: SystemResult) -> Candidate:
+def _whole(system: SwitchedSystem) -> str:
+    return "the plane" if len(system.states) == len(PLANE) else "the space"
+
+
+def _by_stated_function(result: StabilityResult) -> Iterator[Candidate]:
     """The scene's own V and LaSalle's principle, for a searched V that falls, of higher degree, and is not shown."""
-    radius, text = result.reported_domain.radius, one_line(result.scene.check.lyapunov.text)
-    function, cells = _stated_function(result.scene, radius, (), text)
-    return Candidate("lyapunov", stability_hypotheses(cells.record, function, str(result.verdict)), needs_second=True)
-
-
-def _in_many_states(result: ManyStateResult) -> Iterator[Candidate]:
-    """The V that decided, on its cube."""
-    system, growth, proving = result.scene, result.evidence.growth, result.proving
-    if growth is not None and result.verdict is Translation.UNSTABLE:
-        yield Candidate("instability", growth.entry["hypotheses"], known=growth.entry["proofs"])
-    if proving is None:
+    system, given = result.scene, result.given
+    if len(system.states) != len(PLANE) or given is None or result.function.formula == given.formula:
         return
-    if result.method is ManyStateMethod.INVARIANCE and result.evidence.attraction is not None:
-        known = result.evidence.attraction
-        yield Candidate("lyapunov", known["hypotheses"], known=known["proofs"])
-        return
-    own = proving.entry(region=result.region, rate=result.rate)
-    hypotheses = own["hypotheses"] | {"verdict": str(result.verdict), "everywhere": False, "level": None, "rate": None}
-    options = []
-    if own["hypotheses"]["everywhere"]:
-        options.append(Option({"everywhere": True}, "all starts in the space reach the equilibrium"))
-    if result.region is not None:
-        words = many_region_words(result.region, system.states)
-        options.append(Option({"level": own["hypotheses"]["level"]}, words))
-    if result.rate is not None:
-        options.append(Option({"rate": result.rate.record}, many_rate_words(result)))
-    yield Candidate("lyapunov", hypotheses, tuple(options), own["proofs"])
+    if given.decrease is Decrease.WEAK:
+        function, cells = _stated_function(system, given.domain.radius, given)
+        yield Candidate(
+            "lyapunov", stability_hypotheses(cells.record, function, str(result.verdict)), needs_second=True
+        )
 
 
 def _stated_function(
-    system: SwitchedSystem, radius: Number | None, pieces: Sequence[PotentialPiece], text: str
+    system: SwitchedSystem, radius: Number | None, function: ExaminedFunction
 ) -> tuple[str | list[list[str]], StatedCells]:
     """V as a certificate states it, and the cells of the system and of V.
 
     Args:
         system: in any number of states.
         radius: half the side of the cube; None for the whole space.
-        pieces: of a V that is known on cones; V is one formula where there are none, or one.
-        text: this formula.
+        function: V, known on cones or as one formula.
     """
     if radius is not None:
         exact_text(radius)
+    pieces = function.pieces
     if len(pieces) <= 1:
-        own = str(pieces[0].potential) if pieces else text
+        own = str(pieces[0].potential) if pieces else function.text
         return own, stated_cells(system, radius, surfaces_of(system, _parsed(own, system)))
     sides = [_sides(system, piece) for piece in pieces]
     cells = stated_cells(system, radius, [line for own in sides for line, _ in own])
@@ -371,40 +358,35 @@ def _varies(surface: Polynomial, direction: Sequence[int]) -> bool:
     return any(by_degree.values())
 
 
-def _further(result: DecidedSystem) -> Iterator[Option]:
+def _further(result: StabilityResult) -> Iterator[Option]:
     """A region that reaches beyond the square on which V falls everywhere, and the rate there: asked below a level."""
-    if not isinstance(result, SystemResult) or result.region is None or result.region == result.near:
+    system, reach, function = result.scene, result.reach, result.function
+    region, far = reach.region, reach.region_rate
+    if region is None or function is None or region == reach.near:
         return
-    system, region, far = result.scene, result.region, result.region_rate
-    function, cells = _stated_function(system, region.radius, proving_pieces(result), proving_text(result))
-    own = {**stability_hypotheses(cells.record, function, str(result.verdict)), "below": True}
-    words = reached_words(region, system.states)
-    yield Option({**own, "level": exact_text(region.level)}, words)
+    stated, cells = _stated_function(system, region.radius, function)
+    own = {**stability_hypotheses(cells.record, stated, str(result.verdict)), "below": True}
+    yield Option({**own, "level": exact_text(region.level)}, reached_words(region, system.states))
     if far is not None:
         rate = {"kind": "exponential", "kappa": exact_text(far.kappa)}
-        yield Option({**own, "level": exact_text(far.level), "rate": rate}, region_rate_words(result))
+        yield Option({**own, "level": exact_text(far.level), "rate": rate}, region_rate_words(reach, system.states))
 
 
 # ---- what a certificate does not hold ----------------------------------------------------------
 
 
-def _beyond_words(result: DecidedSystem, draft: Draft) -> Iterator[str]:
+def _beyond_words(result: StabilityResult, draft: Draft) -> Iterator[str]:
     """What a check says that the certificate has no words for, or no theorem."""
-    if isinstance(result, SystemResult):
-        yield from _beyond_in_the_plane(result, draft)
-    elif isinstance(result, ManyStateResult) and result.everywhere and not _attracts_everywhere(draft):
-        yield "all starts in the space reach the equilibrium: V is certified on a cube"
-
-
-def _beyond_in_the_plane(result: SystemResult, draft: Draft) -> Iterator[str]:
-    states, kinds = result.scene.states, {kind for statement in draft.statements for kind in statement}
-    if result.near is not None and "attracts" not in kinds and not any("level" in own for own in draft.left_out):
-        yield f"{reached_words(result.near, states)}: another theorem shows the verdict"
-    if result.rate is not None and "rate" not in kinds and not draft.left_out:
-        yield f"{rate_words(result)}: another theorem shows the verdict"
-    if result.everywhere and not _attracts_everywhere(draft):
-        yield "all starts in the plane reach the equilibrium: the verdict is certified near the point"
-    if result.finite_time:
+    reach, states = result.reach, result.scene.states
+    kinds = {kind for statement in draft.statements for kind in statement}
+    if reach.near is not None and "attracts" not in kinds and not any("level" in own for own in draft.left_out):
+        yield f"{reached_words(reach.near, states)}: another theorem shows the verdict"
+    if reach.rate is not None and "rate" not in kinds and not draft.left_out:
+        yield f"{rate_words(reach, states)}: another theorem shows the verdict"
+    if reach.everywhere and not _attracts_everywhere(draft):
+        where = "the verdict is certified near the point" if len(states) == len(PLANE) else "V is certified on a cube"
+        yield f"all starts in {_whole(result.scene)} reach the equilibrium: {where}"
+    if reach.in_finite_time:
         yield "solutions near the equilibrium arrive in finite time: certificates hold no times of roots"
 
 

@@ -13,7 +13,7 @@ from nonsmooth.reports.files import output_path, write_whole
 from nonsmooth.reports.progress import end_progress
 
 if TYPE_CHECKING:
-    from nonsmooth.proofs.system_decision import DecidedSystem
+    from nonsmooth.proofs.system_decision import StabilityResult
     from nonsmooth.proofs.theorem4_result import CellCheck, SmoothCheck
     from nonsmooth.reports.interface.check_result import CheckResult
 
@@ -115,7 +115,7 @@ def _write_certificate(certificate: dict[str, Any], result: CellCheck | SmoothCh
         print(f"{path}: feedback stands as undecided: the checker follows no law by directions of c", file=sys.stderr)
 
 
-def write_system_certificate(result: DecidedSystem, path: Path) -> None:
+def write_system_certificate(result: StabilityResult, path: Path) -> None:
     """The certificate of a plain system.
 
     Raises:

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from nonsmooth.proofs.clauses.workspace import Announce, unheard
-from nonsmooth.proofs.systems.system_stability import SystemResult
+from nonsmooth.proofs.system_decision import StabilityResult
 from nonsmooth.proofs.theorem4_result import CellCheck, Check
 from nonsmooth.reports.console import json_text
 from nonsmooth.reports.document import Document
@@ -69,7 +69,7 @@ class Report(WrittenReport):
 class SystemReport(WrittenReport):
     """The report of a plain system, with the verdict that it reports."""
 
-    result: SystemResult
+    result: StabilityResult
 
     @property
     def headline(self) -> str:

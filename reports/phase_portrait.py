@@ -13,9 +13,9 @@ from rich.text import Text
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.switched_cells import FieldCell, square_regions, system_cells
 from nonsmooth.analysis.fields.stated_field import StatedField, stated_fields
+from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.proofs.systems.border_motion import BorderPart, border_parts
 from nonsmooth.proofs.systems.border_signs import wave_border_parts
-from nonsmooth.proofs.systems.system_stability import SystemResult, system_check
 from nonsmooth.proofs.verified import verified
 from nonsmooth.reports.exact_record import with_exact
 from nonsmooth.symbolic.number_text import place_text
@@ -60,9 +60,9 @@ class PhasePortrait:
         return tuple(border_parts(self.cells))
 
     @cached_property
-    def stability(self) -> SystemResult:
+    def stability(self) -> StabilityResult:
         """The verdict on the checked point."""
-        return verified(system_check(self.system))
+        return verified(decide_system(self.system))
 
     def record(self) -> dict[str, Any]:
         """The JSON record."""

@@ -19,7 +19,7 @@ import pytest
 
 import nonsmooth
 from nonsmooth.analysis import Kinematics, array_field, build_partition, simulate
-from nonsmooth.proofs import audit, check_theorem4, system_check
+from nonsmooth.proofs import audit, check_theorem4, decide_system
 from nonsmooth.symbolic import governing_equations, load_scene, load_system
 from tests.thorough import keep
 
@@ -131,7 +131,7 @@ def test_results_are_tables_in_a_notebook(arrays: Arrays) -> None:
         "asymptotically stable": check_theorem4(scene),
         "R1 S1 R2": partition,
         "slide": path,
-        "strong stability": system_check(system),
+        "strong stability": decide_system(system),
         "x**2 + y**2": audit(scene, "x**2 + y**2"),
     }
     for words, result in shown.items():

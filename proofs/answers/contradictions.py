@@ -33,7 +33,7 @@ from nonsmooth.symbolic.unknown_loads import UnknownLoads
 if TYPE_CHECKING:
     from nonsmooth.analysis.fields.contact_model import Floats
     from nonsmooth.proofs.answers.destinations import Destination, SampledEnds
-    from nonsmooth.proofs.systems.system_stability import SystemResult
+    from nonsmooth.proofs.system_decision import StabilityResult
 
 AT_POINT = 2.0**-30  # of the half side: an end so near the point is the point, to every digit that is printed
 ELSEWHERE = 2.0**-20  # of the half side: an end that far away is another place
@@ -470,32 +470,33 @@ class FollowedStarts:
     follow: Callable[[Floats], Floats] | None
 
 
-def contradictions_of_map(result: SystemResult, seen: FollowedStarts) -> Iterator[Contradiction]:
+def contradictions_of_map(result: StabilityResult, seen: FollowedStarts) -> Iterator[Contradiction]:
     """What is proved of a plain system, and where sampled starts have come to."""
     yield from region_and_starts(result, seen)
     yield from unstable_and_starts(result, seen)
 
 
-def region_and_starts(result: SystemResult, seen: FollowedStarts) -> Iterator[Contradiction]:
+def region_and_starts(result: StabilityResult, seen: FollowedStarts) -> Iterator[Contradiction]:
     """A level set from which V falls, at a proved rate where there is one, and a start in it whose V does not."""
     import numpy as np
 
     from nonsmooth.analysis.fields.cell_values import potential_values
 
-    if result.proving is None or result.region is None or not result.region.falls:
+    function, region, rate = result.function, result.reach.region, result.reach.rate
+    if function is None or region is None or not region.falls:
         return
-    level = float(result.region.level)
-    before, after = (potential_values(result.proving.cells, places) for places in (seen.starts, seen.ends))
+    level = float(region.level)
+    before, after = (potential_values(function.result.cells, places) for places in (seen.starts, seen.ends))
     bound = np.array(before, dtype=float)
-    if result.rate is not None:
-        kappa = float(result.rate.kappa)
-        finite = result.rate.decay.name == "FINITE"
+    if rate is not None:
+        kappa = float(rate.kappa)
+        finite = rate.decay.name == "FINITE"
         bound = np.maximum(bound - kappa * seen.until, 0) if finite else bound * np.exp(-kappa * seen.until)
     high = ~np.isfinite(after) | (after > bound * (1 + ELSEWHERE) + ELSEWHERE * level)
     grown = (before < level) & np.isfinite(seen.ends).all(axis=1) & high
     for k in np.flatnonzero(grown)[:1]:
-        rate = "" if result.rate is None else f", {result.rate}"
-        said = f"{result.verdict}: every start with {result.region} reaches the point{rate}"
+        fast = "" if rate is None else f", {rate}"
+        said = f"{result.verdict}: every start with {region} reaches the point{fast}"
         start, end = place_text(seen.starts[k]), place_text(seen.ends[k])
         above = f"V is {after[k]:.4g} there, above {bound[k]:.4g}"
         yield Contradiction(
@@ -503,7 +504,7 @@ def region_and_starts(result: SystemResult, seen: FollowedStarts) -> Iterator[Co
         )
 
 
-def unstable_and_starts(result: SystemResult, seen: FollowedStarts) -> Iterator[Contradiction]:
+def unstable_and_starts(result: StabilityResult, seen: FollowedStarts) -> Iterator[Contradiction]:
     """An unstable point, and no start that does not arrive, neither of the map nor from much closer."""
     import numpy as np
 

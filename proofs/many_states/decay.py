@@ -20,32 +20,25 @@ from nonsmooth.proofs.kernel.squares import condition_of, find, mu_shapes, terms
 from nonsmooth.proofs.many_states.examination import Asked, Examination, are_about_forms
 from nonsmooth.proofs.many_states.samples import values_at
 from nonsmooth.proofs.sums_of_squares.prove import Effort
-from nonsmooth.proofs.systems.decay_rate import DENOMINATOR, SHARES, DecayKind
+from nonsmooth.proofs.systems.decay_rate import DENOMINATOR, SHARES, DecayKind, DecayRate
 
 POINTS = 4_000
 
 
 @dataclass(frozen=True)
-class ProvedDecay:
+class ProvedDecay(DecayRate):
     """A proved rate.
 
     Attributes:
-        decay: its kind.
-        kappa: the rate.
         proofs: the evidence, by the names of claims.
     """
 
-    decay: DecayKind
-    kappa: Fraction
     proofs: dict[str, Any]
 
     @property
     def record(self) -> dict[str, str]:
         """As a certificate states it."""
         return {"kind": self.decay.name.lower(), "kappa": str(self.kappa)}
-
-    def __str__(self) -> str:
-        return self.decay.value.format(self.kappa)
 
     def scales(self, examination: Examination) -> bool:
         """Whether the rate on the cube is one on the whole space: V and V' are forms, of the degrees of the rate.

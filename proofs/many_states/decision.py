@@ -17,169 +17,137 @@ Rays, fans and leading terms are used for two states only.
 from __future__ import annotations
 
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from functools import cached_property
+from typing import Any
 
 from nonsmooth.proofs.inequalities.linear_program import best_mixture, mixtures_to_zero
 from nonsmooth.proofs.kernel.sign_cells import BeyondReachError, SignCells, adjoining, build_cells
-from nonsmooth.proofs.many_states.conclusion import ManyStateMethod, StabilityEvidence, conclude
-from nonsmooth.proofs.many_states.decay import ProvedDecay, decay_rate
+from nonsmooth.proofs.many_states.decay import decay_rate
 from nonsmooth.proofs.many_states.denominators import require_denominators
 from nonsmooth.proofs.many_states.escape import escaping_rate, escaping_velocity
 from nonsmooth.proofs.many_states.examination import examine
 from nonsmooth.proofs.many_states.examined_lyapunov import ExaminedLyapunov, is_shown
-from nonsmooth.proofs.many_states.instability import find_growth
-from nonsmooth.proofs.many_states.linear_part import Spectrum, linear_part, quadratic_text, unstable_mixture
+from nonsmooth.proofs.many_states.instability import GrowthEvidence, find_growth
+from nonsmooth.proofs.many_states.linear_part import LinearPart, Spectrum, linear_part, quadratic_text, unstable_mixture
 from nonsmooth.proofs.many_states.lyapunov_search import SCALES, find_lyapunov
-from nonsmooth.proofs.many_states.relay_degree import RelayDegree, high_degree_relay
-from nonsmooth.proofs.many_states.sublevel import SublevelSet, largest_sublevel
+from nonsmooth.proofs.many_states.relay_degree import high_degree_relay
+from nonsmooth.proofs.many_states.sublevel import largest_sublevel
 from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.derivatives import Decrease
-from nonsmooth.proofs.systems.stability_result import StabilityResult
+from nonsmooth.proofs.systems.domain import Domain
+from nonsmooth.proofs.systems.findings import CheckedPoint, Finding, Known, Method, Reach
+from nonsmooth.proofs.systems.invariance import Staying
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.enclosed_numbers import NoEnclosureError, enclose_numbers
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.piecewise import parse_piecewise
+from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
+SHOWN_BY_SPECTRUM = {
+    Spectrum.UNSTABLE: Translation.UNSTABLE,
+    Spectrum.GROWING: Translation.UNSTABLE,
+    Spectrum.HURWITZ: Translation.ASYMPTOTICALLY_STABLE,
+    Spectrum.NEUTRAL: Translation.STABLE,
+}
 
-@dataclass(frozen=True, repr=False)
-class ManyStateResult(StabilityResult):
-    """Stability of the checked point with everything that was proved about it.
 
-    Attributes:
-        scene: the system.
-        verdict: strong stability.
-        reason: one sentence for people.
-        method: what decided.
-        evidence: what it follows from.
-        region: starts that are certified to reach the point, of a V that falls on a cube; None where none is known.
-        rate: how fast that V falls, where that is proved.
+class SpacePoint(CheckedPoint):
+    """The checked point of a system in three states and more.
+
+    Irrational numbers are enclosed between rational ones: what is found speaks of that system, and so of the stated
+    one.
     """
 
-    scene: SwitchedSystem
-    verdict: Translation
-    reason: str
-    method: ManyStateMethod
-    evidence: StabilityEvidence
-    region: SublevelSet | None = None
-    rate: ProvedDecay | None = None
+    given: ExaminedLyapunov | None = None
+
+    def __init__(self, system: SwitchedSystem) -> None:
+        """Refuse denominators that may vanish.
+
+        Raises:
+            SceneError: for these.
+        """
+        require_denominators(system)
+        with suppress(NoEnclosureError):
+            system = enclose_numbers(system)
+        self.system = system
+
+    @cached_property
+    def cells(self) -> SignCells:
+        """The cells of the first cube that is looked at.
+
+        Raises:
+            BeyondReachError: where none is.
+        """
+        return first_cells(self.system)
+
+    @cached_property
+    def linear(self) -> LinearPart | None:
+        """The linearization, or an unstable one under arbitrary switching."""
+        return linear_part(self.cells) or unstable_mixture(self.system, self.cells)
 
     @property
-    def proving(self) -> ExaminedLyapunov | None:
-        """The V that shows stability, where the verdict is that or stronger."""
-        stable = (Translation.ASYMPTOTICALLY_STABLE, Translation.STABLE)
-        return self.evidence.proving if self.verdict in stable else None
+    def spectrum(self) -> Spectrum | None:
+        """What is known of the eigenvalues of the linearization."""
+        return None if self.linear is None else self.linear.spectrum
+
+    @cached_property
+    def equilibrium(self) -> Equilibrium:
+        """Whether 0 is in F."""
+        try:
+            return decide_equilibrium(self.system, self.cells)
+        except BeyondReachError:
+            return Equilibrium.UNDECIDED
 
     @property
-    def rate_radius(self) -> Number | None:
-        """Half the side of the cube on which the rate holds; None without a rate, and where it holds everywhere."""
-        if self.rate is None or self.proving is None or self.rate.scales(self.proving.examination):
+    def open_reason(self) -> str:
+        """What is said where nothing decides."""
+        try:
+            self.cells  # noqa: B018 - whether the system is looked at
+        except BeyondReachError as error:
+            return str(error)
+        return "no Lyapunov function was found, and none that shows instability"
+
+    def examine(self, formula: PiecewiseExpression, radius: Number, effort: Effort) -> ExaminedLyapunov | None:
+        """A V with its conditions; None where it is not looked at."""
+        try:
+            return ExaminedLyapunov(formula, radius, examine(self.system, formula, radius, effort=effort))
+        except BeyondReachError:
             return None
-        return self.proving.radius
 
-    @property
-    def everywhere(self) -> bool:
-        """Whether asymptotic stability is proved for starts in the whole space."""
-        strong = self.verdict is Translation.ASYMPTOTICALLY_STABLE
-        linear = self.evidence.linear is not None and self.evidence.linear.is_whole
-        return strong and (linear or (self.proving is not None and self.proving.examination.is_homogeneous))
+    def reach(self, found: Finding) -> Reach:
+        """Region and rate of a V that falls on a cube."""
+        function, everywhere = found.function, self._holds_everywhere(found)
+        if function is None or function.decrease is not Decrease.STRICT:
+            return Reach(everywhere)
+        region = largest_sublevel(function.examination)
+        # a scaled field has another rate
+        rate = None if self.system.scale else decay_rate(function.examination)
+        return Reach(everywhere, region, region, rate, self._rate_domain(found, rate))
 
-    def check(self) -> bool:
-        """Verify the evidence and the conclusion; decide equilibrium, linearization and what is beyond reach again."""
-        evidence = self.evidence
-        found = _begin(self.scene)
-        known = evidence.equilibrium, evidence.linear, evidence.escape, evidence.ray_rate, evidence.relay
-        if (found.equilibrium, found.linear, found.escape, found.ray_rate, found.relay) != known:
+    def verifies(self, reach: Reach, found: Finding) -> bool:
+        """Whether the checker accepts the region and the rate, of the V that shows asymptotic stability."""
+        function, region, rate = found.function, reach.region, reach.rate
+        if reach != Reach(self._holds_everywhere(found), region, region, rate, self._rate_domain(found, rate)):
             return False
-        if evidence.relay is not None and not _relay_holds(self.scene, evidence.relay):
-            return False
-        if found.beyond and found != evidence:
-            return False
-        if not all(own is None or own.check(self.scene) for own in (evidence.named, evidence.searched)):
-            return False
-        own = evidence.named is None or evidence.named.formula.text == self.scene.check.lyapunov.text
-        own = own and (evidence.searched is None or evidence.searched.examination.verdict is Decrease.STRICT)
-        own = own and self._attraction_is_shown()
-        own = own and (evidence.growth is None or is_shown(self.scene, evidence.growth.entry, Translation.UNSTABLE))
-        return own and conclude(evidence) == (self.verdict, self.reason, self.method) and self._reach_is_genuine()
-
-    def _attraction_is_shown(self) -> bool:
-        """Whether the checker accepts LaSalle's principle, where it was used, of the V that shows stability."""
-        entry, proving = self.evidence.attraction, self.evidence.proving
-        if entry is None:
+        if region is None and rate is None:
             return True
-        of_this = proving is not None and entry["hypotheses"]["function"] == proving.formula.text
-        return of_this and is_shown(self.scene, entry, Translation.ASYMPTOTICALLY_STABLE)
-
-    def _reach_is_genuine(self) -> bool:
-        """Whether the checker accepts the region and the rate, of the V that proves asymptotic stability."""
-        if self.region is None and self.rate is None:
-            return True
-        proving = self.proving
-        if proving is None or proving.examination.verdict is not Decrease.STRICT or (self.rate and self.scene.scale):
+        if function is None or function.decrease is not Decrease.STRICT or (rate and self.system.scale):
             return False
-        attracts = self.verdict is Translation.ASYMPTOTICALLY_STABLE
-        return attracts and is_shown(self.scene, proving.entry(region=self.region, rate=self.rate), self.verdict)
+        return is_shown(self.system, function.known_entry(reach), found.verdict)
 
+    def _holds_everywhere(self, found: Finding) -> bool:
+        """Whether every start of the space reaches the point."""
+        if found.verdict is not Translation.ASYMPTOTICALLY_STABLE:
+            return False
+        linear = self.linear is not None and self.linear.is_whole
+        return linear or (found.function is not None and found.function.examination.is_homogeneous)
 
-def decide_many(scene: SwitchedSystem) -> ManyStateResult:
-    """Decide the stability of the checked point of a system in three states and more.
-
-    Irrational numbers are enclosed between rational ones: the result speaks of that system, and so of the stated one.
-
-    Raises:
-        SceneError: for formulas that cannot be used, and for denominators that may vanish.
-    """
-    require_denominators(scene)
-    with suppress(NoEnclosureError):
-        scene = enclose_numbers(scene)
-    evidence = _begin(scene)
-    if not evidence.beyond and conclude(evidence)[0] is not Translation.UNSTABLE:
-        evidence = _with_functions(scene, evidence)
-    verdict, reason, method = conclude(evidence)
-    region, rate, proving = None, None, evidence.proving
-    if proving is not None and proving.examination.verdict is Decrease.STRICT:
-        region = largest_sublevel(proving.examination)
-        rate = None if scene.scale else decay_rate(proving.examination)  # a scaled field has another rate
-    return ManyStateResult(scene, verdict, reason, method, evidence, region, rate)
-
-
-def _with_functions(scene: SwitchedSystem, evidence: StabilityEvidence) -> StabilityEvidence:
-    """The V of the scene; then what is searched, as far as that leaves it open.
-
-    A sum of squares that nobody named is asked at first with little work, and again where nothing else is found.
-    """
-    default = scene.check.is_default
-    evidence = _with_named(scene, evidence, hasty=default)
-    named, spectrum = evidence.proving, None if evidence.linear is None else evidence.linear.spectrum
-    if spectrum is Spectrum.NEUTRAL or (named is not None and named.examination.verdict is Decrease.STRICT):
-        return _with_named(scene, evidence, hasty=False) if default and named is None else evidence
-    evidence = _with_searched(scene, evidence)
-    if spectrum is Spectrum.HURWITZ or evidence.searched is not None:
-        return evidence
-    if default:
-        evidence = _with_named(scene, evidence, hasty=False)
-    return _with_invariance(scene, _with_growth(scene, evidence))
-
-
-def _with_invariance(scene: SwitchedSystem, evidence: StabilityEvidence) -> StabilityEvidence:
-    """Whether solutions leave where the V that shows stability does not fall."""
-    proving = evidence.proving
-    return evidence if proving is None else replace(evidence, attraction=proving.attraction(scene))
-
-
-def _begin(scene: SwitchedSystem) -> StabilityEvidence:
-    """The equilibrium and the linearization: what is so near the point, on the first cube that is looked at."""
-    try:
-        cells = first_cells(scene)
-        linear = linear_part(cells) or unstable_mixture(scene, cells)
-        escape = escaping_velocity(scene, cells)
-        rate = None if linear is not None else escaping_rate(scene, cells)
-        return StabilityEvidence(
-            decide_equilibrium(scene, cells), linear, escape, rate, high_degree_relay(scene, cells)
-        )
-    except BeyondReachError as error:
-        return StabilityEvidence(Equilibrium.UNDECIDED, beyond=str(error))
+    def _rate_domain(self, found: Finding, rate: Any) -> Domain | None:
+        """Where a rate of V holds."""
+        if rate is None or found.function is None:
+            return None
+        return Domain(None if rate.scales(found.function.examination) else found.function.radius)
 
 
 def first_cells(scene: SwitchedSystem) -> SignCells:
@@ -195,14 +163,6 @@ def first_cells(scene: SwitchedSystem) -> SignCells:
         except BeyondReachError as error:
             reasons.append(error)
     raise reasons[0]
-
-
-def _relay_holds(scene: SwitchedSystem, relay: RelayDegree) -> bool:
-    """Whether the function of a relay rises on the cells of the first cube that is looked at."""
-    try:
-        return relay.check(first_cells(scene))
-    except BeyondReachError:
-        return False
 
 
 def decide_equilibrium(scene: SwitchedSystem, cells: SignCells) -> Equilibrium:
@@ -222,36 +182,158 @@ def decide_equilibrium(scene: SwitchedSystem, cells: SignCells) -> Equilibrium:
     return Equilibrium.HOLDS if certain else Equilibrium.UNDECIDED
 
 
-def _with_named(scene: SwitchedSystem, evidence: StabilityEvidence, *, hasty: bool) -> StabilityEvidence:
-    """The V of the scene."""
-    formula, radius = scene.check.lyapunov, scene.check.radius
-    try:
-        examined = examine(scene, formula, radius, effort=Effort.HASTY if hasty else Effort.FULL)
-    except BeyondReachError:
-        return evidence
-    return replace(evidence, named=ExaminedLyapunov(formula, radius, examined))
+# ---- what shows itself near the point --------------------------------------------------------------
 
 
-def _with_searched(scene: SwitchedSystem, evidence: StabilityEvidence) -> StabilityEvidence:
-    """A V that falls."""
-    found = find_lyapunov(scene)
-    if found is not None:
-        return replace(evidence, searched=found)
-    linear = evidence.linear
-    if linear is None or linear.quadratic is None:
-        return evidence
-    formula = parse_piecewise(quadratic_text(linear.quadratic, scene.states), scene.states)
+def show_departure(point: SpacePoint, known: Known) -> Finding | None:
+    """No mixture of the velocities at the point is zero."""
+    if point.equilibrium is not Equilibrium.FAILS:
+        return None
+    return Finding(Method.EQUILIBRIUM, Translation.UNSTABLE, "0 is not in F there, so every solution leaves it")
+
+
+def show_escape(point: SpacePoint, known: Known) -> Finding | None:
+    """A velocity at the point that leads into its cell, or a ray along which solutions leave."""
+    velocity = escaping_velocity(point.system, point.cells)
+    if velocity is not None:
+        place = ", ".join(map(str, velocity))
+        reason = f"a solution leaves the point with velocity ({place}), into a cell"
+        return Finding(Method.ESCAPE, Translation.UNSTABLE, reason, proofs=velocity)
+    rate = escaping_rate(point.system, point.cells) if point.linear is None else None
+    if rate is None:
+        return None
+    reason = "solutions leave along a ray inside a cone with a linear field"
+    return Finding(Method.ESCAPE, Translation.UNSTABLE, reason, proofs=rate)
+
+
+def show_relay(point: SpacePoint, known: Known) -> Finding | None:
+    """A switching surface that shows instability by its relative degree."""
+    relay = high_degree_relay(point.system, point.cells)
+    if relay is None or not relay.check(point.cells):
+        return None
+    order = f"derivative {relay.degree} of the switching function is the first that depends on its sign"
+    reason = f"{order}, and a function of the others never falls"
+    return Finding(Method.RELAY, Translation.UNSTABLE, reason, proofs=relay)
+
+
+def show_linearization(point: SpacePoint, known: Known) -> Finding | None:
+    """The eigenvalues of the linearization; a V may show more of a point that is stable."""
+    spectrum = point.spectrum
+    verdict = None if spectrum is None else SHOWN_BY_SPECTRUM.get(spectrum)
+    if verdict is None:
+        return None
+    reason = f"not asymptotically: {spectrum}" if verdict is Translation.STABLE else str(spectrum)
+    final = verdict is Translation.UNSTABLE
+    return Finding(Method.LINEARIZATION, verdict, reason, proofs=point.linear, is_final=final)
+
+
+# ---- functions -------------------------------------------------------------------------------------
+
+
+def show_by_given(point: SpacePoint, known: Known) -> Finding | None:
+    """The V of the scene; the sum of squares that nobody named is asked with little work."""
+    return _by_given(point, known, Effort.HASTY if point.system.check.is_default else Effort.FULL)
+
+
+def search_function(point: SpacePoint, known: Known) -> Finding | None:
+    """A V that falls, unless that is known to be impossible."""
+    if point.spectrum is Spectrum.NEUTRAL:
+        return None
+    function = find_lyapunov(point.system) or _quadratic(point)
+    return None if function is None else conclude_function(known, function)
+
+
+def show_by_default(point: SpacePoint, known: Known) -> Finding | None:
+    """The sum of squares that nobody named with all work, where nothing else is found."""
+    spectrum, shown = point.spectrum, known.function is not None
+    if not point.system.check.is_default or spectrum is Spectrum.HURWITZ or (spectrum is Spectrum.NEUTRAL and shown):
+        return None
+    hasty = point.given
+    found = _by_given(point, known, Effort.FULL)
+    if found is None or found.is_final or known.function is None:
+        return found
+    point.given = hasty  # which shows the same
+    return None
+
+
+def _by_given(point: SpacePoint, known: Known, effort: Effort) -> Finding | None:
+    check = point.system.check
+    point.given = point.examine(check.lyapunov, check.radius, effort) or point.given
+    return None if point.given is None else conclude_function(known, point.given)
+
+
+def _quadratic(point: SpacePoint) -> ExaminedLyapunov | None:
+    """The quadratic form of a linearization whose eigenvalues all have negative real parts, on a smaller cube."""
+    quadratic = None if point.linear is None else point.linear.quadratic
+    if quadratic is None:
+        return None
+    formula = parse_piecewise(quadratic_text(quadratic, point.system.states), point.system.states)
     for scale in SCALES:
-        radius = scene.check.radius * scale
-        try:
-            examined = examine(scene, formula, radius, effort=Effort.STRICT)
-        except BeyondReachError:
-            continue
-        if examined.verdict is Decrease.STRICT:
-            return replace(evidence, searched=ExaminedLyapunov(formula, radius, examined))
-    return evidence
+        examined = point.examine(formula, point.system.check.radius * scale, Effort.STRICT)
+        if examined is not None and examined.decrease is Decrease.STRICT:
+            return examined
+    return None
 
 
-def _with_growth(scene: SwitchedSystem, evidence: StabilityEvidence) -> StabilityEvidence:
+def conclude_function(known: Known, function: ExaminedLyapunov) -> Finding | None:
+    """What a V shows beside what is known; None where its conditions are not shown."""
+    standing = known.standing
+    if function.decrease is Decrease.STRICT:
+        return Finding(Method.LYAPUNOV, Translation.ASYMPTOTICALLY_STABLE, function.reason, function)
+    if function.decrease is not Decrease.WEAK:
+        return None
+    if standing is not None and not standing.is_weak:
+        return replace(standing, function=function)
+    reason = f"{function.reason}; whether the equilibrium attracts is not decided by it"
+    return Finding(Method.LYAPUNOV, Translation.STABLE, reason, function, is_final=False)
+
+
+def search_growth(point: SpacePoint, known: Known) -> Finding | None:
     """A V that shows instability, unless the point is known to be stable."""
-    return replace(evidence, growth=None if evidence.proving is not None else find_growth(scene))
+    growth = find_growth(point.system) if known.standing is None else None
+    return None if growth is None else conclude_growth(point, growth)
+
+
+def conclude_growth(point: SpacePoint, growth: GrowthEvidence) -> Finding:
+    """What such a V shows."""
+    reason = "V falls along every solution, from negative values at all distances"
+    facts = growth.facts(point.system.states)
+    return Finding(Method.INSTABILITY, Translation.UNSTABLE, reason, proofs=growth, entry=growth.entry, facts=facts)
+
+
+def show_attraction(point: SpacePoint, known: Known) -> Finding | None:
+    """Whether solutions leave where the V that shows stability does not fall."""
+    function = known.function
+    entry = function.attraction(point.system) if known.attraction_is_open and function is not None else None
+    return None if entry is None else conclude_attraction(function, entry)
+
+
+def conclude_attraction(function: ExaminedLyapunov, entry: dict[str, Any]) -> Finding:
+    """What LaSalle's principle shows, of a V and the theorem with its evidence as a certificate holds it."""
+    reason = f"{function.reason}, and {Staying.NONE}"
+    return Finding(Method.INVARIANCE, Translation.ASYMPTOTICALLY_STABLE, reason, function, entry=entry)
+
+
+# ---- findings of searches, verified ----------------------------------------------------------------
+
+
+def verify_function(point: SpacePoint, known: Known, claimed: Finding) -> Finding | None:
+    """What follows from a V."""
+    return None if claimed.function is None else conclude_function(known, claimed.function)
+
+
+def verify_growth(point: SpacePoint, known: Known, claimed: Finding) -> Finding | None:
+    """What follows from a V that shows instability, if the checker accepts it."""
+    growth = claimed.proofs
+    if claimed.theorem is not Method.INSTABILITY or not is_shown(point.system, growth.entry, Translation.UNSTABLE):
+        return None
+    return conclude_growth(point, growth)
+
+
+def verify_attraction(point: SpacePoint, known: Known, claimed: Finding) -> Finding | None:
+    """What follows from LaSalle's principle, if the checker accepts it of this V."""
+    entry, function = claimed.entry, claimed.function
+    if entry is None or function is None or entry["hypotheses"]["function"] != function.formula.text:
+        return None
+    shown = is_shown(point.system, entry, Translation.ASYMPTOTICALLY_STABLE)
+    return conclude_attraction(function, entry) if shown else None

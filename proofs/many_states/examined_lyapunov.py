@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, cast
 
 from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.statements import show_entry
@@ -12,9 +12,10 @@ from nonsmooth.proofs.kernel.search import NotShownError, Search, stability_hypo
 from nonsmooth.proofs.kernel.second_function import find_second
 from nonsmooth.proofs.kernel.subject import about
 from nonsmooth.proofs.many_states.decay import ProvedDecay
-from nonsmooth.proofs.many_states.examination import Examination, examine
-from nonsmooth.proofs.many_states.sublevel import SublevelSet
+from nonsmooth.proofs.many_states.examination import Examination, FailurePoint, examine
 from nonsmooth.proofs.systems.derivatives import Decrease
+from nonsmooth.proofs.systems.domain import Domain
+from nonsmooth.proofs.systems.findings import ExaminedFunction, Reach
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.piecewise import PiecewiseExpression
@@ -24,7 +25,7 @@ PROVES = {Decrease.STRICT: Translation.ASYMPTOTICALLY_STABLE, Decrease.WEAK: Tra
 
 
 @dataclass(frozen=True)
-class ExaminedLyapunov:
+class ExaminedLyapunov(ExaminedFunction):
     """A V with its conditions.
 
     Attributes:
@@ -37,11 +38,31 @@ class ExaminedLyapunov:
     radius: Number
     examination: Examination
 
+    @property
+    def domain(self) -> Domain:
+        """Where they hold: at every distance where all of them are about forms."""
+        return Domain(None if self.examination.is_homogeneous else self.radius)
+
+    @property
+    def decrease(self) -> Decrease:
+        """What follows from them."""
+        return self.examination.verdict
+
+    @property
+    def reason(self) -> str:
+        """The same as a sentence."""
+        return self.examination.reason
+
+    @property
+    def witness(self) -> FailurePoint | None:
+        """Where one of them fails."""
+        return self.examination.failure
+
     def check(self, system: SwitchedSystem) -> bool:
         """Whether the checker accepts what is said of V; a V that fails is looked at again."""
         verdict = PROVES.get(self.examination.verdict)
         if verdict is not None:
-            return is_shown(system, self.entry(), verdict)
+            return is_shown(system, self.known_entry(Reach()), verdict)
         undecided = self.examination.verdict is Decrease.UNDECIDED
         return undecided or examine(system, self.formula, self.radius) == self.examination
 
@@ -53,7 +74,7 @@ class ExaminedLyapunov:
         if self.examination.verdict is not Decrease.WEAK:
             return None
         subject, search = read_subject(about(system)), Search()
-        stated = self.entry()["hypotheses"]
+        stated = self.known_entry(Reach())["hypotheses"]
         second = find_second(subject, stated["cells"], stated["function"], search)
         if second is None:
             return None
@@ -65,8 +86,9 @@ class ExaminedLyapunov:
                 continue
         return None
 
-    def entry(self, *, region: SublevelSet | None = None, rate: ProvedDecay | None = None) -> dict[str, Any]:
+    def known_entry(self, reach: Reach) -> dict[str, Any]:
         """The theorem with its evidence, as a certificate holds it: what V shows, where from, and how fast."""
+        region, rate = reach.region, cast("ProvedDecay | None", reach.rate)
         stated, falls = self.examination.stated, self.examination.verdict is Decrease.STRICT
         verdict = str(PROVES[self.examination.verdict])
         hypotheses = stability_hypotheses(stated.record, self.formula.text, verdict) | {

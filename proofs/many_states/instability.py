@@ -17,13 +17,16 @@ from numpy.typing import NDArray
 
 from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.checker.positivity import Claim
+from nonsmooth.proofs.facts import Fact, row_fact
 from nonsmooth.proofs.kernel.claims import Functions
 from nonsmooth.proofs.kernel.stated_cells import StatedCells
 from nonsmooth.proofs.many_states.examination import answer, conditions_on, find_failure
 from nonsmooth.proofs.many_states.lyapunov_search import proposals
 from nonsmooth.proofs.sums_of_squares.prove import Effort
+from nonsmooth.proofs.systems.domain import cube_text
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.piecewise import PiecewiseExpression
+from nonsmooth.symbolic.scene_error import one_line
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 DIRECTIONS = 600  # drawn at random, beside those of the most negative curvature
@@ -47,6 +50,12 @@ class GrowthEvidence:
     direction: tuple[fmpq, ...]
     stated: StatedCells
     proofs: dict[str, Any]
+
+    def facts(self, states: Sequence[str]) -> tuple[Fact, ...]:
+        """V, and where it falls."""
+        direction = ", ".join(map(str, self.direction))
+        where = f"{cube_text(self.radius, states)}; V < 0 in the direction ({direction})"
+        return row_fact("with", f"V = {one_line(self.formula.text)}"), row_fact("on", where)
 
     @property
     def entry(self) -> dict[str, Any]:

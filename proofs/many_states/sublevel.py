@@ -37,6 +37,12 @@ class SublevelSet:
     level: Fraction
     radius: Fraction
     proofs: dict[str, Any]
+    refuted: None = None  # no larger level is refuted
+    point: None = None
+    falls: bool = True  # on all of the cube
+
+    def __str__(self) -> str:
+        return f"V < {self.level}"
 
 
 def largest_sublevel(examination: Examination) -> SublevelSet | None:

@@ -9,6 +9,7 @@ from fractions import Fraction
 from nonsmooth.analysis.cells.region import Region
 from nonsmooth.analysis.cells.switched_cells import (
     FieldCell,
+    LyapunovCell,
     lyapunov_cells,
     plane,
     square_regions,
@@ -18,39 +19,66 @@ from nonsmooth.proofs.systems.ray_moves import are_cones
 from nonsmooth.symbolic.number_text import brief_text
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.piecewise import PiecewiseExpression
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
 
 SHRINKING = Fraction(1, 16)  # of the checked square, where V fails on all of it
 
 
 @dataclass(frozen=True)
 class Domain:
-    """Where the conditions on a V are proved: the square ``|x|, |y| <= radius`` about the equilibrium, or the plane.
+    """Where the conditions on a V are proved: a cube about the equilibrium, in two states a square, or the whole space.
 
     Attributes:
-        radius: half the side of the square; None for the plane.
+        radius: half the side of the cube; None for the whole space.
     """
 
     radius: Number | None
 
     def text(self, states: Sequence[str]) -> str:
         """In words, with the names of the states."""
-        bounded = ", ".join(f"abs({name})" for name in states)
-        return "the plane" if self.radius is None else f"{bounded} <= {brief_text(self.radius)}"
+        if self.radius is None:
+            return "the plane" if len(states) == len(PLANE) else "the whole space"
+        return cube_text(self.radius, states)
+
+    def kind(self, states: Sequence[str]) -> str:
+        """In one word."""
+        whole, bounded = ("plane", "square") if len(states) == len(PLANE) else ("space", "cube")
+        return whole if self.radius is None else bounded
 
 
-def domain_names(scene: SwitchedSystem, lyapunov: PiecewiseExpression) -> list[Domain]:
-    """Where V is tried, in order; a system of cones with homogeneous V looks the same at every distance."""
-    cells = lyapunov_cells(plane_cells(scene), lyapunov, scene.states, scene.origin)
-    if are_cones(cells) and all(cell.potential.is_homogeneous for cell in cells):
+def cube_text(radius: Number | Fraction, states: Sequence[str]) -> str:
+    """A cube about the equilibrium in words."""
+    bounded = ", ".join(f"abs({name})" for name in states)
+    return f"{bounded} <= {radius if isinstance(radius, Fraction) else brief_text(radius)}"
+
+
+def domains(scene: SwitchedSystem, lyapunov: PiecewiseExpression, cells: Sequence[FieldCell]) -> list[Domain]:
+    """Where V is tried, in order; a system of cones with homogeneous V looks the same at every distance.
+
+    Args:
+        scene: in two states.
+        lyapunov: V.
+        cells: of the plane.
+    """
+    bent = lyapunov_cells(cells, lyapunov, scene.states, scene.origin)
+    if are_cones(cells) and all(cell.potential.is_homogeneous for cell in bent):
         return [Domain(None)]
     return [Domain(scene.check.radius * factor) for factor in (1, SHRINKING)]
 
 
-def domains(scene: SwitchedSystem, lyapunov: PiecewiseExpression) -> list[tuple[Region, ...]]:
-    """The regions of :func:`domain_names`."""
-    names = domain_names(scene, lyapunov)
-    return [plane(scene) if d.radius is None else square_regions(d.radius) for d in names]
+def domain_regions(scene: SwitchedSystem, radius: Number | None) -> tuple[Region, ...]:
+    """The square of a half-width, or the plane, in regions."""
+    return plane(scene) if radius is None else square_regions(radius)
+
+
+def given_cells(scene: SwitchedSystem, domain: Domain) -> tuple[LyapunovCell, ...]:
+    """The cells of a domain, cut further where the scene's V bends."""
+    return scene_cells(scene, domain_regions(scene, domain.radius))
+
+
+def scene_cells(scene: SwitchedSystem, regions: Sequence[Region]) -> tuple[LyapunovCell, ...]:
+    """The same of some regions."""
+    return lyapunov_cells(system_cells(scene, regions), scene.check.lyapunov, scene.states, scene.origin)
 
 
 def plane_cells(scene: SwitchedSystem) -> tuple[FieldCell, ...]:

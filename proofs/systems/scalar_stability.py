@@ -12,11 +12,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
 
+from nonsmooth.proofs.facts import Fact, Quantity
 from nonsmooth.proofs.inequalities.dense_polynomials import Coefficients
 from nonsmooth.proofs.inequalities.real_roots import RealRoot, positive_roots, separated
-from nonsmooth.proofs.systems.stability_result import StabilityResult
+from nonsmooth.proofs.systems.findings import CheckedPoint, Finding, Known, Method
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
+from nonsmooth.symbolic.number_text import brief_text
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.piecewise import PiecewiseExpression, SignOf
@@ -24,7 +27,6 @@ from nonsmooth.symbolic.scene_error import SceneError
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 LINE = ("x",)  # the displacement of one state, measured away from the point on either side
-METHOD = "signs on either side"
 
 
 @dataclass(frozen=True)
@@ -42,53 +44,76 @@ class Side:
     reach: Number | Fraction | None
 
 
-@dataclass(frozen=True, repr=False)
-class ScalarResult(StabilityResult):
-    """Stability of an equilibrium in one state.
+@dataclass(frozen=True)
+class Sides:
+    """What the signs of the fields on both sides of the point rest on.
 
     Attributes:
-        scene: the system.
-        verdict: strong stability.
-        reason: one sentence for people.
-        equilibrium: whether 0 is in F.
         right: where the state is larger.
         left: where it is smaller.
-        method: what decided, always the same.
     """
 
-    scene: SwitchedSystem
-    verdict: Translation
-    reason: str
-    equilibrium: Equilibrium
     right: Side
     left: Side
-    method: str = METHOD
-
-    def check(self) -> bool:
-        """Decide again, and evaluate the fields between the point and the ends of the region."""
-        if decide_scalar(self.scene) != self:
-            return False
-        return all(
-            _leads_inward(self.scene, side, side.reach * Fraction(k, 8), turn)
-            for side, turn in ((self.right, 1), (self.left, -1))
-            if side.reach is not None
-            for k in range(1, 8)
-        )
 
 
-def decide_scalar(scene: SwitchedSystem) -> ScalarResult:
-    """Decide the stability of the checked point of a system in one state.
+class LinePoint(CheckedPoint):
+    """The checked point of a system in one state; no V is looked at."""
 
-    Raises:
-        SceneError: for formulas that cannot be used, and for denominators that may vanish.
-    """
-    for formula in scene.denominators:
-        if not all(_is_positive(scene, formula, turn) for turn in (1, -1)):
-            expected = "a denominator that does not vanish on the checked interval (a smaller check.radius?)"
-            raise SceneError(scene.origin, "system.rhs", expected, formula.text)
-    right, left = (_side(scene, turn) for turn in (1, -1))
-    holds = _equilibrium(right, left)
-    return ScalarResult(scene, *_conclude(scene, holds, right, left), holds, right, left)
+    given = None
+    open_reason = ""
+
+    def __init__(self, system: SwitchedSystem) -> None:
+        """Refuse denominators that may vanish.
+
+        Raises:
+            SceneError: for these, and for formulas that cannot be used.
+        """
+        for formula in system.denominators:
+            if not all(_is_positive(system, formula, turn) for turn in (1, -1)):
+                expected = "a denominator that does not vanish on the checked interval (a smaller check.radius?)"
+                raise SceneError(system.origin, "system.rhs", expected, formula.text)
+        self.system = system
+
+    @cached_property
+    def sides(self) -> Sides:
+        """The fields on both sides."""
+        return Sides(_side(self.system, 1), _side(self.system, -1))
+
+    @property
+    def equilibrium(self) -> Equilibrium:
+        """Whether 0 is in F."""
+        return _equilibrium(self.sides.right, self.sides.left)
+
+
+def show_by_signs(point: LinePoint, known: Known) -> Finding:
+    """The stability of a point in one state."""
+    sides = point.sides
+    verdict, reason = _conclude(point.system, point.equilibrium, sides.right, sides.left)
+    return Finding(Method.SIGNS, verdict, reason, proofs=sides, facts=(_region(point.system, sides),))
+
+
+def _region(scene: SwitchedSystem, sides: Sides) -> Fact:
+    """The interval of starts that are certified to reach the point."""
+    right, left = sides.right.reach, sides.left.reach
+    if right is None or left is None:
+        return Fact("region")
+    (state,), (at,) = scene.states, scene.check.equilibrium
+    words = f"every start with {brief_text(at - left)} < {state} < {brief_text(at + right)} reaches the equilibrium"
+    record = {"from": Quantity(at - left), "to": Quantity(at + right), "text": words}
+    return Fact("region", record, words, row="region")
+
+
+def verify_signs(point: LinePoint, known: Known, claimed: Finding) -> Finding | None:
+    """The same; besides, the fields are evaluated between the point and the ends of the region."""
+    sides = ((point.sides.right, 1), (point.sides.left, -1))
+    inward = all(
+        _leads_inward(point.system, side, side.reach * Fraction(k, 8), turn)
+        for side, turn in sides
+        if side.reach is not None
+        for k in range(1, 8)
+    )
+    return show_by_signs(point, known) if inward else None
 
 
 def _equilibrium(right: Side, left: Side) -> Equilibrium:

@@ -13,8 +13,10 @@ from fractions import Fraction
 
 from nonsmooth.analysis.cells.region import cone_region
 from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell, square_regions, system_cells
-from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine, inhabited
-from nonsmooth.proofs.systems.domain import SHRINKING, Domain, plane_cells
+from nonsmooth.proofs.inequalities.strata import Refutation
+from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, Supremum, examine, inhabited
+from nonsmooth.proofs.systems.domain import SHRINKING, Domain, domains, given_cells, plane_cells
+from nonsmooth.proofs.systems.findings import DERIVATIVES, ExaminedFunction
 from nonsmooth.proofs.systems.local_cells import conic_germ
 from nonsmooth.proofs.systems.lyapunov_search import (
     ENLARGING_WORK,
@@ -33,6 +35,7 @@ from nonsmooth.proofs.systems.piecewise_quadratic import (
 )
 from nonsmooth.proofs.systems.ray_moves import are_cones
 from nonsmooth.proofs.systems.weak_search import find_weak_lyapunov
+from nonsmooth.proofs.systems.written_potential import PotentialPiece, potential_pieces
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.piecewise import PiecewiseExpression
@@ -43,23 +46,64 @@ SEARCH_SCALES = (Fraction(1), SHRINKING, SHRINKING**2, SHRINKING**3)  # of the c
 
 
 @dataclass(frozen=True)
-class SearchedLyapunov:
-    """A V that was searched and proved.
+class PlaneFunction(ExaminedFunction):
+    """A V of a system in two states.
 
     Attributes:
         result: Lyapunov's conditions with their evidence.
-        domain: where they are proved.
+        on: where they are looked at.
         formula: V as one formula; None where it is known by its pieces only.
+        states: their names.
         grows: whether time was reversed.
+        is_given: whether it is the scene's.
     """
 
     result: LyapunovResult
-    domain: Domain
+    on: Domain
     formula: PiecewiseExpression | None
-    grows: bool
+    states: tuple[str, ...]
+    grows: bool = False
+    is_given: bool = False
 
-    def speaks_of(self, system: SwitchedSystem) -> bool:
+    @property
+    def domain(self) -> Domain:
+        """The same."""
+        return self.on
+
+    @property
+    def decrease(self) -> Decrease:
+        """What follows from the conditions."""
+        return self.result.verdict
+
+    @property
+    def reason(self) -> str:
+        """The same as a sentence."""
+        return self.result.reason
+
+    @property
+    def witness(self) -> Refutation | None:
+        """Where one of them fails."""
+        return self.result.witness
+
+    @property
+    def pieces(self) -> tuple[PotentialPiece, ...]:
+        """V cone by cone, of one that was searched so."""
+        return potential_pieces(self.result.cells, self.states) if self.formula is None else ()
+
+    @property
+    def suprema(self) -> dict[str, Supremum]:
+        """The largest values of the derivatives."""
+        return {name: self.result.supremum(name) for name in DERIVATIVES}
+
+    def check(self, system: SwitchedSystem) -> bool:
+        """Verify the conditions, and that they are about the system, or the reversed one, on the domain."""
+        return self._speaks_of(system) and self.result.check()
+
+    def _speaks_of(self, system: SwitchedSystem) -> bool:
         """Whether the cells are those of the system, or of the reversed one, on the domain that is named."""
+        if self.is_given:
+            own = domains(system, system.check.lyapunov, plane_cells(system))
+            return self.domain in own and self.result.cells == inhabited(given_cells(system, self.domain))
         turn = reversed_cells if self.grows else tuple
         if self.formula is not None:
             radius = self.domain.radius
@@ -71,9 +115,7 @@ class SearchedLyapunov:
         return _are_cut_by_cones(self.result.cells, cells, on_square)
 
 
-def search_lyapunov(
-    system: SwitchedSystem, cells: Sequence[FieldCell], *, grows: bool = False
-) -> SearchedLyapunov | None:
+def search_lyapunov(system: SwitchedSystem, cells: Sequence[FieldCell], *, grows: bool = False) -> PlaneFunction | None:
     """A V that is proved to fall along every solution (with time reversed: to grow); None where none is found.
 
     Args:
@@ -85,10 +127,10 @@ def search_lyapunov(
     if are_cones(cells) and not system.others:
         found = find_piecewise_quadratic(turn(cells))
         if found is not None:
-            return SearchedLyapunov(found, Domain(None), None, grows)
+            return PlaneFunction(found, Domain(None), None, system.states, grows)
     proposed = find_lyapunov(system, turn)
     if proposed is not None:
-        return SearchedLyapunov(proposed.result, Domain(proposed.radius), proposed.formula, grows)
+        return PlaneFunction(proposed.result, Domain(proposed.radius), proposed.formula, system.states, grows)
     near = None if are_cones(cells) or system.others else conic_germ(cells)
     refused = None
     for scale in SEARCH_SCALES if near is not None else ():
@@ -96,14 +138,15 @@ def search_lyapunov(
         by_pieces = find_near(turn(near or ()), turn(system_cells(system, square_regions(radius))))
         if by_pieces is not None:
             pieces, result = by_pieces
-            return enlarged_pieces(system, pieces, SearchedLyapunov(result, Domain(radius), None, grows), refused)
+            found_here = PlaneFunction(result, Domain(radius), None, system.states, grows)
+            return enlarged_pieces(system, pieces, found_here, refused)
         refused = radius
     return None
 
 
 def enlarged_pieces(
-    system: SwitchedSystem, pieces: Sequence[LyapunovCell], found: SearchedLyapunov, refused: Number | None
-) -> SearchedLyapunov:
+    system: SwitchedSystem, pieces: Sequence[LyapunovCell], found: PlaneFunction, refused: Number | None
+) -> PlaneFunction:
     """The same V, of pieces on cones, on a larger square below one on which there is none, by bisection."""
     turn = reversed_cells if found.grows else tuple
     low, high, best = found.domain.radius, refused, found
@@ -114,13 +157,13 @@ def enlarged_pieces(
         cells = restricted(pieces, turn(system_cells(system, square_regions(radius))))
         result = examine(cells) if not first_failure(inhabited(cells), Budget(ENLARGING_WORK)) else None
         if result is not None and result.verdict is Decrease.STRICT:
-            low, best = radius, replace(found, result=result, domain=Domain(radius))
+            low, best = radius, replace(found, result=result, on=Domain(radius))
         else:
             high = radius
     return best
 
 
-def search_weak_lyapunov(system: SwitchedSystem, *, may_attract: bool = True) -> SearchedLyapunov | None:
+def search_weak_lyapunov(system: SwitchedSystem, *, may_attract: bool = True) -> PlaneFunction | None:
     """A V that does not increase, if possible one that shows asymptotic stability; None where none is found.
 
     Args:
@@ -128,7 +171,7 @@ def search_weak_lyapunov(system: SwitchedSystem, *, may_attract: bool = True) ->
         may_attract: whether the equilibrium may attract; otherwise the first V serves.
     """
     found = find_weak_lyapunov(system, may_attract=may_attract)
-    return None if found is None else SearchedLyapunov(found.result, Domain(found.radius), found.formula, False)
+    return None if found is None else PlaneFunction(found.result, Domain(found.radius), found.formula, system.states)
 
 
 def reversed_cells(cells: Sequence[FieldCell]) -> tuple[FieldCell, ...]:

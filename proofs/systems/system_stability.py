@@ -1,4 +1,4 @@
-"""Strong stability of a plain planar system's equilibrium: the scene's V first, then what decides without it.
+"""Strong stability of a planar system's equilibrium: the scene's V first, then what decides without it.
 
 1. ``0`` must be in F at the point: otherwise every solution leaves it.  Only cells count there whose open parts have
    points arbitrarily near (:mod:`nonsmooth.proofs.systems.local_cells`).
@@ -6,9 +6,9 @@
    homogeneous V, otherwise on the checked square, or on a smaller one.
 3. Fields that are constant near the equilibrium: the fan of cones, which is complete.
 4. Otherwise the leading terms of the fields on tangent cones (:mod:`nonsmooth.proofs.systems.leading_terms`).
-5. Unless the equilibrium is known to be unstable, a V is searched and proved, one that falls along every solution or,
+5. In systems of cones a ray of escape is unstable.
+6. Unless the equilibrium is known to be unstable, a V is searched and proved, one that falls along every solution or,
    where nothing else has decided, with time reversed one that grows (:mod:`nonsmooth.proofs.systems.search`).
-6. In systems of cones a ray of escape is unstable.
 7. A V that does not increase, the scene's or a searched one: asymptotically stable where no other solution stays
    where V' = 0 (LaSalle, :mod:`nonsmooth.proofs.systems.invariance`).
 8. Otherwise such a V shows stability alone, and not asymptotic where a ray of equilibria shows it.
@@ -18,372 +18,314 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from typing import TypeAlias
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import cached_property
 
-from nonsmooth.analysis.cells.region import Region
-from nonsmooth.analysis.cells.switched_cells import (
-    FieldCell,
-    LyapunovCell,
-    square_regions,
-)
+from nonsmooth.analysis.cells.switched_cells import FieldCell
 from nonsmooth.proofs.inequalities.effort import shared_effort
-from nonsmooth.proofs.inequalities.strata import Refutation
 from nonsmooth.proofs.systems.certified_reach import (
-    Reach,
     arrives_in_finite_time,
     cells_of_checked_square,
     certified_reach,
     holds_everywhere,
-    scene_cells,
 )
-from nonsmooth.proofs.systems.conclusion import Method, conclude, conclude_uncovered
-from nonsmooth.proofs.systems.decay_rate import DecayRate, RegionRate
 from nonsmooth.proofs.systems.denominators import require_denominators
-from nonsmooth.proofs.systems.derivatives import EFFORT, Decrease, LyapunovResult, examine, inhabited
-from nonsmooth.proofs.systems.disturbance_gain import DisturbanceGain
-from nonsmooth.proofs.systems.domain import SHRINKING, Domain, domain_names, domains, plane_cells
+from nonsmooth.proofs.systems.derivatives import EFFORT, Decrease, examine
+from nonsmooth.proofs.systems.domain import SHRINKING, Domain, domains, given_cells, plane_cells
+from nonsmooth.proofs.systems.findings import CheckedPoint, Finding, Known, Method, Reach
 from nonsmooth.proofs.systems.invariance import Staying, decide_staying
 from nonsmooth.proofs.systems.leading_terms import LeadingTerms, decide_leading_terms
 from nonsmooth.proofs.systems.local_cells import conic_germ, decide_equilibrium
 from nonsmooth.proofs.systems.lyapunov_search import has_curves
 from nonsmooth.proofs.systems.ray_moves import (
     ConstantFan,
+    RayKind,
     RayMove,
     are_cones,
-    constant_cones,
     decide_constant_fan,
     ray_moves,
     resting_edges,
 )
 from nonsmooth.proofs.systems.root_axes import axes_are_crossed
-from nonsmooth.proofs.systems.search import SearchedLyapunov, search_lyapunov, search_weak_lyapunov
-from nonsmooth.proofs.systems.stability_result import StabilityResult
-from nonsmooth.proofs.systems.sublevel_region import SublevelRegion
+from nonsmooth.proofs.systems.search import PlaneFunction, search_lyapunov, search_weak_lyapunov
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
-from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 SEARCH_EFFORT = 2 * EFFORT  # for all candidates of a search together
+UNCOVERED = "not every solution crosses where the root of a state is zero: what is proved of the roots says nothing"
 
 
-@dataclass(frozen=True, repr=False)
-class SystemResult(StabilityResult):
-    """Stability of the equilibrium with everything that was proved about it.
+class PlanePoint(CheckedPoint):
+    """The checked point of a system in two states."""
 
-    Attributes:
-        scene: the system.
-        verdict: strong stability.
-        reason: one sentence for people.
-        method: what decided.
-        equilibrium: whether 0 is in F.
-        everywhere: whether asymptotic stability is proved for starts in the whole plane.
-        lyapunov: the scene's V, on the checked square (on the plane for a system of cones).
-        certificate: the V that shows stability, on its own domain; None where none does.
-        domain: where the V that decides (the certificate, or the one that grows) is proved; None without one.
-        searched: that V, where it was searched; None where it is the scene's, or there is none.
-        growth: a V that falls along every solution of the reversed system; None where none was needed or found.
-        fan: the decision by the fan, where it was needed and the fields are constant.
-        rays: rays of escape and rest of a system of cones, sides of rest of any other.
-        leading: the decision by leading terms, where the scene's V and the constant fan leave it open and they decide.
-        region: starts that are certified to reach the equilibrium, of a V on a square.
-        rate: how fast that V falls on the square on which it is proved, where that is proved.
-        staying: of a V that does not increase, what stays where V' = 0; None where that was not asked.
-        gain: what an additive disturbance does there, where such a V has a rate and that is proved.
-        near: the starts that stay in the square on which V is proved; the region may be larger.
-        region_rate: how fast V falls on a larger region, where that is proved.
-        covered: of a system in roots of states, whether what is proved of the roots holds for the states; else true.
-        finite_time: of such a system, whether solutions near the equilibrium are known to arrive in finite time.
-    """
+    def __init__(self, system: SwitchedSystem) -> None:
+        """Refuse denominators that may vanish.
 
-    scene: SwitchedSystem
-    verdict: Translation
-    reason: str
-    method: Method
-    equilibrium: Equilibrium
-    everywhere: bool
-    lyapunov: LyapunovResult
-    certificate: LyapunovResult | None
-    growth: LyapunovResult | None
-    fan: ConstantFan | None
-    rays: tuple[RayMove, ...]
-    domain: Domain | None
-    searched: SearchedLyapunov | None
-    leading: LeadingTerms | None
-    region: SublevelRegion | None = None
-    rate: DecayRate | None = None
-    staying: Staying | None = None
-    gain: DisturbanceGain | None = None
-    near: SublevelRegion | None = None
-    region_rate: RegionRate | None = None
-    covered: bool = True
-    finite_time: bool = False
+        Raises:
+            SceneError: for these, and for formulas that cannot be used on some cell.
+        """
+        require_denominators(system)
+        self.system = system
+        self._staying: dict[int, Staying] = {}
+
+    @cached_property
+    def cells(self) -> tuple[FieldCell, ...]:
+        """The cells of the plane."""
+        return plane_cells(self.system)
+
+    @cached_property
+    def rays(self) -> tuple[RayMove, ...]:
+        """Rays of escape and rest of a system that consists of cones near the point, sides of rest of any other.
+
+        Of right-hand sides that only enclose the field all must rest: what one of them allows, the field need not.
+        """
+        if self.system.waves:
+            return tuple(resting_edges(self.cells, enclosing=True)) if self.system.has_one_field else ()
+        near = conic_germ(self.cells)
+        return tuple(ray_moves(near) if near is not None and are_cones(near) else resting_edges(self.cells))
+
+    @cached_property
+    def equilibrium(self) -> Equilibrium:
+        """Whether 0 is in F: of the stated fields, where roots of states scale them."""
+        roots = self.system.by_roots
+        return decide_equilibrium(self.cells if roots is None else plane_cells(roots.unscaled))
+
+    @cached_property
+    def is_covered(self) -> bool:
+        """Of a system in roots of states, whether what is proved of the roots holds for the states; else true."""
+        return axes_are_crossed(self.system)
+
+    @cached_property
+    def fan(self) -> ConstantFan | None:
+        """The fan; None where a field near the point is not constant."""
+        return decide_constant_fan(self.cells)
+
+    @cached_property
+    def leading(self) -> LeadingTerms | None:
+        """The leading terms, where they decide."""
+        asked = self.equilibrium is Equilibrium.HOLDS and self.fan is None
+        return decide_leading_terms(self.system) if asked else None
+
+    @cached_property
+    def _domains(self) -> list[Domain]:
+        return domains(self.system, self.system.check.lyapunov, self.cells)
+
+    @cached_property
+    def given(self) -> PlaneFunction:
+        """The scene's V on the checked square, or on the plane."""
+        return self.given_on(self._domains[0])
+
+    def given_on(self, domain: Domain) -> PlaneFunction:
+        """The scene's V on a domain."""
+        check = self.system.check
+        result = examine(given_cells(self.system, domain))
+        return PlaneFunction(result, domain, check.lyapunov, self.system.states, is_given=True)
+
+    def all_given(self) -> Iterator[PlaneFunction]:
+        """The scene's V on each domain."""
+        yield self.given
+        for domain in self._domains[1:]:
+            yield self.given_on(domain)
+
+    def staying(self, function: PlaneFunction) -> Staying:
+        """What stays where V' = 0, of a V that does not increase."""
+        if id(function) not in self._staying:
+            radius = function.domain.radius or self.system.check.radius
+            found = decide_staying(self.system, function.formula, radius, function.result.cells)
+            self._staying[id(function)] = found
+        return self._staying[id(function)]
 
     @property
-    def witness(self) -> Refutation | None:
-        """Where the scene's V fails."""
-        return self.lyapunov.witness
+    def open_reason(self) -> str:
+        """What is said where nothing decides."""
+        if self.equilibrium is Equilibrium.UNDECIDED:
+            return "whether 0 is in F there hangs on a cell whose germ is not decided"
+        return "no Lyapunov function was found, and no solution that leaves"
 
-    @property
-    def reported_domain(self) -> Domain:
-        """Where the scene's V was looked at."""
-        return domain_names(self.scene, self.scene.check.lyapunov)[0]
+    # ---- how far a finding carries ---------------------------------------------------------------
 
-    @property
-    def rate_radius(self) -> Number | None:
-        """Half the side of the square on which the rate and the gain hold; None without a rate."""
-        return None if self.rate is None or self.domain is None else self.domain.radius
+    def reach(self, found: Finding) -> Reach:
+        """Region, rate and gain of a V that shows asymptotic stability."""
+        if found.verdict is not Translation.ASYMPTOTICALLY_STABLE:
+            return Reach()
+        proved = Reach() if found.function is None else certified_reach(self.system, found.function)
+        return self._extended(proved, found)
 
-    @property
-    def proving(self) -> LyapunovResult | None:
-        """The V that decided; None where something else did, or nothing."""
-        falling = {Method.LYAPUNOV: self.certificate, Method.INVARIANCE: self.certificate}
-        return {**falling, Method.GROWTH: self.growth}.get(self.method)
-
-    def check(self) -> bool:
-        """Verify the evidence, that it speaks of this system's cells, and the conclusion; decide the rest again."""
-        cells = plane_cells(self.scene)
-        known = [inhabited(scene_cells(self.scene, d)) for d in domains(self.scene, self.scene.check.lyapunov)]
-        genuine = self.lyapunov.check() and self.lyapunov.cells == known[0]
-        if self.certificate is not None:
-            genuine = genuine and self._speaks_of(self.certificate, known, grows=False) and self.certificate.check()
-        if self.growth is not None:
-            genuine = genuine and self._speaks_of(self.growth, [], grows=True) and self.growth.check()
-        if self.fan is not None:
-            genuine = genuine and self.fan.fan.cones == constant_cones(cells) and self.fan.check()
-        genuine = genuine and all(ray.check(conic_germ(cells) or ()) for ray in self.rays)
-        genuine = genuine and self._region_is_genuine()
-        evidence = self.equilibrium, self.certificate, self.growth, self.fan, self.rays, self.leading
-        concluded = conclude(*evidence, self.staying) if self.covered else conclude_uncovered(self.equilibrium)
-        genuine = genuine and self.covered is axes_are_crossed(self.scene)
-        genuine = genuine and self.finite_time is arrives_in_finite_time(
-            self.scene, cells, self.verdict, self.certificate
-        )
-        by = self.certificate, self.domain, self.searched
-        genuine = genuine and (self.staying is None or self.staying is _staying(self.scene, *by))
-        return genuine and concluded == (self.verdict, self.reason, self.method) and self.recompute(cells)
-
-    def _region_is_genuine(self) -> bool:
-        """Whether the regions, the rates and the gain are those of the V that proves asymptotic stability."""
-        if (self.region, self.rate, self.near, self.region_rate, self.gain) == (None,) * 5:
+    def verifies(self, reach: Reach, found: Finding) -> bool:
+        """Whether the regions, the rates and the gain are those of the V, and verify."""
+        if found.verdict is not Translation.ASYMPTOTICALLY_STABLE:
+            return reach == Reach()
+        function, near, far = found.function, reach.near, reach.region
+        bare = self._extended(Reach(), found)
+        if reach == bare:
             return True
-        proving = self.proving
-        if proving is None or self.domain is None or self.verdict is not Translation.ASYMPTOTICALLY_STABLE:
+        if function is None or (reach.everywhere, reach.in_finite_time) != (bare.everywhere, bare.in_finite_time):
             return False
-        near, cells = self.near, proving.cells
-        if near is not None and not (near.falls and near.radius == self.domain.radius and near.check(cells)):
+        cells, domain = function.result.cells, function.domain
+        if near is not None and not (near.falls and near.radius == domain.radius and near.check(cells)):
             return False
-        if self.rate is not None and not self.rate.check(cells):
+        if reach.rate is not None and not (reach.rate_domain == domain and reach.rate.check(cells)):
             return False
-        if self.gain is not None and not self._gain_is_genuine(self.gain, cells, self.domain):
+        gain, level = reach.gain, None if near is None else near.level
+        if gain is not None and not (
+            (gain.rate, gain.level) == (reach.rate, level) and gain.check(cells, domain.radius)
+        ):
             return False
-        return self._far_region_is_genuine()
+        if far is None or far == near:
+            return reach.region_rate is None and far == near
+        square = cells_of_checked_square(self.system, function)
+        own = bool(square) and not far.falls and far.radius == self.system.check.radius
+        return own and far.check(square) and (reach.region_rate is None or reach.region_rate.check(square, far))
 
-    def _far_region_is_genuine(self) -> bool:
-        """Whether a region that reaches beyond the square on which V is proved holds, and its rate."""
-        region, rate = self.region, self.region_rate
-        if region is None or region == self.near:
-            return rate is None and region == self.near
-        cells = cells_of_checked_square(self.scene, self.searched)
-        own = bool(cells) and not region.falls and region.radius == self.scene.check.radius
-        return own and region.check(cells) and (rate is None or rate.check(cells, region))
-
-    def _gain_is_genuine(self, gain: DisturbanceGain, cells: Sequence[LyapunovCell], domain: Domain) -> bool:
-        """Whether the gain is one of the V, its rate and its region."""
-        level = None if self.near is None else self.near.level
-        same = gain.rate == self.rate and gain.level == level
-        return same and domain.radius is not None and gain.check(cells, domain.radius)
-
-    def recompute(self, cells: Sequence[FieldCell]) -> bool:
-        """Whether deciding again finds the same rays, equilibrium, reach, overshoot and leading terms."""
-        everywhere = holds_everywhere(self.scene, self.verdict, cells)
-        found = _rays(self.scene, cells), _equilibrium(self.scene, cells), everywhere
-        fan = self.fan is None or self.fan.fan.recompute()
-        leading = self.leading is None or self.leading == decide_leading_terms(self.scene)
-        return fan and leading and found == (self.rays, self.equilibrium, self.everywhere)
-
-    def _speaks_of(self, found: LyapunovResult, known: Sequence[Sequence[LyapunovCell]], *, grows: bool) -> bool:
-        """Whether a V is one of the system (or of the reversed one) on the domain that is named."""
-        if self.domain is None:
-            return False
-        if self.searched is None:
-            names = domain_names(self.scene, self.scene.check.lyapunov)
-            return self.domain in names and found.cells == known[names.index(self.domain)]
-        own = self.searched.result is found and self.searched.domain == self.domain and self.searched.grows is grows
-        return own and self.searched.speaks_of(self.scene)
+    def _extended(self, reach: Reach, found: Finding) -> Reach:
+        """With what holds beyond the domain of V."""
+        everywhere = holds_everywhere(self.system, found.verdict, self.cells)
+        in_time = arrives_in_finite_time(self.system, self.cells, found.verdict, found.function)
+        return replace(reach, everywhere=everywhere, in_finite_time=in_time)
 
 
-def system_check(scene: SwitchedSystem) -> SystemResult:
-    """Decide the stability of a plain system's equilibrium.
-
-    Raises:
-        SceneError: for formulas that cannot be used on some cell, and for denominators that may vanish.
-    """
-    require_denominators(scene)
-    cells = plane_cells(scene)
-    rays = _rays(scene, cells)
-    holds, covered = _equilibrium(scene, cells), axes_are_crossed(scene)
-    regions = domains(scene, scene.check.lyapunov)
-    reported = examine(scene_cells(scene, regions[0]))
-    if not covered:
-        return _uncovered(scene, holds, reported, rays)
-    others = regions[1:] if holds is not Equilibrium.FAILS else []
-    certificate, domain = _certificate(scene, reported, others)
-    fan, growth, searched, leading, staying = None, None, None, None, None
-    if has_curves(scene) and not (scene.check.is_default or rays):
-        staying = _staying(
-            scene, certificate, domain, None
-        )  # of the V that the scene names: beside curves a search takes long
-    if staying is not Staying.NONE and (certificate is None or certificate.verdict is not Decrease.STRICT):
-        fan = decide_constant_fan(cells)
-        if holds is Equilibrium.HOLDS and fan is None:
-            leading = decide_leading_terms(scene)
-        if holds is not Equilibrium.FAILS:
-            searched = _searched(scene, cells, rays, fan, leading, may_grow=certificate is None)
-        if searched is not None:
-            domain = searched.domain
-            certificate, growth = (certificate, searched.result) if searched.grows else (searched.result, growth)
-    if staying is not Staying.NONE:
-        concluded = conclude(holds, certificate, growth, fan, rays, leading)
-        known = certificate, domain, searched
-        certificate, domain, searched, staying = _by_invariance(scene, rays, concluded, known)
-    verdict, reason, method = conclude(holds, certificate, growth, fan, rays, leading, staying)
-    everywhere = holds_everywhere(scene, verdict, cells)
-    reach = Reach()
-    if method in (Method.LYAPUNOV, Method.INVARIANCE) and verdict is Translation.ASYMPTOTICALLY_STABLE:
-        reach = certified_reach(scene, certificate, domain, searched)
-    evidence = (
-        holds,
-        everywhere,
-        reported,
-        certificate,
-        growth,
-        fan,
-        rays,
-        domain,
-        searched,
-        leading,
-        reach.region,
-        reach.rate,
-        staying,
-        reach.gain,
-        reach.near,
-        reach.region_rate,
-    )
-    arrives = arrives_in_finite_time(scene, cells, verdict, certificate)
-    return SystemResult(scene, verdict, reason, method, *evidence, finite_time=arrives)
+# ---- what shows itself near the point --------------------------------------------------------------
 
 
-def _uncovered(
-    scene: SwitchedSystem, holds: Equilibrium, reported: LyapunovResult, rays: tuple[RayMove, ...]
-) -> SystemResult:
-    """The result for a system in roots of states where what is proved of these says nothing about the states."""
-    concluded = conclude_uncovered(holds)
-    return SystemResult(
-        scene, *concluded, holds, False, reported, None, None, None, rays, None, None, None, covered=False
-    )
-
-
-@shared_effort(SEARCH_EFFORT)
-def _searched(
-    scene: SwitchedSystem,
-    cells: Sequence[FieldCell],
-    rays: Sequence[RayMove],
-    fan: ConstantFan | None,
-    leading: LeadingTerms | None,
-    *,
-    may_grow: bool,
-) -> SearchedLyapunov | None:
-    """A V that falls, unless that is known to be impossible; else one that grows, unless that is, or is not needed."""
-    decided = next((known.verdict for known in (fan, leading) if known is not None), Translation.UNDECIDED)
-    if rays or (fan is not None and decided is not Translation.ASYMPTOTICALLY_STABLE):
+def show_departure(point: PlanePoint, known: Known) -> Finding | None:
+    """No mixture of the velocities at the point is zero."""
+    if point.equilibrium is not Equilibrium.FAILS:
         return None
-    if decided is Translation.UNSTABLE:
-        spirals = leading is not None and leading.growth is not None and are_cones(cells) and not scene.others
-        return search_lyapunov(scene, cells, grows=True) if spirals and may_grow else None
-    found = search_lyapunov(scene, cells)
-    if found is None and may_grow and decided is Translation.UNDECIDED:
-        found = search_lyapunov(scene, cells, grows=True)
-    return found
+    fan = point.fan if point.is_covered else None
+    more = f"; {fan.reason}" if fan is not None and fan.verdict is Translation.UNSTABLE else ""
+    reason = f"0 is not in F there, so every solution leaves it{more}"
+    return Finding(Method.EQUILIBRIUM, Translation.UNSTABLE, reason)
 
 
-Known: TypeAlias = tuple[LyapunovResult | None, Domain | None, SearchedLyapunov | None]
+def leave_uncovered(point: PlanePoint, known: Known) -> Finding | None:
+    """What is proved of roots of states says nothing about the states."""
+    return None if point.is_covered else Finding(Method.NONE, Translation.UNDECIDED, UNCOVERED)
 
 
-@shared_effort(EFFORT)
-def _by_invariance(
-    scene: SwitchedSystem, rays: Sequence[RayMove], concluded: tuple[Translation, str, Method], known: Known
-) -> tuple[LyapunovResult | None, Domain | None, SearchedLyapunov | None, Staying | None]:
-    """What LaSalle's principle adds where nothing else decides whether solutions attract.
-
-    The scene's V is asked on the checked square and on the smaller one; then a V that does not increase is searched.
-    """
-    verdict, _, method = concluded
-    weak = method is Method.LYAPUNOV and verdict is Translation.STABLE
-    if not (weak or method is Method.NONE) or (weak and rays):
-        return *known, None
-    staying = _staying(scene, *known)
-    if staying is Staying.NONE:
-        return *known, staying
-    if weak and known[1] is not None and known[1].radius == scene.check.radius:
-        smaller = Domain(scene.check.radius * SHRINKING)
-        result = examine(scene_cells(scene, square_regions(smaller.radius or scene.check.radius)))
-        if _staying(scene, result, smaller, None) is Staying.NONE:
-            return result, smaller, None, Staying.NONE
-    found = search_weak_lyapunov(scene, may_attract=not rays)
-    if found is None:
-        return *known, staying
-    own = None if rays else _staying(scene, found.result, found.domain, found)
-    return (*known, staying) if weak and own is not Staying.NONE else (found.result, found.domain, found, own)
-
-
-def _staying(
-    scene: SwitchedSystem,
-    certificate: LyapunovResult | None,
-    domain: Domain | None,
-    searched: SearchedLyapunov | None,
-) -> Staying | None:
-    """What stays where V' = 0, of a V that does not increase; None for any other."""
-    if certificate is None or certificate.verdict is not Decrease.WEAK or domain is None:
+def show_by_fan(point: PlanePoint, known: Known) -> Finding | None:
+    """The fan of constant fields; a V may show more of one that attracts."""
+    fan = point.fan
+    if fan is None or fan.verdict is Translation.UNDECIDED or not fan.check():
         return None
-    formula = scene.check.lyapunov if searched is None else searched.formula
-    return decide_staying(scene, formula, domain.radius or scene.check.radius, certificate.cells)
+    final = fan.verdict is not Translation.ASYMPTOTICALLY_STABLE
+    return Finding(Method.FAN, fan.verdict, fan.reason, proofs=fan, is_final=final)
 
 
-def _certificate(
-    scene: SwitchedSystem, reported: LyapunovResult, others: Sequence[Sequence[Region]]
-) -> tuple[LyapunovResult | None, Domain | None]:
-    """The best of the scene's V on the given domains: a strict one at once, the first weak one otherwise."""
-    weak: tuple[LyapunovResult | None, Domain | None] = None, None
-    names = domain_names(scene, scene.check.lyapunov)
-    for result, name in zip(_examined(scene, reported, others), names, strict=False):
-        if result.verdict is Decrease.STRICT:
-            return result, name
-        if result.verdict is Decrease.WEAK and weak[0] is None:
-            weak = result, name
+def show_by_leading_terms(point: PlanePoint, known: Known) -> Finding | None:
+    """The leading terms; rays and functions show more."""
+    leading = point.leading
+    if leading is None:
+        return None
+    return Finding(Method.LEADING, leading.verdict, leading.reason, proofs=leading, is_final=False)
+
+
+def show_ray(point: PlanePoint, known: Known) -> Finding | None:
+    """A ray along which a solution leaves, in a system of cones that the fan leaves open."""
+    escapes = [ray for ray in point.rays if ray.kind is RayKind.ESCAPE and ray.check(conic_germ(point.cells) or ())]
+    if not escapes or (point.fan is not None and point.fan.verdict is not Translation.UNDECIDED):
+        return None
+    return Finding(Method.RAY, Translation.UNSTABLE, str(escapes[0]), proofs=escapes[0])
+
+
+# ---- functions -------------------------------------------------------------------------------------
+
+
+def show_by_given(point: PlanePoint, known: Known) -> Finding | None:
+    """The best of the scene's V on its domains: a strict one at once, the first weak one otherwise."""
+    weak = None
+    for function in point.all_given():
+        found = conclude_function(point, function)
+        if found is not None and found.is_final:
+            return found
+        weak = weak or found
     return weak
 
 
-def _examined(
-    scene: SwitchedSystem, reported: LyapunovResult, others: Sequence[Sequence[Region]]
-) -> Iterator[LyapunovResult]:
-    yield reported
-    for regions in others:
-        yield examine(scene_cells(scene, regions))
+@shared_effort(SEARCH_EFFORT)
+def search_function(point: PlanePoint, known: Known) -> Finding | None:
+    """A V that falls, unless that is known to be impossible; else one that grows, unless that is, or is not needed."""
+    fan, leading, may_grow = point.fan, point.leading, known.function is None
+    if point.rays or (fan is not None and fan.verdict is not Translation.ASYMPTOTICALLY_STABLE):
+        return None
+    if leading is not None and leading.verdict is Translation.UNSTABLE:
+        cones = are_cones(point.cells) and not point.system.others
+        spirals = leading.growth is not None and cones and may_grow
+        found = search_lyapunov(point.system, point.cells, grows=True) if spirals else None
+    else:
+        found = search_lyapunov(point.system, point.cells)
+        if found is None and may_grow and fan is None and leading is None:
+            found = search_lyapunov(point.system, point.cells, grows=True)
+    return None if found is None else conclude_function(point, found)
 
 
-def _rays(scene: SwitchedSystem, cells: Sequence[FieldCell]) -> tuple[RayMove, ...]:
-    """Rays of escape and rest of a system that consists of cones near the origin, sides of rest of any other.
+def conclude_function(point: PlanePoint, function: PlaneFunction) -> Finding | None:
+    """What follows from a V alone; None where its conditions are not shown."""
+    if function.grows:
+        reason = "a positive V grows along every solution"
+        is_shown = function.decrease is Decrease.STRICT
+        return Finding(Method.GROWTH, Translation.UNSTABLE, reason, function) if is_shown else None
+    if function.decrease is Decrease.STRICT:
+        return Finding(Method.LYAPUNOV, Translation.ASYMPTOTICALLY_STABLE, function.reason, function)
+    if function.decrease is not Decrease.WEAK:
+        return None
+    rest = next((ray for ray in point.rays if ray.kind is RayKind.REST), None)
+    why = "whether the equilibrium attracts is not decided by it" if rest is None else f"not asymptotically: {rest}"
+    return Finding(Method.LYAPUNOV, Translation.STABLE, f"{function.reason}; {why}", function, is_final=False)
 
-    Of right-hand sides that only enclose the field all must rest: what one of them allows, the field need not.
+
+# ---- LaSalle's principle ---------------------------------------------------------------------------
+
+
+def show_stated_attraction(point: PlanePoint, known: Known) -> Finding | None:
+    """By the V that the scene names, where curves cut the cells: beside these a search takes long."""
+    system = point.system
+    if known.function is None or not has_curves(system) or system.check.is_default or point.rays:
+        return None
+    return conclude_attraction(point, known.function)
+
+
+@shared_effort(EFFORT)
+def search_attraction(point: PlanePoint, known: Known) -> Finding | None:
+    """By a V that does not increase, where nothing else decides whether solutions attract.
+
+    The scene's is asked on the checked square and on the smaller one, then one is searched.
     """
-    if scene.waves:
-        return tuple(resting_edges(cells, enclosing=True)) if scene.has_one_field else ()
-    near = conic_germ(cells)
-    return tuple(ray_moves(near) if near is not None and are_cones(near) else resting_edges(cells))
+    given, radius = known.function, point.system.check.radius
+    if not known.attraction_is_open or (given is not None and point.rays):
+        return None
+    if given is not None:
+        shown = conclude_attraction(point, given)
+        if shown is None and given.domain.radius == radius:
+            shown = conclude_attraction(point, point.given_on(Domain(radius * SHRINKING)))
+        if shown is not None:
+            return shown
+    found = search_weak_lyapunov(point.system, may_attract=not point.rays)
+    if found is None:
+        return None
+    shown = None if point.rays else conclude_attraction(point, found)
+    return shown or (conclude_function(point, found) if given is None else None)
 
 
-def _equilibrium(scene: SwitchedSystem, cells: Sequence[FieldCell]) -> Equilibrium:
-    """Whether 0 is in F at the point: of the stated fields, where roots of states scale them."""
-    return decide_equilibrium(cells if scene.by_roots is None else plane_cells(scene.by_roots.unscaled))
+def conclude_attraction(point: PlanePoint, function: PlaneFunction) -> Finding | None:
+    """What follows where nothing but the point stays where V, which does not increase, is kept."""
+    if function.decrease is not Decrease.WEAK or function.grows or point.staying(function) is not Staying.NONE:
+        return None
+    reason = f"{function.reason}, and {Staying.NONE}"
+    return Finding(Method.INVARIANCE, Translation.ASYMPTOTICALLY_STABLE, reason, function)
+
+
+# ---- findings of searches, verified ----------------------------------------------------------------
+
+
+def verify_function(point: PlanePoint, known: Known, claimed: Finding) -> Finding | None:
+    """What follows from a V alone."""
+    return None if claimed.function is None else conclude_function(point, claimed.function)
+
+
+def verify_attraction(point: PlanePoint, known: Known, claimed: Finding) -> Finding | None:
+    """What follows from a V, and from what stays where it is kept."""
+    if claimed.function is None:
+        return None
+    conclude = conclude_function if claimed.is_weak else conclude_attraction
+    return conclude(point, claimed.function)

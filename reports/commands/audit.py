@@ -32,7 +32,7 @@ def audit(
 
     Exit status: 0 valid, 1 invalid, 2 bad input, 3 undecided.
     """
-    from nonsmooth.proofs.system_decision import audit_function
+    from nonsmooth.proofs.system_audit import audit
     from nonsmooth.proofs.verified import verified
     from nonsmooth.symbolic.files.system_file import load_any
 
@@ -41,7 +41,7 @@ def audit(
     if function is None:
         raise RefusedError(f"{loaded.source}: required V as --lyapunov or as check.lyapunov, received neither")
     with refusals_named(loaded):
-        result = verified(audit_function(loaded, function))
+        result = verified(audit(loaded, function))
     if json:
         from nonsmooth.reports.system_views import audit_record
 

@@ -103,15 +103,14 @@ def draw_borders(axes: Axes, portrait: PhasePortrait) -> None:
 
 def draw_potential(axes: Axes, portrait: PhasePortrait) -> None:
     """Level sets of the V that proves the verdict, over the square on which it is proved."""
-    result = portrait.stability
-    proving, domain = result.proving, result.domain
-    if proving is None or domain is None:
+    function, region = portrait.stability.function, portrait.stability.reach.region
+    if function is None:
         return
-    half = float(portrait.system.check.radius if domain.radius is None else domain.radius)
+    half = float(function.domain.radius or portrait.system.check.radius)
     line = np.linspace(-half, half, MESH)
     xs, ys = np.meshgrid(line, line)
-    potential = sampled_potential(proving.cells, xs, ys)
+    potential = sampled_potential(function.result.cells, xs, ys)
     axes.contour(xs, ys, potential, levels=LEVELS, colors=REGION, linewidths=0.5, alpha=0.6, zorder=2)
-    if result.region is not None and result.region.falls:
-        axes.contour(xs, ys, potential, levels=[float(result.region.level)], colors=REGION, linewidths=2.0, zorder=5)
+    if region is not None and region.falls:
+        axes.contour(xs, ys, potential, levels=[float(region.level)], colors=REGION, linewidths=2.0, zorder=5)
         axes.plot([], [], color=REGION, linewidth=2.0, label="certified region")

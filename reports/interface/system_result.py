@@ -5,15 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from nonsmooth.proofs.many_states.decision import ManyStateResult
-from nonsmooth.proofs.system_decision import DecidedSystem, decide_system
-from nonsmooth.proofs.systems.scalar_stability import ScalarResult
-from nonsmooth.proofs.systems.system_facts import proving_text
+from nonsmooth.proofs.system_decision import StabilityResult, decide_system
+from nonsmooth.proofs.system_facts import system_facts
 from nonsmooth.proofs.verified import verified
 from nonsmooth.reports.facts import fact_rows
 from nonsmooth.reports.interface.row_results import Tabular
 from nonsmooth.reports.interface.short_text import short_lines
-from nonsmooth.reports.system_views import facts_of, system_record
+from nonsmooth.reports.system_views import system_record
 from nonsmooth.symbolic.notebook import html_table
 
 if TYPE_CHECKING:
@@ -28,7 +26,7 @@ class SystemCheckResult(Tabular):
         evidence: everything that was proved; ``evidence.check()`` verifies it again.
     """
 
-    evidence: DecidedSystem
+    evidence: StabilityResult
 
     @property
     def verdict(self) -> str:
@@ -43,11 +41,8 @@ class SystemCheckResult(Tabular):
     @property
     def lyapunov(self) -> str | None:
         """The function that shows stability, as text; None where none does."""
-        if isinstance(self.evidence, ManyStateResult):
-            return None if self.evidence.proving is None else self.evidence.proving.formula.text
-        if isinstance(self.evidence, ScalarResult) or self.evidence.certificate is None:
-            return None
-        return proving_text(self.evidence)
+        functions = (own.function for own in reversed(self.evidence.findings))
+        return next((own.text for own in functions if own is not None and not own.grows), None)
 
     def to_dict(self) -> dict[str, Any]:
         """The JSON record of ``nonsmooth check --json``."""
@@ -55,7 +50,7 @@ class SystemCheckResult(Tabular):
 
     def rows(self) -> list[dict[str, str]]:
         """One row for each thing that is said."""
-        return [{"what": name, "found": text} for name, text in fact_rows(facts_of(self.evidence))]
+        return [{"what": name, "found": text} for name, text in fact_rows(system_facts(self.evidence))]
 
     def __repr__(self) -> str:
         head = f"{self.evidence.scene.name}: {self.verdict}"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection
 
 from nonsmooth.proofs.clauses.workspace import Announce, unheard
+from nonsmooth.proofs.systems.findings import Method
 from nonsmooth.reports.document import Bullets, Document, Section
 from nonsmooth.reports.plain_systems.inclusion_sections import borders_section, cells_section, point_section
 from nonsmooth.reports.plain_systems.system_sections import (
@@ -21,7 +22,7 @@ from nonsmooth.reports.report_part import ReportPart, chosen_names, sections_of
 from nonsmooth.reports.sections.closing import reproduction_section
 from nonsmooth.reports.subject import Invocation
 from nonsmooth.symbolic.scene_error import one_line
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.switched_system import SwitchedSystem, require_plane
 
 
 def _several_fields(subject: SystemSubject) -> str:
@@ -30,7 +31,7 @@ def _several_fields(subject: SystemSubject) -> str:
 
 
 def _no_leading(subject: SystemSubject) -> str:
-    return "" if subject.result.leading is not None else "what decides are not the leading terms"
+    return "" if subject.result.by(Method.LEADING) is not None else "what decides are not the leading terms"
 
 
 def _left_out(subject: SystemSubject) -> Section:
@@ -93,5 +94,9 @@ def system_subject(
         invocation: how the report was asked for; None for the system as it stands.
         parts: names of the sections to write.
         announce: hears the names of the sections.
+
+    Raises:
+        SceneError: for a system in another number of states than two.
     """
+    require_plane(system)
     return SystemSubject(system, invocation or Invocation(system.origin), parts, announce)

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from nonsmooth.analysis.trajectories.result import Trajectory, TrajectoryError
-from nonsmooth.proofs.systems.system_facts import rewriting_words, system_facts
-from nonsmooth.proofs.systems.system_stability import SystemResult
+from nonsmooth.proofs.system_decision import StabilityResult
+from nonsmooth.proofs.system_facts import rewriting_words, system_facts
+from nonsmooth.proofs.systems.findings import Method
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.reports.choices import PathMethod
 from nonsmooth.reports.document import (
@@ -42,7 +43,7 @@ STARTS = ((0.4, 0.8), (-0.8, 0.4), (-0.4, -0.8), (0.8, -0.4))  # of the half-wid
 UNTIL = 10.0  # last time of the solutions that are shown
 
 
-def tone_of(result: SystemResult) -> Tone:
+def tone_of(result: StabilityResult) -> Tone:
     """The color that repeats what a verdict says."""
     return TONES[result.verdict]
 
@@ -132,6 +133,6 @@ def _path_row(start: tuple[float, ...], path: Trajectory) -> list[Entry]:
 def references_section(subject: SystemSubject) -> Section:
     """The works that this report rests on."""
     works = [FILIPPOV, SHEVITZ_PADEN, BACCIOTTI_CERAGIOLI]
-    works += [HOMOGENEITY] if subject.result.leading is not None else []
+    works += [HOMOGENEITY] if subject.result.by(Method.LEADING) is not None else []
     listed = Bullets(tuple((work.text,) for work in sorted(works, key=lambda work: work.authors.split()[-1])))
     return Section("References", (listed, paragraph("To cite this program:"), Listing(how_to_cite())))

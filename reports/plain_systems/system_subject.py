@@ -8,7 +8,7 @@ from typing import Any
 
 from nonsmooth.analysis.cells.switched_cells import FieldCell, square_regions, system_cells
 from nonsmooth.proofs.clauses.workspace import Announce, unheard
-from nonsmooth.proofs.systems.system_stability import SystemResult, system_check
+from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.proofs.verified import verified
 from nonsmooth.reports.exact_record import Record
 from nonsmooth.reports.phase_portrait import PhasePortrait
@@ -34,9 +34,9 @@ class SystemSubject:
     announce: Announce = unheard
 
     @cached_property
-    def result(self) -> SystemResult:
+    def result(self) -> StabilityResult:
         """The verdict, its evidence verified once more."""
-        return verified(system_check(self.system))
+        return verified(decide_system(self.system))
 
     @cached_property
     def cells(self) -> tuple[FieldCell, ...]:

@@ -5,13 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from nonsmooth.proofs.many_states.decision import ManyStateResult
-from nonsmooth.proofs.system_decision import DecidedSystem, decide_system
+from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.proofs.systems.decay_rate import DecayKind
-from nonsmooth.proofs.systems.scalar_stability import ScalarResult
-from nonsmooth.proofs.systems.system_facts import proving_text
-from nonsmooth.proofs.systems.system_stability import SystemResult
-from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.proofs.verified import verified
 from nonsmooth.reports.exact_record import exact_texts, floats
 from nonsmooth.reports.sweeps.values import Entry
@@ -37,7 +32,7 @@ def system_outcome(base: Base, paths: Sequence[Path], entries: Sequence[Entry]) 
         result = verified(decide_system(base.system(paths, entries)))
     except SceneError as error:
         return refused_system(without_file(error))
-    numbers = _scalar_numbers(result) if isinstance(result, ScalarResult) else _numbers(result)
+    numbers = _numbers(result)
     exact = {name: exact_texts(value) for name, value in numbers.items()}
     return {
         **_record(str(result.verdict), None),
@@ -62,26 +57,20 @@ def _record(stability: str, why: str | None) -> dict[str, Any]:
     return {**dict.fromkeys(SYSTEM_COLUMNS), SYSTEM_QUESTIONS[0]: stability, "exact": {}, "why": why}
 
 
-def _texts(result: DecidedSystem) -> dict[str, str | None]:
-    if isinstance(result, ScalarResult):
-        return {"method": result.method, "V": None}
-    if isinstance(result, ManyStateResult):
-        return {"method": str(result.method), "V": None if result.proving is None else result.proving.formula.text}
-    return {"method": str(result.method), "V": None if result.proving is None else proving_text(result)}
+def _texts(result: StabilityResult) -> dict[str, str | None]:
+    function = result.function
+    return {"method": str(result.method), "V": None if function is None else function.text}
 
 
-def _numbers(result: SystemResult | ManyStateResult) -> dict[str, Any]:
+def _numbers(result: StabilityResult) -> dict[str, Any]:
     found: dict[str, Any] = {}
-    if result.rate is not None:
-        found["rate" if result.rate.decay is DecayKind.EXPONENTIAL else "fall"] = result.rate.kappa
-        found["rate_within"] = result.rate_radius
-    if result.region is not None:
-        found |= {"level": result.region.level, "within": result.region.radius}
+    reach = result.reach
+    if reach.rate is not None and reach.rate_domain is not None:
+        found["rate" if reach.rate.decay is DecayKind.EXPONENTIAL else "fall"] = reach.rate.kappa
+        found["rate_within"] = reach.rate_domain.radius
+    if reach.region is not None:
+        found |= {"level": reach.region.level, "within": reach.region.radius}
+    intervals = (fact.value for fact in result.deciding.facts if fact.key == "region" and fact.value)
+    for interval in intervals:  # of starts, in one state
+        found |= {key: interval[key].value for key in ("from", "to")}
     return found
-
-
-def _scalar_numbers(result: ScalarResult) -> dict[str, Any]:
-    right, left, at = result.right.reach, result.left.reach, result.scene.check.equilibrium[0]
-    if result.verdict is not Translation.ASYMPTOTICALLY_STABLE or right is None or left is None:
-        return {}
-    return {"from": at - left, "to": at + right}

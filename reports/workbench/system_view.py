@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from nonsmooth.proofs.systems.system_stability import SystemResult
+from nonsmooth.proofs.system_decision import StabilityResult
 from nonsmooth.reports.interface.system import System
 from nonsmooth.reports.phase_portrait import PhasePortrait
 from nonsmooth.reports.phase_samples import sampled_potential, sampled_rates
@@ -96,7 +96,7 @@ def _verdict(result: SystemCheckResult) -> dict[str, Any]:
     }
     facts = [{"label": row["what"], "text": row["found"]} for row in result.rows()]
     shown: dict[str, Any] = {"V": result.lyapunov, "level_sets": [], "region": []}
-    if isinstance(evidence, SystemResult) and is_planar(evidence.scene):
+    if is_planar(evidence.scene):
         shown |= _level_sets(evidence)
     return {
         "answers": [answer],
@@ -109,19 +109,18 @@ def _verdict(result: SystemCheckResult) -> dict[str, Any]:
     }
 
 
-def _level_sets(result: SystemResult) -> dict[str, Any]:
+def _level_sets(result: StabilityResult) -> dict[str, Any]:
     """Curves of constant V on the square where it is proved, and the border of the certified region; in floats."""
     from matplotlib.figure import Figure
 
-    proving, domain = result.proving, result.domain
-    if proving is None or domain is None:
+    function, region, system = result.function, result.reach.region, result.scene
+    if function is None:
         return {}
-    system = result.scene
     x, y = point(system.check.equilibrium)
-    half = float(system.check.radius if domain.radius is None else domain.radius)
+    half = float(function.domain.radius or system.check.radius)
     line = np.linspace(-half, half, MESH)
     xs, ys = np.meshgrid(line, line)
-    potential = sampled_potential(proving.cells, xs, ys)
+    potential = sampled_potential(function.result.cells, xs, ys)
     axes = Figure().subplots()
 
     def curves(levels: Sequence[float]) -> list[Any]:
@@ -129,6 +128,6 @@ def _level_sets(result: SystemResult) -> dict[str, Any]:
         return [np.asarray(curve).tolist() for curves in drawn.allsegs for curve in curves if len(curve)]
 
     found: dict[str, Any] = {"level_sets": curves(np.linspace(0, float(potential.max()), LEVELS + 2)[1:-1].tolist())}
-    if result.region is not None and result.region.falls:
-        found["region"] = curves([float(result.region.level)])
+    if region is not None and region.falls:
+        found["region"] = curves([float(region.level)])
     return found

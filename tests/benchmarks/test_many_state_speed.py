@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import cvxpy as cp
 import pytest
 
-from nonsmooth.proofs.many_states.decision import decide_many
+from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.files.system_file import build_system
 
@@ -143,10 +143,10 @@ def test_a_verdict_takes_no_longer_than_a_float_program(
     rhs, feasible = family()
     assert feasible
     system = build_system({"system": {"states": STATES, "rhs": rhs}}, "t", Path("t.toml"))
-    assert decide_many(system).evidence.searched is not None  # not the sum of squares of the states
+    assert decide_system(system).function is not None  # not the sum of squares of the states
 
     def verdict() -> None:
-        result = decide_many(system)
+        result = decide_system(system)
         assert result.verdict is Translation.ASYMPTOTICALLY_STABLE
         assert result.check()
 

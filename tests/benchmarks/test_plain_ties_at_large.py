@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.domain import plane_cells
 from nonsmooth.proofs.systems.local_cells import decide_equilibrium
-from nonsmooth.proofs.systems.system_stability import system_check
 from nonsmooth.proofs.verdicts import Equilibrium
 from nonsmooth.symbolic.files.system_file import load_system
 from tests.proofs.plain_agreement import contradictions
@@ -50,7 +50,7 @@ def test_verdicts_on_ties(tmp_path: Path, stopwatch: Stopwatch) -> None:
     seen: Counter[str] = Counter()
     against = {}
     for seed in range(FIRST, FIRST + VERDICTS):
-        result = system_check(load(tmp_path, seed))
+        result = decide_system(load(tmp_path, seed))
         seen[str(result.verdict)] += 1
         found = contradictions(result, Oracle(random_tie(seed)))
         if found or not result.check():

@@ -16,12 +16,10 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import pytest
 
-from nonsmooth.proofs.many_states.audit import ManyStateAudit
-from nonsmooth.proofs.many_states.decision import ManyStateResult
-from nonsmooth.proofs.system_decision import audit_function, decide_system
+from nonsmooth.proofs.many_states.examined_lyapunov import ExaminedLyapunov
+from nonsmooth.proofs.system_audit import AuditResult, audit
+from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.derivatives import Decrease
-from nonsmooth.proofs.systems.lyapunov_audit import AuditResult
-from nonsmooth.proofs.systems.system_stability import SystemResult
 from nonsmooth.symbolic.files.system_file import build_system
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 from tests.oracles.solver_questions import Questions, read
@@ -103,23 +101,16 @@ def system_of(case: Case, radius: str) -> SwitchedSystem:
 def searched(case: Case) -> tuple[str, str]:
     """V and the half-width of the square or cube on which the search has proved it."""
     result = decide_system(system_of(case, case.radius))
-    if isinstance(result, SystemResult):
-        found = result.searched
-        assert found is not None
-        assert found.formula is not None
-        return found.formula.text, str(found.domain.radius)
-    assert isinstance(result, ManyStateResult)
-    proving = result.proving
-    assert proving is not None
-    return proving.formula.text, str(proving.radius)
+    function = result.function
+    assert function is not None
+    assert function.formula is not None
+    radius = function.radius if isinstance(function, ExaminedLyapunov) else function.domain.radius
+    return function.formula.text, str(radius)
 
 
-def decrease(audited: AuditResult | ManyStateAudit) -> Decrease:
-    if isinstance(audited, ManyStateAudit):
-        assert audited.function is not None
-        return audited.function.examination.verdict
-    assert audited.result is not None
-    return audited.result.verdict
+def decrease(audited: AuditResult) -> Decrease:
+    assert audited.function is not None
+    return audited.function.decrease
 
 
 def text_of(answer: Answer, ours: float) -> str:
@@ -141,9 +132,9 @@ def test_audits_beside_solvers(family: object, stopwatch: Stopwatch) -> None:
     for case in family():
         potential, radius = searched(case) if case.potential is None else (case.potential, case.radius)
         system = system_of(case, radius)
-        verdict = decrease(audit_function(system, potential))
+        verdict = decrease(audit(system, potential))
         assert verdict is Decrease.STRICT or case.potential is not None
-        ours = stopwatch.best(lambda s=system, v=potential: audit_function(s, v), RUNS)  # type: ignore[misc]
+        ours = stopwatch.best(lambda s=system, v=potential: audit(s, v), RUNS)  # type: ignore[misc]
         questions = questions_of(case, potential, radius, ">=")
         said = []
         for name, solve in (("Z3", with_z3), ("cvc5", with_cvc5)):

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from nonsmooth.proofs.systems.system_stability import system_check
+from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.symbolic.files.system_file import build_system
 from tests.proofs.switched_oracle import Judge, Switched, leaves, random_conewise, random_relay
 from tests.proofs.system_families import families
@@ -36,7 +36,7 @@ def test_all_families(stopwatch: Stopwatch) -> None:
     wrong, undecided, spent = [], [], []
     for known in families():
         began = time.perf_counter()
-        found = str(system_check(system_of(known.rhs, known.check)).verdict)
+        found = str(decide_system(system_of(known.rhs, known.check)).verdict)
         spent.append(time.perf_counter() - began)
         stopwatch.report(f"{known.name:36} {known.truth:22} {found:22} {spent[-1]:6.2f} s  ({known.source})")
         if found == "undecided":
@@ -55,7 +55,7 @@ def test_random_systems(stopwatch: Stopwatch, generate: Callable[[int], Switched
     against, slowest, began = {}, 0.0, time.perf_counter()
     for seed in range(FIRST, FIRST + COUNT):
         system, here = generate(seed), time.perf_counter()
-        found = str(system_check(system_of(system.rhs)).verdict)
+        found = str(decide_system(system_of(system.rhs)).verdict)
         slowest = max(slowest, time.perf_counter() - here)
         seen[found] += 1
         known = Judge(system).verdict()

@@ -5,9 +5,10 @@ from __future__ import annotations
 from fractions import Fraction
 
 from nonsmooth.analysis.cells.polygon import Point
-from nonsmooth.proofs.systems.conclusion import Method
+from nonsmooth.proofs.system_decision import StabilityResult
+from nonsmooth.proofs.systems.findings import Method
 from nonsmooth.proofs.systems.ray_moves import RayKind, RayMove
-from nonsmooth.proofs.systems.system_stability import SystemResult
+from nonsmooth.proofs.systems.system_stability import PlanePoint
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from tests.proofs.plain_ties import Oracle
 
@@ -17,13 +18,13 @@ LEFT_BEHIND = 50.0  # growth of the distance that no stable equilibrium of the g
 NEAR = Fraction(1, 2**12)  # distance at which rays are looked at: beyond it guards of higher degree may switch
 
 
-def contradictions(result: SystemResult, oracle: Oracle) -> list[str]:
+def contradictions(result: StabilityResult, oracle: Oracle) -> list[str]:
     """What the oracle says against a verdict; nothing where it agrees or does not know."""
     found = []
     if result.equilibrium is not Equilibrium.UNDECIDED:
         claimed = result.equilibrium is Equilibrium.HOLDS
         found += ["0 in F at the origin"] if claimed is not oracle.rests_at_origin() else []
-    found += [f"{ray}" for ray in result.rays if _is_refuted(ray, oracle)]
+    found += [f"{ray}" for ray in PlanePoint(result.scene).rays if _is_refuted(ray, oracle)]
     stable = result.verdict in (Translation.STABLE, Translation.ASYMPTOTICALLY_STABLE)
     if stable and oracle.spread(STARTS[1], FAR, STEPS, FINENESS)[0] > LEFT_BEHIND:
         found.append("a path leaves")

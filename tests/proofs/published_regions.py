@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from nonsmooth.analysis.cells.switched_cells import LyapunovCell, square_regions
-from nonsmooth.proofs.systems.certified_reach import scene_cells
+from nonsmooth.proofs.systems.domain import scene_cells
 from nonsmooth.proofs.systems.sublevel_region import SublevelRegion, largest_sublevel
 from nonsmooth.symbolic.files.system_file import build_system
 from nonsmooth.symbolic.switched_system import SwitchedSystem

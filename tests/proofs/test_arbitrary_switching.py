@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from nonsmooth.analysis.fields.system_field import system_field
+from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.leading_terms import decide_leading_terms
-from nonsmooth.proofs.systems.system_stability import system_check
 from nonsmooth.proofs.systems.worst_turn import WorstTurn
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.files.system_file import build_system
@@ -44,9 +44,9 @@ def worst_factor(alpha: float) -> float:
 
 @pytest.mark.parametrize("alpha", ["3", "6"])
 def test_certified_below_the_exact_limit(alpha: str) -> None:
-    result = system_check(zelentsovsky(alpha))
+    result = decide_system(zelentsovsky(alpha))
     assert result.verdict is Translation.ASYMPTOTICALLY_STABLE
-    assert result.everywhere
+    assert result.reach.everywhere
     assert result.check()
 
 
@@ -79,12 +79,12 @@ def test_three_fields_and_terms_of_higher_order() -> None:
     ],
 )
 def test_hulls(sides: tuple[tuple[str, str], ...], expected: Translation) -> None:
-    assert system_check(switching(*sides)).verdict is expected
+    assert decide_system(switching(*sides)).verdict is expected
 
 
 def test_rest_by_mixtures_is_not_asymptotic() -> None:
     """0 lies between the two velocities everywhere."""
-    assert system_check(switching(("-1", "0"), ("1", "0"))).verdict is not Translation.ASYMPTOTICALLY_STABLE
+    assert decide_system(switching(("-1", "0"), ("1", "0"))).verdict is not Translation.ASYMPTOTICALLY_STABLE
 
 
 def test_what_is_refused() -> None:

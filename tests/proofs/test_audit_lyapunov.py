@@ -16,7 +16,7 @@ from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.proofs.clauses.translation.on_cells import decide_translation
 from nonsmooth.proofs.inequalities.strata import Refutation
-from nonsmooth.proofs.systems.lyapunov_audit import AuditResult, AuditVerdict, audit
+from nonsmooth.proofs.system_audit import AuditResult, AuditVerdict, audit
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
 from nonsmooth.symbolic.files.system_file import load_system
@@ -251,4 +251,4 @@ def test_forged_results_are_refused() -> None:
     assert not replace(result, proves=Translation.ASYMPTOTICALLY_STABLE).check()
     assert not replace(result, scene=load_scene("saddle")).check()
     assert not replace(result, lyapunov="x**2 + 2*y**2").check()
-    assert not replace(result, result=None).check()
+    assert not replace(result, function=None).check()

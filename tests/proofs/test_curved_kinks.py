@@ -11,11 +11,11 @@ import pytest
 
 from nonsmooth.analysis.cells.region import Region
 from nonsmooth.proofs.inequalities.prover import Proof, Sense, prove
+from nonsmooth.proofs.system_audit import AuditVerdict, audit
+from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.decay_rate import DecayKind, DecayRate
 from nonsmooth.proofs.systems.derivatives import Decrease
-from nonsmooth.proofs.systems.lyapunov_audit import AuditVerdict, audit
 from nonsmooth.proofs.systems.lyapunov_search import find_lyapunov
-from nonsmooth.proofs.systems.system_stability import system_check
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from tests.thorough import thorough
@@ -48,12 +48,12 @@ def follow(system: SwitchedSystem, points: np.ndarray) -> np.ndarray:
 )
 def test_relays_on_curves_are_decided_by_v_that_bends_there(load: Load, relay: str) -> None:
     system = load("y", relay)
-    result = system_check(system)
+    result = decide_system(system)
     assert result.verdict is Translation.ASYMPTOTICALLY_STABLE
-    assert result.searched is not None
-    assert "Abs(" in result.searched.formula.text  # type: ignore[union-attr]
+    assert result.function is not None
+    assert "Abs(" in result.function.text
     assert result.check()
-    assert result.region is not None
+    assert result.reach.region is not None
     angles = np.linspace(0, 2 * np.pi, 9)
     ends = follow(system, 0.1 * np.array([np.cos(angles), np.sin(angles)]))
     assert np.abs(ends).max() < 0.1
@@ -63,7 +63,7 @@ def test_relays_on_curves_are_decided_by_v_that_bends_there(load: Load, relay: s
 def test_relays_on_curves_that_repel_have_no_such_v(load: Load, relay: str) -> None:
     system = load("y", relay)
     assert find_lyapunov(system) is None
-    assert system_check(system).verdict is not Translation.ASYMPTOTICALLY_STABLE
+    assert decide_system(system).verdict is not Translation.ASYMPTOTICALLY_STABLE
 
 
 @pytest.mark.parametrize(

@@ -18,9 +18,10 @@ from nonsmooth.analysis.cells.switched_cells import LyapunovCell, gradients_at, 
 from nonsmooth.proofs.inequalities.kinks import Kink, Trend, Trends
 from nonsmooth.proofs.inequalities.ladder import Interval, ladder_at
 from nonsmooth.proofs.inequalities.strata import StratumPart, derivatives_at
+from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine
 from nonsmooth.proofs.systems.domain import plane_cells
-from nonsmooth.proofs.systems.system_stability import system_check
+from nonsmooth.proofs.systems.search import PlaneFunction
 from nonsmooth.symbolic.files.system_file import load_system
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
@@ -97,9 +98,10 @@ def test_suprema_over_the_plane(
 
 
 def test_the_ladder_at_the_equilibrium_itself() -> None:
-    result = system_check(load_system("relay-oscillator"))
+    result = decide_system(load_system("relay-oscillator"))
     zero = result.scene.field.zero
-    cells = result.lyapunov.cells
+    assert isinstance(result.given, PlaneFunction)
+    cells = result.given.result.cells
     ladder = ladder_at(velocities_at(cells, (zero, zero)), gradients_at(cells, (zero, zero)))
     assert str(ladder.naive) == "[-2, 2]"
     assert str(ladder.bacciotti_ceragioli) == "{0}"

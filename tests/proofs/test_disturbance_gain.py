@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.proofs.systems.decay_rate import DecayKind
-from nonsmooth.proofs.systems.system_stability import SystemResult, system_check
 from nonsmooth.symbolic.files.system_file import build_system
+from tests.proofs.forged import with_reach
 from tests.thorough import keep
 
 NAMES = {"Abs": np.abs, "sgn": np.sign, "Max": np.maximum}
@@ -34,9 +35,9 @@ SYSTEMS = [
 ]
 
 
-def checked(rhs: tuple[str, str], lyapunov: str) -> SystemResult:
+def checked(rhs: tuple[str, str], lyapunov: str) -> StabilityResult:
     document: dict[str, Any] = {"system": {"states": ["x", "y"], "rhs": list(rhs)}, "check": {"lyapunov": lyapunov}}
-    return system_check(build_system(document, "t", Path("t.toml")))
+    return decide_system(build_system(document, "t", Path("t.toml")))
 
 
 def value(text: str, x: Any, y: Any) -> Any:
@@ -61,9 +62,9 @@ def disturbed(rhs: tuple[str, str], lyapunov: str, starts: np.ndarray, delta: fl
 @pytest.mark.parametrize(("share", "until"), keep(1, [(0.95, 1.5), (0.95, 3.0), (0.3, 3.0)]))
 def test_no_disturbance_does_more(rhs: tuple[str, str], lyapunov: str, share: float, until: float) -> None:
     result = checked(rhs, lyapunov)
-    gain = result.gain
+    gain = result.reach.gain
     assert gain is not None
-    assert result.searched is None
+    assert result.function is result.given
     assert result.check()
     assert gain.largest is not None
     assert gain.level is not None
@@ -89,7 +90,7 @@ def test_no_disturbance_does_more(rhs: tuple[str, str], lyapunov: str, share: fl
 
 @pytest.mark.parametrize(("rhs", "lyapunov"), keep(2, SYSTEMS[3:] + SYSTEMS[:3]))
 def test_gamma_is_above_every_gradient_and_close_to_the_largest(rhs: tuple[str, str], lyapunov: str) -> None:
-    gain = checked(rhs, lyapunov).gain
+    gain = checked(rhs, lyapunov).reach.gain
     assert gain is not None
     x, y = (np.linspace(-0.5, 0.5, 201)[:, None] + 1e-4), (np.linspace(-0.5, 0.5, 201)[None] + 1.3e-4)
     h = 1e-6
@@ -101,7 +102,7 @@ def test_gamma_is_above_every_gradient_and_close_to_the_largest(rhs: tuple[str, 
 
 def test_a_larger_disturbance_drives_solutions_out() -> None:
     """``x' = -2 sgn x + d``: beyond 2 nothing holds; V = Abs(x) + Abs(y) has kappa 1 at best, and gamma = sqrt(2)."""
-    gain = checked(("-2*sgn(x) - x**3", "-sgn(y)"), "Abs(x) + Abs(y)").gain
+    gain = checked(("-2*sgn(x) - x**3", "-sgn(y)"), "Abs(x) + Abs(y)").reach.gain
     assert gain is not None
     assert gain.largest is not None
     assert 0.5 < float(gain.largest) < 1 / np.sqrt(2)
@@ -112,15 +113,15 @@ def test_a_larger_disturbance_drives_solutions_out() -> None:
 
 def test_a_smaller_gamma_is_rejected() -> None:
     result = checked(SYSTEMS[1][0], SYSTEMS[1][1])
-    assert result.gain is not None
-    worse = replace(result.gain, gamma=result.gain.gamma * Fraction(3, 4))
-    assert not replace(result, gain=worse).check()
+    gain = result.reach.gain
+    assert gain is not None
+    assert not with_reach(result, gain=replace(gain, gamma=gain.gamma * Fraction(3, 4))).check()
 
 
 def test_a_corner_at_which_a_disturbance_may_hold_a_solution_counts() -> None:
     """Two relays meet at (1/4, 1/4), where F is a square: d holds a solution there at once."""
     rhs = ("-1 * sgn(x) - sgn(x - 1/4)/2", "-1 * sgn(y) - sgn(y - 1/4)/2")
-    gain = checked(rhs, "Abs(x) + Abs(y)").gain
+    gain = checked(rhs, "Abs(x) + Abs(y)").reach.gain
     assert gain is not None
     kappa, gamma = float(gain.rate.kappa), float(gain.gamma)
     assert gain.rate.decay is DecayKind.FINITE

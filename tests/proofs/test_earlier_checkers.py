@@ -11,7 +11,7 @@ import pytest
 import nonsmooth as ns
 from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.system_certificates import certificate_of
-from nonsmooth.proofs.system_decision import DecidedSystem, decide_system
+from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from tests.certificates.corpus import good_certificates
 from tests.oracles import earlier
 from tests.oracles.earlier import NoWordError
@@ -82,7 +82,7 @@ def require_as_known(name: str, certificate: Any) -> None:
         assert reason == "" or reason.removeprefix("no words: ") in NO_WORDS
 
 
-def require_agreement(name: str, result: DecidedSystem) -> None:
+def require_agreement(name: str, result: StabilityResult) -> None:
     """Version 1 accepts a certificate, if there is one, unless it has no words for it or is known not to show it."""
     try:
         certificate = certificate_of(result)

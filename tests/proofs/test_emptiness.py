@@ -11,7 +11,7 @@ import pytest
 
 from nonsmooth.analysis.cells.switched_cells import square_regions
 from nonsmooth.proofs.inequalities.curved_regions import is_empty
-from nonsmooth.proofs.systems.system_stability import system_check
+from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.symbolic.files.system_file import load_system
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
@@ -124,6 +124,6 @@ def test_a_region_without_points_changes_nothing(tmp_path: Path, where: str, rhs
     for regions in ("", f'[[region]]\nwhere = {where}\nrhs = ["1", "x"]\n'):
         file = tmp_path / "scene.toml"
         file.write_text(SCENE.format(regions=regions, rhs=rhs))
-        result = system_check(load_system(str(file)))
+        result = decide_system(load_system(str(file)))
         verdicts.append((result.verdict, result.equilibrium))
     assert verdicts[0] == verdicts[1]

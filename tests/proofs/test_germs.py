@@ -12,10 +12,11 @@ import pytest
 
 from nonsmooth.analysis.cells.region import quadrants
 from nonsmooth.proofs.inequalities.curved_regions import Adherence, Extent, adherence, extent, ray_adherence
-from nonsmooth.proofs.systems.conclusion import Method
+from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.domain import plane_cells
+from nonsmooth.proofs.systems.findings import Method
 from nonsmooth.proofs.systems.local_cells import conic_germ, decide_equilibrium
-from nonsmooth.proofs.systems.system_stability import system_check
+from nonsmooth.proofs.systems.system_stability import PlanePoint
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
@@ -132,11 +133,11 @@ def test_rays_beside_a_cell(texts: list[str], ray: tuple[int, int], expected: Ad
 def test_a_surface_that_passes_the_equilibrium_adds_no_rest(load: Load) -> None:
     """Near the origin it is ``x' = y, y' = -x - y``, whose eigenvalues have real part -1/2."""
     scene = load("y", "((-x-y)+x)/2 + sign(y+x**2+1)*((-x-y)-x)/2")
-    result = system_check(scene)
+    result = decide_system(scene)
     assert result.check()
     assert result.verdict is Translation.ASYMPTOTICALLY_STABLE
-    assert result.rays == ()
-    assert not result.everywhere  # beyond the parabola the field is another
+    assert PlanePoint(scene).rays == ()
+    assert not result.reach.everywhere  # beyond the parabola the field is another
 
 
 @pytest.mark.parametrize(
@@ -154,7 +155,7 @@ def test_a_surface_that_passes_the_equilibrium_adds_no_rest(load: Load) -> None:
 def test_a_cell_whose_guard_vanishes_at_an_isolated_point_is_not_there(load: Load, guard_text: str, first: int) -> None:
     """Near the origin the field is (+-1, -y): there 0 is not in F."""
     scene = load(f"-sign({guard_text})", "-y")
-    result = system_check(scene)
+    result = decide_system(scene)
     assert result.check()
     assert result.equilibrium is Equilibrium.FAILS
     assert (result.verdict, result.method) == (Translation.UNSTABLE, Method.EQUILIBRIUM)
@@ -186,7 +187,8 @@ def test_a_guard_of_a_potential_that_vanishes_at_the_point_refutes_nothing(load:
     """V = x^2 + y^2 near the origin: the bracket is zero except where the quartic is negative, that is nowhere."""
     text = "x**2 + y**2 + (1 - sign(x**4 - x**2*y**2 + y**4))"
     scene = load("-x", "-y", lyapunov=f'"{text}"')
-    result = system_check(scene)
+    result = decide_system(scene)
     assert result.check()
     assert result.verdict is not Translation.UNSTABLE
-    assert result.lyapunov.witness is None
+    assert result.given is not None
+    assert result.given.witness is None

@@ -13,12 +13,15 @@ from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, Situation, e
 from nonsmooth.proofs.clauses.rotation.at_point import says_the_spin, spin_of
 from nonsmooth.proofs.clauses.translation import fan_stability as fans
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, Move, decide_cones, decide_fan
-from nonsmooth.proofs.systems.system_stability import system_check
+from nonsmooth.proofs.system_decision import decide_system
+from nonsmooth.proofs.systems.local_cells import conic_germ
+from nonsmooth.proofs.systems.system_stability import PlanePoint
 from nonsmooth.proofs.theorem4 import check_cells
 from nonsmooth.proofs.verdicts import Rotation, Translation
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.files.system_file import load_system
+from tests.proofs.forged import with_deciding
 
 FANS = ("conveyor-3", "saddle", "outward", "spiral-30", "four-wheel")
 POINTS = ("spiral-30", "outward", "ring-5", "conveyor-3", "four-wheel")
@@ -59,11 +62,12 @@ def test_a_fan_verifies_without_deciding_again(name: str, monkeypatch: pytest.Mo
 
 
 def test_a_fan_of_a_plain_system_with_turns() -> None:
-    result = system_check(load_system("relay-oscillator"))
-    assert result.fan is not None
-    assert result.fan.fan.turns
-    assert result.fan.fan.check()
-    assert not [forged for forged in forged_fans(result.fan.fan) if forged.check()]
+    result = decide_system(load_system("relay-oscillator"))
+    fan = PlanePoint(result.scene).fan
+    assert fan is not None
+    assert fan.fan.turns
+    assert fan.fan.check()
+    assert not [forged for forged in forged_fans(fan.fan) if forged.check()]
 
 
 def test_another_overshoot_is_refused_by_deciding_again() -> None:
@@ -76,13 +80,16 @@ def test_another_overshoot_is_refused_by_deciding_again() -> None:
 
 
 def test_a_ray_that_no_solution_leaves_along_is_refused() -> None:
-    result = system_check(load_system("escaping-slide"))
-    rays = [ray for ray in result.rays if ray.value is not None]
+    result = decide_system(load_system("escaping-slide"))
+    point = PlanePoint(result.scene)
+    rays = [ray for ray in point.rays if ray.value is not None]
+    assert rays
     assert result.check()
     for ray in rays:
         x, y = ray.ray
         turned = replace(ray, ray=(x - 2 * y, y + 3 * x))
-        assert not replace(result, rays=tuple(turned if r is ray else r for r in result.rays)).check()
+        assert not turned.check(conic_germ(point.cells) or ())
+        assert not with_deciding(result, proofs=turned, reason=str(turned)).check()
 
 
 def point_of(name: str) -> EllipsePoint:

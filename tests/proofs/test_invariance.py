@@ -9,14 +9,15 @@ import numpy as np
 import pytest
 
 from nonsmooth.analysis.cells.switched_cells import square_regions
+from nonsmooth.proofs.system_audit import AuditVerdict, audit
 from nonsmooth.proofs.system_certificates import certificate_of
-from nonsmooth.proofs.systems.certified_reach import scene_cells
-from nonsmooth.proofs.systems.conclusion import Method
+from nonsmooth.proofs.system_decision import decide_system
+from nonsmooth.proofs.systems.domain import scene_cells
+from nonsmooth.proofs.systems.findings import Method
 from nonsmooth.proofs.systems.invariance import Staying, decide_staying, resting_place
-from nonsmooth.proofs.systems.lyapunov_audit import AuditVerdict, audit
-from nonsmooth.proofs.systems.system_stability import system_check
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.files.system_file import parse_lyapunov
+from tests.proofs.forged import with_deciding
 from tests.thorough import keep
 
 if TYPE_CHECKING:
@@ -69,7 +70,7 @@ def test_a_curve_of_switching_attracts(load: Load) -> None:
     """V bends on a curve, along which solutions of the double integrator switch once: known since Pontryagin."""
     system = with_v(load("y", "-sign(x + y*Abs(y)/3)"), BANG_BANG)
     assert staying(system) is Staying.NONE
-    result = system_check(system)
+    result = decide_system(system)
     assert (result.verdict, result.method) == (Translation.ASYMPTOTICALLY_STABLE, Method.INVARIANCE)
     assert result.check()
     claims = certificate_of(result)["statement"]["claims"]
@@ -92,30 +93,28 @@ def test_a_curve_of_switching_attracts(load: Load) -> None:
     ],
 )
 def test_an_energy_is_found(load: Load, first: str, second: str) -> None:
-    result = system_check(load(first, second))
+    result = decide_system(load(first, second))
     assert (result.verdict, result.method) == (Translation.ASYMPTOTICALLY_STABLE, Method.INVARIANCE)
     assert result.check()
-    assert not replace(result, staying=Staying.RESTS).check()
-    assert result.searched is not None
-    assert result.searched.formula is not None
-    judged = audit(load(first, second), result.searched.formula.text)
+    assert not with_deciding(result, reason=str(Staying.RESTS)).check()
+    assert result.function is not None
+    judged = audit(load(first, second), result.function.text)
     assert (judged.verdict, judged.proves) == (AuditVerdict.VALID, Translation.ASYMPTOTICALLY_STABLE)
     assert judged.check()
 
 
 def test_a_named_energy_decides_with_its_region(load: Load) -> None:
     system = with_v(load("y", "-sign(x) - y**3"), "y**2/2 + Abs(x)")
-    result = system_check(system)
+    result = decide_system(system)
     assert result.method is Method.INVARIANCE
-    assert result.certificate is not None
-    assert result.region is not None
-    assert str(result.region) == "V < 1/8"  # y^2/2 at the border
+    assert result.function is result.given
+    assert str(result.reach.region) == "V < 1/8"  # y^2/2 at the border
     assert result.check()
 
 
 def test_coulomb_friction_is_not_asymptotically_stable(load: Load) -> None:
     for second in ("-x - sign(y)", "-x - sign(y) - y**3", "-x/2 - sign(y)/100"):
-        assert system_check(load("y", second)).verdict is Translation.STABLE
+        assert decide_system(load("y", second)).verdict is Translation.STABLE
 
 
 @pytest.mark.usefixtures("strict_search")
@@ -125,11 +124,11 @@ def test_coulomb_friction_is_not_asymptotically_stable(load: Load) -> None:
 def test_shrinking_avoids_a_far_equilibrium(load: Load, force: str, potential: str) -> None:
     """Beside the point, that of x = 1/2 rests too."""
     system = with_v(load("y", f"-({force}) - y**3"), f"y**2/2 + {potential}")
-    result = system_check(system)
+    result = decide_system(system)
     assert result.verdict is Translation.ASYMPTOTICALLY_STABLE
-    assert result.domain is not None
-    assert result.domain.radius is not None
-    assert result.domain.radius < system.check.radius
+    assert result.function is not None
+    assert result.function.domain.radius is not None
+    assert result.function.domain.radius < system.check.radius
     assert result.check()
 
 

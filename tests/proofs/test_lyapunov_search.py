@@ -10,22 +10,22 @@ import numpy as np
 import pytest
 
 from nonsmooth.analysis.cells.switched_cells import square_regions, system_cells
-from nonsmooth.proofs.systems.certified_reach import scene_cells
-from nonsmooth.proofs.systems.conclusion import Method
+from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.decay_rate import DecayKind, DecayRate, decay_rate
 from nonsmooth.proofs.systems.derivatives import Decrease
-from nonsmooth.proofs.systems.domain import Domain
+from nonsmooth.proofs.systems.domain import Domain, scene_cells
+from nonsmooth.proofs.systems.findings import Method
 from nonsmooth.proofs.systems.local_cells import conic_germ
 from nonsmooth.proofs.systems.lyapunov_basis import bent_functions, build_formula, lines_through, smooth_functions
 from nonsmooth.proofs.systems.lyapunov_program import propose
 from nonsmooth.proofs.systems.lyapunov_search import find_lyapunov
 from nonsmooth.proofs.systems.piecewise_quadratic import find_near
-from nonsmooth.proofs.systems.search import SearchedLyapunov, enlarged_pieces, reversed_cells
-from nonsmooth.proofs.systems.sublevel_region import largest_sublevel
-from nonsmooth.proofs.systems.system_stability import system_check
+from nonsmooth.proofs.systems.search import PlaneFunction, enlarged_pieces, reversed_cells
+from nonsmooth.proofs.systems.sublevel_region import SublevelRegion, largest_sublevel
 from nonsmooth.proofs.systems.weak_search import find_weak_lyapunov
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
+from tests.proofs.forged import with_reach
 from tests.thorough import keep, thorough
 
 if TYPE_CHECKING:
@@ -90,10 +90,10 @@ def test_rich_families_leave_work_for_smaller_squares(load: Load) -> None:
 
 
 def test_in_reversed_time_it_grows(load: Load) -> None:
-    result = system_check(load("y + x**3", "-x + y**3"))
+    result = decide_system(load("y + x**3", "-x + y**3"))
     assert (result.verdict, result.method) == (Translation.UNSTABLE, Method.GROWTH)
-    assert result.searched is not None
-    assert result.searched.grows
+    assert result.function is not None
+    assert result.function.grows
     assert result.check()
     turned = reversed_cells(system_cells(load("y", "-x"), square_regions(result.scene.check.radius)))
     assert [str(p) for p in turned[0].velocities[0]] == ["-y", "x"]
@@ -140,11 +140,11 @@ def test_a_region_up_to_its_exact_limit(load: Load) -> None:
     level = 100 * x**4 - 384 * x**2 * y**2 + 400 * y**4
     assert 8 * level * (level - 1) > -1e-12
     assert x**2 + y**2 <= float(region.refuted)
-    result = system_check(system)
-    assert result.region == region
+    result = decide_system(system)
+    assert result.reach.region == region
     assert result.check()
-    assert not replace(result, region=replace(region, level=Fraction(51, 1000))).check()
-    assert not replace(result, region=replace(region, falls=True)).check()
+    assert not with_reach(result, region=replace(region, level=Fraction(51, 1000))).check()
+    assert not with_reach(result, region=replace(region, falls=True)).check()
 
 
 @pytest.mark.parametrize(
@@ -155,13 +155,16 @@ def test_a_region_up_to_its_exact_limit(load: Load) -> None:
     ],
 )
 def test_regions_touch_the_border(load: Load, first: str, second: str, lyapunov: str, level: Fraction) -> None:
-    result = system_check(load(first, second, lyapunov=f'"{lyapunov}"'))
-    assert result.region is not None
-    assert result.region.level == level
-    assert result.region.point is not None
-    assert max(abs(float(v)) for v in result.region.point) == 0.5
+    result = decide_system(load(first, second, lyapunov=f'"{lyapunov}"'))
+    region = result.reach.region
+    assert isinstance(region, SublevelRegion)
+    assert region.level == level
+    assert region.point is not None
+    assert max(abs(float(v)) for v in region.point) == 0.5
     assert result.check()
-    assert not replace(result, region=replace(result.region, level=level * 2)).check()
+    higher = replace(region, level=level * 2)
+    assert not with_reach(result, region=higher).check()
+    assert not with_reach(result, near=higher, region=higher).check()
 
 
 @pytest.mark.parametrize(
@@ -181,8 +184,8 @@ def test_regions_touch_the_border(load: Load, first: str, second: str, lyapunov:
 def test_rates_are_below_the_exact_ones(
     load: Load, first: str, second: str, lyapunov: str, decay: DecayKind, bound: Fraction
 ) -> None:
-    result = system_check(load(first, second, lyapunov=f'"{lyapunov}"'))
-    assert result.certificate is not None
+    result = decide_system(load(first, second, lyapunov=f'"{lyapunov}"'))
+    assert result.function is not None
     cells = scene_cells(result.scene, square_regions(result.scene.check.radius))
     rate = decay_rate(cells)
     assert rate is not None
@@ -205,16 +208,17 @@ def test_rates_are_below_the_exact_ones(
 def test_a_searched_v_is_proved_as_far_as_it_falls(
     load: Load, first: str, second: str, radius: str, least: float
 ) -> None:
-    result = system_check(load(first, second, radius=f'"{radius}"'))
-    assert result.searched is not None
-    assert result.region is not None
-    size = float(result.region.radius)
+    result = decide_system(load(first, second, radius=f'"{radius}"'))
+    region = result.reach.region
+    assert result.function is not None
+    assert isinstance(region, SublevelRegion)
+    size = float(region.radius)
     x, y = np.meshgrid(*2 * [np.linspace(-size, size, 201)])
-    values = eval(result.searched.formula.text, {"x": x, "y": y, "Abs": np.abs})  # type: ignore[union-attr] # noqa: S307
-    assert (values < float(result.region.level)).mean() * 4 * size**2 > least
+    values = eval(result.function.text, {"x": x, "y": y, "Abs": np.abs})  # noqa: S307
+    assert (values < float(region.level)).mean() * 4 * size**2 > least
     assert result.check()
-    level = result.region.level
-    assert not replace(result, region=replace(result.region, level=level * 5 / 4, refuted=level * 3)).check()
+    level = region.level
+    assert not with_reach(result, region=replace(region, level=level * 5 / 4, refuted=level * 3)).check()
 
 
 def test_a_v_of_pieces_is_proved_on_a_larger_square(load: Load) -> None:
@@ -226,30 +230,32 @@ def test_a_v_of_pieces_is_proved_on_a_larger_square(load: Load) -> None:
     by_pieces = find_near(near or (), system_cells(system, square_regions(small)))
     assert by_pieces is not None
     pieces, result = by_pieces
-    found = enlarged_pieces(system, pieces, SearchedLyapunov(result, Domain(small), None, grows=False), whole)
+    found = enlarged_pieces(system, pieces, PlaneFunction(result, Domain(small), None, system.states), whole)
     assert found.domain.radius is not None
     assert small < found.domain.radius < whole
     assert found.result.verdict is Decrease.STRICT
-    assert found.result.check()
-    assert found.speaks_of(system)
+    assert found.check(system)
+    assert not replace(found, on=Domain(whole)).check(system)
 
 
 def test_regions_of_v_that_bends_need_a_v_that_falls(load: Load) -> None:
     """The level of a V that falls near the point only is claimed of one polynomial."""
-    result = system_check(load("-sign(x)", "-2*sign(y) + x", lyapunov='"Abs(x) + Abs(y)"'))
-    assert result.region is not None
-    assert result.certificate is not None
-    assert not replace(result.region, falls=False, level=Fraction(1, 4)).check(result.certificate.cells)
+    result = decide_system(load("-sign(x)", "-2*sign(y) + x", lyapunov='"Abs(x) + Abs(y)"'))
+    region = result.reach.region
+    assert isinstance(region, SublevelRegion)
+    assert isinstance(result.function, PlaneFunction)
+    assert not replace(region, falls=False, level=Fraction(1, 4)).check(result.function.result.cells)
 
 
 def test_what_v_does_not_allow_is_not_claimed(load: Load) -> None:
     """Twisting arrives in finite time, but V' vanishes to second order on the y axis: no rate of either kind."""
-    result = system_check(load("y", "-2*sign(x) - sign(y)"))
+    result = decide_system(load("y", "-2*sign(x) - sign(y)"))
     assert result.verdict is Translation.ASYMPTOTICALLY_STABLE
-    assert result.region is not None
-    assert isinstance(result.certificate.cells[0].potential, Polynomial)  # type: ignore[union-attr]
-    if result.rate is not None:
-        assert result.rate.check(result.certificate.cells)  # type: ignore[union-attr]
+    assert result.reach.region is not None
+    assert isinstance(result.function, PlaneFunction)
+    assert isinstance(result.function.result.cells[0].potential, Polynomial)
+    if result.reach.rate is not None:
+        assert result.reach.rate.check(result.function.result.cells)
 
 
 def test_families_too_large_for_a_formula_are_left_out(load: Load) -> None:

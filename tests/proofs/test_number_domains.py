@@ -13,7 +13,8 @@ import numpy as np
 import pytest
 
 import nonsmooth as ns
-from nonsmooth.proofs.systems.system_stability import SystemResult
+from nonsmooth.proofs.systems.sublevel_region import SublevelRegion
+from tests.proofs.forged import with_reach
 
 NAMES: dict[str, Any] = {"Abs": np.abs, "sign": np.sign, "sgn": np.sign, "Max": np.maximum, "sin": np.sin}
 STEP = 1 / 512
@@ -166,13 +167,13 @@ def test_a_rate_beside_a_larger_region_names_its_own_square() -> None:
 
 def test_a_forged_rate_on_a_region_is_rejected() -> None:
     result = ns.System(["x", "y"], ["-x", "-y - 2*y**2"], radius="1/2").check().evidence
-    assert isinstance(result, SystemResult)
-    assert result.region_rate is not None
-    assert result.region is not None
+    reach = result.reach
+    assert reach.region_rate is not None
+    assert reach.region is not None
     assert result.check()
-    faster = replace(result.region_rate, kappa=result.region_rate.kappa * 2)
-    farther = replace(result.region_rate, level=result.region.level * 2)
+    faster = replace(reach.region_rate, kappa=reach.region_rate.kappa * 2)
+    farther = replace(reach.region_rate, level=reach.region.level * 2)
     for forged in (faster, farther):
-        assert not replace(result, region_rate=forged).check()
-    assert result.near is not None
-    assert not replace(result, near=replace(result.near, level=result.region.level)).check()
+        assert not with_reach(result, region_rate=forged).check()
+    assert isinstance(reach.near, SublevelRegion)
+    assert not with_reach(result, near=replace(reach.near, level=reach.region.level)).check()

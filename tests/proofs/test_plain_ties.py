@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.domain import plane_cells
 from nonsmooth.proofs.systems.local_cells import decide_equilibrium
-from nonsmooth.proofs.systems.system_stability import system_check
 from nonsmooth.proofs.verdicts import Equilibrium
 from tests.proofs.plain_agreement import contradictions
 from tests.proofs.plain_ties import Oracle, Tie, holds_zero, random_tie
@@ -36,7 +36,7 @@ def test_equilibria_of_tied_systems(load: Load, seed: int) -> None:
 @pytest.mark.parametrize("seed", [*range(1000, 1012)])
 def test_verdicts_on_tied_systems(load: Load, seed: int) -> None:
     tie = random_tie(seed)
-    result = system_check(load(*tie.rhs))
+    result = decide_system(load(*tie.rhs))
     assert result.check()
     assert contradictions(result, Oracle(tie)) == [], tie
 

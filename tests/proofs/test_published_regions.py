@@ -10,8 +10,8 @@ import pytest
 from numpy.typing import NDArray
 
 import nonsmooth as ns
-from nonsmooth.proofs.many_states.decision import decide_many
-from nonsmooth.proofs.system_decision import audit_function
+from nonsmooth.proofs.system_audit import audit
+from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.larger_region import find_larger_region
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.piecewise import parse_piecewise
@@ -67,10 +67,10 @@ def test_a_forged_level_is_refused(name: str) -> None:
 
 def test_the_v_of_the_guide_of_sostools_is_proved() -> None:
     system = ns.System(["x", "y", "z"], GUIDE, radius=2, lyapunov=GUIDE_POTENTIAL).system
-    assert audit_function(system, GUIDE_POTENTIAL).proves is Translation.ASYMPTOTICALLY_STABLE
-    result = decide_many(system)
-    assert result.region is not None
-    assert Fraction(69, 10) < result.region.level <= 4 * Fraction(17945, 10_000)
+    assert audit(system, GUIDE_POTENTIAL).proves is Translation.ASYMPTOTICALLY_STABLE
+    result = decide_system(system)
+    assert result.reach.region is not None
+    assert Fraction(69, 10) < result.reach.region.level <= 4 * Fraction(17945, 10_000)
     assert result.check()
 
 

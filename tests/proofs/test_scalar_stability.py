@@ -12,12 +12,12 @@ import numpy as np
 import pytest
 
 from nonsmooth.proofs.system_decision import decide_system
-from nonsmooth.proofs.systems.scalar_stability import ScalarResult, decide_scalar
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.reports.interface.system_result import check_system
 from nonsmooth.symbolic.files.system_file import build_system
 from nonsmooth.symbolic.scene_error import SceneError
 from nonsmooth.symbolic.switched_system import SwitchedSystem
+from tests.proofs.forged import with_deciding
 
 ATTRACTS, STAYS, LEAVES = Translation.ASYMPTOTICALLY_STABLE, Translation.STABLE, Translation.UNSTABLE
 NAMES = {
@@ -55,7 +55,6 @@ def built(rhs: list[Any], parameters: dict[str, Any] | None = None, **check: Any
 )
 def test_known_systems(formula: str, truth: Translation, left: float | None, right: float | None) -> None:
     result = decide_system(built([formula]))
-    assert isinstance(result, ScalarResult)
     assert result.verdict is truth
     assert result.check()
     region = check_system(built([formula])).to_dict()["region"]
@@ -73,7 +72,7 @@ def random_formula(rng: np.random.Generator) -> str:
 @pytest.mark.parametrize("seed", range(60))
 def test_random_systems_against_values_beside_the_point(seed: int) -> None:
     formula = random_formula(np.random.default_rng(seed))
-    result = decide_scalar(built([formula]))
+    result = decide_system(built([formula]))
     assert result.check()
     right, left = (eval(formula, dict(NAMES), {"x": side * 1e-4}) for side in (1, -1))  # noqa: S307 - of this file
     if result.verdict is ATTRACTS:
@@ -84,7 +83,7 @@ def test_random_systems_against_values_beside_the_point(seed: int) -> None:
         assert right <= 0 <= left
     if right > 0 or left < 0:
         assert result.verdict is LEAVES
-    for side, sign in ((result.right, 1), (result.left, -1)):
+    for side, sign in ((result.deciding.proofs.right, 1), (result.deciding.proofs.left, -1)):
         if side.reach is None:
             continue
         for share in np.linspace(0.01, 0.99, 60):
@@ -96,21 +95,24 @@ def test_random_systems_against_values_beside_the_point(seed: int) -> None:
 
 
 def test_arbitrary_switching_counts_every_member() -> None:
-    assert decide_scalar(built([["-x"], ["-sgn(x)"]])).verdict is ATTRACTS
-    assert decide_scalar(built([["-x"], ["0"]])).verdict is STAYS
-    assert decide_scalar(built([["-x"], ["x"]])).verdict is LEAVES
-    assert decide_scalar(built(["-k*x"], {"k": [1, 2]})).verdict is ATTRACTS
+    assert decide_system(built([["-x"], ["-sgn(x)"]])).verdict is ATTRACTS
+    assert decide_system(built([["-x"], ["0"]])).verdict is STAYS
+    assert decide_system(built([["-x"], ["x"]])).verdict is LEAVES
+    assert decide_system(built(["-k*x"], {"k": [1, 2]})).verdict is ATTRACTS
 
 
 def test_forged_evidence_is_refused() -> None:
-    result = decide_scalar(built(["-x + 8*x**3"]))
-    assert not replace(result, right=replace(result.right, reach=result.scene.check.radius)).check()
-    assert not replace(result, verdict=STAYS).check()
+    result = decide_system(built(["-x + 8*x**3"]))
+    sides = result.deciding.proofs
+    farther = replace(sides, right=replace(sides.right, reach=result.scene.check.radius))
+    assert not with_deciding(result, proofs=farther).check()
+    assert not with_deciding(result, verdict=STAYS).check()
+    assert not with_deciding(result, facts=()).check()
 
 
 def test_denominators_that_vanish_are_refused_in_one_line() -> None:
     with pytest.raises(SceneError, match="does not vanish on the checked interval"):
-        decide_scalar(built(["-x/(x + 1/4)"]))
+        decide_system(built(["-x/(x + 1/4)"]))
 
 
 def test_the_region_is_in_the_state() -> None:

@@ -7,8 +7,7 @@ from collections.abc import Sequence
 import pytest
 
 import nonsmooth as ns
-from nonsmooth.proofs.many_states.audit import ManyStateAudit
-from nonsmooth.proofs.system_decision import audit_function
+from nonsmooth.proofs.system_audit import audit
 from nonsmooth.proofs.systems.derivatives import Decrease
 from tests.oracles.solver_questions import Questions, read
 from tests.oracles.solvers import ask, with_z3
@@ -20,12 +19,10 @@ DRAG = ["y", "-sign(x) - y*Abs(y)"]
 
 
 def decrease(states: Sequence[str], rhs: Sequence[str], potential: str) -> Decrease:
-    audited = audit_function(ns.System(list(states), list(rhs)).system, potential)
-    evidence = audited.function.examination if isinstance(audited, ManyStateAudit) and audited.function else None
-    found = evidence or getattr(audited, "result", None)
-    assert found is not None
+    audited = audit(ns.System(list(states), list(rhs)).system, potential)
+    assert audited.function is not None
     assert audited.check()
-    return found.verdict
+    return audited.function.decrease
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,6 @@ from mpmath import mp, mpf
 from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.system_decision import decide_system
-from nonsmooth.proofs.systems.system_stability import system_check
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.files.system_file import build_system
 from nonsmooth.symbolic.scene_error import SceneError
@@ -57,10 +56,10 @@ KNOWN = [
 
 @pytest.mark.parametrize(("rhs", "truth", "in_time"), keep(5, KNOWN))
 def test_known_systems_agree_with_their_polygons(rhs: list[str], truth: Translation, in_time: bool | None) -> None:
-    result = system_check(built(rhs))
+    result = decide_system(built(rhs))
     assert result.verdict is truth, result.reason
     assert result.check()
-    assert in_time is None or result.finite_time is in_time
+    assert in_time is None or result.reach.in_finite_time is in_time
     last = largest_end(rhs, 0.15, 2.0)
     assert last < 0.3 if truth is ATTRACTS else last > 2
 
@@ -68,11 +67,11 @@ def test_known_systems_agree_with_their_polygons(rhs: list[str], truth: Translat
 def test_a_disturbance_within_the_gain_is_rejected_and_a_larger_one_is_not() -> None:
     """``|d| < k_2`` alone is not enough of k_1; here k_1 = 3 is large (Levant 1993)."""
     rhs = [f"-3*{ROOT} + y", "-11/10*sgn(x) + d"]
-    found = system_check(built(rhs, {"d": ["-1/2", "1/2"]}))
+    found = decide_system(built(rhs, {"d": ["-1/2", "1/2"]}))
     assert found.verdict is ATTRACTS
-    assert found.finite_time
+    assert found.reach.in_finite_time
     assert found.check()
-    assert system_check(built(rhs, {"d": [-2, 2]})).verdict is not ATTRACTS
+    assert decide_system(built(rhs, {"d": [-2, 2]})).verdict is not ATTRACTS
 
 
 SLIDING = [
@@ -84,7 +83,7 @@ SLIDING = [
 
 @pytest.mark.parametrize(("rhs", "truth"), SLIDING)
 def test_nothing_is_said_where_solutions_slide_on_a_zero_of_the_root(rhs: list[str], truth: Translation) -> None:
-    result = system_check(built(rhs))
+    result = decide_system(built(rhs))
     assert result.verdict in (truth, OPEN)
     assert result.verdict is OPEN
     assert "not every solution crosses" in result.reason
@@ -93,7 +92,7 @@ def test_nothing_is_said_where_solutions_slide_on_a_zero_of_the_root(rhs: list[s
 
 def test_no_equilibrium_is_said_of_the_stated_field() -> None:
     """The scaled field vanishes in y on the axis of the root; the stated one does not."""
-    result = system_check(built([f"-{ROOT} + y", "-1 - sgn(x)/2"]))
+    result = decide_system(built([f"-{ROOT} + y", "-1 - sgn(x)/2"]))
     assert result.verdict is LEAVES
     assert "0 is not in F" in result.reason
     assert result.check()
@@ -102,12 +101,12 @@ def test_no_equilibrium_is_said_of_the_stated_field() -> None:
 def test_an_equilibrium_off_the_zero_of_the_root_is_that_of_its_jacobian() -> None:
     """Torricelli's two tanks: x' = q - sqrt(x), y' = sqrt(x) - sqrt(y) rests at (q^2, q^2), a node."""
     rhs = ["1/2 - sqrt(Abs(x))", "sqrt(Abs(x)) - sqrt(Abs(y))"]
-    result = system_check(built(rhs, equilibrium=["1/4", "1/4"]))
+    result = decide_system(built(rhs, equilibrium=["1/4", "1/4"]))
     assert result.verdict is ATTRACTS
-    assert not result.everywhere
-    assert not result.finite_time
+    assert not result.reach.everywhere
+    assert not result.reach.in_finite_time
     assert result.check()
-    turned = system_check(built(["sqrt(Abs(x)) - 1/2", "sqrt(Abs(x)) - sqrt(Abs(y))"], equilibrium=["1/4", "1/4"]))
+    turned = decide_system(built(["sqrt(Abs(x)) - 1/2", "sqrt(Abs(x)) - sqrt(Abs(y))"], equilibrium=["1/4", "1/4"]))
     assert turned.verdict is LEAVES
 
 
@@ -170,7 +169,7 @@ def test_random_gains_agree_with_eigenvalues(seed: int) -> None:
         return
     rhs = [f"({-a})*{ROOT} + y", f"({-b})*sgn(x) + ({c})*x"]
     truth = ATTRACTS if a > 0 and b > 0 else LEAVES
-    result = system_check(built(rhs))
+    result = decide_system(built(rhs))
     assert result.verdict is truth, (rhs, result.reason)
     assert result.check()
 
@@ -187,7 +186,7 @@ def test_random_systems_agree_with_their_polygons(seed: int) -> None:
         (f"{first} + {e}*sqrt(Abs(x))", second),
         (first, f"{second} + {e}*sgn(y + {ROOT})"),
     )[seed % 4]
-    result = system_check(built([first, second]))
+    result = decide_system(built([first, second]))
     assert result.check()
     last = largest_end([first, second], 0.01, 0.5, 1e-4)
     if result.verdict is ATTRACTS:

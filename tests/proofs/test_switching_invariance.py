@@ -4,7 +4,6 @@ try to keep V.
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from types import CodeType
@@ -14,13 +13,14 @@ import pytest
 
 from nonsmooth.analysis.cells.switched_cells import square_regions
 from nonsmooth.proofs.system_certificates import certificate_of
-from nonsmooth.proofs.systems.certified_reach import scene_cells
-from nonsmooth.proofs.systems.conclusion import Method
+from nonsmooth.proofs.system_decision import decide_system
+from nonsmooth.proofs.systems.domain import scene_cells
+from nonsmooth.proofs.systems.findings import Method
 from nonsmooth.proofs.systems.invariance import Staying, decide_staying, resting_place
-from nonsmooth.proofs.systems.system_stability import system_check
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.files.system_file import build_system
 from nonsmooth.symbolic.switched_system import SwitchedSystem
+from tests.proofs.forged import with_deciding
 from tests.thorough import keep
 
 Fields = list[list[str]]
@@ -87,17 +87,17 @@ def test_each_attracts_where_both_do_not(steps: int) -> None:
 @pytest.mark.usefixtures("strict_search")
 @pytest.mark.parametrize("lyapunov", keep(1, ["y**2/2 + Abs(x)", None]), ids=["named", "searched"])
 def test_the_check_takes_the_principle(lyapunov: str | None) -> None:
-    result = system_check(built([["y", "-sign(x) - y**3"], ["y", "-sign(x) - y"]], lyapunov))
+    result = decide_system(built([["y", "-sign(x) - y**3"], ["y", "-sign(x) - y"]], lyapunov))
     assert (result.verdict, result.method) == (Translation.ASYMPTOTICALLY_STABLE, Method.INVARIANCE)
     assert result.check()
-    assert not replace(result, staying=Staying.UNDECIDED).check()
+    assert not with_deciding(result, reason=str(Staying.UNDECIDED)).check()
     assert {"stability": "asymptotically stable"} in certificate_of(result)["statement"]["claims"]
 
 
 @pytest.mark.usefixtures("strict_search")
 def test_the_check_calls_no_kept_energy_attracting() -> None:
     for fields in ([["y", "-x"], ["y", "-x - y"]], [["y", "-x - y"], ["-y", "x - y"]]):
-        assert system_check(built(fields)).verdict is Translation.STABLE
+        assert decide_system(built(fields)).verdict is Translation.STABLE
 
 
 # ---- against signals ------------------------------------------------------------------------------

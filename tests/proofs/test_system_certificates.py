@@ -22,12 +22,11 @@ from nonsmooth.proofs.kernel.search import NotShownError, Search
 from nonsmooth.proofs.kernel.sign_cells import surfaces_of
 from nonsmooth.proofs.kernel.stated_cells import stated_cells
 from nonsmooth.proofs.kernel.subject import NoCertificateError, about
-from nonsmooth.proofs.many_states.decision import decide_many
 from nonsmooth.proofs.system_certificates import certificate_of, left_out
 from nonsmooth.proofs.system_decision import decide_system
-from nonsmooth.proofs.systems.system_stability import system_check
 from nonsmooth.symbolic.files.system_file import load_system
 from nonsmooth.symbolic.piecewise import parse_piecewise
+from tests.proofs.forged import with_reach
 from tests.proofs.many_states.test_attacks import built
 from tests.proofs.many_states.test_random_systems import built as built_of_many
 from tests.proofs.many_states.test_random_systems import linear, random_matrix
@@ -65,7 +64,7 @@ def claims(record: Record, kind: str) -> list[Any]:
 @cache
 def text_of(name: str) -> str:
     rhs, check = SYSTEMS[name]
-    return json.dumps(certificate_of(decide_many(built(rhs, **check))))
+    return json.dumps(certificate_of(decide_system(built(rhs, **check))))
 
 
 def record_of(name: str) -> Record:
@@ -91,13 +90,13 @@ def test_verdicts_in_three_states_are_certified(name: str) -> None:
     record = record_of(name)
     assert rejected(record) == ""
     rhs, check = SYSTEMS[name]
-    assert claims(record, "stability") == [str(decide_many(built(rhs, **check)).verdict)]
+    assert claims(record, "stability") == [str(decide_system(built(rhs, **check)).verdict)]
 
 
 @pytest.mark.parametrize("seed", range(12))
 def test_random_relays_that_a_v_decides_are_certified(seed: int, load: Any) -> None:
-    result = system_check(load(*random_relay(seed).rhs))
-    if result.proving is not None:
+    result = decide_system(load(*random_relay(seed).rhs))
+    if result.function is not None:
         assert claims(certificate_of(result), "stability") == [str(result.verdict)]
 
 
@@ -105,8 +104,8 @@ def test_random_relays_that_a_v_decides_are_certified(seed: int, load: Any) -> N
 def test_random_linear_systems_that_a_v_decides_are_certified(seed: int) -> None:
     rng = np.random.default_rng(500 + seed)
     count = int(rng.integers(3, 7))
-    result = decide_many(built_of_many([linear(row) for row in random_matrix(rng, count)], count))
-    if result.proving is not None or result.evidence.growth is not None:
+    result = decide_system(built_of_many([linear(row) for row in random_matrix(rng, count)], count))
+    if result.function is not None or result.deciding.entry is not None:
         assert claims(certificate_of(result), "stability") == [str(result.verdict)]
 
 
@@ -146,13 +145,14 @@ def test_a_region_beyond_the_square_of_v_is_stated_where_v_may_stand_still_on_it
 
 def test_a_claim_that_is_not_shown_is_left_out_and_named() -> None:
     """Of a rate four times too large nothing is written but that it is missing; verdict and level stand."""
-    result = system_check(RELAYS.system)
-    assert result.rate is not None
-    record = certificate_of(replace(result, rate=replace(result.rate, kappa=result.rate.kappa * 4)))
+    result = decide_system(RELAYS.system)
+    rate = result.reach.rate
+    assert rate is not None
+    record = certificate_of(with_reach(result, rate=replace(rate, kappa=rate.kappa * 4)))
     assert (len(claims(record, "attracts")), claims(record, "rate")) == (1, [])
-    (rate, *_) = left_out(record)
-    assert rate.startswith("V' <= -15 V on abs(x), abs(y) <= 1/2")
-    assert "no proof was found of rate cell" in rate
+    (line, *_) = left_out(record)
+    assert line.startswith("V' <= -15 V on abs(x), abs(y) <= 1/2")
+    assert "no proof was found of rate cell" in line
 
 
 def test_irrational_numbers_lie_between_rational_ones() -> None:

@@ -6,8 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from nonsmooth.proofs.systems.lyapunov_audit import AuditVerdict, audit
-from nonsmooth.proofs.systems.system_stability import system_check
+from nonsmooth.proofs.system_audit import AuditVerdict, audit
+from nonsmooth.proofs.system_decision import decide_system
+from nonsmooth.proofs.systems.search import PlaneFunction
 from nonsmooth.symbolic.files.system_file import build_system
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 from tests.proofs.system_families import Known, families
@@ -24,15 +25,20 @@ def system_of(known: Known) -> SwitchedSystem:
 @pytest.mark.parametrize("known", CHOSEN, ids=lambda known: known.name)
 def test_known_systems(known: Known) -> None:
     system = system_of(known)
-    result = system_check(system)
+    result = decide_system(system)
     assert str(result.verdict) == known.truth
     assert result.check()
-    if result.searched is not None and result.searched.formula is not None and not result.searched.grows:
-        document = {"equilibrium": known.check.get("equilibrium", [0, 0]), "radius": str(result.searched.domain.radius)}
+    function = result.function
+    if (
+        isinstance(function, PlaneFunction)
+        and function.formula is not None
+        and not (function.grows or function.is_given)
+    ):
+        document = {"equilibrium": known.check.get("equilibrium", [0, 0]), "radius": str(function.domain.radius)}
         smaller = build_system(
             {"system": {"states": ["x", "y"], "rhs": list(known.rhs)}, "check": document}, "again", Path("again.toml")
         )
-        assert audit(smaller, result.searched.formula.text).verdict is AuditVerdict.VALID
+        assert audit(smaller, function.text).verdict is AuditVerdict.VALID
 
 
 def test_there_are_enough_families() -> None:

@@ -29,13 +29,16 @@ from nonsmooth.analysis.cells.switched_cells import (
     velocities_at,
 )
 from nonsmooth.proofs.inequalities.ladder import Interval
-from nonsmooth.proofs.systems.conclusion import Method
+from nonsmooth.proofs.system_audit import audit
+from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.domain import plane_cells
-from nonsmooth.proofs.systems.lyapunov_audit import audit
+from nonsmooth.proofs.systems.findings import Method
 from nonsmooth.proofs.systems.ray_moves import RayKind, decide_constant_fan
-from nonsmooth.proofs.systems.system_stability import SystemResult, system_check
+from nonsmooth.proofs.systems.search import PlaneFunction
+from nonsmooth.proofs.systems.system_stability import PlanePoint
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
+from nonsmooth.reports.derivation import derive_system_report
 from nonsmooth.symbolic.expression import ExpressionError
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, builtin_systems, load_scene
 from nonsmooth.symbolic.files.system_file import load_any, load_system, system_descriptions
@@ -49,6 +52,7 @@ from nonsmooth.symbolic.similar_scenes import scaled_system, with_rate_ratio
 from nonsmooth.symbolic.surfaces import switching_factors
 from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
 from tests.built_in import planar_systems
+from tests.proofs.forged import with_deciding, with_reach
 from tests.thorough import examples, keep, thorough
 
 if TYPE_CHECKING:
@@ -296,23 +300,26 @@ def test_malformed_systems(tmp_path: Path, text: str, key: str, words: str) -> N
 
 
 @pytest.mark.parametrize(
-    ("states", "expected"),
-    [(["x"], "two states, received"), (["x", "y", "theta"], "two states, received")],
+    ("states", "decide"),
+    [
+        (["x"], lambda system: audit(system, "x**2")),
+        (["x"], derive_system_report),
+        (["x", "y", "theta"], derive_system_report),
+    ],
 )
-@pytest.mark.parametrize("decide", [system_check, lambda system: audit(system, "x**2")])
 def test_planar_decisions_need_two_states(
-    tmp_path: Path, states: list[str], expected: str, decide: Callable[[SwitchedSystem], object]
+    tmp_path: Path, states: list[str], decide: Callable[[SwitchedSystem], object]
 ) -> None:
     text = f"[system]\nstates = {states}\nrhs = {states}"
     (tmp_path / "my.toml").write_text(text.replace("'", '"'), encoding="utf-8")
-    with pytest.raises(SceneError, match=rf"my\.toml: system\.states: required {expected}"):
+    with pytest.raises(SceneError, match=r"my\.toml: system\.states: required two states, received"):
         decide(load_system(tmp_path / "my.toml"))
 
 
 def test_a_division_by_zero_on_some_cell_only(load: Load) -> None:
     scene = load("x/(1 + sign(x)*sign(y))", "y")
     with pytest.raises(SceneError, match=r"system\.rhs\[1\]: required a finite number"):
-        system_check(scene)
+        decide_system(scene)
 
 
 @thorough  # the small one: test_cells_hold_the_field_and_cover_the_plane
@@ -326,8 +333,8 @@ def test_too_many_surfaces(load: Load) -> None:
 # ---- verdicts ----------------------------------------------------------------------------------
 
 
-def verdict(scene: SwitchedSystem) -> SystemResult:
-    result = system_check(scene)
+def verdict(scene: SwitchedSystem) -> StabilityResult:
+    result = decide_system(scene)
     assert result.check()
     return result
 
@@ -347,7 +354,7 @@ def verdict(scene: SwitchedSystem) -> SystemResult:
 def test_built_in_systems(name: str, expected: Translation, method: Method) -> None:
     result = verdict(load_system(name))
     assert (result.verdict, result.method) == (expected, method)
-    assert result.everywhere == (expected is Translation.ASYMPTOTICALLY_STABLE)
+    assert result.reach.everywhere == (expected is Translation.ASYMPTOTICALLY_STABLE)
     fails = name == "escaping-slide"
     assert result.equilibrium is (Equilibrium.FAILS if fails else Equilibrium.HOLDS)
 
@@ -407,16 +414,18 @@ def test_negative_in_open_cells_only_is_not_asymptotic(load: Load, first: str, s
 
 def test_the_flower_needs_a_piecewise_quadratic() -> None:
     result = verdict(load_system("flower"))
-    assert result.witness is not None
-    assert result.witness.value is not None
-    assert result.witness.value.sign() > 0  # |x|^2 grows there
-    x, y = (float(v) for v in result.witness.point)
+    assert isinstance(result.given, PlaneFunction)
+    witness = result.given.witness
+    assert witness is not None
+    assert witness.value is not None
+    assert witness.value.sign() > 0  # |x|^2 grows there
+    x, y = (float(v) for v in witness.point)
     modes = [((-0.1, 1), (-5, -0.1)), ((-0.1, 5), (-1, -0.1))]  # |x| >= |y|, and the rest
     near = modes if abs(x) == abs(y) else [modes[abs(x) < abs(y)]]
     rates = [2 * (x * (a * x + b * y) + y * (c * x + d * y)) for (a, b), (c, d) in near]
-    assert any(float(result.witness.value) == pytest.approx(rate) for rate in rates)
-    assert result.certificate is not None
-    assert len({str(cell.potential) for cell in result.certificate.cells}) > 1
+    assert any(float(witness.value) == pytest.approx(rate) for rate in rates)
+    assert isinstance(result.function, PlaneFunction)
+    assert len({str(cell.potential) for cell in result.function.result.cells}) > 1
 
 
 def simulated_distance(scene: SwitchedSystem, start: tuple[float, float], time: float, steps: int) -> float:
@@ -450,11 +459,12 @@ def test_lyapunov_functions_never_contradict_the_complete_fan(load: Load, seed: 
         result = verdict(load(first, second, lyapunov=f'"{text}"'))
         fan = decide_constant_fan(plane_cells(result.scene))
         assert fan is not None
-        if result.lyapunov.verdict is Decrease.STRICT:
+        assert result.given is not None
+        if result.given.decrease is Decrease.STRICT:
             assert fan.verdict is Translation.ASYMPTOTICALLY_STABLE
-        if result.lyapunov.verdict is Decrease.WEAK:
+        if result.given.decrease is Decrease.WEAK:
             assert fan.verdict is not Translation.UNSTABLE
-        if any(move.kind is RayKind.ESCAPE for move in result.rays):
+        if any(move.kind is RayKind.ESCAPE for move in PlanePoint(result.scene).rays):
             assert fan.verdict is Translation.UNSTABLE
 
 
@@ -526,18 +536,20 @@ def test_too_many_cells_are_noticed_before_they_are_found(load: Load) -> None:
 
 def test_forged_results_are_refused() -> None:
     """Each change leaves the verdict and its evidence as they are."""
-    result = system_check(load_system("relay-oscillator-damped"))
+    result = decide_system(load_system("relay-oscillator-damped"))
     assert result.check()
-    *strata, last = result.lyapunov.strata
+    given = result.given
+    assert isinstance(given, PlaneFunction)
+    *strata, last = given.result.strata
     kinder = replace(last.ladder, naive=Interval(last.ladder.naive.low, last.ladder.naive.low))
     assert kinder != last.ladder
-    wrong_ladder = replace(result.lyapunov, strata=(*strata, replace(last, ladder=kinder)))
+    wrong_ladder = replace(given.result, strata=(*strata, replace(last, ladder=kinder)))
     for forged in (
-        replace(result, everywhere=not result.everywhere),
+        with_reach(result, everywhere=not result.reach.everywhere),
         replace(result, equilibrium=Equilibrium.FAILS),
-        replace(result, reason="because"),
-        replace(result, lyapunov=replace(result.lyapunov, reason="because")),
-        replace(result, lyapunov=wrong_ladder),
+        with_deciding(result, reason="because"),
+        replace(result, given=replace(given, result=replace(given.result, reason="because"))),
+        replace(result, given=replace(given, result=wrong_ladder)),
     ):
         assert not forged.check()
 

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from nonsmooth.proofs.many_states.audit import audit_many
-from nonsmooth.proofs.systems.lyapunov_audit import AuditVerdict, audit
-from nonsmooth.proofs.systems.system_facts import rewriting_words
-from nonsmooth.proofs.systems.system_stability import system_check
+from nonsmooth.proofs.system_audit import AuditVerdict, audit
+from nonsmooth.proofs.system_decision import decide_system
+from nonsmooth.proofs.system_facts import rewriting_words
+from nonsmooth.proofs.systems.system_stability import PlanePoint
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.files.system_file import build_system
 from nonsmooth.symbolic.scene_error import SceneError
@@ -62,11 +62,11 @@ KNOWN = [
 
 @pytest.mark.parametrize(("rhs", "truth"), KNOWN)
 def test_known_systems(rhs: tuple[str, str], truth: Translation) -> None:
-    result = system_check(built(list(rhs)))
+    result = decide_system(built(list(rhs)))
     assert result.verdict is truth
     assert result.check()
-    assert not result.everywhere
-    assert (result.rate is None) or not result.scene.scale
+    assert not result.reach.everywhere
+    assert (result.reach.rate is None) or not result.scene.scale
     assert rewriting_words(result.scene)
     last = ends(rhs, 0.05)
     assert last < 0.7 if truth is ATTRACTS else last > 3
@@ -74,7 +74,7 @@ def test_known_systems(rhs: tuple[str, str], truth: Translation) -> None:
 
 @pytest.mark.parametrize("steps", keep(1, [40_000, 400_000]))
 def test_a_weak_spiral_of_a_fraction_agrees_with_its_polygon(steps: int) -> None:
-    result = system_check(built(["y", "1 - x/(y + 1) - y"], equilibrium=[1, 0]))
+    result = decide_system(built(["y", "1 - x/(y + 1) - y"], equilibrium=[1, 0]))
     assert result.verdict is LEAVES
     x, y, sizes = 1.2, 0.0, []
     for k in range(steps):  # semi-implicit midpoint steps, of second order
@@ -88,18 +88,18 @@ def test_a_weak_spiral_of_a_fraction_agrees_with_its_polygon(steps: int) -> None
 
 
 def test_what_only_encloses_claims_rays_of_all_of_it_alone() -> None:
-    result = system_check(built(["y", "-sin(x) - sgn(y)"]))  # rests where abs(sin(x)) <= 1, and so do its enclosures
-    assert {str(ray) for ray in result.rays} == {
+    result = decide_system(built(["y", "-sin(x) - sgn(y)"]))  # rests where abs(sin(x)) <= 1, and so do its enclosures
+    assert {str(ray) for ray in PlanePoint(result.scene).rays} == {
         f"every point of the ray through ({side}, 0) near the equilibrium is an equilibrium" for side in (1, -1)
     }
     assert result.verdict is Translation.STABLE
     assert result.check()
-    moves = system_check(built(["y", "sin(x) - x + x**3/6 - x**5/240 - y"]))  # x**5/240 + ..., and +-x**5/240 encloses
-    assert moves.rays == ()
+    moves = decide_system(built(["y", "sin(x) - x + x**3/6 - x**5/240 - y"]))  # x**5/240 + ..., and +-x**5/240 encloses
+    assert PlanePoint(moves.scene).rays == ()
 
 
 def test_interval_parameters_hold_for_all_values() -> None:
-    result = system_check(built(["y", "-k*x - c*y"], {"k": [1, 2], "c": ["1/2", 1]}))
+    result = decide_system(built(["y", "-k*x - c*y"], {"k": [1, 2], "c": ["1/2", 1]}))
     assert result.verdict is ATTRACTS
     assert result.check()
     rng = np.random.default_rng(0)
@@ -111,16 +111,16 @@ def test_interval_parameters_hold_for_all_values() -> None:
 
 
 def test_an_interval_that_holds_an_unstable_value_is_not_stable() -> None:
-    result = system_check(built(["y", "-x - c*y"], {"c": ["-1/4", 1]}))
+    result = decide_system(built(["y", "-x - c*y"], {"c": ["-1/4", 1]}))
     assert result.verdict in (LEAVES, Translation.UNDECIDED)
 
 
 def test_denominators_must_not_vanish_on_the_square() -> None:
     with pytest.raises(SceneError, match="a smaller check"):
-        system_check(built(["y", "-x/(x + 1/4) - y"]))
+        decide_system(built(["y", "-x/(x + 1/4) - y"]))
     with pytest.raises(SceneError, match="a smaller check"):
         audit(built(["y", "-x/(x + 1/4) - y"]), "x**2 + y**2")
-    assert system_check(built(["y", "-x/(x + 1/4) - y"], radius="1/8")).verdict is ATTRACTS
+    assert decide_system(built(["y", "-x/(x + 1/4) - y"], radius="1/8")).verdict is ATTRACTS
 
 
 def test_an_audit_speaks_of_the_stated_field() -> None:
@@ -144,7 +144,7 @@ def test_an_audit_with_sines_agrees_with_samples_of_the_stated_derivative(freque
         (a, _), value = (float(c) for c in found.witness.point), found.witness.value
         assert value is None
         assert a * np.sin(float(Fraction(frequency)) * a) < 0
-    many = audit_many(built([f"-sin({frequency}*x){relay}", "-y", "-z"]), "x**2 + y**2 + z**2")
+    many = audit(built([f"-sin({frequency}*x){relay}", "-y", "-z"]), "x**2 + y**2 + z**2")
     assert many.check()
     assert many.verdict is not (AuditVerdict.VALID if rises else AuditVerdict.INVALID)
 
@@ -155,7 +155,7 @@ def test_an_audit_with_sines_refutes_a_function_that_rises_along_the_stated_fiel
     assert found.witness is not None
     x, y = (float(c) for c in found.witness.point)
     assert 2 * x * (-np.sin(6 * x) / 4 - np.sign(y) / 8) - 2 * abs(y) > 0
-    many = audit_many(built(["sin(x) - sign(y)/8", "-sign(y)", "-z"]), "x**2 + y**2 + z**2")
+    many = audit(built(["sin(x) - sign(y)/8", "-sign(y)", "-z"]), "x**2 + y**2 + z**2")
     assert many.verdict is AuditVerdict.INVALID
     assert many.witness is not None
     x, y, z = map(float, many.witness.point)

@@ -1,4 +1,4 @@
-"""A theorem, a strategy and a kind of evidence that the product does not have.
+"""A theorem, strategies and a kind of evidence that the product does not have.
 
 *Theorem* ``still``: where all fields vanish on a cube about the point, it is stable.  Its claims are that the square of
 the speed is not above zero; each is shown by the evidence ``constant``, that its polynomial is a number.
@@ -15,8 +15,12 @@ from nonsmooth.proofs.checker.theorems import STABLE, Statement
 from nonsmooth.proofs.checker.work import require, take
 from nonsmooth.proofs.kernel.curved_cells import started
 from nonsmooth.proofs.kernel.search import Entry, Kind, Search
+from nonsmooth.proofs.kernel.sign_cells import adjoining
 from nonsmooth.proofs.kernel.stated_cells import stated_cells
-from nonsmooth.proofs.strategies import Strategy
+from nonsmooth.proofs.many_states.decision import SpacePoint
+from nonsmooth.proofs.systems.findings import Finding, Known, Strategy
+from nonsmooth.proofs.theorem_searches import TheoremSearch
+from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 
@@ -35,12 +39,21 @@ def show_still(system: System, hypotheses: Any, proofs: Proofs) -> list[Statemen
 
 
 def find_still(system: SwitchedSystem, verdict: str, search: Search | None = None) -> Entry:
-    """The strategy."""
+    """The search for its hypotheses."""
     subject, search = started(system, search)
     return search.entry(subject, "still", {"cells": stated_cells(system, system.check.radius).record})
 
 
-STILL = Strategy("no motion", find_still, (STABLE,))
+STILL = TheoremSearch("no motion", find_still, (STABLE,))
+
+
+def decide_still(point: SpacePoint, known: Known) -> Finding | None:
+    """The strategy that decides: no field moves on any cell near the point."""
+    moves = any(map(any, (field for cell in adjoining(point.cells) for field in cell.velocities)))
+    return None if moves else Finding("no motion", Translation.STABLE, "nothing moves there")
+
+
+NO_MOTION = Strategy("no motion", range(3, 9), decide_still)
 
 
 def show_by_constants(claim: Claim, evidence: Any) -> None:

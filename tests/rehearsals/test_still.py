@@ -2,26 +2,30 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from nonsmooth.proofs import strategies
+from nonsmooth.proofs import theorem_searches
 from nonsmooth.proofs.checker.positivity import KINDS as SHOWN_KINDS
 from nonsmooth.proofs.checker.statements import THEOREMS, refusal
 from nonsmooth.proofs.kernel.search import KINDS, NotShownError
+from nonsmooth.proofs.strategies import STRATEGIES
 from nonsmooth.proofs.system_certificates import certificate_of, certificate_text
 from nonsmooth.proofs.system_decision import decide_system
+from nonsmooth.proofs.systems.findings import Method
+from nonsmooth.reports.interface.system_result import check_system
 from nonsmooth.symbolic.files.system_file import build_system
 from nonsmooth.symbolic.switched_system import SwitchedSystem
-from tests.rehearsals.still import CONSTANTS, STILL, show_by_constants, show_still
+from tests.rehearsals.still import CONSTANTS, NO_MOTION, STILL, show_by_constants, show_still
 
 
 @pytest.fixture(autouse=True)
 def _registered(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(THEOREMS, "still", show_still)
-    monkeypatch.setattr(strategies, "STRATEGIES", (STILL, *strategies.STRATEGIES))
+    monkeypatch.setattr(theorem_searches, "THEOREM_SEARCHES", (STILL, *theorem_searches.THEOREM_SEARCHES))
     monkeypatch.setitem(SHOWN_KINDS, "constant", show_by_constants)
     monkeypatch.setattr("nonsmooth.proofs.kernel.search.KINDS", [CONSTANTS, *KINDS])
 
@@ -32,7 +36,7 @@ def built(rhs: list[str], **check: str) -> SwitchedSystem:
 
 
 def test_a_theorem_and_its_evidence_stand_in_certificates() -> None:
-    entry, shown = strategies.show_verdict(built(["0", "0", "0*sign(x)"]), "stable")
+    entry, shown = theorem_searches.show_verdict(built(["0", "0", "0*sign(x)"]), "stable")
     assert (entry["theorem"], shown) == ("still", [{"stability": "stable"}])
     assert set(map(str, entry["proofs"].values())) == {str({"constant": True})}
     subject = {"states": ["x", "y", "z"], "rhs": [["0", "0", "0*sign(x)"]], "at": ["0", "0", "0"]}
@@ -48,8 +52,19 @@ def test_a_theorem_and_its_evidence_stand_in_certificates() -> None:
 
 def test_other_strategies_follow() -> None:
     with pytest.raises(NotShownError):
-        strategies.show_verdict(built(["0", "0", "y"]), "stable")
+        theorem_searches.show_verdict(built(["0", "0", "y"]), "stable")
     result = decide_system(built(["-sign(x)", "-sign(y)"], lyapunov="Abs(x) + Abs(y)"))
     certificate = certificate_of(result)
     assert not refusal(certificate, len(certificate_text(certificate)))
     assert {"constant": True} in certificate["evidence"][0]["proofs"].values()
+
+
+def test_a_strategy_decides(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A function and a line; what it finds is said, verified and certified as any other verdict."""
+    monkeypatch.setattr("nonsmooth.proofs.system_decision.STRATEGIES", [NO_MOTION, *STRATEGIES])
+    result = check_system(built(["0", "0", "0*sign(x)"])).evidence
+    assert (str(result.verdict), result.method) == ("stable", "no motion")
+    assert certificate_of(result)["evidence"][0]["theorem"] == "still"
+    assert decide_system(built(["-x", "-y", "-z"])).method == Method.LYAPUNOV
+    claimed = replace(result, scene=built(["-x", "-y", "-z"]))
+    assert not claimed.check()

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from nonsmooth.analysis.cells.loads import LoadError, elastic_loads_at
-from nonsmooth.proofs.systems.system_stability import system_check
+from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.files.system_file import load_system
@@ -97,7 +97,7 @@ def test_a_square_beyond_the_range_of_floats_is_checked(tmp_path: Path) -> None:
     """Floats propose nothing there; the verdict is exact, and this ended in a fault."""
     small = "1/" + "9" * 390
     scene = system("-x - sign(y)*x**2/7", more=f'[check]\nradius = "{small}"\n')
-    assert system_check(load_system(written(tmp_path, scene))).verdict is Translation.ASYMPTOTICALLY_STABLE
+    assert decide_system(load_system(written(tmp_path, scene))).verdict is Translation.ASYMPTOTICALLY_STABLE
 
 
 BEYOND = "*1e300*1e300"
@@ -109,7 +109,7 @@ def test_numbers_beyond_floats_propose_nothing(tmp_path: Path) -> None:
         ("linear rows", f"-x{BEYOND} + y**2{BEYOND}", f"-y{BEYOND}"),
         ("conic rows", f"-x - sign(y)*x**2{BEYOND}", f"-y{BEYOND}"),
     ):
-        verdict = system_check(load_system(written(tmp_path, system(f, g)))).verdict
+        verdict = decide_system(load_system(written(tmp_path, system(f, g)))).verdict
         assert verdict is Translation.ASYMPTOTICALLY_STABLE, name
 
 

@@ -10,10 +10,11 @@ import numpy as np
 import pytest
 
 import nonsmooth as ns
+from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.border_motion import BorderKind, BorderPart, sliding_velocity
 from nonsmooth.proofs.systems.domain import plane_cells
 from nonsmooth.proofs.systems.ray_moves import RayKind, resting_edges
-from nonsmooth.proofs.systems.system_stability import system_check
+from nonsmooth.proofs.systems.system_stability import PlanePoint
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.reports.phase_portrait import PhasePortrait
 from nonsmooth.reports.phase_samples import sampled_rates
@@ -111,12 +112,12 @@ def test_a_sign_that_is_not_found_is_called_undecided() -> None:
 
 
 def test_dry_friction_rests_beside_the_hanging_pendulum() -> None:
-    result = system_check(built(["y", "-2*sin(x) - sgn(y)"]))
+    result = decide_system(built(["y", "-2*sin(x) - sgn(y)"]))
     assert result.verdict is Translation.STABLE
-    assert {ray.kind for ray in result.rays} == {RayKind.REST}
+    assert {ray.kind for ray in PlanePoint(result.scene).rays} == {RayKind.REST}
     assert "not asymptotically" in result.reason
     assert result.check()
-    assert result.searched is None  # there is no V that falls: none is searched
+    assert result.function is result.given  # there is no V that falls: none is searched
 
 
 def test_a_rest_of_the_enclosing_fields_alone_is_none() -> None:

@@ -19,6 +19,7 @@ from nonsmooth.reports.phase_portrait import PhasePortrait
 from nonsmooth.reports.plain_systems import starts_map
 from nonsmooth.reports.plain_systems.starts_map import SystemMap, Whereabouts, build_system_map
 from nonsmooth.symbolic.files.system_file import load_system
+from tests.proofs.forged import with_deciding, with_reach
 from tests.thorough import keep
 
 if TYPE_CHECKING:
@@ -58,11 +59,9 @@ def test_the_parts_add_up_to_all_starts(found: SystemMap) -> None:
 
 
 def test_paths_from_the_certified_region_lower_v(found: SystemMap) -> None:
-    result = found.portrait.stability
-    assert result.region is not None
-    assert result.proving is not None
-    before, after = (potential_values(result.proving.cells, places) for places in (found.starts, found.ends))
-    inside = before < float(result.region.level)
+    function, region = found.portrait.stability.function, found.portrait.stability.reach.region
+    before, after = (potential_values(function.result.cells, places) for places in (found.starts, found.ends))
+    inside = before < float(region.level)
     assert inside.sum() >= 1
     assert (after[inside] <= before[inside]).all()
 
@@ -87,7 +86,7 @@ def test_a_system_that_arrives_is_not_unstable(monkeypatch: pytest.MonkeyPatch) 
     shown = system.map(4, until=3.0).shown
     assert isinstance(shown, SystemMap)
     assert shown.contradictions == ()
-    wrong = replace(shown.portrait.stability, verdict=Translation.UNSTABLE, region=None)
+    wrong = with_reach(with_deciding(shown.portrait.stability, verdict=Translation.UNSTABLE), region=None)
     monkeypatch.setitem(vars(shown.portrait), "stability", wrong)
     assert [one.between for one in replace(shown).contradictions] == ["stability and map"]
 

@@ -12,10 +12,9 @@ import pytest
 import sympy
 from scipy.optimize import linprog
 
-from nonsmooth.proofs.many_states.audit import audit_many
+from nonsmooth.proofs.system_audit import AuditVerdict, audit
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import decide_system
-from nonsmooth.proofs.systems.lyapunov_audit import AuditVerdict
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.enclosed_numbers import NoEnclosureError, enclose_numbers
 from nonsmooth.symbolic.files.system_file import build_system
@@ -110,6 +109,6 @@ def test_what_one_of_the_bounds_allows_is_not_certified(rhs: list[str], verdict:
     ],
 )
 def test_functions_are_judged_by_what_holds_of_all_bounds(rhs: list[str], function: str, verdict: AuditVerdict) -> None:
-    found = audit_many(built(rhs), function)
+    found = audit(built(rhs), function)
     assert found.verdict is verdict
     assert found.check()

@@ -31,13 +31,13 @@ def gain_of(record: Record) -> Any:
 @pytest.mark.parametrize(("rhs", "function"), keep(2, SYSTEMS[3:] + SYSTEMS[:3]))
 def test_the_gain_that_is_printed_is_stated_and_no_smaller_one(rhs: tuple[str, str], function: str) -> None:
     result = checked(rhs, function)
-    assert result.gain is not None
+    assert result.reach.gain is not None
     record = certificate_of(result)
     own = gain_of(record)
-    assert (own["gamma"], own["kappa"]) == (str(result.gain.gamma), str(result.gain.rate.kappa))
+    assert (own["gamma"], own["kappa"]) == (str(result.reach.gain.gamma), str(result.reach.gain.rate.kappa))
     assert f"+ {own['gamma']} |d|" in describe(record["statement"])[-1]
     smaller = json.loads(json.dumps(record))
-    smaller["evidence"][0]["hypotheses"]["gain"] = str(result.gain.gamma * Fraction(3, 4))
+    smaller["evidence"][0]["hypotheses"]["gain"] = str(result.reach.gain.gamma * Fraction(3, 4))
     gain_of(smaller)["gamma"] = smaller["evidence"][0]["hypotheses"]["gain"]
     assert "gradient" in rejected(smaller)
 

@@ -15,7 +15,7 @@ from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.statements import VERSION, describe, refusal
 from nonsmooth.proofs.kernel.search import NotShownError, Search
 from nonsmooth.proofs.system_certificates import certificate_of, left_out
-from nonsmooth.proofs.systems.system_stability import system_check
+from nonsmooth.proofs.system_decision import decide_system
 from tests.proofs import mutants
 from tests.proofs.mutants import Record, is_one_line
 from tests.proofs.test_square_roots import NAMES, ROOT, built
@@ -54,7 +54,7 @@ def certified(rhs: list[str]) -> Record:
 
 @cache
 def _certified(rhs: tuple[str, ...]) -> Record:
-    return certificate_of(system_check(built(list(rhs))))
+    return certificate_of(decide_system(built(list(rhs))))
 
 
 # ---- what is true --------------------------------------------------------------------------------
@@ -94,9 +94,9 @@ def test_the_region_is_stated_in_the_roots() -> None:
 
 def test_arbitrary_switching_growth_and_velocities_at_the_point() -> None:
     disturbed = built([f"-3*{ROOT} + y", "-11/10*sgn(x) + d"], {"d": ["-1/2", "1/2"]})
-    assert certificate_of(system_check(disturbed))["statement"]["claims"][0] == {"stability": ATTRACTS}
+    assert certificate_of(decide_system(disturbed))["statement"]["claims"][0] == {"stability": ATTRACTS}
     grows = built([f"1/2*{ROOT} + y", "-11/10*sgn(x)"])
-    assert certificate_of(system_check(grows))["statement"]["claims"] == [{"stability": "unstable"}]
+    assert certificate_of(decide_system(grows))["statement"]["claims"] == [{"stability": "unstable"}]
     # In the time of the roots y rests at the point; in that of the states it falls.
     subject = {"states": ["x", "y"], "rhs": [[f"-{ROOT} + y", "-1 - sgn(x)/2"]], "at": ["0", "0"], "roots": ["x"]}
     cells = {"within": "1/2", "surfaces": ["root_x"], "empty": []}
@@ -121,7 +121,7 @@ def test_one_solution_that_leaves() -> None:
 
 def test_roots_away_from_zero_in_two_states_and_three() -> None:
     system = built(["1/2 - sqrt(Abs(x))", "sqrt(Abs(x)) - sqrt(Abs(y))"], equilibrium=["1/4", "1/4"])
-    record = certificate_of(system_check(system))
+    record = certificate_of(decide_system(system))
     subject = record["statement"]["subject"]
     assert (subject["at"], subject["roots"]) == (["1/4", "1/4"], ["x", "y"])
     elsewhere = {**record["statement"], "subject": {**subject, "at": ["1/2", "1/4"]}}

@@ -18,9 +18,10 @@ from nonsmooth.proofs import checker
 from nonsmooth.proofs.checker.statements import refusal
 from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.system_certificates import certificate_of
-from nonsmooth.proofs.systems.scalar_stability import ScalarResult, decide_scalar
+from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from tests.proofs import mutants
+from tests.proofs.forged import with_deciding
 from tests.proofs.mutants import Record
 from tests.proofs.test_scalar_stability import ATTRACTS, LEAVES, NAMES, STAYS, built, random_formula
 from tests.thorough import keep, thorough
@@ -113,7 +114,7 @@ TRUE: dict[str, tuple[list[Any], dict[str, Any], Translation, tuple[float, float
 @pytest.mark.parametrize("name", TRUE)
 def test_true_claims_are_certified(name: str) -> None:
     rhs, check, verdict, interval = TRUE[name]
-    result = decide_scalar(built(rhs, **check))
+    result = decide_system(built(rhs, **check))
     assert result.verdict is verdict
     record = certificate_of(result)
     assert claims(record, "stability") == [str(verdict)]
@@ -126,13 +127,13 @@ def test_true_claims_are_certified(name: str) -> None:
 
 def test_an_end_that_is_rational_is_exact() -> None:
     """Every start up to the equilibrium at 1/3 is stated, though V stands still there."""
-    (own,) = claims(certificate_of(decide_scalar(built(["-x*(1 - 3*x)"], radius=1))), "attracts")
+    (own,) = claims(certificate_of(decide_system(built(["-x*(1 - 3*x)"], radius=1))), "attracts")
     assert (own["function"], own["within"], own["below"]) == ("relu(x)**2/(1/9) + relu(-x)**2/(1)", "1", "1")
 
 
 @pytest.mark.parametrize("seed", range(40))
 def test_random_systems_are_certified(seed: int) -> None:
-    result = decide_scalar(built([random_formula(np.random.default_rng(1000 + seed))]))
+    result = decide_system(built([random_formula(np.random.default_rng(1000 + seed))]))
     record = certificate_of(result)
     assert claims(record, "stability") == [str(result.verdict)]
     assert_true(record, random.Random(seed))
@@ -141,12 +142,12 @@ def test_random_systems_are_certified(seed: int) -> None:
 def test_many_switchings_are_few_cells() -> None:
     """16 surfaces have 17 cells, not 2^16."""
     relays = " + ".join(f"sign(x - {k}/20)" for k in range(1, 17))
-    assert claims(certificate_of(decide_scalar(built([f"-99*x - ({relays})/9*x**2"]))), "stability") == [str(ATTRACTS)]
+    assert claims(certificate_of(decide_system(built([f"-99*x - ({relays})/9*x**2"]))), "stability") == [str(ATTRACTS)]
 
 
 def test_the_checker_needs_nothing_else(tmp_path: Path) -> None:
     file = tmp_path / "c.json"
-    file.write_text(json.dumps(certificate_of(decide_scalar(built(["-x + 8*x**3"])))), encoding="utf-8")
+    file.write_text(json.dumps(certificate_of(decide_system(built(["-x + 8*x**3"])))), encoding="utf-8")
     line = [sys.executable, "-I", "-S", str(Path(checker.__file__).parent), str(file)]
     done = subprocess.run(line, capture_output=True, text=True, check=False, timeout=60)
     assert (done.returncode, done.stdout.splitlines()[0]) == (0, "valid")
@@ -184,15 +185,17 @@ LONG = 2  # the last ones, whose proofs are searched for some seconds
 def test_false_claims_have_no_certificate(name: str) -> None:
     """A result with another verdict, or with a larger interval of starts."""
     rhs, check, verdict, interval = FALSE[name]
-    result = forged(decide_scalar(built(rhs, **check)), verdict, interval)
+    result = forged(decide_system(built(rhs, **check)), verdict, interval)
     with pytest.raises(NoCertificateError):
         certificate_of(result)
 
 
-def forged(result: ScalarResult, verdict: Translation, interval: tuple[str, str] | None) -> ScalarResult:
+def forged(result: StabilityResult, verdict: Translation, interval: tuple[str, str] | None) -> StabilityResult:
     ends = map(Fraction, interval or ("1", "1"))
-    left, right = (replace(side, reach=end) for side, end in zip((result.left, result.right), ends, strict=True))
-    return replace(result, verdict=verdict, equilibrium=Equilibrium.HOLDS, left=left, right=right)
+    sides = result.deciding.proofs
+    left, right = (replace(side, reach=end) for side, end in zip((sides.left, sides.right), ends, strict=True))
+    claimed = with_deciding(result, verdict=verdict, proofs=replace(sides, left=left, right=right))
+    return replace(claimed, equilibrium=Equilibrium.HOLDS)
 
 
 # ---- mutations -----------------------------------------------------------------------------------
@@ -207,7 +210,7 @@ def mutated(record: Record, source: random.Random) -> Record:
 def attack(count: int, seed: int) -> int:
     """How many of many mutants are accepted; each is put to the test."""
     names = [name for name in TRUE if "root" not in name and "large" not in name]
-    originals = [certificate_of(decide_scalar(built(TRUE[name][0], **TRUE[name][1]))) for name in names]
+    originals = [certificate_of(decide_system(built(TRUE[name][0], **TRUE[name][1]))) for name in names]
     return mutants.attack(originals, mutated, rejected, assert_true, count, seed)
 
 

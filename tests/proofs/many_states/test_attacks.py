@@ -12,18 +12,20 @@ from flint import fmpq
 from numpy.typing import NDArray
 
 from nonsmooth.proofs.kernel.sign_cells import build_cells, is_empty
-from nonsmooth.proofs.many_states.audit import audit_many
-from nonsmooth.proofs.many_states.conclusion import ManyStateMethod
-from nonsmooth.proofs.many_states.decision import decide_many
+from nonsmooth.proofs.many_states.examined_lyapunov import ExaminedLyapunov
 from nonsmooth.proofs.many_states.linear_part import Spectrum, spectrum_of
+from nonsmooth.proofs.many_states.sublevel import SublevelSet
+from nonsmooth.proofs.system_audit import AuditVerdict, audit
+from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.decay_rate import DecayKind
-from nonsmooth.proofs.systems.lyapunov_audit import AuditVerdict
+from nonsmooth.proofs.systems.findings import Method
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.reports.interface.system import System
 from nonsmooth.symbolic.files.system_file import build_system
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.scene_error import SceneError
 from nonsmooth.symbolic.switched_system import SwitchedSystem
+from tests.proofs.forged import with_deciding, with_reach
 from tests.thorough import keep, thorough
 
 ATTRACTS, STAYS, LEAVES = Translation.ASYMPTOTICALLY_STABLE, Translation.STABLE, Translation.UNSTABLE
@@ -69,7 +71,7 @@ def built(rhs: list[Any], parameters: dict[str, Any] | None = None, **check: Any
     ],
 )
 def test_audits(rhs: list[str], lyapunov: str, verdicts: set[AuditVerdict]) -> None:
-    result = audit_many(built(rhs), lyapunov)
+    result = audit(built(rhs), lyapunov)
     assert result.verdict in verdicts
     assert result.check()
     assert (result.proves is not None) == (result.verdict is VALID)
@@ -77,13 +79,13 @@ def test_audits(rhs: list[str], lyapunov: str, verdicts: set[AuditVerdict]) -> N
 
 @pytest.mark.parametrize("rhs", [["y", "-x", "-z"], ["y", "-x", "-z**3"], ["0", "-y", "-z"], ["0", "0", "0"]])
 def test_a_v_that_does_not_fall_somewhere_shows_stability_alone(rhs: list[str]) -> None:
-    assert audit_many(built(rhs), SQUARES).proves is STAYS
-    assert audit_many(built(["y", "-x - y**3", "-z"]), SQUARES).proves is ATTRACTS  # LaSalle
+    assert audit(built(rhs), SQUARES).proves is STAYS
+    assert audit(built(["y", "-x - y**3", "-z"]), SQUARES).proves is ATTRACTS  # LaSalle
 
 
 def test_a_witness_is_a_point_at_which_v_fails() -> None:
     rhs = ["y", "z", "-x - 2*y - z - 2*sgn(x + y + z)"]
-    found = audit_many(built(rhs), SQUARES).function
+    found = audit(built(rhs), SQUARES).function
     assert found is not None
     assert found.examination.failure is not None
     assert found.examination.failure.value is not None
@@ -114,65 +116,61 @@ def test_a_witness_is_a_point_at_which_v_fails() -> None:
     ],
 )
 def test_verdicts_are_never_too_strong(rhs: list[Any], verdicts: set[Translation]) -> None:
-    result = decide_many(built(rhs))
+    result = decide_system(built(rhs))
     assert result.verdict in verdicts
     assert result.check()
 
 
 @pytest.mark.parametrize("third", keep(1, ["-z", "-z + sin(x)/2"]))
 def test_a_pendulum_comes_to_rest(third: str) -> None:
-    assert decide_many(built(["y", "-sin(x) - y", third])).verdict is ATTRACTS
+    assert decide_system(built(["y", "-sin(x) - y", third])).verdict is ATTRACTS
 
 
 def test_sines_fractions_and_intervals() -> None:
-    assert decide_many(built(["y", "sin(x) - y", "-z"])).verdict is LEAVES
-    result = decide_many(built(["-x/(1 + y)", "-y", "-z"]))
+    assert decide_system(built(["y", "sin(x) - y", "-z"])).verdict is LEAVES
+    result = decide_system(built(["-x/(1 + y)", "-y", "-z"]))
     assert result.verdict is ATTRACTS
-    assert not result.everywhere  # the denominator vanishes outside the cube
+    assert not result.reach.everywhere  # the denominator vanishes outside the cube
     with pytest.raises(SceneError, match="a smaller check"):
-        decide_many(built(["-x/(1/4 + y)", "-y", "-z"]))
-    assert decide_many(built(["-k*x + y", "-y", "-z"], {"k": [1, 2]})).verdict is ATTRACTS
+        decide_system(built(["-x/(1/4 + y)", "-y", "-z"]))
+    assert decide_system(built(["-k*x + y", "-y", "-z"], {"k": [1, 2]})).verdict is ATTRACTS
 
 
 def test_the_point_need_not_be_the_origin() -> None:
-    result = decide_many(built(["-sgn(x - 1)", "-sgn(y - 2)", "-(z + 1)"], equilibrium=[1, 2, -1]))
+    result = decide_system(built(["-sgn(x - 1)", "-sgn(y - 2)", "-(z + 1)"], equilibrium=[1, 2, -1]))
     assert result.verdict is ATTRACTS
-    assert result.method is ManyStateMethod.LYAPUNOV
-    assert decide_many(built(["-sgn(x - 1)", "-y", "-z"])).evidence.equilibrium is Equilibrium.FAILS
+    assert result.method is Method.LYAPUNOV
+    assert decide_system(built(["-sgn(x - 1)", "-y", "-z"])).equilibrium is Equilibrium.FAILS
 
 
 def test_rays_that_leave() -> None:
     """``(1, 1, 1)`` grows at the rate 1/2 in its cone; with other signs no such ray lies in its own cone."""
     leaves = ["-x/2 + Abs(y)", "-y/2 + Abs(z)", "-z/2 + Abs(x)"]
-    result = decide_many(built(leaves))
-    assert result.method is ManyStateMethod.ESCAPE
-    assert result.evidence.ray_rate is not None
-    assert 0 < result.evidence.ray_rate <= 1 / 2
+    result = decide_system(built(leaves))
+    assert result.method is Method.ESCAPE
+    assert 0 < result.deciding.proofs <= 1 / 2
     assert result.check()
-    assert decide_many(built(["-x/2 - Abs(y)/4", "-y/2 - Abs(z)/4", "-z/2 - Abs(x)/4"])).verdict is ATTRACTS
+    assert decide_system(built(["-x/2 - Abs(y)/4", "-y/2 - Abs(z)/4", "-z/2 - Abs(x)/4"])).verdict is ATTRACTS
 
 
 def test_forged_results_are_refused() -> None:
-    result = decide_many(built(CHAIN))
+    result = decide_system(built(CHAIN))
     assert result.check()
-    assert not replace(result, verdict=STAYS).check()
+    assert not with_deciding(result, verdict=STAYS).check()
     assert not replace(result, scene=built(["-sgn(x) + 9*y", *CHAIN[1:]])).check()
-    assert result.region is not None
-    higher = replace(result.region, level=result.region.level * 2)
-    assert not replace(result, region=higher).check()
-    assert result.rate is not None
-    assert not replace(result, rate=replace(result.rate, kappa=result.rate.kappa * 2)).check()
-    proving = result.evidence.proving
-    assert proving is not None
-    fewer = replace(proving.examination, asked=proving.examination.asked[:-1])
-    forged = replace(result.evidence, named=replace(proving, examination=fewer))
-    assert not replace(result, evidence=forged).check()
-    unstable = decide_many(built(["y", "z - y/4", "-4*x + Abs(y) - y - z/8"]))
-    growth = unstable.evidence.growth
-    assert growth is not None
-    turned = replace(unstable.evidence, growth=replace(growth, direction=(fmpq(1), fmpq(0), fmpq(0))))
+    reach, function = result.reach, result.function
+    assert isinstance(reach.region, SublevelSet)
+    higher = replace(reach.region, level=reach.region.level * 2)
+    assert not with_reach(result, near=higher, region=higher).check()
+    assert reach.rate is not None
+    assert not with_reach(result, rate=replace(reach.rate, kappa=reach.rate.kappa * 2)).check()
+    assert isinstance(function, ExaminedLyapunov)
+    fewer = replace(function.examination, asked=function.examination.asked[:-1])
+    assert not with_deciding(result, function=replace(function, examination=fewer)).check()
+    unstable = decide_system(built(["y", "z - y/4", "-4*x + Abs(y) - y - z/8"]))
+    growth = replace(unstable.deciding.proofs, direction=(fmpq(1), fmpq(0), fmpq(0)))
     assert unstable.check()
-    assert not replace(unstable, evidence=turned).check()
+    assert not with_deciding(unstable, proofs=growth, entry=growth.entry).check()
 
 
 @pytest.mark.parametrize(
@@ -223,11 +221,12 @@ def test_cells_are_those_that_points_are_in(seed: int) -> None:
 
 def test_a_chain_of_relays_arrives_in_time() -> None:
     """``V = |x| + |y| + |z|``: the proved bound on the time of arrival is kept by a solution that slides twice."""
-    result = decide_many(built(CHAIN, lyapunov="Abs(x) + Abs(y) + Abs(z)"))
-    assert result.rate is not None
-    assert result.rate.decay is DecayKind.FINITE
+    result = decide_system(built(CHAIN, lyapunov="Abs(x) + Abs(y) + Abs(z)"))
+    rate = result.reach.rate
+    assert rate is not None
+    assert rate.decay is DecayKind.FINITE
     start = (0.2, -0.15, 0.1)
     path = System(["x", "y", "z"], CHAIN).simulate(start, 2.0).trajectory
     sizes = np.array([np.abs(np.asarray(place, dtype=float)).sum() for place in path.states])
     times = np.array([float(time) for time in path.times])
-    assert (sizes <= np.maximum(sizes[0] - float(result.rate.kappa) * times, 0) + 1e-9).all()
+    assert (sizes <= np.maximum(sizes[0] - float(rate.kappa) * times, 0) + 1e-9).all()

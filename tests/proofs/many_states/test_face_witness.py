@@ -16,10 +16,9 @@ from scipy.optimize import linprog
 
 from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.analysis.trajectories.trajectory import simulate
-from nonsmooth.proofs.many_states.audit import ManyStateAudit, audit_many
 from nonsmooth.proofs.many_states.examination import SLIDES_UP, FailurePoint, conditions_on, find_slide
+from nonsmooth.proofs.system_audit import AuditResult, AuditVerdict, audit
 from nonsmooth.proofs.systems.derivatives import Decrease
-from nonsmooth.proofs.systems.lyapunov_audit import AuditVerdict
 from nonsmooth.symbolic.files.system_file import build_system, parse_lyapunov
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 from tests.oracles.solver_questions import Questions, read
@@ -43,7 +42,7 @@ def bent(weights: Sequence[int]) -> str:
     return " + ".join(f"{c}*Abs({name})" for c, name in zip(weights, "xyz", strict=True))
 
 
-def witness(audited: ManyStateAudit) -> tuple[list[Fraction], Fraction]:
+def witness(audited: AuditResult) -> tuple[list[Fraction], Fraction]:
     assert audited.function is not None
     failure = audited.function.examination.failure
     assert failure is not None
@@ -70,7 +69,7 @@ def largest_slide(rhs: Sequence[str], weights: Sequence[int], point: Sequence[fl
 @pytest.mark.parametrize(("rhs", "weights"), ON_A_FACE)
 def test_a_point_of_the_face_refutes(rhs: list[str], weights: tuple[int, ...]) -> None:
     system = built(rhs)
-    audited = audit_many(system, bent(weights))
+    audited = audit(system, bent(weights))
     assert audited.verdict is AuditVerdict.INVALID
     assert audited.reason == SLIDES_UP
     point, value = witness(audited)
@@ -84,7 +83,7 @@ def test_a_point_of_the_face_refutes(rhs: list[str], weights: tuple[int, ...]) -
 
 
 def test_a_point_that_does_not_refute_is_not_taken() -> None:
-    audited = audit_many(built(ON_A_FACE[0][0]), bent(ON_A_FACE[0][1]))
+    audited = audit(built(ON_A_FACE[0][0]), bent(ON_A_FACE[0][1]))
     assert audited.function is not None
     examination = audited.function.examination
     assert examination.failure is not None
@@ -123,7 +122,7 @@ def test_random_functions_that_are_proved_are_not_refuted(count: int, sought: in
         a, c = rng.integers(1, 4, 3), rng.integers(1, 5, 3)
         coupled = rng.integers(-6, 7, 3)
         rhs = [f"-{a[k]}*sgn({'xyz'[k]}) + {coupled[k]}*{'yzx'[k]}" for k in range(3)]
-        audited = audit_many(built(rhs), bent(c.tolist()))
+        audited = audit(built(rhs), bent(c.tolist()))
         assert audited.function is not None
         examination = audited.function.examination
         known[examination.verdict] += 1

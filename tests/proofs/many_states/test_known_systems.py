@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import pytest
 
-from nonsmooth.proofs.many_states.decision import decide_many
+from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.files.system_file import build_system
 from nonsmooth.symbolic.switched_system import SwitchedSystem
@@ -132,6 +132,6 @@ def build(known: Known) -> SwitchedSystem:
     "known", [*KNOWN, *(pytest.param(known, marks=thorough) for known in FURTHER)], ids=lambda known: known.source[:40]
 )
 def test_known_systems(known: Known) -> None:
-    result = decide_many(build(known))
+    result = decide_system(build(known))
     assert result.verdict is (known.said or known.truth)
     assert result.check()

@@ -12,14 +12,14 @@ import pytest
 
 from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.analysis.trajectories.trajectory import simulate
-from nonsmooth.proofs.many_states.audit import audit_many
-from nonsmooth.proofs.many_states.conclusion import ManyStateMethod
-from nonsmooth.proofs.many_states.decision import decide_many
-from nonsmooth.proofs.systems.lyapunov_audit import AuditVerdict
+from nonsmooth.proofs.system_audit import AuditVerdict, audit
+from nonsmooth.proofs.system_decision import decide_system
+from nonsmooth.proofs.systems.findings import Method
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.files.system_file import build_system
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 from tests.dissipative_systems import dissipative_systems
+from tests.proofs.forged import with_deciding
 from tests.thorough import keep
 
 ATTRACTS, STAYS = Translation.ASYMPTOTICALLY_STABLE, Translation.STABLE
@@ -51,7 +51,7 @@ def built(rhs: Any, states: str = "x y z", **check: str) -> SwitchedSystem:
     ],
 )
 def test_what_a_function_proves(rhs: list[str], lyapunov: str, proves: Translation) -> None:
-    audited = audit_many(built(rhs), lyapunov)
+    audited = audit(built(rhs), lyapunov)
     assert (audited.verdict, audited.proves) == (AuditVerdict.VALID, proves)
     assert audited.check()
 
@@ -67,29 +67,30 @@ def test_a_held_relay_keeps_its_oscillation() -> None:
 
 
 def test_the_check_asks_the_named_v_after_its_searches() -> None:
-    result = decide_many(built(["y", "-x**3 - y**3", "-z"], lyapunov="x**4/2 + y**2 + z**2"))
-    assert (result.verdict, result.method) == (ATTRACTS, ManyStateMethod.INVARIANCE)
-    assert result.evidence.searched is None
+    result = decide_system(built(["y", "-x**3 - y**3", "-z"], lyapunov="x**4/2 + y**2 + z**2"))
+    assert (result.verdict, result.method) == (ATTRACTS, Method.INVARIANCE)
+    assert result.function is result.given
     assert result.check()
 
 
 @pytest.mark.usefixtures("strict_search")
 def test_the_check_decides_by_the_principle() -> None:
-    result = decide_many(built(["y", "-x - z", "y - z**5"]))
-    assert (result.verdict, result.method) == (ATTRACTS, ManyStateMethod.INVARIANCE)
+    result = decide_system(built(["y", "-x - z", "y - z**5"]))
+    assert (result.verdict, result.method) == (ATTRACTS, Method.INVARIANCE)
     assert result.check()
-    assert not replace(result, evidence=replace(result.evidence, attraction=None)).check()
-    stays = decide_many(built(["y", "-x + z", "-y - sgn(z)"]))
+    assert not with_deciding(result, entry=None).check()
+    stays = decide_system(built(["y", "-x + z", "-y - sgn(z)"]))
     assert stays.verdict is STAYS
-    claimed = replace(stays, evidence=replace(stays.evidence, attraction=result.evidence.attraction))
-    assert not replace(claimed, verdict=ATTRACTS, reason=result.reason, method=ManyStateMethod.INVARIANCE).check()
+    claimed = replace(result.deciding, function=stays.function)
+    assert not replace(stays, findings=(*stays.findings, claimed)).check()
+    assert not replace(stays, findings=(*stays.findings, result.deciding)).check()
 
 
 @pytest.mark.parametrize("count", keep(1, [8, 30]))
 def test_random_dissipative_systems_against_observability(count: int) -> None:
     known: Counter[tuple[bool, bool]] = Counter()
     for system in dissipative_systems(count):
-        audited = audit_many(built(system.rhs, " ".join(system.states)), system.energy)
+        audited = audit(built(system.rhs, " ".join(system.states)), system.energy)
         if audited.proves is None:
             continue
         known[audited.proves is ATTRACTS, system.attracts] += 1

@@ -10,10 +10,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from nonsmooth.proofs.many_states.audit import audit_many
-from nonsmooth.proofs.many_states.decision import ManyStateResult, decide_many
+from nonsmooth.proofs.system_audit import AuditVerdict, audit
+from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.proofs.systems.decay_rate import DecayKind
-from nonsmooth.proofs.systems.lyapunov_audit import AuditVerdict
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.reports.interface.system import System
 from nonsmooth.symbolic.files.system_file import build_system
@@ -49,12 +48,12 @@ def test_linear_systems_against_eigenvalues(seed: int) -> None:
     for _ in range(5):
         count = int(rng.integers(3, 7))
         matrix = random_matrix(rng, count)
-        result = decide_many(built([linear(row) for row in matrix], count))
+        result = decide_system(built([linear(row) for row in matrix], count))
         truth = largest_real_part(matrix)
         assert result.check()
         if abs(truth) > 1e-9:
             assert result.verdict is (ATTRACTS if truth < 0 else LEAVES)
-            assert result.everywhere is (truth < 0)
+            assert result.reach.everywhere is (truth < 0)
         else:
             assert result.verdict in (STAYS, LEAVES)
 
@@ -80,23 +79,23 @@ def test_relays_against_their_sliding_motion(seed: int) -> None:
     decided = 0
     for _ in range(2):
         count, rhs, slide = relay(rng)
-        result = decide_many(built(rhs, count))
+        result = decide_system(built(rhs, count))
         assert result.check()
         if slide is None or abs(slide) < 1e-6 or result.verdict is Translation.UNDECIDED:
             continue
         decided += 1
         assert result.verdict is (ATTRACTS if slide < 0 else LEAVES)
-        if result.region is not None and result.proving is not None and decided == 1:
+        if result.reach.region is not None and result.function is not None and decided == 1:
             _follow_inside(rhs, result, rng)
     assert decided >= 1
 
 
-def _follow_inside(rhs: list[str], result: ManyStateResult, rng: np.random.Generator) -> None:
+def _follow_inside(rhs: list[str], result: StabilityResult, rng: np.random.Generator) -> None:
     """A start of the certified region stays in it and comes nearer, as fast as the rate says."""
-    assert result.proving is not None
-    assert result.region is not None
-    names, text = list(result.scene.states), result.proving.formula.text
-    count, level = len(names), float(result.region.level)
+    assert result.function is not None
+    assert result.reach.region is not None
+    names, text = list(result.scene.states), result.function.text
+    count, level = len(names), float(result.reach.region.level)
 
     def value(x: Matrix) -> float:
         return potential(text, names, x)
@@ -111,12 +110,12 @@ def _follow_inside(rhs: list[str], result: ManyStateResult, rng: np.random.Gener
     values = np.array([value(np.asarray(place)) for place in path.states])
     times = np.array([float(time) for time in path.times])
     assert values[-1] < values[0]
-    if result.rate is None:
+    if result.reach.rate is None:
         bound = np.full(len(times), values[0])
-    elif result.rate.decay is DecayKind.EXPONENTIAL:
-        bound = values[0] * np.exp(-float(result.rate.kappa) * times)
+    elif result.reach.rate.decay is DecayKind.EXPONENTIAL:
+        bound = values[0] * np.exp(-float(result.reach.rate.kappa) * times)
     else:
-        bound = np.maximum(values[0] - float(result.rate.kappa) * times, 0)
+        bound = np.maximum(values[0] - float(result.reach.rate.kappa) * times, 0)
     assert (values <= bound + 1e-6 * values[0]).all()
 
 
@@ -131,7 +130,7 @@ def test_crossed_relays_against_small_steps(seed: int) -> None:
         linear(4 * row) + "".join(f" - ({int(push)})*sgn({linear(4 * c[j])})" for j, push in enumerate(pushes) if push)
         for row, pushes in zip(a, b, strict=True)
     ]
-    result = decide_many(built(rhs, 3))
+    result = decide_system(built(rhs, 3))
     assert result.check()
     x = rng.normal(size=(16, 3))
     x *= 0.02 / np.linalg.norm(x, axis=1)[:, None]
@@ -172,7 +171,7 @@ def test_cones_against_exponents(seed: int) -> None:
         linear(row) + "".join(f" + ({int(c)})*Abs({NAMES[j]})/4" for j, c in enumerate(bent) if c)
         for row, bent in zip(a, b, strict=True)
     ]
-    result = decide_many(built(rhs, count))
+    result = decide_system(built(rhs, count))
     low, high = growth_of_cones(a / 4, b / 4, rng)
     assert result.check()
     if result.verdict is ATTRACTS:
@@ -190,7 +189,7 @@ def test_sectors_against_frozen_and_switching_gains(seed: int) -> None:
         count = int(rng.integers(3, 6))
         a, b, c = random_matrix(rng, count), rng.integers(-3, 4, count), rng.integers(-2, 3, count)
         ends = [a, a + 4 * np.outer(b, c)]
-        result = decide_many(built([[linear(row) for row in end] for end in ends], count))
+        result = decide_system(built([[linear(row) for row in end] for end in ends], count))
         assert result.check()
         gains = [largest_real_part(a + 4 * g * np.outer(b, c)) for g in np.linspace(0, 1, 6)]
         if result.verdict is ATTRACTS:
@@ -210,13 +209,13 @@ def test_mutated_functions_are_refused_or_still_true(seed: int) -> None:
     for _ in range(2):
         count, rhs, _ = relay(rng)
         system = built(rhs, count)
-        result = decide_many(system)
-        if result.verdict is not ATTRACTS or result.proving is None:
+        result = decide_system(system)
+        if result.verdict is not ATTRACTS or result.function is None:
             continue
         names = list(NAMES[:count])
         first, second = rng.choice(names, 2)
-        text = f"{result.proving.formula.text} + ({int(rng.integers(-8, 9))})*{first}*{second}/8"
-        audited = audit_many(system, text)
+        text = f"{result.function.text} + ({int(rng.integers(-8, 9))})*{first}*{second}/8"
+        audited = audit(system, text)
         assert audited.check()
         if audited.verdict is not AuditVerdict.VALID:
             continue

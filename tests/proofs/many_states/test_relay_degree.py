@@ -13,20 +13,22 @@ import sympy as sp
 from numpy.typing import NDArray
 
 import nonsmooth as ns
-from nonsmooth.proofs.many_states.conclusion import ManyStateMethod
-from nonsmooth.proofs.many_states.decision import ManyStateResult, decide_many, first_cells
+from nonsmooth.proofs.many_states.decision import first_cells
 from nonsmooth.proofs.many_states.relay_degree import high_degree_relay
 from nonsmooth.proofs.system_certificates import certificate_of
+from nonsmooth.proofs.system_decision import StabilityResult, decide_system
+from nonsmooth.proofs.systems.findings import Method
 from nonsmooth.proofs.verdicts import Translation
 from tests.certificates.inclusion import contradiction
+from tests.proofs.forged import with_deciding
 from tests.thorough import keep
 
 Floats = NDArray[np.float64]
 STEP, START, FAR = 1 / 512, 1e-3, 30.0
 
 
-def decided(rhs: Sequence[str], states: str = "xyzuvw") -> ManyStateResult:
-    return decide_many(ns.System(list(states[: len(rhs)]), list(rhs)).system)
+def decided(rhs: Sequence[str], states: str = "xyzuvw") -> StabilityResult:
+    return decide_system(ns.System(list(states[: len(rhs)]), list(rhs)).system)
 
 
 @pytest.mark.parametrize(
@@ -46,11 +48,10 @@ def test_known_degrees(rhs: list[str], degree: int) -> None:
     result = decided(rhs)
     assert result.verdict is Translation.UNSTABLE
     assert result.check()
-    if result.method is ManyStateMethod.RELAY:
-        assert result.evidence.relay is not None
-        assert result.evidence.relay.degree == degree
+    if result.method is Method.RELAY:
+        assert result.deciding.proofs.degree == degree
     else:
-        assert result.method is ManyStateMethod.ESCAPE
+        assert result.method is Method.ESCAPE
 
 
 @pytest.mark.parametrize(
@@ -86,14 +87,13 @@ def test_the_function_of_a_relay_is_certified(rhs: list[str]) -> None:
 @pytest.mark.parametrize("whole", keep(1, [False, True]), ids=["relay", "whole check"])
 def test_other_relays_are_left_to_others(rhs: list[str], whole: bool) -> None:
     system = ns.System(list("xyzuvw"[: len(rhs)]), rhs).system
-    found = decided(rhs).evidence.relay if whole else high_degree_relay(system, first_cells(system))
+    found = decided(rhs).by(Method.RELAY) if whole else high_degree_relay(system, first_cells(system))
     assert found is None
 
 
 def test_forged_evidence_is_refused() -> None:
     result = decided(["y", "z", "-sgn(x) - z"])
-    relay = result.evidence.relay
-    assert relay is not None
+    relay = result.deciding.proofs
     rising = {e: -c for e, c in relay.rising.items()}
     for forged in (
         replace(relay, degree=4),
@@ -101,8 +101,9 @@ def test_forged_evidence_is_refused() -> None:
         replace(relay, rising={}),
         replace(relay, direction=tuple(-2 * d for d in relay.direction[:1]) + relay.direction[1:]),
     ):
-        assert not replace(result, evidence=replace(result.evidence, relay=forged)).check()
-    assert not replace(result, evidence=replace(result.evidence, relay=None)).check()
+        assert not forged.check(first_cells(result.scene))
+        assert not with_deciding(result, proofs=forged).check()
+    assert not with_deciding(result, proofs=None).check()
 
 
 # ---- against paths -------------------------------------------------------------------------------
@@ -147,7 +148,7 @@ def test_paths_leave(seed: int) -> None:
     result = decided(rhs, "xyzuv")
     assert result.verdict is Translation.UNSTABLE
     assert result.check()
-    relay = result.evidence.relay
+    relay = high_degree_relay(result.scene, first_cells(result.scene))
     assert relay is not None
     direction = np.array([float(Fraction(int(d.p), int(d.q))) for d in relay.direction])
     assert leaves(field, START * direction / np.abs(direction).max())

@@ -1,0 +1,279 @@
+"""Somebody else's Lyapunov function, checked exactly: valid, invalid with a witness, or undecided.
+
+V is a formula in the displacement from the checked equilibrium; its decimals are exact, so a V that came out of a float
+solver is judged as it was printed.  Valid means: V is zero at the equilibrium and positive elsewhere in the domain, and
+does not increase along any Filippov solution there (:mod:`nonsmooth.proofs.systems.derivatives` in two states,
+:mod:`nonsmooth.proofs.many_states.examination` in more).  The domain is the checked cube; for a plain system of cones
+in two states it is the plane.  Wheel arrays move with the exact pose rate ``v + omega J c``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass
+from enum import StrEnum
+from fractions import Fraction
+from typing import Any, TypeAlias
+
+from nonsmooth.analysis.cells.contact_partition import build_partition
+from nonsmooth.analysis.cells.switched_cells import LyapunovCell, lyapunov_cells, partition_cells, system_cells
+from nonsmooth.analysis.contact_rule import CellRule, rule_of
+from nonsmooth.proofs.inequalities.strata import RISES, Refutation
+from nonsmooth.proofs.kernel.sign_cells import BeyondReachError
+from nonsmooth.proofs.many_states import denominators as many_denominators
+from nonsmooth.proofs.many_states import examination as many
+from nonsmooth.proofs.many_states.examination import FailurePoint, NotZeroError
+from nonsmooth.proofs.many_states.examined_lyapunov import ExaminedLyapunov
+from nonsmooth.proofs.systems.denominators import require_denominators
+from nonsmooth.proofs.systems.derivatives import Decrease, examine, inhabited, refutations
+from nonsmooth.proofs.systems.domain import Domain, domain_regions, domains, plane_cells
+from nonsmooth.proofs.systems.invariance import Staying, decide_staying
+from nonsmooth.proofs.systems.search import PlaneFunction
+from nonsmooth.proofs.systems.stated_rise import NOT_OF_THE_FIELD, rising_place
+from nonsmooth.proofs.verdicts import Translation
+from nonsmooth.symbolic.enclosed_numbers import NoEnclosureError, enclose_numbers
+from nonsmooth.symbolic.expression import ExpressionError
+from nonsmooth.symbolic.files.system_file import parse_lyapunov
+from nonsmooth.symbolic.notebook import ShortRepr, html_table
+from nonsmooth.symbolic.numbers.lazy import evaluated
+from nonsmooth.symbolic.piecewise import PiecewiseExpression
+from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.scene_error import SceneError, requirement
+from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem, require_stated
+
+KEY = "lyapunov"
+NOT_OF_THE_NUMBERS = (
+    "V increases along fields with bounds of irrational numbers; along the field itself that is not shown"
+)
+
+
+class AuditVerdict(StrEnum):
+    """Whether V is a Lyapunov function on the domain."""
+
+    VALID = "valid"
+    INVALID = "invalid"
+    UNDECIDED = "undecided"
+
+    @property
+    def exit_status(self) -> int:
+        """0 valid, 1 invalid, 3 undecided."""
+        return {"valid": 0, "invalid": 1}.get(self.value, 3)
+
+
+Judgement: TypeAlias = tuple[AuditVerdict, Translation | None, str, Any]  # verdict, what V proves, reason, witness
+
+JUDGED = {
+    Decrease.STRICT: (AuditVerdict.VALID, Translation.ASYMPTOTICALLY_STABLE),
+    Decrease.WEAK: (AuditVerdict.VALID, Translation.STABLE),
+    Decrease.REFUTED: (AuditVerdict.INVALID, None),
+    Decrease.UNDECIDED: (AuditVerdict.UNDECIDED, None),
+}
+
+
+@dataclass(frozen=True, repr=False)
+class AuditResult(ShortRepr):
+    """Verdict on one V.
+
+    Attributes:
+        scene: the array or system.
+        lyapunov: V as it was written.
+        verdict: whether it is a Lyapunov function on the domain.
+        proves: what it shows of the equilibrium; None where it shows nothing.
+        reason: one sentence for people.
+        witness: where it fails.
+        function: V with its conditions, an :class:`ExaminedFunction`; None where it is not looked at.
+    """
+
+    scene: Scene | SwitchedSystem
+    lyapunov: str
+    verdict: AuditVerdict
+    proves: Translation | None
+    reason: str
+    witness: Any
+    function: Any
+
+    def _repr_html_(self) -> str:
+        rows = [(self.lyapunov, self.verdict, self.proves or "nothing", self.reason)]
+        return html_table(f"{self.scene.name}: audit of V", ("V", "verdict", "proves", "reason"), rows)
+
+    def check(self) -> bool:
+        """Verify that the conditions are about V and the system, that they hold, and what follows."""
+        if self.function is None:
+            return audit(self.scene, self.lyapunov) == self
+        holds = _holds_in_space if _is_in_space(self.scene) else _holds_in_the_plane
+        return holds(self) and self == _result(self.scene, self.lyapunov, self.function)
+
+
+def audit(scene: Scene | SwitchedSystem, lyapunov: str) -> AuditResult:
+    """Decide whether somebody's V is a Lyapunov function of an array or a plain system.
+
+    Args:
+        scene: a wheel array (rule ``nearest`` or ``box``) or a plain system.
+        lyapunov: V in (x, y), or in the system's states; ``sign`` and ``Abs`` are allowed, max(a, b) is
+            ``(a + b + Abs(a - b))/2``.
+
+    Raises:
+        SceneError: for text that is no formula of the states, and for systems in one state.
+    """
+    if isinstance(scene, SwitchedSystem) and _is_in_space(scene):
+        return _audit_in_space(scene, lyapunov)
+    found = audited_cells(scene, lyapunov)
+    if found is None:
+        rule = scene.contact.rule if isinstance(scene, Scene) else None
+        reason = f'rule "{rule}" moves the array by a field without cells, which is not audited'
+        return AuditResult(scene, lyapunov, AuditVerdict.UNDECIDED, None, reason, None, None)
+    formula, domain, cells = found
+    function = PlaneFunction(examine(cells), domain, formula, _states(scene))
+    return _result(scene, lyapunov, function)
+
+
+def _is_in_space(scene: Scene | SwitchedSystem) -> bool:
+    return isinstance(scene, SwitchedSystem) and len(scene.states) > len(PLANE)
+
+
+def _states(scene: Scene | SwitchedSystem) -> tuple[str, ...]:
+    return scene.states if isinstance(scene, SwitchedSystem) else PLANE
+
+
+def _result(scene: Scene | SwitchedSystem, lyapunov: str, function: Any) -> AuditResult:
+    judge: Callable[[Any, Any], Judgement] = _judged_in_space if _is_in_space(scene) else _judged_in_the_plane
+    verdict, proves, reason, witness = judge(scene, function)
+    return AuditResult(scene, lyapunov, verdict, proves, reason, witness, function)
+
+
+def _formula(scene: Scene | SwitchedSystem, lyapunov: str) -> PiecewiseExpression:
+    """V.
+
+    Raises:
+        SceneError: for text that is no formula of the states over the scene's field.
+    """
+    formula = parse_lyapunov(lyapunov, _states(scene), scene.origin, KEY)
+    if not all(scene.field.has_angle(turn) for turn in formula.turns()):
+        raise SceneError(scene.origin, KEY, "angles that occur in the scene, or multiples of pi/12", lyapunov)
+    return formula
+
+
+# ---- in the plane ----------------------------------------------------------------------------------
+
+
+def audited_cells(
+    scene: Scene | SwitchedSystem, lyapunov: str
+) -> tuple[PiecewiseExpression, Domain, tuple[LyapunovCell, ...]] | None:
+    """V, its domain, and that cut until the field and V are smooth; None for a rule without cells.
+
+    Raises:
+        SceneError: for text that is no formula of the states over the scene's field.
+    """
+    formula = _formula(scene, lyapunov)
+    if isinstance(scene, SwitchedSystem):
+        require_stated(scene)
+        require_denominators(scene)
+        domain = domains(scene, formula, plane_cells(scene))[0]
+        cells = system_cells(scene, domain_regions(scene, domain.radius))
+    elif isinstance(rule_of(scene), CellRule):
+        domain, cells = Domain(scene.check.radius), partition_cells(build_partition(scene.recentred()))
+    else:
+        return None
+    return formula, domain, lyapunov_cells(cells, formula, _states(scene), scene.origin, KEY)
+
+
+def _judged_in_the_plane(scene: Scene | SwitchedSystem, function: PlaneFunction) -> Judgement:
+    """The verdict that follows from the inequalities."""
+    verdict, proves = JUDGED[function.decrease]
+    reason, witness = function.reason, function.witness
+    if not isinstance(scene, SwitchedSystem):
+        return verdict, proves, reason, _named(witness)
+    if function.decrease is Decrease.REFUTED and scene.waves:
+        witness = _stated_refutation(scene, function)
+        reason = NOT_OF_THE_FIELD if witness is None else witness.meaning
+        verdict = AuditVerdict.UNDECIDED if witness is None else verdict
+    if function.decrease is Decrease.WEAK:
+        staying = decide_staying(scene, function.formula, scene.check.radius, function.result.cells)
+        reason = f"{reason}{', and' if staying is Staying.NONE else ';'} {staying}"
+        proves = Translation.ASYMPTOTICALLY_STABLE if staying is Staying.NONE else proves
+    return verdict, proves, reason, _named(witness)
+
+
+def _stated_refutation(system: SwitchedSystem, function: PlaneFunction) -> Refutation | None:
+    """What refutes V for the stated field, where sines and cosines of states are enclosed; None where nothing does."""
+    result, formula = function.result, function.formula
+    for found in refutations(result.cells, result.definite, result.strata):
+        if not found.is_of_rates:
+            return found
+        place = None if formula is None else rising_place(system, formula, found.point)
+        if place is not None:
+            return Refutation((place[0], place[1]), None, RISES)
+    return None
+
+
+def _named(witness: Refutation | None) -> Refutation | None:
+    """The witness with every late number carried out."""
+    if witness is None:
+        return None
+    x, y, value = map(evaluated, (*witness.point, witness.value))
+    return Refutation((x, y), value, witness.meaning)
+
+
+def _holds_in_the_plane(result: AuditResult) -> bool:
+    """Whether the inequalities are about V on the system's cells, and hold."""
+    function: Any = result.function
+    found = audited_cells(result.scene, result.lyapunov)
+    if found is None or any(cell.potential.field is not result.scene.field for cell in function.result.cells):
+        return False
+    _, domain, cells = found
+    about_them = function.result.cells == inhabited(cells) and function.domain == domain
+    return about_them and bool(function.result.check())
+
+
+# ---- in three states and more ----------------------------------------------------------------------
+
+
+def _audit_in_space(scene: SwitchedSystem, lyapunov: str) -> AuditResult:
+    require_stated(scene)
+    many_denominators.require_denominators(scene)
+    formula, radius = _formula(scene, lyapunov), scene.check.radius
+    with suppress(NoEnclosureError):
+        scene = enclose_numbers(scene)
+    try:
+        function = ExaminedLyapunov(formula, radius, many.examine(scene, formula, radius))
+    except BeyondReachError as error:
+        verdict = AuditVerdict.INVALID if isinstance(error, NotZeroError) else AuditVerdict.UNDECIDED
+        return AuditResult(scene, lyapunov, verdict, None, str(error), None, None)
+    except ExpressionError as error:
+        raise SceneError(scene.origin, KEY, requirement(error), lyapunov) from None
+    return _result(scene, lyapunov, function)
+
+
+def _judged_in_space(scene: SwitchedSystem, function: ExaminedLyapunov) -> Judgement:
+    """The verdict that follows from the conditions."""
+    if function.attraction(scene) is not None:
+        reason = f"{function.reason}, and {Staying.NONE}"
+        return AuditVerdict.VALID, Translation.ASYMPTOTICALLY_STABLE, reason, None
+    verdict, proves = JUDGED[function.decrease]
+    reason, witness = function.reason, function.witness
+    if witness is not None and scene.only_encloses:
+        witness = _stated_failure(scene, function.formula, witness)
+        if witness is None:
+            verdict = AuditVerdict.UNDECIDED
+            reason = NOT_OF_THE_NUMBERS if scene.encloses_numbers else NOT_OF_THE_FIELD
+    return verdict, proves, reason, witness
+
+
+def _stated_failure(system: SwitchedSystem, formula: PiecewiseExpression, found: FailurePoint) -> FailurePoint | None:
+    """What refutes V for the stated field, where right-hand sides only enclose it; None where nothing does."""
+    if found.meaning != many.RISES:
+        return found
+    if system.encloses_numbers:
+        return None
+    place = rising_place(system, formula, found.point)
+    rational = () if place is None else tuple(c.as_rational() for c in place)
+    known = tuple(Fraction(int(c.p), int(c.q)) for c in rational if c is not None)
+    return FailurePoint(known, None, many.RISES) if known and len(known) == len(rational) else None
+
+
+def _holds_in_space(result: AuditResult) -> bool:
+    """Whether the checker accepts what is said of V."""
+    function: Any = result.function
+    stated = parse_lyapunov(result.lyapunov, _states(result.scene), result.scene.origin, KEY).text
+    return bool(stated == function.formula.text and function.check(result.scene))

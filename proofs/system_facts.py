@@ -1,0 +1,301 @@
+"""What the verdict on a plain system says, and that on somebody's V: one list of facts for each.
+
+Rows of the terminal and keys of JSON are the same facts (:mod:`nonsmooth.proofs.facts`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from nonsmooth.proofs.facts import Fact, Quantity, row_fact, text_fact, unsaid
+from nonsmooth.proofs.system_audit import AuditResult
+from nonsmooth.proofs.system_decision import StabilityResult
+from nonsmooth.proofs.systems.decay_rate import DecayKind
+from nonsmooth.proofs.systems.derivatives import Supremum
+from nonsmooth.proofs.systems.domain import Domain, cube_text
+from nonsmooth.proofs.systems.findings import DERIVATIVES, CertifiedRegion, ExaminedFunction, Method, Reach
+from nonsmooth.proofs.systems.written_potential import PotentialPiece
+from nonsmooth.proofs.verdicts import Translation
+from nonsmooth.symbolic.number_text import place_text
+from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.scene_error import one_line
+from nonsmooth.symbolic.signed_roots import SignedRoots
+from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
+
+
+def system_facts(result: StabilityResult) -> Iterator[Fact]:
+    """Stability of a plain system; points are measured from the equilibrium."""
+    function, given, scene = result.function, result.given, result.scene
+    check, states = scene.check, scene.states
+    holds = text_fact("verdict", str(result.equilibrium), "equilibrium")
+    yield Fact("equilibrium", (holds, Fact("at", Quantity(check.equilibrium))))
+    if len(states) > 1:  # in one state no V is looked at
+        yield from displacement_facts(scene)
+    if scene.written or scene.others:
+        yield row_fact("field", rewriting_words(scene))
+    if given is not None and given is not function and (given.suprema or not check.is_default):
+        reason = f"{given.reason} (on {given.domain.text(states)})"
+        yield row_fact(f"tried: V = {one_line(check.lyapunov.text)}", reason)
+    shown = () if function is None else _named(function, states)
+    early = function is not None and bool(function.suprema)  # before what is said of this V on this domain
+    yield from shown if early else ()
+    yield Fact("lyapunov", tuple(_potential(result)) or None)
+    yield Fact("translation", tuple(_stability(result)))
+    yield from () if early else shown
+    yield from result.deciding.facts
+    if scene.by_roots is not None and len(states) > 1:  # in one state no time of arrival is looked for
+        yield _roots(result, scene.by_roots.roots)
+    reach = result.reach
+    if reach.region is not None:
+        yield row_fact("region", region_words(reach.region, states))
+    if reach.rate is not None:
+        yield row_fact("rate", rate_words(reach, states))
+    if reach.region_rate is not None:
+        yield row_fact("rate farther out", region_rate_words(reach, states))
+    if reach.gain is not None:
+        yield row_fact("disturbed", gain_words(reach, states))
+
+
+def _named(function: ExaminedFunction, states: Sequence[str]) -> tuple[Fact, Fact]:
+    """A V, and where it is looked at."""
+    return row_fact("with", f"V = {function.text}"), row_fact("on", function.domain.text(states))
+
+
+def _stability(result: StabilityResult) -> Iterator[Fact]:
+    """The verdict, what decided, whether it is about all starts, and why."""
+    yield text_fact("verdict", str(result.verdict), "stability")
+    yield Fact("method", str(result.method))
+    yield Fact("everywhere", result.reach.everywhere)
+    method = "" if result.method is Method.NONE else f" ({result.method})"
+    yield Fact("reason", result.reason, f"{result.reason}{method}", row="because")
+
+
+def displacement_facts(scene: SwitchedSystem) -> Iterator[Fact]:
+    """Where V, domains and regions are measured from, unless that is the origin."""
+    point = scene.check.equilibrium
+    if any(point):
+        place = ", ".join("{}" for _ in point)
+        words = f"the checked point ({place}): in V and in domains the states stand for their distances from it"
+        yield row_fact("measured from", words, *point)
+
+
+def _roots(result: StabilityResult, roots: SignedRoots) -> Fact:
+    """Which states are seen by signed roots, in which time, and whether solutions arrive in finite time."""
+    in_time = result.reach.in_finite_time
+    record = {
+        "states": list(roots.states),
+        "coordinates": list(roots.meanings),
+        "time_scale": roots.time_scale,
+        "finite_time": in_time or None,
+    }
+    said = "solutions near the equilibrium arrive in finite time" if in_time else "not known to be finite"
+    stable = result.verdict is Translation.ASYMPTOTICALLY_STABLE
+    return Fact("roots", record, said, row="arrival") if stable else Fact("roots", record)
+
+
+def rewriting_words(system: SwitchedSystem) -> str:
+    """What was done to the stated formulas, and between which right-hand sides it may switch, in words."""
+    said = []
+    if system.by_roots is not None:
+        roots = system.by_roots.roots
+        said.append(f"with {' and '.join(roots.meanings)}, in a time that passes {roots.time_scale} times slower")
+    if system.scale is not None:
+        said.append(f"multiplied by {one_line(system.scale.text)}, which is positive on the square: other speeds")
+    enclosed = ["sin and cos of states lie between polynomials"] if system.waves else []
+    enclosed += ["irrational numbers lie between rational ones"] if system.encloses_numbers else []
+    if enclosed:
+        said.append(f"{' and '.join(enclosed)}: between {len(system.members)} right-hand sides")
+    elif system.others:
+        said.append(f"any of {len(system.members)} right-hand sides, or a mixture of them, at any time")
+    return f"{'; '.join(said)}."
+
+
+def _potential(result: StabilityResult) -> Iterator[Fact]:
+    """The V that proves the verdict, with the scene's V under ``tried`` where that is another; else the scene's V."""
+    function, given, reach, states = result.function, result.given, result.reach, result.scene.states
+    if len(states) == 1:
+        return
+    shown = function or given
+    if shown is None:
+        yield Fact("V", result.scene.check.lyapunov.text)
+        yield from map(Fact, ("pieces", "domain", "verdict", "reason", "witness"))
+    else:
+        yield from _conditions(shown, states)
+    yield Fact("proves", function is not None)
+    yield Fact("region", None if reach.region is None else _region_record(reach.region, states))
+    yield Fact("rate", _rate_record(reach, states))
+    if len(states) == len(PLANE):
+        yield Fact("gain", _gain_record(reach, states))
+    other = None if function is None or given is function else given
+    yield Fact("tried", None if other is None else unsaid(_conditions(other, states)))
+
+
+def _conditions(function: ExaminedFunction, states: Sequence[str]) -> Iterator[Fact]:
+    """V, its domain, the ladder of derivatives, and what follows."""
+    yield Fact("V", function.text)
+    yield Fact("pieces", [_piece(piece) for piece in function.pieces] or None)
+    domain = function.domain
+    record = {"kind": domain.kind(states), "radius": Quantity(domain.radius), "text": domain.text(states)}
+    yield Fact("domain", record)
+    yield from _derivatives(function)
+    yield Fact("verdict", function.decrease.name.lower())
+    yield Fact("reason", function.reason)
+    yield from unsaid([_witness(function.witness)])
+
+
+def _piece(piece: PotentialPiece) -> dict[str, object]:
+    cone = None if piece.start is None else {"from": Quantity(piece.start), "to": Quantity(piece.end)}
+    return {"V": str(piece.potential), "cone": cone}
+
+
+def reached_words(region: CertifiedRegion, states: Sequence[str]) -> str:
+    """What is certified of a sublevel set of V."""
+    return f"every start with {region} within {cube_text(region.radius, states)} reaches the equilibrium"
+
+
+def region_words(region: CertifiedRegion, states: Sequence[str]) -> str:
+    """The same, and what refutes a larger one."""
+    reached = reached_words(region, states)
+    if region.refuted is None:
+        return reached
+    if region.point is None:
+        return f"{reached}; V < {region.refuted} is not decided"
+    where = place_text(region.point, 5)
+    on_border = max(abs(x) for x in region.point) == region.radius
+    why = "leaves the square" if on_border else "holds a point at which V does not fall"
+    return f"{reached}; V < {region.refuted} {why}, {where}"
+
+
+def _region_record(region: CertifiedRegion, states: Sequence[str]) -> dict[str, object]:
+    record: dict[str, object] = {"level": Quantity(region.level), "within": Quantity(region.radius)}
+    if region.refuted is not None:
+        record |= {"refuted": Quantity(region.refuted), "point": Quantity(region.point)}
+    return record | {"text": region_words(region, states)}
+
+
+def rate_words(reach: Reach, states: Sequence[str]) -> str:
+    """How fast V falls on its domain, and what that says of the starts whose solutions stay there."""
+    rate, domain, near = reach.rate, reach.rate_domain, reach.near
+    if rate is None or domain is None:
+        raise TypeError("required a rate")
+    where = f"{rate} on {domain.text(states)}"
+    if domain.radius is None:
+        return f"{where}: {rate.decay.on_starts(rate.kappa, 'every start')}"
+    if near is None:
+        return f"{where}, as long as a solution stays there"
+    return f"{where}: {rate.decay.on_starts(rate.kappa, f'every start with V < {near.level} there')}"
+
+
+def region_rate_words(reach: Reach, states: Sequence[str]) -> str:
+    """How fast V falls on a region that reaches beyond its domain."""
+    rate = reach.region_rate
+    if rate is None:
+        raise TypeError("required a rate on a region")
+    starts = DecayKind.EXPONENTIAL.on_starts(rate.kappa, "every start there")
+    return f"{rate} where {_below_words(reach, states)}: {starts}"
+
+
+def _below_words(reach: Reach, states: Sequence[str]) -> str:
+    """Where the rate on a region holds."""
+    rate, region = reach.region_rate, reach.region
+    if rate is None or region is None:
+        raise TypeError("required a rate on a region")
+    return f"V < {rate.level} within {cube_text(region.radius, states)}"
+
+
+def gain_words(reach: Reach, states: Sequence[str]) -> str:
+    """What a disturbance does to V on its domain, and to the starts whose solutions stay there."""
+    gain, domain = reach.gain, reach.rate_domain
+    if gain is None or domain is None:
+        raise TypeError("required a gain")
+    return "; ".join(filter(None, (f"{gain} on {domain.text(states)}", gain.on_starts)))
+
+
+def _rate_record(reach: Reach, states: Sequence[str]) -> dict[str, object] | None:
+    """The rate on the domain of V, and in two states under ``region`` that on a larger region."""
+    rate = reach.rate
+    if rate is None:
+        return None
+    record: dict[str, object] = {
+        "kind": rate.decay.name.lower(),
+        "kappa": Quantity(rate.kappa),
+        "text": rate_words(reach, states),
+        "within": _within(reach, states),
+    }
+    return record | ({"region": _region_rate_record(reach, states)} if len(states) == len(PLANE) else {})
+
+
+def _region_rate_record(reach: Reach, states: Sequence[str]) -> dict[str, object] | None:
+    rate, region = reach.region_rate, reach.region
+    if rate is None or region is None:
+        return None
+    text = _below_words(reach, states)
+    within = {"radius": Quantity(region.radius), "level": Quantity(rate.level), "text": text}
+    return {"kappa": Quantity(rate.kappa), "text": region_rate_words(reach, states), "within": within}
+
+
+def _gain_record(reach: Reach, states: Sequence[str]) -> dict[str, object] | None:
+    gain = reach.gain
+    if gain is None:
+        return None
+    return {
+        "gamma": Quantity(gain.gamma),
+        "largest": Quantity(gain.largest),
+        "ultimate": Quantity(gain.ultimate),
+        "text": gain_words(reach, states),
+        "within": _within(reach, states),
+    }
+
+
+def _within(reach: Reach, states: Sequence[str]) -> dict[str, object]:
+    """Where a rate and a gain hold: the cube of V; solutions from V below the level stay in it."""
+    domain = reach.rate_domain or Domain(None)
+    level = None if reach.near is None else reach.near.level
+    return {"radius": Quantity(domain.radius), "level": Quantity(level), "text": domain.text(states)}
+
+
+def audit_facts(result: AuditResult) -> Iterator[Fact]:
+    """Whether somebody's V is a Lyapunov function."""
+    scene, function = result.scene, result.function
+    yield Fact("V", result.lyapunov, str(result.verdict), row=f"V = {one_line(result.lyapunov)}")
+    said = (Fact("verdict", str(result.verdict)), text_fact("reason", result.reason, "because"))
+    looked_at = tuple(_looked_at(scene, function))
+    is_late = isinstance(scene, SwitchedSystem) and len(scene.states) > len(PLANE)  # no derivatives are told of
+    yield from (*said, *looked_at) if is_late else (*looked_at, *said)
+    if result.proves is not None:
+        yield row_fact("shows", f"the equilibrium is {result.proves}")
+    yield _witness(result.witness)
+    yield Fact("proves", None if result.proves is None else str(result.proves))
+
+
+def _looked_at(scene: Scene | SwitchedSystem, function: ExaminedFunction | None) -> Iterator[Fact]:
+    """Where V is looked at, and its derivatives."""
+    states = scene.states if isinstance(scene, SwitchedSystem) else PLANE
+    yield Fact("domain") if function is None else text_fact("domain", function.domain.text(states), "on")
+    if isinstance(scene, SwitchedSystem) and (scene.written or scene.others):
+        yield row_fact("field", rewriting_words(scene))  # of which the derivatives speak
+    yield from () if function is None else _derivatives(function)
+
+
+def _derivatives(function: ExaminedFunction) -> Iterator[Fact]:
+    for key, found in function.suprema.items():
+        yield _supremum(key, f"sup of V', {DERIVATIVES[key]}", found)
+
+
+def _supremum(key: str, row: str, found: Supremum) -> Fact:
+    sign, value = str(found.trend), found.value
+    record = {"sign": sign, "value": Quantity(value), "point": Quantity(found.point)}
+    words, shown = ("{}", (sign,)) if value is None else ("{} ({})", (sign, value))
+    return Fact(key, record, words, shown, row=row)
+
+
+def _witness(witness: Any) -> Fact:
+    """Where V fails."""
+    if witness is None:
+        return Fact("witness")
+    record = {"point": Quantity(witness.point), "value": Quantity(witness.value), "meaning": witness.meaning}
+    place = ", ".join("{}" for _ in witness.point)
+    words, value = f"{{}} at ({place})", () if witness.value is None else (witness.value,)
+    words += " (value {})" * len(value)
+    return Fact("witness", record, words, (witness.meaning, *witness.point, *value), row="witness")

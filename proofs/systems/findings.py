@@ -1,0 +1,257 @@
+"""What theorems show of the checked point of a plain system, in any number of states.
+
+A :class:`Finding` is a theorem with what it shows; what it rests on is a small object of its strategy.  A V is an
+:class:`ExaminedFunction`, however its conditions were decided.  How far a proved V carries is a :class:`Reach`.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from fractions import Fraction
+from typing import Any, Protocol
+
+from nonsmooth.proofs.facts import Fact
+from nonsmooth.proofs.systems.decay_rate import DecayRate, RegionRate
+from nonsmooth.proofs.systems.derivatives import Decrease, Supremum
+from nonsmooth.proofs.systems.disturbance_gain import DisturbanceGain
+from nonsmooth.proofs.systems.domain import Domain
+from nonsmooth.proofs.systems.written_potential import PotentialPiece
+from nonsmooth.proofs.verdicts import Equilibrium, Translation
+from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.piecewise import PiecewiseExpression
+from nonsmooth.symbolic.scene_error import one_line
+from nonsmooth.symbolic.switched_system import SwitchedSystem
+
+DERIVATIVES = {
+    "naive": "naive",
+    "shevitz_paden": "Shevitz-Paden",
+    "bacciotti_ceragioli": "Bacciotti-Ceragioli",
+}
+
+
+class Method(StrEnum):
+    """The theorem that decides."""
+
+    EQUILIBRIUM = "no equilibrium"
+    SIGNS = "signs on either side"
+    LYAPUNOV = "Lyapunov function"
+    INVARIANCE = "invariance principle"
+    LINEARIZATION = "linearization"
+    FAN = "fan of cones"
+    LEADING = "leading terms"
+    RAY = "ray of escape"
+    ESCAPE = "solution that leaves"
+    RELAY = "relative degree of a relay"
+    GROWTH = "function that grows"
+    INSTABILITY = "function that shows instability"
+    NONE = "nothing"
+
+
+class ExaminedFunction(ABC):
+    """A V in the displacement from the checked point, with its conditions on a domain."""
+
+    formula: PiecewiseExpression | None
+
+    @property
+    @abstractmethod
+    def domain(self) -> Domain:
+        """Where its conditions are looked at."""
+
+    @property
+    @abstractmethod
+    def decrease(self) -> Decrease:
+        """What follows from them: of the reversed system for a V that grows."""
+
+    @property
+    @abstractmethod
+    def reason(self) -> str:
+        """The same as a sentence."""
+
+    @property
+    @abstractmethod
+    def witness(self) -> Any:
+        """Where one of them fails: point, value and meaning; None where none is known to."""
+
+    @property
+    def pieces(self) -> tuple[PotentialPiece, ...]:
+        """V cone by cone; empty where it is one formula."""
+        return ()
+
+    @property
+    def suprema(self) -> dict[str, Supremum]:
+        """The largest values of its derivatives, by name; empty where they are not asked for."""
+        return {}
+
+    @property
+    def grows(self) -> bool:
+        """Whether V grows along every solution, where the conditions hold."""
+        return False
+
+    @property
+    def text(self) -> str:
+        """V as a formula, or its pieces."""
+        return "; ".join(map(str, self.pieces)) if self.formula is None else one_line(self.formula.text)
+
+    def known_entry(self, reach: Reach) -> dict[str, Any] | None:
+        """The theorem with its reach, as a certificate holds it; None where evidence is missing."""
+        return None
+
+    @abstractmethod
+    def check(self, system: SwitchedSystem) -> bool:
+        """Whether the conditions are those of the system, and what is said of them verifies."""
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What a theorem shows of the checked point.
+
+    Attributes:
+        theorem: its name.
+        verdict: strong stability.
+        reason: one sentence for people.
+        function: the V that shows it, an :class:`ExaminedFunction` of its strategy; None where none does.
+        proofs: what else it rests on, an object of its strategy.
+        entry: the theorem with its evidence, as a certificate holds it, where that is known already.
+        facts: what it says beyond the verdict.
+        is_final: whether no other theorem is asked: none says more.
+    """
+
+    theorem: str
+    verdict: Translation
+    reason: str
+    function: Any = None
+    proofs: Any = None
+    entry: dict[str, Any] | None = None
+    facts: tuple[Fact, ...] = ()
+    is_final: bool = True
+
+    @property
+    def is_weak(self) -> bool:
+        """Whether it is a V that does not increase, and whether the point attracts is left open."""
+        return self.theorem is Method.LYAPUNOV and self.verdict is Translation.STABLE
+
+
+@dataclass(frozen=True)
+class Known:
+    """The findings so far, in the order in which they were made."""
+
+    findings: tuple[Finding, ...] = ()
+
+    @property
+    def standing(self) -> Finding | None:
+        """The last one; a V that does not increase only where there is no other."""
+        said = [own for own in self.findings if not own.is_weak] or self.findings
+        return said[-1] if said else None
+
+    @property
+    def function(self) -> Any:
+        """The last V that shows something; None without one."""
+        return next((own.function for own in reversed(self.findings) if own.function is not None), None)
+
+    @property
+    def attraction_is_open(self) -> bool:
+        """Whether nothing but a V that does not increase says something, or nothing at all."""
+        return self.standing is None or self.standing.is_weak
+
+
+class CertifiedRegion(Protocol):
+    """Starts that stay in the domain of V and reach the point: those with V below a level."""
+
+    @property
+    def level(self) -> Fraction:
+        """The level."""
+
+    @property
+    def radius(self) -> Number | Fraction:
+        """Half the side of the cube."""
+
+    @property
+    def refuted(self) -> Fraction | None:
+        """A larger level for which that is not shown; None where none was looked at."""
+
+    @property
+    def point(self) -> Sequence[Any] | None:
+        """A point that refutes this level; None where none is known."""
+
+    @property
+    def falls(self) -> bool:
+        """Whether V falls on all of the cube."""
+
+
+@dataclass(frozen=True)
+class Reach:
+    """How far and how fast a proved verdict carries; None for what is not proved.
+
+    Attributes:
+        everywhere: whether every start of the whole space reaches the point.
+        near: starts that stay where V is proved to fall, and reach the point, a :class:`CertifiedRegion`.
+        region: the most starts that are certified to reach the point: these, or more in the checked square.
+        rate: of V where it is proved to fall, hence from the starts of ``near``.
+        rate_domain: where this rate holds; None without one.
+        region_rate: of V on the region, where that is larger than ``near``.
+        gain: of a disturbance, on the square on which V is proved.
+        in_finite_time: of a system in roots of states, whether solutions near the point are known to arrive in time.
+    """
+
+    everywhere: bool = False
+    near: Any = None
+    region: Any = None
+    rate: DecayRate | None = None
+    rate_domain: Domain | None = None
+    region_rate: RegionRate | None = None
+    gain: DisturbanceGain | None = None
+    in_finite_time: bool = False
+
+
+class CheckedPoint(ABC):
+    """The checked point of a system with what its strategies share; built anew for each decision.
+
+    Attributes:
+        system: the stated one, or the one that is looked at in its place.
+    """
+
+    system: SwitchedSystem
+
+    @property
+    @abstractmethod
+    def equilibrium(self) -> Equilibrium:
+        """Whether 0 is in F."""
+
+    @property
+    @abstractmethod
+    def given(self) -> ExaminedFunction | None:
+        """The scene's V on the first domain that is looked at; None where it is not looked at."""
+
+    @property
+    @abstractmethod
+    def open_reason(self) -> str:
+        """What is said where nothing decides."""
+
+    def reach(self, found: Finding) -> Reach:
+        """How far and how fast a finding carries."""
+        return Reach()
+
+    def verifies(self, reach: Reach, found: Finding) -> bool:
+        """Whether a reach is one of the finding."""
+        return reach == self.reach(found)
+
+
+@dataclass(frozen=True)
+class Strategy:
+    """A way to a theorem about systems in some number of states.
+
+    Attributes:
+        name: for people.
+        states: how many they have.
+        decide: what it finds at a point, beside what is known; None where that is nothing, or nothing more.
+        verify: of a strategy that searches: the finding that follows from the evidence of one, where that verifies.
+            The others decide again where a result is checked.
+    """
+
+    name: str
+    states: range
+    decide: Callable[[Any, Known], Finding | None]
+    verify: Callable[[Any, Known, Finding], Finding | None] | None = None
