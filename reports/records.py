@@ -19,7 +19,8 @@ from nonsmooth.symbolic.contact_states import ContactState
 from nonsmooth.symbolic.number_text import real_text
 from nonsmooth.symbolic.numbers.measured_angles import angle_notes
 
-CHECK_SCHEMA = "nonsmooth-check/1"
+CHECK_SCHEMA = "nonsmooth-check/2"
+SYSTEM_SCHEMA = "nonsmooth-check/1"  # of a plain system
 CHECKS_SCHEMA = "nonsmooth-checks/1"
 PARTITION_SCHEMA = "nonsmooth-partition/1"
 SCENES_SCHEMA = "nonsmooth-scenes/1"

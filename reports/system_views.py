@@ -14,7 +14,7 @@ from nonsmooth.proofs.system_decision import StabilityResult
 from nonsmooth.proofs.system_facts import audit_facts, system_facts
 from nonsmooth.reports.exact_record import Record, with_exact
 from nonsmooth.reports.facts import fact_record, fact_rows
-from nonsmooth.reports.records import CHECK_SCHEMA
+from nonsmooth.reports.records import SYSTEM_SCHEMA
 from nonsmooth.reports.terminal import notes_lines, two_columns, verdict_text
 from nonsmooth.symbolic.numbers.measured_angles import angle_notes
 from nonsmooth.symbolic.scene_error import one_line
@@ -25,7 +25,7 @@ AUDIT_SCHEMA = "nonsmooth-audit/1"
 def system_record(result: StabilityResult) -> Record:
     """The verdict on a plain system."""
     scene = result.scene
-    head = {"schema": CHECK_SCHEMA, "scene": scene.name, "states": list(scene.states)}
+    head = {"schema": SYSTEM_SCHEMA, "scene": scene.name, "states": list(scene.states)}
     radius = with_exact({"radius": scene.check.radius})
     return {**head, **radius, **fact_record(system_facts(result)), "notes": list(angle_notes(scene.field))}
 

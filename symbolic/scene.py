@@ -22,6 +22,7 @@ from nonsmooth.symbolic.characteristic_length import default_length
 from nonsmooth.symbolic.continuum import ContinuousField
 from nonsmooth.symbolic.loop_errors import LoopErrors
 from nonsmooth.symbolic.notebook import ShortRepr
+from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.piecewise import PiecewiseExpression
@@ -30,6 +31,8 @@ from nonsmooth.symbolic.scene_error import SceneError, StatedFact
 from nonsmooth.symbolic.tolerances import Tolerance
 from nonsmooth.symbolic.units import Units
 from nonsmooth.symbolic.unknown_loads import UnknownLoads
+
+DEFAULT_ACCURACY = Fraction(3, 100)  # of the root mean square distance of the wheels
 
 
 @dataclass(frozen=True)
@@ -164,6 +167,7 @@ class CheckedSquare:
     names one; the clauses of Theorem 4 find their own.  ``length`` is the l of ``V = |c - c*|^2 + l^2 theta^2``, by
     which feedback weighs headings against places; ``has_default_length`` says that it follows the point (module
     ``characteristic_length``), ``has_default_radius`` that the radius follows the wheels that carry the body.
+    ``accuracy`` is how near a body must come (length); None where it is not stated (:attr:`Scene.accuracy`).
     """
 
     equilibrium: Vector
@@ -172,6 +176,7 @@ class CheckedSquare:
     length: Fraction = Fraction(1)
     has_default_length: bool = dataclasses.field(default=False, compare=False)
     has_default_radius: bool = dataclasses.field(default=False, compare=False)
+    accuracy: Number | None = None
 
     @property
     def named_lyapunov(self) -> str | None:
@@ -213,6 +218,18 @@ class Scene(ShortRepr):
     def origin(self) -> str:
         """Where the scene came from, for messages: its file or built-in name, else its own name."""
         return self.source or self.name
+
+    @cached_property
+    def accuracy(self) -> Fraction:
+        """How near to the checked point a body must come to be there (length).
+
+        Where it is not stated, 3 % of the root mean square distance of the wheels from the point.
+        """
+        stated = self.check.accuracy
+        if stated is not None:
+            return rational_below(stated.ball())
+        positions = [wheel.position for wheel in self.wheels]
+        return DEFAULT_ACCURACY * default_length(positions, self.check.equilibrium)
 
     @cached_property
     def places(self) -> dict[int, int]:

@@ -44,6 +44,7 @@ def scaled(scene: Scene, factor: Fraction) -> Scene:
         radius=scene.check.radius * factor,
         lyapunov=None,
         length=scene.check.length * factor,
+        accuracy=None if scene.check.accuracy is None else scene.check.accuracy * factor,
     )
     body = None if scene.body is None else _scaled_body(scene.body, factor)
     box = None if scene.tolerances is None else scene.tolerances.scaled(factor)

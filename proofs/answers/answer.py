@@ -23,6 +23,7 @@ class Position(StrEnum):
     """Where a body goes that starts near the checked point."""
 
     COMES_HOME = "comes home"
+    COMES_NEAR = "comes near"  # within the accuracy of the point, from at least twice as far
     STAYS_NEAR = "stays near"
     LEAVES = "leaves"
     TIPS = "tips"  # it does not lie on the wheels at the checked pose
@@ -45,7 +46,7 @@ class Pose(StrEnum):
     UNDECIDED = "undecided"
 
 
-GOOD = frozenset({Position.COMES_HOME, Heading.KEEPS, Pose.CAN_BE_HELD, Certainty.CERTIFIED})
+GOOD = frozenset({Position.COMES_HOME, Position.COMES_NEAR, Heading.KEEPS, Pose.CAN_BE_HELD, Certainty.CERTIFIED})
 
 
 @dataclass(frozen=True, repr=False)

@@ -49,7 +49,11 @@ class Answers:
 
 def answers_of(check: Theorem4Result) -> tuple[Answer, ...]:
     """The answer to every question, from the clauses of the check; only the pose may need a decision beyond them."""
-    return tuple(question(check.scene, check.results) for question in QUESTIONS.values())
+    clauses = {name for found in check.contradictions for name in found.clauses}
+    may_look = clauses.isdisjoint({"equilibrium", "translation"})
+    position = position_answer(check.scene, check.results, may_look=may_look)
+    others = (question(check.scene, check.results) for name, question in QUESTIONS.items() if name != position.name)
+    return position, *others
 
 
 def full_answers(

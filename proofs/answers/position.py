@@ -3,17 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from fractions import Fraction
 from typing import cast
 
 from nonsmooth.proofs.answers.answer import Answer, Position, Results, is_by_rounding
-from nonsmooth.proofs.answers.bounds import at_least, at_most, half_life
+from nonsmooth.proofs.answers.bounds import DIGITS, at_least, at_most, half_life
+from nonsmooth.proofs.answers.nearness import Nearness, nearness
 from nonsmooth.proofs.answers.units import of_length
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
 from nonsmooth.proofs.clauses.translation.clause import AnyTranslation
 from nonsmooth.proofs.clauses.translation.mass_facts import mass_words
 from nonsmooth.proofs.facts import Fact, Quantity, said
+from nonsmooth.proofs.robust.ends import Ends
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
+from nonsmooth.symbolic.number_text import float_text, place_text
 from nonsmooth.symbolic.scene import Scene
+
+MOST_TEXT = 20  # characters of a number that is printed exactly
 
 OF_TRANSLATION = {
     Translation.ASYMPTOTICALLY_STABLE: Position.COMES_HOME,
@@ -23,12 +29,23 @@ OF_TRANSLATION = {
 }
 
 
-def position_answer(scene: Scene, results: Results) -> Answer:
-    """From the clauses on the equilibrium and on (x, y)."""
-    return Answer("position", _verdict(results), tuple(_facts(scene, results)))
+def position_answer(scene: Scene, results: Results, *, may_look: bool = True) -> Answer:
+    """From the clauses on the equilibrium and on (x, y); where these do not say it, from where bodies end.
+
+    Args:
+        scene: the array.
+        results: the clauses' results by name.
+        may_look: whether to ask where bodies end; not where what is said contradicts itself.
+    """
+    verdict = _by_clauses(results)
+    if verdict is Position.COMES_HOME or not may_look:
+        return Answer("position", verdict, tuple(_facts(scene, results, verdict, None)))
+    found = nearness(scene, Equilibrium(results["equilibrium"].verdict), _translation(results).verdict)
+    verdict = _to_the_accuracy(verdict, found)
+    return Answer("position", verdict, tuple(_facts(scene, results, verdict, found)))
 
 
-def _verdict(results: Results) -> Position:
+def _by_clauses(results: Results) -> Position:
     match results["equilibrium"].verdict:
         case Equilibrium.HOLDS:
             return OF_TRANSLATION[_translation(results).verdict]
@@ -38,39 +55,106 @@ def _verdict(results: Results) -> Position:
             return Position.UNDECIDED
 
 
+def _to_the_accuracy(by_clauses: Position, found: Nearness) -> Position:
+    """The verdict with what is shown of the ends; where bodies cannot be followed the clauses alone speak."""
+    if found.comes_near:
+        return Position.COMES_NEAR
+    if by_clauses is Position.STAYS_NEAR or found.why_not:
+        return by_clauses
+    return Position.LEAVES if found.leaves else Position.UNDECIDED
+
+
 def _translation(results: Results) -> AnyTranslation:
     return cast("AnyTranslation", results["translation"])
 
 
-def _facts(scene: Scene, results: Results) -> Iterator[Fact]:
-    """How far and how fast; the keys are the same for every verdict."""
-    verdict, found, unit = _verdict(results), _translation(results), of_length(scene)
-    rests = results["equilibrium"].verdict is Equilibrium.HOLDS
+def _facts(scene: Scene, results: Results, verdict: Position, looked: Nearness | None) -> Iterator[Fact]:
+    """How near, how far and how fast; the keys are the same for every verdict."""
+    found, unit = _translation(results), of_length(scene)
+    yield Fact("accuracy", Quantity(_short(scene.accuracy)))
     if verdict is Position.COMES_HOME:
+        yield from _place(scene, Quantity(Fraction(0)), (Fraction(0), Fraction(0)))
         yield from _homecoming(found, unit)
         yield said(found.support_note)
         if isinstance(found, EllipseTranslation):
             yield said(mass_words(found.mass, scene.units))
         return
+    ends = None if looked is None else looked.ends
+    if verdict is Position.COMES_NEAR and ends is not None:
+        yield from _coming_near(scene, ends, unit)
+        return
     stays = found.region_radius if verdict is Position.STAYS_NEAR else None
+    out_after = None if looked is None else looked.out_after
+    yield from _place(scene, Quantity(None), None if ends is None else ends.at)
+    yield Fact("after", Quantity(out_after if ends is None else Fraction(at_most(ends.after))))
     yield from (Fact("within", Quantity(None)), Fact("seconds_per_distance", Quantity(None)))
     yield from (Fact("swings_out_to", Quantity(None)), Fact("rate", Quantity(None)))
     yield Fact("stays_within", Quantity(stays))
     if stays is not None:
         yield said(f"a body within {at_least(stays)}{unit} of the point never gets farther away")
+    elif verdict is Position.LEAVES and looked is not None and looked.leaves:
+        yield said(_away(scene, looked, unit))
     else:
-        yield said(_plainly(verdict, results, rests=rests))
+        yield said(_plainly(scene, verdict, results, unit))
     yield said(found.support_note)
 
 
-def _plainly(verdict: Position, results: Results, *, rests: bool) -> str:
+def _place(scene: Scene, ends_within: Quantity, offset: tuple[Fraction, Fraction] | None) -> Iterator[Fact]:
+    """How near to the point bodies end, and about which place, in the coordinates of the scene."""
+    yield Fact("ends_within", ends_within)
+    x, y = scene.check.equilibrium
+    yield Fact("at", Quantity(None if offset is None else (x + offset[0], y + offset[1])))
+
+
+def _short(value: Fraction) -> Fraction:
+    """A number as it is printed."""
+    return value if len(str(value)) <= MOST_TEXT else Fraction(at_least(value))
+
+
+def _coming_near(scene: Scene, ends: Ends, unit: str) -> Iterator[Fact]:
+    """How near, from how far, and how long it takes at most."""
+    ends_within, within, after = at_most(ends.ends_within or Fraction(0)), at_least(ends.within), at_most(ends.after)
+    yield from _place(scene, Quantity(Fraction(ends_within)), ends.at)
+    yield Fact("within", Quantity(Fraction(within)))
+    yield Fact("after", Quantity(Fraction(after)))
+    yield said(f"within {ends_within}{unit}, from anywhere within {within}{unit}, in at most {after} s")
+    if any(ends.at):
+        yield said(f"it ends within {at_most(ends.about)}{unit} of {_point(scene, ends)}")
+    yield said(f"the accuracy is {float_text(float(scene.accuracy), DIGITS)}{unit}")
+    yield from (Fact("swings_out_to", Quantity(None)), Fact("seconds_per_distance", Quantity(None)))
+    yield from (Fact("rate", Quantity(None)), Fact("stays_within", Quantity(None)))
+
+
+def _point(scene: Scene, ends: Ends) -> str:
+    return place_text([x + offset for x, offset in zip(scene.check.equilibrium, ends.at, strict=True)], DIGITS)
+
+
+def _away(scene: Scene, looked: Nearness, unit: str) -> str:
+    """Where bodies go that leave."""
+    accuracy = f"the accuracy is {float_text(float(scene.accuracy), DIGITS)}{unit}"
+    if looked.ends is not None:
+        ends = looked.ends
+        place = f"it ends within {at_most(ends.about)}{unit} of {_point(scene, ends)}"
+        distance = f"{float_text(ends.distance, DIGITS)}{unit} from the point"
+        return f"{place}, {distance}, after at most {at_most(ends.after)} s; {accuracy}"
+    if looked.out_after is not None:
+        return f"it is driven farther away than the accuracy in at most {at_most(looked.out_after)} s; {accuracy}"
+    return f"some starts as near as one likes go farther away than the accuracy; {accuracy}"
+
+
+def _plainly(scene: Scene, verdict: Position, results: Results, unit: str) -> str:
     """The sentence where there is no number to say."""
+    rests = results["equilibrium"].verdict is Equilibrium.HOLDS
     if verdict is Position.UNDECIDED and is_by_rounding(results, "equilibrium", "translation"):
         return "rounding decides; why: below"
     if verdict is Position.LEAVES:
         return "some starts as near as one likes go away" if rests else "the body is driven away from the point itself"
     if verdict is Position.STAYS_NEAR:
         return "a body that starts close by stays close by"
+    if _by_clauses(results) is Position.LEAVES:
+        accuracy = f"{float_text(float(scene.accuracy), DIGITS)}{unit}"
+        gone = "some starts as near as one likes go away" if rests else "the body is driven away from the point itself"
+        return f"{gone}; whether farther than the accuracy, {accuracy}, is not decided"
     return "what happens near the point is not decided; why: below"
 
 
@@ -89,6 +173,8 @@ def _disc(found: AnyTranslation, unit: str) -> Iterator[Fact]:
 def _homecoming(found: AnyTranslation, unit: str) -> Iterator[Fact]:
     """From how far, and how long it takes at most."""
     seconds, rate = found.arrival_per_distance, found.exponential_rate
+    within = found.home_radius
+    yield Fact("after", Quantity(None if seconds is None or within is None else seconds * within))
     yield from _disc(found, unit)
     if seconds is None:
         yield Fact("seconds_per_distance", Quantity(None))

@@ -42,7 +42,7 @@ class RobustUltimateBound:
 
 
 @dataclass(frozen=True)
-class _MovingCell:
+class MovingCell:
     """An outer cell with one motion that its pair may have; None where the motion is not bounded."""
 
     cell: OuterCell
@@ -102,14 +102,26 @@ def inner_radius(scene: Scene) -> fmpq:
     return lower_end(scene.check.radius.ball()) if exact is None else exact
 
 
-def _in_square(scene: Scene, box: Tolerance) -> tuple[fmpq, list[_MovingCell]]:
+def moving_cells(scene: Scene, box: Tolerance, radius: fmpq) -> list[MovingCell]:
+    """The outer cells of a square about a centred scene's point, each with a motion that its pair may have."""
+    with ctx.workprec(PRECISION):
+        return list(_moving_cells(scene, box, radius))
+
+
+def bounded_cells(scene: Scene, box: Tolerance, radius: fmpq) -> list[BoundedCell]:
+    """The outer cells of a square about a centred scene's point, with bounds of the velocities of every array."""
+    with ctx.workprec(PRECISION):
+        return [moving.bounded() for moving in moving_cells(scene, box, radius)]
+
+
+def _in_square(scene: Scene, box: Tolerance) -> tuple[fmpq, list[MovingCell]]:
     """Half-width of the square, and all cells in it."""
     with ctx.workprec(PRECISION):
         radius = inner_radius(scene)
         return radius, list(_moving_cells(scene, box, radius))
 
 
-def _moving_cells(scene: Scene, box: Tolerance, radius: fmpq) -> Iterator[_MovingCell]:
+def _moving_cells(scene: Scene, box: Tolerance, radius: fmpq) -> Iterator[MovingCell]:
     step = box.position.ball()
     motions: dict[tuple[int, int], list[MotionBox | None]] = {}
     for cell in outer_cells(scene.wheels, radius, step):
@@ -118,7 +130,7 @@ def _moving_cells(scene: Scene, box: Tolerance, radius: fmpq) -> Iterator[_Movin
             first, second = (scene.wheels[k] for k in pair)
             motions[pair] = [motion_box(first, second, row, box) for row in _rows(second, box)]
         for motion in motions[pair]:
-            yield _MovingCell(cell, motion)
+            yield MovingCell(cell, motion)
 
 
 def _rows(second: Wheel, box: Tolerance) -> list[SecondRow]:
@@ -140,7 +152,7 @@ def _least(value: Number, share: Number) -> Number:
     return value * (1 - share)
 
 
-def _turning(moving: list[_MovingCell], squared: fmpq) -> fmpq | None:
+def _turning(moving: list[MovingCell], squared: fmpq) -> fmpq | None:
     """A bound of the rotation rate on the cells that reach out of the disc."""
     rates = [fmpq(0)]
     for part in moving:

@@ -108,16 +108,18 @@ class ContactTable(TomlTable):
 
 
 class CheckTable(TomlTable):
-    """``[check]``: the equilibrium, the half-width of the square about it, a Lyapunov function V, and a length l.
+    """``[check]``: the equilibrium, the square's half-width, a Lyapunov function V, a length l, and an accuracy.
 
     Without a radius it comes from the array (:func:`nonsmooth.symbolic.support_polygon.default_radius`), and so does
-    the length (:func:`nonsmooth.symbolic.characteristic_length.default_length`).
+    the length (:func:`nonsmooth.symbolic.characteristic_length.default_length`), and the accuracy, how near a body must
+    come (:attr:`nonsmooth.symbolic.scene.Scene.accuracy`).
     """
 
     equilibrium: PairField = (Fraction(0), Fraction(0))
     radius: OptionalExact = None
     lyapunov: Annotated[PiecewiseExpression | None, PlainValidator(read_lyapunov)] = None
     length: OptionalExact = None
+    accuracy: OptionalExact = None
 
 
 class SceneDocument(TomlTable):

@@ -50,7 +50,7 @@ def build_check(document: SceneDocument, numbers: Numbers, wheels: tuple[Wheel, 
     """What ``[check]`` says is checked; the square and the length follow from the wheels where it does not say.
 
     Raises:
-        SceneError: for a radius or a length that is not positive, or a length that is irrational.
+        SceneError: for a radius, a length or an accuracy that is not positive, or a length that is irrational.
     """
     table = document.check
     x, y = (numbers(value, "check.equilibrium") for value in table.equilibrium)
@@ -63,7 +63,8 @@ def build_check(document: SceneDocument, numbers: Numbers, wheels: tuple[Wheel, 
         length = _stated_length(table.length, numbers)
     else:
         length = default_length([wheel.position for wheel in wheels], (x, y))
-    return CheckedSquare((x, y), radius, table.lyapunov, length, **defaults)
+    accuracy = None if table.accuracy is None else numbers.positive(table.accuracy, "check.accuracy")
+    return CheckedSquare((x, y), radius, table.lyapunov, length, **defaults, accuracy=accuracy)
 
 
 def _stated_length(value: Exact, numbers: Numbers) -> Fraction:

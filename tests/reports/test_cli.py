@@ -56,7 +56,7 @@ def test_four_wheel_record(invoke: Invoke) -> None:
     record = outcome.record
     assert (outcome.status, outcome.err) == (0, "")
     assert list(record) == CHECK_KEYS
-    assert (record["schema"], record["scene"], record["wheels"]) == ("nonsmooth-check/1", "four-wheel", 4)
+    assert (record["schema"], record["scene"], record["wheels"]) == ("nonsmooth-check/2", "four-wheel", 4)
     assert (record["rule"], record["radius"], record["exact"]) == ("nearest", 0.5, {"radius": "1/2", "length": "1"})
     assert record["contact_states"] == {"possible": 56, "singular": 16, "distinct_twists": 13, "minimizing": 8}
     assert record["theorem4"]["verdict"] == "holds"

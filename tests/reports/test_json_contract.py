@@ -17,7 +17,7 @@ ROOT = Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "docs" / "design.md").read_text(encoding="utf-8")
 PACKAGES = ("symbolic", "analysis", "proofs", "reports")
 UNLISTED = {"schema", "exact"}  # described above the table
-ARRAY, SYSTEM = "nonsmooth-check/1", "nonsmooth-check/1` of a plain"
+ARRAY, SYSTEM = "nonsmooth-check/2", "nonsmooth-check/1` of a plain"
 CASES = {
     "check four-wheel": ARRAY,
     "check ring-5 --rule ellipse": ARRAY,

@@ -1,0 +1,352 @@
+"""Rings on which every body comes nearer under a rule with loads, by friction forces that balance a pull outward.
+
+At a place c let the forces ``y_i`` be within the limits of the wheels, ``y_i = N_i f_i`` with ``f_i`` in the friction
+set, and let them balance the pull ``G = (lambda c, 0)`` up to a small rest: ``sum_i y_i . row_i = G + rho``.  Since
+``D(xi) >= sum_i y_i . slip_i(xi)`` for every twist, every minimizer xi of D, and any other twist ``xi^``, obey ::
+
+    lambda c . v  <=  D(xi^) + sum_i y_i . u_i - rho . xi,
+
+``u_i`` the speed of the surface.  The forces that make the right side least are those at the minimizer of ``D - G .
+xi``: the bound is sharp (Fenchel's duality).
+
+Loads are affine in c.  So forces at the corners of a polygon, mixed, are forces at each of its points, and with one
+``xi^`` and one lambda the bounds at the corners, mixed, bound ``lambda c . v`` all over it.  |c| is convex: where the
+bound is at most ``-kappa |c|`` at each corner, ``c . v <= -kappa |c|`` on the polygon.
+
+Floats find the forces, by Newton's method on D with its edges rounded (whose gradient is a force inside the limits,
+whatever the rounding); intervals bound what follows.  The twist itself is bounded by ``D(xi) <= D(0)``.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TypeAlias
+
+import numpy as np
+from flint import arb, ctx
+from numpy.typing import NDArray
+
+from nonsmooth.proofs.robust.intervals import Intervals
+from nonsmooth.proofs.robust.load_box import load_box
+from nonsmooth.symbolic.numbers.enclosures import rational_below
+from nonsmooth.symbolic.scene import Scene
+
+Floats: TypeAlias = NDArray[np.float64]
+Triple: TypeAlias = tuple[Intervals, Intervals, Intervals]
+
+PRECISION = 128  # bits of the balls
+INSIDE = 1 - 2.0**-40  # of its limit: the largest friction force that is proposed
+ROUNDINGS = (
+    2.0**-3,
+    2.0**-7,
+    2.0**-12,
+    2.0**-18,
+    2.0**-24,
+)  # of the fastest surface: slips over which edges are rounded
+STEPS = 12  # of Newton's method for each of them
+LONGEST = 4.0  # step, in speeds of the fastest surface
+TINY, HUGE = 2.0**-1000, 2.0**300
+HALVINGS = 12  # of a step
+MARGIN = 2.0**-20  # of a radius: corners of polygons lie so far beyond the ring, which rounding does not reach
+
+
+@dataclass(frozen=True)
+class FrictionShape:
+    """The friction sets of all wheels under one rule, in floats; the last axis is that of the wheels.
+
+    Attributes:
+        rule: ``box``, ``ellipse`` or ``roller``.
+        roll: coefficient along the friction axis.
+        side: coefficient across it.
+    """
+
+    rule: str
+    roll: Floats
+    side: Floats
+
+    def force(self, r: Floats, s: Floats, width: float) -> tuple[Floats, Floats]:
+        """A force inside the set, per unit of load: the gradient of the support function, rounded where slips vanish.
+
+        Args:
+            r: slip along the axis.
+            s: slip across it.
+            width: of the slips over which edges are rounded.
+        """
+        a, b = self.roll, self.side
+        if self.rule == "box":
+            return a * np.clip(r / width, -1, 1), b * np.clip(s / width, -1, 1)
+        if self.rule == "ellipse":
+            size = np.maximum(np.hypot(a * r, b * s), a * width)
+            return a * a * r / size, b * b * s / size
+        size = np.maximum(np.hypot(r, s), width)
+        across, edge = a * s / size, np.minimum(a, b)
+        turns = np.abs(across) > edge
+        most = np.sqrt(np.maximum(a * a - edge * edge, 0.0))
+        along = np.where(turns, np.clip(a * r / width, -most, most), a * r / size)
+        return along, np.clip(across, -edge, edge)
+
+    def stiffness(self, r: Floats, s: Floats, width: float) -> tuple[Floats, Floats, Floats]:
+        """The derivatives of the force: along by r, across by s, and the mixed one."""
+        a, b = self.roll, self.side
+        if self.rule == "box":
+            return np.where(np.abs(r) < width, a / width, 0.0), np.where(np.abs(s) < width, b / width, 0.0), 0.0 * r
+        p, q = (a * r, b * s) if self.rule == "ellipse" else (r, s)
+        least = a * width if self.rule == "ellipse" else width + 0.0 * a
+        size = np.maximum(np.hypot(p, q), least)
+        free = np.hypot(p, q) > least
+        x, y = np.where(free, p / size, 0.0), np.where(free, q / size, 0.0)
+        if self.rule == "ellipse":
+            return a * a * (1 - x * x) / size, b * b * (1 - y * y) / size, -a * b * x * y * np.where(free, 1, 0) / size
+        edge = np.minimum(a, b)
+        turns = np.abs(a * s / size) > edge
+        most = np.sqrt(np.maximum(a * a - edge * edge, 0.0))
+        along = np.where(turns, np.where(np.abs(a * r / width) < most, a / width, 0.0), a * (1 - x * x) / size)
+        return along, np.where(turns, 0.0, a * (1 - y * y) / size), np.where(turns, 0.0, -a * x * y / size)
+
+    def support(self, r: Intervals, s: Intervals, roll: Intervals, side: Intervals) -> Intervals:
+        """``max f . (r, s)`` over the friction set, per unit of load, for coefficients in intervals."""
+        r, s = abs(r), abs(s)
+        if self.rule == "box":
+            return roll * r + side * s
+        if self.rule == "ellipse":
+            return ((roll * r).square + (side * s).square).root
+        edge = side.within(roll)
+        across = (roll.square - edge.square).root
+        turned, stood = across * r + edge * s, roll * (r.square + s.square).root
+        stands = (edge.low * r.low >= across.high * s.high), (edge.high * r.high < across.low * s.low)
+        low = np.where(stands[0], stood.low, np.where(stands[1], turned.low, np.minimum(stood.low, turned.low)))
+        high = np.where(stands[1], turned.high, stood.high)  # the disc holds the set that the strip cuts from it
+        return Intervals(low, high)
+
+
+@dataclass(frozen=True)
+class Quadrangles:
+    """Several quadrangles about the origin, counterclockwise, that cover their parts of rings.
+
+    Attributes:
+        corners: (pieces, 4, 2).
+    """
+
+    corners: Floats
+
+    @classmethod
+    def of_rings(cls, inner: Floats, outer: Floats, sectors: int) -> Quadrangles:
+        """Of rings one after the other, ``sectors`` of each.
+
+        Neighbours share their corners to the last bit, so that no gap is between them.
+        """
+        angles = 2 * math.pi * np.arange(sectors) / sectors
+        rays = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+        following = np.roll(rays, -1, axis=0)
+        near = (inner * (1 - MARGIN))[:, None, None]
+        far = (outer * (1 + MARGIN) / math.cos(math.pi / sectors))[:, None, None]
+        corners = np.stack([near * rays, far * rays, far * following, near * following], axis=2)
+        return cls(corners.reshape(-1, 4, 2))
+
+    @property
+    def middles(self) -> Floats:
+        """(pieces, 2)."""
+        return self.corners.mean(axis=1)
+
+
+class BalancedForces:
+    """A centred scene under ``box``, ``ellipse`` or ``roller`` with known loads; its rounded numbers are intervals."""
+
+    def __init__(self, scene: Scene) -> None:
+        with ctx.workprec(PRECISION):
+            loads = load_box(scene, arb(0))
+            if loads is None:
+                raise ArithmeticError("required springs that fix the loads")
+            wheels = scene.wheels
+            self.forms = [Intervals.about([form[k] for form in loads.forms]) for k in range(3)]
+            axes = [tuple(entry.ball() for entry in wheel.unit_grip) for wheel in wheels]
+            places = [tuple(entry.ball() for entry in wheel.position) for wheel in wheels]
+            self.length = math.sqrt(np.mean([float(x) ** 2 + float(y) ** 2 for x, y in places])) or 1.0
+            rows, levers = [], []
+            for (a, b), (x, y) in zip(axes, places, strict=True):
+                rows.append([(a, b), (-b, a)])
+                levers.append([(x * b - y * a) / self.length, (x * a + y * b) / self.length])
+            # slips by (v, length omega): along and across the axis of each wheel
+            self.rows = [
+                [Intervals.about([row[kind][k] for row in rows]) for k in range(2)]
+                + [Intervals.about([lever[kind] for lever in levers])]
+                for kind in range(2)
+            ]
+            speeds = [tuple(entry.ball() for entry in wheel.slip_speeds) for wheel in wheels]
+            self.speeds = [Intervals.about([speed[kind] for speed in speeds]) for kind in range(2)]
+            self.roll = Intervals.about([wheel.friction.roll.ball() for wheel in wheels])
+            self.side = Intervals.about([wheel.friction.side.ball() for wheel in wheels])
+            self._gram = self._least_eigenvalue(rows, levers)
+        self.shape = FrictionShape(scene.contact.rule, self.roll.middle, self.side.middle)
+        self.fastest = float(max(abs(speed.middle).max() for speed in self.speeds)) or 1.0
+
+    def _least_eigenvalue(self, rows: list[list[tuple[arb, arb]]], levers: list[list[arb]]) -> float:
+        """A lower bound of the least eigenvalue of ``sum_i row_i row_i^T``: ``4 det/trace^2``, all three positive."""
+        matrix = [[arb(0)] * 3 for _ in range(3)]
+        for row, lever in zip(rows, levers, strict=True):
+            for kind in range(2):
+                entries = (*row[kind], lever[kind])
+                for i in range(3):
+                    for j in range(3):
+                        matrix[i][j] += entries[i] * entries[j]
+        (a, b, c), (_, d, e), (_, _, f) = matrix
+        determinant = a * (d * f - e * e) - b * (b * f - e * c) + c * (b * e - d * c)
+        trace = a + d + f
+        return max(float(rational_below(4 * determinant / (trace * trace))) * (1 - 2.0**-40), 0.0)
+
+    # ---- floats: what is proposed -----------------------------------------------------------------
+
+    @cached_property
+    def _float_rows(self) -> tuple[Floats, Floats]:
+        """Along and across, (wheels, 3) each."""
+        along, across = (np.stack([entry.middle for entry in row], axis=1) for row in self.rows)
+        return along, across
+
+    def float_loads(self, places: Floats) -> Floats:
+        """(..., wheels)."""
+        one, by_x, by_y = (form.middle for form in self.forms)
+        return np.asarray(one + places[..., :1] * by_x + places[..., 1:] * by_y)
+
+    def minimizers(self, places: Floats, pulls: Floats, start: Floats | None = None) -> Floats:
+        """About the twists ``(v, length omega)`` at which ``D - G . xi`` is least, (m, 3).
+
+        Args:
+            places: of the body (m, 2).
+            pulls: G (m, 3).
+            start: where the search begins (m, 3).
+        """
+        twists = np.zeros((len(places), 3)) if start is None else start.copy()
+        loads = self.float_loads(places)
+        for rounding in ROUNDINGS:
+            twists = self._newton(twists, loads, pulls, rounding * self.fastest)
+        return twists
+
+    def _newton(self, twists: Floats, loads: Floats, pulls: Floats, width: float) -> Floats:
+        """Newton's method on the rounded D; a step is halved while the gradient along it does not point back."""
+        open_ones = np.arange(len(twists))
+        scale = loads.sum(axis=1).mean() * float(self.shape.roll.max())
+        for _ in range(STEPS):
+            now, load, pull = twists[open_ones], loads[open_ones], pulls[open_ones]
+            gradient, slope = self._gradient(now, load, pull, width, hessian=True)
+            trace = np.trace(slope, axis1=1, axis2=2)[:, None, None]
+            slope = slope + (2.0**-36 * trace + 2.0**-60 * scale / self.fastest) * np.eye(3)
+            step = -np.linalg.solve(slope, gradient[:, :, None])[:, :, 0]
+            # far away D has no curvature, and steps would lead farther still
+            size = np.minimum(LONGEST * self.fastest / np.maximum(np.abs(step).max(axis=1, keepdims=True), TINY), 1.0)
+            for _ in range(HALVINGS):
+                ahead, _ = self._gradient(now + size * step, load, pull, width, hessian=False)
+                # D is convex along the step: its slope there must not be steeper ahead than it was behind
+                worse = (ahead * step).sum(axis=1) > 0.5 * np.abs((gradient * step).sum(axis=1)) + 2.0**-44 * scale * (
+                    np.abs(step).sum(axis=1)
+                )
+                if not worse.any():
+                    break
+                size = np.where(worse[:, None], size / 2, size)
+            twists[open_ones] = now + size * step
+            left = np.abs(gradient).max(axis=1) > 2.0**-46 * scale
+            open_ones = open_ones[left]
+            if not len(open_ones):
+                break
+        return twists
+
+    def _gradient(
+        self, twists: Floats, loads: Floats, pulls: Floats, width: float, *, hessian: bool
+    ) -> tuple[Floats, Floats]:
+        """Of ``D - G . xi``, (m, 3), and its derivative (m, 3, 3)."""
+        along, across = self._float_rows
+        r = twists @ along.T - self.speeds[0].middle
+        s = twists @ across.T - self.speeds[1].middle
+        f, g = self.shape.force(r, s, width)
+        gradient = (loads * f) @ along + (loads * g) @ across - pulls
+        if not hessian:
+            return gradient, gradient
+        by_r, by_s, mixed = (loads * entry for entry in self.shape.stiffness(r, s, width))
+        slope = np.einsum("mw,wi,wj->mij", by_r, along, along) + np.einsum("mw,wi,wj->mij", by_s, across, across)
+        both = np.einsum("mw,wi,wj->mij", mixed, along, across)
+        return gradient, slope + both + both.transpose(0, 2, 1)
+
+    def pulls_at_rest(self, places: Floats) -> Floats:
+        """About the force inward on a body that is held at a place, turning as it would at the origin, (m)."""
+        zero = np.zeros((1, 2))
+        still = self.minimizers(zero, np.zeros((1, 3)))
+        still[:, :2] = 0.0
+        gradient, _ = self._gradient(
+            np.repeat(still, len(places), axis=0),
+            self.float_loads(places),
+            np.zeros((len(places), 3)),
+            ROUNDINGS[-1] * self.fastest,
+            hessian=False,
+        )
+        return np.asarray((gradient[:, :2] * places).sum(axis=1) / np.hypot(places[:, 0], places[:, 1]))
+
+    def forces(self, twists: Floats) -> tuple[Floats, Floats]:
+        """Inside the friction sets, per unit of load, (m, wheels) each."""
+        along, across = self._float_rows
+        r = twists @ along.T - self.speeds[0].middle
+        s = twists @ across.T - self.speeds[1].middle
+        f, g = self.shape.force(r, s, ROUNDINGS[-1] * self.fastest)
+        return INSIDE * f, INSIDE * g
+
+    # ---- intervals: what follows ------------------------------------------------------------------
+
+    def powers(self, corners: Floats, pulls: Triple, pushed: Floats, free: Floats) -> Floats:
+        """Upper bounds of ``G . xi`` at the corners of quadrangles, (pieces, 4), for all minimizers xi of D.
+
+        Args:
+            corners: (pieces, 4, 2).
+            pulls: G by ``(v, length omega)``, affine in the place on each quadrangle; (pieces, 4) each.
+            pushed: twists about where ``D - G . xi`` is least, (pieces, 4, 3).
+            free: ``xi^`` (pieces, 3).
+        """
+        x, y = (Intervals.of(corners[:, :, k])[..., None] for k in range(2))
+        one, by_x, by_y = self.forms
+        loads = one + by_x * x + by_y * y
+        shares = [each.reshape(len(corners), 4, -1) for each in self.forces(pushed.reshape(-1, 3))]
+        along, across = (loads * force for force in self._inside(*shares))
+        rest = [(along * self.rows[0][k] + across * self.rows[1][k]).sum(axis=-1) - pulls[k] for k in range(3)]
+        missing = (rest[0].square + rest[1].square + rest[2].square).root
+        twist = [Intervals.of(free[:, None, k : k + 1]) for k in range(3)]
+        r, s = (
+            row[0] * twist[0] + row[1] * twist[1] + row[2] * twist[2] - speed
+            for row, speed in zip(self.rows, self.speeds, strict=True)
+        )
+        dissipation = loads * self.shape.support(r, s, self.roll, self.side)
+        driven = along * self.speeds[0] + across * self.speeds[1]
+        bound = (dissipation + driven).sum(axis=-1) + missing * self._largest_twist(loads)
+        carried = (loads.low >= 0).all(axis=-1)
+        return np.where(carried, bound.high, np.inf)
+
+    def _inside(self, f: Floats, g: Floats) -> tuple[Intervals, Intervals]:
+        """Forces as intervals that hold one within the limits, whatever the coefficients are in their intervals.
+
+        The shares of the limits are what is chosen; with them forces are the coefficients times the shares.
+        """
+        if self.shape.rule == "roller":  # limits of one disc and of a strip: the least coefficients serve all
+            a, b = self.roll.low, np.minimum(self.roll.low, self.side.low)
+            across = np.clip(g, -b * INSIDE, b * INSIDE)
+            size = np.sqrt(np.maximum((a * INSIDE) ** 2 - across**2, 0.0))
+            return Intervals.of(np.clip(f, -size, size)), Intervals.of(across)
+        first, second = f / self.shape.roll, g / self.shape.side
+        if self.shape.rule == "box":
+            first, second = np.clip(first, -INSIDE, INSIDE), np.clip(second, -INSIDE, INSIDE)
+        else:
+            size = np.maximum(np.hypot(first, second) / INSIDE, 1.0)
+            first, second = first / size, second / size
+        return Intervals.of(first) * self.roll, Intervals.of(second) * self.side
+
+    def _largest_twist(self, loads: Intervals) -> Intervals:
+        """A bound of ``|(v, length omega)|`` for every minimizer in a quadrangle, from ``D(xi) <= D(0)``.
+
+        ``D(xi) >= sum_i N_i m (|(row_i . xi)| - |u_i|)`` with m the least coefficient, and ``sum_i |row_i . xi| >=
+        sqrt(xi . gram xi)``.
+        """
+        least = float(np.minimum(self.roll.low, self.side.low).min())
+        fastest = (self.speeds[0].square + self.speeds[1].square).root
+        total = (loads * self.roll * fastest + loads * self.side * fastest).sum(axis=-1).high
+        weakest = loads.low.min(axis=-1).min(axis=1, keepdims=True)
+        pull = weakest * least * math.sqrt(self._gram) * (1 - 2.0**-30)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            bound = np.where(pull > 0, 2 * total.max(axis=1, keepdims=True) / pull * (1 + 2.0**-30), HUGE)
+        return Intervals.of(bound)

@@ -1,0 +1,283 @@
+"""Where bodies end that start near the checked point, to an accuracy: a disc about it, or a place away from it.
+
+Bodies are followed by rings about a centre (:mod:`nonsmooth.proofs.robust.touching_rings`): about the checked point,
+about a place of rest near it, or about where a path from it ends.  Floats propose the centre, whose coordinates are
+then exact; what is proved of it is proved, wherever it lies.  With d its distance from the checked point, bodies from
+within ``R' - d`` of the point end within ``d + r'`` of it.
+
+Kinematics are exact: ``c' = v + omega J c``.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nonsmooth.proofs.robust.balanced_forces import BalancedForces
+from nonsmooth.proofs.robust.touching_rings import rings_about
+from nonsmooth.proofs.robust.ultimate_bound import root_above
+from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.support_polygon import outer_positions, support_polygon
+from nonsmooth.symbolic.tolerances import Tolerance
+from nonsmooth.symbolic.unknown_loads import UnknownLoads
+
+Floats: TypeAlias = NDArray[np.float64]
+Place: TypeAlias = tuple[Fraction, Fraction]
+Velocity: TypeAlias = Callable[[Floats], Floats]
+
+MOST_WHEELS = {"nearest": 400, "box": 30, "ellipse": 400, "roller": 400}
+WIDE = 5  # accuracies: the least radius of the largest disc of starts that is looked for
+CLOSE = Fraction(1, 256)  # of the accuracy: a smaller disc about a place of rest is not worth the time
+NEAR_REST = Fraction(1, 8)  # of its distance from the point: nor is one that small
+DIGITS = 9  # decimals of a centre, below those of the accuracy
+DRIFT_STEPS = 160
+FEW_STEPS = 40  # the same under rule box, where each takes longer
+GROWTH = 1.5  # of the steps in time of a path
+NEWTON_STEPS = 12
+STILL = 2.0**-20  # of the fastest wheel: a path so slow is at rest
+TIGHT = 2.0**-26  # of the accuracy: when a path is at rest
+DIFFERENCE = 2.0**-22  # of the size of the array, over which the field is differentiated
+
+
+@dataclass(frozen=True)
+class Ends:
+    """Where every body from near the point ends.
+
+    Attributes:
+        is_near: whether that is within the accuracy of the point; else it is farther away.
+        ends_within: radius of the disc about the point in which bodies end (length); None where they end away from it.
+        within: radius of the disc of starts (length).
+        after: time after which they are there and stay (time).
+        at: centre of the disc in which they end, from the checked point (length).
+        about: radius of that disc (length).
+    """
+
+    is_near: bool
+    ends_within: Fraction | None
+    within: Fraction
+    after: Fraction
+    at: Place
+    about: Fraction
+
+    @property
+    def distance(self) -> float:
+        """Of the centre from the point."""
+        return math.hypot(*(float(entry) for entry in self.at))
+
+
+def decide_ends(scene: Scene, accuracy: Fraction, box: Tolerance | None = None, *, rests: bool = False) -> Ends | None:
+    """Where bodies end that start near the point of a centred scene; None where that is not shown.
+
+    Args:
+        scene: centred, without an outline, with loads that are known where its rule needs them.
+        accuracy: a length.
+        box: tolerances, followed under rule ``nearest``.
+        rests: whether a body at the point is known to stay there, so that no other place is looked for.
+    """
+    if why_not_followed(scene):
+        return None
+    away = None
+    for centre in [(Fraction(0), Fraction(0))] if rests else _centres(scene, accuracy):
+        found = _about(scene, centre, accuracy, box)
+        if found is not None and found.is_near:
+            return found
+        away = away or found
+    return away
+
+
+def why_not_followed(scene: Scene) -> str:
+    """Why nothing is looked for; empty where something is."""
+    if scene.body is not None:
+        return "on its way a body may turn, and other wheels come under it"
+    most = MOST_WHEELS.get(scene.contact.rule, 0)
+    if len(scene.wheels) > most:
+        return f"under rule {scene.contact.rule} arrays of up to {most} wheels are followed"
+    if scene.contact.rule != "nearest" and isinstance(scene.contact.loads, UnknownLoads):
+        return "the loads are not known"
+    return ""
+
+
+def _about(scene: Scene, centre: Place, accuracy: Fraction, box: Tolerance | None) -> Ends | None:
+    """What rings about a centre show."""
+    x, y = (scene.field.rational(entry) for entry in centre)
+    distance = root_above(centre[0] ** 2 + centre[1] ** 2)
+    there = scene.checked_at((x, y), scene.check.radius).recentred() if distance else scene
+    most = min(
+        max(float(scene.check.radius) - float(distance), float(WIDE * accuracy + 2 * distance)), _standing(there)
+    )
+    through = 2 * float(accuracy) + float(distance)
+    if most <= through:
+        return None
+    wanted = max(CLOSE * accuracy, NEAR_REST * distance)
+    rings = rings_about(there, box, most, through, float(CLOSE * accuracy if distance > accuracy else wanted) / 2)
+    if rings is None or rings.start <= distance:
+        return None
+    start = rings.start - distance
+    near = max(rings.radius, min(wanted, accuracy - distance))
+    if distance + rings.radius <= accuracy and start >= 2 * accuracy:
+        return Ends(True, distance + near, start, rings.time_to(near), centre, near)
+    left = max(rings.radius, CLOSE * accuracy)
+    if distance * (1 - Fraction(1, 2**20)) - left > accuracy:
+        return Ends(False, None, start, rings.time_to(left), centre, left)
+    return None
+
+
+def _standing(scene: Scene) -> float:
+    """A radius about the point of a centred scene within which the body stands on the wheels."""
+    corners = support_polygon(outer_positions([wheel.position for wheel in scene.wheels]))
+    if len(corners) < 3:
+        return 0.0
+    places = np.array([[float(entry) for entry in corner] for corner in corners])
+    along = np.roll(places, -1, axis=0) - places
+    distances = (places[:, 0] * along[:, 1] - places[:, 1] * along[:, 0]) / np.hypot(along[:, 0], along[:, 1])
+    return float(distances.min()) * (1 - 2.0**-30)
+
+
+# ---- centres, proposed by floats ---------------------------------------------------------------
+
+
+def _centres(scene: Scene, accuracy: Fraction) -> Iterator[Place]:
+    """The point itself, a zero of the field near it, and where a path from it ends."""
+    velocity, size = _velocity(scene), float(accuracy)
+    still = STILL * max(abs(float(wheel.speed)) for wheel in scene.wheels)
+    if velocity is None:
+        return
+    seen: list[Floats] = []
+    for place in _proposed(scene, velocity, size, still):
+        if place is not None and all(np.hypot(*(place - other)) > size / 64 for other in seen):
+            seen.append(place)
+            unit = Fraction(10) ** (math.floor(math.log10(size)) - DIGITS)
+            x, y = (round(Fraction(float(entry)) / unit) * unit for entry in place)
+            yield x, y
+
+
+def _proposed(scene: Scene, velocity: Velocity, size: float, still: float) -> Iterator[Floats | None]:
+    if scene.contact.rule in {"ellipse", "roller"}:
+        yield _zero(velocity, size, float(scene.check.radius))
+        yield _end_of_stiff_path(velocity, size, float(scene.check.radius))
+    else:
+        yield np.zeros(2)
+        yield _end_of_path(velocity, size, still, FEW_STEPS if scene.contact.rule == "box" else DRIFT_STEPS)
+    yield np.zeros(2)
+
+
+def _velocity(scene: Scene) -> Velocity | None:
+    """Of the centre of mass at a place, in floats."""
+    if scene.contact.rule == "nearest":
+        return _nearest_velocity(scene)
+    try:
+        forces = BalancedForces(scene)
+    except ArithmeticError:
+        return None
+
+    def velocity(places: Floats) -> Floats:
+        several = np.atleast_2d(places)
+        x, y, spin = forces.minimizers(several, np.zeros((len(several), 3))).T
+        omega = spin / forces.length
+        found = np.stack([x - omega * several[:, 1], y + omega * several[:, 0]], axis=1)
+        return found if places.ndim > 1 else found[0]
+
+    return velocity
+
+
+def _nearest_velocity(scene: Scene) -> Velocity:
+    """Both rows of the nearest wheel, then the rows of the next ones in the order of their friction."""
+    places = np.array([[float(entry) for entry in wheel.position] for wheel in scene.wheels])
+    rims = np.array([[float(entry) for entry in wheel.unit_direction] for wheel in scene.wheels])
+    speeds = [float(wheel.speed) for wheel in scene.wheels]
+    rows = []
+    for k, wheel in enumerate(scene.wheels):
+        (a, b), (x, y) = rims[k], places[k]
+        along, across = ([a, b, x * b - y * a], speeds[k]), ([-b, a, x * a + y * b], 0.0)
+        rows.append([along, across] if wheel.friction.roll >= wheel.friction.side else [across, along])
+
+    def velocity(place: Floats) -> Floats:
+        chosen: list[tuple[list[float], float]] = []
+        for k in np.argsort(np.hypot(*(places - place).T)):
+            for row in rows[k]:
+                trial = np.array([entries for entries, _ in [*chosen, row]])
+                if np.linalg.svd(trial, compute_uv=False)[-1] > 2.0**-30:
+                    chosen.append(row)
+                if len(chosen) == 3:
+                    x, y, omega = np.linalg.solve(trial, [value for _, value in chosen])
+                    return np.array([x - omega * place[1], y + omega * place[0]])
+        return np.zeros(2)
+
+    return velocity
+
+
+def _field_beside(velocity: Velocity, place: Floats, step: float) -> tuple[Floats, Floats]:
+    """The velocity at a place and its derivative, by differences."""
+    around = place + step * np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]])
+    here, east, west, north, south = velocity(around)
+    return here, np.column_stack([east - west, north - south]) / (2 * step)
+
+
+def _end_of_stiff_path(velocity: Velocity, size: float, most: float) -> Floats | None:
+    """Where a path from the point ends, by implicit steps in time that become longer; None where they lead away."""
+    place, duration = np.zeros(2), 0.0
+    for _ in range(DRIFT_STEPS // 2):
+        here, slope = _field_beside(velocity, place, DIFFERENCE * most)
+        speed = float(np.hypot(*here))
+        if not np.isfinite(slope).all() or not np.isfinite(speed):
+            return None
+        duration = duration * GROWTH or size / 4 / speed if speed else 0.0
+        if not duration:
+            return place
+        try:
+            move = np.linalg.solve(np.eye(2) - duration * slope, duration * here)
+        except np.linalg.LinAlgError:
+            return None
+        length = float(np.hypot(*move))
+        if length > size:  # the field is not linear so far
+            move, duration = move * size / length, duration / GROWTH**3
+        place = place + move
+        if np.hypot(*place) > 2 * most:
+            return None
+        if length <= TIGHT * size:
+            break
+    return place
+
+
+def _zero(velocity: Velocity, size: float, most: float) -> Floats | None:
+    """By Newton's method from the point, with differences; None where it leaves the checked square."""
+    place = np.zeros(2)
+    for _ in range(NEWTON_STEPS):
+        here, slope = _field_beside(velocity, place, DIFFERENCE * most)
+        try:
+            move = -np.linalg.solve(slope, here)
+        except np.linalg.LinAlgError:
+            return None
+        length = float(np.hypot(*move))
+        if not np.isfinite(length):
+            return None
+        place = place + move * min(1.0, most / 4 / length if length else 1.0)
+        if np.hypot(*place) > most:
+            return None
+        if length <= TIGHT * size:
+            return place
+    return None
+
+
+def _end_of_path(velocity: Velocity, size: float, still: float, steps: int) -> Floats | None:
+    """Where steps along the field lead that become shorter whenever it turns back; None where they lead away."""
+    place, step = np.zeros(2), size / 2
+    before = np.zeros(2)
+    for _ in range(steps):
+        now = velocity(place)
+        speed = float(np.hypot(*now))
+        if not np.isfinite(speed):
+            return None
+        if speed <= still or step <= TIGHT * size:
+            return place
+        now = now / speed
+        if now @ before < 0:
+            step /= 2
+        place, before = place + step * now, now
+    return place
