@@ -15,11 +15,18 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import lru_cache
 
+from nonsmooth.analysis.cells.fan import CellCone, rays_of
 from nonsmooth.analysis.cells.partition import RefusalError
+from nonsmooth.analysis.cells.polygon import Point
+from nonsmooth.proofs.clauses.translation.clause import AnyTranslation
+from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, Move, MoveEvidence
 from nonsmooth.proofs.robust.drift import driven_out
 from nonsmooth.proofs.robust.ends import Ends, decide_ends, why_not_followed
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
+from nonsmooth.symbolic.constraints import Twist
+from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.rounded import either_way
+from nonsmooth.symbolic.plane import cross, dot
 from nonsmooth.symbolic.scene import Scene, Wheel
 
 
@@ -58,6 +65,7 @@ class _Asked:
     scene: Scene
     equilibrium: Equilibrium
     translation: Translation
+    fan: FanResult | None
 
     def __hash__(self) -> int:
         return hash((id(self.scene), self.equilibrium, self.translation))
@@ -70,7 +78,7 @@ class _Asked:
         )
 
 
-def nearness(scene: Scene, equilibrium: Equilibrium, translation: Translation) -> Nearness:
+def nearness(scene: Scene, equilibrium: Equilibrium, translation: AnyTranslation) -> Nearness:
     """Where bodies near the checked point end; what the clauses say of it may spare the search.
 
     Args:
@@ -78,7 +86,7 @@ def nearness(scene: Scene, equilibrium: Equilibrium, translation: Translation) -
         equilibrium: whether the point is a place of rest.
         translation: what bodies beside it do.
     """
-    return _decided(_Asked(scene, equilibrium, translation))
+    return _decided(_Asked(scene, equilibrium, translation.verdict, getattr(translation, "fan", None)))
 
 
 @lru_cache(maxsize=16)  # an answer is asked for several times
@@ -94,8 +102,44 @@ def _decided(asked: _Asked) -> Nearness:
         if ends is not None or (holds and asked.translation is Translation.STABLE):
             return Nearness(ends)
         if holds:
-            return Nearness(is_thrown_out=_is_thrown_out(scene, accuracy))
+            out = asked.fan is not None and any(
+                _is_carried_out(move, asked.fan, accuracy) for move in asked.fan.evidence
+            )
+            return Nearness(is_thrown_out=out or _is_thrown_out(scene, accuracy))
         return Nearness(out_after=driven_out(centred, accuracy))
+
+
+def _is_carried_out(move: MoveEvidence, fan: FanResult, accuracy: Fraction) -> bool:
+    """Whether a body slides outward along a ray of the fan, between the same two cells, farther than the accuracy.
+
+    At the place ``lambda r`` of the ray r the velocity of a cell has the normal part ``J r . v + lambda omega r . r``,
+    which is affine in lambda, and the radial part ``r . v``.  Where the normal parts of the two cells oppose each other
+    at both ends of a piece of the ray they do so on all of it.
+    """
+    if move.move is not Move.SLIDE:
+        return False
+    ray = move.ray
+    size = float(dot(ray, ray)) ** 0.5
+    most = Fraction(float(accuracy) / size) * (1 + Fraction(1, 2**20))
+    end = ray[0] * most, ray[1] * most
+    for _, before, after in rays_of(fan.cones):
+        cells = [cone.cell for cone in (before, after) if isinstance(cone, CellCone)]
+        twists = (before.twists[0], after.twists[0])
+        if after.start is ray and len(cells) == 2 and set(twists) == set(move.twists):
+            inside = all(cell.polygon.contains(end) for cell in cells)
+            return inside and dot(end, end) > accuracy * accuracy and _slides_outward(ray, twists, most)
+    return False
+
+
+def _slides_outward(ray: Point, twists: tuple[Twist, Twist], most: Fraction) -> bool:
+    """Whether the mixture of two motions along a ray leads outward all along a piece of it."""
+    normal = [(cross(ray, twist.velocity), twist.omega * dot(ray, ray)) for twist in twists]
+    first, second = ([at + by * part for part in (Fraction(0), most)] for at, by in normal)
+    outward, inward = (dot(ray, twist.velocity) for twist in twists)
+    if not all(sign(a * b) < 0 for a, b in zip(first, second, strict=True)):
+        return False
+    speeds = [sign(b * outward - a * inward) * sign(b - a) for a, b in zip(first, second, strict=True)]
+    return speeds[0] >= 0 and speeds[1] > 0
 
 
 def _is_thrown_out(scene: Scene, accuracy: Fraction) -> bool:

@@ -40,7 +40,7 @@ def position_answer(scene: Scene, results: Results, *, may_look: bool = True) ->
     verdict = _by_clauses(results)
     if verdict is Position.COMES_HOME or not may_look:
         return Answer("position", verdict, tuple(_facts(scene, results, verdict, None)))
-    found = nearness(scene, Equilibrium(results["equilibrium"].verdict), _translation(results).verdict)
+    found = nearness(scene, Equilibrium(results["equilibrium"].verdict), _translation(results))
     verdict = _to_the_accuracy(verdict, found)
     return Answer("position", verdict, tuple(_facts(scene, results, verdict, found)))
 
