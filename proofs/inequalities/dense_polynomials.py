@@ -1,4 +1,4 @@
-"""Polynomials in one variable as dense coefficients, ascending, over the scene's field."""
+"""Polynomials in one variable as dense coefficients, ascending, over the scene's field; those on an edge among them."""
 
 from __future__ import annotations
 
@@ -6,7 +6,10 @@ from collections.abc import Sequence
 from itertools import dropwhile
 from typing import Any, TypeAlias
 
+from nonsmooth.analysis.cells.region import Segment
+from nonsmooth.symbolic.numbers.lazy import evaluated
 from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.polynomial import Polynomial, in_generators
 
 Coefficients: TypeAlias = Sequence[Number]
 
@@ -80,3 +83,17 @@ def greatest_divisor(first: Coefficients, second: Coefficients) -> list[Number]:
         rest = divided(a, b)[1]
         a, b = b, scaled(rest) if rest else rest
     return a
+
+
+def along_edge(polynomial: Polynomial, edge: Segment, degree: int | None = None) -> list[Number]:
+    """A polynomial in (x, y) at the points ``g + t h``, t > 0, of an edge, times a power of w, which is positive there.
+
+    Args:
+        polynomial: the polynomial.
+        edge: the generators g and h.
+        degree: of the result, leading zeros included; that of the polynomial by default.
+    """
+    top = polynomial.degree if degree is None else degree
+    ends = [tuple(map(evaluated, generator)) for generator in edge]
+    terms = in_generators(polynomial.homogenized(top).terms, ends)
+    return [polynomial.field(terms.get((top - k, k), 0)) for k in range(top + 1)]

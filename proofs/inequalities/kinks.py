@@ -25,11 +25,17 @@ from typing import Any
 
 from nonsmooth.analysis.cells.region import Segment
 from nonsmooth.analysis.cells.switched_cells import LyapunovCell
-from nonsmooth.proofs.inequalities.dense_polynomials import Coefficients, difference, product, trimmed, value
+from nonsmooth.proofs.inequalities.dense_polynomials import (
+    Coefficients,
+    along_edge,
+    difference,
+    product,
+    trimmed,
+    value,
+)
 from nonsmooth.proofs.inequalities.effort import require_effort
 from nonsmooth.proofs.inequalities.real_roots import RealRoot, positive_roots, separated
-from nonsmooth.symbolic.numbers.lazy import evaluated
-from nonsmooth.symbolic.numbers.polynomial import Polynomial, in_generators
+from nonsmooth.symbolic.numbers.polynomial import Polynomial
 
 OF_A_SIGN = 4  # coefficients of a cone that cost as much as one of a polynomial whose sign at a root is asked for
 SHORT = 4  # coefficients up to which square roots in them make little difference
@@ -98,10 +104,7 @@ class Kink:
 
     def along(self, polynomial: Polynomial, degree: int | None = None) -> Coefficients:
         """A polynomial on the edge, times a power of w that is positive there."""
-        top = polynomial.degree if degree is None else degree
-        exact = [tuple(map(evaluated, g)) for g in self.edge]
-        terms = in_generators(polynomial.homogenized(top).terms, exact)
-        return tuple(polynomial.field(terms.get((top - k, k), 0)) for k in range(top + 1))
+        return tuple(along_edge(polynomial, self.edge, degree))
 
     @property
     def is_continuous(self) -> bool:

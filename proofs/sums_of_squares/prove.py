@@ -25,11 +25,6 @@ class Proved:
     claim: GuardedClaim
     evidence: SumOfSquares
 
-    def proves_condition(self, condition: Condition) -> bool:
-        """Whether the claim is a condition without parameters, and follows from the evidence."""
-        asked = claim_of(normalized(condition), strict=self.claim.strict)
-        return not condition.slopes and self.claim == asked and self.evidence.proves(self.claim)
-
 
 class Effort(Enum):
     """How far a proof is looked for."""

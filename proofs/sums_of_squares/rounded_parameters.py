@@ -12,7 +12,7 @@ from flint import fmpq, fmpq_mat
 
 from nonsmooth.proofs.sums_of_squares.ansatz import Ansatz, Condition, reached
 from nonsmooth.proofs.sums_of_squares.conic_program import Solution, entries
-from nonsmooth.proofs.sums_of_squares.rounding import nearest
+from nonsmooth.proofs.sums_of_squares.rounding import nearest, particular_solution
 from nonsmooth.symbolic.numbers.polynomial import Exponents
 
 
@@ -74,18 +74,11 @@ def _solved(
 ) -> tuple[fmpq, ...] | None:
     """The values with those changed that the equations determine, parameters before others."""
     columns = sorted({k for row in rows for k in row})
-    place = {column: j for j, column in enumerate(columns)}
-    listed = [[fmpq(0)] * (len(columns) + 1) for _ in rows]
-    for line, row, right in zip(listed, rows, rights, strict=True):
-        for column, c in row.items():
-            line[place[column]] = c
-        line[-1] = right
-    reduced, rank = fmpq_mat(listed).rref()
-    for i in range(rank):
-        line = [reduced[i, j] for j in range(len(columns) + 1)]
-        pivot = next(j for j, c in enumerate(line) if c)
-        if pivot == len(columns):
-            return None
-        rest = sum((line[j] * values[columns[j]] for j in range(pivot + 1, len(columns)) if line[j]), fmpq(0))
-        values[columns[pivot]] = line[-1] - rest
+    matrix = fmpq_mat(len(rows), len(columns), [row.get(k, fmpq(0)) for row in rows for k in columns])
+    errors = [right - sum(c * values[k] for k, c in row.items()) for row, right in zip(rows, rights, strict=True)]
+    change = particular_solution(matrix, fmpq_mat(len(rows), 1, errors))
+    if change is None:
+        return None
+    for j, column in enumerate(columns):
+        values[column] += change[j, 0]
     return tuple(values[:count])

@@ -9,17 +9,15 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
-from fractions import Fraction
 from itertools import combinations, pairwise
 
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.region import Segment, common_edges
 from nonsmooth.analysis.cells.switched_cells import FieldCell
 from nonsmooth.analysis.fields.stated_field import StatedField
-from nonsmooth.proofs.inequalities.dense_polynomials import Coefficients, trimmed, value
-from nonsmooth.proofs.inequalities.real_roots import RealRoot, positive_roots, separated
+from nonsmooth.proofs.inequalities.dense_polynomials import along_edge, trimmed, value
+from nonsmooth.proofs.inequalities.real_roots import RealRoot, positive_roots, samples_between, separated
 from nonsmooth.symbolic.constraints import cross_product
-from nonsmooth.symbolic.numbers.polynomial import Polynomial, in_generators
 from nonsmooth.symbolic.plane import dot
 
 
@@ -70,14 +68,12 @@ def are_parted(first: FieldCell, second: FieldCell) -> bool:
 
 def _parts(first: FieldCell, second: FieldCell, edge: Segment) -> Iterator[BorderPart]:
     a, b, _ = cross_product(*edge)  # positive inside the first cell
-    normal = [[along_edge(f * a + g * b, edge) for f, g in cell.velocities] for cell in (first, second)]
+    normal = [[trimmed(along_edge(f * a + g * b, edge)) for f, g in cell.velocities] for cell in (first, second)]
     curves = [curve for side in normal for curve in side if curve]
     roots = separated(root for curve in curves if len(curve) > 1 for root in positive_roots(curve))
     ends: list[tuple[Point, bool]] = [(_end(edge[0]), True), *(_root_point(r, edge) for r in roots)]
     ends.append((_end(edge[1]), True))
-    inner = [(p.high + q.low) / 2 for p, q in pairwise(roots)]
-    samples = [roots[0].low, *inner, roots[-1].high] if roots else [Fraction(1)]
-    for t, ((start, known), (end, named)) in zip(samples, pairwise(ends), strict=True):
+    for t, ((start, known), (end, named)) in zip(samples_between(roots), pairwise(ends), strict=True):
         signs = [{value(curve, t).sign() if curve else 0 for curve in side} for side in normal]
         fields = StatedField(first.velocities[0]), StatedField(second.velocities[0])
         yield BorderPart(start, end, border_kind(*signs), known and named, (a, b), fields)
@@ -110,12 +106,6 @@ def border_kind(first: set[int], second: set[int]) -> BorderKind:
     if first == {1} and second == {-1}:
         return BorderKind.REPELLING
     return BorderKind.CROSSING
-
-
-def along_edge(polynomial: Polynomial, edge: Segment) -> Coefficients:
-    """A polynomial at ``g + t h``, times a positive power of w; ascending in t."""
-    terms, top = in_generators(polynomial.homogenized().terms, list(edge)), polynomial.degree
-    return trimmed([polynomial.field(terms.get((top - k, k), 0)) for k in range(top + 1)])
 
 
 def _end(generator: tuple[object, ...]) -> Point:

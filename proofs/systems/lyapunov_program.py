@@ -25,7 +25,7 @@ Coefficients = tuple[Fraction, ...]
 def propose(rows: Floats) -> Iterator[Coefficients]:
     """Rounded coefficients that satisfy all rows in floats, short sums first; nothing where there are none."""
     everything = list(range(rows.shape[1]))
-    widest = _largest_margin(rows, everything)
+    widest = _kept_margin(rows, everything)
     if widest is None:
         return
     seen: set[Coefficients] = set()
@@ -42,31 +42,47 @@ def _pruned(rows: Floats, coefficients: Floats, share: float) -> Floats | None:
         kept = np.flatnonzero(np.abs(coefficients) >= share * np.abs(coefficients).max())
         if len(kept) == np.count_nonzero(coefficients):
             return coefficients
-        found = _largest_margin(rows, kept.tolist())
+        found = _kept_margin(rows, kept.tolist())
         if found is None:
             return None
         coefficients = found
 
 
-def _largest_margin(rows: Floats, kept: Sequence[int]) -> Floats | None:
+def _kept_margin(rows: Floats, kept: Sequence[int]) -> Floats | None:
     """The coefficients of the functions that are kept, zero for the others; None without a margin, or beyond floats."""
-    from scipy.optimize import linprog
-
     used = normalized(rows[:, kept])
     if len(used) < len(rows) or not len(rows):
         return None  # where all functions vanish, so does V or its derivative
-    if not np.isfinite(used).all():
-        return None
-    count = used.shape[1]
-    costs = np.zeros(count + 1)
-    costs[-1] = -1.0
-    system = np.hstack([-used, np.ones((len(used), 1))])
-    found = linprog(costs, A_ub=system, b_ub=np.zeros(len(used)), bounds=[(-1, 1)] * count + [(0, 1)], method="highs")
-    if found.status != 0 or not found.x[-1] > LEAST_MARGIN:
+    found = largest_margin(used, used[:0], LEAST_MARGIN)
+    if found is None:
         return None
     coefficients = np.zeros(rows.shape[1])
-    coefficients[list(kept)] = found.x[:-1]
+    coefficients[list(kept)] = found
     return coefficients
+
+
+def largest_margin(positive: Floats, weak: Floats, least: float) -> Floats | None:
+    """Coefficients c, at most 1 in size, with the largest m such that ``r . c >= m`` for some rows, >= 0 for others.
+
+    Args:
+        positive: the rows with the margin.
+        weak: those without.
+        least: a margin below which nothing is proposed.
+
+    Returns:
+        None without such a margin, and for rows beyond floats.
+    """
+    from scipy.optimize import linprog
+
+    if not (np.isfinite(positive).all() and np.isfinite(weak).all()):
+        return None
+    count = positive.shape[1]
+    costs = np.zeros(count + 1)
+    costs[-1] = -1.0
+    system = np.hstack([-np.vstack([positive, weak]), np.repeat([[1.0], [0.0]], [len(positive), len(weak)], axis=0)])
+    bounds = [(-1, 1)] * count + [(0, 1)]
+    found = linprog(costs, A_ub=system, b_ub=np.zeros(len(system)), bounds=bounds, method="highs")
+    return np.asarray(found.x[:-1]) if found.status == 0 and found.x[-1] > least else None
 
 
 def _rounded(rows: Floats, coefficients: Floats) -> Coefficients | None:

@@ -20,12 +20,12 @@ from flint import fmpq
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.region import Region, Segment
 from nonsmooth.analysis.cells.switched_cells import LyapunovCell
-from nonsmooth.proofs.inequalities.dense_polynomials import Coefficients, trimmed
+from nonsmooth.proofs.inequalities.dense_polynomials import along_edge, trimmed
 from nonsmooth.proofs.inequalities.prover import Counterexample, Proof, Sense, prove
 from nonsmooth.proofs.inequalities.real_roots import positive_roots, samples_between, separated
 from nonsmooth.proofs.systems.rising_points import first_rise, short_below
 from nonsmooth.symbolic.numbers.number import Number, sign
-from nonsmooth.symbolic.numbers.polynomial import Polynomial, in_generators
+from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.surfaces import factorize
 
 BISECTIONS = 12  # after the first one: the level is the largest up to a part in four thousand
@@ -254,7 +254,7 @@ def border_edges(cell: LyapunovCell, radius: Number) -> Iterator[Segment]:
 
 def _point_below(polynomial: Polynomial, edge: Segment, guards: Sequence[Polynomial] = ()) -> Point | None:
     """A point of an edge at which a polynomial is negative and no guard is; None where there is none."""
-    curves = [along for along in (_along(p, edge) for p in (polynomial, *guards)) if along]
+    curves = [along for along in (trimmed(along_edge(p, edge)) for p in (polynomial, *guards)) if along]
     roots = separated(root for along in curves for root in positive_roots(along))
     places = [(x / w, y / w) for x, y, w in edge]
     for t in samples_between(roots):
@@ -264,10 +264,3 @@ def _point_below(polynomial: Polynomial, edge: Segment, guards: Sequence[Polynom
         if sign(polynomial(place)) < 0 and all(sign(guard(place)) >= 0 for guard in guards):
             return place
     return None
-
-
-def _along(polynomial: Polynomial, edge: Segment) -> Coefficients:
-    """A polynomial at the points ``g + t h`` of an edge, times a power of w; nothing for zero."""
-    top = polynomial.degree
-    terms = in_generators(polynomial.homogenized().terms, list(edge))
-    return tuple(trimmed([polynomial.field(terms.get((top - k, k), 0)) for k in range(top + 1)]))

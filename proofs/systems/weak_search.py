@@ -29,7 +29,7 @@ from nonsmooth.proofs.systems.lyapunov_basis import (
     lines_through,
     smooth_functions,
 )
-from nonsmooth.proofs.systems.lyapunov_program import Coefficients
+from nonsmooth.proofs.systems.lyapunov_program import Coefficients, largest_margin
 from nonsmooth.proofs.systems.lyapunov_rows import Floats, build_sides, build_weak_rows
 from nonsmooth.proofs.systems.lyapunov_search import MAX_CELLS, FoundLyapunov
 from nonsmooth.symbolic.expression import ExpressionError
@@ -131,7 +131,7 @@ def _propose(
     except (ExpressionError, SceneError):
         return
     positive, falling = build_weak_rows(build_sides(pieces, basis))
-    widest = _largest_margin(positive, falling)
+    widest = largest_margin(positive, falling, LEAST_MARGIN)
     if widest is None:
         return
     seen: set[Coefficients] = set()
@@ -166,23 +166,3 @@ def _shortest(positive: Floats, falling: Floats, widest: Floats) -> Floats:
         return widest
     first, second = np.split(found.x, 2)
     return np.asarray(first - second)
-
-
-def _largest_margin(positive: Floats, falling: Floats) -> Floats | None:
-    """The coefficients with the largest margin of V, whose derivative is nowhere positive; None without finite rows."""
-    from scipy.optimize import linprog
-
-    if not (np.isfinite(positive).all() and np.isfinite(falling).all()):
-        return None
-
-    count = positive.shape[1]
-    costs = np.zeros(count + 1)
-    costs[-1] = -1.0
-    above = np.hstack([-positive, np.ones((len(positive), 1))])
-    below = np.hstack([-falling, np.zeros((len(falling), 1))])
-    limits = np.zeros(len(above) + len(below))
-    bounds = [(-1, 1)] * count + [(0, 1)]
-    found = linprog(costs, A_ub=np.vstack([above, below]), b_ub=limits, bounds=bounds, method="highs")
-    if found.status != 0 or not found.x[-1] > LEAST_MARGIN:
-        return None
-    return np.asarray(found.x[:-1])
