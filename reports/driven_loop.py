@@ -25,6 +25,7 @@ from nonsmooth.analysis.minimizers.proved import proved
 from nonsmooth.analysis.trajectories.held_law import HeldLaw, PoseErrors, follow_held
 from nonsmooth.analysis.trajectories.result import Trajectory, TrajectoryError
 from nonsmooth.analysis.trajectories.smooth_path import follow_smooth
+from nonsmooth.analysis.trajectories.steppers import StiffAware
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, rim_speeds
 from nonsmooth.proofs.own_paths import ContradictionError
@@ -140,7 +141,8 @@ class DrivenLoop:
             return follow_held(self.held, own, until, self.errors)
         field = driven_field(self.cones, (0.0, 0.0), max(map(abs, own)), self.gain)
         if self.is_smooth:
-            return follow_smooth(field, own, until, rtol=TOLERANCE, atol=TOLERANCE * field.size)
+            stepper = StiffAware(TOLERANCE, TOLERANCE * field.size, field.size)
+            return follow_smooth(field, own, until, stepper=stepper)
         return follow_smooth(field, own, until)
 
     def _refuse_contradiction(self, path: Trajectory) -> None:

@@ -357,7 +357,7 @@ def run_beside_engine(scene: Scene, until: float) -> Run:
     x, y = (float(entry) for entry in scene.check.equilibrium)
     plate = plate_engine(scene, (x, y, 0.0), BRISK, timestep=TIMESTEP, time_constant=TIME_CONSTANT)
     plate.step(1.0)
-    path = BodyPath(scene, ellipse()).follow(plate.pose.tolist(), until)
+    path = BodyPath(ellipse().contacts(scene), scene).follow(plate.pose.tolist(), until)
     before, changes, error, fell, time = under(scene, plate.pose), list[Change](), 0.0, None, 0.0
     while time < until and fell is None:
         plate.step(SAMPLE)

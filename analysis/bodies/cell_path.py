@@ -9,7 +9,6 @@ apart: wheels that ``enter`` and ``leave``, wheels under the edge that the body 
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
@@ -17,9 +16,8 @@ import numpy as np
 
 from nonsmooth.analysis.bodies.moving_outline import MovingOutline
 from nonsmooth.analysis.bodies.outline_field import OutlineField
-from nonsmooth.analysis.bodies.outline_path import tipping_edge, wheel_changes
 from nonsmooth.analysis.bodies.set_cells import CellsBySet
-from nonsmooth.analysis.bodies.switching import Mode
+from nonsmooth.analysis.bodies.supports import CarryingWheels, finite_start, tipping_edge, wheel_changes
 from nonsmooth.analysis.contact_rule import CellRule
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.trajectories.result import EndReason, Event, EventKind, Piece, Trajectory
@@ -63,9 +61,7 @@ class CellPath:
             RefusalError: where the motion is not determined.
             TrajectoryError: where the path cannot be followed.
         """
-        pose = np.array(start, float)
-        if not (np.isfinite(pose).all() and 0 < until < math.inf):
-            raise ValueError(f"required a finite start and a positive last time, received {pose.tolist()} and {until}")
+        pose = finite_start(start, until)
         if not self.stands(start):
             raise ValueError("required a start where the body stands on its wheels, received one where it tips")
         return self._told(follow_smooth(self._field, self._own(pose).tolist(), until)).in_lengths(self._length)
@@ -98,8 +94,8 @@ class CellPath:
             if not told:
                 yield event
 
-    def _mode(self, piece: Piece) -> Mode:
+    def _mode(self, piece: Piece) -> CarryingWheels:
         """The wheels that carry in all cells of a stretch, and those that carry in some."""
         sets = [self._field.wheels_of[name] for name in piece.cells]
         carrying = frozenset.intersection(*sets)
-        return Mode(carrying, tuple(sorted(frozenset.union(*sets) - carrying)))
+        return CarryingWheels(carrying, tuple(sorted(frozenset.union(*sets) - carrying)))

@@ -10,10 +10,8 @@ import numpy as np
 from nonsmooth.analysis.bodies.set_motion import SetMotion
 from nonsmooth.analysis.bodies.some_contacts import contacts_of
 from nonsmooth.analysis.cells.loads import LoadError
-from nonsmooth.analysis.contact_rule import SmoothRule
-from nonsmooth.analysis.dynamics.ellipse_path import needs_drag
-from nonsmooth.analysis.fields.contact_model import Floats
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.analysis.dynamics.path_minimizer import needs_drag
+from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
 
 Wheels = frozenset[int]  # places in the scene's list of wheels
 
@@ -25,8 +23,9 @@ class TippedError(Exception):
 class ContactSets:
     """Pose rates ``(c', theta')`` by set of carrying wheels."""
 
-    def __init__(self, scene: Scene, rule: SmoothRule) -> None:
-        self._model = rule.contacts(scene)
+    def __init__(self, model: ContactModel) -> None:
+        """For the contacts of all wheels, with their friction sets."""
+        self._model = model
         self._motions: dict[Wheels, SetMotion] = {}
         self.evaluations = 0  # of rates so far: what a path costs
         self._last = np.zeros(3)  # twist of any set: where Newton's method begins on a new one
@@ -45,7 +44,8 @@ class ContactSets:
         """
         self.evaluations += 1
         motion = self.motion(wheels, pose)
-        motion.guess(self._last)
+        if self._last.any():
+            motion.guess(self._last)
         rate = motion.rate(pose)
         self._last = rate - rate[2] * np.array([-pose[1], pose[0], 0.0])
         return rate
@@ -72,10 +72,10 @@ class ContactSets:
             TippedError: for wheels that carried the body nowhere yet, and do not here.
         """
         if wheels not in self._motions:
-            if len(wheels) < 3:
+            if len(wheels) < min(3, self._model.wheels):
                 raise TippedError
             try:
                 self._motions[wheels] = SetMotion(contacts_of(self._model, sorted(wheels)), pose)
-            except LoadError:
-                raise TippedError from None
+            except LoadError as error:
+                raise TippedError from error
         return self._motions[wheels]

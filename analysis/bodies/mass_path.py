@@ -1,4 +1,4 @@
-"""The path of a body with mass and an outline: Newton-Euler equations, whose loads jump where wheels enter and leave.
+"""The path of a body with mass: Newton-Euler equations, whose loads jump where wheels enter and leave.
 
 Between such events the same wheels carry, and backward differentiation formulas follow the state
 ``(x, y, theta, w_x, w_y, omega)`` (:mod:`nonsmooth.analysis.dynamics.newton_euler`).  At an event only forces jump,
@@ -6,25 +6,21 @@ velocities do not: with ``g_i' != 0`` a wheel goes all the way under the body or
 to the edge from both sides, a wheel swings across it, ever faster and nearer, infinitely often.  Once a swing stays
 within :data:`HELD` of the body's size, the wheel is held at the edge: weights mix the accelerations with and without it
 so that ``g_i'' = 0``, which is the limit of such swings (Filippov), until a weight leaves [0, 1].
+
+A plain array is a body that covers all its wheels: no wheel comes to its edge.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, field
-from functools import partial
-from typing import Any
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from nonsmooth.analysis.bodies.body_stretch import DenseStep
 from nonsmooth.analysis.bodies.mixing import balancing_weights, mixed_of, subsets_of
-from nonsmooth.analysis.bodies.outline_path import OutlinePath, Wheels, wheel_changes
 from nonsmooth.analysis.bodies.some_contacts import contacts_of
-from nonsmooth.analysis.bodies.switching import Mode
+from nonsmooth.analysis.bodies.supports import CarriedBody, CarryingWheels, SupportMode, Wheels, finite_start
 from nonsmooth.analysis.cells.loads import LoadError
-from nonsmooth.analysis.dynamics.continuous_path import finite_start
 from nonsmooth.analysis.dynamics.moving_loads import MovingLoads
 from nonsmooth.analysis.dynamics.newton_euler import (
     CREEP,
@@ -33,81 +29,94 @@ from nonsmooth.analysis.dynamics.newton_euler import (
     NewtonEuler,
     RigidBody,
     absolute_tolerances,
+    array_size,
     speed_scale,
 )
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.analysis.trajectories.result import End, EndReason, Event, EventKind, Piece, Trajectory, TrajectoryError
+from nonsmooth.analysis.trajectories.follow import DenseStep, Mode, Path, follow
+from nonsmooth.analysis.trajectories.result import EndReason, TrajectoryError
+from nonsmooth.analysis.trajectories.steppers import Integrator
 from nonsmooth.symbolic.contact_set import require_elastic
 from nonsmooth.symbolic.scene import Scene
 
-ON_EDGE = 1e-10  # of the body's size: depths below are zero
 HELD = 1e-6  # of the body's size: a wheel that swings across the edge by less is held there
 MOST_EVENTS = 5_000
 DIFFERENCE = 1e-5  # of the time in which the body crosses itself: step of the edge's turning; errs by its square
 DAMPING = 10.0  # times a crossing at which what rounding and tolerance leave of g and g' of a held wheel is taken back
+SWINGS = f"it swings there by less than {HELD:g} of the body's size; drawn is the mean"
 
 
-@dataclass
-class _Log:
-    """The path so far: steps with their dense outputs, events, evaluations, and how far each wheel swings."""
+def simulate_dynamics(
+    model: ContactModel,
+    body: RigidBody,
+    start: Sequence[float],
+    until: float,
+    velocity: Sequence[float] = (0.0, 0.0, 0.0),
+) -> DynamicPath:
+    """Follow a body that covers all wheels from a pose and a velocity at time zero.
 
-    times: list[float]
-    states: list[Floats]
-    dense: list[Any] = field(default_factory=list)
-    events: list[Event] = field(default_factory=list)
-    pieces: list[Piece] = field(default_factory=list)
-    swings: dict[int, float] = field(default_factory=dict)
-    evaluations: int = 0
+    Args:
+        model: the array.
+        body: mass and inertia.
+        start: ``(x, y, theta)``.
+        until: last time.
+        velocity: ``(w_x, w_y, omega)`` of the centre of mass at the start; at rest unless given.
 
-    def state(self, time: float) -> Floats:
-        """State at a time within the path, shape (6,)."""
-        k = int(np.searchsorted(self.times, time, side="right")) - 1
-        return np.asarray(self.dense[min(max(k, 0), len(self.dense) - 1)](time))
+    Returns:
+        The path; it ends early where no loads exist any more (the body tips).
+
+    Raises:
+        ValueError: for a last time that is not positive, or numbers that are not finite.
+        nonsmooth.analysis.cells.loads.LoadError: for a start without loads.
+        TrajectoryError: where the integrator gives up.
+    """
+    return MassPath(model, body).follow(start, until, velocity)
 
 
-class MassPath(OutlinePath):
-    """Follows one body; the wheels that slide in a mode are held under its edge."""
+class MassPath(CarriedBody):
+    """Follows one body; the wheels that slide on a support are held under its edge."""
 
-    def __init__(self, scene: Scene, model: ContactModel, body: RigidBody) -> None:
-        """For a scene with a body, all its wheels in ``scene.wheels`` and in the model.
+    method, shown = "dynamics", 3
+
+    def __init__(self, model: ContactModel, body: RigidBody, scene: Scene | None = None) -> None:
+        """For contacts, and the scene of a body with an outline, with the same wheels.
 
         Raises:
             ValueError: for a scene without a body.
             SceneError: for loads that are known for one set of wheels only.
         """
-        super().__init__(scene)
-        require_elastic(scene)
-        self._model, self._body = model, body
-        self._speed = speed_scale(model, np.zeros(3))
+        super().__init__(model, scene)
+        if scene is not None:
+            require_elastic(scene)
+        self._body = body
         self._equations: dict[Wheels, NewtonEuler] = {}
 
-    def follow(self, start: Sequence[float], until: float) -> DynamicPath:
-        """The path from ``(x, y, theta)`` at rest.
+    def follow(self, start: Sequence[float], until: float, velocity: Sequence[float] = (0.0, 0.0, 0.0)) -> DynamicPath:
+        """The path from ``(x, y, theta)`` with a velocity of the centre of mass, ``(w_x, w_y, omega)``.
 
         Raises:
             ValueError: for a last time that is not positive, numbers that are not finite, and a start where the body
                 tips.
+            LoadError: for a start of an array without loads.
             TrajectoryError: where the integrator gives up.
         """
-        log = _Log([0.0], [np.concatenate([finite_start(start, until), np.zeros(3)])])
-        mode = Mode(frozenset(np.flatnonzero(self._outline.depths(log.states[0][:3]) > 0).tolist()))
-        if not self._carry(mode.carrying, log.states[0]):
-            raise ValueError("required a start where the body stands on its wheels, received one where it tips")
-        notes = {EventKind.SLIDE: f"it swings there by less than {HELD:g} of the body's size; drawn is the mean"}
-        for _ in range(MOST_EVENTS):
-            reason, signal = self._stretch(log, mode, until)
-            if reason is None:
-                following = self._after(log, mode, signal)
-                pose = tuple(log.states[-1][:3].tolist())
-                for kind, words in wheel_changes(self._scene, mode, following):
-                    log.events.append(Event(log.times[-1], pose, kind, words, note=notes.get(kind, "")))
-                mode = following
-                if not self._carry(mode.carrying, log.states[-1]):
-                    reason = EndReason.TIPS
-            if reason is not None:
-                return self._ended(log, mode, reason)
-        return self._ended(log, mode, EndReason.EVENTS)
+        state = finite_start([*start, *velocity], until)
+        self._speed = speed_scale(self.model, state[3:])
+        self._support = CarryingWheels(frozenset(np.flatnonzero(self.outline.depths(state[:3]) > 0).tolist()))
+        self._swings: dict[int, float] = {}  # how far each wheel that crossed the edge has come from it since
+        self._evaluations = 0
+        if self.scene is None:
+            self._on(self._support.carrying, state)
+        elif not self._carry(self._support.carrying, state):
+            raise self.refusal(LoadError("required loads"))
+        size = array_size(self.model) if self.scene is None else self.outline.size
+        stepper = Integrator("BDF", RELATIVE_TOLERANCE, absolute_tolerances(size, self._speed))
+        path = follow(self, (0.0, state), until, stepper)
+        times, states = path.ends_of_steps()
+        trajectory = path.trajectory(Kinematics.EXACT.value, self.method)
+        creep = CREEP * self._speed
+        return DynamicPath(self._body, creep, times, states, trajectory, self._evaluations, path.at)
 
     # ---- motions on sets of wheels ---------------------------------------------------------------
 
@@ -118,113 +127,112 @@ class MassPath(OutlinePath):
             LoadError: for wheels that carried the body nowhere yet, and do not here.
         """
         if wheels not in self._equations:
-            if len(wheels) < 3:
+            if len(wheels) < min(3, self.model.wheels):
                 raise LoadError("required three wheels under the body")
-            model = contacts_of(self._model, sorted(wheels))
+            model = contacts_of(self.model, sorted(wheels))
             loads = MovingLoads(model, state[:2])
             self._equations[wheels] = NewtonEuler(model, self._body, loads, CREEP * self._speed)
         return self._equations[wheels]
 
-    def _margins(self, carrying: Wheels, states: Floats) -> Floats:
+    def margins(self, carrying: Wheels, states: Floats) -> Floats:
+        """See :class:`nonsmooth.analysis.bodies.supports.CarriedBody`."""
         return self._on(carrying, states[0]).loads.margins(states[:, :2])
 
     def _carry(self, wheels: Wheels, state: Floats) -> bool:
         try:
-            return bool(self._margins(wheels, state[None])[0] > 0)
+            return bool(self.margins(wheels, state[None])[0] > 0)
         except LoadError:
             return False
 
-    def _held_rate(self, mode: Mode, t: float, state: Floats) -> Floats:
-        """Time derivative of the state, shape (6,), with wheels held at the edge.
+    def _held_rate(self, support: CarryingWheels) -> Callable[[float, Floats], Floats]:
+        """Time derivative of the state, shape (6,), with wheels held at the edge."""
 
-        Raises:
-            TrajectoryError: where no weights hold them.
-        """
-        rates, weights = self._mixture(mode, state)
-        if weights is None:
-            raise TrajectoryError("required weights that keep the wheels under the edge, received none")
-        return mixed_of(rates, weights)
+        def rate(t: float, state: Floats) -> Floats:
+            rates, weights = self._mixture(support, state)
+            if weights is None:
+                raise TrajectoryError("required weights that keep the wheels under the edge, received none")
+            return mixed_of(rates, weights)
 
-    def _weights(self, mode: Mode, state: Floats) -> Floats:
-        weights = self._mixture(mode, state)[1]
-        return np.full(len(mode.sliding), np.nan) if weights is None else weights
+        return rate
 
-    def _mixture(self, mode: Mode, state: Floats) -> tuple[Floats, Floats | None]:
+    def weights(self, support: CarryingWheels, state: Floats) -> Floats:
+        """See :class:`nonsmooth.analysis.bodies.supports.CarriedBody`."""
+        weights = self._mixture(support, state)[1]
+        return np.full(len(support.sliding), np.nan) if weights is None else weights
+
+    def _mixture(self, support: CarryingWheels, state: Floats) -> tuple[Floats, Floats | None]:
         """The rates with each subset of the held wheels (2^k, 6), and the weights with which they stay at the edge.
 
         These make ``g'' = -2 d g' - d^2 g``: zero, but for what takes back rounding.
         """
-        held, crossing = list(mode.sliding), self._outline.size / self._speed
-        rates = np.array([self._on(mode.carrying | subset, state).rate(0.0, state) for subset in subsets_of(held)])
+        held, crossing = list(support.sliding), self.outline.size / self._speed
+        rates = np.array([self._on(support.carrying | subset, state)(0.0, state) for subset in subsets_of(held)])
         pose, velocity, step, damping = state[:3], state[3:], DIFFERENCE * crossing, DAMPING / crossing
         edges, ahead, behind = (self._gradients(held, pose + way * velocity) for way in (0.0, step, -step))
         turning = ((ahead - behind) / (2 * step)) @ velocity
-        taken = 2 * damping * (edges @ velocity) + damping**2 * self._outline.depths(pose)[held]
+        taken = 2 * damping * (edges @ velocity) + damping**2 * self.outline.depths(pose)[held]
         accelerations = rates[:, 3:] @ edges.T + turning + taken
         return rates, balancing_weights(accelerations, len(held), np.full(len(held), 0.5))
 
     def _gradients(self, held: Sequence[int], pose: Floats) -> Floats:
         """``dg_i/d(x, y, theta)`` of held wheels, (k, 3)."""
-        return np.array([self._outline.gradient(pose, wheel) for wheel in held])
+        return np.array([self.outline.gradient(pose, wheel) for wheel in held])
 
-    # ---- between events --------------------------------------------------------------------------
+    # ---- the engine's questions ------------------------------------------------------------------
 
-    def _stretch(self, log: _Log, mode: Mode, until: float) -> tuple[EndReason | None, int]:
-        """Integrate until a signal changes; why the path ends there, or which signal it is."""
-        from scipy.integrate import BDF
+    def next_mode(self, path: Path) -> Mode | EndReason:
+        """The equations on the wheels that carry now."""
+        support = self._support
+        if len(path.stretches) >= MOST_EVENTS:
+            return EndReason.EVENTS
+        if path.stretches and not self._carry(support.carrying, path.state):
+            return self.tipped(path, support.carrying)
+        rate = self._held_rate(support) if support.sliding else self._on(support.carrying, path.state)
+        return SupportMode(self, support, rate)
 
-        start, state, found = log.times[-1], log.states[-1], None
-        rate = partial(self._held_rate, mode) if mode.sliding else self._on(mode.carrying, state).rate
-        jacobian = None if mode.sliding else self._on(mode.carrying, state).jacobian
-        absolute = absolute_tolerances(self._outline.size, self._speed)
-        solver = BDF(rate, start, state, until, rtol=RELATIVE_TOLERANCE, atol=absolute, jac=jacobian)
-        while solver.status == "running" and found is None:
-            before, message = solver.t, solver.step()
-            if solver.status == "failed":
-                raise TrajectoryError(f"the integrator stopped at t = {solver.t:.6g}: {message}")
-            part = DenseStep(before, solver.t, solver.dense_output())
-            found = self._first_change(mode, part, first=before == start)
-            self._keep(log, part, part.end if found is None else found[0])
-        log.evaluations += solver.nfev
-        log.pieces.append(self._piece(mode, start, [time for time in log.times if time >= start], log.state))
-        if found is None:
-            return EndReason.TIME, -1
-        return (EndReason.TIPS if found[1] == found[2] - 1 else None), found[1]
+    def passed(self, step: DenseStep, end: float) -> EndReason | None:
+        """Count the work, and note how far wheels have come from the edge."""
+        self._evaluations += step.work
+        if self._swings:
+            looks = step(np.linspace(step.start, end, 5)).T
+            depths = np.abs(self.outline.depths(looks[:, :3])).max(axis=0)
+            self._swings = {wheel: max(reached, float(depths[wheel])) for wheel, reached in self._swings.items()}
+        return None
 
-    def _keep(self, log: _Log, part: DenseStep, end: float) -> None:
-        """A step, up to a time, and how far each wheel has come from the edge in it."""
-        log.dense.append(part.state)
-        log.times.append(end)
-        log.states.append(part.state(end))
-        looks = part.state(np.linspace(part.start, end, 5)).T
-        depths = np.abs(self._outline.depths(looks[:, :3])).max(axis=0)
-        log.swings = {wheel: max(reached, float(depths[wheel])) for wheel, reached in log.swings.items()}
+    def arrive(self, path: Path, mode: Mode, met: int | None) -> EndReason | None:
+        """The wheels after an event."""
+        if met is None or not isinstance(mode, SupportMode):
+            return None
+        if met == mode.guards.margin:
+            return self.tipped(path, self._support.carrying)
+        before, self._support = self._support, self._after(path, met)
+        self.tell_changes(path, before, self._support, of_slides=SWINGS)
+        return None
 
-    # ---- at events -------------------------------------------------------------------------------
-
-    def _after(self, log: _Log, mode: Mode, signal: int) -> Mode:
+    def _after(self, path: Path, signal: int) -> CarryingWheels:
         """The wheels after an event; the velocity becomes tangent to the edges of wheels newly held."""
-        state, held, count = log.states[-1], mode.sliding, self._outline.count
+        state, support = path.state, self._support
+        held, count = support.sliding, self.outline.count
         if signal >= count:  # a weight leaves [0, 1]
             place = signal - count
             wheel = held[place % len(held)]
-            log.swings.pop(wheel, None)
-            carrying = mode.carrying | {wheel} if place >= len(held) else mode.carrying
-            return Mode(carrying, tuple(k for k in held if k != wheel))
-        depths = self._outline.depths(state[:3])
-        met = {signal, *np.flatnonzero(np.abs(depths) <= ON_EDGE * self._outline.size).tolist()}.difference(held)
-        swings = {k for k in met if log.swings.get(k, math.inf) < HELD * self._outline.size}
-        holding = Mode(mode.carrying - swings, tuple(sorted(swings.union(held))))
+            self._swings.pop(wheel, None)
+            carrying = support.carrying | {wheel} if place >= len(held) else support.carrying
+            return CarryingWheels(carrying, tuple(k for k in held if k != wheel))
+        depths = self.outline.depths(state[:3])
+        met = {signal, *np.flatnonzero(np.abs(depths) <= self.edge_depth).tolist()}.difference(held)
+        swings = {k for k in met if self._swings.get(k, math.inf) < HELD * self.outline.size}
+        holding = CarryingWheels(support.carrying - swings, tuple(sorted(swings.union(held))))
         if swings and all(self._carry(holding.carrying | subset, state) for subset in subsets_of(holding.sliding)):
             tangent = self._tangent(holding.sliding, state)
-            weights = self._weights(holding, tangent)
+            weights = self.weights(holding, tangent)
             if ((weights > 0) & (weights < 1)).all():  # forces push back to the edge from both sides
-                log.states[-1] = tangent
+                path.state = path.stretches[-1].states[-1] = tangent
                 return holding
-        rates = self._outline.rates(state[:3], state[3:], list(met))
+        rates = self.outline.rates(state[:3], state[3:], list(met))
         inside = {wheel for wheel, rate in zip(met, rates, strict=True) if rate > 0}
-        log.swings |= dict.fromkeys(met, 0.0)
-        return Mode((mode.carrying - met) | inside, held)
+        self._swings |= dict.fromkeys(met, 0.0)
+        return CarryingWheels((support.carrying - met) | inside, held)
 
     def _tangent(self, held: Sequence[int], state: Floats) -> Floats:
         """The state with the nearest velocity, by kinetic energy, that leaves held wheels under the edge."""
@@ -232,20 +240,3 @@ class MassPath(OutlinePath):
         pulled = (1 / self._body.masses)[:, None] * edges.T
         away = np.linalg.lstsq(edges @ pulled, edges @ state[3:], rcond=None)[0]
         return np.concatenate([state[:3], state[3:] - pulled @ away])
-
-    def _ended(self, log: _Log, mode: Mode, reason: EndReason) -> DynamicPath:
-        poses = [tuple(state[:3].tolist()) for state in log.states]
-        if reason is EndReason.TIPS:
-            log.events.append(self._tipping(log.times[-1], log.states[-1][:3], mode.carrying))
-        times, states = np.array(log.times), np.array(log.states)
-        trajectory = Trajectory(
-            Kinematics.EXACT.value,
-            "dynamics",
-            tuple(log.times),
-            tuple(poses),
-            tuple(log.events),
-            End(log.times[-1], poses[-1], reason),
-            True,
-            tuple(log.pieces),
-        )
-        return DynamicPath(self._body, CREEP * self._speed, times, states, trajectory, log.evaluations, log.state)

@@ -30,7 +30,7 @@ from nonsmooth.analysis.bodies.mass_path import MassPath
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.contact_rule import CellRule, SmoothRule, all_rules, contact_rule
-from nonsmooth.analysis.dynamics.newton_euler import DynamicPath, RigidBody, simulate_dynamics
+from nonsmooth.analysis.dynamics.newton_euler import DynamicPath, RigidBody
 from nonsmooth.analysis.fields.constant_field import array_field
 from nonsmooth.analysis.fields.contact_model import Floats, contact_model
 from nonsmooth.analysis.fields.kinematics import Kinematics
@@ -146,10 +146,8 @@ def body_path(scene: Scene, body: RigidBody, start: Sequence[float], until: floa
         SceneError: for a table of loads beside an outline.
         TrajectoryError: where the path cannot be followed.
     """
-    if scene.body is not None:
-        array = whole(scene)
-        return MassPath(array, contact_model(array), body).follow(start, until)
-    return simulate_dynamics(contact_model(scene), body, start, until)
+    outlined = None if scene.body is None else whole(scene)
+    return MassPath(contact_model(outlined or scene), body, outlined).follow(start, until)
 
 
 def mass_study(scene: Scene, bodies: Sequence[RigidBody], start: Sequence[float], until: float) -> MassStudy:

@@ -106,6 +106,19 @@ class MovingOutline:
         return np.array([c * normal[0] - s * normal[1], s * normal[0] + c * normal[1], turning])
 
 
+class WholePlane(MovingOutline):
+    """The outline of a body that covers all wheels, wherever it is; no wheel comes to its edge."""
+
+    def __init__(self, places: Floats) -> None:
+        """For wheels at places (n, 2)."""
+        self.places = np.asarray(places, float)
+        self.size = float(np.ptp(self.places, axis=0).max(initial=0.0)) or 1.0
+
+    def depths(self, pose: Floats) -> Floats:
+        """Infinite."""
+        return np.full((*np.shape(pose)[:-1], self.count), np.inf)
+
+
 def _seen(places: Floats, pose: Floats) -> Floats:
     """``q_i``."""
     pose = np.asarray(pose, float)

@@ -6,24 +6,21 @@ the depths of all wheels are looked at in some places; the time at which one cha
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import pairwise
-from typing import TypeAlias
 
 import numpy as np
 
-from nonsmooth.analysis.bodies.first_change import sign_change
 from nonsmooth.analysis.bodies.moving_outline import MovingOutline
 from nonsmooth.analysis.fields.contact_model import Floats
+from nonsmooth.analysis.trajectories.follow import DenseStep, Guards, first_event
 from nonsmooth.analysis.trajectories.result import End, EndReason, Event, EventKind, Piece, Trajectory, samples
 from nonsmooth.symbolic.contact_set import whole
 from nonsmooth.symbolic.number_text import numbers_text
 from nonsmooth.symbolic.scene import Scene
 
 LOOKS = 12  # places within a step where depths are looked at
-
-Change: TypeAlias = tuple[float, int]  # when a wheel comes or goes, and its place among all
 
 
 class OneContactSet:
@@ -64,28 +61,15 @@ class OneContactSet:
                 return self._cut(path, *change)
         return path
 
-    def _first_change(self, piece: Piece) -> Change | None:
-        for before, after in pairwise(float(time) for time in piece.times):
-            times = np.linspace(before, after, LOOKS + 1)
-            signed = self._signs * self._outline.depths(self._poses(piece, times))
-            left = np.flatnonzero((signed[1:] < 0).any(axis=1))
-            if len(left):
-                low, high = float(times[left[0]]), float(times[left[0] + 1])
-                wheels = np.flatnonzero(signed[left[0] + 1] < 0)
-                return min((self._root(piece, int(wheel), low, high), int(wheel)) for wheel in wheels)
+    def _first_change(self, piece: Piece) -> tuple[float, int] | None:
+        """When the first wheel comes or goes, and its place among all."""
+        guards = _SameWheels(self._signs, self._outline)
+        for step in _steps_of(piece):
+            before, after = guards.at(step.start, step.first), guards.at(step.end, step.last)
+            found = first_event(guards, before, after, step)
+            if found is not None:
+                return found
         return None
-
-    def _root(self, piece: Piece, wheel: int, low: float, high: float) -> float:
-        """When a wheel comes to the edge; the earlier time where it lies there already."""
-
-        def depth(time: float) -> float:
-            return float(self._signs[wheel] * self._outline.depths(self._poses(piece, np.array([time])))[0, wheel])
-
-        return sign_change(depth, low, high)
-
-    @staticmethod
-    def _poses(piece: Piece, times: Floats) -> Floats:
-        return np.array([piece.state(time - piece.start) for time in times.tolist()], float)
 
     def _cut(self, path: Trajectory, time: float, wheel: int) -> Trajectory:
         """The path up to a time, with the event of a wheel that ends it."""
@@ -98,6 +82,37 @@ class OneContactSet:
         events = (*(event for event in path.events if event.t <= time), told)
         times, states = samples(pieces, end)
         return replace(path, times=times, states=states, events=events, end=end, pieces=tuple(pieces))
+
+
+class _SameWheels(Guards):
+    """Signed depths of all wheels, positive as long as the same wheels carry."""
+
+    looks = LOOKS
+
+    def __init__(self, signs: Floats, outline: MovingOutline) -> None:
+        self._signs, self._outline = signs, outline
+        self.slacks = [0.0] * len(signs)
+
+    def at(self, t: float, x: Floats) -> Sequence[float]:
+        """All signed depths."""
+        return (self._signs * self._outline.depths(x)).tolist()
+
+    def at_all(self, times: Sequence[float], states: Floats) -> list[Sequence[float]]:
+        """The same at many poses."""
+        return (self._signs * self._outline.depths(states)).tolist()
+
+
+def _steps_of(piece: Piece) -> Iterator[DenseStep]:
+    """A piece as steps between its sample times."""
+
+    def pose(time: float) -> Floats:
+        return np.array(piece.state(time - piece.start), float)
+
+    def poses(times: float | Floats) -> Floats:
+        return pose(times) if isinstance(times, float) else np.array([pose(time) for time in times.tolist()]).T
+
+    for before, after in pairwise(float(time) for time in piece.times):
+        yield DenseStep((before, pose(before)), (after, pose(after)), lambda: poses)
 
 
 def _until(piece: Piece, time: float) -> Piece:

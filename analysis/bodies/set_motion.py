@@ -11,8 +11,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from nonsmooth.analysis.dynamics.ellipse_path import needs_drag, path_minimizer, proved_twist
 from nonsmooth.analysis.dynamics.moving_loads import MovingLoads
+from nonsmooth.analysis.dynamics.path_minimizer import needs_drag, path_minimizer, proved_twist
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
 from nonsmooth.analysis.minimizers.regime import NOBODY
 from nonsmooth.analysis.minimizers.smooth_newton import SmoothNewton

@@ -11,48 +11,28 @@ and Seidman 1998), and the path is not called unique.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
 
-from nonsmooth.analysis.bodies.contact_sets import ContactSets, TippedError, Wheels
+from nonsmooth.analysis.bodies.contact_sets import ContactSets, TippedError
 from nonsmooth.analysis.bodies.mixing import balancing_weights, mixed_of, subsets_of
 from nonsmooth.analysis.bodies.moving_outline import MovingOutline
 from nonsmooth.analysis.bodies.set_motion import SetMotion
+from nonsmooth.analysis.bodies.supports import CarryingWheels, Wheels
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 
 MOST_AT_ONCE = 6  # wheels under the edge at one pose: 64 subsets
 
 
-@dataclass(frozen=True)
-class Mode:
-    """How a body goes on: on carrying wheels, some of which may stay under the edge.
-
-    Attributes:
-        carrying: well under the body.
-        sliding: stay under the edge, ascending; empty for a motion on ``carrying`` alone.
-        unique: whether no other choice goes on too.
-    """
-
-    carrying: Wheels
-    sliding: tuple[int, ...] = ()
-    unique: bool = True
-
-    @property
-    def touched(self) -> Wheels:
-        """All wheels that carry or slide."""
-        return self.carrying.union(self.sliding)
-
-
 class Switching:
     """Motions near the edge of one body."""
 
     def __init__(self, sets: ContactSets, outline: MovingOutline) -> None:
-        self._sets, self._outline = sets, outline
+        self._sets, self._outline, self.is_stiff = sets, outline, sets.is_stiff
 
-    def next_mode(self, pose: Floats, carrying: Wheels, edge: Sequence[int]) -> Mode:
+    def next_support(self, pose: Floats, carrying: Wheels, edge: Sequence[int]) -> CarryingWheels:
         """How the body goes on from a pose with the wheels ``edge`` under its edge.
 
         Raises:
@@ -66,37 +46,39 @@ class Switching:
         motions = self._motions(pose, carrying, edge)
         going = [subset for subset, rates in motions.items() if self._goes_on(subset, rates, edge)]
         if going:
-            return Mode(carrying | max(going, key=len), unique=len(going) == 1)
+            return CarryingWheels(carrying | max(going, key=len), unique=len(going) == 1)
         for size in range(1, len(edge) + 1):
             for sliding in combinations(edge, size):
-                mode = self._slide(pose, carrying, edge, sliding, motions)
-                if mode is not None:
-                    return mode
+                support = self._slide(pose, carrying, edge, sliding, motions)
+                if support is not None:
+                    return support
         if len(motions) < 2 ** len(edge):
             raise TippedError
         raise TrajectoryError("required a way to go on from wheels under the edge, received none that was found")
 
-    def rate(self, mode: Mode, pose: Floats, weights: Floats) -> tuple[Floats, Floats]:
-        """The pose rate of a mode, and the weights of its sliding wheels; the given ones are where Newton starts."""
-        if not mode.sliding:
-            return self._sets.rate(mode.carrying, pose), weights
-        corners = [self._sets.rate(mode.carrying | subset, pose) for subset in subsets_of(mode.sliding)]
-        return self.mixed(mode, pose, corners, weights)
+    def rate(self, support: CarryingWheels, pose: Floats, weights: Floats) -> tuple[Floats, Floats]:
+        """The pose rate on a support, and the weights of its sliding wheels; the given ones are where Newton starts."""
+        if not support.sliding:
+            return self._sets.rate(support.carrying, pose), weights
+        corners = [self._sets.rate(support.carrying | subset, pose) for subset in subsets_of(support.sliding)]
+        return self.mixed(support, pose, corners, weights)
 
-    def mixed(self, mode: Mode, pose: Floats, corners: list[Floats], weights: Floats) -> tuple[Floats, Floats]:
+    def mixed(
+        self, support: CarryingWheels, pose: Floats, corners: list[Floats], weights: Floats
+    ) -> tuple[Floats, Floats]:
         """:meth:`rate` from the rates of :meth:`motions`."""
-        if not mode.sliding:
+        if not support.sliding:
             return corners[0], weights
-        wheels = list(mode.sliding)
+        wheels = list(support.sliding)
         depths = [self._outline.rates(pose, corner, wheels) for corner in corners]
         found = balancing_weights(np.array(depths), len(wheels), weights)
         if found is None:
             raise TrajectoryError("required weights that keep the wheels under the edge, received none")
         return mixed_of(np.array(corners), found), found
 
-    def motions(self, mode: Mode, pose: Floats) -> list[SetMotion]:
+    def motions(self, support: CarryingWheels, pose: Floats) -> list[SetMotion]:
         """The motions that :meth:`rate` mixes."""
-        return [self._sets.motion(mode.carrying | subset, pose) for subset in subsets_of(mode.sliding)]
+        return [self._sets.motion(support.carrying | subset, pose) for subset in subsets_of(support.sliding)]
 
     def _motions(self, pose: Floats, carrying: Wheels, edge: Sequence[int]) -> dict[Wheels, Floats]:
         """The rates of the depths of the edge's wheels, by the subset that carries; without those that tip."""
@@ -121,8 +103,8 @@ class Switching:
         edge: Sequence[int],
         sliding: tuple[int, ...],
         motions: dict[Wheels, Floats],
-    ) -> Mode | None:
-        """A mode in which these wheels stay under the edge while the other wheels of the edge go one way."""
+    ) -> CarryingWheels | None:
+        """A support on which these wheels stay under the edge while the other wheels of the edge go one way."""
         others = [wheel for wheel in edge if wheel not in sliding]
         places = [edge.index(wheel) for wheel in sliding]
         for inside in subsets_of(others):
@@ -135,5 +117,5 @@ class Switching:
                 continue
             mixed = dict(zip(edge, mixed_of(corners, weights), strict=True))
             if all((mixed[wheel] > 0) == (wheel in inside) and mixed[wheel] != 0 for wheel in others):
-                return Mode(carrying | inside, sliding, unique=len(sliding) == 1)
+                return CarryingWheels(carrying | inside, sliding, unique=len(sliding) == 1)
         return None

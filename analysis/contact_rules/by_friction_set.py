@@ -48,10 +48,7 @@ class FrictionSetRule(SmoothRule):
 
     def path(self, scene: Scene, start: Sequence[float], until: float) -> Trajectory:
         """The minimizer of D, integrated; of a body with an outline from contact set to contact set."""
-        if scene.body is not None:
-            from nonsmooth.analysis.bodies.path import BodyPath
+        from nonsmooth.analysis.bodies.path import BodyPath
 
-            return BodyPath(whole(scene), self).follow(start, until)
-        from nonsmooth.analysis.dynamics.ellipse_path import ellipse_path
-
-        return ellipse_path(self.contacts(scene), start, until)
+        outlined = None if scene.body is None else whole(scene)
+        return BodyPath(self.contacts(outlined or scene), outlined).follow(start, until)

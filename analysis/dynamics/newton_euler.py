@@ -21,12 +21,11 @@ are one limit, and in it the path is that of rule ``ellipse``
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from nonsmooth.analysis.dynamics.continuous_path import continuous_path, finite_start
 from nonsmooth.analysis.dynamics.moving_loads import MovingLoads
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
 from nonsmooth.analysis.plane_arrays import turned
@@ -159,7 +158,7 @@ class EllipseFriction:
         return pull, np.sqrt((pull * slips).sum(axis=1) + self._rounding)
 
 
-# ---- paths ---------------------------------------------------------------------------------------
+# ---- equations ---------------------------------------------------------------------------------------
 
 
 class NewtonEuler:
@@ -168,7 +167,7 @@ class NewtonEuler:
     def __init__(self, model: ContactModel, body: RigidBody, loads: MovingLoads, creep: float) -> None:
         self._friction, self._masses, self.loads = EllipseFriction(model, creep), body.masses, loads
 
-    def rate(self, t: float, state: Floats) -> Floats:
+    def __call__(self, t: float, state: Floats) -> Floats:
         """Time derivative of the state, shape (6,)."""
         total = self._friction.total(state[:2], state[3:], self.loads.at(state[:2])[0])
         return np.concatenate([state[3:], total / self._masses])
@@ -207,48 +206,6 @@ class DynamicPath:
     def state(self, t: float) -> Floats:
         """State at a time within the path, shape (6,)."""
         return np.asarray(self.dense(t))
-
-
-def simulate_dynamics(
-    model: ContactModel,
-    body: RigidBody,
-    start: Sequence[float],
-    until: float,
-    velocity: Sequence[float] = (0.0, 0.0, 0.0),
-) -> DynamicPath:
-    """Follow a body from a pose and a velocity at time zero.
-
-    Args:
-        model: the array.
-        body: mass and inertia.
-        start: ``(x, y, theta)``.
-        until: last time.
-        velocity: ``(w_x, w_y, omega)`` of the centre of mass at the start; at rest unless given.
-
-    Returns:
-        The path; it ends early where no loads exist any more (the body tips).
-
-    Raises:
-        ValueError: for a last time that is not positive, or numbers that are not finite.
-        nonsmooth.analysis.cells.loads.LoadError: for a start without loads.
-        TrajectoryError: where the integrator gives up.
-    """
-    state = finite_start([*start, *velocity], until)
-    speed, loads = speed_scale(model, state[3:]), MovingLoads(model, state[:2])
-    equations = NewtonEuler(model, body, loads, CREEP * speed)
-    trajectory, solution = continuous_path(
-        "dynamics",
-        equations.rate,
-        loads,
-        state,
-        until,
-        method="BDF",
-        jac=equations.jacobian,
-        rtol=RELATIVE_TOLERANCE,
-        atol=absolute_tolerances(array_size(model), speed),
-    )
-    states = solution.y.T
-    return DynamicPath(body, CREEP * speed, solution.t, states, trajectory, int(solution.nfev), solution.sol)
 
 
 def absolute_tolerances(size: float, speed: float) -> Floats:

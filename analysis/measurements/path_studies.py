@@ -10,12 +10,13 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, TypeAlias
 
+from nonsmooth.analysis.bodies.mass_path import simulate_dynamics
 from nonsmooth.analysis.bodies.mass_study import massless_limit, path_distance, rule_path
+from nonsmooth.analysis.bodies.path import RELATIVE_TOLERANCE
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.contact_rule import all_rules
-from nonsmooth.analysis.dynamics.ellipse_path import RELATIVE_TOLERANCE
-from nonsmooth.analysis.dynamics.newton_euler import disc, simulate_dynamics
+from nonsmooth.analysis.dynamics.newton_euler import disc
 from nonsmooth.analysis.fields.cellwise_field import CellwiseField, smooth_form
 from nonsmooth.analysis.fields.constant_field import ConstantField
 from nonsmooth.analysis.fields.contact_model import contact_model
@@ -33,6 +34,7 @@ from nonsmooth.analysis.measurements.reference_paths import (
 from nonsmooth.analysis.trajectories.hysteresis import simulate_hysteresis, simulate_smoothed
 from nonsmooth.analysis.trajectories.result import Event, State, Trajectory, TrajectoryError
 from nonsmooth.analysis.trajectories.smooth_path import follow_smooth
+from nonsmooth.analysis.trajectories.steppers import StiffAware
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.switched_system import SwitchedSystem
@@ -164,7 +166,7 @@ def _methods(smooth: CellwiseField | SignField, field: PolygonField | SignField,
     import scipy.integrate  # noqa: F401  # now, so that no measured time includes it
 
     for tolerance in EVENT_TOLERANCES:
-        by_events = partial(follow_smooth, rtol=tolerance, atol=tolerance * radius)
+        by_events = partial(_by_events, tolerances=(tolerance, tolerance * radius))
         yield BY_EVENTS, partial(_simulated, by_events, smooth), "tolerance", tolerance
     for name, with_layers in LAYERS.items():
         for width in (share * radius for share in WIDTHS):
@@ -173,6 +175,13 @@ def _methods(smooth: CellwiseField | SignField, field: PolygonField | SignField,
         for tolerance in TOLERANCES:
             both = (tolerance, tolerance * radius)
             yield name, partial(follow_without_events, field, name, both), "tolerance", tolerance
+
+
+def _by_events(
+    field: CellwiseField | SignField, start: Start, until: float, tolerances: tuple[float, float]
+) -> Trajectory:
+    """The path with tolerances of its integrator, relative and absolute."""
+    return follow_smooth(field, start, until, stepper=StiffAware(*tolerances, field.size))
 
 
 def _path_trials(

@@ -17,9 +17,9 @@ import numpy as np
 
 from nonsmooth.analysis.fields.cellwise_field import Speeds
 from nonsmooth.analysis.fields.limited_law import demand
+from nonsmooth.analysis.trajectories.follow import find_root
 from nonsmooth.analysis.trajectories.result import Event, EventKind, Piece, State, Trajectory
 
-HALVINGS = 60  # of half a step, to the last bit of a time
 SAME_SHARE = 1 - 1e-12  # of the largest demand: wheels this near to it reach their limits together, but for rounding
 
 Demand = Callable[[float], float]
@@ -56,23 +56,20 @@ def _changes(piece: Piece, speeds: list[Speeds], limits: Mapping[int, float], *,
 
     own = [float(time) - start for time in piece.times]
     times = sorted({0.0, *own, *((a + b) / 2 for a, b in pairwise(own))})
-    before = 0.0
+    before = 0.0, 0.0
     for since in times:
-        if (excess(since) > 0) is not is_limited:
-            at = since if not since else _passing(excess, before, since, is_limited=is_limited)
+        now = excess(since)
+        if (now > 0) is not is_limited:
+            side = 1.0 if is_limited else -1.0
+            at = since if not since else _passing(excess, side, before, (since, now))
             is_limited = not is_limited
             yield _event(start + at, piece.state(at), _at_limit(piece, at, speeds, limits) if is_limited else ())
-        before = since
+        before = since, now
 
 
-def _passing(excess: Demand, low: float, high: float, *, is_limited: bool) -> float:
-    """The time at which the demand passes one, by bisection."""
-    for _ in range(HALVINGS):
-        middle = (low + high) / 2
-        if not low < middle < high:
-            break
-        low, high = (middle, high) if (excess(middle) > 0) is is_limited else (low, middle)
-    return high
+def _passing(excess: Demand, side: float, before: tuple[float, float], after: tuple[float, float]) -> float:
+    """The time at which the demand passes one, coming from above (side 1) or from below (-1)."""
+    return find_root(lambda since: side * excess(since), (before[0], side * before[1]), (after[0], side * after[1]))
 
 
 def _at_limit(piece: Piece, at: float, speeds: list[Speeds], limits: Mapping[int, float]) -> tuple[int, ...]:

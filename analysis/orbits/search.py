@@ -20,7 +20,7 @@ from nonsmooth.analysis.fields.switched_field import Vector, Velocity
 from nonsmooth.analysis.orbits.orbit import Orbit
 from nonsmooth.analysis.orbits.orbit_error import OrbitError
 from nonsmooth.analysis.orbits.shooting import shoot
-from nonsmooth.analysis.trajectories.guards import find_root
+from nonsmooth.analysis.trajectories.follow import find_root
 from nonsmooth.analysis.trajectories.legs import Leg
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.analysis.trajectories.smooth_path import follow_legs

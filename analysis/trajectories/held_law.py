@@ -11,7 +11,7 @@ rises most (or falls least).  Speeds that would exceed a limit are scaled by one
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
 
@@ -19,6 +19,7 @@ import numpy as np
 
 from nonsmooth.analysis.fields.driven_field import ImposedMotions
 from nonsmooth.analysis.fields.switched_field import Vector
+from nonsmooth.analysis.trajectories.follow import DenseStep, HybridField, Mode, Path, follow
 from nonsmooth.analysis.trajectories.result import End, EndReason, State, Trajectory
 
 STEP = 0.02  # h, of the shortest time in which a twist answers: 1 over the gain and its squared size
@@ -105,21 +106,53 @@ def follow_held(law: HeldLaw, start: Sequence[float], until: float, errors: Pose
     step = errors.delay / late if late else step
     count = min(math.ceil(until / step), MOST_STEPS)
     step = step if late else min(step, until / count)
-    wrong = errors.candidates()
-    poses = [np.array(start, dtype=float)]
-    for _ in range(count):
-        pose = poses[-1]
-        poses.append(_moved(pose, _worst(law, pose, poses[max(0, len(poses) - 1 - late)] + wrong), step))
+    loop = _SampledLoop(law, errors.candidates(), late, count)
+    times, states = follow(loop, (0.0, np.array(start, dtype=float)), None, _Held(step)).ends_of_steps()
     kept = np.unique(np.linspace(0, count, min(count, SHOWN) + 1).round().astype(int))
-    states: list[State] = [tuple(poses[k].tolist()) for k in kept]
-    times = tuple(float(k * step) for k in kept)
-    return Trajectory("exact", "sampled", times, tuple(states), (), End(times[-1], states[-1], EndReason.TIME), None)
+    shown: list[State] = [tuple(state) for state in states[kept].tolist()]
+    end = End(float(times[-1]), shown[-1], EndReason.TIME)
+    return Trajectory("exact", "sampled", tuple(times[kept].tolist()), tuple(shown), (), end, None)
 
 
-def _worst(law: HeldLaw, pose: Vector, seen: Vector) -> Vector:
-    """Of the motions for several poses that the law may be given, the one with the largest V'."""
-    twists = [law.twist(each, pose) for each in seen]
-    return max(twists, key=lambda twist: float(pose @ twist))
+class _SampledLoop(HybridField):
+    """A law at samples: each is a mode, whose twist holds until the next."""
+
+    dense = False
+
+    def __init__(self, law: HeldLaw, errors: Vector, late: int, count: int) -> None:
+        """For errors (m, 3) of the pose that the law is given, which is so many samples old."""
+        self._law, self._errors, self._late, self._count = law, errors, late, count
+
+    def next_mode(self, path: Path) -> Mode | EndReason:
+        """The motion for one of the poses that the law may be given, of which V' is largest."""
+        taken = len(path.stretches)
+        if taken == self._count:
+            return EndReason.TIME
+        older = min(self._late, taken)
+        seen = path.stretches[taken - older].states[0] if older else path.state
+        twists = [self._law.twist(each, path.state) for each in seen + self._errors]
+        return _Constant(max(twists, key=lambda twist: float(path.state @ twist)))
+
+
+class _Constant(Mode):
+    """A spatial twist that holds."""
+
+    place, cells = "", ()
+
+    def __init__(self, twist: Vector) -> None:
+        self.rate = twist
+
+
+class _Held:
+    """The stepper of rigid motions of constant twist: one step to the next sample, exactly."""
+
+    def __init__(self, step: float) -> None:
+        self._step = step
+
+    def steps(self, rate: Vector, t: float, x: Vector, until: None) -> Iterator[DenseStep]:
+        """One step."""
+        after = t + self._step, _moved(x, rate, self._step)
+        yield DenseStep((t, x), after, lambda: lambda time: _moved(x, rate, time - t))
 
 
 def _holds(cone: ImposedMotions, pose: Vector) -> bool:

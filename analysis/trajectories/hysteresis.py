@@ -1,4 +1,4 @@
-"""Comparison methods: hysteresis, as the paper simulates, and smoothed signs.
+"""Comparison methods as fields: hysteresis, as the paper simulates, and smoothed signs.
 
 Murphey & Burdick (sec. 5) integrate with hysteresis "to avoid the numerical difficulties of approaching a switching
 boundary": a mode is kept until the state is ``width`` beyond its border.  Sliding then becomes a zigzag of that width,
@@ -16,11 +16,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from nonsmooth.analysis.fields.switched_field import Mode, SwitchedField, Vector, Velocity
-from nonsmooth.analysis.trajectories.result import End, EndReason, Event, EventKind, Trajectory, TrajectoryError
+from nonsmooth.analysis.fields import switched_field
+from nonsmooth.analysis.fields.switched_field import SwitchedField, Vector, Velocity
+from nonsmooth.analysis.trajectories.follow import Guards, HybridField, Mode, Path, Stepper, follow
+from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory
+from nonsmooth.analysis.trajectories.steppers import FixedSteps, Integrator
 
-RELATIVE_TOLERANCE = 1e-9  # of the adaptive integrator within a mode: far below the error of any usable width
-ABSOLUTE_TOLERANCE = 1e-12  # in units of the state
+TOLERANCES = 1e-9, 1e-12  # relative and absolute, within a mode: far below the error of any usable width
 MAX_SWITCHES = 1_000_000  # a width of 1e-6 over a path of unit length
 MAX_EVALUATIONS = 100_000  # of the smoothed field: some seconds; a layer thinner than the tolerance is never crossed
 MAX_RELAY_EVALUATIONS = 300_000  # of the fields with hysteresis: some ten seconds
@@ -47,117 +49,9 @@ def simulate_hysteresis(
     """
     if not width > 0 or not 0 < until < math.inf or (step is not None and not step > 0):
         raise ValueError(f"required a positive width, last time and step, received {width}, {until} and {step}")
-    x = np.array([float(value) for value in start])
-    mode = field.mode_at(x)
-    if mode is None:
-        raise ValueError(f"required a start inside the domain of the cells, received {x.tolist()}")
-    run = _Relay(field, width, until)
-    run.follow(mode, x, step)
-    return run.result()
-
-
-class _Relay:
-    """A run with hysteresis."""
-
-    def __init__(self, field: SwitchedField, width: float, until: float) -> None:
-        self.field, self.width, self.until = field, width, until
-        self.times: list[float] = []
-        self.states: list[Vector] = []
-        self.events: list[Event] = []
-        self.reason = EndReason.TIME
-        self.evaluations = itertools.count(1)
-
-    def follow(self, mode: Mode, x: Vector, step: float | None) -> None:
-        """Mode after mode."""
-        self.times.append(0.0)
-        self.states.append(x)
-        following: Mode | None = mode
-        while self.times[-1] < self.until:
-            mode = following
-            left = self._adaptive(mode) if step is None else self._fixed(mode, step)
-            if not left:
-                return
-            following = self.field.following(mode, self.states[-1], self.width)
-            if following is None:
-                self.reason = EndReason.OUTSIDE
-                return
-            names = f"{self.field.mode_name(mode)} | {self.field.mode_name(following)}"
-            self.events.append(Event(self.times[-1], tuple(self.states[-1].tolist()), EventKind.CROSS, names))
-            if len(self.events) >= MAX_SWITCHES:
-                self.reason = EndReason.EVENTS
-                return
-
-    def _adaptive(self, mode: Mode) -> bool:
-        """To the border of a mode and ``width`` beyond; whether it was reached."""
-        from scipy.integrate import solve_ivp
-
-        def beyond(t: float, x: Vector) -> float:
-            return self.field.margin(mode, x) + self.width
-
-        beyond.terminal, beyond.direction = True, -1  # type: ignore[attr-defined]  # SciPy reads these
-        velocity = self.field.velocity(mode)
-
-        def counted(t: float, x: Vector) -> Vector:
-            _require_within(next(self.evaluations), MAX_RELAY_EVALUATIONS, self.width, t)
-            return velocity(t, x)
-
-        solution = solve_ivp(
-            counted,
-            (self.times[-1], self.until),
-            self.states[-1],
-            events=beyond,
-            rtol=RELATIVE_TOLERANCE,
-            atol=ABSOLUTE_TOLERANCE,
-        )
-        if solution.status < 0:
-            raise TrajectoryError(f"the integrator stopped at t = {solution.t[-1]:.6g}: {solution.message}")
-        self.times += solution.t[1:].tolist()
-        self.states += list(solution.y.T[1:])
-        if solution.status == 1 and abs(beyond(self.times[-1], self.states[-1])) > LOCATED * self.width:
-            raise ValueError(
-                f"required a width whose switches floats resolve, received {self.width:g} at t = {self.times[-1]:.6g}"
-            )
-        return bool(solution.status == 1)
-
-    def _fixed(self, mode: Mode, step: float) -> bool:
-        """Steps of one size until a step ends ``width`` beyond the border of the mode."""
-        velocity = self.field.velocity(mode)
-        t, x = self.times[-1], self.states[-1]
-        while t < self.until:
-            size = min(step, self.until - t)
-            t, x = t + size, _runge_kutta(velocity, t, x, size)
-            self.times.append(t)
-            self.states.append(x)
-            if self.field.margin(mode, x) <= -self.width:
-                return True
-        return False
-
-    def result(self) -> Trajectory:
-        """The samples as a trajectory."""
-        states = tuple(tuple(x.tolist()) for x in self.states)
-        end = End(self.times[-1], states[-1], self.reason)
-        return Trajectory(
-            str(self.field.kinematics), "hysteresis", tuple(self.times), states, tuple(self.events), end, None
-        )
-
-
-def _require_within(evaluations: int, most: int, width: float, t: float) -> None:
-    """Refuse a width that takes too much work.
-
-    Raises:
-        ValueError: for more evaluations than are allowed.
-    """
-    if evaluations > most:
-        raise ValueError(f"required a width that {most} evaluations resolve, received {width:g} at t = {t:.6g}")
-
-
-def _runge_kutta(velocity: Velocity, t: float, x: Vector, step: float) -> Vector:
-    """One step of the classical scheme of fourth order."""
-    k1 = velocity(t, x)
-    k2 = velocity(t + step / 2, x + step / 2 * k1)
-    k3 = velocity(t + step / 2, x + step / 2 * k2)
-    k4 = velocity(t + step, x + step * k3)
-    return x + step / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+    stepper: Stepper = Integrator("RK45", *TOLERANCES) if step is None else FixedSteps(step)
+    relay = _Relay(field, width, MAX_RELAY_EVALUATIONS, locates=step is None)
+    return _simulated(relay, start, until, stepper, "hysteresis")
 
 
 def simulate_smoothed(field: SwitchedField, start: Sequence[float], until: float, width: float) -> Trajectory:
@@ -168,23 +62,123 @@ def simulate_smoothed(field: SwitchedField, start: Sequence[float], until: float
             that the integrator does not get through the layer.
         TrajectoryError: where the integrator gives up.
     """
-    from scipy.integrate import solve_ivp
-
     if not width > 0 or not 0 < until < math.inf:
         raise ValueError(f"required a positive width and last time, received {width} and {until}")
-    x = np.array([float(value) for value in start])
+    layer = _Layer(field, width, MAX_EVALUATIONS)
+    return _simulated(layer, start, until, Integrator("LSODA", *TOLERANCES), "smoothed")
+
+
+class _Widened(HybridField):
+    """A switched field whose surfaces have a width; samples are kept only.
+
+    Args:
+        field: the field.
+        width: of its surfaces.
+        most: evaluations after which the width is refused.
+    """
+
+    dense = False
+
+    def __init__(self, field: SwitchedField, width: float, most: int) -> None:
+        self.field, self.width, self._most = field, width, most
+        self._evaluations = itertools.count(1)
+
+    def counted(self, velocity: Velocity) -> Velocity:
+        """A field whose evaluations are counted.
+
+        Raises:
+            ValueError: for more evaluations than are allowed.
+        """
+
+        def rate(t: float, x: Vector) -> Vector:
+            if next(self._evaluations) > self._most:
+                raise ValueError(
+                    f"required a width that {self._most} evaluations resolve, received {self.width:g} at t = {t:.6g}"
+                )
+            return velocity(t, x)
+
+        return rate
+
+
+def _simulated(widened: _Widened, start: Sequence[float], until: float, stepper: Stepper, method: str) -> Trajectory:
+    """The path of samples."""
+    x, field = np.array([float(value) for value in start]), widened.field
     if field.mode_at(x) is None:
         raise ValueError(f"required a start inside the domain of the cells, received {x.tolist()}")
+    path = follow(widened, (0.0, x), until, stepper)
+    path.unique = None
+    return path.trajectory(str(field.kinematics), method)
 
-    evaluations = itertools.count(1)
 
-    def mixed(t: float, x: Vector) -> Vector:
-        _require_within(next(evaluations), MAX_EVALUATIONS, width, t)
-        return np.asarray(sum(weight * velocity(t, x) for velocity, weight in field.blend(x, width)))
+# ---- hysteresis ----------------------------------------------------------------------------------
 
-    solution = solve_ivp(mixed, (0.0, until), x, method="LSODA", rtol=RELATIVE_TOLERANCE, atol=ABSOLUTE_TOLERANCE)
-    if solution.status < 0:
-        raise TrajectoryError(f"the integrator stopped at t = {solution.t[-1]:.6g}: {solution.message}")
-    states = tuple(tuple(row) for row in solution.y.T.tolist())
-    end = End(float(solution.t[-1]), states[-1], EndReason.TIME)
-    return Trajectory(str(field.kinematics), "smoothed", tuple(solution.t.tolist()), states, (), end, None)
+
+class _RelayMode(Mode):
+    """A mode of the field, until the state is the width beyond its border."""
+
+    place, cells = "", ()
+
+    def __init__(self, relay: _Relay, mode: switched_field.Mode) -> None:
+        self.mode, self.rate, self.guards = mode, relay.counted(relay.field.velocity(mode)), _Margin(relay, mode)
+
+
+class _Margin(Guards):
+    """How far a state is from the place where a mode is left."""
+
+    def __init__(self, relay: _Relay, mode: switched_field.Mode) -> None:
+        self._relay, self._mode, self.located = relay, mode, relay.locates
+
+    def at(self, t: float, x: Vector) -> Sequence[float]:
+        """The margin of the mode, and the width."""
+        return (self._relay.field.margin(self._mode, x) + self._relay.width,)
+
+
+class _Relay(_Widened):
+    """Modes with hysteresis."""
+
+    def __init__(self, field: SwitchedField, width: float, most: int, *, locates: bool) -> None:
+        super().__init__(field, width, most)
+        self.locates = locates
+        self._mode: switched_field.Mode | None = None
+
+    def next_mode(self, path: Path) -> Mode | EndReason:
+        """The mode that the state is in, or has come to."""
+        if not path.stretches:
+            self._mode = self.field.mode_at(path.state)
+        if self._mode is None:
+            return EndReason.OUTSIDE
+        return EndReason.EVENTS if len(path.events) >= MAX_SWITCHES else _RelayMode(self, self._mode)
+
+    def arrive(self, path: Path, mode: Mode, met: int | None) -> EndReason | None:
+        """The switch to another mode.
+
+        Raises:
+            ValueError: where floats do not resolve the width.
+        """
+        if met is None or not isinstance(mode, _RelayMode):
+            return None
+        if self.locates and abs(self.field.margin(mode.mode, path.state) + self.width) > LOCATED * self.width:
+            raise ValueError(
+                f"required a width whose switches floats resolve, received {self.width:g} at t = {path.time:.6g}"
+            )
+        self._mode = self.field.following(mode.mode, path.state, self.width)
+        if self._mode is not None:
+            path.tell(EventKind.CROSS, f"{self.field.mode_name(mode.mode)} | {self.field.mode_name(self._mode)}")
+        return None
+
+
+# ---- smoothing -----------------------------------------------------------------------------------
+
+
+class _Layer(_Widened, Mode):
+    """One mode everywhere: the fields of the modes nearby with weights that vary over the width."""
+
+    place, cells = "", ()
+
+    def next_mode(self, path: Path) -> Mode | EndReason:
+        """Itself."""
+        self.rate = self.counted(self._mixed)
+        return self
+
+    def _mixed(self, t: float, x: Vector) -> Vector:
+        return np.asarray(sum(weight * velocity(t, x) for velocity, weight in self.field.blend(x, self.width)))

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from nonsmooth.analysis.fields.switched_field import Surface, Vector
 from nonsmooth.analysis.trajectories.face_motion import FaceMotion
-from nonsmooth.analysis.trajectories.stretch import Stretch
+from nonsmooth.analysis.trajectories.follow import Stretch
 
 
 @dataclass(frozen=True)
@@ -17,11 +17,13 @@ class Leg:
         motion: on the face that it keeps to.
         stretch: times, states and dense output; its end is not yet moved onto the surface it met.
         last: where it ends, on the surfaces it met.
+        met: the surface it met at its end, if any.
     """
 
     motion: FaceMotion
     stretch: Stretch
     last: Vector
+    met: tuple[Surface, ...]
 
     @property
     def start(self) -> float:
@@ -38,11 +40,6 @@ class Leg:
         """Where it begins."""
         return self.stretch.states[0]
 
-    @property
-    def met(self) -> tuple[Surface, ...]:
-        """The surface it met at its end, if any."""
-        return self.stretch.met
-
     def at(self, time: float) -> Vector:
         """State at a time of the path within the leg."""
-        return self.stretch.state_at(time)
+        return self.stretch.at(time)

@@ -50,7 +50,7 @@ def test_rates_are_those_of_paths_by_events(rule: str, side: str, tmp_path: Path
     outline, poses = MovingOutline(scene.body, model.positions), random_poses(40, 1.2)
     found = ManyRates(LeastDissipation(model, outline.size, 40), outline, poses).at(poses, np.arange(40))
     assert found.known.all()
-    path = BodyPath(scene, smooth_rule_of(scene))
+    path = BodyPath(smooth_rule_of(scene).contacts(scene), scene)
     agree = 0
     for pose, rate, tips in zip(poses, found.rates, found.tips, strict=True):
         carrying = frozenset(int(k) for k in np.flatnonzero(outline.depths(pose) > 0))
@@ -124,7 +124,7 @@ def test_ends_agree_with_paths_by_events(count: int, tmp_path: Path) -> None:
     scene = carton(tmp_path)
     starts = np.column_stack([random_poses(count, 1.6)[:, :2], np.full(count, 0.3)])
     found = ManyPaths(scene, smooth_rule_of(scene)).follow(starts)
-    path = BodyPath(scene, smooth_rule_of(scene))
+    path = BodyPath(smooth_rule_of(scene).contacts(scene), scene)
     for k, start in enumerate(starts):
         end = path.follow(tuple(start), 60.0).end
         assert end.reason is EndReason.REST

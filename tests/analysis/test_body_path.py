@@ -6,7 +6,7 @@ body over all wheels against the array without a body; tipping against the side 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import fields, replace
 from fractions import Fraction
 from functools import partial
@@ -16,13 +16,12 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from nonsmooth.analysis.bodies.body_stretch import DenseStep
 from nonsmooth.analysis.bodies.contact_sets import ContactSets
-from nonsmooth.analysis.bodies.first_change import first_change
 from nonsmooth.analysis.bodies.path import BodyPath
 from nonsmooth.analysis.contact_rule import SmoothRule, contact_rule
 from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
 from nonsmooth.analysis.minimizers.ellipse_minimizer import WarmInterior
+from nonsmooth.analysis.trajectories.follow import DenseStep, Guards, first_event
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory
 from nonsmooth.symbolic.continuum import Disc
 from nonsmooth.symbolic.files.scene_file import load_scene
@@ -46,6 +45,10 @@ def ellipse() -> SmoothRule:
     rule = contact_rule("ellipse")
     assert isinstance(rule, SmoothRule)
     return rule
+
+
+def path_of(scene: Scene, start: tuple[float, float, float], until: float) -> Trajectory:
+    return BodyPath(ellipse().contacts(scene), scene).follow(start, until)
 
 
 # ---- the motion on a set of wheels, with springs of its own ---------------------------------------
@@ -179,7 +182,7 @@ def test_changes_come_when_another_integrator_says(
 ) -> None:
     scene, depths = case(conveyor(arrays))
     start = np.array([2.03, 1.52, 0.1])
-    path = BodyPath(scene, ellipse()).follow(start.tolist(), until)
+    path = BodyPath(ellipse().contacts(scene), scene).follow(start.tolist(), until)
     expected = reference_path(Motion.of(scene), depths, start, until)
     assert path.end.reason is EndReason.TIME
     assert len(expected.times) >= changes
@@ -218,7 +221,7 @@ def test_a_wheel_that_pushes_the_body_off_stays_under_its_edge(arrays: Arrays) -
     scene, depths = pushed_back(arrays)
     start, until = np.array([0.3, -0.2, 0.0]), 1.0
     motion = Motion.of(scene)
-    path = BodyPath(scene, ellipse()).follow(start.tolist(), until)
+    path = BodyPath(ellipse().contacts(scene), scene).follow(start.tolist(), until)
     assert [event.kind for event in path.events] == [EventKind.SLIDE]
     (slide,) = path.events
     assert slide.surface == "wheel 5 under the edge"
@@ -262,7 +265,7 @@ WAYS: dict[str, tuple[Pair, int, float]] = {
 def test_a_body_tips_over_the_side_its_centre_crosses(side: str, arrays: Arrays) -> None:
     way, axis, place = WAYS[side]
     scene = square(arrays, way)
-    path = BodyPath(on(scene, Disc(scene.field(9))), ellipse()).follow((0.1, 0.05, 0.0), 5.0)
+    path = path_of(on(scene, Disc(scene.field(9))), (0.1, 0.05, 0.0), 5.0)
     assert path.end.reason is EndReason.TIPS
     assert path.end.state[axis] == pytest.approx(place, abs=POSE_ERROR)
     assert path.events[-1].kind is EventKind.TIPS
@@ -273,7 +276,7 @@ def test_a_body_that_leaves_a_wheel_tips_over_the_side_that_is_left(arrays: Arra
     """Wheel 4 carries the lower right of the centre of mass; then the slanted edge leaves it behind."""
     scene = square(arrays, (-20, 19))
     slanted: list[Pair] = [(-3, -3), (Fraction(-3, 2), -3), (3, Fraction(3, 2)), (3, 3), (-3, 3)]
-    path = BodyPath(on(scene, polygon_of(scene, slanted)), ellipse()).follow((0.6, -0.2, 0.0), 5.0)
+    path = path_of(on(scene, polygon_of(scene, slanted)), (0.6, -0.2, 0.0), 5.0)
     assert path.end.reason is EndReason.TIPS
     x, y, _ = path.end.state
     assert x - y == pytest.approx(0.5, abs=POSE_ERROR)
@@ -284,7 +287,7 @@ def test_contacts_of_some_wheels_are_those_of_the_array_of_these_wheels() -> Non
     """With friction axes that are not the rims: the model built anew, entry by entry."""
     scene = load_scene("roller-bed", rule="ellipse")
     wheels = [3, 7, 8, 20]
-    sets = ContactSets(scene, ellipse())
+    sets = ContactSets(ellipse().contacts(scene))
     pose = np.array([float(sum(x)) / 4 for x in zip(*(scene.wheels[k].position for k in wheels), strict=True)] + [0.0])
     found = sets.motion(frozenset(wheels), pose).model
     expected = contact_model(replace(scene, wheels=tuple(scene.wheels[k] for k in wheels)))
@@ -298,13 +301,13 @@ def test_a_path_passes_a_place_where_the_slip_of_a_wheel_vanishes() -> None:
     On the line itself the motion is in one coordinate and not stiff: an explicit method follows it.
     """
     scene = with_random_body(inward_grid(Fraction(1, 2)), np.random.default_rng(4), 0.5)
-    path = BodyPath(scene, ellipse()).follow([0.443, 0.011, 0.0], 0.3)
+    path = BodyPath(ellipse().contacts(scene), scene).follow([0.443, 0.011, 0.0], 0.3)
     begins, ends = 0.05, 0.3
     x, y, theta = path.at(begins)
     assert abs(y) < 1e-12
     mode = next(piece for piece in path.pieces if piece.end is not None and piece.end >= ends)
     wheels = frozenset(int(name) - 1 for name in mode.cells)
-    motion = ContactSets(scene, ellipse()).motion(wheels, np.array([x, 0.0, theta]))
+    motion = ContactSets(ellipse().contacts(scene)).motion(wheels, np.array([x, 0.0, theta]))
     line = solve_ivp(
         lambda t, place: [motion.rate(np.array([place[0], 0.0, theta]))[0]],
         (begins, ends),
@@ -322,9 +325,16 @@ def test_a_path_passes_a_place_where_the_slip_of_a_wheel_vanishes() -> None:
 def test_a_change_that_only_many_states_together_show_is_the_end_of_its_interval() -> None:
     """Products of many states and of one are rounded differently: what is below zero there is above it alone."""
 
-    def signals(states: Floats) -> Floats:
-        above = 1.0 - states[:, :1]
-        return above - 1e-12 if len(states) > 1 else above + 1e-12
+    class Rounded(Guards):
+        looks = 8
 
-    part = DenseStep(0.0, 1.0, lambda times: np.array([times]))
-    assert first_change(signals, part, first=False) == (1.0, 0, 1)
+        def at(self, t: float, x: Floats) -> list[float]:
+            return [float(1 - x[0] + 1e-12)]
+
+        def at_all(self, times: Sequence[float], states: Floats) -> list[Sequence[float]]:
+            return [[float(1 - x[0] - 1e-12)] for x in states]
+
+    line = DenseStep((0.0, np.zeros(1)), (1.1, np.ones(1)), lambda: lambda t: np.minimum(np.array([8 / 7 * t]), 1.0))
+    found = first_event(Rounded(), [1.0], [1e-12], line)
+    assert found is not None
+    assert found[0] == pytest.approx(1.1 * 7 / 8)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from cvxpy.atoms.quad_over_lin import quad_over_lin
 
+from nonsmooth.analysis.bodies.mass_path import simulate_dynamics
 from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.analysis.dynamics.moving_loads import MovingLoads
 from nonsmooth.analysis.dynamics.newton_euler import (
@@ -15,7 +16,6 @@ from nonsmooth.analysis.dynamics.newton_euler import (
     RigidBody,
     array_size,
     disc,
-    simulate_dynamics,
 )
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contact_model
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
@@ -71,9 +71,7 @@ def test_jacobian_is_the_derivative_of_the_rate(seed: int) -> None:
     for _ in range(10):
         state = rng.uniform(-0.3, 0.3, 6)
         step = 1e-6
-        columns = [
-            (equations.rate(0, state + step * e) - equations.rate(0, state - step * e)) / (2 * step) for e in np.eye(6)
-        ]
+        columns = [(equations(0, state + step * e) - equations(0, state - step * e)) / (2 * step) for e in np.eye(6)]
         assert np.abs(equations.jacobian(0, state) - np.array(columns).T).max() < 1e-7
 
 

@@ -22,7 +22,8 @@ import mujoco
 import numpy as np
 import pytest
 
-from nonsmooth.analysis.dynamics.newton_euler import RigidBody, simulate_dynamics
+from nonsmooth.analysis.bodies.mass_path import simulate_dynamics
+from nonsmooth.analysis.dynamics.newton_euler import RigidBody
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior

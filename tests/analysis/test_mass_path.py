@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
-from nonsmooth.analysis.bodies.mass_path import HELD, MassPath
+from nonsmooth.analysis.bodies.mass_path import HELD, MassPath, simulate_dynamics
 from nonsmooth.analysis.bodies.plate import plate
-from nonsmooth.analysis.dynamics.newton_euler import DynamicPath, RigidBody, simulate_dynamics
+from nonsmooth.analysis.dynamics.newton_euler import DynamicPath, RigidBody
 from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind
 from nonsmooth.symbolic.contact_set import whole
@@ -33,7 +33,7 @@ POSE_ERROR = 1e-9
 
 def followed(scene: Scene, body: RigidBody, start: tuple[float, float, float], until: float) -> DynamicPath:
     array = whole(scene)
-    return MassPath(array, contact_model(array), body).follow(start, until)
+    return MassPath(contact_model(array), body, array).follow(start, until)
 
 
 def carton() -> tuple[Scene, Depths]:

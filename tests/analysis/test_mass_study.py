@@ -7,10 +7,11 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from nonsmooth.analysis.bodies.mass_path import simulate_dynamics
 from nonsmooth.analysis.bodies.mass_study import MassStudy, mass_ladder, mass_study, path_distance, rule_path
+from nonsmooth.analysis.bodies.path import ellipse_path
 from nonsmooth.analysis.cells.loads import LoadError
-from nonsmooth.analysis.dynamics.ellipse_path import ellipse_path
-from nonsmooth.analysis.dynamics.newton_euler import RigidBody, disc, simulate_dynamics
+from nonsmooth.analysis.dynamics.newton_euler import RigidBody, disc
 from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.analysis.minimizers.float_loads import loads_at

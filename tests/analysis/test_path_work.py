@@ -41,7 +41,8 @@ def test_a_body_that_all_wheels_carry_along_hardly_needs_interior_points(monkeyp
 
     monkeypatch.setattr(WarmInterior, "minimize", counted_warm)
     monkeypatch.setattr(ellipse_minimizer, "minimize_cut_norms", counted_cold)
-    path = BodyPath(load_scene("roller-bed"), smooth("roller")).follow((0.1, 0.05, 0.2), 0.1)
+    scene = load_scene("roller-bed")
+    path = BodyPath(smooth("roller").contacts(scene), scene).follow((0.1, 0.05, 0.2), 0.1)
     assert path.end.state == pytest.approx((0.2, 0.05, 0.2), abs=1e-9)
     assert len(begun) < len(asked) / 4
 
@@ -49,9 +50,9 @@ def test_a_body_that_all_wheels_carry_along_hardly_needs_interior_points(monkeyp
 def test_a_path_of_a_body_ends_after_its_work(monkeypatch: pytest.MonkeyPatch) -> None:
     """What was followed until then is the path."""
     scene = load_scene("carton-on-6x6")
-    whole = BodyPath(scene, smooth("ellipse")).follow((0.15, 0.1, 0.08), 2.0)
+    whole = BodyPath(smooth("ellipse").contacts(scene), scene).follow((0.15, 0.1, 0.08), 2.0)
     monkeypatch.setattr(body_path, "MOST_RATES", 400)
-    part = BodyPath(scene, smooth("ellipse")).follow((0.15, 0.1, 0.08), 2.0)
+    part = BodyPath(smooth("ellipse").contacts(scene), scene).follow((0.15, 0.1, 0.08), 2.0)
     assert part.end.reason is EndReason.STEPS
     assert 0 < part.end.t < whole.end.t
     assert part.end.state == pytest.approx(whole.at(part.end.t), abs=1e-9)

@@ -14,8 +14,8 @@ from functools import cache
 import numpy as np
 import pytest
 
+from nonsmooth.analysis.bodies.path import ellipse_path
 from nonsmooth.analysis.cells.box import build_box_partition
-from nonsmooth.analysis.dynamics.ellipse_path import ellipse_path
 from nonsmooth.analysis.fields.contact_model import ContactRows, contact_model
 from nonsmooth.analysis.measurements.studies import ellipse_references
 from nonsmooth.analysis.minimizers.agreement import compare_rules

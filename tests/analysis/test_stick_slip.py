@@ -11,7 +11,7 @@ from scipy.optimize import linprog
 
 from nonsmooth.analysis.fields.convex_weights import basic_weights, central_weights
 from nonsmooth.analysis.fields.system_field import system_field
-from nonsmooth.analysis.trajectories.guards import find_root
+from nonsmooth.analysis.trajectories.follow import find_root
 from nonsmooth.analysis.trajectories.result import EventKind, Trajectory
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.files.system_file import load_system

@@ -15,7 +15,8 @@ from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.sign_field import SignField
 from nonsmooth.analysis.fields.switched_field import Vector, affine_surface
 from nonsmooth.analysis.trajectories.result import EndReason
-from nonsmooth.analysis.trajectories.stiffness import EXPLICIT, IMPLICIT, comes_to_rest, decay_rate
+from nonsmooth.analysis.trajectories.smooth_path import EXPLICIT, IMPLICIT
+from nonsmooth.analysis.trajectories.steppers import comes_to_rest, decay_rate
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.four_wheel import ROLL

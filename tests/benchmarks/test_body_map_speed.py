@@ -55,7 +55,7 @@ def test_ends_agree_with_paths_by_events(stopwatch: Stopwatch, tmp_path: Path) -
     scene = carton(tmp_path, 6)
     chance = np.random.default_rng(11)
     starts = chance.uniform([-2.2, -2.2, -np.pi], [2.2, 2.2, np.pi], (STARTS, 3))
-    many, path = ManyPaths(scene, smooth_rule_of(scene)), BodyPath(scene, smooth_rule_of(scene))
+    many, path = ManyPaths(scene, smooth_rule_of(scene)), BodyPath(smooth_rule_of(scene).contacts(scene), scene)
     found = many.follow(starts)
     apart, worst = [], np.zeros(2)
     for k, start in enumerate(starts):

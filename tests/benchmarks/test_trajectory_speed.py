@@ -19,6 +19,7 @@ from nonsmooth.analysis.fields.switched_field import affine_surface
 from nonsmooth.analysis.trajectories.hysteresis import simulate_hysteresis
 from nonsmooth.analysis.trajectories.maps import grid_starts, settle_map
 from nonsmooth.analysis.trajectories.smooth_path import follow_smooth
+from nonsmooth.analysis.trajectories.steppers import StiffAware
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.files.scene_file import load_scene
 
@@ -88,7 +89,9 @@ def test_dop853_with_events_against_scipy(stopwatch: Stopwatch) -> None:
     field = SignField(("x", "y"), surfaces, lambda s: partial(linear, FLOWER[0] if s[0] * s[1] > 0 else FLOWER[1]))
 
     def ours() -> np.ndarray:
-        return np.array(follow_smooth(field, (1.0, 0.2), UNTIL * 10, rtol=RTOL, atol=ATOL).end.state)
+        return np.array(
+            follow_smooth(field, (1.0, 0.2), UNTIL * 10, stepper=StiffAware(RTOL, ATOL, field.size)).end.state
+        )
 
     assert ours() == pytest.approx(scipy_events(dense=False), abs=1e-9)
     ratios: dict[bool, list[float]] = {True: [], False: []}

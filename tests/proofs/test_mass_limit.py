@@ -12,9 +12,10 @@ import numpy as np
 import pytest
 
 import nonsmooth as ns
+from nonsmooth.analysis.bodies.mass_path import simulate_dynamics
 from nonsmooth.analysis.cells.loads import load_regions
 from nonsmooth.analysis.dynamics.moving_loads import MovingLoads
-from nonsmooth.analysis.dynamics.newton_euler import CREEP, NewtonEuler, RigidBody, simulate_dynamics
+from nonsmooth.analysis.dynamics.newton_euler import CREEP, NewtonEuler, RigidBody
 from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.proofs.clauses.at_point.ellipse import ellipse_point
 from nonsmooth.proofs.clauses.at_point.mass import MassLimit

@@ -33,9 +33,9 @@ from nonsmooth.analysis.measurements.cases import (
     system_scale_rows,
 )
 from nonsmooth.analysis.measurements.harness import Case, Outcome, ResultRow, Rows, judged, measure
-from nonsmooth.analysis.trajectories import guards
+from nonsmooth.analysis.trajectories import follow as engine
 from nonsmooth.analysis.trajectories.cell_motion import Free
-from nonsmooth.analysis.trajectories.stiffness import IMPLICIT
+from nonsmooth.analysis.trajectories.smooth_path import IMPLICIT
 from nonsmooth.proofs import measurements
 from nonsmooth.proofs.measurements import ARRAY_VERDICTS, CASES
 from nonsmooth.proofs.theorem4 import check_cells
@@ -219,12 +219,12 @@ def test_paths_in_single_precision_fail(monkeypatch: pytest.MonkeyPatch) -> None
 
 
 def test_events_located_to_an_absolute_time_fail_in_fast_systems(monkeypatch: pytest.MonkeyPatch) -> None:
-    located: Callable[..., float] = guards.find_root
+    located: Callable[..., float] = engine.find_root
 
     def careless(*arguments: Any) -> float:
         return round(located(*arguments), 12)
 
     scene = load_system("relay-oscillator")
     assert failed(system_scale_rows(scene)) == []
-    monkeypatch.setattr(guards, "find_root", careless)
+    monkeypatch.setattr(engine, "find_root", careless)
     assert [(row.name, row.parameter) for row in failed(system_scale_rows(scene))][-1] == ("time scale, path", "1e9")

@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from nonsmooth.analysis.dynamics.newton_euler import RigidBody, simulate_dynamics
+from nonsmooth.analysis.bodies.mass_path import simulate_dynamics
+from nonsmooth.analysis.dynamics.newton_euler import RigidBody
 from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import BAD_INPUT, run

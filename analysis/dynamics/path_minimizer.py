@@ -1,8 +1,6 @@
-"""The quasi-static path of a rule without cells: at every instant the body moves with the minimizer of the dissipation.
+"""The motion of least dissipation along a path: minimizers, one after the other, each with its proof.
 
 ``c' = v + omega J c, theta' = omega`` with ``xi = (v, omega)`` the minimizer at the current loads.
-Under rule ``ellipse`` the field is continuous, smooth where no wheel sticks, and stiff where mu_S is much smaller than
-mu_R (near an equilibrium it decays like ``(mu_R/mu_S)^2``), so LSODA follows it, which turns implicit where that pays.
 Newton steps from the last minimizer take a tenth of a millisecond.  Where they do not prove that theirs is the only
 minimizer, that of the interior point method is taken, which costs a millisecond or more.
 
@@ -17,52 +15,22 @@ of the least D.  The field is so stiff that backward differentiation formulas fo
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from functools import partial
+from collections.abc import Callable
 from typing import TypeAlias
 
 import numpy as np
 
-from nonsmooth.analysis.dynamics.continuous_path import continuous_path, finite_start
-from nonsmooth.analysis.dynamics.moving_loads import MovingLoads
 from nonsmooth.analysis.fields.contact_model import ContactModel, ContactRows, Floats
-from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior, WarmInterior
+from nonsmooth.analysis.minimizers.ellipse_minimizer import WarmInterior
 from nonsmooth.analysis.minimizers.minimum import Minima
 from nonsmooth.analysis.minimizers.proved import resists_every_motion
 from nonsmooth.analysis.minimizers.smooth_newton import SmoothNewton
-from nonsmooth.analysis.trajectories.result import Trajectory, TrajectoryError
+from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.symbolic.number_text import place_text
 
 Minimize: TypeAlias = Callable[[Floats], Minima]  # from loads (n,)
 
-RELATIVE_TOLERANCE = 1e-9  # per step; the minimizer itself is right to about 1e-12
-ABSOLUTE_TOLERANCE = 1e-11  # length and radians
-LOOSER = 100.0  # of both with drag, which moves a path by more, and turns rounding of forces into 1e-9 of a twist
 DRAG = 1e-6  # of the friction of the whole weight
-
-
-def ellipse_path(model: ContactModel, start: Sequence[float], until: float) -> Trajectory:
-    """Follow a rule without cells from ``(x, y, theta)`` at time zero, by the model with its friction sets.
-
-    Raises:
-        ValueError: for a last time that is not positive, or numbers that are not finite.
-        nonsmooth.analysis.cells.loads.LoadError: for a start without loads.
-        nonsmooth.analysis.trajectories.result.TrajectoryError: where the integrator gives up, or a minimizer is not
-            proved to be the motion.
-    """
-    state = finite_start(start, until)
-    loads, dragged = MovingLoads(model, state[:2]), needs_drag(model)
-    minimize = path_minimizer(model) if dragged else partial(EllipseInterior().minimize, model)
-    quick = None if dragged else SmoothNewton(model)
-
-    def rate(t: float, pose: Floats) -> Floats:
-        twist = proved_twist(model, quick, minimize, loads.at(pose[:2])[0], pose)
-        return twist + twist[2] * np.array([-pose[1], pose[0], 0.0])
-
-    looser = LOOSER if dragged else 1.0
-    tolerances = {"rtol": looser * RELATIVE_TOLERANCE, "atol": looser * ABSOLUTE_TOLERANCE}
-    method = "BDF" if dragged else "LSODA"
-    return continuous_path("minimizer", rate, loads, state, until, method=method, **tolerances)[0]
 
 
 def proved_twist(
