@@ -1,11 +1,12 @@
 """Certificates of arrays: a verdict under rule ``nearest`` or ``box``, as :mod:`nonsmooth.proofs.checker` re-checks it.
 
-A certificate holds the wheels, the cells with their twists, and for each clause what shows its verdict: weights and
-multipliers of the drift, a separating direction, the squared radius of the disc on which V* keeps its sign; signs of
-translations along the nearest rims, three imposed twists, or the normal of a plane of twists for the feedback.  Of a
-scene with tolerances it holds the disc in which bodies end for every array, where rule ``nearest`` shows one.  All
-else (reasons, the witness where no certificate for feedback was found) lies under ``notes``, which the checker does not
-read.
+The statement names the wheels and the clauses that are decided.  The evidence of theorem ``theorem 4`` are the corners
+of the cells, with the wheels that act in each and the twists; and for each clause what shows its verdict: weights and
+multipliers of the drift, or a separating direction; the squared radius of the disc on which V* keeps its sign, with
+barriers; signs of translations along the nearest rims, three imposed twists, or the normal of a plane of twists for the
+feedback.  Of a scene with tolerances the certificate states the disc in which bodies end for every array, where rule
+``nearest`` shows one.  All else (reasons, the witness where no certificate for feedback was found) lies under
+``notes``, which the checker does not read.
 
 Every cell lists all corners of the partition that lie on its sides, and the checked point where it lies on them.  So
 the sides of neighbours are the same pairs of points, once in each sense: that shows that the cells tile.  Cells that
@@ -22,10 +23,11 @@ from typing import Any, TypeAlias
 
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.loads import load_regions
-from nonsmooth.analysis.cells.partition import Partition
+from nonsmooth.analysis.cells.partition import Cell, Partition
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.contact_rule import contact_rule, rule_of
-from nonsmooth.proofs.checker.arrays import ROBUST, SCHEMA, check_certificate
+from nonsmooth.proofs.checker.statements import VERSION, refusal
+from nonsmooth.proofs.checker.theorem4 import CLAUSES
 from nonsmooth.proofs.clauses.equilibrium.on_cells import decide_equilibrium
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, rim_signs
 from nonsmooth.proofs.clauses.feedback.clause import AnyFeedback
@@ -36,11 +38,11 @@ from nonsmooth.proofs.exact_json import encode, homogeneous
 from nonsmooth.proofs.robust.certified_bound import certified_bounds
 from nonsmooth.proofs.theorem4 import check_cells
 from nonsmooth.proofs.theorem4_result import CellCheck, SmoothCheck
-from nonsmooth.proofs.verdicts import Feedback
+from nonsmooth.proofs.verdicts import Equilibrium, Feedback
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.contact_set import alone
 from nonsmooth.symbolic.number_text import brief_text
-from nonsmooth.symbolic.numbers.number import Number, sign
+from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.square_roots import NestingError
 from nonsmooth.symbolic.plane import around, cross, dot
 from nonsmooth.symbolic.scene import Scene, Wheel
@@ -48,6 +50,7 @@ from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
 Record: TypeAlias = dict[str, Any]
 
+UNDECIDED = "undecided"
 FOLLOWED = ("nearest", "box")  # the rules that the stand-alone checker knows, written there once more on purpose
 
 
@@ -73,24 +76,37 @@ def build_certificate(result: CellCheck | SmoothCheck) -> Record:
     if result.scene.body is not None:  # a certificate knows no outline: it speaks of the wheels under it
         result = check_cells(alone(result.scene))
     certificate, claim = _with_tolerances(result, _document(result))
-    if claim and rule_of(result.scene).keeps_rows and _rows_left_out(result.scene):
-        raise CertificateError(
-            "certificate: required friction in both directions, received rows without friction, which are left out: "
-            "the stand-alone checker follows both rows of the nearest wheel and one row of the second"
-        )
     if claim:
         raise CertificateError(f"certificate: required a verdict that the checker follows; it does not show: {claim}")
     return certificate
 
 
+def claim_not_shown(certificate: Record) -> str:
+    """The claim of a certificate that the checker does not show; empty where it is valid."""
+    return refusal(certificate, len(json.dumps(certificate)))
+
+
+def stated_words(certificate: Record) -> dict[str, str]:
+    """What a certificate states of each clause, and as the conclusion, by their names; it may leave some out."""
+    said = {name: word for claim in certificate["statement"]["claims"] for name, word in claim.items()}
+    words = {name: said[name] for name in CLAUSES if name in said}
+    if "equilibrium" in words:
+        words["equilibrium"] = "holds" if words["equilibrium"] else "fails"
+    return words
+
+
 def _with_tolerances(result: CellCheck, document: Record) -> tuple[Record, str]:
     """The document as data with the strongest claim about tolerances that the checker shows; and what it does not."""
+    statement, evidence = document["statement"], document["evidence"]
     for bound in certified_bounds(result.scene):
-        certificate = encode({**document, ROBUST: {"tolerance": tolerance_record(result.scene), **vars(bound)}})
-        if not check_certificate(certificate):
+        about = {**statement["subject"], "tolerances": tolerance_record(result.scene)}
+        own = {"subject": about, "claims": [*statement["claims"], {"tolerances": vars(bound)}]}
+        entry = {"theorem": "tolerances", "hypotheses": vars(bound), "proofs": {}}
+        certificate = encode({**document, "statement": own, "evidence": [*evidence, entry]})
+        if not claim_not_shown(certificate):
             return certificate, ""
     certificate = encode(document)
-    return certificate, check_certificate(certificate)
+    return certificate, claim_not_shown(certificate)
 
 
 def tolerance_record(scene: Scene) -> Record | None:
@@ -101,21 +117,21 @@ def tolerance_record(scene: Scene) -> Record | None:
     return {name: getattr(box, name) for name in ("position", "heading", "speed", "mu_roll", "mu_side")}
 
 
-def _rows_left_out(scene: Scene) -> bool:
-    """Whether a row has no friction, so that rule ``nearest`` does not take it."""
-    return not all(wheel.friction.roll and wheel.friction.side for wheel in scene.wheels)
-
-
 def certificate_text(certificate: Record) -> str:
-    """JSON, with one wheel, point or cell to a line; ASCII, ending in a newline."""
-    parts = [f"{json.dumps(key)}: {_lines(value)}" for key, value in certificate.items()]
-    return "{\n" + ",\n".join(parts) + "\n}\n"
+    """JSON, with one wheel, claim, point or cell to a line; ASCII, ending in a newline."""
+    return _lines(certificate, 5) + "\n"
 
 
-def _lines(value: Any) -> str:
-    if isinstance(value, list) and any(isinstance(item, list | dict) for item in value):
-        return "[\n" + ",\n".join(f"  {json.dumps(item)}" for item in value) + "\n]"
-    return json.dumps(value)
+def _lines(value: Any, levels: int) -> str:
+    """A value, of which the first levels of containers that hold others have an item to a line."""
+    own = list(value.values()) if isinstance(value, dict) else value
+    if not levels or not isinstance(own, list) or not any(isinstance(item, list | dict) for item in own):
+        return json.dumps(value)
+    if isinstance(value, dict):
+        parts = [f"{json.dumps(key)}: {_lines(item, levels - 1)}" for key, item in value.items()]
+        return "{\n" + ",\n".join(parts) + "\n}"
+    parts = [_lines(item, levels - 1) if "theorem" in item else json.dumps(item) for item in own]
+    return "[\n" + ",\n".join(f"  {part}" for part in parts) + "\n]"
 
 
 # ---- the document: numbers are still those of the scene's field --------------------------
@@ -129,38 +145,60 @@ def _document(result: CellCheck) -> Record:
     disc = CertifiedDisc(None, {}) if result.translation.region_radius is None else _disc(partition)
     zero = scene.field.zero
     here = [twist for cell in partition.cells_at((zero, zero)) for twist in cell.twists]
-    return {
-        "schema": SCHEMA,
-        "field": scene.field,
-        **_scene(scene),
+    of_feedback, law = _feedback(result.feedback)
+    hypotheses = {
         "points": [homogeneous(point) for point in points],
-        "cells": _cells(partition, chains, disc),
-        "equilibrium": {"verdict": str(result.equilibrium.verdict), "separator": _separator(partition)},
-        "translation": {"verdict": str(result.translation.verdict), "squared_radius": disc.squared_radius},
-        "rotation": {"verdict": str(result.rotation.verdict), **_drift(here)},
-        "feedback": _feedback(result.feedback),
-        "theorem4": str(result.verdict),
+        "cells": _cells(partition, chains),
+        "disc": disc.squared_radius,
+    }
+    proofs = {
+        **_at_rest(partition, here),
+        **{f"barrier {cell} {state}": barrier for (cell, state), barrier in disc.barriers.items()},
+        **law,
+    }
+    return {
+        "version": VERSION,
+        "statement": {"subject": _subject(scene), "claims": _claims(result, of_feedback, disc)},
+        "evidence": [{"theorem": "theorem 4", "hypotheses": hypotheses, "proofs": proofs}],
         "notes": _notes(result),
     }
 
 
 def scene_record(scene: Scene) -> Record:
-    """The part of a certificate that says which scene it is about, with the field of its numbers.
+    """The subject of a certificate about a scene, with all its tolerances.
 
     Raises:
         CertificateError: where the length of a rim direction lies in no field that a certificate can name.
     """
-    return encode({"field": scene.field, **_scene(scene), "tolerance": tolerance_record(scene)})
+    return encode({**_subject(scene), "tolerances": tolerance_record(scene)})
 
 
-def _scene(scene: Scene) -> Record:
+def _subject(scene: Scene) -> Record:
     return {
+        "field": scene.field,
         "at": list(scene.check.equilibrium),
         "radius": scene.check.radius,
         "rule": str(scene.contact.rule),
         "loads": _loads(scene),
         "wheels": [_wheel(wheel) for wheel in scene.wheels],
     }
+
+
+def _claims(result: CellCheck, of_feedback: Sequence[Record], disc: CertifiedDisc) -> list[Record]:
+    """Every clause that is decided, the disc, and the conclusion."""
+    claims: list[Record] = []
+    if result.equilibrium.verdict is not Equilibrium.UNDECIDED:
+        claims.append({"equilibrium": result.equilibrium.verdict is Equilibrium.HOLDS})
+    for name, verdict in (("translation", result.translation.verdict), ("rotation", result.rotation.verdict)):
+        claims += [] if verdict == UNDECIDED else [{name: str(verdict)}]
+    claims += of_feedback
+    if disc.squared_radius is not None:
+        sign = "strictly" if disc.strictly else "weakly"
+        claims.append({"disc": {"squared_radius": disc.squared_radius, "decreases": sign}})
+    claims += [] if result.verdict == UNDECIDED else [{"theorem 4": str(result.verdict)}]
+    if not claims:
+        raise CertificateError("certificate: required a clause that is decided, received none")
+    return claims
 
 
 def _disc(partition: Partition) -> CertifiedDisc:
@@ -191,19 +229,21 @@ def _wheel(wheel: Wheel) -> Record:
     return record if wheel.axis is None else {**record, "axis": wheel.unit_grip}
 
 
-def _cells(partition: Partition, chains: list[list[int]], disc: CertifiedDisc) -> list[Record]:
-    loaded = _loaded_wheels(partition)
+def _cells(partition: Partition, chains: list[list[int]]) -> list[Record]:
+    acting = _loaded_wheels(partition)
     return [
         {
-            "polygon": chains[k],
-            "loaded": loaded[k],
-            "states": [
-                {"rows": [row.name for row in state.rows], "twist": state.twist, "barrier": disc.barriers.get((k, s))}
-                for s, state in enumerate(cell.states)
-            ],
+            "polygon": chain,
+            "wheels": _wheels_by_distance(cell) if partition.rule == "nearest" else wheels,
+            "twists": [state.twist for state in cell.states],
         }
-        for k, cell in enumerate(partition.cells)
+        for cell, chain, wheels in zip(partition.cells, chains, acting, strict=True)
     ]
+
+
+def _wheels_by_distance(cell: Cell) -> list[int]:
+    """The wheels whose rows are taken in a cell of rule ``nearest``."""
+    return list(dict.fromkeys(row.wheel.index for row in cell.states[0].rows))
 
 
 def _loaded_wheels(partition: Partition) -> list[list[int] | None]:
@@ -218,19 +258,17 @@ def _loaded_wheels(partition: Partition) -> list[list[int] | None]:
     ]
 
 
-def _separator(partition: Partition) -> Sequence[Number] | None:
+def _at_rest(partition: Partition, here: Sequence[Twist]) -> Record:
+    """A direction in which all motions lead; or for both ends of the drift weights and multipliers, up to scale.
+
+    There is one weight for each motion at the point, cell by cell.
+    """
     separator = decide_equilibrium(partition).separator
-    return None if separator is None else homogeneous(separator)[:2]
-
-
-def _drift(here: Sequence[Twist]) -> Record:
-    """Both ends of the drift: weights (one for each motion at the point, cell by cell) and multipliers, up to scale."""
+    if separator is not None:
+        return {"separator": homogeneous(separator)[:2]}
     distinct = tuple(dict.fromkeys(here))
-    drift = drift_at_rest(distinct)
-    if drift is None:
-        return {"lowest": None, "highest": None}
-    ends: Record = {}
-    for name, mixture in (("lowest", drift.lowest), ("highest", drift.highest)):
+    drift, ends = drift_at_rest(distinct), dict[str, Any]()
+    for name, mixture in () if drift is None else (("lowest", drift.lowest), ("highest", drift.highest)):
         *shares, _ = homogeneous(list(mixture.weights.values()))
         weights = [shares[0] * 0] * len(here)
         for k, share in zip(mixture.weights, shares, strict=True):
@@ -239,22 +277,25 @@ def _drift(here: Sequence[Twist]) -> Record:
     return ends
 
 
-def _feedback(feedback: AnyFeedback) -> Record:
-    """The verdict with a sign for each motion at the point, three twists, or the normal of a plane.
+def _feedback(feedback: AnyFeedback) -> tuple[list[Record], Record]:
+    """The claims of the clause, and their evidence: a sign for each motion at the point, three twists, or a normal.
 
     Under rule ``box`` a law that depends on the direction of c is not followed: the clause stands as undecided.
     """
-    verdict = feedback.verdict
-    if feedback.obstruction is not None:
-        return {"verdict": str(verdict), "evidence": feedback.obstruction}
+    verdict, normal = feedback.verdict, feedback.obstruction
+    if verdict is Feedback.UNDECIDED:
+        return [], {}
+    claims: list[Record] = [{"feedback": str(verdict)}]
+    if normal is not None:
+        return [*claims, {"obstruction": normal}], {"feedback": {"plane": normal}}
     if verdict is not Feedback.STABILIZABLE:
-        return {"verdict": str(verdict), "evidence": None}
+        return claims, {}
     if isinstance(feedback, FeedbackResult):
-        return {"verdict": str(verdict), "evidence": rim_signs(feedback)}
+        return claims, {"feedback": {"signs": rim_signs(feedback)}}
     (first, *others) = feedback.cones
     if others:
-        return {"verdict": str(Feedback.UNDECIDED), "evidence": None}
-    return {"verdict": str(verdict), "evidence": [in_scene(twist, feedback.length) for twist in first.vectors]}
+        return [], {}
+    return claims, {"feedback": {"twists": [in_scene(twist, feedback.length) for twist in first.vectors]}}
 
 
 def _notes(result: CellCheck) -> Record:

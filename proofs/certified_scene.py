@@ -12,7 +12,6 @@ from fractions import Fraction
 from typing import Any, TypeAlias
 
 from nonsmooth.proofs.certificate import scene_record
-from nonsmooth.proofs.checker.arrays import ROBUST
 from nonsmooth.symbolic.contact_set import alone
 from nonsmooth.symbolic.scene import Scene
 
@@ -26,30 +25,29 @@ def find_difference(certificate: Record, scene: Scene) -> str:
     """Where an accepted certificate and a scene differ, in words; empty where it speaks of this scene.
 
     Args:
-        certificate: parsed JSON that :func:`nonsmooth.proofs.checker.arrays.check_certificate` accepted.
+        certificate: parsed JSON of an array that the checker accepted.
         scene: the array, with the rule, the point and the square that were checked.
     """
-    own = scene_record(alone(scene))
-    names = _renamed_generators(own["field"], certificate["field"])
+    own, subject = scene_record(alone(scene)), certificate["statement"]["subject"]
+    names = _renamed_generators(own["field"], subject["field"])
     for key in ("rule", "at", "radius", "loads"):
-        if _value(certificate[key], None) != _value(own[key], names):
+        if _value(subject[key], None) != _value(own[key], names):
             return key
-    if len(certificate["wheels"]) != len(own["wheels"]):
-        return f"number of wheels ({len(certificate['wheels'])} instead of {len(own['wheels'])})"
-    for number, (theirs, ours) in enumerate(zip(certificate["wheels"], own["wheels"], strict=True), 1):
+    if len(subject["wheels"]) != len(own["wheels"]):
+        return f"number of wheels ({len(subject['wheels'])} instead of {len(own['wheels'])})"
+    for number, (theirs, ours) in enumerate(zip(subject["wheels"], own["wheels"], strict=True), 1):
         if set(theirs) != set(ours):
             return f"axis of wheel {number}"
         for key in ours:
             if _value(theirs[key], None) != _value(ours[key], names):
                 return f"{key} of wheel {number}"
-    return "" if _has_tolerances(certificate, own["tolerance"], names) else "tolerance"
+    return "" if _has_tolerances(subject.get("tolerances"), own["tolerances"], names) else "tolerance"
 
 
-def _has_tolerances(certificate: Record, own: Record | None, names: list[int]) -> bool:
+def _has_tolerances(theirs: Record | None, own: Record | None, names: list[int]) -> bool:
     """Whether a certificate speaks of a scene's tolerances, or of none."""
-    if ROBUST not in certificate:
+    if theirs is None:
         return True
-    theirs = certificate[ROBUST]["tolerance"]
     return own is not None and all(_value(theirs[name], None) == _value(own[name], names) for name in own)
 
 

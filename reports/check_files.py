@@ -107,10 +107,10 @@ def _certificate(result: CellCheck | SmoothCheck) -> dict[str, Any]:
 
 
 def _write_certificate(certificate: dict[str, Any], result: CellCheck | SmoothCheck, path: Path) -> None:
-    from nonsmooth.proofs.certificate import certificate_text
+    from nonsmooth.proofs.certificate import certificate_text, stated_words
 
     write_whole(path, certificate_text(certificate).encode())
-    if certificate["feedback"]["verdict"] != result.feedback.verdict:
+    if stated_words(certificate).get("feedback", "undecided") != result.feedback.verdict:
         end_progress()
         print(f"{path}: feedback stands as undecided: the checker follows no law by directions of c", file=sys.stderr)
 

@@ -440,12 +440,15 @@ OPPOSITES: tuple[tuple[set[str], set[str]], ...] = (  # words of one clause that
 
 def contradictions_of_certificate(certificate: Mapping[str, Any], check: Check) -> Iterator[Contradiction]:
     """What a certificate states, and what is printed; a certificate may say less."""
-    stated = {clause.name: (certificate[clause.name]["verdict"], result) for clause, result in check.clauses}
-    for name, (verdict, printed) in {**stated, "theorem4": (certificate["theorem4"], check)}.items():
+    from nonsmooth.proofs.certificate import stated_words
+
+    results = {clause.name: result for clause, result in check.clauses}
+    for name, verdict in stated_words(certificate).items():
+        printed = results.get(name, check)
         for one, two in OPPOSITES:
             if (verdict in one and printed.verdict in two) or (verdict in two and printed.verdict in one):
                 sides = (f"{name} {printed.verdict}: {printed.reason}", f"the certificate states {name} {verdict}")
-                yield Contradiction(f"{name} and the certificate", sides, (name,) if name in stated else PLACE)
+                yield Contradiction(f"{name} and the certificate", sides, (name,) if name in results else PLACE)
 
 
 # ---- plain systems: a map of starts beside the verdict -------------------------------------------

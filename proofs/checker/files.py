@@ -1,6 +1,6 @@
-"""The command that checks a file: which kind of certificate it is, exit status, and what is printed.
+"""The command that checks a file: exit status, and what is printed.
 
-Exit status: 0 valid, 1 rejected, 2 not readable, 3 valid without any claim (certificates of arrays).
+Exit status: 0 valid, 1 rejected, 2 not readable or of an earlier version.
 """
 
 from __future__ import annotations
@@ -9,16 +9,16 @@ import json
 from collections.abc import Sequence
 from typing import Any
 
-from . import arrays
-from .statements import VERSION, describe, refusal
+from .statements import VERSION, describe, is_of_array, refusal
 from .work import MALFORMED, MAX_BYTES, require, take_once
 
-EARLIER = (  # versions of plain systems that are written no more
-    "nonsmooth-system-certificate/1",
-    "nonsmooth-scalar-certificate/1",
-    "nonsmooth-fan-certificate/1",
-    "nonsmooth-many-state-certificate/1",
-)
+EARLIER = {  # versions that are written no more, with what the subject of one is called on the command line
+    "nonsmooth-certificate/1": "ARRAY",
+    "nonsmooth-system-certificate/1": "SYSTEM",
+    "nonsmooth-scalar-certificate/1": "SYSTEM",
+    "nonsmooth-fan-certificate/1": "SYSTEM",
+    "nonsmooth-many-state-certificate/1": "SYSTEM",
+}
 
 
 def check_file(path: str) -> tuple[int, str]:
@@ -28,14 +28,14 @@ def check_file(path: str) -> tuple[int, str]:
     except (OSError, *MALFORMED) as error:
         return 2, f"unreadable: {error}"
     schema = data.get("schema") if type(data) is dict else None
-    if schema in EARLIER:
-        return 2, f"of an earlier version: nonsmooth check SYSTEM --certificate {path} writes it anew, as {VERSION}"
-    if type(data) is dict and "version" not in data:
-        return arrays.judge(data)
+    if type(schema) is str and schema in EARLIER:
+        again = f"nonsmooth check {EARLIER[schema]} --certificate {path}"
+        return 2, f"of an earlier version: {again} writes it anew, as {VERSION}"
     reason = refusal(data, size)
     if reason:
         return 1, f"rejected: required {reason}"
-    return 0, "\n".join(["valid", *describe(data["statement"])])
+    valid = "valid: all claims hold" if is_of_array(data["statement"]["subject"]) else "valid"
+    return 0, "\n".join([valid, *describe(data["statement"], data.get("notes"))])
 
 
 def read(path: str) -> tuple[Any, int]:

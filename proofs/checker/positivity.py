@@ -125,10 +125,18 @@ class Proofs:
         require(type(data) is dict, "proofs by name")
         self.left, self.are_forms = dict(data), True
 
+    def evidence(self, name: str) -> Any:
+        """The evidence of a name, once."""
+        require(name in self.left, f"a proof of {name}")
+        return self.left.pop(name)
+
+    def evidence_if_any(self, name: str) -> Any:
+        """The same; None where there is none."""
+        return self.left.pop(name, None)
+
     def show(self, claim: Claim) -> None:
         """Show a claim by the evidence of its name."""
-        require(claim.name in self.left, f"a proof of {claim.name}")
-        show(claim, self.left.pop(claim.name))
+        show(claim, self.evidence(claim.name))
         self.note_form(claim)
 
     def shows(self, claim: Claim) -> bool:

@@ -1,10 +1,10 @@
 """What a certificate states, and whether its evidence shows it.
 
 A certificate of version ``nonsmooth-certificate/2`` has three entries, and notes that nobody reads.  The *statement*
-names its subject and claims about it.  The *evidence* is a list of theorems, each with its hypotheses and, by name, the
-proofs of the inequalities that these need.  Every theorem derives from the subject which inequalities these are, so a
-forger cannot leave one out; what it shows is a list of claims.  The certificate is valid if every claim of the
-statement is among those that were shown.
+names its subject, a plain system or an array of driven wheels, and claims about it.  The *evidence* is a list of
+theorems, each with its hypotheses and, by name, the proofs of what these need.  Every theorem derives from the subject
+what that is, so a forger cannot leave anything out; what it shows is a list of claims.  The certificate is valid if
+every claim of the statement is among those that were shown.
 """
 
 from __future__ import annotations
@@ -17,20 +17,32 @@ from .cells import System
 from .escape import show_escape
 from .positivity import Proofs
 from .roots import read_subject
+from .theorem4 import CLAUSES, show_theorem4
 from .theorems import Statement, show_departure, show_instability, show_stability
-from .work import BUDGET, MALFORMED, RejectedError, items, require, take
+from .tolerances import show_tolerances
+from .wheels import Array, read_array
+from .work import BUDGET, MALFORMED, RejectedError, items, rational, require, take
 
 VERSION = "nonsmooth-certificate/2"
 MAX_THEOREMS = 20
 
-Theorem: TypeAlias = Callable[[System, Any, Proofs], list[Statement]]  # of a subject and hypotheses: what it shows
+Theorem: TypeAlias = Callable[[Any, Any, Proofs], list[Statement]]  # of a subject and hypotheses: what it shows
 
-THEOREMS: dict[str, Theorem] = {
+THEOREMS: dict[str, Theorem] = {  # of systems
     "lyapunov": show_stability,
     "instability": show_instability,
     "departure": show_departure,
     "escape": show_escape,
 }
+OF_ARRAYS: dict[str, Theorem] = {
+    "theorem 4": show_theorem4,
+    "tolerances": show_tolerances,
+}
+
+
+def is_of_array(subject: Any) -> bool:
+    """Whether a subject is an array of driven wheels; else it is a plain system."""
+    return type(subject) is dict and "wheels" in subject
 
 
 def show_claims(data: Any, size: int) -> list[Statement]:
@@ -53,11 +65,11 @@ def show_claims(data: Any, size: int) -> list[Statement]:
 def _shown(data: Any) -> list[Statement]:
     version, statement, evidence, _ = take(data, "version statement evidence", "notes")
     require(version == VERSION, f"the version {VERSION}")
-    subject, claims = take(statement, "subject claims")
-    system = read_subject(subject)
+    data, claims = take(statement, "subject claims")
+    subject = read_array(data) if is_of_array(data) else read_subject(data)
     shown: list[Statement] = []
     for entry in items(evidence, most=MAX_THEOREMS):
-        shown += show_entry(system, entry)
+        shown += show_entry(subject, entry)
     texts = {json.dumps(own, sort_keys=True) for own in shown}  # which tell truth values from numbers
     for claim in items(claims):
         require(json.dumps(claim, sort_keys=True) in texts, f"evidence of the claim {json.dumps(claim)[:200]}")
@@ -65,16 +77,17 @@ def _shown(data: Any) -> list[Statement]:
     return list(claims)
 
 
-def show_entry(system: System, entry: Any) -> list[Statement]:
-    """What one theorem shows of a system by its proofs.
+def show_entry(subject: System | Array, entry: Any) -> list[Statement]:
+    """What one theorem shows of a subject by its proofs.
 
     Raises:
         RejectedError: for a hypothesis that is not shown, and for proofs of what is not asked.
     """
     theorem, hypotheses, data = take(entry, "theorem hypotheses proofs")
-    require(type(theorem) is str and theorem in THEOREMS, f"a theorem of {', '.join(THEOREMS)}")
+    known = OF_ARRAYS if isinstance(subject, Array) else THEOREMS
+    require(type(theorem) is str and theorem in known, f"a theorem of {', '.join(known)}")
     proofs = Proofs(data)
-    shown = THEOREMS[theorem](system, hypotheses, proofs)
+    shown = known[theorem](subject, hypotheses, proofs)
     proofs.require_used()
     return shown
 
@@ -90,8 +103,37 @@ def refusal(data: Any, size: int) -> str:
     return ""
 
 
-def describe(statement: Any) -> list[str]:
-    """What a valid certificate states: the system with its first claim, and every further claim on a line."""
+def describe(statement: Any, notes: Any = None) -> list[str]:
+    """What a valid certificate states, in lines; the name of an array is told by the notes, which show nothing."""
+    if is_of_array(statement["subject"]):
+        return _of_array(statement, notes.get("scene") if type(notes) is dict else None)
+    return _of_system(statement)
+
+
+def _of_array(statement: Any, name: Any) -> list[str]:
+    """The array, the verdicts of all clauses, and what is said of arrays within tolerances."""
+    subject, named = statement["subject"], f", noted as {str(name)[:60]!r}" if name is not None else ""
+    x, y = map(_number, subject["at"])
+    side = _number(subject["radius"])
+    head = f"array: {len(subject['wheels'])} wheels, rule {subject['rule']}, at ({x}, {y}), square of half side {side}"
+    said = {clause: word for claim in statement["claims"] for clause, word in claim.items()}
+    if "equilibrium" in said:
+        said["equilibrium"] = "holds" if said["equilibrium"] else "fails"
+    lines = [f"{head}{named}", *(f"{clause}: {said.get(clause, 'undecided')}" for clause in CLAUSES)]
+    if "tolerances" in said:
+        radius, start, rate = (f"{float(rational(said['tolerances'][key])):.4g}" for key in ("radius", "start", "rate"))
+        lines.append(
+            f"within the tolerances: bodies from within {start} end within {radius}, at a rate of at least {rate}"
+        )
+    return lines
+
+
+def _number(data: Any) -> str:
+    return data if type(data) is str and len(data) < 30 else "an exact number of its field"
+
+
+def _of_system(statement: Any) -> list[str]:
+    """The system with its first claim, and every further claim on a line."""
     system = read_subject(statement["subject"])
     point = ", ".join(map(str, system.at))
     pairs = zip(system.coordinates, system.states, strict=True)

@@ -33,7 +33,7 @@ def verify(
 
     Prints the array and the verdicts that are shown. With a scene, the certificate must be about the same wheels,
     contact rule, point and square; a certificate of a plain system is proved anew from its formulas. Exit status: 0
-    accepted, 1 rejected, 2 no certificate, 3 accepted, but every clause is undecided.
+    accepted, 1 rejected, 2 no certificate.
     """
     from nonsmooth.proofs.checker import check_file
 
@@ -73,10 +73,10 @@ def _is_of_system(file: str) -> bool:
     from nonsmooth.proofs.checker.files import read
 
     try:
-        data, _ = read(file)
-    except (OSError, ValueError, RecursionError):
+        subject = read(file)[0]["statement"]["subject"]
+    except (OSError, ValueError, RecursionError, KeyError, TypeError, IndexError):
         return False
-    return isinstance(data, dict) and "version" in data
+    return isinstance(subject, dict) and "states" in subject
 
 
 def _verify_system(file: str, scene: str | None, radius: str | None, at: str | None, *, rule: object) -> int:

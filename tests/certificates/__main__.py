@@ -1,60 +1,70 @@
 """Write the corpus of certificates anew: ``python -m tests.certificates``, at the root of the repository.
 
-Good ones are files of their own in ``good``; forged ones are lines of ``bad.jsonl``, as changes to good ones.
+Good ones are files of their own in ``good``; forged ones are lines of ``bad.jsonl``, and of ``bad_arrays.jsonl``, as
+changes to good ones.  With ``arrays`` behind it the command writes those of arrays alone.
 """
 
 from __future__ import annotations
 
 import json
 import random
-from collections.abc import Iterator, Mapping
+import sys
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from pathlib import Path
 
 from nonsmooth.proofs.checker.statements import refusal
+from tests.certificates.arrays import array_certificates, array_forgeries, array_texts
 from tests.certificates.cases import cases
-from tests.certificates.corpus import BAD, GOOD, Record, forged, text_of
+from tests.certificates.corpus import BAD, BAD_ARRAYS, GOOD, PREFIX, Record, forged, text_of
 from tests.certificates.forgeries import Forgery, forgeries, texts
 from tests.certificates.inclusion import contradiction
+from tests.proofs.test_checker import assert_still_true
 
 MOST_BYTES = 20_000
 EACH = 5  # forgeries of a good certificate
 
 
-def write() -> None:
+def write(*, arrays_only: bool) -> None:
     """Write both.
 
     Raises:
         ValueError: where a good certificate is rejected, or a forged one is accepted.
     """
     GOOD.mkdir(exist_ok=True)
-    for old in GOOD.glob("*.json"):
+    for old in GOOD.glob(f"{PREFIX}*.json" if arrays_only else "*.json"):
         old.unlink()
+    if not arrays_only:
+        write_part(((case.name, case.certificate()) for case in cases()), BAD, forgeries, texts)
+    write_part(array_certificates(), BAD_ARRAYS, array_forgeries, array_texts)
+
+
+def write_part(
+    certificates: Iterable[tuple[str, Record]],
+    file: Path,
+    kinds_of: Callable[[str, Record], dict[str, list[Forgery]]],
+    texts_of: Callable[[], Iterator[Forgery]],
+) -> None:
+    """Write good certificates, and what is forged of them."""
     good: dict[str, Record] = {}
-    for case in cases():
-        certificate = case.certificate()
+    for name, certificate in certificates:
         text = text_of(certificate)
         refused = refusal(json.loads(text), len(text))
         if refused:
-            raise ValueError(f"{case.name} is rejected: required {refused}")
+            raise ValueError(f"{name} is rejected: required {refused}")
         if len(text) <= MOST_BYTES:
-            good[case.name] = certificate
-            (GOOD / f"{case.name}.json").write_text(text, encoding="utf-8")
-    kept = list(chosen(good))
-    BAD.write_text("".join(json.dumps(own.record, separators=(",", ":")) + "\n" for own in kept), encoding="utf-8")
-    print(f"{len(good)} good, {len(kept)} forged")
-
-
-def chosen(good: Mapping[str, Record]) -> Iterator[Forgery]:
-    """Some forgeries of each good certificate, of kinds that took turns, and all texts."""
+            good[name] = certificate
+            (GOOD / f"{name}.json").write_text(text, encoding="utf-8")
     source, turn = random.Random(1), 0
+    kept = list[Forgery]()
     for name, certificate in good.items():
-        by_kind = forgeries(name, certificate)
+        by_kind = kinds_of(name, certificate)
         kinds = list(by_kind)
         for _ in range(EACH):
             turn += 1
-            own = source.choice(by_kind[kinds[turn % len(kinds)]])
-            if is_rejected(own, good):
-                yield own
-    yield from (own for own in texts() if is_rejected(own, good))
+            kept.append(source.choice(by_kind[kinds[turn % len(kinds)]]))
+    kept = [own for own in (*kept, *texts_of()) if is_rejected(own, good)]
+    file.write_text("".join(json.dumps(own.record, separators=(",", ":")) + "\n" for own in kept), encoding="utf-8")
+    print(f"{len(good)} good, {len(kept)} forged")
 
 
 def is_rejected(own: Forgery, good: Mapping[str, Record]) -> bool:
@@ -65,11 +75,15 @@ def is_rejected(own: Forgery, good: Mapping[str, Record]) -> bool:
     """
     if forged(own, good):
         return True
-    seen = contradiction(own.document(good[own.of])["statement"]) if own.of else "a text of its own"
     print(f"accepted: {json.dumps(own.record)[:300]}")
+    document = own.document(good[own.of]) if own.of else {}
+    if own.of.startswith(PREFIX):
+        assert_still_true(document)
+        return False
+    seen = contradiction(document["statement"]) if own.of else "a text of its own"
     if seen:
         raise ValueError(f"accepted, but {seen}")
     return False
 
 
-write()
+write(arrays_only=sys.argv[1:] == ["arrays"])

@@ -14,7 +14,9 @@ from tests.certificates.forgeries import Forgery
 
 Record: TypeAlias = dict[str, Any]
 
-GOOD, BAD = Path(__file__).parent / "good", Path(__file__).parent / "bad.jsonl"
+FOLDER = Path(__file__).parent
+GOOD, BAD, BAD_ARRAYS = FOLDER / "good", FOLDER / "bad.jsonl", FOLDER / "bad_arrays.jsonl"
+PREFIX = "array-"  # of the names of arrays
 
 
 def text_of(certificate: Record) -> str:
@@ -22,17 +24,35 @@ def text_of(certificate: Record) -> str:
     return json.dumps(certificate, separators=(",", ":")) + "\n"
 
 
-@cache
 def good_certificates() -> dict[str, Record]:
-    """All good ones by name."""
+    """All good ones of plain systems, by name."""
+    return {name: own for name, own in _good().items() if not name.startswith(PREFIX)}
+
+
+def good_arrays() -> dict[str, Record]:
+    """All good ones of arrays, by name."""
+    return {name: own for name, own in _good().items() if name.startswith(PREFIX)}
+
+
+def bad_certificates() -> tuple[Forgery, ...]:
+    """All forged ones of plain systems."""
+    return _forged(BAD)
+
+
+def bad_arrays() -> tuple[Forgery, ...]:
+    """All forged ones of arrays."""
+    return _forged(BAD_ARRAYS)
+
+
+@cache
+def _good() -> dict[str, Record]:
     return {path.stem: json.loads(path.read_text("utf-8")) for path in sorted(GOOD.glob("*.json"))}
 
 
 @cache
-def bad_certificates() -> tuple[Forgery, ...]:
-    """All forged ones."""
+def _forged(file: Path) -> tuple[Forgery, ...]:
     found = []
-    for line in BAD.read_text("utf-8").splitlines():
+    for line in file.read_text("utf-8").splitlines():
         own = json.loads(line)
         changes = tuple((path, value) for path, value in own.get("changes", ()))
         text = tuple((piece, times) for piece, times in own.get("text", ()))

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from nonsmooth.proofs.checker.arrays import Field
+from nonsmooth.proofs.checker.tower import Field
 from nonsmooth.proofs.exact_json import encode, homogeneous
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number

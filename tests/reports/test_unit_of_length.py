@@ -21,7 +21,6 @@ from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.proofs.answers.best_point import at_best_point
 from nonsmooth.proofs.certificate import build_certificate, certificate_text
 from nonsmooth.proofs.certified_scene import find_difference
-from nonsmooth.proofs.checker.arrays import check_certificate
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback, decide_driven_feedback, is_driven_by
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, decide_feedback
 from nonsmooth.proofs.theorem4 import check_cells, check_theorem4
@@ -29,6 +28,7 @@ from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.characteristic_length import default_length
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
+from tests.array_certificates import check_certificate, proofs, said
 from tests.thorough import keep
 
 if TYPE_CHECKING:
@@ -296,8 +296,9 @@ def test_certificates_are_about_the_scene_whatever_its_length(rule: str) -> None
         read = json.loads(certificate_text(certificate))
         assert check_certificate(read) == ""
         assert not find_difference(read, scene)
-        assert read["feedback"]["verdict"] == "stabilizable"
-        assert check_certificate({**read, "feedback": {**read["feedback"], "w": "4"}}) != ""
+        assert said(read)["feedback"] == "stabilizable"
+        proofs(read)["feedback"]["w"] = "4"
+        assert check_certificate(read) != ""
     if rule == "nearest":
         assert certificate_text(first) == certificate_text(second)
 
@@ -310,8 +311,8 @@ def test_verify_accepts_what_check_writes_and_rejects_forged_twists(invoke: Invo
     assert invoke("check", str(scene), "--certificate", str(file), "--json").record["length"] == 12
     assert invoke("verify", str(file), str(scene)).status == 0
     certificate = json.loads(file.read_text(encoding="utf-8"))
-    first, *_ = certificate["feedback"]["evidence"]
-    certificate["feedback"]["evidence"] = [first, first, first]
+    first, *_ = proofs(certificate)["feedback"]["twists"]
+    proofs(certificate)["feedback"]["twists"] = [first, first, first]
     file.write_text(json.dumps(certificate), encoding="utf-8")
     assert invoke("verify", str(file), str(scene)).status == 1
 

@@ -32,10 +32,14 @@ BARRIER_BITS = 48
 
 @dataclass(frozen=True)
 class CertifiedDisc:
-    """Squared radius of the disc (None where V* does not keep its sign near the point), and barriers by state."""
+    """Squared radius of the disc (None where V* does not keep its sign near the point), and barriers by state.
+
+    V* is negative off the point (``strictly``), or not positive.
+    """
 
     squared_radius: Number | None
     barriers: dict[State, list[Fraction]]
+    strictly: bool = False
 
 
 def certified_disc(partition: Partition) -> CertifiedDisc:
@@ -65,7 +69,7 @@ def certified_disc(partition: Partition) -> CertifiedDisc:
     if nearest * (1 - MARGIN) < size:
         size = nearest * (1 - MARGIN)
         squared = partition.scene.field.rational(_rounded(size * size * (1 - MARGIN)))
-    return CertifiedDisc(squared, {state: growth.barrier(size) for state, growth in growing.items()})
+    return CertifiedDisc(squared, {state: own.barrier(size) for state, own in growing.items()}, highest < 0)
 
 
 def _largest_sign(cell: Cell, twist: Twist) -> int:

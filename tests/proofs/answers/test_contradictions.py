@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
@@ -28,6 +29,7 @@ from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.theorem4_result import Check
 from nonsmooth.proofs.verdicts import Certainty, Equilibrium, Rotation, Theorem4, Translation
 from nonsmooth.symbolic.files.scene_file import load_scene
+from tests.array_certificates import say
 from tests.evidence.contradictions import FAMILIES, compared, study
 from tests.thorough import keep, thorough
 
@@ -225,13 +227,15 @@ def test_a_certificate_that_states_the_opposite() -> None:
     check = checked("four-wheel")
     certificate = build_certificate(check)
     assert not list(contradictions_of_certificate(certificate, check))
-    opposite = {"equilibrium": "fails", "translation": "unstable", "rotation": "stable, not attractive"}
+    opposite = {"equilibrium": False, "translation": "unstable", "rotation": "stable, not attractive"}
     for name, verdict in opposite.items():
-        forged = {**certificate, name: {**certificate[name], "verdict": verdict}}
+        forged = copy.deepcopy(certificate)
+        say(forged, **{name: verdict})
         assert [one.clauses for one in contradictions_of_certificate(forged, check)] == [(name,)]
-    assert list(contradictions_of_certificate({**certificate, "theorem4": "fails"}, check))
-    less = {**certificate, "translation": {**certificate["translation"], "verdict": "undecided"}}
-    assert not list(contradictions_of_certificate(less, check))
+    say(forged, rotation=None, theorem4="fails")
+    assert list(contradictions_of_certificate(forged, check))
+    say(forged, theorem4=None)
+    assert not list(contradictions_of_certificate(forged, check))
 
 
 # ---- true pairs ----------------------------------------------------------------------------------

@@ -5,20 +5,32 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
 
 from nonsmooth.proofs import checker
 from nonsmooth.proofs.checker.files import check_file
-from nonsmooth.proofs.checker.statements import THEOREMS, refusal
+from nonsmooth.proofs.checker.statements import OF_ARRAYS, THEOREMS, refusal
 from tests.certificates.cases import GROUPS, cases
-from tests.certificates.corpus import GOOD, bad_certificates, forged, forged_text, good_certificates, text_of
+from tests.certificates.corpus import (
+    GOOD,
+    bad_arrays,
+    bad_certificates,
+    forged,
+    forged_text,
+    good_arrays,
+    good_certificates,
+    text_of,
+)
 from tests.certificates.forgeries import certificate_text
 from tests.certificates.inclusion import contradiction
+from tests.oracles.earlier_arrays import earlier_array, refusal_of_version_1
 from tests.proofs.checker.mutants import half_width
 from tests.thorough import keep, thorough
 
+SECONDS = 10.0  # of processor time, for a forged array; an idle machine takes three at most
 STATUS = {0: "valid", 1: "rejected", 2: "unreadable"}
 
 
@@ -53,14 +65,45 @@ def test_forged_ones_are_rejected() -> None:
     assert len(bad_certificates()) > 1_000
 
 
+WITHOUT_WORDS = {"array-omni-3-nearest", "array-mecanum-4-nearest"}  # in version 1: rows without friction
+
+
+def test_good_arrays_are_accepted_by_the_checker_of_version_1_too() -> None:
+    """Every one that it has words for; and all theorems, rules and kinds of laws are there."""
+    good = good_arrays()
+    assert len(good) >= 30
+    assert not [name for name, own in good.items() if refusal(own, len(text_of(own)))]
+    words = {name: own for name, own in good.items() if earlier_array(own) is not None}
+    assert set(good) - set(words) == WITHOUT_WORDS
+    assert not [name for name, own in words.items() if refusal_of_version_1(own)]
+    entries = [entry for own in good.values() for entry in own["evidence"]]
+    assert {entry["theorem"] for entry in entries} == set(OF_ARRAYS)
+    laws = {kind for entry in entries for kind in entry["proofs"].get("feedback", {})}
+    assert laws == {"signs", "twists", "plane"}
+    assert any(name.startswith("barrier") for entry in entries for name in entry["proofs"])
+    assert any("separator" in entry["proofs"] for entry in entries)
+
+
+def test_forged_arrays_are_rejected() -> None:
+    """Every one, in one line, within some seconds."""
+    good = good_arrays()
+    for own in bad_arrays():
+        start = time.process_time()
+        why = forged(own, good)
+        assert why, own.record
+        assert "\n" not in why
+        assert time.process_time() - start < SECONDS, own.kind
+    assert len(bad_arrays()) > 150
+
+
 @pytest.mark.parametrize("start", keep(1, range(0, 40, 10)))
 def test_the_command_says_the_same(start: int, tmp_path: Path) -> None:
     """Some of each, as files."""
-    good = good_certificates()
+    good = good_certificates() | good_arrays()
     for name in list(good)[start::40]:
         status, said = alone(GOOD / f"{name}.json")
-        assert (status, said.splitlines()[0]) == (0, "valid"), name
-    for own in bad_certificates()[start::200]:
+        assert (status, said.splitlines()[0].split(":")[0]) == (0, "valid"), name
+    for own in (*bad_certificates(), *bad_arrays())[start::200]:
         path = tmp_path / "forged.json"
         path.write_text(forged_text(own, good), encoding="utf-8")
         status, said = alone(path)

@@ -13,12 +13,13 @@ import pytest
 
 from nonsmooth.proofs.certificate import build_certificate, certificate_text
 from nonsmooth.proofs.certified_scene import find_difference
-from nonsmooth.proofs.checker.arrays import check_certificate
 from nonsmooth.proofs.checker.files import check_file
 from nonsmooth.proofs.robust.decide import decide_robust
 from nonsmooth.proofs.theorem4 import check_cells
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
+from tests.array_certificates import check_certificate, said, say, subject
+from tests.oracles.earlier_arrays import refusal_of_version_1
 from tests.proofs.robust.test_nearest_bounds import TABLE, drawn, table, velocities, with_box
 from tests.thorough import thorough
 
@@ -40,7 +41,7 @@ def test_the_bound_is_nearly_the_one_of_the_check(scene: Scene, certificate: Rec
     found = decide_robust(scene)
     assert found is not None
     assert found.radius is not None
-    radius = Fraction(certificate["robust"]["radius"])
+    radius = Fraction(said(certificate)["tolerances"]["radius"])
     assert found.radius < radius < found.radius * Fraction(102, 100)
     file = tmp_path / "certificate.json"
     file.write_text(certificate_text(certificate), encoding="utf-8")
@@ -53,12 +54,13 @@ def test_the_bound_is_nearly_the_one_of_the_check(scene: Scene, certificate: Rec
 def test_irrational_places_are_followed(name: str, tmp_path: Path) -> None:
     certificate = build_certificate(check_cells(with_box(name, tmp_path)))
     assert check_certificate(certificate) == ""
-    assert "robust" in certificate
+    assert "tolerances" in said(certificate)
+    assert refusal_of_version_1(certificate) == ""
 
 
 def test_arrays_of_the_box_obey_the_certificate(scene: Scene, certificate: Record) -> None:
     """Ten thousand arrays, half of them corners of the box, at points outside the disc, most of them close to it."""
-    inner, outer, rate = (float(Fraction(certificate["robust"][key])) for key in ("radius", "start", "rate"))
+    inner, outer, rate = (float(Fraction(said(certificate)["tolerances"][key])) for key in ("radius", "start", "rate"))
     rng = np.random.default_rng(11)
     sizes = inner + (outer - inner) * rng.random(10_000) ** 3
     angles = rng.uniform(0, 2 * np.pi, len(sizes))
@@ -67,19 +69,23 @@ def test_arrays_of_the_box_obey_the_certificate(scene: Scene, certificate: Recor
     assert ((points * moved).sum(axis=1) <= -rate * sizes * (1 - 1e-9)).all()
 
 
+def claim_other(certificate: Record, key: str, value: Any) -> None:
+    """Another tolerance, or another bound, which is claimed too."""
+    bounds, sizes = certificate["evidence"][1]["hypotheses"], subject(certificate)["tolerances"]
+    (bounds if key in bounds else sizes)[key] = value
+    say(certificate, tolerances=dict(bounds))
+
+
 def scaled(key: str, factor: Fraction) -> Callable[[Record], None]:
-    def forge(robust: Record) -> None:
-        target = robust if key in robust else robust["tolerance"]
-        target[key] = str(Fraction(target[key]) * factor)
+    def forge(certificate: Record) -> None:
+        known = {**subject(certificate)["tolerances"], **said(certificate)["tolerances"]}
+        claim_other(certificate, key, str(Fraction(known[key]) * factor))
 
     return forge
 
 
 def put(key: str, value: Any) -> Callable[[Record], None]:
-    def forge(robust: Record) -> None:
-        (robust if key in robust else robust["tolerance"])[key] = value
-
-    return forge
+    return lambda certificate: claim_other(certificate, key, value)
 
 
 FORGED: dict[str, tuple[Callable[[Record], None], str]] = {
@@ -91,12 +97,13 @@ FORGED: dict[str, tuple[Callable[[Record], None], str]] = {
     "larger position": (scaled("position", Fraction(3, 2)), "a rate outside the disc"),
     "larger heading": (scaled("heading", Fraction(4)), "a rate outside the disc"),
     "larger speed": (scaled("speed", Fraction(10)), "a rate outside the disc"),
-    "rows that change places": (scaled("mu_side", Fraction(4)), "robust:"),
+    "rows that change places": (scaled("mu_side", Fraction(4)), "a divisor that is not zero"),
     "negative": (put("position", "-1/1000"), "bounds within the square"),
     "a share above one": (put("mu_roll", "2"), "bounds within the square"),
     "a quarter turn": (put("heading", "1/2"), "bounds within the square"),
-    "words": (put("rate", "fast"), "rational bounds"),
-    "a number": (put("rate", 1), "rational bounds"),
+    "words": (put("rate", "fast"), "rational numbers as texts"),
+    "a number": (put("rate", 1), "at most 200 characters"),
+    "many digits": (put("rate", "0" * 300 + "1"), "at most 200 characters"),
 }
 
 
@@ -104,24 +111,31 @@ FORGED: dict[str, tuple[Callable[[Record], None], str]] = {
 def test_forged_claims_are_rejected(certificate: Record, name: str) -> None:
     forge, claim = FORGED[name]
     forged = copy.deepcopy(certificate)
-    forge(forged["robust"])
+    forge(forged)
     assert claim in check_certificate(forged)
 
 
 def test_missing_and_spare_keys_are_rejected(certificate: Record) -> None:
-    own = certificate["robust"]
-    fewer = {key: own["tolerance"][key] for key in ("position", "heading")}
-    others: list[Any] = [{"rate": "1"}, {**own, "more": "1"}, {**own, "tolerance": fewer}, None, []]
-    for robust in others:
-        forged = {**certificate, "robust": robust}
-        assert "an object with the keys" in check_certificate(forged)
+    own = certificate["evidence"][1]["hypotheses"]
+    others: list[Any] = [{"rate": "1"}, {**own, "more": "1"}, None, []]
+    for bounds in others:
+        forged = copy.deepcopy(certificate)
+        forged["evidence"][1]["hypotheses"] = bounds
+        assert check_certificate(forged) == "an object with the keys radius start rate"
+    forged = copy.deepcopy(certificate)
+    del subject(forged)["tolerances"]["speed"]
+    assert check_certificate(forged) == "an object with the keys position heading speed mu_roll mu_side"
+    del subject(forged)["tolerances"]
+    assert check_certificate(forged) == "tolerances, under rule nearest"
+    forged["evidence"].pop()
+    assert check_certificate(forged).startswith("evidence of the claim")
 
 
 def test_other_wheels_are_rejected(certificate: Record) -> None:
     """With more friction across the rims and cells to match, the claim would be false; so would it with slow wheels."""
     forged = copy.deepcopy(certificate)
-    forged["wheels"][0]["friction"] = ["1", "99/100"]
-    assert check_certificate(forged).startswith("robust:")
+    subject(forged)["wheels"][0]["friction"] = ["1", "99/100"]
+    assert check_certificate(forged) == "a divisor that is not zero"
 
 
 def test_another_scene_and_other_tolerances_are_told_apart(scene: Scene, certificate: Record, tmp_path: Path) -> None:

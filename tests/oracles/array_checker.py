@@ -1,4 +1,4 @@
-"""Certificates of arrays of driven wheels, with the standard library alone.
+"""The checker of certificates of arrays in version 1 (``nonsmooth-certificate/1``), kept as an oracle.
 
 It shares no code with the workbench that wrote the certificate and rebuilds every claim from the wheels.  A certificate
 names the wheels, a contact rule, the cells of the checked square with their twists, and for each clause of Theorem 4
@@ -17,6 +17,7 @@ no side slip ``n . v(p) = 0`` with ``v(p) = v + omega J p``; of a wheel with a f
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
@@ -25,7 +26,23 @@ from functools import cmp_to_key
 from itertools import combinations, pairwise, permutations, product
 from typing import Any, TypeAlias
 
-from .work import MALFORMED, RATIONAL, RejectedError, require
+RATIONAL = re.compile(r"-?[0-9]{1,4000}(/[0-9]{1,4000})?")
+MALFORMED = (KeyError, TypeError, ValueError, IndexError, AttributeError, ArithmeticError, RecursionError, MemoryError)
+
+
+class RejectedError(ValueError):
+    """A claim that does not hold, is not shown, or is shown by too much work."""
+
+
+def require(holds: object, claim: str) -> None:
+    """Reject the certificate unless something holds.
+
+    Raises:
+        RejectedError: with the claim.
+    """
+    if not holds:
+        raise RejectedError(claim)
+
 
 SCHEMA = "nonsmooth-certificate/1"
 KEYS = "schema field at radius rule loads wheels points cells equilibrium translation rotation feedback theorem4 notes"
@@ -1525,38 +1542,3 @@ def read_certificate(data: Any) -> tuple[str, Checker | None]:
 def check_certificate(data: Any) -> str:
     """The claim of a certificate (parsed JSON) that is not shown; empty where all are."""
     return read_certificate(data)[0]
-
-
-def judge(data: Any) -> tuple[int, str]:
-    """Exit status and what to print of a certificate: 0 valid, 1 rejected, 3 valid without any claim."""
-    claim, checker = read_certificate(data)
-    if checker is None:
-        return 1, f"rejected: required {claim}"
-    about = describe(data, checker)
-    if checker.claims_nothing:
-        return 3, f"valid, but it claims nothing: every clause is undecided\n{about}"
-    return 0, f"valid: all claims hold\n{about}"
-
-
-def describe(data: dict[str, Any], checker: Checker) -> str:
-    """The array and the verdicts that a valid certificate is about, one to a line."""
-    name = data["notes"].get("scene") if type(data["notes"]) is dict else None
-    named = f", noted as {str(name)[:60]!r}" if name is not None else ""
-    x, y = (_shown(text) for text in data["at"])
-    lines = [
-        f"array: {len(checker.array.places)} wheels, rule {checker.rule}, at ({x}, {y}), "
-        f"square of half side {_shown(data['radius'])}{named}"
-    ]
-    lines += [f"{clause}: {said}" for clause, said in checker.said.items()]
-    return "\n".join([*lines, f"theorem 4: {checker.theorem4}", *_robust_lines(checker.robust)])
-
-
-def _robust_lines(robust: Robust | None) -> list[str]:
-    if robust is None:
-        return []
-    radius, start, rate = (f"{float(value):.4g}" for value in (robust.radius, robust.start, robust.rate))
-    return [f"within the tolerances: bodies from within {start} end within {radius}, at a rate of at least {rate}"]
-
-
-def _shown(number: Any) -> str:
-    return number if type(number) is str and len(number) < 30 else "an exact number of its field"
