@@ -3,8 +3,9 @@
 A polynomial on a polygon or a cone is a form on cones of linearly independent generators
 (:mod:`nonsmooth.proofs.inequalities.cell_forms`).  Written in the generators, ``F(sum lambda_i g_i) = sum c_e
 lambda^e``, it is non-negative if all ``c_e`` are (Bernstein's form without the binomials), and then it vanishes on a
-face exactly if no monomial with a positive coefficient lives on that face alone: strictness is read off.  Where some
-coefficient is negative the cone is cut in two (:mod:`nonsmooth.proofs.inequalities.subdivision`).
+face exactly if no monomial with a positive coefficient lives on that face alone: strictness is read off.  Beside a
+curve ``g = 0`` it is enough that this holds of ``F - c g`` with a number c >= 0.  Where some coefficient is negative
+the cone is cut in two (:mod:`nonsmooth.proofs.inequalities.subdivision`).
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from typing import Any, TypeAlias
 from flint import fmpq
 
 from nonsmooth.symbolic.numbers.number import Number, sign
-from nonsmooth.symbolic.numbers.polynomial import Polynomial, Terms, in_generators
+from nonsmooth.symbolic.numbers.polynomial import Polynomial, Terms, add_terms, in_generators, multiply_terms
 
 Vector: TypeAlias = tuple[Any, ...]
 
@@ -90,7 +91,13 @@ class Problem:
         faces = self.strict_faces(generators, except_origin=self.except_origin) if self.strict else []
         if is_nonnegative(pieces.form) and all(has_positive(pieces.form, face) for face in faces):
             return True
-        return any(self._is_outside(generators, pieces, guard) for guard in pieces.guards)
+        count = len(generators)
+        masks = [m for m in range(1 << count) if any(not face & ~m for face in faces)]
+        return any(
+            self._is_outside(generators, pieces, guard)
+            or follows_from(raised(pieces.form, pieces, generators), raised(guard, pieces, generators), masks)
+            for guard in pieces.guards
+        )
 
     def is_violated_at(self, point: Vector) -> bool:
         """Whether a vector is a point of the cell (inside all guards) at which the claim is false."""
@@ -159,6 +166,54 @@ def is_nonnegative(terms: Terms) -> bool:
 def has_positive(terms: Terms, face: int) -> bool:
     """Whether a monomial on the face alone has a positive coefficient."""
     return any(sign(c) > 0 for e, c in terms.items() if not support(e) & ~face)
+
+
+def follows_from(form: Terms, guard: Terms, faces: Sequence[int]) -> bool:
+    """Whether a form is ``>= 0`` where a guard of the same degree is, and ``> 0`` there inside some faces.
+
+    In ``p = c g + r`` with c >= 0 no coefficient of r is negative; inside each face r is positive, or g has one sign.
+    """
+    factor = multiplier(form, guard)
+    if factor is None:
+        return False
+    rest = add_terms(form, {e: -c * factor for e, c in guard.items()})
+    return all(has_positive(rest, face) or has_one_sign(guard, face) for face in faces)
+
+
+def multiplier(form: Terms, taken: Terms, *, signed: bool = True) -> Any:
+    """The middle of the numbers c for which no coefficient of ``form - c taken`` is negative; None without any.
+
+    Args:
+        form: a form.
+        taken: another one, of the same degree.
+        signed: whether c must not be negative.
+    """
+    if any(sign(c) < 0 and e not in taken for e, c in form.items()):
+        return None
+    ratios = [(sign(c), form.get(e, 0 * c) / c) for e, c in taken.items()]
+    least = max((ratio for side, ratio in ratios if side < 0), default=None)
+    most = min((ratio for side, ratio in ratios if side > 0), default=None)
+    if signed and (least is None or sign(least) < 0):
+        least = fmpq(0)
+    if least is None:
+        return None if most is None else most - 1
+    if most is None:
+        return least + 1
+    return (least + most) / 2 if least <= most else None
+
+
+def raised(terms: Terms, pieces: Pieces, generators: Sequence[Vector]) -> Terms:
+    """A form of a part times a power of w, so that it has the largest degree of the forms of the part."""
+    top = max(sum(e) for own in (pieces.form, *pieces.guards) for e in own)
+    weight = in_generators({(1,): 1}, [(g[-1],) for g in generators])
+    while terms and sum(next(iter(terms))) < top:
+        terms = multiply_terms(terms, weight)
+    return terms
+
+
+def has_one_sign(terms: Terms, face: int) -> bool:
+    """Whether the coefficients of a form on a face have one sign, and not all are zero."""
+    return {sign(c) for e, c in terms.items() if not support(e) & ~face} in ({1}, {-1})
 
 
 def face_sign(pieces: Pieces, face: int) -> int:

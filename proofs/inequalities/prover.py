@@ -9,19 +9,13 @@ first (:mod:`nonsmooth.proofs.inequalities.samples`), elsewhere last.  Each simp
 3. products: an irreducible factorization over Q, each factor with its own sign;
 4. more bisections, cutting edges first where the form touches zero.
 
-On a cell beside a curve ``q = 0`` through the origin a polynomial with a positive multiple of the linear part of q,
-such as ``q + x^2``, vanishes to higher order along the curve, and no cutting shows its sign.  There ``r >= 0`` for
-``r = p - c q`` is asked for first, c > 0 such that r has no linear part, and for a strict claim ``r > 0`` where
-``q = 0``: as ``q >= 0`` on the cell, the sign of p follows.
-
 Nothing undecided is left for homogeneous polynomials in the plane and for quadratic forms.  Elsewhere the search ends
 undecided where the polynomial touches zero inside the cell at a point that none of the cuts hits.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import StrEnum
 from functools import cached_property
 from typing import Any, TypeAlias
@@ -44,7 +38,6 @@ LITTLE_WORK = 500  # coefficients of parts looked at before the complete ways ar
 MUCH_WORK = 50_000  # about a second
 MAX_EXACT_ROOTS = 6  # square roots in the field up to which quotients of two generators are carried out
 
-Share: TypeAlias = tuple[Any, int]  # a factor and the number of a guard
 Evidence: TypeAlias = Leaf | Split | RootEvidence | QuadraticEvidence | ProductEvidence
 
 
@@ -96,25 +89,18 @@ class Proof:
 
     Attributes:
         question: the claim.
-        evidence: of the claim, or of the claims in its place where there is a share.
-        share: ``(c, k)``, c > 0: the evidence is of ``p - c q`` with the guard q of number k.
+        evidence: of each part.
     """
 
     question: Question
     evidence: tuple[Evidence, ...]
-    share: Share | None = None
 
     def check(self) -> bool:
         """Rebuild the parts from the question and re-verify the evidence of each from the definitions."""
         claim = self.question.claim
         if self.question.fails_at(_origin(claim)):
             return False
-        if self.share is not None and not (
-            sign(self.share[0]) > 0 and self.share[1] in range(len(claim.region.guards))
-        ):
-            return False
-        claims = (claim,) if self.share is None else _without_share(claim, self.share)
-        parts = [part for asked in claims for part in build_parts(asked)]
+        parts = list(build_parts(claim))
         return len(parts) == len(self.evidence) and all(
             confirms(evidence, part) for evidence, part in zip(self.evidence, parts, strict=True)
         )
@@ -209,11 +195,6 @@ def prove(sense: Sense | str, polynomial: Polynomial, region: Region, *, except_
     refuting = counterexample(claim) if region.guards else None
     if refuting is not None:
         return _witness(question, refuting)
-    for share in _shares(claim):
-        pieces = [decide(part) for asked in _without_share(claim, share) for part in build_parts(asked)]
-        shown = [piece for piece in pieces if not isinstance(piece, Violation | Zero | Stuck)]
-        if len(shown) == len(pieces):
-            return Proof(question, tuple(shown), share)
     evidence: list[Evidence] = []
     stuck: Undecided | None = None
     for part in build_parts(claim):
@@ -229,31 +210,6 @@ def prove(sense: Sense | str, polynomial: Polynomial, region: Region, *, except_
     if stuck is not None and not region.guards and (refuting := counterexample(claim)) is not None:
         return _witness(question, refuting)
     return stuck or Proof(question, tuple(evidence))
-
-
-def _shares(claim: CellClaim) -> Iterator[Share]:
-    """Factors c > 0 of guards q through the origin such that ``p - c q`` has no linear part."""
-    if claim.polynomial.terms.get((0, 0)):
-        return
-    for k, guard in enumerate(claim.region.guards):
-        (a, b), (s, t) = _linear_part(claim.polynomial), _linear_part(guard)
-        along, size = a * s + b * t, s * s + t * t
-        if not guard.terms.get((0, 0)) and not a * t - b * s and sign(along) > 0:
-            yield along / size, k
-
-
-def _linear_part(polynomial: Polynomial) -> tuple[Any, Any]:
-    zero = polynomial.field.zero
-    return polynomial.terms.get((1, 0), zero), polynomial.terms.get((0, 1), zero)
-
-
-def _without_share(claim: CellClaim, share: Share) -> tuple[CellClaim, ...]:
-    """``r = p - c q >= 0`` on the cell, and ``r > 0`` on the part with ``q = 0`` if ``p > 0`` is claimed."""
-    factor, k = share
-    guard = claim.region.guards[k]
-    rest = replace(claim, polynomial=claim.polynomial - guard * factor)
-    border = replace(claim.region, guards=(*claim.region.guards, -guard))
-    return (replace(rest, strict=False), *([replace(rest, region=border)] if claim.strict else []))
 
 
 def decide(problem: Problem) -> Evidence | Violation | Zero | Stuck:

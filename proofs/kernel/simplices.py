@@ -17,6 +17,7 @@ from flint import fmpq, fmpq_poly
 
 from nonsmooth.proofs.checker.polynomials import Polynomial, unit
 from nonsmooth.proofs.checker.positivity import Claim, pairs, root_simplices
+from nonsmooth.proofs.inequalities.forms import multiplier
 from nonsmooth.symbolic.numbers.polynomial import in_generators, with_mixture
 
 Exponents: TypeAlias = tuple[int, ...]
@@ -136,34 +137,13 @@ def _by_multiplier(claim: Claim, part: SimplexPart) -> dict[str, Any] | None:
     for name, form in {**part.guards[0], **part.zeros}.items():
         degree = max(_degree(own), _degree(form))
         value, taken = (_raised(each, degree, part.corners) for each in (own, form))
-        factor = _multiplier(value, taken, signed=name not in part.zeros)
+        factor = multiplier(value, taken, signed=name not in part.zeros)
         if factor is None:
             continue
         rest = {e: value.get(e, fmpq(0)) - factor * taken.get(e, fmpq(0)) for e in {*value, *taken}}
         if not claim.strict or is_positive(claim, part.corners, rest):
             return {"on": [{name: str(factor)}]}
     return None
-
-
-def _multiplier(value: Form, taken: Form, *, signed: bool) -> fmpq | None:
-    """The middle of the numbers c for which no coefficient of ``value - c taken`` is negative; None without any.
-
-    Args:
-        value: a form.
-        taken: another one, of the same degree.
-        signed: whether c must not be negative.
-    """
-    if any(v < 0 and not taken.get(e) for e, v in value.items()):
-        return None
-    least = max((value.get(e, fmpq(0)) / h for e, h in taken.items() if h < 0), default=None)
-    most = min((value.get(e, fmpq(0)) / h for e, h in taken.items() if h > 0), default=None)
-    if signed and (least is None or least < 0):
-        least = fmpq(0)
-    if least is None:
-        return None if most is None else most - 1
-    if most is None:
-        return least + 1
-    return (least + most) / 2 if least <= most else None
 
 
 def _outside(claim: Claim, part: SimplexPart, free: frozenset[str], guards: dict[str, Form]) -> str | None:

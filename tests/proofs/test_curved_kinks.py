@@ -129,22 +129,44 @@ def beside_a_curve(load: Load) -> tuple[Region, list[Polynomial]]:
     return replace(square, guards=(y * 2 + x * x,)), [x, y]
 
 
-def test_shares_of_guards_are_checked_again(load: Load) -> None:
+def test_multiples_of_guards_are_checked_again(load: Load) -> None:
     """``q + 2 x^2 > 0`` where ``q = 2 y + x^2 >= 0``: along the curve it vanishes to second order."""
     beside, (x, y) = beside_a_curve(load)
-    field = x.field
     proof = prove(Sense.POSITIVE, y * 2 + x * x * 3, beside, except_origin=True)
     assert isinstance(proof, Proof)
-    assert proof.share == (1, 0)
     assert proof.check()
-    assert not replace(proof, share=(field(-1), 0)).check()
-    assert not replace(proof, share=(field(2), 0)).check()
-    assert not replace(proof, share=None).check()
-    assert not replace(proof, share=(field(1), 1)).check()
+    for less in (y * 2 + x * x, y * 2 + x * x * Fraction(1, 2), y * 2 - x * x, -y * 2 - x * x * 3):
+        assert not replace(proof, question=replace(proof.question, polynomial=less)).check()
+    wider = replace(beside, guards=(y * 2 + x * x * 3,))
+    assert not replace(proof, question=replace(proof.question, region=wider)).check()
     assert isinstance(prove(Sense.NONNEGATIVE, y * 2 + x * x, beside), Proof)
 
 
-@thorough  # the small one: forged shares, in test_shares_of_guards_are_checked_again
+def test_what_follows_from_a_guard_holds_at_points(load: Load) -> None:
+    """``c q`` and a form of higher order beside random curves: proofs against values, at points ever nearer."""
+    rng = np.random.default_rng(3)
+    beside, (x, y) = beside_a_curve(load)
+    scales, proved, refuted = 0.5 ** np.arange(12), 0, 0
+    for _ in range(24):
+        a, b, c = (int(v) for v in rng.integers(-3, 4, 3))
+        curve = y * 2 + x * x * a + x * y * b
+        polynomial = curve * int(rng.integers(1, 4)) + x * x * c + y * y * int(rng.integers(-1, 3))
+        outcome = prove(Sense.POSITIVE, polynomial, replace(beside, guards=(curve,)), except_origin=True)
+        xs = np.concatenate([share * scales for share in np.linspace(0.25, 0.5, 16)])
+        ys = np.concatenate([-a * xs**2 / (2 + b * xs) + above * xs**2 for above in (1e-6, 0.01, 0.3, 2.0)])
+        xs = np.tile(xs, 4)
+        inside = (np.abs(ys) <= xs) & (float(a) * xs**2 + b * xs * ys + 2 * ys >= 0)
+        values = sum(float(v) * xs**i * ys**j for (i, j), v in polynomial.terms.items())[inside]
+        if isinstance(outcome, Proof):
+            assert outcome.check()
+            assert np.all(values > 0)
+            proved += 1
+        refuted += bool((values < 0).any())
+    assert proved >= 5
+    assert refuted >= 5
+
+
+@thorough  # the small one: test_multiples_of_guards_are_checked_again
 def test_what_vanishes_along_the_curve_is_not_positive(load: Load) -> None:
     beside, (x, y) = beside_a_curve(load)
     assert not isinstance(prove(Sense.POSITIVE, y * 2 + x * x, beside, except_origin=True), Proof)
