@@ -28,18 +28,18 @@ if TYPE_CHECKING:
     from nonsmooth.reports.interface.filippov_set import FilippovSet as FilippovSet
     from nonsmooth.reports.interface.law_result import LawResult as LawResult
     from nonsmooth.reports.interface.load import load as load
-    from nonsmooth.reports.interface.map_result import MapResult as MapResult
-    from nonsmooth.reports.interface.mass_result import MassResult as MassResult
-    from nonsmooth.reports.interface.orbit_result import OrbitResult as OrbitResult
-    from nonsmooth.reports.interface.path_result import PathResult as PathResult
     from nonsmooth.reports.interface.report_result import ReportResult as ReportResult
     from nonsmooth.reports.interface.sweep_result import SweepResult as SweepResult
     from nonsmooth.reports.interface.system import System as System
     from nonsmooth.reports.interface.system_result import SystemCheckResult as SystemCheckResult
     from nonsmooth.reports.interface.vehicle import Vehicle as Vehicle
-    from nonsmooth.reports.interface.vehicle import VehicleResult as VehicleResult
     from nonsmooth.reports.interface.wheel import Wheel as Wheel
+    from nonsmooth.reports.maps import MapResult as MapResult
+    from nonsmooth.reports.masses import MassResult as MassResult
+    from nonsmooth.reports.orbits import OrbitResult as OrbitResult
+    from nonsmooth.reports.paths import PathResult as PathResult
     from nonsmooth.reports.sweeps.sweep import Means as Means
+    from nonsmooth.reports.vehicles import VehicleResult as VehicleResult
     from nonsmooth.reports.workbench.widget import widget as widget
     from nonsmooth.symbolic.files.scene_file import builtin_scenes as builtin_scenes
     from nonsmooth.symbolic.files.scene_file import builtin_vehicles as builtin_vehicles
@@ -55,11 +55,11 @@ _MODULES = {
     "FilippovSet": "reports.interface.filippov_set",
     "Heading": "proofs.answers.answer",
     "LawResult": "reports.interface.law_result",
-    "MapResult": "reports.interface.map_result",
-    "MassResult": "reports.interface.mass_result",
+    "MapResult": "reports.maps",
+    "MassResult": "reports.masses",
     "Means": "reports.sweeps.sweep",
-    "OrbitResult": "reports.interface.orbit_result",
-    "PathResult": "reports.interface.path_result",
+    "OrbitResult": "reports.orbits",
+    "PathResult": "reports.paths",
     "Pose": "proofs.answers.answer",
     "Position": "proofs.answers.answer",
     "RefusalError": "analysis.cells.partition",
@@ -69,7 +69,7 @@ _MODULES = {
     "System": "reports.interface.system",
     "SystemCheckResult": "reports.interface.system_result",
     "Vehicle": "reports.interface.vehicle",
-    "VehicleResult": "reports.interface.vehicle",
+    "VehicleResult": "reports.vehicles",
     "Wheel": "reports.interface.wheel",
     "builtin_scenes": "symbolic.files.scene_file",
     "builtin_vehicles": "symbolic.files.scene_file",

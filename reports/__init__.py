@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from nonsmooth.reports.derivation import derive_report as derive_report
     from nonsmooth.reports.derivation import render_report as render_report
     from nonsmooth.reports.figures.cell_map import cell_map as cell_map
-    from nonsmooth.reports.figures.trajectory import trajectory_figure as trajectory_figure
+    from nonsmooth.reports.figures.path import trajectory_figure as trajectory_figure
 
 __getattr__ = on_demand(
     __name__,
@@ -20,6 +20,6 @@ __getattr__ = on_demand(
         "derive_report": "derivation",
         "render_report": "derivation",
         "cell_map": "figures.cell_map",
-        "trajectory_figure": "figures.trajectory",
+        "trajectory_figure": "figures.path",
     },
 )

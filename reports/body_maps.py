@@ -1,28 +1,32 @@
-"""The command ``simulate --grid`` for a body with an outline: where it ends, sampled; text, JSON, table or picture."""
+"""A map of starts of a body with an outline: where it ends, followed by explicit steps; sampled."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from rich.console import Group, RenderableType
-from rich.text import Text
 
 from nonsmooth.analysis.bodies.destinations import TOGETHER, PathEnd, destinations
 from nonsmooth.analysis.bodies.many_paths import ENDS, BodyEnd, BodyEnds, ManyPaths
 from nonsmooth.analysis.contact_rule import CellRule, SmoothRule, rule_of
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.reports.basins import GridRun, Part, parts_record, parts_text
+from nonsmooth.reports.document import Block, Paragraph, findings
+from nonsmooth.reports.maps import MapResult, Part, grid_of, parts_record
 from nonsmooth.reports.progress import progress
-from nonsmooth.reports.terminal import two_columns
+from nonsmooth.reports.result import DataTable, Record
+from nonsmooth.reports.simulate_options import SimulateOptions
 from nonsmooth.symbolic.contact_set import whole
 from nonsmooth.symbolic.number_text import percent_text
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact, one_line
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 SCHEMA = "nonsmooth-body-map/1"
 OPEN_HEADING = "rests: the place does; the rate of theta there is open under this rule, and the steps pick one"
@@ -37,39 +41,40 @@ def pose_starts(scene: Scene, count: int, heading: float) -> Floats:
     return np.column_stack([x.ravel(), y.ravel(), np.full(x.size, heading)])
 
 
-def build_body_map(scene: Scene, run: GridRun) -> ShownBodyMap:
+def build_body_map(scene: Scene, options: SimulateOptions) -> BodyMapResult:
     """Follow a body from every start of the grid over the whole array's square, with progress on a terminal.
 
     Raises:
+        OptionError: for a grid or a heading that cannot be used.
         SceneError: for leading-order kinematics, and for a table of loads where loads decide.
         RefusalError: where the motion on some wheels is not determined.
     """
-    rule = rule_of(scene)
+    count, rule = grid_of(options), rule_of(scene)
     if not isinstance(rule, SmoothRule | CellRule):
         raise TypeError(f"required a rule with or without cells, received {rule.name}")
-    if run.kinematics is not Kinematics.EXACT:
+    if options.kinematics is not Kinematics.EXACT:
         expected = "--kinematics exact for a body with an outline"
-        raise SceneError(scene.origin, "body", expected, StatedFact(str(run.kinematics)))
+        raise SceneError(scene.origin, "body", expected, StatedFact(str(options.kinematics)))
     array = whole(scene)
     paths = ManyPaths(array, rule)
-    with progress(f"{run.count} x {run.count} starts") as report:
-        ends = paths.follow(pose_starts(array, run.count, run.theta), run.until, report)
-    return ShownBodyMap(array, run, ends, TOGETHER * paths.spacing)
+    with progress(f"{count} x {count} starts") as report:
+        ends = paths.follow(pose_starts(array, count, options.heading), options.until, report)
+    return BodyMapResult(array, options, ends, TOGETHER * paths.spacing)
 
 
-@dataclass(frozen=True)
-class ShownBodyMap:
+@dataclass(frozen=True, repr=False)
+class BodyMapResult(MapResult):
     """Sampled ends of a grid of paths of a body.
 
     Attributes:
         scene: with all wheels.
-        run: what was mapped.
+        options: what was mapped.
         found: the ends.
         distance: below which bodies rest at one place (length).
     """
 
     scene: Scene
-    run: GridRun
+    options: SimulateOptions
     found: BodyEnds
     distance: float
 
@@ -96,7 +101,7 @@ class ShownBodyMap:
         """The scene and the rule."""
         return f"{one_line(self.scene.name)}, rule {self.scene.contact.rule}"
 
-    def record(self) -> dict[str, Any]:
+    def facts(self) -> Record:
         """JSON with stable keys; starts run along x first."""
         found = self.found
         return {
@@ -104,8 +109,8 @@ class ShownBodyMap:
             "scene": self.scene.name,
             "rule": self.scene.contact.rule,
             "status": "sampled",
-            "grid": self.run.count,
-            "theta_0": self.run.theta,
+            "grid": self.options.grid,
+            "theta_0": self.options.heading,
             "until": found.until,
             "destinations": [_record(one) for one in self.destinations],
             "starts": found.starts[:, :2].tolist(),
@@ -114,20 +119,27 @@ class ShownBodyMap:
             "parts": parts_record(self.parts),
         }
 
-    def lines(self) -> Iterable[Iterable[Any]]:
+    def table(self) -> DataTable:
         """One start per line; the wheels over whose line it tips, where it does."""
-        yield ("x", "y", "theta", "t_end", "x_end", "y_end", "theta_end", "reason", "tips_over", "destination")
-        found = self.found
+        names = ("x", "y", "theta", "t_end", "x_end", "y_end", "theta_end", "reason", "tips_over", "destination")
+        found, lines = self.found, []
         for k, (start, pose) in enumerate(zip(found.starts.tolist(), found.poses.tolist(), strict=True)):
-            numbers = (repr(value) for value in (*start, float(found.times[k]), *pose))
             over = "-".join(str(wheel) for wheel in found.over[k].tolist() if wheel)
-            yield (*numbers, ENDS[found.reasons[k]].value, over, self.destination_of[k] + 1)
+            reason = ENDS[found.reasons[k]].value
+            lines.append([*start, float(found.times[k]), *pose, reason, over, self.destination_of[k] + 1])
+        return DataTable(names, lines)
 
-    def picture(self, suffix: str) -> bytes:
+    def draw(self, ax: Axes) -> None:
+        """Starts by where they end."""
+        from nonsmooth.reports.figures.body_map import draw_starts
+
+        draw_starts(ax, self)
+
+    def figure(self) -> Figure:
         """Starts by where they end, and the body at each destination."""
-        from nonsmooth.reports.figures.body_map import body_map_figure
+        from nonsmooth.reports.figures.body_map import build_figure
 
-        return body_map_figure(self, suffix)
+        return build_figure(self)
 
     @property
     def parts(self) -> list[Part]:
@@ -137,30 +149,27 @@ class ShownBodyMap:
         at = {BodyEnd.REST: f" (at {places} {'place' if places == 1 else 'places'})"}
         return [Part(reason.value + at.get(reason, ""), count) for reason, count in counts.items() if count]
 
-    def summary(self) -> str:
-        """How many starts end in each way."""
-        return parts_text(self.parts)
-
-    def view(self) -> RenderableType:
+    def blocks(self) -> Sequence[Block]:
         """The shares of the destinations."""
-        rows, shares = two_columns(), self.shares
-        for share, text in shares[:SHOWN]:
-            rows.add_row(Text(share), Text(text))
-        if others := self.destinations[SHOWN:]:
-            rows.add_row(Text(percent_text(sum(one.share for one in others))), Text(f"{len(others)} others"))
+        rows, others = self.shares[:SHOWN], self.destinations[SHOWN:]
+        if others:
+            rows.append((percent_text(sum(one.share for one in others)), f"{len(others)} others"))
         tips = self.found.by(BodyEnd.TIPS)
         if tips.any():
             at_once = float((tips & (self.found.times == 0)).mean())
-            rows.add_row(Text("of these"), Text(f"{percent_text(at_once)} of all starts tip where they start"))
-        rows.add_row(Text("latest end"), Text(f"t = {self.found.times.max():.6g}"))
-        open_heading = [Text(OPEN_HEADING)] if rule_of(self.scene).keeps_rows else []
-        return Group(*self._head(), rows, *open_heading)
-
-    def _head(self) -> tuple[Text, Text]:
+            rows.append(("of these", f"{percent_text(at_once)} of all starts tip where they start"))
+        rows.append(("latest end", f"t = {self.found.times.max():.6g}"))
         (left, low), (right, high) = self.found.starts[:, :2].min(axis=0), self.found.starts[:, :2].max(axis=0)
-        count = f"{self.run.count} x {self.run.count} starts until t = {self.found.until:.6g}, sampled"
-        square = f"x from {left:.6g} to {right:.6g}, y from {low:.6g} to {high:.6g}, theta_0 = {self.run.theta:.6g}"
-        return Text(f"{self.title}: {count}"), Text(square)
+        head = f"{self.title}: {self.head} until t = {self.found.until:.6g}, sampled"
+        square = f"x from {left:.6g} to {right:.6g}, y from {low:.6g} to {high:.6g}"
+        starts = f"{square}, theta_0 = {self.options.heading:.6g}"
+        open_heading = [Paragraph((OPEN_HEADING,))] if rule_of(self.scene).keeps_rows else []
+        return [Paragraph((head,)), Paragraph((starts,)), findings(rows), *open_heading]
+
+    @property
+    def head(self) -> str:
+        """How many starts."""
+        return f"{self.options.grid} x {self.options.grid} starts"
 
 
 def _record(one: PathEnd) -> dict[str, Any]:

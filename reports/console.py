@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
 import sys
 import threading
@@ -32,6 +33,30 @@ BAD_INPUT, UNDECIDED, FAULT, INTERRUPTED = 2, 3, 70, 130
 
 class RefusedError(Exception):
     """A scene that can be read but not checked; ``str(error)`` is one line."""
+
+
+class OptionError(RefusedError, ValueError):
+    """An option that cannot be used: ``--gain: required a positive number, received -1.0``.
+
+    Python users read its keyword: :func:`in_keywords`.
+    """
+
+
+def in_keywords(message: str) -> str:
+    """A message about options with the keywords of Python in their places: ``--from`` is ``start``."""
+    named = re.sub(r"--from\b", "start", message)
+    return re.sub(r"--([a-z]+(?:-[a-z]+)*)", lambda found: found[1].replace("-", "_"), named)
+
+
+@contextmanager
+def bad_input(scene: Scene | SwitchedSystem, *errors: type[Exception]) -> Iterator[None]:
+    """Errors of these kinds are the scene's own, which their message then names; their cause is the error itself."""
+    try:
+        yield
+    except (SceneError, RefusedError):
+        raise
+    except errors as error:
+        raise RefusedError(f"{scene.origin}: {error}") from error
 
 
 def prepare_streams() -> None:

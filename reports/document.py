@@ -79,7 +79,10 @@ class Bullets:
 
 @dataclass(frozen=True, repr=False)
 class Table(ShortRepr):
-    """Rows under a header; ``widths`` are the columns' shares of the line, ``marks`` what each row is about, if any."""
+    """Rows under a header; ``widths`` are the columns' shares of the line, ``marks`` what each row is about, if any.
+
+    Without a header (empty) each row is a name and what is found.
+    """
 
     header: tuple[Text, ...]
     rows: tuple[tuple[Text, ...], ...]
@@ -88,7 +91,7 @@ class Table(ShortRepr):
 
     def __post_init__(self) -> None:
         """Refuse rows and widths that do not fit the header."""
-        columns = {len(self.header), len(self.widths), *(len(row) for row in self.rows)}
+        columns = {len(self.header or self.widths), len(self.widths), *(len(row) for row in self.rows)}
         if len(columns) > 1:
             raise ValueError(f"required one width and one entry per column, received {sorted(columns)} of them")
         if self.marks and len(self.marks) != len(self.rows):
@@ -178,6 +181,19 @@ def table(
     """A table whose entries are single inlines or texts."""
     body = tuple(tuple(_text(entry) for entry in row) for row in rows)
     return Table(tuple(_text(entry) for entry in header), body, widths, tuple(marks))
+
+
+def findings(rows: Iterable[tuple[str, str]]) -> Table:
+    """Names, each with what is found, as literal text."""
+    return table((), rows, (1.0, 3.0))
+
+
+def plain_text(text: Text) -> str:
+    """The characters that a text shows."""
+    shown = []
+    for part in text:
+        shown.append(part if isinstance(part, str) else part.plain if isinstance(part, Math) else part.text)
+    return "".join(shown)
 
 
 def cell_mark(index: int) -> str:

@@ -54,6 +54,48 @@ class DrivenLoop:
     gain: float = GAIN
 
     @property
+    def name(self) -> str:
+        """Of the law."""
+        return "imposed twists"
+
+    @property
+    def title(self) -> str:
+        """Its name with what the clause says of it."""
+        return f"{self.name}, {self.status}"
+
+    @property
+    def formula(self) -> str | None:
+        """The law in plain text."""
+        return self.feedback.law
+
+    @property
+    def is_certified(self) -> bool:
+        """Others are not followed."""
+        return True
+
+    @property
+    def status(self) -> str:
+        """That it is certified, in words."""
+        return "certified by the feedback clause"
+
+    @property
+    def region_text(self) -> str | None:
+        """The certified region in words; None where it is not known."""
+        return None if self.reach is None else f"sqrt(V) < {self.reach:.6g}"
+
+    def holds(self, pose: tuple[float, float, float]) -> bool | None:
+        """Whether the certified region holds a start; None where it is not known."""
+        return None if self.reach is None else self.value(pose) < self.reach**2
+
+    def words(self, pose: tuple[float, float, float]) -> list[str]:
+        """Lines about the law, for a path from any start."""
+        region = self.region_text or "near c*; how near is not known"
+        lines = [f"feedback: {self.title}, k = {self.gain:g}", f"{self.formula}; certified for an exact pose: {region}"]
+        if self.errors is not None:
+            lines.append("the pose is late and off as [feedback] says, at every sample by the worst of 27 errors")
+        return lines
+
+    @property
     def length(self) -> float:
         """L of ``V = |c|^2 + l^2 theta^2``."""
         return float(self.feedback.length)

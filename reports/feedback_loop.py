@@ -107,9 +107,33 @@ class FeedbackLoop:
         return f"not certified (the feedback clause certifies the {own} law)"
 
     @property
+    def name(self) -> str:
+        """Of the law."""
+        return str(self.law)
+
+    @property
     def title(self) -> str:
         """Its name with what the clause says of it."""
         return f"{self.law} law, {self.status}"
+
+    @property
+    def region_text(self) -> str | None:
+        """The certified region in words; None where there is none, or it is not known."""
+        return None if self.region is None else str(self.region)
+
+    def holds(self, pose: tuple[float, float, float]) -> bool | None:
+        """Whether the certified region holds a start; None where there is none."""
+        return None if self.region is None else self.region.contains(pose)
+
+    def words(self, pose: tuple[float, float, float]) -> list[str]:
+        """Lines about the law, for a path from this start."""
+        lines = [f"feedback: {self.title}, k = {self.gain:g}", self.formula]
+        if not self.is_certified:
+            return lines
+        if self.region is None:
+            return [*lines, "certified near c*; how near is not known"]
+        where = "inside" if self.holds(pose) else "outside"
+        return [*lines, f"certified region: {self.region}; the start lies {where} it"]
 
     @property
     def turning_length(self) -> float:

@@ -5,12 +5,14 @@ from __future__ import annotations
 import errno
 import os
 from collections.abc import Collection
+from importlib import import_module
 from pathlib import Path
 
 from nonsmooth.symbolic import removed
 
 ATTEMPTS = 10  # to find a free name of 128 random bits
 PICTURES = (".svg", ".png", ".pdf")  # what Matplotlib writes for us
+FILMS = (".gif", ".html")  # the motion of a body; .html is a page with a slider
 
 
 class OutputError(OSError):
@@ -40,6 +42,7 @@ def output_path(text: str, suffixes: Collection[str]) -> Path:
         gone = f", which was removed: {removed.ENDINGS[ending]}" if ending in removed.ENDINGS else ""
         received = repr(path.suffix or path.name) + gone
         raise OutputError(path, f"a file name that ends in {_either(suffixes)}", received)
+    _require_library(path, ending)
     try:
         target = path.resolve()
         if not target.parent.is_dir():
@@ -106,6 +109,16 @@ def _create_beside(target: Path) -> tuple[Path, int]:
         except FileExistsError:
             continue
     raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST))
+
+
+def _require_library(path: Path, ending: str) -> None:
+    """Refuse .parquet without pyarrow, which is not required."""
+    if ending != ".parquet":
+        return
+    try:
+        import_module("pyarrow.parquet")
+    except ImportError:
+        raise OutputError(path, "the package pyarrow for .parquet (or .csv, .json)", "a Python without it") from None
 
 
 def _either(names: Collection[str]) -> str:

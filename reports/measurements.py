@@ -3,22 +3,29 @@
 from __future__ import annotations
 
 import math
+from abc import abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from rich.console import Group, RenderableType
-from rich.table import Table
+from rich.table import Table as TerminalTable
 from rich.text import Text
 
 from nonsmooth.analysis.measurements.harness import FittedSlope, Measured, ResultRow, Run
+from nonsmooth.reports.document import Block, Paragraph, table
+from nonsmooth.reports.result import DataTable, Record, Result
 from nonsmooth.reports.terminal import header_table
 from nonsmooth.symbolic.files.system_file import load_any
 from nonsmooth.symbolic.number_text import measured_text
 from nonsmooth.symbolic.scene import Scene, require_known_loads
 from nonsmooth.symbolic.scene_error import one_line
 from nonsmooth.symbolic.switched_system import SwitchedSystem, require_plane, require_single
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 LEGEND = (
     "error: relative, against exact or 60-digit arithmetic; condition: factor by which rounding of the input grows; "
@@ -44,33 +51,46 @@ def load_measured(
 
 
 @dataclass(frozen=True)
-class MeasurementView:
-    """A run of measurements in the forms that both commands offer (:class:`nonsmooth.reports.shown.Shown`)."""
+class MeasurementResult(Result):
+    """A run of measurements: what both commands share."""
 
     run: Run
     keys: ClassVar[Mapping[str, str]]  # key of a row in JSON and CSV: attribute of a ResultRow
 
     @property
+    @abstractmethod
     def head(self) -> str:
         """What was measured, in one line."""
-        raise NotImplementedError
 
     def row_records(self) -> list[dict[str, Any]]:
         """The rows; numbers that are none become null."""
         rows = self.run.rows
         return [{key: _plain(getattr(row, attribute)) for key, attribute in self.keys.items()} for row in rows]
 
-    def lines(self) -> Iterable[Iterable[Any]]:
-        """The rows of a CSV file; named numbers as ``name=value`` pairs."""
-        yield self.keys
+    def table(self) -> DataTable:
+        """The rows; named numbers as ``name=value`` pairs."""
+        lines = []
         for entry in self.row_records():
-            yield [_pairs(value) if isinstance(value, dict) else value for value in entry.values()]
+            lines.append([_pairs(value) if isinstance(value, dict) else value for value in entry.values()])
+        return DataTable(tuple(self.keys), lines)
 
-    def picture(self, suffix: str) -> bytes:
-        """The errors as the bytes of a file; ``suffix`` as for the cell map."""
-        from nonsmooth.reports.figures.measurements import measurement_figure
+    def blocks(self) -> Sequence[Block]:
+        """The rows."""
+        names, lines = self.table()
+        rows = [["" if value is None else str(value) for value in line] for line in lines]
+        return [Paragraph((self.head,)), table(names, rows, (1.0,) * len(names))]
 
-        return measurement_figure(self.head, self.run, suffix, of_studies=isinstance(self, Precision))
+    def draw(self, ax: Axes) -> None:
+        """The errors of all rows, one line for each name."""
+        from nonsmooth.reports.figures.measurements import draw_cases
+
+        draw_cases(ax, self.run.rows)
+
+    def figure(self) -> Figure:
+        """The errors: a panel for each study, or one for all cases."""
+        from nonsmooth.reports.figures.measurements import build_figure
+
+        return build_figure(self.head, self.run, of_studies=isinstance(self, Precision))
 
 
 def _plain(value: Any) -> Any:
@@ -89,16 +109,16 @@ def rows_table(
     rows: Iterable[ResultRow],
     heading: Callable[[ResultRow], str],
     entries: Callable[[ResultRow], Iterable[Text]],
-) -> Table:
+) -> TerminalTable:
     """Rows with equal headings beneath a line with their heading, which stands in the second and widest column."""
-    table = header_table(*header, widest=header[1])
+    shown = header_table(*header, widest=header[1])
     for name, group in groupby(rows, heading):
-        if table.row_count:
-            table.add_section()
-        table.add_row(Text(), Text(name, "bold"))
+        if shown.row_count:
+            shown.add_section()
+        shown.add_row(Text(), Text(name, "bold"))
         for row in group:
-            table.add_row(*entries(row))
-    return table
+            shown.add_row(*entries(row))
+    return shown
 
 
 def _right(text: str) -> Text:
@@ -108,7 +128,7 @@ def _right(text: str) -> Text:
 # ---- precision -----------------------------------------------------------------------------------
 
 
-class Precision(MeasurementView):
+class Precision(MeasurementResult):
     """Studies of error against run time."""
 
     keys: ClassVar[Mapping[str, str]] = {
@@ -122,7 +142,7 @@ class Precision(MeasurementView):
         """What was measured, and how."""
         return f"{one_line(self.run.scene.name)}: error against run time, best of {self.run.limits.runs} runs"
 
-    def record(self) -> dict[str, Any]:
+    def facts(self) -> Record:
         """JSON with stable keys."""
         run = self.run
         return {
@@ -197,7 +217,7 @@ def _slope_text(slope: FittedSlope) -> str:
 # ---- stress --------------------------------------------------------------------------------------
 
 
-class Stress(MeasurementView):
+class Stress(MeasurementResult):
     """Stiff and extreme cases."""
 
     keys: ClassVar[Mapping[str, str]] = {
@@ -212,7 +232,7 @@ class Stress(MeasurementView):
         """The rows in one line."""
         return self.summary()
 
-    def record(self) -> dict[str, Any]:
+    def facts(self) -> Record:
         """JSON with stable keys."""
         return {
             "schema": "nonsmooth-stress/1",

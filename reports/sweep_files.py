@@ -9,7 +9,7 @@ from pathlib import Path
 
 from nonsmooth.reports.console import json_text
 from nonsmooth.reports.figures.sweep import sweep_figure
-from nonsmooth.reports.files import PICTURES, OutputError, output_path
+from nonsmooth.reports.files import PICTURES, output_path
 from nonsmooth.reports.sweeps.sweep import Sweep
 from nonsmooth.reports.sweeps.table import flat_rows, sweep_record
 
@@ -22,15 +22,7 @@ def sweep_path(text: str) -> Path:
     Raises:
         OutputError: for another ending, a path that cannot be written, and .parquet without its library.
     """
-    path = output_path(text, SWEEP_FORMATS)
-    if path.suffix.lower() == ".parquet":
-        try:
-            import_module("pyarrow.parquet")
-        except ImportError:
-            raise OutputError(
-                path, "the package pyarrow for .parquet (or .csv, .json)", "a Python without it"
-            ) from None
-    return path
+    return output_path(text, SWEEP_FORMATS)
 
 
 def sweep_bytes(sweep: Sweep, suffix: str) -> bytes:

@@ -10,11 +10,12 @@ from collections.abc import Iterable
 
 from rich import box
 from rich.console import Group, RenderableType
-from rich.table import Table
+from rich.table import Table as TerminalTable
 from rich.text import Text
 
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.proofs.theorem4_result import Check
+from nonsmooth.reports.document import Block, Paragraph, Table, plain_text
 from nonsmooth.reports.facts import fact_lines
 from nonsmooth.symbolic.number_text import short_text
 from nonsmooth.symbolic.numbers.measured_angles import angle_notes
@@ -98,7 +99,7 @@ def notes_lines(field: NumberField) -> list[Text]:
 
 def legend() -> RenderableType:
     """What the letters mean."""
-    grid = Table.grid(padding=(0, 2))
+    grid = TerminalTable.grid(padding=(0, 2))
     for symbols, meaning in _LEGEND:
         grid.add_row(Text(symbols, "dim", no_wrap=True), Text(meaning, "dim"))
     return grid
@@ -130,20 +131,41 @@ def verdict_text(verdict: str, *, bold: bool = False) -> Text:
     return Text(str(verdict), f"bold {style}" if bold else style)
 
 
-def header_table(*header: str, widest: str | None = None) -> Table:
+def header_table(*header: str, widest: str | None = None) -> TerminalTable:
     """A table with a header; one column, the last unless another is named, is as wide as there is room."""
-    table = Table(box=box.ROUNDED, header_style="bold")
+    table = TerminalTable(box=box.ROUNDED, header_style="bold")
     for name in header:
         table.add_column(Text(name), overflow="fold", ratio=1 if name == (widest or header[-1]) else None)
     return table
 
 
-def two_columns() -> Table:
+def two_columns() -> TerminalTable:
     """A table of names and findings without a header."""
-    table = Table(box=box.ROUNDED, show_header=False, show_lines=True)
+    table = TerminalTable(box=box.ROUNDED, show_header=False, show_lines=True)
     table.add_column(overflow="fold")
     table.add_column(overflow="fold", ratio=1)
     return table
+
+
+def blocks_view(blocks: Iterable[Block]) -> RenderableType:
+    """Paragraphs and tables of a result, one below the other.
+
+    Raises:
+        TypeError: for another kind of block.
+    """
+    return Group(*map(_block_view, blocks))
+
+
+def _block_view(block: Block) -> RenderableType:
+    match block:
+        case Paragraph(text):
+            return Text(plain_text(text))
+        case Table(header, rows):
+            shown = header_table(*map(plain_text, header)) if header else two_columns()
+            for row in rows:
+                shown.add_row(*(Text(plain_text(entry)) for entry in row))
+            return shown
+    raise TypeError(f"required a paragraph or a table, received {type(block).__name__}")
 
 
 def pairs_view(head: str, pairs: Iterable[tuple[str, str]]) -> RenderableType:

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-
-from rich.console import Group, RenderableType
-from rich.text import Text
+from typing import TYPE_CHECKING
 
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.vehicles import (
@@ -18,19 +16,24 @@ from nonsmooth.analysis.vehicles import (
     vehicle_motion,
     vehicle_motions,
 )
+from nonsmooth.reports.document import Block, Paragraph, table
 from nonsmooth.reports.exact_record import Record, exact_texts, floats
-from nonsmooth.reports.terminal import header_table
+from nonsmooth.reports.result import DataTable, Result
 from nonsmooth.symbolic.number_text import float_text, percent_text, short_text
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact, one_line
 from nonsmooth.symbolic.vehicles import FORMULA, Vehicle
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 SCHEMA = "nonsmooth-vehicle/1"
 ROUNDING = 1e-13  # of the speeds, sizes or weight of a vehicle: a smaller number is rounding of a zero
 DIGITS = 6  # significant, of a controller's parameter: more than any vehicle keeps
 
 
-@dataclass(frozen=True)
-class VehicleReport:
+@dataclass(frozen=True, repr=False)
+class VehicleResult(Result):
     """The motion of a vehicle under its own rule and under all others, and what follows from one measured spin.
 
     Attributes:
@@ -48,6 +51,20 @@ class VehicleReport:
         if self.spin is not None and self.vehicle.turn is None:
             required = "a track and two sides that run at different speeds, for a measured spin"
             raise SceneError(self.vehicle.scene.origin, "vehicle", required, StatedFact("a vehicle without"))
+
+    @property
+    def twist(self) -> tuple[float, float, float] | None:
+        """``(v_x, v_y, omega)`` under the vehicle's own rule; None where several are allowed."""
+        twist = motion_record(self.own)["twist"]
+        return None if twist is None else (twist[0], twist[1], twist[2])
+
+    @property
+    def multiplier(self) -> float | None:
+        """The effective track over the track."""
+        return self.own.multiplier
+
+    def __repr__(self) -> str:
+        return f"{self.summary()}: twist {self.twist}, multiplier {self.multiplier}"
 
     @cached_property
     def own(self) -> VehicleMotion:
@@ -89,7 +106,7 @@ class VehicleReport:
 
     # ---- JSON, rows and picture ------------------------------------------------------------------
 
-    def record(self) -> Record:
+    def facts(self) -> Record:
         """JSON with stable keys."""
         vehicle, own = self.vehicle, motion_record(self.own)
         known = {
@@ -143,18 +160,25 @@ class VehicleReport:
         ratio = friction_ratio(self.vehicle, multiplier)
         return {"rate": self.spin, "multiplier": multiplier, "friction_ratio": ratio}
 
-    def lines(self) -> Iterator[tuple[object, ...]]:
+    def table(self) -> DataTable:
         """One line for each commanded curvature."""
         motion = ("v_x", "v_y", "omega", "icr_x", "icr_y")
-        yield "left", "right", "curvature", *motion, "left_centre", "right_centre", "multiplier"
+        lines = []
         for left, right, curvature, twist, icr, *rest in self.turns:
-            yield left, right, curvature, *twist, *(icr or (None, None)), *rest
+            lines.append((left, right, curvature, *twist, *(icr or (None, None)), *rest))
+        return DataTable(("left", "right", "curvature", *motion, "left_centre", "right_centre", "multiplier"), lines)
 
-    def picture(self, suffix: str) -> bytes:
+    def draw(self, ax: Axes) -> None:
+        """The wheels with slips and forces."""
+        from nonsmooth.reports.figures.vehicle import draw_vehicle
+
+        draw_vehicle(ax, self.own)
+
+    def figure(self) -> Figure:
         """The wheels with slips and forces, and the instant centres over curvature."""
         from nonsmooth.reports.figures.vehicle import vehicle_figure
 
-        return vehicle_figure(self.own, self.turns, suffix)
+        return vehicle_figure(self.own, self.turns)
 
     # ---- text ------------------------------------------------------------------------------------
 
@@ -167,29 +191,30 @@ class VehicleReport:
                 sizes.append(f"{name} {short_text(value)} {unit}".rstrip())
         return f"{one_line(vehicle.name)}: {', '.join(sizes)}"
 
-    def view(self) -> RenderableType:
-        """What a terminal shows."""
-        remarks = [Text(line) for line in self._remarks()]
-        return Group(Text(self.summary()), self._rules_view(), self._wheels_view(), *remarks)
+    def blocks(self) -> Sequence[Block]:
+        """The motion under every rule, the slips and forces of the wheels, and what follows from measurements."""
+        remarks = [Paragraph((line,)) for line in self._remarks()]
+        return [Paragraph((self.summary(),)), self._rules(), self._wheels(), *remarks]
 
-    def _rules_view(self) -> RenderableType:
+    def _rules(self) -> Block:
         """The motion under every rule that says one."""
-        table = header_table("rule", "v_x", "v_y", "omega", "instant centre", "multiplier")
+        rows = []
         for motion in vehicle_motions(self.vehicle):
             if not isinstance(motion, RefusalError):
-                table.add_row(motion.rule.name, *_twist_cells(motion_record(motion)), _multiplier_cell(motion))
-        return table
+                rows.append((motion.rule.name, *_twist_cells(motion_record(motion)), _multiplier_cell(motion)))
+        return table(("rule", "v_x", "v_y", "omega", "instant centre", "multiplier"), rows, (1.0,) * 6)
 
-    def _wheels_view(self) -> RenderableType:
+    def _wheels(self) -> Block:
         """Slips and forces of every wheel under the vehicle's own rule."""
-        own, wheels = motion_record(self.own), self.vehicle.scene.wheels
+        own, rows = motion_record(self.own), []
         if own["slips"] is None:
-            return Text(f"rule {own['rule']} allows {len(own['twists'])} twists and their mixtures: no slips are named")
-        table = header_table("wheel", "speed", "slip along", "slip across", "force along", "force across")
-        for k, wheel in enumerate(wheels):
+            several = f"rule {own['rule']} allows {len(own['twists'])} twists and their mixtures: no slips are named"
+            return Paragraph((several,))
+        for k, wheel in enumerate(self.vehicle.scene.wheels):
             force = ["-", "-"] if own["forces"] is None else map(_cell, own["forces"][k])
-            table.add_row(str(wheel.index), short_text(wheel.speed), *map(_cell, own["slips"][k]), *force)
-        return table
+            rows.append((str(wheel.index), short_text(wheel.speed), *map(_cell, own["slips"][k]), *force))
+        header = ("wheel", "speed", "slip along", "slip across", "force along", "force across")
+        return table(header, rows, (1.0,) * 6)
 
     def _remarks(self) -> Iterator[str]:
         measured, spin = self._measured, self._spin

@@ -38,7 +38,7 @@ def write_page(folder: Path, report: ProgressCall) -> Path:
     pruned = [_whole(name, [PRUNING], PRUNING_LIMITS, report) for name in builtin_scenes()]
     figure, page = folder / "precision" / f"{SHOWN}.svg", folder / "precision.md"
     figure.parent.mkdir(exist_ok=True)
-    write_whole(output_path(str(figure), (".svg",)), Precision(shown).picture(".svg"))
+    write_whole(output_path(str(figure), (".svg",)), Precision(shown).content(".svg"))
     text = page_text(page.read_text(encoding="utf-8"), shown, pruned)
     write_whole(output_path(str(page), (".md",)), text.encode())
     return page

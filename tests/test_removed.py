@@ -127,7 +127,7 @@ def test_robot_descriptions_are_refused(tmp_path: Path, capsys: pytest.CaptureFi
 def test_films_for_which_ffmpeg_was_needed_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = tmp_path / "path.mp4"
     assert run(app, ["simulate", "four-wheel", "--from", "0.2,0.4,0", "-o", str(file)]) == BAD_INPUT
-    required = "a file name that ends in .csv, .json, .svg, .png, .pdf, .gif or .html"
+    required = "a file name that ends in .csv, .json, .parquet, .svg, .png, .pdf, .gif or .html"
     received = "'.mp4', which was removed: a film is a .gif, or an .html page with a slider"
     assert capsys.readouterr() == ("", f"nonsmooth: {file}: required {required}, received {received}\n")
     assert not file.exists()

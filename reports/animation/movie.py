@@ -14,7 +14,7 @@ from nonsmooth.reports.animation.film import RATE, Film
 from nonsmooth.reports.figures.cell_map import INKED, LABEL
 from nonsmooth.reports.figures.labels import length_label, wrapped
 from nonsmooth.reports.figures.outline import placed
-from nonsmooth.reports.figures.trajectory import MARKERS, PATH, marked
+from nonsmooth.reports.figures.path import MARKERS, PATH, marked
 from nonsmooth.reports.figures.wheels import AXIS_COLOR, INK, draw_axis, floats
 
 if TYPE_CHECKING:

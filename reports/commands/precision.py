@@ -47,10 +47,10 @@ def precision(  # noqa: PLR0913, PLR0917  # one parameter for each option of the
     """
     from nonsmooth.analysis.measurements.harness import Limits, measure
     from nonsmooth.proofs.measurements import STUDIES, SYSTEM_STUDIES
-    from nonsmooth.reports.files import PICTURES, output_path
+    from nonsmooth.reports.files import output_path
     from nonsmooth.reports.measurements import Precision, load_measured
     from nonsmooth.reports.progress import progress
-    from nonsmooth.reports.shown import show
+    from nonsmooth.reports.result import FORMATS, show
     from nonsmooth.symbolic.contact_set import standing
     from nonsmooth.symbolic.scene import Scene
 
@@ -58,7 +58,7 @@ def precision(  # noqa: PLR0913, PLR0917  # one parameter for each option of the
         raise RefusedError(f"--runs: required at least 1, received {runs}")
     if not (math.isfinite(time_limit) and time_limit > 0):
         raise RefusedError(f"--time-limit: required a positive number of seconds, received {time_limit}")
-    path = None if output is None else output_path(output, (*PICTURES, ".csv", ".json"))
+    path = None if output is None else output_path(output, FORMATS)
     loaded = load_measured(scene, rule=rule, radius=radius, at=at, allow_outside=allow_outside)
     if isinstance(loaded, Scene):
         studies, loaded = _studies(study, STUDIES), standing(loaded)

@@ -21,12 +21,12 @@ def stress(
     """
     from nonsmooth.analysis.measurements.harness import measure
     from nonsmooth.proofs.measurements import CASES
-    from nonsmooth.reports.files import PICTURES, output_path
+    from nonsmooth.reports.files import output_path
     from nonsmooth.reports.measurements import Stress, load_measured
     from nonsmooth.reports.progress import progress
-    from nonsmooth.reports.shown import show
+    from nonsmooth.reports.result import FORMATS, show
 
-    path = None if output is None else output_path(output, (".json", ".csv", *PICTURES))
+    path = None if output is None else output_path(output, FORMATS)
     loaded = load_measured(scene, rule=rule, radius=radius, at=at, allow_outside=allow_outside)
     with progress() as report:
         run = measure(loaded, CASES, report=report)

@@ -44,15 +44,15 @@ def vehicle(
 
     Exit status: 0 done, 2 bad input.
     """
-    from nonsmooth.reports.files import PICTURES, output_path, write_whole
-    from nonsmooth.reports.shown import show
-    from nonsmooth.reports.vehicles import VehicleReport
+    from nonsmooth.reports.files import output_path, write_whole
+    from nonsmooth.reports.result import FORMATS, show
+    from nonsmooth.reports.vehicles import VehicleResult
     from nonsmooth.symbolic.files.vehicle_file import load_vehicle
 
-    path = None if output is None else output_path(output, (*PICTURES, ".csv", ".json", YAML))
+    path = None if output is None else output_path(output, (*FORMATS, YAML))
     if spin is not None and (spin == 0 or not math.isfinite(spin)):
         raise RefusedError(f"--spin: required a finite rate other than 0, received {spin}")
-    report = VehicleReport(load_vehicle(scene, rule=rule), spin)
+    report = VehicleResult(load_vehicle(scene, rule=rule), spin)
     with refusals_named(report.vehicle.scene):
         _ = report.own
     if path is None or path.suffix.lower() != YAML:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from nonsmooth.analysis.bodies.destinations import PathEnd
 from nonsmooth.analysis.bodies.many_paths import BodyEnd
-from nonsmooth.reports.figures.cell_map import PALETTE, figure_bytes
+from nonsmooth.reports.figures.cell_map import PALETTE
 from nonsmooth.reports.figures.labels import WIDE_TITLE, centre_labels, length_label, wrapped
 from nonsmooth.reports.figures.outline import outline_of, placed
 from nonsmooth.reports.figures.wheels import INK
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from matplotlib.patches import Patch
 
-    from nonsmooth.reports.body_maps import ShownBodyMap
+    from nonsmooth.reports.body_maps import BodyMapResult
 
 SIZE = (12.0, 6.0)  # inches, without the legend
 LINE = 0.22  # inches for each line of the legend
@@ -31,26 +32,21 @@ CELL = 0.9  # of the distance between starts: side of a hatched mark
 NEAR = 1.3  # the destinations' view, in sizes of the body around them
 
 
-def body_map_figure(shown: ShownBodyMap, suffix: str) -> bytes:
-    """The picture as the bytes of a file."""
-    return figure_bytes(lambda: build_figure(shown), suffix)
-
-
-def build_figure(shown: ShownBodyMap) -> Figure:
+def build_figure(shown: BodyMapResult) -> Figure:
     """The picture as a Matplotlib figure."""
     from matplotlib.figure import Figure
 
     entries = _legend(shown.destinations)
     figure = Figure(figsize=(SIZE[0], SIZE[1] + LINE * -(-len(entries) // 2)), layout="compressed")
     starts, ends = figure.subplots(1, 2)
-    _draw_starts(starts, shown)
+    draw_starts(starts, shown)
     _draw_bodies(ends, shown)
     _draw_wheels(starts, shown)
     _draw_wheels(ends, shown)
     units = shown.scene.units
     starts.set(xlabel=length_label("x at the start", units), ylabel=length_label("y at the start", units))
     ends.set(**centre_labels(units))
-    head = f"{shown.title}: {shown.run.count} x {shown.run.count} starts at theta = {shown.run.theta:.6g}, sampled"
+    head = f"{shown.title}: {shown.head} at theta = {shown.options.heading:.6g}, sampled"
     figure.suptitle(wrapped(f"{head}\n{shown.summary()}", WIDE_TITLE), fontsize="medium", parse_math=False)
     figure.legend(handles=entries, loc="outside lower center", ncols=2, frameon=False)
     return figure
@@ -67,12 +63,13 @@ def _colors(found: list[PathEnd]) -> list[str]:
     return colors
 
 
-def _draw_starts(axes: Axes, shown: ShownBodyMap) -> None:
+def draw_starts(axes: Axes, shown: BodyMapResult) -> None:
     """Starts by color; those that tip are hatched."""
     from matplotlib.colors import to_rgb
     from matplotlib.patches import Rectangle
 
-    points, count = shown.found.starts[:, :2], shown.run.count
+    points = shown.found.starts[:, :2]
+    count = math.isqrt(len(points))
     steps = (points.max(axis=0) - points.min(axis=0)) / (count - 1)
     (left, low), (right, high) = points.min(axis=0) - steps / 2, points.max(axis=0) + steps / 2
     table = np.array([to_rgb(color) for color in _colors(shown.destinations)])
@@ -85,7 +82,7 @@ def _draw_starts(axes: Axes, shown: ShownBodyMap) -> None:
     axes.set(xlim=extent[:2], ylim=extent[2:], aspect="equal", title="where a start ends")
 
 
-def _draw_bodies(axes: Axes, shown: ShownBodyMap) -> None:
+def _draw_bodies(axes: Axes, shown: BodyMapResult) -> None:
     """The outline at each destination: at the middle heading, and faintly at the outermost ones."""
     outline = outline_of(shown.scene)
     axes.set(aspect="equal", title="the body at its destinations")
@@ -107,7 +104,7 @@ def _draw_bodies(axes: Axes, shown: ShownBodyMap) -> None:
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
 
 
-def _draw_wheels(axes: Axes, shown: ShownBodyMap) -> None:
+def _draw_wheels(axes: Axes, shown: BodyMapResult) -> None:
     """Contacts as dots; the view stays."""
     limits = axes.get_xlim(), axes.get_ylim()
     places = np.array([[float(x) for x in wheel.position] for wheel in shown.scene.wheels])

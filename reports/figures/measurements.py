@@ -12,7 +12,6 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from nonsmooth.analysis.measurements.harness import Measured, ResultRow, Run
-from nonsmooth.reports.figures.cell_map import figure_bytes
 from nonsmooth.reports.figures.wheels import INK
 
 if TYPE_CHECKING:
@@ -30,11 +29,6 @@ CASE_HEIGHT = 0.24  # inches
 Points = list[tuple[float, float]]
 
 
-def measurement_figure(head: str, run: Run, suffix: str, *, of_studies: bool) -> bytes:
-    """The picture as the bytes of a file; ``suffix`` as for the cell map."""
-    return figure_bytes(lambda: build_figure(head, run, of_studies=of_studies), suffix)
-
-
 def build_figure(head: str, run: Run, *, of_studies: bool) -> Figure:
     """The picture as a Matplotlib figure: one panel for each study, or one for all cases."""
     from matplotlib.figure import Figure
@@ -47,7 +41,7 @@ def build_figure(head: str, run: Run, *, of_studies: bool) -> Figure:
     figure = Figure(figsize=(PANEL[0] * columns, height * rows + 0.8), layout="constrained")
     figure.suptitle(head, fontsize="large", parse_math=False)
     if not of_studies:
-        _draw_cases(figure.add_subplot(), run.rows, cases)
+        draw_cases(figure.add_subplot(), run.rows)
     elif not studies:
         figure.text(0.5, 0.5, "no rows with a setting to draw", ha="center")
     else:
@@ -76,8 +70,9 @@ def _draw_study(axes: Axes, measured: Measured, limit: float) -> None:
     _finish(axes, floor)
 
 
-def _draw_cases(axes: Axes, rows: Sequence[ResultRow], cases: Sequence[str]) -> None:
+def draw_cases(axes: Axes, rows: Sequence[ResultRow]) -> None:
     """Error and case."""
+    cases = list(dict.fromkeys(row.name for row in rows))
     axes.set(xlabel="relative error against exact or 60-digit arithmetic")
     axes.set_yticks(range(len(cases)), cases)
     for k, (label, ok) in enumerate((("ok", True), ("not ok", False))):

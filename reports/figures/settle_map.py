@@ -2,25 +2,24 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.partition import Partition
-from nonsmooth.analysis.trajectories.maps import SettleMap
-from nonsmooth.reports.basins import Basin, GridRun, basins, map_parts, parts_text
-from nonsmooth.reports.figures.cell_map import PALETTE, figure_bytes, require_drawable
+from nonsmooth.reports.figures.cell_map import PALETTE, require_drawable
 from nonsmooth.reports.figures.labels import WIDE_TITLE, length_label, time_label, wrapped
 from nonsmooth.reports.figures.wheels import INK
 from nonsmooth.symbolic.number_text import percent_text
-from nonsmooth.symbolic.scene_error import one_line
-from nonsmooth.symbolic.units import Units
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from matplotlib.patches import Patch
+
+    from nonsmooth.reports.maps import Basin, SettleMapResult
 
 SIZE = (12.6, 6.0)  # inches, without the legend
 SCALE = 0.05  # height of a color scale, relative to its map
@@ -33,98 +32,105 @@ NOTHING: dict[str, Any] = {"facecolor": "0.85", "edgecolor": "0.6", "hatch": "//
 NO_NUMBER = "no limit of theta, or no arrival"
 
 
-def settle_map_figure(partition: Partition, run: GridRun, found: SettleMap, suffix: str) -> bytes:
-    """The picture as the bytes of a file; ``suffix`` as for the cell map."""
-    require_drawable(partition)
-    return figure_bytes(lambda: build_figure(partition, run, found), suffix)
+def build_figure(result: SettleMapResult) -> Figure:
+    """The picture as a Matplotlib figure.
 
-
-def build_figure(partition: Partition, run: GridRun, found: SettleMap) -> Figure:
-    """The picture as a Matplotlib figure."""
+    Raises:
+        SceneError: where the square is too large, too small or too far away to be drawn with floats.
+    """
     from matplotlib.figure import Figure
 
-    entries = _legend(found)
+    partition, units = result.partition, result.partition.scene.units
+    require_drawable(partition)
+    entries = _legend(result)
     lines = -(-len(entries) // 2)
     figure = Figure(figsize=(SIZE[0], SIZE[1] + LINE * lines), layout="constrained")
     rows = figure.add_gridspec(2, 3, height_ratios=(1, SCALE))
     heading, arrival, ends = (figure.add_subplot(rows[0, k]) for k in range(3))
-    _draw_heading(heading, figure.add_subplot(rows[1, 0]), run, found)
-    units = partition.scene.units
-    _draw_arrival(arrival, figure.add_subplot(rows[1, 1]), units, run, found)
-    _draw_ends(ends, run, found)
-    for axes in (heading, arrival, ends):
+    _draw_heading(heading, figure.add_subplot(rows[1, 0]), result)
+    _draw_arrival(arrival, figure.add_subplot(rows[1, 1]), result)
+    draw_ends(ends, result)
+    for axes in (heading, arrival):
         _draw_cells(axes, partition)
         axes.set(xlabel=length_label("x at the start", units), aspect="equal")
-    for axes in (arrival, ends):
-        axes.tick_params(labelleft=False)
+    arrival.tick_params(labelleft=False)
+    ends.tick_params(labelleft=False)
+    ends.set_ylabel("")
     heading.set_ylabel(length_label("y at the start", units))
-    name = one_line(partition.scene.name)
-    until = "" if run.until is None else f", seen at t = {run.until:.6g}"
-    title = f"{name}: rule {partition.rule}, {run.kinematics} kinematics, {run.count} x {run.count} starts{until}"
-    parts = parts_text(map_parts(found))
-    figure.suptitle(wrapped(f"{title}\n{parts}", WIDE_TITLE), fontsize="medium", parse_math=False)
+    figure.suptitle(wrapped(f"{result.head}\n{result.summary()}", WIDE_TITLE), fontsize="medium", parse_math=False)
     figure.legend(handles=entries, loc="outside lower center", ncols=2, frameon=False)
     return figure
 
 
-def _draw_heading(axes: Axes, scale: Axes, run: GridRun, found: SettleMap) -> None:
+def _draw_heading(axes: Axes, scale: Axes, result: SettleMapResult) -> None:
     from matplotlib.colors import CenteredNorm
 
+    found, start = result.found, result.options.heading
     values = np.where(found.settled, found.theta, np.nan)
-    turned = np.abs(values[found.settled] - run.theta)
-    norm = CenteredNorm(run.theta, float(turned.max(initial=0.0)) or 1.0)
-    axes.set_title(f"heading at rest (theta = {run.theta:.6g} at the start)")
-    _draw_numbers(axes, scale, run, found, values, "theta_inf [rad]", cmap=HEADING, norm=norm)
+    turned = np.abs(values[found.settled] - start)
+    norm = CenteredNorm(start, float(turned.max(initial=0.0)) or 1.0)
+    axes.set_title(f"heading at rest (theta = {start:.6g} at the start)")
+    _draw_numbers(axes, scale, result, values, "theta_inf [rad]", cmap=HEADING, norm=norm)
 
 
-def _draw_arrival(axes: Axes, scale: Axes, units: Units, run: GridRun, found: SettleMap) -> None:
+def _draw_arrival(axes: Axes, scale: Axes, result: SettleMapResult) -> None:
+    found, label = result.found, time_label("t", result.partition.scene.units)
     values = np.where(found.arrived, found.arrival, np.nan)
     latest = float(values[found.arrived].max(initial=0.0)) or 1.0
     axes.set_title("time of arrival")
-    _draw_numbers(axes, scale, run, found, values, time_label("t", units), cmap=TIME, vmin=0.0, vmax=latest)
+    _draw_numbers(axes, scale, result, values, label, cmap=TIME, vmin=0.0, vmax=latest)
 
 
 def _draw_numbers(
-    axes: Axes, scale: Axes, run: GridRun, found: SettleMap, values: NDArray[np.float64], label: str, **colors: Any
+    axes: Axes, scale: Axes, result: SettleMapResult, values: NDArray[np.float64], label: str, **colors: Any
 ) -> None:
     """One number per start, with its scale; a hatched ground shows where there is none."""
     from matplotlib.patches import Rectangle
 
-    left, right, low, high = extent = _extent(run, found)
+    left, right, low, high = extent = _extent(result)
     axes.add_patch(Rectangle((left, low), right - left, high - low, zorder=0, **NOTHING))
     axes.set(xlim=(left, right), ylim=(low, high))
     if np.isnan(values).all():
         scale.set_axis_off()
         return
-    shown = np.ma.masked_invalid(values.reshape(run.count, run.count))
+    shown = np.ma.masked_invalid(values.reshape(_grid(result)))
     image = axes.imshow(shown, origin="lower", extent=extent, interpolation="nearest", zorder=1, **colors)
     axes.figure.colorbar(image, cax=scale, label=label, orientation="horizontal")
 
 
-def _draw_ends(axes: Axes, run: GridRun, found: SettleMap) -> None:
-    """Ends by color; what is not unique is darker."""
+def draw_ends(axes: Axes, result: SettleMapResult) -> None:
+    """Ends by color, over the cells; what is not unique is darker."""
     from matplotlib.colors import to_rgb, to_rgba
 
-    grid, extent = (run.count, run.count), _extent(run, found)
+    found, grid, extent = result.found, _grid(result), _extent(result)
     colors = np.zeros((len(found.ends), 3))
-    for basin, color in _colored(found):
+    for basin, color in _colored(result):
         colors[list(basin.kinds)] = to_rgb(color)
     axes.set_title("end")
     axes.imshow(colors[found.basin].reshape(*grid, 3), origin="lower", extent=extent, interpolation="nearest")
     veil = np.zeros((*grid, 4))
     veil[~found.unique.reshape(grid)] = to_rgba(INK, SHADE)
     axes.imshow(veil, origin="lower", extent=extent, interpolation="nearest")
+    _draw_cells(axes, result.partition)
+    units = result.partition.scene.units
+    axes.set(xlabel=length_label("x at the start", units), ylabel=length_label("y at the start", units), aspect="equal")
 
 
-def _colored(found: SettleMap) -> list[tuple[Basin, str]]:
-    return [(basin, COLORS[k] if k < len(COLORS) else OTHERS) for k, basin in enumerate(basins(found))]
+def _colored(result: SettleMapResult) -> list[tuple[Basin, str]]:
+    return [(basin, COLORS[k] if k < len(COLORS) else OTHERS) for k, basin in enumerate(result.basins)]
 
 
-def _legend(found: SettleMap) -> list[Patch]:
+def _grid(result: SettleMapResult) -> tuple[int, int]:
+    """Starts in a column and in a row."""
+    count = math.isqrt(len(result.found.starts))
+    return count, count
+
+
+def _legend(result: SettleMapResult) -> list[Patch]:
     """An entry for each color, and for what else occurs."""
     from matplotlib.patches import Patch
 
-    colored = _colored(found)
+    found, colored = result.found, _colored(result)
     entries = [
         Patch(facecolor=color, label=f"{percent_text(basin.share)}: {basin.text}")
         for basin, color in colored[: len(COLORS)]
@@ -145,8 +151,9 @@ def _draw_cells(axes: Axes, partition: Partition) -> None:
         axes.fill(xs, ys, facecolor="none", edgecolor=INK, alpha=0.4, linewidth=0.5, zorder=2)
 
 
-def _extent(run: GridRun, found: SettleMap) -> tuple[float, float, float, float]:
+def _extent(result: SettleMapResult) -> tuple[float, float, float, float]:
     """Border of the picture: half a step beyond the outermost starts."""
-    (left, low), (right, high) = found.starts.min(axis=0), found.starts.max(axis=0)
-    dx, dy = (right - left) / (run.count - 1) / 2, (high - low) / (run.count - 1) / 2
+    starts, (count, _) = result.found.starts, _grid(result)
+    (left, low), (right, high) = starts.min(axis=0), starts.max(axis=0)
+    dx, dy = (right - left) / (count - 1) / 2, (high - low) / (count - 1) / 2
     return float(left - dx), float(right + dx), float(low - dy), float(high + dy)

@@ -11,7 +11,7 @@ from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.trajectories.result import Trajectory
 from nonsmooth.reports.figures.cell_map import figure_bytes, require_drawable, view_square
 from nonsmooth.reports.figures.labels import WIDE_TITLE, pose_labels, time_label, wrapped
-from nonsmooth.reports.figures.trajectory import PATH, SIZE, draw_cells, marked_events
+from nonsmooth.reports.figures.path import ARRAY, PATH, fill_cells, marked_events
 from nonsmooth.symbolic.scene_error import one_line
 
 if TYPE_CHECKING:
@@ -34,11 +34,11 @@ def build_figure(partition: Partition, paths: Sequence[Trajectory]) -> Figure:
     """The picture as a Matplotlib figure: x, y and theta over time, and the paths over the cells."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=SIZE, layout="constrained")
+    figure = Figure(figsize=ARRAY, layout="constrained")
     grid = figure.add_gridspec(3, 2, width_ratios=(1, 1.1))
     curves = [figure.add_subplot(grid[row, 0]) for row in range(3)]
     plane = figure.add_subplot(grid[:, 1])
-    draw_cells(plane, partition)
+    fill_cells(plane, partition)
     view_square(plane, partition)
     last = max(float(path.times[-1]) for path in paths)
     for number, path in enumerate(paths, 1):

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.reports.figures.cell_map import figure_bytes
 from nonsmooth.reports.figures.labels import wrapped
 from nonsmooth.reports.figures.phase_portrait import draw_borders, draw_potential
 from nonsmooth.reports.figures.wheels import INK
@@ -16,6 +15,7 @@ from nonsmooth.symbolic.scene_error import one_line
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from matplotlib.image import AxesImage
 
     from nonsmooth.reports.plain_systems.starts_map import SystemMap
 
@@ -27,25 +27,14 @@ COLORS = "cividis"  # safe for color-blind readers; dark is near
 LOST = "0.85"
 
 
-def system_map_figure(found: SystemMap, suffix: str) -> bytes:
-    """The picture as the bytes of a file; ``suffix`` as for the cell map."""
-    return figure_bytes(lambda: build_figure(found), suffix)
-
-
 def build_figure(found: SystemMap) -> Figure:
     """The picture as a Matplotlib figure."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=SIZE, layout="constrained")
     axes = figure.add_subplot()
-    _draw_ratios(figure, axes, found)
-    draw_borders(axes, found.portrait)
-    draw_potential(axes, found.portrait)
-    axes.plot([0], [0], "o", color=INK, markersize=5, zorder=6)
-    half = float(found.portrait.system.check.radius)
-    x, y = found.portrait.system.states
-    axes.set(xlim=(-half, half), ylim=(-half, half), xlabel=f"{x} at the start", ylabel=f"{y} at the start")
-    axes.set_aspect("equal")
+    image = draw_map(axes, found)
+    figure.colorbar(image, ax=axes, shrink=0.8, label="distance from the point: at the end by at the start")
     figure.legend(loc="outside lower center", ncols=3, fontsize="small", frameon=False)
     system, verdict = one_line(found.portrait.system.name), found.verdict
     title = f"{system}: {found.count} x {found.count} starts at t = {found.until:g}; proved: {verdict}"
@@ -53,15 +42,27 @@ def build_figure(found: SystemMap) -> Figure:
     return figure
 
 
-def _draw_ratios(figure: Figure, axes: Axes, found: SystemMap) -> None:
-    """Every start as a square in the color of its ratio."""
+def draw_map(axes: Axes, found: SystemMap) -> AxesImage:
+    """Every start as a square in the color of its ratio, with the borders of the cells and the region of V."""
+    image = _draw_ratios(axes, found)
+    draw_borders(axes, found.portrait)
+    draw_potential(axes, found.portrait)
+    axes.plot([0], [0], "o", color=INK, markersize=5, zorder=6)
+    half = float(found.portrait.system.check.radius)
+    x, y = found.portrait.system.states
+    axes.set(xlim=(-half, half), ylim=(-half, half), xlabel=f"{x} at the start", ylabel=f"{y} at the start")
+    axes.set_aspect("equal")
+    return image
+
+
+def _draw_ratios(axes: Axes, found: SystemMap) -> AxesImage:
     from matplotlib.colors import LogNorm
 
     half, shape = float(found.portrait.system.check.radius), (found.count, found.count)
     ratios: Floats = np.where(np.isfinite(found.ends).all(axis=1), np.clip(found.ratios, NEAREST, FARTHEST), np.nan)
     wide = half * (1 + 1 / (found.count - 1))  # squares are centred at the starts
     axes.set_facecolor(LOST)
-    image = axes.imshow(
+    return axes.imshow(
         ratios.reshape(shape),
         origin="lower",
         extent=(-wide, wide, -wide, wide),
@@ -70,4 +71,3 @@ def _draw_ratios(figure: Figure, axes: Axes, found: SystemMap) -> None:
         interpolation="nearest",
         zorder=0,
     )
-    figure.colorbar(image, ax=axes, shrink=0.8, label="distance from the point: at the end by at the start")

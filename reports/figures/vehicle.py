@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nonsmooth.analysis.plane_arrays import turned
-from nonsmooth.reports.figures.cell_map import figure_bytes
 from nonsmooth.reports.figures.labels import length_label, wrapped
 from nonsmooth.reports.figures.measurements import COLORS
 from nonsmooth.reports.figures.wheels import INK, draw_wheel, floats
@@ -26,23 +25,20 @@ REACH = 0.22  # length of the largest arrow, of the width of the view
 ROUNDING = 1e-9  # slips beside the largest speed, and forces beside the weight, that are no more than rounding
 
 
-def vehicle_figure(motion: VehicleMotion, turns: Sequence[CurvedMotion], suffix: str) -> bytes:
+def vehicle_figure(motion: VehicleMotion, turns: Sequence[CurvedMotion]) -> Figure:
     """Wheels with slips and forces; beside them the instant centres, where there are turns."""
+    from matplotlib.figure import Figure
 
-    def build() -> Figure:
-        from matplotlib.figure import Figure
-
-        figure = Figure(figsize=(10 if turns else 5.5, 5.5), layout="constrained")
-        panels = figure.subplots(1, 2 if turns else 1, squeeze=False)[0]
-        _draw_vehicle(panels[0], motion)
-        if turns:
-            _draw_turns(panels[1], turns)
-        return figure
-
-    return figure_bytes(build, suffix)
+    figure = Figure(figsize=(10 if turns else 5.5, 5.5), layout="constrained")
+    panels = figure.subplots(1, 2 if turns else 1, squeeze=False)[0]
+    draw_vehicle(panels[0], motion)
+    if turns:
+        _draw_turns(panels[1], turns)
+    return figure
 
 
-def _draw_vehicle(axes: Axes, motion: VehicleMotion) -> None:
+def draw_vehicle(axes: Axes, motion: VehicleMotion) -> None:
+    """Wheels with slips and forces, the centre of mass and the instant centre."""
     scene = motion.vehicle.scene
     places = np.array([floats(wheel.position) for wheel in scene.wheels])
     half = 0.75 * float(np.ptp(places, axis=0).max())

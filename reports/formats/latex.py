@@ -114,14 +114,18 @@ def _table(block: Table) -> str:
         rf">{{\raggedright\arraybackslash}}p{{\dimexpr {share:.4f}\linewidth-2\tabcolsep\relax}}" for share in shares
     )
     head = " & ".join(rf"\textbf{{{_text(entry)}}}" for entry in block.header)
-    lines = [rf"\begin{{longtable}}{{{columns}}}", r"\hline", rf"{head} \\", r"\hline", r"\endhead"]
+    lines = [rf"\begin{{longtable}}{{{columns}}}", r"\hline"]
+    lines += [rf"{head} \\", r"\hline", r"\endhead"] if block.header else []
     lines += [" & ".join(_text(entry) for entry in row) + r" \\" for row in block.rows]
     return "\n".join([*lines, r"\hline", r"\end{longtable}"])
 
 
 def _shares(block: Table) -> list[float]:
     """The columns' shares of the line: as the table says, but none narrower than the longest word of its head."""
-    words = [max((len(word) for word in _plain(entry).split()), default=0) for entry in block.header]
+    words = [
+        max((len(word) for word in _plain(entry).split()), default=0)
+        for entry in block.header or ((),) * len(block.widths)
+    ]
     least = [(_LETTER * letters + _GAP) / _LINE for letters in words]
     shares = [width / sum(block.widths) for width in block.widths]
     narrow = [share < floor for share, floor in zip(shares, least, strict=True)]

@@ -58,9 +58,9 @@ def _block(block: Block) -> str:
 
 
 def _table(block: Table) -> str:
-    rows = [block.header, *block.rows]
+    rows = [block.header or ((),) * len(block.widths), *block.rows]  # a table of Markdown has a head
     lines = ["| " + " | ".join(_text(entry) for entry in row) + " |" for row in rows]
-    lines.insert(1, "|" + " --- |" * len(block.header))
+    lines.insert(1, "|" + " --- |" * len(block.widths))
     return "\n".join(lines)
 
 

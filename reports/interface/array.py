@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from nonsmooth.reports.interface.made_array import MadeArray
+from nonsmooth.reports.simulate_options import BODY, LOOP, MAP, PATH, UNTIL, SimulateOptions
+from nonsmooth.reports.study import options_of, takes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -18,11 +20,11 @@ if TYPE_CHECKING:
     from nonsmooth.reports.interface.design_result import DesignResult
     from nonsmooth.reports.interface.field_result import FieldResult
     from nonsmooth.reports.interface.filippov_set import FilippovSet
-    from nonsmooth.reports.interface.map_result import MapResult
-    from nonsmooth.reports.interface.mass_result import MassResult
-    from nonsmooth.reports.interface.path_result import PathResult
     from nonsmooth.reports.interface.report_result import ReportResult
     from nonsmooth.reports.interface.sweep_result import SweepResult
+    from nonsmooth.reports.maps import MapResult
+    from nonsmooth.reports.masses import MassResult
+    from nonsmooth.reports.paths import PathResult
     from nonsmooth.reports.sweeps.sweep import Means
 
 AUTO = "auto"  # the best rest point of the square
@@ -70,112 +72,75 @@ class Array(MadeArray):
             array = array.with_(at=at)
         return check_scene(array.scene, prune=prune, best=at == AUTO, around=headings)
 
-    def simulate(
-        self,
-        start: Sequence[float],
-        until: float = 2.0,
-        *,
-        feedback: bool | str = False,
-        method: str = "events",
-        gain: float = 1.0,
-        kinematics: str = "exact",
-        width: float = 1e-3,
-        **changes: Any,
-    ) -> PathResult:
+    @takes(SimulateOptions, PATH, LOOP)
+    def simulate(self, start: Sequence[float], until: float = UNTIL, **options: Any) -> PathResult:
         """The path of a body from ``(x, y, theta)``, in the coordinates of the array.
 
         Args:
             start: position and heading (radian).
             until: last time.
-            feedback: close the loop with the certified law, or with the one of this name; under rules with cells.
-            method: ``events``, ``hysteresis`` or ``smoothed``; bodies with mass: :meth:`dynamics`.
-            gain: of the law (1/time).
-            kinematics: ``exact`` pose, or ``leading`` order as in the paper; under rules with cells.
-            width: of hysteresis and smoothing, in units of the state.
-            **changes: as for :meth:`with_`.
+            **options: keywords as below; ``feedback`` may also name a law.  Others as for :meth:`with_`.
 
         Raises:
-            ValueError: for a start outside the checked square, or a law that does not apply.
+            ValueError: for a start outside the checked square, and options that cannot be used.
             RefusalError: where the motion is not determined.
         """
-        from nonsmooth.reports.interface.path_result import follow_array
-        from nonsmooth.reports.interface.path_runs import path_run
+        return self._simulated(start=start, until=until, **options)
 
-        array = self.with_(**changes) if changes else self
-        run = path_run(start, until, feedback=feedback, method=method, gain=gain, kinematics=kinematics, width=width)
-        return follow_array(array.scene, run)
-
-    def dynamics(
-        self,
-        start: Sequence[float],
-        until: float = 2.0,
-        *,
-        mass: float | None = None,
-        inertia: float | None = None,
-    ) -> PathResult:
+    @takes(SimulateOptions, BODY)
+    def dynamics(self, start: Sequence[float], until: float = UNTIL, **options: Any) -> PathResult:
         """The path of a body with mass from rest at ``(x, y, theta)``, under full dynamics.
 
         Args:
             start: position and heading (radian).
             until: last time.
-            mass: per weight (1/g), that of standard gravity in the scene's units unless given; 0.1 without units.
-            inertia: per weight; unless given that of a plate of the outline, or of a disc as large as the array.
+            **options: keywords as below.  Others as for :meth:`with_`.
 
         Raises:
             ValueError: for a mass or an inertia that cannot be used, and a start beyond the support polygon.
         """
-        from nonsmooth.reports.interface.path_result import follow_array
-        from nonsmooth.reports.interface.path_runs import path_run
+        return self._simulated(start=start, until=until, method="dynamics", **options)
 
-        run = path_run(start, until, method="dynamics")
-        return follow_array(self.scene, replace(run, mass=mass, inertia=inertia))
-
-    def compare_masses(
-        self,
-        start: Sequence[float],
-        until: float = 2.0,
-        *,
-        mass: float | None = None,
-        inertia: float | None = None,
-    ) -> MassResult:
+    @takes(SimulateOptions, BODY)
+    def compare_masses(self, start: Sequence[float], until: float = UNTIL, **options: Any) -> MassResult:
         """How far full dynamics goes from the path of every contact rule, for a mass and a tenth of it, four times.
 
         Args:
             start: position and heading (radian); bodies start at rest.
             until: last time.
-            mass: of the heaviest body, per weight (1/g), that of standard gravity unless given; 0.1 without units.
-            inertia: of that body, per weight; unless given that of a disc as large as the array.
+            **options: keywords as below, of the heaviest body.  Others as for :meth:`with_`.
 
         Raises:
             ValueError: for a mass or an inertia that cannot be used.
             RefusalError: where the motion is not determined.
         """
-        from nonsmooth.reports.interface.mass_result import compare_masses
-        from nonsmooth.reports.interface.path_runs import path_run
+        return self._simulated(start=start, until=until, method="dynamics", compare_masses=True, **options)
 
-        run = path_run(start, until, method="dynamics")
-        return compare_masses(self.scene, replace(run, mass=mass, inertia=inertia))
-
-    def map(
-        self, grid: int, *, heading: float = 0.0, until: float | None = None, kinematics: str = "exact"
-    ) -> MapResult:
+    @takes(SimulateOptions, MAP)
+    def map(self, grid: int, **options: Any) -> MapResult:
         """Where ``grid x grid`` starts all over the square end, in the open loop by events.
 
         A body with an outline is followed under a rule without cells, by explicit steps: where it ends is sampled.
 
         Args:
             grid: starts in a row and in a column.
-            heading: of all starts (radian).
-            until: time at which the map is taken; all are followed to their ends unless given.
-            kinematics: ``exact`` or ``leading``.
+            **options: keywords as below; all starts are followed to their ends without ``until``.  Others as for
+                :meth:`with_`.
 
         Raises:
             ValueError: for a grid, a heading or a last time that cannot be used.
             RefusalError: where the motion is not determined, and without a body under a rule without cells.
         """
-        from nonsmooth.reports.interface.map_result import map_scene
+        return self._simulated(grid=grid, **options)
 
-        return map_scene(self.scene, grid, heading, until, kinematics)
+    def _simulated(self, **keywords: Any) -> Any:
+        """What the command ``simulate`` finds; keywords that are none of its options change the array."""
+        from nonsmooth.reports.simulate import SIMULATE
+
+        known = options_of(SimulateOptions)
+        changes = {name: value for name, value in keywords.items() if name not in known}
+        array = self.with_(**changes) if changes else self
+        return SIMULATE.of(array.scene, **{name: value for name, value in keywords.items() if name in known})
 
     def sweep(
         self,

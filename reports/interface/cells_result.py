@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.reports.choices import Drawing
 from nonsmooth.reports.files import PICTURES, output_path, write_whole
-from nonsmooth.reports.interface.row_results import Tabular
-from nonsmooth.reports.interface.short_text import short_lines
+from nonsmooth.reports.result import Tabular
+from nonsmooth.reports.short_text import short_lines
 from nonsmooth.symbolic.number_text import brief_text
 
 if TYPE_CHECKING:
@@ -73,7 +73,7 @@ class CellsResult(Tabular):
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw the cells with their motions."""
         from nonsmooth.reports.figures.cell_map import draw_cell_map
-        from nonsmooth.reports.interface.plots import own_axes
+        from nonsmooth.reports.result import own_axes
 
         axes = own_axes(ax)
         draw_cell_map(axes, self.partition)

@@ -13,9 +13,9 @@ from nonsmooth.proofs.clauses.workspace import Announce, unheard
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.theorem4_result import Check, Contradiction
 from nonsmooth.proofs.verified import verified
-from nonsmooth.reports.interface.row_results import Tabular
-from nonsmooth.reports.interface.short_text import short_lines
 from nonsmooth.reports.records import check_record
+from nonsmooth.reports.result import Tabular
+from nonsmooth.reports.short_text import short_lines
 from nonsmooth.symbolic.contact_set import ContactSet, contact_set, standing
 from nonsmooth.symbolic.notebook import html_table
 from nonsmooth.symbolic.number_text import short_text

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 from nonsmooth.analysis.minimizers.agreement import Agreement, compare_rules
 from nonsmooth.reports.agreement_views import agreement_map, agreement_record, difference_text
 from nonsmooth.reports.files import PICTURES, output_path, write_whole
-from nonsmooth.reports.interface.row_results import Tabular
-from nonsmooth.reports.interface.short_text import short_lines
+from nonsmooth.reports.result import Tabular
+from nonsmooth.reports.short_text import short_lines
 from nonsmooth.symbolic.number_text import short_text
 
 if TYPE_CHECKING:

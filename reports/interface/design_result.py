@@ -12,7 +12,7 @@ from nonsmooth.reports.designs.search import Design, Wish
 from nonsmooth.reports.designs.toml_text import toml_text
 from nonsmooth.reports.designs.views import WHAT, design_record, headline
 from nonsmooth.reports.files import output_path, write_whole
-from nonsmooth.reports.interface.short_text import short_lines
+from nonsmooth.reports.short_text import short_lines
 from nonsmooth.symbolic.number_text import float_text
 
 if TYPE_CHECKING:

@@ -11,8 +11,8 @@ import numpy as np
 from nonsmooth.analysis.minimizers.sampled_field import SampledField, sample_field
 from nonsmooth.reports.exact_record import floats
 from nonsmooth.reports.files import PICTURES, output_path, write_whole
-from nonsmooth.reports.interface.row_results import Tabular
-from nonsmooth.reports.interface.short_text import short_lines
+from nonsmooth.reports.result import Tabular
+from nonsmooth.reports.short_text import short_lines
 from nonsmooth.symbolic.number_text import float_text, percent_text
 
 if TYPE_CHECKING:
@@ -62,7 +62,7 @@ class FieldResult(Tabular):
     def plot(self, ax: Axes | None = None) -> Axes:
         """Draw streamlines over V*."""
         from nonsmooth.reports.figures.field_map import draw_field
-        from nonsmooth.reports.interface.plots import own_axes
+        from nonsmooth.reports.result import own_axes
 
         axes = own_axes(ax)
         draw_field(axes, self.field)

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 from nonsmooth.proofs.inequalities.linear_program import best_mixture, mixtures_to_zero
 from nonsmooth.reports.interface.entries import entry
-from nonsmooth.reports.interface.row_results import Tabular
-from nonsmooth.reports.interface.short_text import short_lines
+from nonsmooth.reports.result import Tabular
+from nonsmooth.reports.short_text import short_lines
 from nonsmooth.symbolic.notebook import html_table
 from nonsmooth.symbolic.number_text import brief_text, short_text
 from nonsmooth.symbolic.plane import dot, minus

@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from nonsmooth.reports.files import output_path, write_whole
-from nonsmooth.reports.interface.row_results import Tabular
-from nonsmooth.reports.interface.short_text import short_lines
 from nonsmooth.reports.law_program import law_program
 from nonsmooth.reports.law_table import LawTable, law_table
+from nonsmooth.reports.result import Tabular
+from nonsmooth.reports.short_text import short_lines
 from nonsmooth.symbolic.notebook import html_table
 from nonsmooth.symbolic.number_text import short_text
 

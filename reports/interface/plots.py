@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from nonsmooth.reports.figures import array as array_figures
-from nonsmooth.reports.figures import cell_map, rate_map, trajectory, wheels
+from nonsmooth.reports.figures import cell_map, rate_map, wheels
+from nonsmooth.reports.result import own_axes
 from nonsmooth.symbolic.number_text import short_text
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.support_polygon import support_polygon
@@ -15,18 +16,8 @@ if TYPE_CHECKING:
 
     from nonsmooth.reports.interface.array import Array
     from nonsmooth.reports.interface.filippov_set import FilippovSet
-    from nonsmooth.reports.interface.path_result import PathResult
 
 SHOWN = ("array", "cells", "rates")
-
-
-def own_axes(ax: Axes | None) -> Axes:
-    """The axes given, or those of a new figure that a notebook shows."""
-    if ax is not None:
-        return ax
-    from matplotlib import pyplot as plt
-
-    return plt.figure(layout="constrained").add_subplot()
 
 
 def plot_array(array: Array, ax: Axes | None, show: str) -> Axes:
@@ -69,18 +60,4 @@ def plot_filippov_set(found: FilippovSet, ax: Axes | None) -> Axes:
     axes.set(xlabel="x'", ylabel="y'", title=f"F({x}, {y})")
     axes.axis("equal")
     axes.margins(0.35)
-    return axes
-
-
-def plot_path(path: PathResult, ax: Axes | None) -> Axes:
-    """Draw a path in the plane of the first two states, or over time where there is one state only."""
-    axes = own_axes(ax)
-    if path.state.shape[1] < 2:
-        axes.plot(path.t, path.state[:, 0])
-        axes.set(xlabel="t", ylabel=path.states[0])
-        return axes
-    if path.partition is not None:
-        trajectory.draw_cells(axes, path.partition)
-    trajectory.draw_path(axes, path.trajectory)
-    axes.set(xlabel=path.states[0], ylabel=path.states[1], aspect="equal")
     return axes

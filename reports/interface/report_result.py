@@ -18,9 +18,9 @@ from nonsmooth.reports.derivation import (
     write_report,
 )
 from nonsmooth.reports.files import output_path
-from nonsmooth.reports.interface.short_text import short_lines
 from nonsmooth.reports.parts import PART_NAMES, chosen_parts
 from nonsmooth.reports.plain_systems.report import SYSTEM_PART_NAMES
+from nonsmooth.reports.short_text import short_lines
 
 if TYPE_CHECKING:
     from nonsmooth.reports.subject import Invocation

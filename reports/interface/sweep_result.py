@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 from nonsmooth.reports.files import write_whole
 from nonsmooth.reports.interface.entries import entry
-from nonsmooth.reports.interface.row_results import Tabular
-from nonsmooth.reports.interface.short_text import short_lines
+from nonsmooth.reports.result import Tabular
+from nonsmooth.reports.short_text import short_lines
 from nonsmooth.reports.sweep_files import sweep_bytes, sweep_path
 from nonsmooth.reports.sweeps.base import base_of, with_wheels
 from nonsmooth.reports.sweeps.borders import Border

@@ -9,19 +9,20 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 from nonsmooth.reports.interface.entries import entry, table
+from nonsmooth.reports.simulate_options import PATH, UNTIL, SimulateOptions
+from nonsmooth.reports.study import takes
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.systems.larger_region import LargerRegion
-    from nonsmooth.reports.interface.map_result import MapResult
-    from nonsmooth.reports.interface.orbit_result import OrbitResult
-    from nonsmooth.reports.interface.path_result import PathResult
     from nonsmooth.reports.interface.report_result import ReportResult
     from nonsmooth.reports.interface.sweep_result import SweepResult
     from nonsmooth.reports.interface.system_result import SystemCheckResult
+    from nonsmooth.reports.maps import MapResult
+    from nonsmooth.reports.orbits import OrbitResult
+    from nonsmooth.reports.paths import PathResult
     from nonsmooth.reports.sweeps.sweep import Means
     from nonsmooth.symbolic.switched_system import SwitchedSystem
 
-UNTIL = 2.0  # of one path, as `nonsmooth simulate` without --until
 MAP_UNTIL = 10.0
 ORBIT_UNTIL = 100.0
 
@@ -133,28 +134,20 @@ class System:
 
         return derive_system(self.system, named_parts(only, without, chosen_system_parts))
 
-    def simulate(
-        self, start: Sequence[float], until: float = UNTIL, *, method: str = "events", width: float = 1e-3
-    ) -> PathResult:
+    @takes(SimulateOptions, PATH)
+    def simulate(self, start: Sequence[float], until: float = UNTIL, **options: Any) -> PathResult:
         """A Filippov solution from a start.
 
         Args:
             start: one number for each state.
             until: last time.
-            method: ``events``, ``hysteresis`` or ``smoothed``.
-            width: of hysteresis and smoothing, in units of the state.
+            **options: keywords as below.
 
         Raises:
-            ValueError: for a switching function without a gradient where it vanishes.
+            ValueError: for options that cannot be used, and a switching function without a gradient where it vanishes.
             TrajectoryError: where the integrator gives up.
         """
-        from nonsmooth.reports.choices import PathMethod
-        from nonsmooth.reports.interface.path_result import PathResult
-        from nonsmooth.reports.system_paths import follow_system
-
-        place = tuple(float(value) for value in start)
-        path = follow_system(self.system, place, until, PathMethod(method), width)
-        return PathResult(self.system.name, tuple(self.system.stated_states), path)
+        return self._simulated(start=start, until=until, **options)
 
     def orbit(self, start: Sequence[float], until: float = ORBIT_UNTIL) -> OrbitResult:
         """The periodic orbit that a start is near, or else the one that its path approaches.
@@ -169,9 +162,7 @@ class System:
             OrbitError: (a ValueError) where no periodic orbit is found, with the reason.
             SceneError: for arbitrary switching.
         """
-        from nonsmooth.reports.interface.orbit_result import orbit_of
-
-        return orbit_of(self.system, tuple(float(value) for value in start), until)
+        return self._simulated(start=start, until=until, orbit=True)
 
     def larger_region(self, degree: int = 4) -> LargerRegion | None:
         """A polynomial V whose certified sublevel set fills much of the region of attraction within the checked square.
@@ -202,12 +193,16 @@ class System:
             until: last time.
 
         Raises:
-            ArgumentError: for a grid or a time that cannot be used.
+            ValueError: for a grid or a time that cannot be used.
             SceneError: for another number of states than two, and for arbitrary switching.
         """
-        from nonsmooth.reports.interface.map_result import map_system
+        return self._simulated(grid=grid, until=until)
 
-        return map_system(self.system, grid, until)
+    def _simulated(self, **options: Any) -> Any:
+        """What the command ``simulate`` finds."""
+        from nonsmooth.reports.simulate import SIMULATE
+
+        return SIMULATE.of(self.system, **options)
 
     def sweep(
         self,

@@ -9,8 +9,8 @@ from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.proofs.system_facts import system_facts
 from nonsmooth.proofs.verified import verified
 from nonsmooth.reports.facts import fact_rows
-from nonsmooth.reports.interface.row_results import Tabular
-from nonsmooth.reports.interface.short_text import short_lines
+from nonsmooth.reports.result import Tabular
+from nonsmooth.reports.short_text import short_lines
 from nonsmooth.reports.system_views import system_record
 from nonsmooth.symbolic.notebook import html_table
 

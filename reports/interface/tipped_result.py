@@ -10,9 +10,9 @@ from nonsmooth.proofs.answers.answer import Answer, Heading, Pose, Position
 from nonsmooth.proofs.facts import said
 from nonsmooth.proofs.verdicts import Theorem4
 from nonsmooth.reports.answers import answers_record
-from nonsmooth.reports.interface.row_results import Tabular
-from nonsmooth.reports.interface.short_text import short_lines
 from nonsmooth.reports.records import CHECK_SCHEMA
+from nonsmooth.reports.result import Tabular
+from nonsmooth.reports.short_text import short_lines
 
 if TYPE_CHECKING:
     from nonsmooth.symbolic.contact_set import TipsError

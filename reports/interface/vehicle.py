@@ -9,8 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from nonsmooth.reports.interface.entries import table
-from nonsmooth.reports.interface.shown_result import ShownResult
-from nonsmooth.reports.vehicles import VehicleReport
+from nonsmooth.reports.vehicles import VehicleResult
 
 if TYPE_CHECKING:
     from nonsmooth.reports.interface.wheel import Wheel
@@ -99,34 +98,9 @@ class Vehicle:
         Raises:
             RefusalError: where the motion is not determined.
         """
-        report = VehicleReport(self.exact, spin)
-        _ = report.own
-        return VehicleResult(report)
+        result = VehicleResult(self.exact, spin)
+        _ = result.own
+        return result
 
     def __repr__(self) -> str:
         return f"Vehicle {self.exact.name!r}: {len(self.exact.scene.wheels)} wheels"
-
-
-@dataclass(frozen=True, repr=False)
-class VehicleResult(ShownResult):
-    """The motion of a vehicle.
-
-    Attributes:
-        shown: what every rule says, and what follows from a measured spin.
-    """
-
-    shown: VehicleReport
-
-    @property
-    def twist(self) -> tuple[float, float, float] | None:
-        """``(v_x, v_y, omega)`` under the vehicle's own rule; None where several are allowed."""
-        twist = self.to_dict()["twist"]
-        return None if twist is None else (twist[0], twist[1], twist[2])
-
-    @property
-    def multiplier(self) -> float | None:
-        """The effective track over the track."""
-        return self.shown.own.multiplier
-
-    def __repr__(self) -> str:
-        return f"{self.shown.summary()}: twist {self.twist}, multiplier {self.multiplier}"

@@ -6,16 +6,14 @@ with a certified level set of V, the paths from inside it are compared with the 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import cached_property
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from rich.console import Group, RenderableType
-from rich.text import Text
 
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.fields.system_field import system_field
@@ -27,18 +25,27 @@ from nonsmooth.proofs.systems.border_motion import BorderKind
 from nonsmooth.proofs.theorem4_result import Contradiction
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.reports.answers import contradiction_lines
-from nonsmooth.reports.basins import Part, parts_record, parts_text
+from nonsmooth.reports.document import Block, Paragraph, findings
+from nonsmooth.reports.maps import MapResult, Part, grid_of, parts_record
 from nonsmooth.reports.phase_portrait import PhasePortrait
 from nonsmooth.reports.progress import ProgressCall, progress
 from nonsmooth.reports.records import contradictions_record
-from nonsmooth.reports.terminal import two_columns
+from nonsmooth.reports.result import DataTable, Record
+from nonsmooth.reports.short_text import short_lines
+from nonsmooth.reports.simulate_options import SimulateOptions
 from nonsmooth.symbolic.number_text import percent_text
 from nonsmooth.symbolic.numbers.work_limit import WorkMeter
 from nonsmooth.symbolic.scene_error import one_line
+from nonsmooth.symbolic.switched_system import SwitchedSystem
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 Floats: TypeAlias = NDArray[np.float64]
 
 SCHEMA = "nonsmooth-system-map/1"
+UNTIL = 10.0  # last time of the paths, where none is given
 WORK_OF_A_START = 2_000  # evaluations of fields: usual paths take some hundred
 ARRIVED = 1e-9  # of the half-width: a path that is this near has arrived, as far as the integrator can tell
 
@@ -53,8 +60,8 @@ class Whereabouts(StrEnum):
     LOST = "not followed to the end"
 
 
-@dataclass(frozen=True)
-class SystemMap:
+@dataclass(frozen=True, repr=False)
+class SystemMap(MapResult):
     """Where paths from N x N starts are at one time.
 
     Attributes:
@@ -129,7 +136,7 @@ class SystemMap:
         """0, and 3 where the paths contradict what is proved."""
         return 3 if self.contradictions else 0
 
-    def record(self) -> dict[str, Any]:
+    def facts(self) -> Record:
         """JSON with stable keys; starts run along the first state first."""
         system = self.portrait.system
         ends = [[float(v) for v in end] if np.isfinite(end).all() else None for end in self.ends]
@@ -148,18 +155,25 @@ class SystemMap:
             **contradictions_record(self.contradictions),
         }
 
-    def lines(self) -> Iterable[Iterable[Any]]:
-        """One start per line; empty where there is no number."""
+    def table(self) -> DataTable:
+        """One start per line; None where there is no number."""
         first, second = self.portrait.system.states
-        yield (first, second, f"{first}_end", f"{second}_end", "whereabouts")
-        for start, end, kind in zip(self.starts, self.ends, self.whereabouts, strict=True):
-            yield (*(repr(float(v)) if np.isfinite(v) else "" for v in (*start, *end)), kind.name.lower())
+        lines = []
+        for row, kind in zip(np.column_stack([self.starts, self.ends]).tolist(), self.whereabouts, strict=True):
+            lines.append([*(value if np.isfinite(value) else None for value in row), kind.name.lower()])
+        return DataTable((first, second, f"{first}_end", f"{second}_end", "whereabouts"), lines)
 
-    def picture(self, suffix: str) -> bytes:
+    def draw(self, ax: Axes) -> None:
         """How near every start has come, with the certified region of V."""
-        from nonsmooth.reports.figures.system_map import system_map_figure
+        from nonsmooth.reports.figures.system_map import draw_map
 
-        return system_map_figure(self, suffix)
+        draw_map(ax, self)
+
+    def figure(self) -> Figure:
+        """The same with the scale of colors and a legend."""
+        from nonsmooth.reports.figures.system_map import build_figure
+
+        return build_figure(self)
 
     @property
     def parts(self) -> list[Part]:
@@ -168,18 +182,19 @@ class SystemMap:
 
     def summary(self) -> str:
         """How many starts there are, where they have come to, and what that contradicts."""
-        head = f"{parts_text(self.parts)}, at t = {self.until:g}"
+        head = f"{super().summary()}, at t = {self.until:g}"
         return "; ".join([head, *(one.text for one in self.contradictions)])
 
-    def view(self) -> RenderableType:
+    def blocks(self) -> Sequence[Block]:
         """The shares, and the verdict beside them."""
-        system, rows = self.portrait.system, two_columns()
-        for share, kind in self.shares:
-            rows.add_row(Text(share), Text(kind))
-        rows.add_row(Text("proved"), Text(str(self.verdict)))
-        lines = [Text(line) for one in self.contradictions for line in contradiction_lines(one)]
+        rows = [*self.shares, ("proved", str(self.verdict))]
+        lines = [Paragraph((line,)) for one in self.contradictions for line in contradiction_lines(one)]
         what = f"{self.count} x {self.count} starts over the checked square, seen at t = {self.until:g} (sampled)"
-        return Group(Text(f"{one_line(system.name)}: {what}"), rows, *lines)
+        return [Paragraph((f"{one_line(self.portrait.system.name)}: {what}",)), findings(rows), *lines]
+
+    def __repr__(self) -> str:
+        contradicted = [("contradiction", one.text) for one in self.contradictions]
+        return short_lines(f"{self.title}: {self.summary()} (sampled)", [*self.shares, *contradicted])
 
 
 def _whereabouts(end: Floats, ratio: float, half: float) -> Whereabouts:
@@ -192,14 +207,18 @@ def _whereabouts(end: Floats, ratio: float, half: float) -> Whereabouts:
     return Whereabouts.NEARER if ratio < 1 else Whereabouts.FARTHER
 
 
-def build_system_map(portrait: PhasePortrait, count: int, until: float) -> SystemMap:
-    """Follow every start of the grid, with progress on a terminal.
+def build_system_map(system: SwitchedSystem, options: SimulateOptions) -> SystemMap:
+    """Follow every start of a grid over the checked square, with progress on a terminal.
 
-    Args:
-        portrait: of the system.
-        count: starts in a row and in a column.
-        until: last time.
+    Raises:
+        OptionError: for a grid that cannot be used.
+        SceneError: for another number of states than two, and for arbitrary switching.
     """
+    return mapped(PhasePortrait(system), grid_of(options), options.until or UNTIL)
+
+
+def mapped(portrait: PhasePortrait, count: int, until: float) -> SystemMap:
+    """Where ``count x count`` starts have come to at the last time."""
     half = float(portrait.system.check.radius)
     line = np.linspace(-half, half, count) if count > 1 else np.array([half])
     starts = np.array([(x, y) for y in line for x in line])

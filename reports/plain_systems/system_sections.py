@@ -9,7 +9,6 @@ from nonsmooth.proofs.system_decision import StabilityResult
 from nonsmooth.proofs.system_facts import rewriting_words, system_facts
 from nonsmooth.proofs.systems.findings import Method
 from nonsmooth.proofs.verdicts import Translation
-from nonsmooth.reports.choices import PathMethod
 from nonsmooth.reports.document import (
     Block,
     Bullets,
@@ -25,11 +24,12 @@ from nonsmooth.reports.document import (
     table,
 )
 from nonsmooth.reports.facts import fact_rows
+from nonsmooth.reports.paths import follow_system
 from nonsmooth.reports.plain_systems.rewritten_text import tidied
 from nonsmooth.reports.plain_systems.system_subject import SystemSubject
 from nonsmooth.reports.prose import paragraph, with_formulas
 from nonsmooth.reports.references import BACCIOTTI_CERAGIOLI, FILIPPOV, HOMOGENEITY, SHEVITZ_PADEN, how_to_cite
-from nonsmooth.reports.system_paths import follow_system
+from nonsmooth.reports.simulate_options import SimulateOptions
 from nonsmooth.symbolic.number_text import float_text, place_text
 from nonsmooth.symbolic.scene_error import SceneError, one_line
 
@@ -113,7 +113,7 @@ def paths_section(subject: SystemSubject) -> Section:
     for shares in STARTS:
         start = tuple(m + share * radius for m, share in zip(middle, shares, strict=True))
         try:
-            path = follow_system(system, start, UNTIL, PathMethod.EVENTS, 1.0).trajectory
+            path = follow_system(system, SimulateOptions(start=start, until=UNTIL)).trajectory
         except (SceneError, TrajectoryError, ValueError) as error:
             rows.append([place_text(start), "", "", "", f"not followed: {error}"])
             continue

@@ -7,13 +7,14 @@ from dataclasses import dataclass
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.trajectories.result import EndReason, Trajectory, TrajectoryError
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
-from nonsmooth.reports.choices import LawName, PathMethod
+from nonsmooth.reports.choices import LawName
 from nonsmooth.reports.document import Block, Entry, Figure, Section, table
-from nonsmooth.reports.feedback_loop import GAIN, FeedbackLoop
+from nonsmooth.reports.feedback_loop import GAIN, FeedbackLoop, build_loop
 from nonsmooth.reports.papers.murphey_burdick_2001.paper import is_paper_array
+from nonsmooth.reports.paths import follow_cells
 from nonsmooth.reports.prose import paragraph, prose
 from nonsmooth.reports.sections.starts import STARTS, Start, start_text, starts, typed_start
-from nonsmooth.reports.simulate import PathRun, follow, loop_of
+from nonsmooth.reports.simulate_options import SimulateOptions
 from nonsmooth.reports.subject import Subject
 from nonsmooth.symbolic.number_text import float_text
 
@@ -63,14 +64,7 @@ def _loop(subject: Subject) -> FeedbackLoop:
     feedback = subject.cells.feedback
     if not isinstance(feedback, FeedbackResult):
         raise TypeError(f"required rule nearest, received {subject.scene.contact.rule}")
-    loop = loop_of(subject.cells.partition, _run((0.0, 0.0, 0.0), TIMES[0]), feedback)
-    if loop is None:
-        raise TypeError("required a closed loop")
-    return loop
-
-
-def _run(start: Start, until: float) -> PathRun:
-    return PathRun(start, until, Kinematics.EXACT, PathMethod.EVENTS, LawName.CERTIFIED, width=1e-3)
+    return build_loop(subject.cells.partition, LawName.CERTIFIED, Kinematics.EXACT, feedback)
 
 
 def _quarters(subject: Subject) -> list[Start]:
@@ -94,7 +88,8 @@ def _from(subject: Subject, loop: FeedbackLoop, start: Start) -> _Path:
 def _followed(subject: Subject, loop: FeedbackLoop, start: Start) -> _Path:
     """The path to the first of the times at which the body is as good as home."""
     for until in TIMES:
-        path = _Path(start, follow(subject.cells.partition, _run(start, until), loop), until)
+        options = SimulateOptions(start=start, until=until, feedback=True)
+        path = _Path(start, follow_cells(subject.cells.partition, options, loop), until)
         if path.path.end.reason is not EndReason.TIME or _is_home(loop, path):
             break
     return path
@@ -154,7 +149,7 @@ def _figure(subject: Subject, loop: FeedbackLoop, path: _Path) -> Figure:
     papers = "; the paper's Figure 5 is of its own law" if is_paper_array(subject.scene) else ""
 
     def draw(suffix: str) -> bytes:
-        from nonsmooth.reports.figures.trajectory import trajectory_figure
+        from nonsmooth.reports.figures.path import trajectory_figure
 
         return trajectory_figure(partition, path.path, suffix, loop.title)
 

@@ -103,9 +103,11 @@ def _row(loop: DrivenLoop, path: _Path) -> tuple[Entry, ...]:
 
 def _figure(subject: Subject, loop: DrivenLoop, path: _Path) -> Figure:
     def draw(suffix: str) -> bytes:
-        from nonsmooth.reports.figures.driven_loop import driven_loop_figure
+        from nonsmooth.reports.figures.cell_map import figure_bytes
+        from nonsmooth.reports.figures.path import centre_picture, path_figure
 
-        return driven_loop_figure(loop.scene, path.path, suffix)
+        picture = centre_picture(loop.scene, path.path, "certified law, measured from the checked point")
+        return figure_bytes(lambda: path_figure(picture), suffix)
 
     return Figure(
         "closed-loop",

@@ -120,7 +120,7 @@ def _first_figure(subject: Subject, start: Start, path: Trajectory) -> Figure:
     papers = " (the paper's Figure 4)" if is_paper_array(subject.scene) else ""
 
     def draw(suffix: str) -> bytes:
-        from nonsmooth.reports.figures.trajectory import trajectory_figure
+        from nonsmooth.reports.figures.path import trajectory_figure
 
         return trajectory_figure(partition, path, suffix)
 

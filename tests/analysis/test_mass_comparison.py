@@ -14,7 +14,7 @@ from nonsmooth.analysis.bodies import mass_study as studies
 from nonsmooth.analysis.bodies.mass_study import MassStudy, mass_ladder, mass_study, rule_path
 from nonsmooth.analysis.bodies.plate import plate
 from nonsmooth.analysis.trajectories.result import EventKind, Trajectory
-from nonsmooth.reports.dynamics import ShownMasses
+from nonsmooth.reports.masses import MassResult
 from nonsmooth.symbolic.contact_set import whole
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
@@ -55,8 +55,8 @@ def test_no_limit_is_stated_where_the_path_slides_along_an_edge(arrays: Arrays) 
     study = ladder_study(whole(scene), 1e-2, 1, (0.3, -0.2, 0.0), SLIDING)
     assert study.limits is None
     assert min(row.distance("ellipse").position for row in study.rows) > 0.05  # and indeed they do not meet
-    shown = ShownMasses(scene, study)
-    assert shown.record()["limits"] is None
+    shown = MassResult(scene, study)
+    assert shown.facts()["limits"] is None
     console = Console(width=100, record=True)
     with console.capture() as captured:
         console.print(shown.view())

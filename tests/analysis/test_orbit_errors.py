@@ -21,7 +21,7 @@ from nonsmooth.analysis.orbits.search import find_orbit
 from nonsmooth.analysis.trajectories import smooth_path
 from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.proofs.orbits import orbit_proof
-from nonsmooth.reports.system_orbits import measured_text
+from nonsmooth.reports.orbits import measured_text
 
 PLANE = ["x", "y"]
 TO_THE_CIRCLE = ["-y + x*sign(1 - x**2 - y**2)", "x + y*sign(1 - x**2 - y**2)"]

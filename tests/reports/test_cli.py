@@ -534,7 +534,7 @@ def test_a_path_that_cannot_go_on_is_refused_and_a_violated_bound_is_a_fault(
     def give_up(*_: object) -> None:
         raise error
 
-    monkeypatch.setattr("nonsmooth.reports.interface.path_result.follow", give_up)
+    monkeypatch.setattr("nonsmooth.reports.paths.follow_cells", give_up)
     outcome = invoke("simulate", "four-wheel", "--from", "0.2,0.4,0")
     assert (outcome.status, outcome.out) == (status, "")
     assert ("Traceback" in outcome.err) == (status == 70)

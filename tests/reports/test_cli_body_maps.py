@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 import nonsmooth
-from nonsmooth.reports.body_maps import ShownBodyMap
+from nonsmooth.reports.body_maps import BodyMapResult
 from nonsmooth.reports.figures.body_map import build_figure
 from nonsmooth.symbolic.scene_error import SceneError
 from tests.thorough import thorough
@@ -136,8 +136,8 @@ def test_the_parts_add_up_to_all_starts(carton: Path, invoke: Invoke) -> None:
     assert f"{moving} still moving at the last time" in line
     array = nonsmooth.load(carton)
     assert isinstance(array, nonsmooth.Array)
-    shown = array.map(4, heading=0.3, until=0.5).shown
-    assert isinstance(shown, ShownBodyMap)
+    shown = array.map(4, heading=0.3, until=0.5)
+    assert isinstance(shown, BodyMapResult)
     figure = build_figure(shown)
     assert f"{moving} still moving at the last time" in figure.get_suptitle()
     labels = [text.get_text() for text in figure.legends[0].get_texts()]

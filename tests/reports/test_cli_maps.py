@@ -22,8 +22,8 @@ from nonsmooth.reports import progress as progress_module
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import run
 from nonsmooth.reports.figures.settle_map import build_figure
+from nonsmooth.reports.maps import SettleMapResult
 from nonsmooth.reports.progress import progress
-from nonsmooth.reports.settle_maps import ShownMap
 from tests.thorough import keep
 
 FORMULA = 1e-12
@@ -88,9 +88,9 @@ def test_the_parts_of_a_map_add_up_to_all_starts(tmp_path: Path, capsys: pytest.
     assert f"{late} the time is over" in line
     array = ns.load("four-wheel")
     assert isinstance(array, ns.Array)
-    shown = array.map(10, until=0.4, kinematics="leading").shown
-    assert isinstance(shown, ShownMap)
-    figure = build_figure(shown.partition, shown.run, shown.found)
+    shown = array.map(10, until=0.4, kinematics="leading")
+    assert isinstance(shown, SettleMapResult)
+    figure = build_figure(shown)
     assert f"{late} the time is over" in figure.get_suptitle()
     shares = [text.get_text() for text in figure.legends[0].get_texts() if " %: " in text.get_text()]
     assert sum(float(label.split(" %")[0]) for label in shares) == pytest.approx(100, abs=0.1)
@@ -146,7 +146,7 @@ def test_the_summary_on_a_terminal(capsys: pytest.CaptureFixture[str]) -> None:
         (["--grid", "5", "--heading", "inf"], "--heading"),
         (["--grid", "5", "--until", "0"], "--until"),
         (["--grid", "5", "--rule", "ellipse"], "contact.rule"),
-        (["--grid", "5", "-o", "map.txt"], ".csv, .json, .svg, .png or .pdf"),
+        (["--grid", "5", "-o", "map.txt"], ".csv, .json, .parquet, .svg, .png or .pdf"),
         (["--from", "0,0,0", "--heading", "1"], "--grid"),
         ([], "--from"),
     ],
@@ -190,8 +190,8 @@ def test_cells_too_thin_for_floats_are_refused_or_mapped(seed: int) -> None:
     )
     wheels = [ns.Wheel((x, y), t + math.pi + off, 1, 1, 0.5) for (x, y), t in zip(places.tolist(), turns, strict=True)]
     with suppress(RefusalError):
-        found = ns.Array(wheels).map(5).shown
-        assert isinstance(found, ShownMap)
+        found = ns.Array(wheels).map(5)
+        assert isinstance(found, SettleMapResult)
         assert sum(found.found.shares) == pytest.approx(1)
 
 
@@ -201,7 +201,7 @@ def test_a_path_that_floats_lose_is_one_line(
     def lost(*arguments: Any) -> Any:
         raise TrajectoryError("no edge of cell 1 at (0, 0): please report this")
 
-    monkeypatch.setattr("nonsmooth.reports.interface.map_result.build_map", lost)
+    monkeypatch.setattr("nonsmooth.reports.maps.settled", lost)
     assert run(app, ["simulate", "four-wheel", "--grid", "2"]) == 2
     said = capsys.readouterr().err
     assert said.count("\n") == 1

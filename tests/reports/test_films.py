@@ -66,7 +66,7 @@ def test_equal_input_gives_equal_films(tmp_path: Path) -> None:
     assert first == again
 
 
-OTHERS = "a file name that ends in .csv, .json, .svg, .png or .pdf, received '.html'"
+OTHERS = "a file name that ends in .csv, .json, .parquet, .svg, .png or .pdf, received '.html'"
 
 
 @pytest.mark.parametrize(

@@ -15,8 +15,9 @@ from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.motion.frames import Frames, WheelContact, build_frames
 from nonsmooth.reports.choices import PathMethod
-from nonsmooth.reports.interface.path_result import PathResult
-from nonsmooth.reports.simulate import PathRun, follow, loop_of
+from nonsmooth.reports.feedback_loop import FeedbackLoop
+from nonsmooth.reports.paths import PathResult, follow_cells
+from nonsmooth.reports.simulate_options import SimulateOptions
 from tests.thorough import thorough
 
 PATHS: dict[str, tuple[str, tuple[float, float, float], dict[str, Any]]] = {
@@ -38,7 +39,7 @@ def followed(name: str) -> PathResult:
 
 def frames_of(path: PathResult, count: int = 37) -> Frames:
     assert path.scene
-    inputs = None if path.loop is None or path.partition is None else path.loop.inputs(path.partition)
+    inputs = path.loop.inputs(path.partition) if isinstance(path.loop, FeedbackLoop) and path.partition else None
     times = np.linspace(0, path.t[-1], count)
     return build_frames(path.scene, path.trajectory, times, partition=path.partition, inputs=inputs)
 
@@ -116,8 +117,8 @@ def test_leading_order_kinematics_and_samples_without_pieces() -> None:
     radius = float(array.scene.check.radius)
     x, y = (float(entry) + 0.3 * radius for entry in array.scene.check.equilibrium)
     for method in (PathMethod.EVENTS, PathMethod.HYSTERESIS):
-        run = PathRun((x, y, 0.0), 0.05, Kinematics.LEADING, method, None, 1e-3)
-        path = follow(partition, run, loop_of(partition, run))
+        options = SimulateOptions(start=(x, y, 0.0), until=0.05, kinematics=Kinematics.LEADING, method=method)
+        path = follow_cells(partition, options)
         frames = build_frames(array.scene, path, [0.01], partition=partition, pivot=(0.0, 0.0))
         point = [array.scene.field.rational(Fraction(float(entry))) for entry in frames.poses[0, :2]]
         cell = partition.cells_at((point[0], point[1]))[0]

@@ -26,8 +26,8 @@ from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.theorem4_result import Check
 from nonsmooth.reports.interface.law_result import certified_law_of
-from nonsmooth.reports.interface.path_result import follow_array
-from nonsmooth.reports.interface.path_runs import path_run
+from nonsmooth.reports.paths import follow_array
+from nonsmooth.reports.simulate_options import SimulateOptions
 from nonsmooth.symbolic.scene import Scene
 from tests.conftest import WheelData
 from tests.ruled import ruled
@@ -98,7 +98,8 @@ def assert_brought_home(scene: Scene, check: Check, numbers: Mapping[str, Any]) 
     elif feedback.reach is not None:
         size = 0.9 * float(feedback.reach)
     kappa = float(numbers["rate"] or 0)
-    path = follow_array(scene, path_run((0.6 * size, -0.5 * size, 0.6 * size / length), UNTIL, feedback=True))
+    start = (0.6 * size, -0.5 * size, 0.6 * size / length)
+    path = follow_array(scene, SimulateOptions(start=start, until=UNTIL, feedback=True))
     states = np.array(path.state, dtype=float) * (1, 1, length)
     values = (states**2).sum(axis=1)
     assert values[-1] < values[0]

@@ -33,8 +33,7 @@ from nonsmooth.proofs.clauses.feedback.limited_rate import LimitedRate
 from nonsmooth.proofs.clauses.feedback.limited_twists import limited_speed
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import BAD_INPUT, run
-from nonsmooth.reports.interface.path_result import PathResult
-from nonsmooth.reports.simulate import loop_speeds
+from nonsmooth.reports.paths import ArrayPath, PathResult
 from nonsmooth.symbolic.similar_scenes import in_own_length
 from tests.thorough import keep, thorough
 
@@ -106,9 +105,8 @@ def value(lyapunov: Any, pose: Any) -> float:
 
 
 def speeds_of(path: PathResult, times: Any = None) -> Floats:
-    assert path.partition
-    assert path.loop
-    return loop_speeds(path.partition, path.trajectory, path.loop, times)
+    assert isinstance(path, ArrayPath)
+    return path.speeds(times)
 
 
 def test_states_at_many_times_are_those_at_each() -> None:

@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.proofs.clauses.feedback.by_rows import decide_feedback
-from nonsmooth.reports.choices import LawName, PathMethod
+from nonsmooth.reports.choices import LawName
 from nonsmooth.reports.feedback_loop import build_loop
-from nonsmooth.reports.simulate import PathRun, follow
+from nonsmooth.reports.paths import follow_cells
+from nonsmooth.reports.simulate_options import SimulateOptions
 from tests.conftest import WheelData
 
 if TYPE_CHECKING:
@@ -29,7 +30,7 @@ def test_theta_may_rise_under_a_law_by_v_without_a_region(arrays: Arrays) -> Non
     assert feedback.region is None
     assert feedback.cascade is None
     loop = build_loop(partition, LawName.CERTIFIED, Kinematics.EXACT, feedback)
-    path = follow(partition, PathRun(START, 2.0, Kinematics.EXACT, PathMethod.EVENTS, LawName.CERTIFIED, 1e-3), loop)
+    path = follow_cells(partition, SimulateOptions(start=START, feedback=True), loop)
     thetas = [abs(float(state[2])) for state in path.states]
     assert max(thetas) > thetas[0] + 0.01
     loop.refuse_contradiction(path)

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory
-from nonsmooth.reports.figures.trajectory import MARKERS
-from nonsmooth.reports.interface.path_result import follow_array
-from nonsmooth.reports.interface.path_runs import path_run
+from nonsmooth.reports.figures.path import MARKERS
+from nonsmooth.reports.paths import follow_array
+from nonsmooth.reports.simulate_options import SimulateOptions
 from nonsmooth.symbolic.contact_set import standing
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.outlined import polygon_depths
@@ -29,7 +29,7 @@ LOOKS = 3000
 
 def closed_loop(start: tuple[float, float, float], rule: str = "nearest") -> Trajectory:
     scene = load_scene("carton-on-6x6", rule=rule)
-    return follow_array(scene, path_run(start, 2.0, feedback=True)).trajectory
+    return follow_array(scene, SimulateOptions(start=start, feedback=True)).trajectory
 
 
 def first_change(path: Trajectory) -> float:
@@ -48,7 +48,7 @@ def first_change(path: Trajectory) -> float:
 def as_if_without_outline(start: tuple[float, float, float], rule: str = "nearest") -> Trajectory:
     """The closed loop on the same wheels, which carry for ever."""
     scene = replace(standing(load_scene("carton-on-6x6", rule=rule)), body=None, idle=())
-    return follow_array(scene, path_run(start, 2.0, feedback=True)).trajectory
+    return follow_array(scene, SimulateOptions(start=start, feedback=True)).trajectory
 
 
 @pytest.mark.parametrize("rule", ["nearest", "box"])

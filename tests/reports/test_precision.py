@@ -165,7 +165,7 @@ def test_a_study_that_is_left_out_says_why() -> None:
         raise LeftOut("there is no reference")
 
     found = measured(Study("absent", "absent", "error [1]", build), study({"exact": proportional}))
-    absent, present = found.record()["studies"]
+    absent, present = found.facts()["studies"]
     assert (absent["left_out"], absent["reference"]) == ("there is no reference", None)
     assert present["left_out"] is None
     assert found.run.complete

@@ -159,7 +159,7 @@ def test_files_of_masses(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> 
         (("--method", "dynamics", "--inertia", "nan"), "--inertia: required a positive number"),
         (("--method", "dynamics", "--mass", "1e-99", "--compare-masses"), "--mass: required a positive number"),
         (("--method", "dynamics", "--mass", "1e-99"), "four-wheel: the integrator stopped"),
-        (("--method", "dynamics", "--feedback"), "--feedback: required --method events or hysteresis, received"),
+        (("--method", "dynamics", "--feedback"), "--feedback: required --method events, hysteresis or smoothed"),
         (("--method", "dynamics", "--kinematics", "leading"), "--kinematics: required exact with --method dynamics"),
         (("--method", "dynamics", "--from", "3,0,0"), "four-wheel: required centres of mass inside the support"),
         (("--method", "dynamics", "--from", "3,0,0", "--compare-masses"), "four-wheel: required centres of mass"),

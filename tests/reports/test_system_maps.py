@@ -17,7 +17,7 @@ from nonsmooth.reports.console import BAD_INPUT
 from nonsmooth.reports.figures.system_map import build_figure
 from nonsmooth.reports.phase_portrait import PhasePortrait
 from nonsmooth.reports.plain_systems import starts_map
-from nonsmooth.reports.plain_systems.starts_map import SystemMap, Whereabouts, build_system_map
+from nonsmooth.reports.plain_systems.starts_map import SystemMap, Whereabouts, mapped
 from nonsmooth.symbolic.files.system_file import load_system
 from tests.proofs.forged import with_deciding, with_reach
 from tests.thorough import keep
@@ -33,7 +33,7 @@ SATURATED = ns.System(["x", "v"], ["v", "x - sat(3*x + v, -1/2, 1/2)"], radius=1
 
 @pytest.fixture(scope="module")
 def found() -> SystemMap:
-    shown = SATURATED.map(7, until=6.0).shown
+    shown = SATURATED.map(7, until=6.0)
     assert isinstance(shown, SystemMap)
     return shown
 
@@ -51,7 +51,7 @@ def test_ends_are_those_of_an_integrator(found: SystemMap) -> None:
 
 def test_the_parts_add_up_to_all_starts(found: SystemMap) -> None:
     counted = {str(kind): found.whereabouts.count(kind) for kind in found.whereabouts}
-    parts = {part["end"]: part["starts"] for part in found.record()["parts"]}
+    parts = {part["end"]: part["starts"] for part in found.facts()["parts"]}
     assert parts == counted
     assert sum(parts.values()) == 49
     for text in (found.summary(), build_figure(found).get_suptitle()):
@@ -77,13 +77,13 @@ def test_a_path_that_contradicts_the_proof_makes_the_verdict_undecided(found: Sy
     assert one.between == "region and map"
     assert "every start with V <" in one.sides[0]
     assert "is at (0.2, 0.1) at t = 6" in one.sides[1]
-    assert (planted.exit_status, planted.record()["verdict"]) == (3, "undecided")
-    assert planted.record()["contradictions"][0]["sides"] == list(one.sides)
+    assert (planted.exit_status, planted.facts()["verdict"]) == (3, "undecided")
+    assert planted.facts()["contradictions"][0]["sides"] == list(one.sides)
 
 
 def test_a_system_that_arrives_is_not_unstable(monkeypatch: pytest.MonkeyPatch) -> None:
     system = ns.System(["x", "y"], ["-sign(x)", "-sign(y)"], radius=1, at=[0, 0])
-    shown = system.map(4, until=3.0).shown
+    shown = system.map(4, until=3.0)
     assert isinstance(shown, SystemMap)
     assert shown.contradictions == ()
     wrong = with_reach(with_deciding(shown.portrait.stability, verdict=Translation.UNSTABLE), region=None)
@@ -94,7 +94,7 @@ def test_a_system_that_arrives_is_not_unstable(monkeypatch: pytest.MonkeyPatch) 
 @pytest.mark.parametrize("name", keep(2, ["eq-4", "escaping-slide", "eq-3", "flower", "relay-oscillator-damped"]))
 def test_maps_of_built_in_systems_contradict_nothing(name: str) -> None:
     for until in (0.1, 2.0):
-        assert build_system_map(PhasePortrait(load_system(name)), 3, until).contradictions == ()
+        assert mapped(PhasePortrait(load_system(name)), 3, until).contradictions == ()
 
 
 def test_the_command_writes_every_form(invoke: Invoke, tmp_path: Path) -> None:
@@ -131,7 +131,7 @@ def test_paths_of_a_map_that_end_early_are_not_said_to_be_anywhere(monkeypatch: 
     """Circles, followed for too long: beyond the work that all starts share nothing is said of ends."""
     system = ns.System(("x", "y"), ["y", "-x"], radius=1)
     monkeypatch.setattr(starts_map, "MAX_WORK", 20_000)
-    found = build_system_map(PhasePortrait(system.system), 3, 200.0)
+    found = mapped(PhasePortrait(system.system), 3, 200.0)
     assert 0 < found.whereabouts.count(Whereabouts.LOST) < 9
     for start, end, kind in zip(found.starts, found.ends, found.whereabouts, strict=True):
         if kind is Whereabouts.LOST:

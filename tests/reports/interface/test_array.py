@@ -171,7 +171,7 @@ def test_rows_and_films_of_a_closed_loop_are_those_of_the_command(tmp_path: Path
 
 def test_what_a_method_does_not_follow_is_refused() -> None:
     array = ring()
-    with pytest.raises(ValueError, match="feedback: required method events, hysteresis or smoothed, received dynamics"):
+    with pytest.raises(ValueError, match="feedback: required method events, hysteresis or smoothed, received method"):
         array.simulate((0.2, 0.1, 0.3), method="dynamics", feedback=True)
     with pytest.raises(ValueError, match="kinematics: required exact with method dynamics, received leading"):
         array.simulate((0.2, 0.1, 0.3), method="dynamics", kinematics="leading")
@@ -207,7 +207,7 @@ def test_a_table_of_pandas_where_there_is_one(monkeypatch: pytest.MonkeyPatch) -
     class Pandas:
         DataFrame: Any = staticmethod(list)
 
-    monkeypatch.setattr("nonsmooth.reports.interface.row_results.import_module", lambda name: Pandas)
+    monkeypatch.setattr("nonsmooth.reports.result.import_module", lambda name: Pandas)
     assert ring().check().to_dataframe() == ring().check().rows()
     assert len(ns.load("eq-4").check().to_dataframe()) > 3
     assert len(ring().simulate((0.1, 0.2, 0)).to_dataframe()) > 1

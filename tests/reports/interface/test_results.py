@@ -114,9 +114,29 @@ def test_a_path_is_that_of_the_command(method: str, capsys: pytest.CaptureFixtur
     options = ["--from", "0.1,0.2,0.3", "--until", "0.5", "--method", method, "--kinematics", "leading"]
     options += [] if method == "events" else ["--width", "0.01"]
     record = json.loads(printed(capsys, "simulate", "four-wheel", *options, "--json"))
-    path = array().simulate((0.1, 0.2, 0.3), 0.5, method=method, kinematics="leading", width=0.01)
+    width = {} if method == "events" else {"width": 0.01}
+    path = array().simulate((0.1, 0.2, 0.3), 0.5, method=method, kinematics="leading", **width)
     own = json.loads(json.dumps(path.to_dict()))
     assert {key: record[key] for key in own} == own
+
+
+@pytest.mark.parametrize(
+    ("options", "line"),
+    [
+        ({"width": 0.01}, "width: required method hysteresis or smoothed, received method events"),
+        ({"gain": 2.0}, "gain: required feedback, received none"),
+        ({"mass": 0.1}, "mass: required method dynamics, received method events"),
+        ({"orbit": True}, "orbit: required a plain switched system, received an array of wheels"),
+        ({"until": -1}, "until: required a positive number, received -1"),
+    ],
+)
+def test_what_does_nothing_for_a_path_is_refused(options: dict[str, Any], line: str) -> None:
+    with pytest.raises(ValueError, match=f"^{line}$"):
+        array().simulate((0.1, 0.2, 0.3), **options)
+    with pytest.raises(ValueError, match=r"^start: required 3 numbers x,y,theta, received 2$"):
+        array().simulate((0.1, 0.2))
+    with pytest.raises(ValueError, match="kinematics: required an array of wheels, received a plain"):
+        ns.System(["x"], ["-x"]).simulate((1,), kinematics="exact")
 
 
 def test_a_wrong_section_or_format_is_named(tmp_path: Path) -> None:

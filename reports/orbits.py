@@ -1,25 +1,34 @@
-"""The command ``simulate --orbit``: a periodic orbit of a plain switched system, its multipliers and what is proved."""
+"""A periodic orbit of a plain switched system: its period, its Floquet multipliers and what is proved of it."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from rich.console import Group, RenderableType
-from rich.text import Text
+from numpy.typing import NDArray
 
 from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.analysis.orbits.orbit import Orbit, OrbitErrors, SlideSense
+from nonsmooth.analysis.orbits.orbit_error import OrbitError
 from nonsmooth.analysis.orbits.search import find_orbit
 from nonsmooth.proofs.orbits.orbit_proof import OrbitProof, prove_orbit
-from nonsmooth.reports.simulate import sample_lines
-from nonsmooth.reports.terminal import two_columns
+from nonsmooth.reports.console import OptionError
+from nonsmooth.reports.document import Block, Paragraph, findings
+from nonsmooth.reports.result import DataTable, Record, Result
+from nonsmooth.reports.short_text import short_lines
+from nonsmooth.reports.simulate_options import SimulateOptions
 from nonsmooth.symbolic.scene_error import one_line
 from nonsmooth.symbolic.switched_system import SwitchedSystem, require_stated
 from nonsmooth.symbolic.under_way import tell
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from nonsmooth.reports.figures.path import PathPicture
 
 SCHEMA = "nonsmooth-orbit/1"
 UNTIL = 100.0  # for how long a path is followed in search of an orbit
@@ -28,9 +37,9 @@ PERIOD_DIGITS, MULTIPLIER_DIGITS = 12, 10  # at most, of computed numbers
 NOTHING = 1e-9  # a multiplier below, which is what rounding leaves of zero, is shown as zero
 
 
-@dataclass(frozen=True)
-class SystemOrbit:
-    """A periodic orbit of a plain system.
+@dataclass(frozen=True, repr=False)
+class OrbitResult(Result):
+    """A periodic orbit with its period, its Floquet multipliers and what is proved of it.
 
     Attributes:
         system: the system.
@@ -41,6 +50,36 @@ class SystemOrbit:
     system: SwitchedSystem
     orbit: Orbit
     proof: OrbitProof
+
+    @property
+    def period(self) -> float:
+        """Time of one turn."""
+        return self.orbit.period
+
+    @property
+    def period_error(self) -> float:
+        """How far the period may err; infinite where that is not known."""
+        return self.errors.period
+
+    @property
+    def multiplier_errors(self) -> list[float]:
+        """How far each multiplier may err; infinite where that is not known."""
+        return list(self.errors.multipliers)
+
+    @property
+    def proved(self) -> bool:
+        """Whether the orbit and its stability are proved; else both are computed only."""
+        return self.proof.is_proved
+
+    @property
+    def t(self) -> NDArray[np.float64]:
+        """Sample times of one turn, shape (m,)."""
+        return np.array([float(t) for t in self.orbit.path.times])
+
+    @property
+    def state(self) -> NDArray[np.float64]:
+        """States at these times, shape (m, n)."""
+        return self.orbit.path.array
 
     @property
     def stability(self) -> str:
@@ -83,7 +122,7 @@ class SystemOrbit:
             return "both sides push onto the surface all along the turn, so that neighbours reach it in finite time"
         return "both sides push away from the surface all along the turn, so that solutions may leave it at any moment"
 
-    def record(self) -> dict[str, Any]:
+    def facts(self) -> Record:
         """JSON with stable keys."""
         path, proof = self.orbit.path.record(), self.proof
         entry = {
@@ -119,16 +158,28 @@ class SystemOrbit:
             "into_itself": found.into_itself,
         }
 
-    def lines(self) -> Iterable[Iterable[Any]]:
+    def table(self) -> DataTable:
         """Time and states of every sample of one turn."""
-        return sample_lines(self.orbit.path, self.system.states)
+        lines = [(t, *state) for t, state in zip(self.t.tolist(), self.state.tolist(), strict=True)]
+        return DataTable(("t", *self.system.states), lines)
 
-    def picture(self, suffix: str) -> bytes:
+    def draw(self, ax: Axes) -> None:
+        """One turn in the plane of the first two states."""
+        from nonsmooth.reports.figures.path import draw_plane
+
+        draw_plane(ax, self._picture())
+
+    def figure(self) -> Figure:
         """One turn: the states over time, and of two states the orbit over the switching surfaces."""
-        from nonsmooth.reports.figures.phase_plane import phase_plane_figure
+        from nonsmooth.reports.figures.path import path_figure
+
+        return path_figure(self._picture())
+
+    def _picture(self) -> PathPicture:
+        from nonsmooth.reports.figures.path import system_picture
 
         title = f"{one_line(self.system.name)}: {self.summary()}"
-        return phase_plane_figure(self.system, self.orbit.field, self.orbit.path, suffix, title)
+        return system_picture(self.system, self.orbit.field, self.orbit.path, title)
 
     def _multiplier_text(self, value: complex, error: float) -> str:
         """A multiplier; one that rounding hides is exactly zero only where the orbit slides."""
@@ -156,12 +207,13 @@ class SystemOrbit:
         said = "proved" if self.proof.is_proved else "computed, not proved"
         return f"periodic orbit, period {self._period_text}, {self.stability} ({said})"
 
-    def view(self) -> RenderableType:
-        """What a terminal shows."""
-        rows = two_columns()
-        for name, text in self.words():
-            rows.add_row(Text(name), Text(text))
-        return Group(Text(f"{one_line(self.system.name)}: periodic orbit of {', '.join(self.system.states)}"), rows)
+    def blocks(self) -> Sequence[Block]:
+        """What is said, by name."""
+        head = f"{one_line(self.system.name)}: periodic orbit of {', '.join(self.system.states)}"
+        return [Paragraph((head,)), findings(self.words())]
+
+    def __repr__(self) -> str:
+        return short_lines(f"{self.system.name}: {self.summary()}", self.words())
 
     def words(self) -> list[tuple[str, str]]:
         """What is said, by name."""
@@ -183,23 +235,24 @@ class SystemOrbit:
         return rows
 
 
-def find_system_orbit(system: SwitchedSystem, start: tuple[float, ...], until: float) -> SystemOrbit:
-    """Find a periodic orbit and try to prove it.
-
-    Args:
-        system: without arbitrary switching.
-        start: near the orbit, or such that its path approaches the orbit.
-        until: for how long that path is followed.
+def find_system_orbit(system: SwitchedSystem, options: SimulateOptions) -> OrbitResult:
+    """Find a periodic orbit near a start, or that its path approaches, and try to prove it.
 
     Raises:
-        OrbitError: where no periodic orbit is found.
+        OptionError: for a start that is no place, and where no orbit is found; the cause is an OrbitError.
         ValueError: for a switching function without a gradient where it vanishes.
-        SceneError: for formulas that are no polynomials where the solution goes, and for square roots of states.
+        SceneError: for arbitrary switching, for formulas that are no polynomials where the solution goes, and for
+            square roots of states.
     """
     require_stated(system)
-    orbit = find_orbit(system_field(system, start), start, until)
+    start = options.place(system.stated_states)
+    try:
+        orbit = find_orbit(system_field(system, start), start, options.until or UNTIL)
+    except OrbitError as error:
+        required = "--from: required a start from which a periodic orbit is found"
+        raise OptionError(f"{required}, received {options.start}: {error}") from error
     tell("enclosing its return map")
-    return SystemOrbit(system, orbit, prove_orbit(system, orbit))
+    return OrbitResult(system, orbit, prove_orbit(system, orbit))
 
 
 def _ball(ball: Any) -> str:

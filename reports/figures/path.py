@@ -1,0 +1,372 @@
+"""A path as a picture: the states over time, beside them the path in the plane, and below the speeds of a closed loop.
+
+What lies under the path is its ground: the cells of a contact rule, the wheels and the body, or the switching surfaces
+of a plain system.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nonsmooth.analysis.cells.partition import Partition
+from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
+from nonsmooth.analysis.fields.sign_field import SignField
+from nonsmooth.analysis.trajectories.result import Event, EventKind, Trajectory
+from nonsmooth.reports.figures.cell_map import TINT, figure_bytes, motion_colors, require_drawable
+from nonsmooth.reports.figures.labels import WIDE_TITLE, centre_labels, pose_labels, time_label, wrapped
+from nonsmooth.reports.figures.outline import outline_of, placed
+from nonsmooth.reports.figures.wheels import INK, draw_axis, floats
+from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.scene_error import one_line
+from nonsmooth.symbolic.switched_system import SwitchedSystem
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+WIDE, ARRAY = 9.6, (8.0, 4.6)  # inches: width of a plain system's picture; size of an array's
+LEAST_HEIGHT, CURVE = 5.6, 1.5  # inches: of a plain system's picture at least, of one of its curves
+TALL = 7.0  # inches: height with the speeds of a closed loop
+PATH = "#0072B2"
+LINES = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#222222", "#999999")  # Okabe and Ito
+MOST_NAMED = 8  # wheels up to which the lines of their speeds are told apart
+MARKERS = {  # a form for every kind, so that color is not needed to tell them apart
+    EventKind.CROSS: "|",
+    EventKind.SLIDE: "s",
+    EventKind.LEAVE: "^",
+    EventKind.ENTER: "<",
+    EventKind.TIPS: "X",
+    EventKind.REST: "o",
+    EventKind.NONUNIQUE: "D",
+    EventKind.LIMIT: "v",
+    EventKind.FREE: "P",
+}
+SAMPLES = 400  # times at which the curves are drawn
+MOST_MARKS = 60  # events that are marked, evenly among all: accumulating switches would cover the curve
+SURFACE: dict[str, Any] = {"color": "#D55E00", "linestyle": "--"}
+BESIDE: dict[str, Any] = {"color": "#D55E00", "linewidth": 1.4, "linestyle": "--"}
+RIM: dict[str, Any] = {"color": "0.45", "linewidth": 4, "solid_capstyle": "butt"}
+
+Ground = Callable[["Axes"], None]
+
+
+@dataclass(frozen=True, eq=False)
+class SpeedCurves:
+    """The speeds of the wheels in a closed loop.
+
+    Attributes:
+        times: shape (m,).
+        speeds: shape (m, n); nan where a law gives a wheel none.
+        wheels: the numbers of the wheels (n).
+        limits: the largest speeds, by the number of the wheel.
+        labels: of the axes, time and speed.
+    """
+
+    times: NDArray[np.float64]
+    speeds: NDArray[np.float64]
+    wheels: Sequence[int]
+    limits: Mapping[int, float]
+    labels: tuple[str, str]
+
+
+@dataclass(frozen=True, eq=False)
+class PathPicture:
+    """What a picture of a path shows.
+
+    Attributes:
+        trajectory: the path.
+        title: over the picture.
+        labels: of the states.
+        time: label of the time.
+        ground: draws what lies under the path in the plane of the first two states, and its labels and limits; None
+            where there is no plane.
+        home: values of the states at the checked point, zero unless given.
+        speeds: of a closed loop.
+        beside: another path to compare with, and its name.
+        explained: names and styles of lines of the ground.
+    """
+
+    trajectory: Trajectory
+    title: str
+    labels: Sequence[str]
+    time: str = "t [time]"
+    ground: Ground | None = None
+    home: Sequence[float] = ()
+    speeds: SpeedCurves | None = None
+    beside: tuple[Trajectory, str] | None = None
+    explained: Mapping[str, dict[str, Any]] = field(default_factory=dict)
+
+
+def trajectory_figure(partition: Partition, trajectory: Trajectory, suffix: str, law: str = "") -> bytes:
+    """The picture of a path over cells as the bytes of a file; ``law`` names that of a closed loop."""
+    return figure_bytes(lambda: path_figure(cells_picture(partition, trajectory, law)), suffix)
+
+
+def cells_picture(
+    partition: Partition, trajectory: Trajectory, law: str = "", speeds: SpeedCurves | None = None
+) -> PathPicture:
+    """A path of an array over its cells.
+
+    Raises:
+        SceneError: where the square is too large, too small or too far away to be drawn with floats.
+    """
+    require_drawable(partition)
+    scene = partition.scene
+    said = f"rule {partition.rule}, {trajectory.kinematics} kinematics, method {trajectory.method}"
+    title = f"{one_line(scene.name)}: {said}" + (f"\n{law}" if law else "")
+    return array_picture(scene, trajectory, title, lambda axes: draw_cells(axes, partition, trajectory), speeds)
+
+
+def wheels_picture(
+    scene: Scene, trajectory: Trajectory, title: str, beside: tuple[Trajectory, str] | None = None
+) -> PathPicture:
+    """A path of an array between its wheels, with the outline of the body; another path beside it."""
+    picture = array_picture(scene, trajectory, title, lambda axes: draw_wheels(axes, scene, trajectory))
+    own = {} if beside is None else {trajectory.method: {"color": PATH}}
+    return replace(picture, beside=beside, explained={"rim of a wheel": RIM, **own})
+
+
+def centre_picture(scene: Scene, trajectory: Trajectory, law: str) -> PathPicture:
+    """A path of a closed loop about the checked point."""
+    title = f"{one_line(scene.name)}: rule {scene.contact.rule}, {law}"
+    return array_picture(scene, trajectory, title, lambda axes: draw_centre(axes, scene))
+
+
+def system_picture(system: SwitchedSystem, switching: SignField, trajectory: Trajectory, title: str) -> PathPicture:
+    """A solution of a plain system, of two states over the switching surfaces."""
+    states = system.stated_states
+    if len(states) != 2:
+        return PathPicture(trajectory, title, states)
+    explained = {"switching surface": SURFACE} if switching.surfaces else {}
+
+    def ground(axes: Axes) -> None:
+        draw_surfaces(axes, system, switching, trajectory)
+
+    return PathPicture(trajectory, title, states, ground=ground, explained=explained)
+
+
+def array_picture(
+    scene: Scene, trajectory: Trajectory, title: str, ground: Ground, speeds: SpeedCurves | None = None
+) -> PathPicture:
+    """A path of an array over any ground, in the units of the scene."""
+    home = (*(float(x) for x in scene.check.equilibrium), 0.0)
+    labels, time = pose_labels(scene.units), time_label("t", scene.units)
+    return PathPicture(trajectory, title, labels, time, ground, home, speeds)
+
+
+# ---- the picture ---------------------------------------------------------------------------------
+
+
+def path_figure(picture: PathPicture) -> Figure:
+    """The states over time, the path in the plane, and under both the speeds of a closed loop."""
+    from matplotlib.figure import Figure
+
+    states, has_plane = len(picture.labels), picture.ground is not None
+    size = ARRAY if picture.home else (WIDE, max(LEAST_HEIGHT, CURVE * states))
+    figure = Figure(figsize=size if picture.speeds is None else (size[0], TALL), layout="constrained")
+    rows = states if picture.speeds is None else states + 2
+    shares = {"width_ratios": (1, 1.1)} if picture.home else {}
+    grid = figure.add_gridspec(rows, 2 if has_plane else 1, **shares)
+    curves = [figure.add_subplot(grid[row, 0]) for row in range(states)]
+    if picture.speeds is not None:
+        _draw_speeds(figure.add_subplot(grid[states:, :]), picture.speeds)
+    _draw_curves(curves, picture)
+    if has_plane:
+        draw_plane(figure.add_subplot(grid[:states, 1]), picture)
+    figure.suptitle(wrapped(picture.title, WIDE_TITLE), fontsize="medium", parse_math=False)
+    _explain(figure, picture)
+    return figure
+
+
+def draw_plane(axes: Axes, picture: PathPicture) -> None:
+    """The path in the plane of the first two states over its ground; of one state over time."""
+    if picture.ground is None:
+        times, states = _dense(picture.trajectory)
+        axes.plot(times, states[:, 0])
+        axes.set(xlabel="t", ylabel=picture.labels[0])
+        return
+    if picture.beside is not None:
+        axes.plot(*_dense(picture.beside[0])[1][:, :2].T, **BESIDE, zorder=3)
+    _, path = _dense(picture.trajectory)
+    axes.plot(path[:, 0], path[:, 1], color=PATH, linewidth=1.8, zorder=3)
+    axes.plot(*path[0, :2], marker=">", color=PATH, markersize=8, zorder=4)
+    marked_events(axes, picture.trajectory)
+    picture.ground(axes)
+
+
+def _draw_curves(curves: Sequence[Axes], picture: PathPicture) -> None:
+    """The states over time, one under the other, with the events marked, and lines at the checked point."""
+    times, states = _dense(picture.trajectory)
+    for k, axes in enumerate(curves):
+        axes.axhline(picture.home[k] if picture.home else 0, color="0.8", linewidth=0.8, zorder=0)
+        if picture.beside is not None:
+            others, values = _dense(picture.beside[0])
+            axes.plot(others, values[:, k], **BESIDE)
+        axes.plot(times, states[:, k], color=PATH, linewidth=1.6)
+        for event in marked(picture.trajectory.events):
+            place = [float(event.t)], [float(event.state[k])]
+            axes.plot(*place, marker=MARKERS[event.kind], color=INK, markersize=5, fillstyle="none", linestyle="none")
+        axes.set_ylabel(picture.labels[k])
+        axes.margins(x=0.02, y=0.15)
+        if axes is not curves[-1]:
+            axes.tick_params(labelbottom=False)
+            axes.sharex(curves[-1])
+    curves[-1].set_xlabel(picture.time)
+
+
+def _draw_speeds(axes: Axes, curves: SpeedCurves) -> None:
+    """The speeds over time, a line for each wheel that acts at some time, and dashed lines at their limits."""
+    acting = [k for k in range(curves.speeds.shape[1]) if np.isfinite(curves.speeds[:, k]).any()]
+    axes.axhline(0, color="0.8", linewidth=0.8, zorder=0)
+    for place, k in enumerate(acting):
+        color = LINES[place % len(LINES)]
+        axes.plot(curves.times, curves.speeds[:, k], color=color, linewidth=1.4, label=f"u_{curves.wheels[k]}")
+        axes.plot(curves.times, curves.speeds[:, k], ".", color=color, markersize=1.5)
+    shown = curves.speeds[:, acting]
+    largest = float(np.nanmax(np.abs(shown), initial=0.0))
+    limited = {curves.limits[curves.wheels[k]] for k in acting if curves.wheels[k] in curves.limits}
+    for limit in sorted(limited):
+        if limit <= 1.2 * largest:
+            for side in (-limit, limit):
+                axes.axhline(side, color=INK, linewidth=0.9, linestyle="--")
+    axes.set(xlabel=curves.labels[0], ylabel=curves.labels[1])
+    axes.margins(x=0.02, y=0.12)
+    if 0 < len(acting) <= MOST_NAMED:
+        axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False, fontsize="small")
+
+
+def _explain(figure: Figure, picture: PathPicture) -> None:
+    """The legend of what occurs."""
+    from matplotlib.lines import Line2D
+
+    entries = [Line2D([], [], label=name, **style) for name, style in picture.explained.items()]
+    if picture.beside is not None:
+        entries.append(Line2D([], [], label=picture.beside[1], **BESIDE))
+    entries.append(Line2D([], [], marker=">", color=PATH, linestyle="none", label="start"))
+    for kind in dict.fromkeys(event.kind for event in picture.trajectory.events):
+        marker = MARKERS[kind]
+        entries.append(Line2D([], [], label=str(kind), marker=marker, color=INK, fillstyle="none", linestyle="none"))
+    figure.legend(handles=entries, loc="outside lower center", ncols=len(entries), frameon=False)
+
+
+def marked(events: Sequence[Event]) -> Sequence[Event]:
+    """The events that are marked: all where they are few, else evenly many of them, the first and last among them."""
+    if len(events) <= MOST_MARKS:
+        return events
+    return [events[round(k * (len(events) - 1) / (MOST_MARKS - 1))] for k in range(MOST_MARKS)]
+
+
+def marked_events(axes: Axes, trajectory: Trajectory, mark: str | None = None) -> None:
+    """The events at their places, each kind with its form; their pieces carry the mark, if there is one."""
+    for number, event in enumerate(marked(trajectory.events), 1):
+        place = [[float(event.state[0])], [float(event.state[1])]]
+        gid = None if mark is None else f"{mark}--event-{number}"
+        axes.plot(*place, marker=MARKERS[event.kind], color=INK, markersize=6, fillstyle="none", zorder=4, gid=gid)
+
+
+def dense_times(trajectory: Trajectory) -> NDArray[np.float64]:
+    """Times close enough together that curves look round."""
+    return _dense(trajectory)[0]
+
+
+def _dense(trajectory: Trajectory) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Times and states close enough together that arcs look round; the samples themselves where there are no pieces."""
+    times = np.array([float(t) for t in trajectory.times])
+    if not trajectory.pieces:
+        return times, trajectory.array
+    finer = np.unique(np.concatenate([times, np.linspace(times[0], times[-1], SAMPLES)]))
+    return finer, trajectory.sample(finer.tolist())
+
+
+# ---- grounds -------------------------------------------------------------------------------------
+
+SMALL = 0.2  # of the half-width of the square: a path that keeps to less is drawn enlarged
+ENLARGED = 1.3  # half-width of the enlarged view in units of the path's extent
+RIM_LENGTH = 0.07  # half of a drawn rim's, as a share of the array
+MOST_OUTLINES = 20  # events at which the body is drawn
+MESH = 160  # points in a row at which a switching function is evaluated
+MARGIN = 0.15  # of the larger side of the path's box, around it
+
+
+def draw_cells(axes: Axes, partition: Partition, trajectory: Trajectory) -> None:
+    """The cells under a path, enlarged where it would be a dot in the square: the axes' numbers tell."""
+    fill_cells(axes, partition)
+    axes.set(aspect="equal", **centre_labels(partition.scene.units))
+    centre = np.array([float(x) for x in partition.scene.check.equilibrium])
+    extent = float(np.abs(trajectory.array[:, :2] - centre).max())
+    if 0 < extent < SMALL * float(partition.scene.check.radius):
+        half = ENLARGED * extent
+        axes.set(xlim=(centre[0] - half, centre[0] + half), ylim=(centre[1] - half, centre[1] + half))
+
+
+def fill_cells(axes: Axes, partition: Partition) -> None:
+    """The cells in light colors, one color per motion."""
+    for cell, color in zip(partition.cells, motion_colors(partition), strict=True):
+        xs, ys = zip(*((float(x), float(y)) for x, y in cell.polygon.vertices), strict=True)
+        axes.fill(xs, ys, facecolor=color, alpha=TINT / 2, edgecolor="none", zorder=1)
+        axes.fill(xs, ys, facecolor="none", edgecolor="white", linewidth=1.2, zorder=2)
+
+
+def draw_wheels(axes: Axes, scene: Scene, trajectory: Trajectory) -> None:
+    """The rims of the wheels, and the body where it starts, at its events, and where it ends."""
+    _draw_rims(axes, contact_model(scene))
+    axes.set(aspect="equal", **centre_labels(scene.units))
+    outline = outline_of(scene)
+    if outline is None:
+        return
+    events = [event.state for event in trajectory.events[:MOST_OUTLINES]]
+    poses = [trajectory.states[0], *events, trajectory.end.state]
+    for k, pose in enumerate(poses):
+        is_end = k in (0, len(poses) - 1)
+        axes.fill(
+            *placed(outline, np.array(pose, float)).T,
+            fill=False,
+            edgecolor=INK,
+            linewidth=1.4 if is_end else 0.8,
+            alpha=1.0 if is_end else 0.3,
+            linestyle="-" if k else "--",
+        )
+
+
+def _draw_rims(axes: Axes, model: ContactModel) -> None:
+    """Rims as thick lines, and the friction axes of wheels that have some."""
+    half = RIM_LENGTH * float(np.ptp(model.positions, axis=0).max()) * model.rims
+    for start, end in zip(model.positions - half, model.positions + half, strict=True):
+        axes.plot(*zip(start, end, strict=True), **RIM)
+    for k in np.flatnonzero(model.heads[:, 1]).tolist():
+        draw_axis(axes, floats(model.positions[k]), floats(model.axes[k]), float(np.hypot(*half[k])))
+
+
+def draw_centre(axes: Axes, scene: Scene) -> None:
+    """The checked point."""
+    axes.plot(*floats(scene.check.equilibrium), marker="+", color=INK, markersize=10)
+    axes.set(aspect="equal", **centre_labels(scene.units))
+    axes.margins(0.2)
+
+
+def draw_surfaces(axes: Axes, system: SwitchedSystem, switching: SignField, trajectory: Trajectory) -> None:
+    """The switching surfaces of a plain system in two states, in a square around the path."""
+    left, right, low, high = _view(trajectory, float(system.check.radius))
+    xs, ys = np.linspace(left, right, MESH), np.linspace(low, high, MESH)
+    for surface in switching.surfaces:
+        heights = np.array([[surface.value(np.array([x, y])) for x in xs] for y in ys])
+        if not heights.min() < 0 < heights.max():
+            continue
+        lines = {"colors": SURFACE["color"], "linestyles": SURFACE["linestyle"], "linewidths": 1.2}
+        axes.contour(xs, ys, heights, levels=[0.0], zorder=1, **lines)
+    x, y = system.stated_states
+    axes.set(xlim=(left, right), ylim=(low, high), xlabel=x, ylabel=y, aspect="equal")
+
+
+def _view(trajectory: Trajectory, radius: float) -> tuple[float, float, float, float]:
+    """A square around the path; of the given half-width about a path that stays where it is."""
+    states = trajectory.array
+    centre = (states.min(axis=0) + states.max(axis=0)) / 2
+    half = float(np.ptp(states, axis=0).max()) * (0.5 + MARGIN) or radius
+    x, y = (float(value) for value in centre)
+    return x - half, x + half, y - half, y + half

@@ -1,0 +1,248 @@
+"""A map of starts: where a grid of starts over the checked square ends, when, and at which heading; sampled.
+
+:class:`MapResult` says what all maps share; :class:`SettleMapResult` is that of an array, by the cells of its rule.  A
+body with an outline (:mod:`nonsmooth.reports.body_maps`) and a plain system
+(:mod:`nonsmooth.reports.plain_systems.starts_map`) have maps of their own.
+"""
+
+from __future__ import annotations
+
+import math
+from abc import abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from nonsmooth.analysis.cells.contact_partition import build_partition
+from nonsmooth.analysis.cells.partition import Partition, RefusalError
+from nonsmooth.analysis.fields.constant_field import array_field
+from nonsmooth.analysis.trajectories.maps import SettleMap, grid_starts, settle_map
+from nonsmooth.analysis.trajectories.result import EndReason, TrajectoryError
+from nonsmooth.reports.console import OptionError
+from nonsmooth.reports.document import Block, Paragraph, findings
+from nonsmooth.reports.progress import progress
+from nonsmooth.reports.result import DataTable, Record, Result
+from nonsmooth.reports.short_text import short_lines
+from nonsmooth.reports.simulate_options import SimulateOptions
+from nonsmooth.symbolic.number_text import percent_text
+from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.scene_error import one_line
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+SCHEMA = "nonsmooth-map/1"
+SHOWN = 12  # ends listed on a terminal
+MAX_GRID = 500  # starts in a row: a quarter of a million paths, some 40 MB of JSON
+PLACED = (EndReason.REST, EndReason.TURNING, EndReason.APPROACH)  # ends whose place is where the body stays
+
+
+def grid_of(options: SimulateOptions) -> int:
+    """Starts in a row and in a column of a map.
+
+    Raises:
+        OptionError: for too few or too many, and a heading that is no angle.
+    """
+    count = options.grid or 0
+    if not 2 <= count <= MAX_GRID:
+        raise OptionError(f"--grid: required 2 to {MAX_GRID} starts in a row, received {count}")
+    if not math.isfinite(options.heading):
+        raise OptionError(f"--heading: required a finite number (radian), received {options.heading}")
+    return count
+
+
+class Part(NamedTuple):
+    """How many starts end in one way; the parts of a map add up to all its starts."""
+
+    text: str
+    starts: int
+
+
+def parts_record(parts: Sequence[Part]) -> list[Record]:
+    """JSON of the parts."""
+    return [{"end": part.text, "starts": part.starts} for part in parts]
+
+
+class MapResult(Result):
+    """Where, when and at which heading the bodies of a grid of starts end, or solutions of a system; sampled."""
+
+    @property
+    @abstractmethod
+    def title(self) -> str:
+        """The scene and the rule."""
+
+    @property
+    @abstractmethod
+    def parts(self) -> list[Part]:
+        """How many starts end in each way."""
+
+    @property
+    @abstractmethod
+    def shares(self) -> list[tuple[str, str]]:
+        """Share and words of every kind of end, largest first."""
+
+    def summary(self) -> str:
+        """``961 starts: 896 the body rests, 65 still moving at the last time``; the largest part first."""
+        parts = self.parts
+        named = ", ".join(f"{part.starts} {part.text}" for part in sorted(parts, key=lambda part: -part.starts))
+        return f"{sum(part.starts for part in parts)} starts: {named}"
+
+    def __repr__(self) -> str:
+        return short_lines(f"{self.title}: {self.summary()} (sampled)", self.shares)
+
+
+@dataclass(frozen=True)
+class Basin:
+    """Kinds of ends that read the same: their numbers in the map, and the share of the starts that end so."""
+
+    text: str
+    kinds: tuple[int, ...]
+    share: float
+
+
+@dataclass(frozen=True, repr=False)
+class SettleMapResult(MapResult):
+    """The ends of a grid of paths through cells.
+
+    Attributes:
+        partition: the cells.
+        options: what was mapped.
+        found: the ends.
+    """
+
+    partition: Partition
+    options: SimulateOptions
+    found: SettleMap
+
+    @property
+    def title(self) -> str:
+        """The scene and the rule."""
+        return f"{self.partition.scene.name}, rule {self.partition.rule}"
+
+    @property
+    def parts(self) -> list[Part]:
+        """How many starts end in each way, wherever that is."""
+        reasons = [self.found.ends[k][0] for k in self.found.basin]
+        return [Part(reason.value, reasons.count(reason)) for reason in dict.fromkeys(reasons)]
+
+    @cached_property
+    def basins(self) -> list[Basin]:
+        """The ends, largest share first; told apart by place only where the body stays there."""
+        kinds: dict[str, list[int]] = {}
+        for k, (reason, place) in enumerate(self.found.ends):
+            kinds.setdefault(f"{reason.value}: {place}" if reason in PLACED else reason.value, []).append(k)
+        basins = [Basin(text, tuple(own), sum(self.found.shares[k] for k in own)) for text, own in kinds.items()]
+        return sorted(basins, key=lambda basin: -basin.share)
+
+    @property
+    def shares(self) -> list[tuple[str, str]]:
+        """Share and words of every basin."""
+        return [(percent_text(basin.share), basin.text) for basin in self.basins]
+
+    def facts(self) -> Record:
+        """JSON with stable keys; starts run along x first."""
+        return {
+            "schema": SCHEMA,
+            "scene": self.partition.scene.name,
+            "rule": str(self.partition.rule),
+            "kinematics": str(self.options.kinematics),
+            "grid": self.options.grid,
+            "theta_0": self.options.heading,
+            "until": self.options.until,
+            "summary": self._summary,
+            **self.found.record(),
+            "parts": parts_record(self.parts),
+        }
+
+    @property
+    def _summary(self) -> Record:
+        found = self.found
+        return {
+            "shares": list(found.shares),
+            "theta": _range(found.theta[found.settled]),
+            "latest_arrival": float(found.arrival[found.arrived].max()) if found.arrived.any() else None,
+            "arrived": float(found.arrived.mean()),
+            "unique": float(found.unique.mean()),
+        }
+
+    def table(self) -> DataTable:
+        """One start per line; None where there is no number."""
+        found = self.found
+        names = ("x", "y", "theta", "arrival", "x_end", "y_end", "reason", "place", "unique")
+        numbers = np.column_stack([found.starts, found.theta, found.arrival, found.points])
+        lines = []
+        for row, basin, unique in zip(numbers.tolist(), found.basin, found.unique, strict=True):
+            reason, place = found.ends[basin]
+            known = [value if math.isfinite(value) else None for value in row]
+            lines.append([*known, reason.value, place, "yes" if unique else "no"])
+        return DataTable(names, lines)
+
+    def blocks(self) -> Sequence[Block]:
+        """The shares of the ends, the range of headings, the latest arrival and what is not unique."""
+        rows, summary, others = self.shares[:SHOWN], self._summary, self.basins[SHOWN:]
+        if others:
+            rows.append((percent_text(sum(basin.share for basin in others)), f"{len(others)} others"))
+        theta, latest = summary["theta"], summary["latest_arrival"]
+        rows.append(("theta_inf", "-" if theta is None else f"{theta[0]:.10g} to {theta[1]:.10g}"))
+        rows.append(("latest arrival", "-" if latest is None else f"t = {latest:.10g}"))
+        rows.append(("never arrive", percent_text(1 - summary["arrived"])))
+        rows.append(("not unique", percent_text(1 - summary["unique"])))
+        (left, low), (right, high) = self.found.starts.min(axis=0), self.found.starts.max(axis=0)
+        starts = (
+            f"x from {left:.6g} to {right:.6g}, y from {low:.6g} to {high:.6g}, theta_0 = {self.options.heading:.6g}"
+        )
+        return [Paragraph((self.head,)), Paragraph((starts,)), findings(rows)]
+
+    @property
+    def head(self) -> str:
+        """What was mapped."""
+        options, count = self.options, self.options.grid
+        until = "" if options.until is None else f", seen at t = {options.until:.6g}"
+        what = f"rule {self.partition.rule}, {options.kinematics} kinematics, {count} x {count} starts{until}"
+        return f"{one_line(self.partition.scene.name)}: {what}"
+
+    def draw(self, ax: Axes) -> None:
+        """Where each start ends."""
+        from nonsmooth.reports.figures.settle_map import draw_ends
+
+        draw_ends(ax, self)
+
+    def figure(self) -> Figure:
+        """Where each start ends, when, and at which heading."""
+        from nonsmooth.reports.figures.settle_map import build_figure
+
+        return build_figure(self)
+
+
+def build_settle_map(scene: Scene, options: SimulateOptions) -> SettleMapResult:
+    """Follow every start of a grid, with progress on a terminal.
+
+    Raises:
+        OptionError: for a grid or a heading that cannot be used.
+        RefusalError: where the motion is not determined, and where cells are so thin that floats lose their borders.
+    """
+    count = grid_of(options)
+    partition = build_partition(scene)
+    try:
+        found = settled(partition, count, options)
+    except TrajectoryError as error:
+        place = str(error).removesuffix(": please report this")
+        required = "required cells that floats tell apart, to follow paths"
+        raise RefusalError(f"{required}, received thinner ones ({place})") from None
+    return SettleMapResult(partition, options, found)
+
+
+def settled(partition: Partition, count: int, options: SimulateOptions) -> SettleMap:
+    """The ends of ``count x count`` starts."""
+    field = array_field(partition, options.kinematics)
+    with progress(f"{count} x {count} starts") as report:
+        found = settle_map(field, grid_starts(field, count), options.heading, report)
+    return found if options.until is None else found.seen_until(options.until)
+
+
+def _range(values: Any) -> list[float] | None:
+    return [float(values.min()), float(values.max())] if len(values) else None

@@ -1,0 +1,195 @@
+"""A result: what a study has found, said once in four ways, from which every output follows.
+
+| a result says | what follows |
+| --- | --- |
+| ``facts()``: a record with stable keys | JSON, ``to_dict()`` |
+| ``table()``: columns and rows | CSV, Parquet, ``rows()``, a data frame of pandas |
+| ``draw(ax)``: a picture on axes | ``plot()``; SVG, PNG and PDF files, where ``figure()`` may lay out more |
+| ``blocks()``: text and tables of the document model | the terminal, a notebook |
+
+The object that commands print and save is the object that Python users hold.  To add a format of files, write a
+function from a result to bytes and a line of :data:`FORMATS`: every command and every ``save`` offers it.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, TypeAlias
+
+from nonsmooth.reports.console import json_text, write, write_json, write_views
+from nonsmooth.reports.files import PICTURES, output_path, write_whole
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from rich.console import RenderableType
+
+    from nonsmooth.reports.document import Block
+
+Record: TypeAlias = dict[str, Any]
+
+
+class DataTable(NamedTuple):
+    """Rows of numbers and texts under names; None where there is nothing."""
+
+    columns: Sequence[str]
+    lines: Iterable[Sequence[Any]]
+
+
+class Tabular(ABC):
+    """What can be read row by row."""
+
+    @abstractmethod
+    def rows(self) -> Sequence[Mapping[str, Any]]:
+        """One mapping for each row, all with the same keys."""
+
+    def to_dataframe(self) -> Any:
+        """The rows as a pandas DataFrame, where pandas is installed.
+
+        Raises:
+            ImportError: where it is not.
+        """
+        return import_module("pandas").DataFrame(self.rows())
+
+
+class Result(Tabular):
+    """What a study has found."""
+
+    formats: ClassVar[Mapping[str, Callable[[Any, str], bytes]]]  # by the ending of a file; :data:`FORMATS` unless told
+
+    @abstractmethod
+    def facts(self) -> Record:
+        """The record of ``--json``, with stable keys."""
+
+    @abstractmethod
+    def table(self) -> DataTable:
+        """The rows of a ``.csv`` file."""
+
+    @abstractmethod
+    def draw(self, ax: Axes) -> None:
+        """Draw it on axes."""
+
+    @abstractmethod
+    def blocks(self) -> Sequence[Block]:
+        """What a terminal and a notebook show."""
+
+    @abstractmethod
+    def summary(self) -> str:
+        """One line, said where a file was written."""
+
+    @property
+    def exit_status(self) -> int:
+        """Of a command that shows it."""
+        return 0
+
+    def view(self) -> RenderableType:
+        """What a terminal shows: the blocks, unless it has colors and headings of its own."""
+        from nonsmooth.reports.terminal import blocks_view
+
+        return blocks_view(self.blocks())
+
+    # ---- what follows ------------------------------------------------------------------------------
+
+    def to_dict(self) -> Record:
+        """The JSON record of the command."""
+        return self.facts()
+
+    def rows(self) -> list[Record]:
+        """One mapping for each row of the command's ``.csv`` file; None where there is no number."""
+        names, lines = self.table()
+        return [dict(zip(names, line, strict=True)) for line in lines]
+
+    def figure(self) -> Figure:
+        """The picture of a file."""
+        from matplotlib.figure import Figure
+
+        figure = Figure(layout="constrained")
+        self.draw(figure.add_subplot())
+        return figure
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draw it on the axes given, or on those of a new figure that a notebook shows."""
+        axes = own_axes(ax)
+        self.draw(axes)
+        return axes
+
+    def content(self, ending: str) -> bytes:
+        """It as the bytes of a file."""
+        return self.formats[ending](self, ending)
+
+    def save(self, file: str | Path) -> Path:
+        """Write it in the format that the file's name ends in, one of ``formats``.
+
+        Raises:
+            OutputError: for another ending, and for a file that cannot be written.
+        """
+        path = output_path(str(file), self.formats)
+        write_whole(path, self.content(path.suffix.lower()))
+        return path
+
+    def _repr_html_(self) -> str:
+        from nonsmooth.reports.formats.notebook import notebook_html
+
+        return notebook_html(self.blocks())
+
+
+def own_axes(ax: Axes | None) -> Axes:
+    """The axes given, or those of a new figure that a notebook shows."""
+    if ax is not None:
+        return ax
+    from matplotlib import pyplot as plt
+
+    return plt.figure(layout="constrained").add_subplot()
+
+
+def show(result: Result, path: Path | None, *, json: bool) -> None:
+    """Write the file that was asked for; then print JSON, or say what was written, or print the blocks."""
+    if path is not None:
+        write_whole(path, result.content(path.suffix.lower()))
+    if json:
+        write_json(result.facts())
+    elif path is not None:
+        write(f"{path}: {result.summary()}\n")
+    else:
+        write_views([result.view()])
+
+
+# ---- files ---------------------------------------------------------------------------------------
+
+
+def _csv(result: Result, ending: str) -> bytes:
+    stream = io.StringIO()
+    names, lines = result.table()
+    csv.writer(stream, lineterminator="\n").writerows((names, *lines))
+    return stream.getvalue().encode()
+
+
+def _json(result: Result, ending: str) -> bytes:
+    return json_text(result.facts()).encode()
+
+
+def _parquet(result: Result, ending: str) -> bytes:
+    pyarrow, parquet = import_module("pyarrow"), import_module("pyarrow.parquet")
+    stream = io.BytesIO()
+    parquet.write_table(pyarrow.Table.from_pylist(result.rows()), stream)
+    return stream.getvalue()
+
+
+def _picture(result: Result, ending: str) -> bytes:
+    from nonsmooth.reports.figures.cell_map import figure_bytes
+
+    return figure_bytes(result.figure, ending)
+
+
+FORMATS: dict[str, Callable[[Any, str], bytes]] = {
+    ".csv": _csv,
+    ".json": _json,
+    ".parquet": _parquet,
+    **dict.fromkeys(PICTURES, _picture),
+}
+Result.formats = FORMATS

@@ -1,0 +1,65 @@
+"""A toy study with a result and a command: it counts the wheels of an array, or the states of a plain system."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from nonsmooth.reports.document import Block, Paragraph, findings
+from nonsmooth.reports.result import FORMATS, DataTable, Record, Result
+from nonsmooth.reports.study import Options, SceneKind, SceneStudy, StudyRequest, kind_of, option
+from nonsmooth.reports.study_command import command
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from matplotlib.axes import Axes
+
+
+@dataclass(frozen=True, kw_only=True)
+class CountOptions(Options):
+    times: int = option(1, "How often each is counted, with --twice no more.", int, metavar="N")
+    twice: bool = option(False, "Count twice.", bool, heading="Of arrays")
+
+
+@dataclass(frozen=True, repr=False)
+class CountResult(Result):
+    name: str
+    count: int
+
+    def facts(self) -> Record:
+        return {"schema": "toy-count/1", "scene": self.name, "count": self.count}
+
+    def table(self) -> DataTable:
+        return DataTable(("scene", "count", "half"), [(self.name, self.count, None)])
+
+    def draw(self, ax: Axes) -> None:
+        ax.bar([self.name], [self.count])
+
+    def blocks(self) -> Sequence[Block]:
+        return [Paragraph((f"{self.name}: counted",)), findings([("count", str(self.count))])]
+
+    def summary(self) -> str:
+        return f"{self.count} counted"
+
+
+class Count(SceneStudy[CountOptions]):
+    options: ClassVar[type[Any]] = CountOptions
+    files: ClassVar[str] = "Where the count goes."
+
+    def endings(self, options: CountOptions) -> Collection[str]:
+        return FORMATS
+
+    def refuse(self, asked: StudyRequest[CountOptions], path: Path | None) -> None:
+        if asked.kind is SceneKind.SYSTEM:
+            asked.refuse(("twice",), SceneKind.ARRAY, SceneKind.SYSTEM)
+        if asked.options.twice:
+            asked.refuse(("times",), "no --twice", "--twice")
+
+    def run(self, scene: Any, options: CountOptions) -> Result:
+        counted = scene.wheels if kind_of(scene) is SceneKind.ARRAY else scene.states
+        return CountResult(scene.name, len(counted) * (2 if options.twice else options.times))
+
+
+count = command(Count(), "count", "Count something.\n\nExit status: 0 done, 2 bad input.")
