@@ -26,6 +26,7 @@ VERDICT_WIDTH = 14  # columns: "asymptotically"
 
 _STYLES = {
     "comes home": "green",
+    "comes near": "green",
     "can be held": "green",
     "keeps": "green",
     "stays near": "yellow",

@@ -227,7 +227,8 @@ class Scene(ShortRepr):
         """
         stated = self.check.accuracy
         if stated is not None:
-            return rational_below(stated.ball())
+            rational = stated.as_rational()
+            return rational_below(stated.ball()) if rational is None else Fraction(int(rational.p), int(rational.q))
         positions = [wheel.position for wheel in self.wheels]
         return DEFAULT_ACCURACY * default_length(positions, self.check.equilibrium)
 

@@ -33,7 +33,10 @@ from nonsmooth.symbolic.plane import Vector
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
-_RANK = {Position.COMES_HOME: 0, Position.STAYS_NEAR: 1, None: 1, Position.UNDECIDED: 2, Position.LEAVES: 3}
+_RANK = {
+    **{Position.COMES_HOME: 0, Position.COMES_NEAR: 1, Position.STAYS_NEAR: 2, None: 2},
+    **{Position.UNDECIDED: 3, Position.LEAVES: 4},
+}
 DENOMINATORS = (1, 10, 100, 1_000)  # of the coordinates that are tried under a rule without cells
 SHORT_BITS = 256  # of a coordinate; the numbers of measured tables have about fifty
 MIDDLE_DIGITS = (2, 4, 8)  # of the middle of an area, below the half side of the square; tried in turn

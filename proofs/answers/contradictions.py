@@ -202,6 +202,20 @@ def home_and_ends(printed: Printed) -> Iterator[Contradiction]:
     yield from _against(printed, (begin <= WELL_INSIDE * within) & away, "position and destinations")
 
 
+def near_and_ends(printed: Printed) -> Iterator[Contradiction]:
+    """A disc from which every body comes near, and a sampled start in it that ends farther away."""
+    ends, within, most = (
+        printed.sampled,
+        printed.number("position", "within"),
+        printed.number("position", "ends_within"),
+    )
+    if ends is None or within is None or most is None or not printed.position(Position.COMES_NEAR):
+        return
+    begin, end = ends.distances
+    away = ends.leaves | (end > most + ELSEWHERE * printed.radius)
+    yield from _against(printed, (begin <= WELL_INSIDE * within) & away, "position and destinations")
+
+
 def stays_and_ends(printed: Printed) -> Iterator[Contradiction]:
     """A disc in which no body gets farther away, and a sampled start in it that ends farther away."""
     ends, within = printed.sampled, printed.number("position", "stays_within")
@@ -287,7 +301,7 @@ def answers_and_theorem(printed: Printed) -> Iterator[Contradiction]:
         return
     said = f"Theorem 4 holds: {printed.check.reason}"
     position, heading, pose = (printed.answers[name].verdict for name in ("position", "heading", "pose"))
-    if position not in STAYS_OR_RESTS:
+    if position not in (*STAYS_OR_RESTS, Position.COMES_NEAR):
         yield Contradiction("position and Theorem 4", (printed.said("position"), said), PLACE)
     if heading is not Heading.DRIFTS:
         yield Contradiction("heading and Theorem 4", (printed.said("heading"), said), TURN)
@@ -418,6 +432,7 @@ PAIRS: tuple[Pair, ...] = (
     position_and_ends,
     leaves_and_ends,
     home_and_ends,
+    near_and_ends,
     stays_and_ends,
     position_and_paths,
     heading_and_ends,

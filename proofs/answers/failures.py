@@ -27,7 +27,10 @@ NO_DRIVE = "a law may need the wheel that is stopped"
 NO_TABLE = "the loads are a table for all wheels: what the others carry without it is not known"
 
 # From the best to the worst, for what is worst; tipping is worse than leaving, since the body falls.
-POSITIONS = (Position.COMES_HOME, Position.STAYS_NEAR, Position.UNDECIDED, Position.LEAVES, Position.TIPS)
+POSITIONS = (
+    *(Position.COMES_HOME, Position.COMES_NEAR, Position.STAYS_NEAR),
+    *(Position.UNDECIDED, Position.LEAVES, Position.TIPS),
+)
 HEADINGS = (Heading.KEEPS, Heading.UNDECIDED, Heading.DRIFTS)
 POSES = (Pose.CAN_BE_HELD, Pose.UNDECIDED, Pose.CANNOT_BE_HELD)
 

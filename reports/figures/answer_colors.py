@@ -9,9 +9,10 @@ from nonsmooth.reports.sweeps.system_outcome import REFUSED
 if TYPE_CHECKING:
     from matplotlib.patches import Patch
 
-# Exact colors of answers, from Okabe and Ito's palette; equal words are equal colors.
+# Exact colors of answers, from Okabe and Ito's palette and a lighter green; equal words are equal colors.
 COLORS = {
     "comes home": "#009E73",
+    "comes near": "#66C2A5",
     "can be held": "#009E73",
     "holds": "#009E73",
     "stays near": "#F0E442",

@@ -4,7 +4,7 @@
 import { h, icon, onceAFrame, pool, say } from "./dom.js";
 import { shown } from "./values.js";
 
-const GOOD = /^(holds|asymptotically stable|stabilizable|stable|comes home|returns|can be held|certified|valid)/;
+const GOOD = /^(holds|asymptotically stable|stabilizable|stable|comes home|comes near|returns|can be held|certified|valid)/;
 const FAIR = /^(stays near|drifts)/;
 const BAD = /^(fails|unstable|leaves|cannot be held|invalid)/;
 

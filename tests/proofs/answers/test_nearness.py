@@ -1,0 +1,230 @@
+"""Where bodies end to an accuracy: every disc, time and place that is said, against small steps of bodies."""
+
+from __future__ import annotations
+
+import json
+import math
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from nonsmooth.proofs.answers.answer import GOOD, Position
+from nonsmooth.proofs.answers.answers import answers_of
+from nonsmooth.proofs.robust.balanced_forces import BalancedForces, Quadrangles
+from nonsmooth.proofs.robust.drift import driven_out
+from nonsmooth.proofs.robust.ends import Ends, decide_ends
+from nonsmooth.proofs.robust.touching_rings import TouchingRings, ring_rates, rings_about
+from nonsmooth.proofs.theorem4 import check_theorem4
+from nonsmooth.reports.cli import app
+from nonsmooth.reports.console import run
+from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.scene_error import SceneError
+from tests.oracles.measured_tables import MeasuredTable, SmallSteps
+from tests.thorough import thorough
+
+OFF = (0.0, 3.0, 9.0)  # degrees by which headings of tables are wrong
+RULES = ("nearest", "ellipse", "roller")
+STEPS = 1.1  # of a distance: what small steps across a line where the field jumps may leave of it
+
+
+def measured(folder: Path, table: MeasuredTable, more: str = "") -> Scene:
+    file = folder / "table.toml"
+    file.write_text(table.toml + more, encoding="utf-8")
+    return load_scene(str(file))
+
+
+def borders(seed: int, radius: float) -> list[np.ndarray]:
+    rng = np.random.default_rng(seed)
+    return [radius * np.array([math.cos(a), math.sin(a)]) for a in rng.uniform(0, 2 * math.pi, 2)]
+
+
+def confirm(seed: int, table: MeasuredTable, scene: Scene, found: Ends) -> None:
+    """Bodies from the border of the disc, or from the point, end where it is said, in time."""
+    body, until, accuracy = SmallSteps(table), float(found.after), float(scene.accuracy)
+    if found.is_near:
+        assert found.ends_within is not None
+        assert found.ends_within <= scene.accuracy
+        assert found.within >= 2 * max(found.ends_within, scene.accuracy)
+        for start in borders(seed, float(found.within)):
+            end, _ = body.end(start, until, float(found.ends_within))
+            assert np.hypot(*end) <= STEPS * float(found.ends_within)
+    else:
+        end, _ = body.end(np.zeros(2), until, float(found.about))
+        assert np.hypot(*(end - [float(entry) for entry in found.at])) <= STEPS * float(found.about) + accuracy / 50
+        assert found.distance - float(found.about) > accuracy
+
+
+@pytest.mark.parametrize("rule", RULES)
+@pytest.mark.parametrize("seed", range(40))
+def test_bodies_on_measured_tables_end_where_it_is_said(seed: int, rule: str, tmp_path: Path) -> None:
+    table = MeasuredTable.random(seed, rule, off=OFF[seed % 3])
+    scene = measured(tmp_path, table)
+    found = decide_ends(scene.recentred(), scene.accuracy)
+    if found is not None:
+        confirm(seed, table, scene, found)
+        return
+    out_after = driven_out(scene.recentred(), scene.accuracy)
+    if out_after is not None:
+        _, farthest = SmallSteps(table).end(np.zeros(2), float(out_after), float(scene.accuracy))
+        assert farthest >= float(scene.accuracy) * (1 - 1e-6)
+
+
+def undecided_though_near(seeds: range, folder: Path) -> tuple[int, int]:
+    """How many tables bring bodies near, by small steps, and for how many of these nothing is shown."""
+    near = open_ones = 0
+    for seed in seeds:
+        for rule in RULES:
+            table = MeasuredTable.random(seed, rule, off=OFF[seed % 3])
+            scene = measured(folder, table)
+            found = decide_ends(scene.recentred(), scene.accuracy)
+            if found is not None:
+                near += found.is_near
+                continue
+            body, accuracy = SmallSteps(table), float(scene.accuracy)
+            starts = borders(seed, 2 * accuracy)
+            if all(np.hypot(*body.end(start, 12.0, accuracy)[0]) <= accuracy for start in starts):
+                near, open_ones = near + 1, open_ones + 1
+    return near, open_ones
+
+
+def test_few_measured_tables_are_left_open(tmp_path: Path) -> None:
+    near, open_ones = undecided_though_near(range(3), tmp_path)
+    assert near >= 4
+    assert open_ones <= near / 10
+
+
+@thorough  # test_few_measured_tables_are_left_open is the small one
+def test_few_of_many_measured_tables_are_left_open(tmp_path: Path) -> None:
+    near, open_ones = undecided_though_near(range(40), tmp_path)
+    assert near >= 40
+    assert open_ones <= near / 10
+
+
+@pytest.mark.parametrize("rule", ["ellipse", "roller"])
+def test_rates_of_rings_hold_at_sampled_places(rule: str, tmp_path: Path) -> None:
+    table = MeasuredTable.random(3, rule, off=3.0)
+    scene = measured(tmp_path, table).recentred()
+    inner, outer = np.array([8.0, 10.0]), np.array([10.0, 12.5])
+    rates = ring_rates(BalancedForces(scene), inner, outer)
+    assert all(rate > 0 for rate in rates)
+    body, rng = SmallSteps(table), np.random.default_rng(0)
+    for low, high, rate in zip(inner, outer, rates, strict=True):
+        for _ in range(20):
+            angle, distance = rng.uniform(0, 2 * math.pi), rng.uniform(low, high)
+            place = distance * np.array([math.cos(angle), math.sin(angle)])
+            assert place @ body.velocity(place) <= -rate * distance * (1 - 1e-6)
+
+
+def test_quadrangles_cover_their_rings() -> None:
+    corners = Quadrangles.of_rings(np.array([1.0]), np.array([1.25]), 24).corners
+    rng = np.random.default_rng(1)
+    for _ in range(2000):
+        angle, distance = rng.uniform(0, 2 * math.pi), rng.uniform(1.0, 1.25)
+        place = distance * np.array([math.cos(angle), math.sin(angle)])
+        sides = np.roll(corners, -1, axis=1) - corners
+        away = place - corners
+        assert ((sides[..., 0] * away[..., 1] - sides[..., 1] * away[..., 0]) >= 0).all(axis=1).any()
+
+
+@pytest.mark.parametrize("rule", ["nearest", "box", "ellipse", "roller"])
+def test_nothing_comes_near_where_every_rim_points_outward(rule: str) -> None:
+    scene = load_scene("outward", rule=rule).recentred()
+    found = decide_ends(scene, scene.accuracy)
+    assert found is None or not found.is_near
+
+
+def test_no_disc_of_rest_passes_for_an_end() -> None:
+    """Under rule box bodies rest all over the middle of the four-wheel array: within any accuracy, from within it."""
+    scene = load_scene("four-wheel", rule="box").recentred()
+    assert decide_ends(scene, scene.accuracy) is None
+
+
+def test_times_add_up_over_rings() -> None:
+    rings = TouchingRings(Fraction(4), (Fraction(2), Fraction(1)), (Fraction(2), Fraction(1, 2)))
+    assert rings.radius == 1
+    assert rings.time_to(Fraction(1)) == 1 + 2
+    assert rings.time_to(Fraction(3, 2)) == 1 + 1
+    assert rings.time_to(Fraction(2), Fraction(3)) == Fraction(1, 2)
+
+
+def test_rates_of_cells_hold_at_sampled_places(tmp_path: Path) -> None:
+    table = MeasuredTable.random(3, "nearest", off=3.0)
+    scene = measured(tmp_path, table).recentred()
+    rings = rings_about(scene, None, 30.0, 7.0, 0.01)
+    assert rings is not None
+    body, rng, outer = SmallSteps(table), np.random.default_rng(0), float(rings.start)
+    for inner, rate in zip(rings.inner, rings.rates, strict=True):
+        for _ in range(20):
+            angle, distance = rng.uniform(0, 2 * math.pi), rng.uniform(float(inner), outer)
+            place = distance * np.array([math.cos(angle), math.sin(angle)])
+            assert place @ body.velocity(place) <= -float(rate) * distance * (1 - 1e-9)
+        outer = float(inner)
+
+
+# ---- what users see ------------------------------------------------------------------------------
+
+
+def record(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, dict[str, Any]]:
+    status = run(app, [*words, "--json"])
+    return status, json.loads(capsys.readouterr().out)
+
+
+@pytest.mark.parametrize("rule", ["nearest", "ellipse"])
+def test_a_measured_table_passes_what_is_required(
+    rule: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    measured(tmp_path, MeasuredTable.random(3, rule))
+    status, found = record(capsys, "check", str(tmp_path / "table.toml"), "--require", "position")
+    position = found["answers"]["position"]
+    assert (status, found["schema"], position["verdict"]) == (0, "nonsmooth-check/2", "comes near")
+    assert position["ends_within"] <= position["accuracy"]
+    assert position["within"] >= 2 * position["accuracy"]
+    assert 0 < position["after"] < 60
+    assert len(position["at"]) == 2
+    assert "mm, in at most" in position["reason"]
+
+
+def test_a_tighter_accuracy_asks_for_more(tmp_path: Path) -> None:
+    table = MeasuredTable.random(3, "ellipse", off=3.0)
+    loose = decided(measured(tmp_path, table))
+    tight = decided(measured(tmp_path, table, "[check]\naccuracy = 0.05\n"))
+    assert loose.verdict is Position.COMES_NEAR
+    assert loose.verdict in GOOD
+    assert tight.verdict is Position.LEAVES
+    assert tight["accuracy"] == Fraction(1, 20)
+    assert tight["ends_within"] is None
+
+
+def decided(scene: Scene) -> Any:
+    return answers_of(check_theorem4(scene, beside=False))[0]
+
+
+def test_the_accuracy_is_a_part_of_the_array_or_stated(tmp_path: Path) -> None:
+    scene = load_scene("four-wheel")
+    assert scene.accuracy == Fraction(3, 100) * Fraction("1.414")  # of wheels at (+-1, +-1)
+    for value, why in (("0", "required a positive number"), ('"l"', "required a formula of numbers")):
+        with pytest.raises(SceneError, match=f"check.accuracy: {why}"):
+            measured(tmp_path, MeasuredTable.random(3, "ellipse"), f"[check]\naccuracy = {value}\n")
+
+
+def test_an_exact_array_still_comes_home() -> None:
+    answer = decided(load_scene("four-wheel"))
+    assert (answer.verdict, answer["ends_within"]) == (Position.COMES_HOME, 0)
+    assert answer["after"] == answer["seconds_per_distance"] * answer["within"]
+
+
+def test_a_slide_outward_is_followed_to_the_accuracy() -> None:
+    assert decided(load_scene("saddle")).verdict is Position.LEAVES
+    assert decided(load_scene("outward")).verdict is Position.LEAVES
+
+
+def test_a_sweep_takes_the_accuracy(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    measured(tmp_path, MeasuredTable.random(3, "ellipse", off=3.0), "[check]\naccuracy = 4\n")
+    vary = ("--vary", "check.accuracy=1/20,4", "--workers", "1")
+    status, found = record(capsys, "sweep", str(tmp_path / "table.toml"), *vary)
+    assert status == 0
+    assert [row["position"] for row in found["rows"]] == ["leaves", "comes near"]
