@@ -28,7 +28,7 @@ from nonsmooth.analysis.trajectories.batch_motion import (
 )
 from nonsmooth.analysis.trajectories.continuations import Choice, choices_at
 from nonsmooth.analysis.trajectories.junction import Junction, junction_at, signs_of
-from nonsmooth.analysis.trajectories.piecewise_constant import follow_constant
+from nonsmooth.analysis.trajectories.piecewise_constant import follow_cells
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind
 from nonsmooth.analysis.trajectories.turns import Turns
 
@@ -257,18 +257,18 @@ class BatchPaths:
         points, member = np.unique(self.points[own], axis=0, return_inverse=True)
         for k, (x, y) in enumerate(points.tolist()):
             together = own[member.ravel() == k]
-            path = follow_constant(self.field, (x, y, 0.0), None, None, sampled=False)
+            path = follow_cells(self.field, (x, y, 0.0))
             last = path.pieces[-1] if path.pieces else None
             name = last.place if last else self._place_of(points[k])
-            self.time[together] += float(path.end.t)
-            self.points[together] = path.end.state[:2]
-            self.theta[together] += float(path.end.state[2])
-            if path.end.reason is EndReason.TURNING and last is not None:
+            self.time[together] += float(path.time)
+            self.points[together] = path.pose[:2]
+            self.theta[together] += float(path.pose[2])
+            if path.reason is EndReason.TURNING and last is not None:
                 self.theta[together] = np.copysign(np.inf, last.state(1.0)[2] - last.state(0.0)[2])
-            elif path.end.reason in (EndReason.CIRCLES, EndReason.EVENTS):
+            elif path.reason in (EndReason.CIRCLES, EndReason.EVENTS):
                 self.time[together], self.theta[together] = np.inf, np.nan
             self.unique[together] &= all(e.drift_only for e in path.events if e.kind is EventKind.NONUNIQUE)
-            self._finish(together, path.end.reason, name)
+            self._finish(together, path.reason, name)
 
     def _place_of(self, point: Floats) -> str:
         place = self.cells.locate((float(point[0]), float(point[1])))

@@ -1,4 +1,4 @@
-"""Event-driven Filippov paths on cells with constant twist: closed forms from event to event.
+"""Filippov paths on cells with constant twist: closed forms as modes of the engine, from event to event.
 
 At an edge or corner every continuation is listed (:mod:`nonsmooth.analysis.trajectories.continuations`) and one is
 followed to its end: through a cell to its border, along an edge to where sliding ends, around a corner to the limit of
@@ -12,8 +12,7 @@ path that spirals out of a corner is not drawn (the drawn path rests there), onl
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
 from typing import Any, TypeAlias
 
 from nonsmooth.analysis.cells.cell_complex import AtCorner, InCell, OnEdge, Place
@@ -21,49 +20,25 @@ from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.fields.constant_field import ConstantField
 from nonsmooth.analysis.trajectories.cell_motion import Free, Rest, State
 from nonsmooth.analysis.trajectories.continuations import Choice, choices_at
+from nonsmooth.analysis.trajectories.follow import DenseStep, HybridField, Mode, Path, Stretch, follow
 from nonsmooth.analysis.trajectories.junction import junction_at, signs_of
-from nonsmooth.analysis.trajectories.log import EventLog
 from nonsmooth.analysis.trajectories.lyapunov_watch import LyapunovWatch
 from nonsmooth.analysis.trajectories.orbits import OrbitMemory
-from nonsmooth.analysis.trajectories.result import (
-    End,
-    EndReason,
-    EventKind,
-    Piece,
-    Trajectory,
-    TrajectoryError,
-    samples,
-)
+from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Piece, Trajectory, TrajectoryError
 from nonsmooth.analysis.trajectories.sample_times import sample_times
 from nonsmooth.analysis.trajectories.slides import Slide
 from nonsmooth.analysis.trajectories.turns import CornerSpiral, Turns
 from nonsmooth.symbolic.plane import cross, dot, minus
 
-MAX_LEGS = (
-    10_000  # between events; a path of the built-in scenes has fewer than 20, a spiral of gain 0.99 some thousand
-)
+# Motions between events; a path of the built-in scenes has fewer than 20, a spiral of gain 0.99 some thousand.
+MAX_LEGS = 10_000
+RULE = "the path drawn rests if it can, else slides if it can, at the rate of smallest magnitude"
 
 Motion: TypeAlias = Free | Slide | Rest | CornerSpiral
 
 
-@dataclass(frozen=True)
-class _Leg:
-    """A motion with the place it leads to; duration None never ends."""
-
-    motion: Motion
-    place: str
-    cells: tuple[int, ...]
-    duration: Any | None
-    arrival: Place | None = None
-
-
 def follow_constant(
-    field: ConstantField,
-    start: Sequence[Any],
-    until: Any | None,
-    watch: LyapunovWatch | None,
-    *,
-    sampled: bool = True,
+    field: ConstantField, start: Sequence[Any], until: Any | None, watch: LyapunovWatch | None
 ) -> Trajectory:
     """Follow a Filippov solution from ``(x, y, theta)``.
 
@@ -72,105 +47,127 @@ def follow_constant(
         start: initial pose.
         until: last time; None follows the path to its rest, however long that takes.
         watch: bound on V' to check every piece against.
-        sampled: list states along the path, not its end alone.
 
     Raises:
         ValueError: for a start outside the domain.
         TrajectoryError: for a violated Lyapunov bound or a point without continuation.
     """
+    return follow_cells(field, start, until, watch).trajectory(field.kinematics.value, "events")
+
+
+def follow_cells(
+    field: ConstantField, start: Sequence[Any], until: Any | None = None, watch: LyapunovWatch | None = None
+) -> Path:
+    """The same path without its samples."""
     place = None
     if all(math.isfinite(float(value)) for value in start):
         x, y, theta = (field.number(value) for value in start)
         place = field.cells.locate((x, y))
     if place is None:
         raise ValueError(f"required a start inside the domain of the cells, received ({start[0]}, {start[1]})")
-    return _Path(field, (x, y), theta, until, watch, sampled=sampled).follow(place)
+    last = None if until is None or until == math.inf else field.number(until)
+    return follow(_Cells(field, place, watch), (theta * 0, (x, y, theta)), last, _ClosedForms())
 
 
-class _Path:
-    """A path while it is being followed; ``moved`` are the cells of the last motion."""
+class _Leg(Mode):
+    """A motion with the place it leads to; duration None never ends."""
 
     def __init__(
-        self,
-        field: ConstantField,
-        point: Point,
-        theta: Any,
-        until: Any | None,
-        watch: LyapunovWatch | None,
-        *,
-        sampled: bool,
+        self, motion: Motion, place: str, cells: tuple[str, ...], duration: Any | None, arrival: Place | None = None
     ) -> None:
-        self.field, self.watch, self.sampled = field, watch, sampled
+        self.motion, self.rate = motion, self
+        self.place, self.cells, self.duration, self.arrival = place, cells, duration, arrival
+
+    def ends_by(self, start: Any, until: Any | None) -> bool:
+        """Whether it comes to its end before the time is over."""
+        return self.duration is not None and (until is None or start + self.duration <= until)
+
+    def piece(self, stretch: Stretch) -> Piece:
+        """The closed form itself."""
+        start, end = stretch.times
+        span = None if end == math.inf else end - start
+        times = tuple(start + t for t in sample_times(self.motion, span))
+        return Piece(start, None if span is None else end, self.place, self.cells, self.motion.state, times)
+
+
+class _ClosedForms:
+    """The stepper of closed forms: one step to the end of a leg, infinite where it has none, or to the last time."""
+
+    def steps(self, leg: _Leg, t: Any, x: State, until: Any | None) -> Iterator[DenseStep]:
+        """One step."""
+        motion, end, last = leg.motion, until, x
+        if leg.ends_by(t, until):
+            end = t + leg.duration
+            last = motion.at(motion.reach) if isinstance(motion, Slide) else motion.state(leg.duration)
+        elif until is None:
+            end = math.inf
+        else:
+            last = motion.state(until - t)
+        yield DenseStep((t, x), (end, last), lambda: motion.state)  # type: ignore[arg-type, return-value]
+
+
+class _Cells(HybridField):
+    """The cells as a field to follow; ``moved`` are those of the last motion."""
+
+    def __init__(self, field: ConstantField, place: Place, watch: LyapunovWatch | None) -> None:
+        self.field, self.place, self.watch = field, place, watch
         self.signs = signs_of(field)
         self.turns = Turns(field, self.signs)
-        self.log = EventLog(field, self.turns.lead_outward)
-        self.point, self.theta, self.time = point, theta, theta * 0
-        self.until = None if until is None or until == math.inf else field.number(until)
-        self.pieces: list[Piece] = []
         self.moved: tuple[int, ...] | None = None
         self.entries: dict[tuple[int, int], list[Point]] = {}
         self.memory = OrbitMemory(field.cells.slack)
-
-    @property
-    def state(self) -> State:
-        """Pose now."""
-        return *self.point, self.theta
-
-    def follow(self, place: Place) -> Trajectory:
-        """Leg after leg."""
-        for _ in range(MAX_LEGS):
-            self._skip_turns(place)
-            leg = self._leg(place)
-            if leg is None:
-                return self._result(EndReason.OUTSIDE)
-            if self.until is None and self._repeats(place, leg):
-                return self._result(EndReason.CIRCLES)
-            reason = self._advance(leg)
-            if reason is not None or leg.arrival is None:
-                return self._result(reason or EndReason.TIME)
-            place = leg.arrival
-        return self._result(EndReason.EVENTS)
+        self._tied: set[int] = set()
 
     # ---- where to go ---------------------------------------------------------------------
 
-    def _leg(self, place: Place) -> _Leg | None:
-        """The next motion; None beyond the border of the domain."""
-        now = (self.time, self.state)
+    def next_mode(self, path: Path) -> Mode | EndReason:
+        """The next motion; beyond the border of the domain there is none."""
+        if len(path.stretches) >= MAX_LEGS:
+            return EndReason.EVENTS
+        self._skip_turns(path)
+        place, point = self.place, path.state[:2]
         if isinstance(place, InCell):
-            self.log.ties(now, (place.cell,))
-            return self._through(place.cell, frozenset())
-        junction = junction_at(self.field, place, self.point)
-        choices = choices_at(self.field, junction, self.theta, self.signs)
+            self._tell_ties(path, (place.cell,))
+            return self._through(path, place.cell, frozenset())
+        junction = junction_at(self.field, place, point)
+        choices = choices_at(self.field, junction, path.state[2], self.signs)
         if not choices:
             if junction.border:
-                return None
-            raise TrajectoryError(f"no Filippov continuation at {self.point}: please report this")
-        chosen = choices[0]
-        self.log.switch(now, place, choices, self.moved)
+                return EndReason.OUTSIDE
+            raise TrajectoryError(f"no Filippov continuation at {point}: please report this")
+        chosen, before = choices[0], self.moved
+        self._tell_switch(path, place, choices)
+        self.moved = chosen.cells
         if chosen.kind is EventKind.REST:
-            motion = Rest(self.point, self.theta, chosen.rate)
-            return _Leg(motion, self.field.place_name(place), chosen.cells, None)
+            motion = Rest(point, path.state[2], chosen.rate)
+            return _Leg(motion, self.field.place_name(place), self._names(chosen.cells), None)
         if chosen.kind is EventKind.SLIDE:
             return self._slide(chosen)
         cell = chosen.cells[0]
-        if isinstance(place, OnEdge) and self.moved not in (None, (cell,)):
-            spiral = self.turns.accumulation(place.edge, cell, self.point, self.theta)
+        if isinstance(place, OnEdge) and before not in (None, (cell,)):
+            spiral = self.turns.accumulation(place.edge, cell, point, path.state[2])
             if spiral is not None:
-                return self._spiral(spiral)
-        return self._through(cell, next(frozenset(k for k, _ in sides) for own, sides in junction.cells if own == cell))
+                return self._spiral(path, spiral)
+        if path.until is None and isinstance(place, OnEdge) and self._repeats(place.edge, cell, point):
+            return EndReason.CIRCLES
+        return self._through(
+            path, cell, next(frozenset(k for k, _ in sides) for own, sides in junction.cells if own == cell)
+        )
 
-    def _through(self, cell: int, active: frozenset[int]) -> _Leg:
+    def _through(self, path: Path, cell: int, active: frozenset[int]) -> _Leg:
         """Through a cell, from the sides it has been entered by."""
+        self.moved = (cell,)
         flow, name, slack = self.field.flows[cell][0], self.field.names[cell], self.signs.speed_slack
-        if not any(self.signs(v, slack) for v in flow.velocity(self.point)):
-            self.log.add((self.time, self.state), EventKind.REST, name, rates=(flow.omega, flow.omega))
-            return _Leg(Rest(self.point, self.theta, flow.omega), name, (cell,), None)
-        motion = Free(self.point, self.theta, flow)
+        point, theta = path.state[:2], path.state[2]
+        if not any(self.signs(v, slack) for v in flow.velocity(point)):
+            path.tell(EventKind.REST, name, rates=(flow.omega, flow.omega))
+            return _Leg(Rest(point, theta, flow.omega), name, (name,), None)
+        motion = Free(point, theta, flow)
         crossing = motion.first_crossing(self.field.cells.polygons[cell].sides, active, slack)
         if crossing is None:
-            return _Leg(motion, name, (cell,), None)
+            return _Leg(motion, name, (name,), None)
         x, y, _ = motion.state(crossing.time)
-        return _Leg(motion, name, (cell,), crossing.time, self._landing(cell, crossing.side, (x, y)))
+        return _Leg(motion, name, (name,), crossing.time, self._landing(cell, crossing.side, (x, y)))
 
     def _landing(self, cell: int, side: int, point: Point) -> Place:
         """The edge or corner at a point of a side."""
@@ -190,89 +187,129 @@ class _Path:
             raise TrajectoryError("required a slide with its ray: please report this")
         arrives = not self.field.cells.beyond(ray.reach - slide.reach)
         arrival: Place = AtCorner(ray.corner) if arrives else OnEdge(ray.edge)
-        return _Leg(slide, self.field.place_name(OnEdge(ray.edge)), chosen.cells, slide.duration(), arrival)
+        name = self.field.place_name(OnEdge(ray.edge))
+        return _Leg(slide, name, self._names(chosen.cells), slide.duration(), arrival)
 
-    def _spiral(self, spiral: CornerSpiral) -> _Leg:
+    def _spiral(self, path: Path, spiral: CornerSpiral) -> _Leg:
         place = AtCorner(spiral.turn.corner)
         name = self.field.place_name(place)
-        note = "infinitely many switches accumulate at this corner"
-        self.log.add((self.time, self.state), EventKind.CROSS, name, note=note)
-        return _Leg(spiral, name, tuple(step.cell for step in spiral.turn.steps), spiral.limit()[0], place)
+        path.tell(EventKind.CROSS, name, note="infinitely many switches accumulate at this corner")
+        self.moved = tuple(step.cell for step in spiral.turn.steps)
+        return _Leg(spiral, name, self._names(self.moved), spiral.limit()[0], place)
 
-    def _repeats(self, place: Place, leg: _Leg) -> bool:
+    def _repeats(self, edge: int, cell: int, point: Point) -> bool:
         """Whether the path enters a cell where it entered it before: then it is periodic."""
-        if not isinstance(place, OnEdge) or not isinstance(leg.motion, Free):
-            return False
-        earlier = self.entries.setdefault((place.edge, leg.cells[0]), [])
+        earlier = self.entries.setdefault((edge, cell), [])
         beyond = self.field.cells.beyond
-        if any(not beyond(x - self.point[0]) and not beyond(y - self.point[1]) for x, y in earlier):
+        if any(not beyond(x - point[0]) and not beyond(y - point[1]) for x, y in earlier):
             return True
-        earlier.append(self.point)
+        earlier.append(point)
         return False
 
-    def _skip_turns(self, place: Place) -> None:
+    def _skip_turns(self, path: Path) -> None:
         """Take all whole turns of a closed orbit at once that there is time for."""
-        if self.until is None or not isinstance(place, OnEdge) or self.moved is None or len(self.moved) > 1:
+        place = self.place
+        if path.until is None or not isinstance(place, OnEdge) or self.moved is None or len(self.moved) > 1:
             return
-        crossing = (place.edge, self.moved)
-        orbit = self.memory.closes(crossing, self.point, (self.time, self.theta), self.pieces)
-        turns = 0 if orbit is None else orbit.turns_within(self.until - self.time)
+        x, y, theta = path.state
+        orbit = self.memory.closes((place.edge, self.moved), (x, y), (path.time, theta), path.pieces)
+        turns = 0 if orbit is None else orbit.turns_within(path.until - path.time)
         if orbit is None or not turns or orbit.gap * turns > self.field.cells.slack:
             return
-        name = self.field.place_name(place)
         note = f"a closed orbit of period {float(orbit.period):.6g}: {turns} turns are taken at once"
-        self.log.add((self.time, self.state), EventKind.CROSS, name, note=note)
-        self.pieces.append(orbit.piece(turns))
-        self.time, self.theta = self.time + turns * orbit.period, self.theta + turns * orbit.rotation
+        path.tell(EventKind.CROSS, self.field.place_name(place), note=note)
+        path.pieces.append(orbit.piece(turns))
+        path.time, path.state = path.time + turns * orbit.period, (x, y, theta + turns * orbit.rotation)
         self.memory = OrbitMemory(self.field.cells.slack)
 
-    # ---- going there ---------------------------------------------------------------------
+    def _names(self, cells: Sequence[int]) -> tuple[str, ...]:
+        return tuple(self.field.names[cell] for cell in cells)
 
-    def _advance(self, leg: _Leg) -> EndReason | None:
-        """Move to the end of a leg, or as far as time allows; the reason, if the path ends there."""
-        left = None if self.until is None else self.until - self.time
-        cut = left is not None and (leg.duration is None or leg.duration > left)
-        span = left if cut else leg.duration
-        times = tuple(self.time + t for t in sample_times(leg.motion, span))
-        end = None if span is None else self.time + span
-        cells = tuple(self.field.names[cell] for cell in leg.cells)
-        self.pieces.append(Piece(self.time, end, leg.place, cells, leg.motion.state, times))
+    # ---- arriving there --------------------------------------------------------------------
+
+    def arrive(self, path: Path, mode: Mode, met: int | None) -> EndReason | None:
+        """Onto the edge or corner that a leg leads to; the reason, if the path ends there."""
+        if not isinstance(mode, _Leg):
+            raise TypeError(f"required a leg, received {mode}")
+        piece = path.pieces[-1]
         if self.watch is not None:
-            self.watch.check(self.pieces[-1])
-        self.moved = leg.cells
-        if span is None:
-            return self._forever(leg.motion)
-        self.time = self.time + span
-        self.point, self.theta = self._arrive(leg.motion, None if cut else leg.arrival, span)
-        return EndReason.TIME if cut else None
+            self.watch.check(piece)
+        if piece.end is None:
+            return self._forever(path, mode.motion)
+        if mode.arrival is None or not mode.ends_by(piece.start, path.until):
+            return EndReason.TIME
+        path.state, self.place = self._arrived(path, mode), mode.arrival
+        return None if path.until is None or path.time < path.until else self._last_words(path)
 
-    def _arrive(self, motion: Motion, place: Place | None, span: Any) -> tuple[Point, Any]:
-        """Point and heading at the end of a leg: on the edge or corner itself, not a rounding beside it."""
-        whole = place is not None and isinstance(motion, Slide)
-        x, y, theta = motion.at(motion.reach) if whole and isinstance(motion, Slide) else motion.state(span)
+    def _arrived(self, path: Path, leg: _Leg) -> State:
+        """The pose at the end of a leg: on the edge or corner itself, not a rounding beside it."""
+        (x, y, theta), place = path.state, leg.arrival
         if isinstance(place, AtCorner):
-            return self.field.cells.points[place.corner], theta
+            return *self.field.cells.points[place.corner], theta
         if isinstance(place, OnEdge) and not self.field.exact:
             r = self.field.cells.direction(place.edge)
             off = cross(r, minus((x, y), self.field.cells.points[self.field.cells.edges[place.edge].start]))
-            return (x + off * r[1], y - off * r[0]), theta
-        return (x, y), theta
+            return x + off * r[1], y - off * r[0], theta
+        return x, y, theta
 
-    def _forever(self, motion: Motion) -> EndReason:
+    def _last_words(self, path: Path) -> EndReason:
+        """What happens where a path arrives just when its time is over."""
+        mode = self.next_mode(path)
+        if isinstance(mode, EndReason):
+            return mode
+        path.pieces.append(mode.piece(Stretch([path.time] * 2, [path.state] * 2, [])))
+        return EndReason.TIME
+
+    def _forever(self, path: Path, motion: Motion) -> EndReason:
         """Why a leg never ends; an equilibrium that is only approached is reached after infinite time."""
+        path.time = path.pieces[-1].start
         if isinstance(motion, Rest):
             return EndReason.TURNING if self.signs(motion.rate, self.signs.rate_slack) else EndReason.REST
         if not isinstance(motion, Slide) or motion.stop is None:
             return EndReason.CIRCLES
         rate = motion.coefficients[4]
-        (x, y), r = motion.point, motion.direction
-        self.point = (x + motion.stop * r[0], y + motion.stop * r[1])
-        self.time = math.inf
-        self.theta = self.theta if not self.signs(rate, self.signs.rate_slack) else math.copysign(math.inf, rate)
+        (x, y), r, theta = motion.point, motion.direction, path.state[2]
+        theta = theta if not self.signs(rate, self.signs.rate_slack) else math.copysign(math.inf, rate)
+        path.time, path.state = math.inf, (x + motion.stop * r[0], y + motion.stop * r[1], theta)
         return EndReason.APPROACH
 
-    def _result(self, reason: EndReason) -> Trajectory:
-        end = End(self.time, self.state, reason)
-        times, states = samples(self.pieces, end) if self.sampled else ((end.t,), (end.state,))
-        events, pieces = tuple(self.log.events), tuple(self.pieces)
-        return Trajectory(self.field.kinematics.value, "events", times, states, events, end, self.log.unique, pieces)
+    # ---- what is said about it ---------------------------------------------------------------
+
+    def _tell_switch(self, path: Path, place: OnEdge | AtCorner, choices: Sequence[Choice]) -> None:
+        """The first choice is taken, coming from the motion of some cells, or from the start of the path."""
+        chosen, surface, before = choices[0], self.field.place_name(place), self.moved
+        weights = tuple(zip(self._names(chosen.cells), chosen.weights, strict=True)) if chosen.weights else ()
+        kind = chosen.kind
+        if kind is EventKind.CROSS and before is not None and len(before) > 1:
+            kind = EventKind.LEAVE
+        stays = before is None or before == chosen.cells
+        if kind is not EventKind.CROSS or not stays:
+            path.tell(kind, surface, weights=weights, rates=chosen.rates)
+        notes = [self._described(other) for other in choices[1:]]
+        if isinstance(place, AtCorner) and kind is EventKind.REST and self.turns.lead_outward(place.corner):
+            notes.append("spiral outward")
+        drift_only = not notes and chosen.free and chosen.rates is not None
+        if chosen.free:
+            notes.append("theta may drift at any rate of an interval" if chosen.rates else "the weights are free")
+        if notes:
+            path.unique = False
+            note = f"also possible: {'; '.join(notes)}; {RULE}"
+            more = {"weights": weights, "rates": chosen.rates, "note": note, "drift_only": drift_only}
+            path.tell(EventKind.NONUNIQUE, surface, **more)
+        self._tell_ties(path, chosen.cells)
+
+    def _tell_ties(self, path: Path, cells: Sequence[int]) -> None:
+        """Cells in which several motions tie leave the path open at every moment; said once for each."""
+        for cell in cells:
+            if cell not in self._tied and self.field.tied(cell):
+                self._tied.add(cell)
+                path.unique = False
+                note = "also possible: any mixture of the motions that tie in this cell; the first is drawn"
+                path.tell(EventKind.NONUNIQUE, self.field.names[cell], note=note)
+
+    def _described(self, other: Choice) -> str:
+        if other.kind is EventKind.CROSS:
+            return f"cross into {self.field.names[other.cells[0]]}"
+        if other.ray is not None:
+            return f"slide along {self.field.place_name(OnEdge(other.ray.edge))}"
+        return "rest"
