@@ -9,7 +9,7 @@ that its own rounding is all that LSODA sees: backward differentiation formulas 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import partial
 from itertools import islice, pairwise
 
@@ -19,7 +19,7 @@ from nonsmooth.analysis.bodies.set_motion import with_kinematics
 from nonsmooth.analysis.bodies.supports import LOOKS, CarryingWheels
 from nonsmooth.analysis.bodies.switching import Switching
 from nonsmooth.analysis.fields.contact_model import Floats
-from nonsmooth.analysis.trajectories.follow import DenseStep, Interpolant
+from nonsmooth.analysis.trajectories.follow import DenseStep, Guards, Interpolant, first_event
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.analysis.trajectories.steppers import Integrator, stepped
 
@@ -30,7 +30,6 @@ MANY_STEPS = 150  # of Runge-Kutta in one stretch, after which the field is take
 MANY_STIFF_STEPS = 1_000  # of LSODA, after which rounding is taken for the field
 DIFFERENCE = 1e-7  # of the body's size: for slopes of the field
 AHEAD = 1e-7  # of the time in which the body crosses itself: where the next regime is read off
-CLOSE = 1e-10  # of a step: error of the end of a regime, which enters the path by its square
 UNKNOWNS = 1e-9  # error of twists and forces within a step; after it they are exact again
 
 
@@ -156,22 +155,31 @@ class Regimes:
 
     def _end_of_regime(self, rate: SupportRate, step: DenseStep) -> float | None:
         """The time within a step at which some regime ends; that of the step's end where none does."""
-        low, high = step.start, step.end
-        marks = np.linspace(low, high, LOOKS + 1)
-        states = step(marks)
-        found = rate.validities(states)
-        if not np.isfinite(states).all():
+        if not np.isfinite(step.last).all():
             return None
-        ended = np.flatnonzero(found[1:] < 0)
-        if not len(ended):
-            return high
-        before, after = marks[ended[0]], marks[ended[0] + 1]
-        if ended[0] == 0 and found[0] <= 0:  # the regime was read off wrongly: go a little way in it
-            return min(low + AHEAD * self._scale, high)
-        while after - before > CLOSE * (high - low):
-            middle = (before + after) / 2
-            before, after = (middle, after) if rate.validities(step(np.array([middle])))[0] >= 0 else (before, middle)
-        return float(after)
+        guard = _Valid(rate)
+        found = first_event(guard, guard.at(step.start, step.first), guard.at(step.end, step.last), step)
+        if found is None:
+            return step.end
+        # a regime that ends where it begins was read off wrongly: go a little way in it
+        return max(found[0], min(step.start + AHEAD * self._scale, step.end))
+
+
+class _Valid(Guards):
+    """Whether the regimes of all motions go on."""
+
+    looks, crossed = LOOKS, True
+
+    def __init__(self, rate: SupportRate) -> None:
+        self._rate = rate
+
+    def at(self, t: float, x: Floats) -> Sequence[float]:
+        """The least of what is positive in them."""
+        return self._rate.validities(x[:, None]).tolist()
+
+    def at_all(self, times: Sequence[float], states: Floats) -> list[Sequence[float]]:
+        """The same at many states."""
+        return self._rate.validities(states.T)[:, None].tolist()
 
 
 def _pose_of(step: DenseStep) -> Interpolant:
