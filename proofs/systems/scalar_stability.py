@@ -45,7 +45,7 @@ class Side:
 
 
 @dataclass(frozen=True)
-class Sides:
+class ScalarSides:
     """What the signs of the fields on both sides of the point rest on.
 
     Attributes:
@@ -76,9 +76,9 @@ class LinePoint(CheckedPoint):
         self.system = system
 
     @cached_property
-    def sides(self) -> Sides:
+    def sides(self) -> ScalarSides:
         """The fields on both sides."""
-        return Sides(_side(self.system, 1), _side(self.system, -1))
+        return ScalarSides(_side(self.system, 1), _side(self.system, -1))
 
     @property
     def equilibrium(self) -> Equilibrium:
@@ -93,7 +93,7 @@ def show_by_signs(point: LinePoint, known: Known) -> Finding:
     return Finding(Method.SIGNS, verdict, reason, proofs=sides, facts=(_region(point.system, sides),))
 
 
-def _region(scene: SwitchedSystem, sides: Sides) -> Fact:
+def _region(scene: SwitchedSystem, sides: ScalarSides) -> Fact:
     """The interval of starts that are certified to reach the point."""
     right, left = sides.right.reach, sides.left.reach
     if right is None or left is None:

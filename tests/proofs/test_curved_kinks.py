@@ -174,7 +174,7 @@ def test_what_vanishes_along_the_curve_is_not_positive(load: Load) -> None:
 
 def test_no_rate_where_v_bends_along_a_curve(load: Load) -> None:
     """It does not look along curves, so it says nothing."""
-    result = audit(load("-x", "-y - sign(y + x**2)"), "Abs(y + x**2) + x**2 + y**2").result
+    result = audit(load("-x", "-y - sign(y + x**2)"), "Abs(y + x**2) + x**2 + y**2").function.result
     assert result is not None
     assert result.verdict is Decrease.STRICT
     assert not DecayRate(DecayKind.EXPONENTIAL, Fraction(1, 64)).check(result.cells)

@@ -80,7 +80,7 @@ class ClaimOutcome(StrEnum):
 
 
 @dataclass(frozen=True)
-class Finding:
+class AuditedClaim:
     """A printed claim against the computation.
 
     Attributes:
@@ -105,7 +105,7 @@ class Finding:
         return Section(f"{self.title}: {self.outcome}", (claim, *self.computed, conclusion))
 
 
-def audit_paper() -> tuple[Finding, ...]:
+def audit_paper() -> tuple[AuditedClaim, ...]:
     """All findings."""
     roll, side = (check_cells(load_scene(name)) for name in ("four-wheel", "four-wheel-side"))
     return (
@@ -138,7 +138,7 @@ def _rows(header: str, rows: list[tuple[Entry, ...]], *widths: float) -> Block:
 # ---- 1: equations (3) and (4) --------------------------------------------------------------------
 
 
-def audit_equations_3_and_4(roll: CellCheck, side: CellCheck) -> Finding:
+def audit_equations_3_and_4(roll: CellCheck, side: CellCheck) -> AuditedClaim:
     """Eqs. (3) and (4), cell by cell."""
     rows: list[tuple[Entry, ...]] = []
     for name, printed, result in (("(3)", EQUATION_3, side), ("(4)", EQUATION_4, roll)):
@@ -146,7 +146,7 @@ def audit_equations_3_and_4(roll: CellCheck, side: CellCheck) -> Finding:
             said = "equal" if agrees(printed, cell) else "different"
             rows.append((name, cell.states[0].name, point(cell.polygon.centre), point(cell.twists[0]), said))
     equal = sum(row[-1] == "equal" for row in rows)
-    return Finding(
+    return AuditedClaim(
         1,
         "Equations (3) and (4)",
         ClaimOutcome.CONFIRMED if equal == len(rows) else ClaimOutcome.REFUTED,
@@ -184,7 +184,7 @@ RAYS = {
 }
 
 
-def audit_translation(roll: CellCheck, side: CellCheck) -> Finding:
+def audit_translation(roll: CellCheck, side: CellCheck) -> AuditedClaim:
     """V' of sec. 3.2 in all symbols, and V* on rays and closed cells."""
     factor = str(missing_factor())
     confirmed = rate_is(side.partition, larger=False) and rate_is(roll.partition, larger=True)
@@ -216,7 +216,7 @@ def audit_translation(roll: CellCheck, side: CellCheck) -> Finding:
             "everywhere but at the origin.",
             factor,
         )
-    return Finding(
+    return AuditedClaim(
         2,
         "V' and V* of section 3.2",
         ClaimOutcome.CORRECTED if confirmed else ClaimOutcome.REFUTED,
@@ -287,7 +287,7 @@ def rests(partition: Partition, place: Point) -> bool:
 # ---- 3: instability of theta ---------------------------------------------------------------------
 
 
-def audit_rotation(roll: CellCheck, side: CellCheck) -> Finding:
+def audit_rotation(roll: CellCheck, side: CellCheck) -> AuditedClaim:
     """Theta, by the convex combinations of motions at the origin."""
     unstable = all(r.rotation.verdict is Rotation.UNSTABLE and r.rotation.check() for r in (roll, side))
     rows: list[tuple[Entry, ...]] = []
@@ -302,7 +302,7 @@ def audit_rotation(roll: CellCheck, side: CellCheck) -> Finding:
         "invariance alone proves that `theta = 0` is not attractive, no more. These combinations belong to the "
         "Filippov set at the origin, so the body may spin there for ever: theta is unstable."
     )
-    return Finding(
+    return AuditedClaim(
         3,
         "Instability of theta",
         ClaimOutcome.STRENGTHENED if unstable else ClaimOutcome.REFUTED,
@@ -324,12 +324,12 @@ WEIGHTS, SPEEDS = (3, 2, 2), (0, 1, 1)  # one scalar motion, three contacts: the
 RATIOS = (2, Fraction(1, 2), Fraction(1, 5), Fraction(1, 10), Fraction(1, 100))
 
 
-def audit_largest_weights() -> Finding:
+def audit_largest_weights() -> AuditedClaim:
     """The constraints with the three largest weights need not minimize D."""
     losses = {x: sum(w * abs(x - u) for w, u in zip(WEIGHTS, SPEEDS, strict=True)) for x in sorted(set(SPEEDS))}
     best = min(losses, key=lambda x: losses[x])
     scene = load_scene("four-wheel")
-    return Finding(
+    return AuditedClaim(
         4,
         "The three largest weights",
         ClaimOutcome.REFUTED if losses[best] < losses[SPEEDS[0]] else ClaimOutcome.CONFIRMED,
@@ -422,7 +422,7 @@ def corrected_law(data: InputCell) -> CorrectedLaw:
     return CorrectedLaw(data, data.lever / data.second.length)
 
 
-def audit_feedback(roll: CellCheck) -> Finding:
+def audit_feedback(roll: CellCheck) -> AuditedClaim:
     """The printed law ``u_j = -k theta, u_i = |u_j| + k|c|`` cell by cell, and the corrected one."""
     if not isinstance(roll.feedback, FeedbackResult):
         raise ValueError("required a check under rule nearest, received sampled feedback")
@@ -438,7 +438,7 @@ def audit_feedback(roll: CellCheck) -> Finding:
     outcome = ClaimOutcome.CORRECTED if wrong else ClaimOutcome.CONFIRMED
     words = "`u_j = -k theta` has the wrong sign in {} of the {} cells ({}). With the sign of `Delta` the law gives "
     words += "`V' <= -sqrt(2) k V` on every closed cell." if proved else "no proved rate."
-    return Finding(
+    return AuditedClaim(
         5,
         "The printed feedback law",
         outcome if proved else ClaimOutcome.REFUTED,
@@ -510,7 +510,7 @@ def lowest_terms(expression: sympy.Expr) -> sympy.Expr:
     return sympy.cancel(expression.subs({c: (1 - t**2) / (1 + t**2), s: 2 * t / (1 + t**2)}))
 
 
-def audit_theorem_4_displays() -> Finding:
+def audit_theorem_4_displays() -> AuditedClaim:
     """The kinematics and V' in the proof of Theorem 4, as identities in all symbols."""
     twist = pair_twist()
     equal = all(lowest_terms(entry) == 0 for entry in twist - THEOREM_4_KINEMATICS)
@@ -525,7 +525,7 @@ def audit_theorem_4_displays() -> Finding:
             "to be multiplied by {} (it is that of `V/2`); in it, theta stands for both angles.",
             ratio,
         )
-    return Finding(
+    return AuditedClaim(
         6,
         "Theorem 4's displays",
         ClaimOutcome.CORRECTED if confirmed else ClaimOutcome.REFUTED,
@@ -554,13 +554,13 @@ def audit_theorem_4_displays() -> Finding:
 # ---- 7: every planar array -----------------------------------------------------------------------
 
 
-def audit_every_array() -> Finding:
+def audit_every_array() -> AuditedClaim:
     """The theorem does not hold for every planar array."""
     names = "off-center", "outward", "saddle", "differential-drive"
     results = [check_cells(load_scene(name)) for name in names]
     refuted = [r for r in results if r.verdict in (Theorem4.FAILS, Theorem4.HYPOTHESES_NOT_MET)]
     rows: list[tuple[Entry, ...]] = [(r.scene.name, str(r.verdict), r.reason) for r in results]
-    return Finding(
+    return AuditedClaim(
         7,
         "Theorem 4 for every planar array",
         ClaimOutcome.REFUTED if refuted else ClaimOutcome.CONFIRMED,
@@ -577,14 +577,14 @@ def audit_every_array() -> Finding:
 # ---- 8: uniqueness and isotropic friction --------------------------------------------------------
 
 
-def audit_uniqueness() -> Finding:
+def audit_uniqueness() -> AuditedClaim:
     """Where the minimizer is not unique."""
     cells = build_nearest_partition(_with_friction(load_scene("four-wheel"), 1)).cells
     tied = sum(len(cell.states) > 1 for cell in cells)
     two = ContactModel.build([[0, 0], [2, 1]], [[1, 0], [1, 0]], [[1, 0.3], [-0.2, 0.5]], [1, 1])
     unequal, alike = EllipseInterior().minimize(two, np.array([[1.0, 2.0], [1.0, 1.0]]))
     circle_is_unique = unequal.face is None and alike.face is not None
-    return Finding(
+    return AuditedClaim(
         8,
         "Uniqueness and isotropic friction",
         ClaimOutcome.CORRECTED if circle_is_unique and tied else ClaimOutcome.CONFIRMED,
@@ -619,7 +619,7 @@ def _face_text(minimum: Minimum) -> str:
 # ---- 9: the friction ellipse of Fig. 3 -----------------------------------------------------------
 
 
-def audit_friction_ellipse() -> Finding:
+def audit_friction_ellipse() -> AuditedClaim:
     """The theorem under the functional of the paper's own Fig. 3."""
     result = check_smooth(load_scene("four-wheel", rule="ellipse"))
     linear = result.translation.point.linearization
@@ -631,7 +631,7 @@ def audit_friction_ellipse() -> Finding:
         r"\end{pmatrix} c + O(\lvert c \rvert^2)",
         f"c' = [{a}, {b}; {c}, {d}] c + O(|c|^2)",
     )
-    return Finding(
+    return AuditedClaim(
         9,
         "The friction ellipse of Fig. 3",
         ClaimOutcome.REFUTED if result.verdict is Theorem4.FAILS else ClaimOutcome.CONFIRMED,
