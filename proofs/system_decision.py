@@ -80,15 +80,17 @@ class StabilityResult(ShortRepr):
 
     def check(self) -> bool:
         """Verify every V, what follows from it, and how far it carries; decide again what takes no search."""
-        functions = {id(own): own for own in (self.given, *(f.function for f in self.findings)) if own is not None}
+        deciding = self.deciding
+        others = {id(own): own for own in (self.given, *(f.function for f in self.findings)) if own is not None}
+        others.pop(id(deciding.function), None)  # verified with the reach
         stated = self.given is None or self.given.formula == self.scene.check.lyapunov
-        if not stated or not all(own.check(self.scene) for own in functions.values()):
+        if not stated or not all(own.check(self.scene) for own in others.values()):
             return False
         point = checked_point(self.scene)
         known = _walk(point, self.findings)
         again = known.findings or (_open(point),)
         same = again == self.findings and _equilibrium(point, self.verdict) is self.equilibrium
-        return same and point.verifies(self.reach, self.deciding)
+        return same and point.verifies(self.reach, deciding)
 
 
 def decide_system(system: SwitchedSystem) -> StabilityResult:

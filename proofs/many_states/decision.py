@@ -27,7 +27,7 @@ from nonsmooth.proofs.many_states.decay import decay_rate
 from nonsmooth.proofs.many_states.denominators import require_denominators
 from nonsmooth.proofs.many_states.escape import escaping_rate, escaping_velocity
 from nonsmooth.proofs.many_states.examination import examine
-from nonsmooth.proofs.many_states.examined_lyapunov import ExaminedLyapunov, is_shown
+from nonsmooth.proofs.many_states.examined_lyapunov import ExaminedLyapunov
 from nonsmooth.proofs.many_states.instability import GrowthEvidence, find_growth
 from nonsmooth.proofs.many_states.linear_part import LinearPart, Spectrum, linear_part, quadratic_text, unstable_mixture
 from nonsmooth.proofs.many_states.lyapunov_search import SCALES, find_lyapunov
@@ -36,7 +36,7 @@ from nonsmooth.proofs.many_states.sublevel import largest_sublevel
 from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.domain import Domain
-from nonsmooth.proofs.systems.findings import CheckedPoint, Finding, Known, Method, Reach
+from nonsmooth.proofs.systems.findings import CheckedPoint, Finding, Known, Method, Reach, is_shown
 from nonsmooth.proofs.systems.invariance import Staying
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.enclosed_numbers import NoEnclosureError, enclose_numbers
@@ -126,12 +126,12 @@ class SpacePoint(CheckedPoint):
         return Reach(everywhere, region, region, rate, self._rate_domain(found, rate))
 
     def verifies(self, reach: Reach, found: Finding) -> bool:
-        """Whether the checker accepts the region and the rate, of the V that shows asymptotic stability."""
+        """Whether the checker accepts the V of a finding, with its region and its rate."""
         function, region, rate = found.function, reach.region, reach.rate
         if reach != Reach(self._holds_everywhere(found), region, region, rate, self._rate_domain(found, rate)):
             return False
         if region is None and rate is None:
-            return True
+            return function is None or bool(function.check(self.system))
         if function is None or function.decrease is not Decrease.STRICT or (rate and self.system.scale):
             return False
         return is_shown(self.system, function.known_entry(reach), found.verdict)

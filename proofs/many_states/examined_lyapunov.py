@@ -6,8 +6,6 @@ from dataclasses import dataclass
 from typing import Any, cast
 
 from nonsmooth.proofs.checker.roots import read_subject
-from nonsmooth.proofs.checker.statements import show_entry
-from nonsmooth.proofs.checker.work import BUDGET, MALFORMED, MAX_BYTES, RejectedError
 from nonsmooth.proofs.kernel.search import NotShownError, Search, stability_hypotheses
 from nonsmooth.proofs.kernel.second_function import find_second
 from nonsmooth.proofs.kernel.subject import about
@@ -15,7 +13,7 @@ from nonsmooth.proofs.many_states.decay import ProvedDecay
 from nonsmooth.proofs.many_states.examination import Examination, FailurePoint, examine
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.domain import Domain
-from nonsmooth.proofs.systems.findings import ExaminedFunction, Reach
+from nonsmooth.proofs.systems.findings import ExaminedFunction, Reach, is_shown
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.piecewise import PiecewiseExpression
@@ -100,12 +98,3 @@ class ExaminedLyapunov(ExaminedFunction):
         for more in (region, rate):
             proofs |= {} if more is None else more.proofs
         return {"theorem": "lyapunov", "hypotheses": hypotheses, "proofs": proofs}
-
-
-def is_shown(system: SwitchedSystem, entry: dict[str, Any], verdict: Translation) -> bool:
-    """Whether the checker accepts a theorem about a system, and the theorem shows a verdict."""
-    try:
-        with BUDGET.granted(MAX_BYTES):
-            return {"stability": str(verdict)} in show_entry(read_subject(about(system)), entry)
-    except (*MALFORMED, RejectedError):
-        return False

@@ -13,7 +13,11 @@ from enum import StrEnum
 from fractions import Fraction
 from typing import Any, Protocol
 
+from nonsmooth.proofs.checker.roots import read_subject
+from nonsmooth.proofs.checker.statements import show_entry
+from nonsmooth.proofs.checker.work import BUDGET, MALFORMED, MAX_BYTES, RejectedError
 from nonsmooth.proofs.facts import Fact
+from nonsmooth.proofs.kernel.subject import about
 from nonsmooth.proofs.systems.decay_rate import DecayRate, RegionRate
 from nonsmooth.proofs.systems.derivatives import Decrease, Supremum
 from nonsmooth.proofs.systems.disturbance_gain import DisturbanceGain
@@ -235,7 +239,7 @@ class CheckedPoint(ABC):
         return Reach()
 
     def verifies(self, reach: Reach, found: Finding) -> bool:
-        """Whether a reach is one of the finding."""
+        """Whether the V of a finding, and how far it carries, verify."""
         return reach == self.reach(found)
 
 
@@ -255,3 +259,12 @@ class Strategy:
     states: range
     decide: Callable[[Any, Known], Finding | None]
     verify: Callable[[Any, Known, Finding], Finding | None] | None = None
+
+
+def is_shown(system: SwitchedSystem, entry: dict[str, Any], verdict: Translation) -> bool:
+    """Whether the checker accepts a theorem about a system, and the theorem shows a verdict."""
+    try:
+        with BUDGET.granted(MAX_BYTES):
+            return {"stability": str(verdict)} in show_entry(read_subject(about(system)), entry)
+    except (*MALFORMED, RejectedError):
+        return False

@@ -19,11 +19,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import replace
 from functools import cached_property
+from typing import Any
 
 from nonsmooth.analysis.cells.switched_cells import FieldCell
 from nonsmooth.proofs.inequalities.effort import shared_effort
+from nonsmooth.proofs.kernel.second_function import find_attraction
 from nonsmooth.proofs.systems.certified_reach import (
     arrives_in_finite_time,
     cells_of_checked_square,
@@ -33,8 +36,8 @@ from nonsmooth.proofs.systems.certified_reach import (
 from nonsmooth.proofs.systems.denominators import require_denominators
 from nonsmooth.proofs.systems.derivatives import EFFORT, Decrease, examine
 from nonsmooth.proofs.systems.domain import SHRINKING, Domain, domains, given_cells, plane_cells
-from nonsmooth.proofs.systems.findings import CheckedPoint, Finding, Known, Method, Reach
-from nonsmooth.proofs.systems.invariance import Staying, decide_staying
+from nonsmooth.proofs.systems.findings import CheckedPoint, Finding, Known, Method, Reach, is_shown
+from nonsmooth.proofs.systems.invariance import Staying, resting_place
 from nonsmooth.proofs.systems.leading_terms import LeadingTerms, decide_leading_terms
 from nonsmooth.proofs.systems.local_cells import conic_germ, decide_equilibrium
 from nonsmooth.proofs.systems.lyapunov_search import has_curves
@@ -50,6 +53,7 @@ from nonsmooth.proofs.systems.ray_moves import (
 from nonsmooth.proofs.systems.root_axes import axes_are_crossed
 from nonsmooth.proofs.systems.search import PlaneFunction, search_lyapunov, search_weak_lyapunov
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
+from nonsmooth.symbolic.enclosed_numbers import NoEnclosureError, enclose_numbers
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 SEARCH_EFFORT = 2 * EFFORT  # for all candidates of a search together
@@ -67,7 +71,7 @@ class PlanePoint(CheckedPoint):
         """
         require_denominators(system)
         self.system = system
-        self._staying: dict[int, Staying] = {}
+        self._attraction: dict[int, dict[str, Any] | None] = {}
 
     @cached_property
     def cells(self) -> tuple[FieldCell, ...]:
@@ -128,13 +132,19 @@ class PlanePoint(CheckedPoint):
         for domain in self._domains[1:]:
             yield self.given_on(domain)
 
-    def staying(self, function: PlaneFunction) -> Staying:
-        """What stays where V' = 0, of a V that does not increase."""
-        if id(function) not in self._staying:
-            radius = function.domain.radius or self.system.check.radius
-            found = decide_staying(self.system, function.formula, radius, function.result.cells)
-            self._staying[id(function)] = found
-        return self._staying[id(function)]
+    def attraction(self, function: PlaneFunction) -> dict[str, Any] | None:
+        """LaSalle's principle with its evidence, as a certificate holds it, of a V that does not increase."""
+        if id(function) not in self._attraction:
+            self._attraction[id(function)] = self._searched_attraction(function)
+        return self._attraction[id(function)]
+
+    def _searched_attraction(self, function: PlaneFunction) -> dict[str, Any] | None:
+        if function.formula is None or resting_place(function.result.cells) is not None:
+            return None
+        radius = function.domain.radius or self.system.check.radius
+        with suppress(NoEnclosureError):
+            return find_attraction(enclose_numbers(self.system), function.formula, radius)
+        return None
 
     @property
     def open_reason(self) -> str:
@@ -153,10 +163,12 @@ class PlanePoint(CheckedPoint):
         return self._extended(proved, found)
 
     def verifies(self, reach: Reach, found: Finding) -> bool:
-        """Whether the regions, the rates and the gain are those of the V, and verify."""
+        """Whether V, and the regions, the rates and the gain that are told of it, verify."""
+        function, near, far = found.function, reach.near, reach.region
+        if function is not None and not function.check(self.system):
+            return False
         if found.verdict is not Translation.ASYMPTOTICALLY_STABLE:
             return reach == Reach()
-        function, near, far = found.function, reach.near, reach.region
         bare = self._extended(Reach(), found)
         if reach == bare:
             return True
@@ -282,7 +294,7 @@ def show_stated_attraction(point: PlanePoint, known: Known) -> Finding | None:
     system = point.system
     if known.function is None or not has_curves(system) or system.check.is_default or point.rays:
         return None
-    return conclude_attraction(point, known.function)
+    return show_attraction(point, known.function)
 
 
 @shared_effort(EFFORT)
@@ -295,24 +307,28 @@ def search_attraction(point: PlanePoint, known: Known) -> Finding | None:
     if not known.attraction_is_open or (given is not None and point.rays):
         return None
     if given is not None:
-        shown = conclude_attraction(point, given)
+        shown = show_attraction(point, given)
         if shown is None and given.domain.radius == radius:
-            shown = conclude_attraction(point, point.given_on(Domain(radius * SHRINKING)))
+            shown = show_attraction(point, point.given_on(Domain(radius * SHRINKING)))
         if shown is not None:
             return shown
     found = search_weak_lyapunov(point.system, may_attract=not point.rays)
     if found is None:
         return None
-    shown = None if point.rays else conclude_attraction(point, found)
+    shown = None if point.rays else show_attraction(point, found)
     return shown or (conclude_function(point, found) if given is None else None)
 
 
-def conclude_attraction(point: PlanePoint, function: PlaneFunction) -> Finding | None:
-    """What follows where nothing but the point stays where V, which does not increase, is kept."""
-    if function.decrease is not Decrease.WEAK or function.grows or point.staying(function) is not Staying.NONE:
-        return None
+def show_attraction(point: PlanePoint, function: PlaneFunction) -> Finding | None:
+    """Whether nothing but the point stays where V, which does not increase, is kept."""
+    entry = point.attraction(function) if function.decrease is Decrease.WEAK else None
+    return None if entry is None else conclude_attraction(function, entry)
+
+
+def conclude_attraction(function: PlaneFunction, entry: dict[str, Any]) -> Finding:
+    """What LaSalle's principle shows, of a V and the theorem with its evidence."""
     reason = f"{function.reason}, and {Staying.NONE}"
-    return Finding(Method.INVARIANCE, Translation.ASYMPTOTICALLY_STABLE, reason, function)
+    return Finding(Method.INVARIANCE, Translation.ASYMPTOTICALLY_STABLE, reason, function, proofs=entry)
 
 
 # ---- findings of searches, verified ----------------------------------------------------------------
@@ -324,8 +340,11 @@ def verify_function(point: PlanePoint, known: Known, claimed: Finding) -> Findin
 
 
 def verify_attraction(point: PlanePoint, known: Known, claimed: Finding) -> Finding | None:
-    """What follows from a V, and from what stays where it is kept."""
-    if claimed.function is None:
+    """What follows from a V, and from LaSalle's principle, if the checker accepts it of this V."""
+    function, entry = claimed.function, claimed.proofs
+    if function is None or claimed.is_weak:
+        return verify_function(point, known, claimed)
+    if entry is None or function.formula is None or entry["hypotheses"]["function"] != function.formula.text:
         return None
-    conclude = conclude_function if claimed.is_weak else conclude_attraction
-    return conclude(point, claimed.function)
+    shown = is_shown(enclose_numbers(point.system), entry, Translation.ASYMPTOTICALLY_STABLE)
+    return conclude_attraction(function, entry) if shown else None
