@@ -18,7 +18,7 @@ from fractions import Fraction
 from nonsmooth.symbolic.body import Body
 from nonsmooth.symbolic.continuum import Disc, Footprint
 from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
-from nonsmooth.symbolic.scene import Friction, LoadTable, Scene, Wheel
+from nonsmooth.symbolic.scene import LoadTable, Scene, Wheel
 from nonsmooth.symbolic.support_polygon import extent, outer_positions, support_polygon
 from nonsmooth.symbolic.switched_system import SwitchedSystem, require_single
 
@@ -105,8 +105,8 @@ def moved(scene: Scene, x: Fraction, y: Fraction) -> Scene:
 
 def with_friction_ratio(scene: Scene, ratio: Fraction) -> Scene:
     """``mu_R = 1`` and ``mu_S = ratio`` at every wheel."""
-    friction = Friction(scene.field.one, scene.field(ratio))
-    return with_wheels(scene, lambda wheel: replace(wheel, friction=friction))
+    roll, side = scene.field.one, scene.field(ratio)
+    return with_wheels(scene, lambda wheel: replace(wheel, friction=replace(wheel.friction, roll=roll, side=side)))
 
 
 def scaled_system(
