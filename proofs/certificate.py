@@ -18,7 +18,7 @@ The form of the numbers is described in :mod:`nonsmooth.proofs.exact_json`.
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, TypeAlias
 
 from nonsmooth.analysis.cells.contact_partition import build_partition
@@ -86,7 +86,7 @@ def claim_not_shown(certificate: Record) -> str:
     return refusal(certificate, len(json.dumps(certificate)))
 
 
-def stated_words(certificate: Record) -> dict[str, str]:
+def stated_words(certificate: Mapping[str, Any]) -> dict[str, str]:
     """What a certificate states of each clause, and as the conclusion, by their names; it may leave some out."""
     said = {name: word for claim in certificate["statement"]["claims"] for name, word in claim.items()}
     words = {name: said[name] for name in CLAUSES if name in said}

@@ -200,8 +200,18 @@ def other_claims(good: Record) -> Iterator[Any]:
 
 def other_disc(good: Record) -> Iterator[Any]:
     """A disc that is too large, or of no size."""
-    for disc in ("1000", "0", "-1", "1/0", 1, []):
+    wrong: tuple[Any, ...] = ("1000", "0", "-1", "1/0", 1, [])
+    for disc in wrong:
         yield [([*HYPOTHESES, "disc"], disc)]
+
+
+LAWS: tuple[Record, ...] = (
+    {"signs": [1]},
+    {"twists": [["1", "0", "0"]] * 3},
+    {"plane": ["0", "0", "0"]},
+    {"law": []},
+    {},
+)
 
 
 def other_proofs(good: Record) -> Iterator[Any]:
@@ -221,7 +231,7 @@ def other_proofs(good: Record) -> Iterator[Any]:
         elif name.startswith("barrier"):
             yield [(where, ["0", "0", "0"])]
             yield [(where, ["1000", "1000", "-1"])]
-        for law in ({"signs": [1]}, {"twists": [["1", "0", "0"]] * 3}, {"plane": ["0", "0", "0"]}, {"law": []}, {}):
+        for law in LAWS:
             yield [([*PROOFS, "feedback"], law)]
         yield [(where, None)]
     yield [([*PROOFS, "separator"], ["1", "0"])] if "separator" not in proofs else None
@@ -238,7 +248,14 @@ def other_tolerances(good: Record) -> Iterator[Any]:
     k = next(k for k, own in enumerate(claims) if "tolerances" in own)
     for key, value in (("radius", "1/1000"), ("rate", "1000"), ("start", "10"), ("start", "1/1000"), ("rate", "0")):
         yield [(["evidence", 1, "hypotheses", key], value), ([*CLAIMS, k, "tolerances", key], value)]
-    for key, value in (("position", "1"), ("heading", "1/2"), ("speed", "2"), ("mu_side", "-1"), ("mu_roll", GONE)):
+    sizes: tuple[Any, ...] = (
+        ("position", "1"),
+        ("heading", "1/2"),
+        ("speed", "2"),
+        ("mu_side", "-1"),
+        ("mu_roll", GONE),
+    )
+    for key, value in sizes:
         yield [([*SUBJECT, "tolerances", key], value)]
 
 

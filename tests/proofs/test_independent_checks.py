@@ -49,7 +49,8 @@ def forged_fans(result: FanResult) -> Iterator[FanResult]:
 
 
 @pytest.mark.parametrize("name", FANS)
-def test_a_fan_verifies_without_deciding_again(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_verdict_of_a_fan_is_verified_without_deciding_again(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """By the stand-alone checker."""
     found = decide_fan(check_cells(load_scene(name)).partition)
 
     def forbidden(*_: object) -> None:
@@ -58,7 +59,14 @@ def test_a_fan_verifies_without_deciding_again(name: str, monkeypatch: pytest.Mo
     for decider in ("decide_cones", "slide_speed", "full_turns", "_escapes", "_slides"):
         monkeypatch.setattr(fans, decider, forbidden)
     assert found.check()
-    assert not [forged for forged in forged_fans(found) if forged.check()]
+    assert not [forged for forged in forged_fans(found) if forged.verdict is not found.verdict and forged.check()]
+
+
+@pytest.mark.parametrize("name", FANS)
+def test_moves_and_turns_are_verified_by_deciding_again(name: str) -> None:
+    found = decide_fan(check_cells(load_scene(name)).partition)
+    assert found.recompute()
+    assert not [forged for forged in forged_fans(found) if forged.recompute()]
 
 
 def test_a_fan_of_a_plain_system_with_turns() -> None:
@@ -66,8 +74,8 @@ def test_a_fan_of_a_plain_system_with_turns() -> None:
     fan = PlanePoint(result.scene).fan
     assert fan is not None
     assert fan.fan.turns
-    assert fan.fan.check()
-    assert not [forged for forged in forged_fans(fan.fan) if forged.check()]
+    assert fan.fan.recompute()
+    assert not [forged for forged in forged_fans(fan.fan) if forged.recompute()]
 
 
 def test_another_overshoot_is_refused_by_deciding_again() -> None:

@@ -35,21 +35,14 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from itertools import product
-from typing import Any
+from typing import Any, cast
 
 from nonsmooth.analysis.cells.fan import Cone, build_fan, is_plane, rays_of
 from nonsmooth.analysis.cells.full_turns import FullTurn, Growth, full_turns
 from nonsmooth.analysis.cells.moves import departure_sign, slide_speed
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.cells.polygon import Point
-from nonsmooth.proofs.clauses.translation.fan_check import (
-    are_the_turns,
-    escapes,
-    is_open,
-    leads_out,
-    rests,
-    slides,
-)
+from nonsmooth.proofs.checker import fan as checker
 from nonsmooth.proofs.clauses.translation.overshoot import leaves_at_a_root, squared_overshoot
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.constraints import Twist
@@ -139,38 +132,17 @@ class FanResult:
         return reason + (far if self.grows_to_a_root else "")
 
     def check(self) -> bool:
-        """Verify the verdict with its evidence and turns by other means (module ``fan_check``); not the overshoot."""
-        if not are_the_turns(self.cones, self.turns) or not all(self._is_genuine(e) for e in self.evidence):
-            return False
-        out, kinds = leads_out(self.cones, self.turns), {entry.move for entry in self.evidence}
-        if self.verdict is Translation.UNSTABLE:
-            return out and bool(kinds) and kinds <= {Move.ESCAPE, Move.SLIDE, Move.TURN}
-        if self.verdict is Translation.UNDECIDED:
-            return not out and kinds == {Move.TIE}
-        resting = rests(self.cones)
-        told = kinds == {Move.REST} if resting else not kinds
-        stable = Translation.STABLE if resting else Translation.ASYMPTOTICALLY_STABLE
-        return not out and not is_open(self.cones, self.turns) and told and self.verdict is stable
-
-    def _is_genuine(self, entry: MoveEvidence) -> bool:
-        """Whether one move happens in the fan."""
-        match entry.move:
-            case Move.ESCAPE:
-                own = [(cone, twist) for cone in self.cones for twist in cone.twists if (twist,) == entry.twists]
-                return any(twist.velocity == entry.ray and escapes(cone, twist) for cone, twist in own)
-            case Move.TURN:
-                return entry.value in self.turns and entry.value.growth is Growth.DIVERGES
-            case Move.REST if len(entry.twists) == 1:
-                return not any(entry.twists[0]) and any(entry.twists[0] in cone.twists for cone in self.cones)
-            case Move.SLIDE | Move.REST:
-                outward = int(entry.move is Move.SLIDE)
-                found = [(ray, (first, second)) for ray, first, second, s in slides(self.cones) if s == outward]
-                return sign(entry.value) == outward and (entry.ray, entry.twists) in found
-            case _:
-                return is_open(self.cones, self.turns)
+        """Whether the stand-alone checker says the same of these cones; it decides by code of its own."""
+        rays: list[Any] = [(*cone.start, 1) for cone in self.cones]
+        cones = []
+        for k, cone in enumerate(self.cones):
+            ends = (-1, -1) if is_plane(cone) else (k, (k + 1) % len(rays))
+            cones.append(checker.Cone(*ends, cast("tuple[Any, ...]", cone.twists)))
+        found = checker.Fan(cones, rays).verdict()
+        return found == (None if self.verdict is Translation.UNDECIDED else self.verdict)
 
     def recompute(self) -> bool:
-        """Whether deciding again from the cones gives the same, the overshoot too."""
+        """Whether deciding again from the cones gives the same: moves, turns and the overshoot too."""
         return self == decide_cones(self.cones)
 
 
