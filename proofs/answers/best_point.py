@@ -33,9 +33,13 @@ from nonsmooth.symbolic.plane import Vector
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
-_RANK = {
-    **{Position.COMES_HOME: 0, Position.COMES_NEAR: 1, Position.STAYS_NEAR: 2, None: 2},
-    **{Position.UNDECIDED: 3, Position.LEAVES: 4},
+_RANK: dict[Position | None, int] = {
+    Position.COMES_HOME: 0,
+    Position.COMES_NEAR: 1,
+    Position.STAYS_NEAR: 2,
+    None: 2,
+    Position.UNDECIDED: 3,
+    Position.LEAVES: 4,
 }
 DENOMINATORS = (1, 10, 100, 1_000)  # of the coordinates that are tried under a rule without cells
 SHORT_BITS = 256  # of a coordinate; the numbers of measured tables have about fifty
