@@ -2,44 +2,43 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from rich.console import Group, RenderableType
-from rich.text import Text
-
 from nonsmooth.analysis.minimizers.agreement import Agreement, TwistDifference, intersect
+from nonsmooth.reports.document import Block, Paragraph, table
 from nonsmooth.reports.exact_record import with_exact
 from nonsmooth.reports.figures.cell_map import PICTURE, TINT, draw_hatch, figure_bytes, require_drawable
 from nonsmooth.reports.figures.labels import centre_labels, wrapped
 from nonsmooth.reports.figures.wheels import INK
-from nonsmooth.reports.terminal import header_table
 from nonsmooth.symbolic.number_text import float_text, place_text, short_text
 from nonsmooth.symbolic.scene_error import one_line
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure, FigureBase
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from matplotlib.patches import Patch
 
 AGREEMENT_SCHEMA = "nonsmooth-agreement/1"
 AGREE, DIFFER = "#009E73", "#E69F00"  # bluish green and orange: told apart by color-blind readers, and by hatching
 HATCH = "//"
 
 
-def agreement_view(agreement: Agreement) -> RenderableType:
+def agreement_blocks(agreement: Agreement) -> Sequence[Block]:
     """Shares and differences as a table."""
-    table = header_table("rules", "agreement on the square")
-    twists = []
+    rows, twists = [], []
     for (first, second), shared in agreement.shared.items():
-        table.add_row(
-            f"{first} and {second}", f"same motion on a share of {short_text(shared.share)} of the area (exact)"
-        )
+        share = short_text(shared.share)
+        rows.append((f"{first} and {second}", f"same motion on a share of {share} of the area (exact)"))
         which = "" if len(agreement.shared) == 1 else f" of {first} and {second}"
         twists.append(f"{len(shared.shared_twists)} twists in common{which}")
     for (first, second), difference in agreement.differences.items():
-        table.add_row(f"{first} and {second}", difference_text(difference))
+        rows.append((f"{first} and {second}", difference_text(difference)))
     (first, cells), *others = ((name, len(partition.cells)) for name, partition in agreement.partitions.items())
     counts = [f"{cells} cells under rule {first}", *(f"{count} under rule {name}" for name, count in others)]
     note = "differences of the twist (|v|, R omega), R the distance of the farthest wheel, relative to the larger twist"
-    return Group(Text(", ".join(counts + twists)), table, Text(note, "dim"))
+    found = table(("rules", "agreement on the square"), rows, (1.0, 3.0))
+    return [Paragraph((", ".join(counts + twists),)), found, Paragraph((note,))]
 
 
 def agreement_record(agreement: Agreement) -> dict[str, Any]:
@@ -65,7 +64,6 @@ def _scene_name(agreement: Agreement) -> str:
 
 def agreement_map(agreement: Agreement, suffix: str) -> bytes:
     """The square, shaded by whether two rules prescribe the same motion; ``suffix`` as for the cell map."""
-    require_drawable(next(iter(agreement.partitions.values())))
     return figure_bytes(lambda: build_figure(agreement), suffix)
 
 
@@ -73,19 +71,21 @@ def build_figure(agreement: Agreement) -> Figure:
     """The picture as a Matplotlib figure, one panel for each pair of rules with cells."""
     from matplotlib.figure import Figure
 
+    require_drawable(next(iter(agreement.partitions.values())))
     pairs = list(agreement.shared)
     figure = Figure(figsize=(PICTURE * len(pairs), PICTURE + 0.4), layout="constrained")
     panels = [figure] if len(pairs) == 1 else list(figure.subfigures(1, len(pairs), squeeze=False)[0])
     for pair, panel in zip(pairs, panels, strict=True):
-        _draw_pair(panel, agreement, *pair)
+        handles = draw_pair(panel.subplots(), agreement, *pair)
+        panel.legend(handles=handles, loc="outside lower center", ncols=2, frameon=False)
     return figure
 
 
-def _draw_pair(panel: FigureBase, agreement: Agreement, first: str, second: str) -> None:
+def draw_pair(axes: Axes, agreement: Agreement, first: str, second: str) -> list[Patch]:
+    """Where two rules with cells prescribe the same motion; returns what a legend says."""
     from matplotlib.colors import to_rgba
     from matplotlib.patches import Patch
 
-    axes = panel.subplots()
     for own in agreement.partitions[first].cells:
         for other in agreement.partitions[second].cells:
             common = intersect(own.polygon, other.polygon)
@@ -97,14 +97,13 @@ def _draw_pair(panel: FigureBase, agreement: Agreement, first: str, second: str)
                 if not same:
                     draw_hatch(axes, xs, ys, HATCH)
     share = short_text(agreement.shared[first, second].share)
-    handles = [
-        Patch(facecolor=AGREE, alpha=TINT, label=f"same motion: {share} of the area"),
-        Patch(facecolor=to_rgba(DIFFER, TINT), hatch=HATCH, edgecolor=INK, linewidth=0, label="different motions"),
-    ]
-    panel.legend(handles=handles, loc="outside lower center", ncols=2, frameon=False)
     units = agreement.partitions[first].scene.units
     axes.set(aspect="equal", **centre_labels(units))
     axes.set_title(wrapped(f"{one_line(_scene_name(agreement))}: rules {first} and {second}"), parse_math=False)
+    return [
+        Patch(facecolor=AGREE, alpha=TINT, label=f"same motion: {share} of the area"),
+        Patch(facecolor=to_rgba(DIFFER, TINT), hatch=HATCH, edgecolor=INK, linewidth=0, label="different motions"),
+    ]
 
 
 def difference_text(difference: TwistDifference) -> str:

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
-
-from rich.console import Group, RenderableType
-from rich.table import Table
-from rich.text import Text
+from typing import TYPE_CHECKING, Any
 
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.switched_cells import FieldCell, square_regions, system_cells
@@ -17,16 +14,22 @@ from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.proofs.systems.border_motion import BorderPart, border_parts
 from nonsmooth.proofs.systems.border_signs import wave_border_parts
 from nonsmooth.proofs.verified import verified
+from nonsmooth.reports.document import Block, Paragraph, table
 from nonsmooth.reports.exact_record import with_exact
+from nonsmooth.reports.result import DataTable, Record, Result
 from nonsmooth.symbolic.number_text import place_text
 from nonsmooth.symbolic.scene_error import one_line
 from nonsmooth.symbolic.switched_system import SwitchedSystem, require_one_field, require_plane
 
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
 SCHEMA = "nonsmooth-phase-portrait/1"
 
 
-@dataclass(frozen=True)
-class PhasePortrait:
+@dataclass(frozen=True, repr=False)
+class PhasePortrait(Result):
     """Cells and borders of the checked square, in the displacement from the checked point.
 
     Attributes:
@@ -64,7 +67,7 @@ class PhasePortrait:
         """The verdict on the checked point."""
         return verified(decide_system(self.system))
 
-    def record(self) -> dict[str, Any]:
+    def facts(self) -> Record:
         """The JSON record."""
         head = {"schema": SCHEMA, "scene": self.system.name, "states": list(self.system.states)}
         at = with_exact({"at": self.system.check.equilibrium, "radius": self.system.check.radius})
@@ -79,24 +82,39 @@ class PhasePortrait:
     def _text(self, polynomial: Any) -> str:
         return str(replace(polynomial, variables=self.system.states))
 
-    def view(self) -> RenderableType:
-        """Two tables: cells with their fields, and borders with what solutions do there."""
-        states = self.system.states
-        cells, borders = Table("corners", *(f"{name}'" for name in states)), Table("from", "to", "solutions")
+    def table(self) -> DataTable:
+        """One line for each cell: its corners and guards, and its field."""
+        states, lines = self.system.states, []
         for cell, field in zip(self.cells, self.fields, strict=True):
             where = ", ".join(place_text(corner, 4) for corner in _corners(cell))
             guards = "".join(f"; {self._text(g)} > 0" for g in cell.region.guards)
-            cells.add_row(where + guards, *field.texts(states))
-        for part in self.borders:
-            borders.add_row(place_text(part.start, 4), place_text(part.end, 4), str(part.kind))
-        head = f"{one_line(self.system.name)}: plain switched system in {', '.join(states)}, measured from the point"
-        return Group(Text(head), cells, borders) if self.borders else Group(Text(head), cells)
+            lines.append((where + guards, *field.texts(states)))
+        return DataTable(("corners", *(f"{name}'" for name in states)), lines)
 
-    def picture(self, suffix: str) -> bytes:
+    def blocks(self) -> Sequence[Block]:
+        """Cells with their fields, and borders with what solutions do there."""
+        names, lines = self.table()
+        states = ", ".join(self.system.states)
+        head = f"{one_line(self.system.name)}: plain switched system in {states}, measured from the point"
+        blocks: list[Block] = [Paragraph((head,)), table(names, lines, (1.0,) * len(names))]
+        rows = [(place_text(part.start, 4), place_text(part.end, 4), str(part.kind)) for part in self.borders]
+        return [*blocks, table(("from", "to", "solutions"), rows, (1.0,) * 3)] if rows else blocks
+
+    def summary(self) -> str:
+        """How many cells, and the verdict on the checked point."""
+        return f"{len(self.cells)} cells, {self.stability.verdict}"
+
+    def draw(self, ax: Axes) -> None:
         """Field lines, nullclines, borders, and the V that proves stability with its region."""
-        from nonsmooth.reports.figures.phase_portrait import portrait_figure
+        from nonsmooth.reports.figures.phase_portrait import draw_portrait
 
-        return portrait_figure(self, suffix)
+        draw_portrait(ax, self)
+
+    def figure(self) -> Figure:
+        """The same with a legend."""
+        from nonsmooth.reports.figures.phase_portrait import build_figure
+
+        return build_figure(self)
 
 
 def _corners(cell: FieldCell) -> tuple[Point, ...]:

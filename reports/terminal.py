@@ -6,7 +6,7 @@ from scene files are text.  Verdicts are words first; color repeats them, and on
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from rich import box
 from rich.console import Group, RenderableType
@@ -15,7 +15,7 @@ from rich.text import Text
 
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.proofs.theorem4_result import Check
-from nonsmooth.reports.document import Block, Paragraph, Table, plain_text
+from nonsmooth.reports.document import Block, Paragraph, Table, plain_text, table
 from nonsmooth.reports.facts import fact_lines
 from nonsmooth.symbolic.number_text import short_text
 from nonsmooth.symbolic.numbers.measured_angles import angle_notes
@@ -66,23 +66,22 @@ def check_view(result: Check) -> RenderableType:
     return Group(Text(_census(result)), table, *left_out)
 
 
-def partition_view(partition: Partition) -> RenderableType:
+def partition_blocks(partition: Partition) -> Sequence[Block]:
     """The cells with their rows and twists."""
-    table = header_table("cell", "rows held", "v_x", "v_y", "omega", "area")
+    rows = []
     for cell in partition.cells:
         for k, state in enumerate(cell.states):
             index, area = (str(cell.index), short_text(cell.polygon.area)) if k == 0 else ("", "or")
-            twist = [Text(short_text(entry)) for entry in state.twist]
-            table.add_row(Text(index), Text(state.name), *twist, Text(area))
+            rows.append((index, state.name, *map(short_text, state.twist), area))
     exact = "the cells tile the square" if partition.tiles else "the cells do not tile the square"
     head = f"{one_line(partition.scene.name)}: {len(partition.cells)} cells, {len(partition.states)} contact states"
-    return Group(
-        Text(f"{head}, rule {partition.rule}"),
-        table,
-        Text(f"area of the square minus area of the cells: {short_text(partition.area_error)} ({exact})"),
-        Text("R1 and S1 are the roll and side row of wheel 1; (v_x, v_y) is the body's velocity at the world origin"),
-        *notes_lines(partition.scene.field),
+    notes = (
+        f"area of the square minus area of the cells: {short_text(partition.area_error)} ({exact})",
+        "R1 and S1 are the roll and side row of wheel 1; (v_x, v_y) is the body's velocity at the world origin",
+        *(f"note: {note}" for note in angle_notes(partition.scene.field)),
     )
+    cells = table(("cell", "rows held", "v_x", "v_y", "omega", "area"), rows, (1.0,) * 6)
+    return [Paragraph((f"{head}, rule {partition.rule}",)), cells, *(Paragraph((note,)) for note in notes)]
 
 
 def scenes_view(descriptions: dict[str, str]) -> RenderableType:
@@ -167,11 +166,3 @@ def _block_view(block: Block) -> RenderableType:
                 shown.add_row(*(Text(plain_text(entry)) for entry in row))
             return shown
     raise TypeError(f"required a paragraph or a table, received {type(block).__name__}")
-
-
-def pairs_view(head: str, pairs: Iterable[tuple[str, str]]) -> RenderableType:
-    """A headline, and a table of names and findings."""
-    rows = two_columns()
-    for name, text in pairs:
-        rows.add_row(Text(name), Text(text))
-    return Group(Text(head), rows)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -46,6 +47,7 @@ def partition(  # noqa: PLR0913, PLR0917  # one parameter for each option of the
     from nonsmooth.reports.files import PICTURES, output_path
     from nonsmooth.reports.interface.cells_result import cells_of
     from nonsmooth.reports.progress import steps
+    from nonsmooth.reports.result import show as write_result
     from nonsmooth.symbolic.contact_set import standing
     from nonsmooth.symbolic.files.scene_file import load_scene
     from nonsmooth.symbolic.files.system_file import holds_system
@@ -69,36 +71,20 @@ def partition(  # noqa: PLR0913, PLR0917  # one parameter for each option of the
         return _sample(loaded, path, json=json)
     with refusals_named(loaded), steps(f"cells of rule {loaded.contact.rule}"):
         cells = cells_of(loaded)
-    if path is not None:
-        cells.save(path, show=show)
-    if json:
-        write_json(cells.to_dict())
-    elif path is not None:
-        write(f"{path}: {len(cells)} cells\n")
-    else:
-        from nonsmooth.reports.terminal import partition_view
-
-        write_views([partition_view(cells.partition)])
+    write_result(replace(cells, show=show), path, json=json)
     return 0
 
 
 def _portray(scene: str, output: str | None, radius: str | None, at: str | None, *, json: bool) -> int:
     """Cells, borders and phase portrait of a plain system."""
-    from nonsmooth.reports.files import PICTURES, output_path, write_whole
+    from nonsmooth.reports.files import PICTURES, output_path
     from nonsmooth.reports.phase_portrait import PhasePortrait
+    from nonsmooth.reports.result import show
     from nonsmooth.symbolic.files.system_file import load_system
 
     system = load_system(scene, radius=radius, at=at)
     path = None if output is None else output_path(output, PICTURES)
-    portrait = PhasePortrait(system)
-    if path is not None:
-        write_whole(path, portrait.picture(path.suffix.lower()))
-    if json:
-        write_json(portrait.record())
-    elif path is not None:
-        write(f"{path}: {len(portrait.cells)} cells, {portrait.stability.verdict}\n")
-    else:
-        write_views([portrait.view()])
+    show(PhasePortrait(system), path, json=json)
     return 0
 
 
@@ -139,19 +125,11 @@ def _sample(scene: Scene, path: Path | None, *, json: bool) -> int:
     """The field of a rule without cells."""
     from nonsmooth.reports.interface.field_result import field_of
     from nonsmooth.reports.progress import steps
+    from nonsmooth.reports.result import show
 
     with refusals_named(scene), steps(f"field of rule {scene.contact.rule}"):
         found = field_of(scene)
-    if path is not None:
-        found.save(path)
-    if json:
-        write_json(found.to_dict())
-    elif path is not None:
-        write(f"{path}: {len(found.field.points)} sampled points\n")
-    else:
-        from nonsmooth.reports.terminal import pairs_view
-
-        write_views([pairs_view(found.headline, found.summary)])
+    show(found, path, json=json)
     return 0
 
 
@@ -159,18 +137,9 @@ def _compare(scene: Scene, path: Path | None, *, json: bool) -> int:
     """The contact rules side by side."""
     from nonsmooth.reports.interface.comparison_result import compare_scene
     from nonsmooth.reports.progress import steps
+    from nonsmooth.reports.result import show
 
     with refusals_named(scene), steps("comparison of the contact rules"):
         compared = compare_scene(scene)
-    if path is not None:
-        compared.save(path)
-    if json:
-        write_json(compared.to_dict())
-    elif path is not None:
-        for (first, second), shared in compared.agreement.shared.items():
-            write(f"{path}: rules {first} and {second} agree on a share of {shared.share}\n")
-    else:
-        from nonsmooth.reports.agreement_views import agreement_view
-
-        write_views([agreement_view(compared.agreement)])
+    show(compared, path, json=json)
     return 0

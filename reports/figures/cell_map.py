@@ -65,7 +65,6 @@ def cell_map(partition: Partition, suffix: str) -> bytes:
     Raises:
         SceneError: where the square is too large, too small or too far away to be drawn with floats.
     """
-    require_drawable(partition)
     return figure_bytes(lambda: build_figure(partition), suffix)
 
 
@@ -122,6 +121,7 @@ def build_figure(partition: Partition) -> Figure:
     """The picture as a Matplotlib figure."""
     from matplotlib.figure import Figure
 
+    require_drawable(partition)
     figure = Figure(figsize=(PICTURE, PICTURE), layout="constrained")
     axes = figure.subplots()
     kinds = draw_cell_map(axes, partition)

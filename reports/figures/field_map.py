@@ -12,7 +12,7 @@ import numpy as np
 
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.minimizers.sampled_field import SampledField
-from nonsmooth.reports.figures.cell_map import MARGIN, PICTURE, RIM, figure_bytes
+from nonsmooth.reports.figures.cell_map import MARGIN, PICTURE, RIM
 from nonsmooth.reports.figures.labels import centre_labels, wrapped
 from nonsmooth.reports.figures.rate_map import COLORS, bands_of, symmetric
 from nonsmooth.reports.figures.wheels import INK, draw_wheel, floats, wheels_in_view
@@ -26,11 +26,6 @@ if TYPE_CHECKING:
 TINT = 0.7  # opacity of the bands, so that lines stay visible on them
 DENSITY = 1.1  # of streamlines
 DOT = 2.0  # points: where the body rests
-
-
-def field_map(field: SampledField, suffix: str) -> bytes:
-    """The picture as the bytes of a file; ``suffix`` is one of PICTURES."""
-    return figure_bytes(lambda: build_figure(field), suffix)
 
 
 def build_figure(field: SampledField) -> Figure:

@@ -12,7 +12,6 @@ import numpy as np
 
 from nonsmooth.analysis.fields.cell_values import inside, polynomial_values, rate_values
 from nonsmooth.proofs.systems.border_motion import BorderKind
-from nonsmooth.reports.figures.cell_map import figure_bytes
 from nonsmooth.reports.figures.wheels import INK
 from nonsmooth.reports.phase_samples import Floats, sampled_potential, sampled_rates
 from nonsmooth.symbolic.scene_error import one_line
@@ -34,11 +33,6 @@ BORDERS: dict[BorderKind, dict[str, Any]] = {
     BorderKind.TOUCHED: {"color": CURVE, "linewidth": 1.0, "linestyle": (0, (1, 1))},
     BorderKind.UNDECIDED: {"color": FIELD, "linewidth": 1.4, "linestyle": (0, (1, 3))},
 }
-
-
-def portrait_figure(portrait: PhasePortrait, suffix: str) -> bytes:
-    """The picture as the bytes of a file; ``suffix`` as for the cell map."""
-    return figure_bytes(lambda: build_figure(portrait), suffix)
 
 
 def build_figure(portrait: PhasePortrait) -> Figure:

@@ -42,7 +42,6 @@ PLATE = {"boxstyle": "round,pad=0.25", "facecolor": "#fcfcfc", "edgecolor": "non
 
 def rate_map(partition: Partition, suffix: str) -> bytes:
     """The picture as the bytes of a file; ``suffix`` as for the cell map."""
-    require_drawable(partition)
     return figure_bytes(lambda: build_figure(partition), suffix)
 
 
@@ -50,6 +49,7 @@ def build_figure(partition: Partition) -> Figure:
     """The picture as a Matplotlib figure."""
     from matplotlib.figure import Figure
 
+    require_drawable(partition)
     figure = Figure(figsize=(PICTURE + 0.7, PICTURE - 0.2), layout="constrained")
     axes = figure.subplots()
     draw_scale(figure, axes, partition, draw_rates(axes, partition))

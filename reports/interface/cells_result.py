@@ -2,82 +2,89 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.reports.choices import Drawing
-from nonsmooth.reports.files import PICTURES, output_path, write_whole
-from nonsmooth.reports.result import Tabular
+from nonsmooth.reports.document import Block
+from nonsmooth.reports.figures.cell_map import figure_bytes
+from nonsmooth.reports.result import DataTable, Record, Result
 from nonsmooth.reports.short_text import short_lines
 from nonsmooth.symbolic.number_text import brief_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
     from nonsmooth.analysis.cells.partition import Partition
     from nonsmooth.symbolic.scene import Scene
 
 
 @dataclass(frozen=True, repr=False)
-class CellsResult(Tabular):
+class CellsResult(Result):
     """The exact cells of the checked square, each with its contact states.
 
     Attributes:
         partition: the cells.
+        show: what its picture shows.
     """
 
     partition: Partition
+    show: Drawing = Drawing.CELLS
 
     def __len__(self) -> int:
         return len(self.partition.cells)
 
-    def to_dict(self) -> dict[str, Any]:
+    def facts(self) -> Record:
         """The JSON record of ``nonsmooth partition --json``."""
         from nonsmooth.reports.records import partition_record
 
         return partition_record(self.partition)
 
-    def rows(self) -> list[dict[str, str]]:
-        """One row for each cell and contact state: rows held, twist about the world's origin, area of the cell."""
-        return [
-            {
-                "cell": str(cell.index),
-                "rows held": state.name,
-                **dict(zip(("v_x", "v_y", "omega"), map(brief_text, state.twist), strict=True)),
-                "area": brief_text(cell.polygon.area),
-            }
-            for cell in self.partition.cells
-            for state in cell.states
-        ]
+    def table(self) -> DataTable:
+        """One line for each cell and contact state: rows held, twist about the world's origin, area of the cell."""
+        lines = []
+        for cell in self.partition.cells:
+            for state in cell.states:
+                twist = map(brief_text, state.twist)
+                lines.append((str(cell.index), state.name, *twist, brief_text(cell.polygon.area)))
+        return DataTable(("cell", "rows held", "v_x", "v_y", "omega", "area"), lines)
 
     def picture(self, suffix: str = ".svg", *, show: str = "cells") -> bytes:
         """A picture as the bytes of a file; see :meth:`save`."""
         return drawn(self.partition.scene, suffix, show, self.partition)
 
     def save(self, file: str | Path, *, show: str = "cells") -> Path:
-        """Draw into a file.
-
-        Args:
-            file: its name ends in .svg, .png or .pdf.
-            show: ``cells``, the ``array`` of wheels, or V* over the cells (``rates``).
+        """Write it; a picture shows the ``cells``, the ``array`` of wheels, or V* over the cells (``rates``).
 
         Raises:
             OutputError: for another ending, and for a file that cannot be written.
+            ValueError: for something else to show.
         """
-        path = output_path(str(file), PICTURES)
-        write_whole(path, self.picture(path.suffix.lower(), show=show))
-        return path
+        return super(CellsResult, replace(self, show=drawing(show))).save(file)
 
-    def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw the cells with their motions."""
+    def draw(self, ax: Axes) -> None:
+        """The cells with their motions."""
         from nonsmooth.reports.figures.cell_map import draw_cell_map
-        from nonsmooth.reports.result import own_axes
 
-        axes = own_axes(ax)
-        draw_cell_map(axes, self.partition)
-        return axes
+        draw_cell_map(ax, self.partition)
+
+    def figure(self) -> Figure:
+        """What it is to show."""
+        return figure_of(self.partition.scene, self.show, self.partition)
+
+    def blocks(self) -> Sequence[Block]:
+        """The cells with their rows and twists."""
+        from nonsmooth.reports.terminal import partition_blocks
+
+        return partition_blocks(self.partition)
+
+    def summary(self) -> str:
+        """How many cells."""
+        return f"{len(self)} cells"
 
     def __repr__(self) -> str:
         partition = self.partition
@@ -101,30 +108,43 @@ def cells_of(scene: Scene) -> CellsResult:
     return CellsResult(build_partition(scene))
 
 
+def drawing(show: str) -> Drawing:
+    """What a picture shows, by its name.
+
+    Raises:
+        ValueError: for something else to show.
+    """
+    if show not in list(Drawing):
+        raise ValueError(f"show: required one of {', '.join(Drawing)}, received {show!r}")
+    return Drawing(show)
+
+
 def drawn(scene: Scene, suffix: str, show: str, partition: Partition | None = None) -> bytes:
+    """A picture of an array as the bytes of a file; see :func:`figure_of`."""
+    chosen = drawing(show)
+    return figure_bytes(lambda: figure_of(scene, chosen, partition), suffix)
+
+
+def figure_of(scene: Scene, show: Drawing, partition: Partition | None = None) -> Figure:
     """A picture of an array: its wheels under any contact rule, its cells or V* under rules with cells.
 
     Args:
         scene: the array.
-        suffix: ``.svg``, ``.png`` or ``.pdf``.
-        show: one of :class:`nonsmooth.reports.choices.Drawing`.
+        show: what.
         partition: its cells, where they are built already.
 
     Raises:
-        ValueError: for something else to show.
         RefusalError: where the motion is not determined, and under a rule without cells.
     """
-    if show not in list(Drawing):
-        raise ValueError(f"show: required one of {', '.join(Drawing)}, received {show!r}")
-    if show == Drawing.ARRAY:
-        from nonsmooth.reports.figures.array import array_figure
+    if show is Drawing.ARRAY:
+        from nonsmooth.reports.figures.array import build_figure
 
-        return array_figure(scene, suffix)
+        return build_figure(scene)
     cells = build_partition(scene) if partition is None else partition
-    if show == Drawing.RATES:
-        from nonsmooth.reports.figures.rate_map import rate_map
+    if show is Drawing.RATES:
+        from nonsmooth.reports.figures.rate_map import build_figure as build_rates
 
-        return rate_map(cells, suffix)
-    from nonsmooth.reports.figures.cell_map import cell_map
+        return build_rates(cells)
+    from nonsmooth.reports.figures.cell_map import build_figure as build_cells
 
-    return cell_map(cells, suffix)
+    return build_cells(cells)

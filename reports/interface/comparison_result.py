@@ -2,23 +2,32 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from nonsmooth.analysis.minimizers.agreement import Agreement, compare_rules
-from nonsmooth.reports.agreement_views import agreement_map, agreement_record, difference_text
-from nonsmooth.reports.files import PICTURES, output_path, write_whole
-from nonsmooth.reports.result import Tabular
+from nonsmooth.reports.agreement_views import (
+    agreement_blocks,
+    agreement_record,
+    build_figure,
+    difference_text,
+    draw_pair,
+)
+from nonsmooth.reports.document import Block
+from nonsmooth.reports.result import DataTable, Record, Result
 from nonsmooth.reports.short_text import short_lines
 from nonsmooth.symbolic.number_text import short_text
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
     from nonsmooth.symbolic.scene import Scene
 
 
 @dataclass(frozen=True, repr=False)
-class ComparisonResult(Tabular):
+class ComparisonResult(Result):
     """Where the contact rules move a body alike on the checked square.
 
     Attributes:
@@ -27,39 +36,35 @@ class ComparisonResult(Tabular):
 
     agreement: Agreement
 
-    def to_dict(self) -> dict[str, Any]:
+    def facts(self) -> Record:
         """The JSON record of ``nonsmooth partition --compare --json``."""
         return agreement_record(self.agreement)
 
-    def rows(self) -> list[dict[str, str]]:
-        """One row for each pair of rules: what is compared, and what was found."""
-        exact = [
-            {
-                "rules": " and ".join(pair),
-                "what": "same motion on a share of the area",
-                "found": short_text(shared.share),
-            }
-            for pair, shared in self.agreement.shared.items()
-        ]
-        sampled = [
-            {"rules": " and ".join(pair), "what": "sampled", "found": difference_text(difference)}
-            for pair, difference in self.agreement.differences.items()
-        ]
-        return [*exact, *sampled]
+    def table(self) -> DataTable:
+        """One line for each pair of rules: what is compared, and what was found."""
+        what, lines = "same motion on a share of the area", []
+        for pair, shared in self.agreement.shared.items():
+            lines.append((" and ".join(pair), what, short_text(shared.share)))
+        for pair, difference in self.agreement.differences.items():
+            lines.append((" and ".join(pair), "sampled", difference_text(difference)))
+        return DataTable(("rules", "what", "found"), lines)
 
-    def picture(self, suffix: str = ".svg") -> bytes:
-        """The rules side by side, as the bytes of a picture file."""
-        return agreement_map(self.agreement, suffix)
+    def draw(self, ax: Axes) -> None:
+        """Where the first two rules with cells prescribe the same motion."""
+        draw_pair(ax, self.agreement, *next(iter(self.agreement.shared)))
 
-    def save(self, file: str | Path) -> Path:
-        """Draw into a file whose name ends in .svg, .png or .pdf.
+    def figure(self) -> Figure:
+        """The rules side by side."""
+        return build_figure(self.agreement)
 
-        Raises:
-            OutputError: for another ending, and for a file that cannot be written.
-        """
-        path = output_path(str(file), PICTURES)
-        write_whole(path, self.picture(path.suffix.lower()))
-        return path
+    def blocks(self) -> Sequence[Block]:
+        """Shares and differences."""
+        return agreement_blocks(self.agreement)
+
+    def summary(self) -> str:
+        """The shares of the area on which rules agree."""
+        shared = self.agreement.shared.items()
+        return "; ".join(f"rules {a} and {b} agree on a share of {found.share}" for (a, b), found in shared)
 
     def __repr__(self) -> str:
         said = [(row["rules"], f"{row['what']} {row['found']}") for row in self.rows()]

@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from nonsmooth.analysis.minimizers.sampled_field import SampledField, sample_field
+from nonsmooth.reports.document import Block, Paragraph, findings
 from nonsmooth.reports.exact_record import floats
-from nonsmooth.reports.files import PICTURES, output_path, write_whole
-from nonsmooth.reports.result import Tabular
+from nonsmooth.reports.result import DataTable, Record, Result
 from nonsmooth.reports.short_text import short_lines
 from nonsmooth.symbolic.number_text import float_text, percent_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
     from nonsmooth.symbolic.scene import Scene
 
@@ -26,7 +27,7 @@ COLUMNS = ("x", "y", "x_rate", "y_rate", "theta_rate", "upper_derivative")
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class FieldResult(Tabular):
+class FieldResult(Result):
     """Velocities at the points of a grid; all numbers are sampled.
 
     Attributes:
@@ -35,41 +36,40 @@ class FieldResult(Tabular):
 
     field: SampledField
 
-    def to_dict(self) -> dict[str, Any]:
+    def facts(self) -> Record:
         """The JSON record of ``nonsmooth partition --json`` under a rule without cells."""
         scene = self.field.scene
         head = {"schema": SCHEMA, "scene": scene.name, "rule": scene.contact.rule, "status": "sampled"}
         return {**head, "grid": self.field.count, "rows": self.rows()}
 
-    def rows(self) -> list[dict[str, float | None]]:
-        """One row for each point; None where the motion is not determined."""
+    def table(self) -> DataTable:
+        """One line for each point; None where the motion is not determined."""
         field = self.field
-        table = np.column_stack([field.points, field.velocities, field.rates, field.upper_derivative])
-        return [dict(zip(COLUMNS, floats(line), strict=True)) for line in table.tolist()]
+        numbers = np.column_stack([field.points, field.velocities, field.rates, field.upper_derivative])
+        return DataTable(COLUMNS, [floats(line) for line in numbers.tolist()])
 
-    def save(self, file: str | Path) -> Path:
-        """Draw streamlines over V* into a file: .svg, .png or .pdf.
-
-        Raises:
-            OutputError: for another ending, and for a file that cannot be written.
-        """
-        from nonsmooth.reports.figures.field_map import field_map
-
-        path = output_path(str(file), PICTURES)
-        write_whole(path, field_map(self.field, path.suffix.lower()))
-        return path
-
-    def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw streamlines over V*."""
+    def draw(self, ax: Axes) -> None:
+        """Streamlines over V*."""
         from nonsmooth.reports.figures.field_map import draw_field
-        from nonsmooth.reports.result import own_axes
 
-        axes = own_axes(ax)
-        draw_field(axes, self.field)
-        return axes
+        draw_field(ax, self.field)
+
+    def figure(self) -> Figure:
+        """The same with the scale of V*."""
+        from nonsmooth.reports.figures.field_map import build_figure
+
+        return build_figure(self.field)
+
+    def blocks(self) -> Sequence[Block]:
+        """What the samples say."""
+        return [Paragraph((self.headline,)), findings(self.said)]
+
+    def summary(self) -> str:
+        """How many samples."""
+        return f"{len(self.field.points)} sampled points"
 
     @property
-    def summary(self) -> list[tuple[str, str]]:
+    def said(self) -> list[tuple[str, str]]:
         """What the samples say, with names."""
         field = self.field
         rests, unknown = float(field.rests.mean()), float((~field.is_determined).mean())
@@ -87,7 +87,7 @@ class FieldResult(Tabular):
         return f"{scene.name}: rule {scene.contact.rule} has no cells; its field at {count} x {count} points, sampled"
 
     def __repr__(self) -> str:
-        return short_lines(self.headline, self.summary)
+        return short_lines(self.headline, self.said)
 
 
 def field_of(scene: Scene) -> FieldResult:

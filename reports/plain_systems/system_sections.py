@@ -99,7 +99,7 @@ def portrait_section(subject: SystemSubject) -> Section:
         ),
         f"Phase portrait of {one_line(subject.system.name)}: {subject.result.verdict}.",
         subject.invocation.line("partition", "-o", "portrait.svg"),
-        subject.portrait.picture,
+        subject.portrait.content,
     )
     return Section("Phase portrait", (figure,))
 

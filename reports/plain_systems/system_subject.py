@@ -55,5 +55,5 @@ class SystemSubject:
     @property
     def records(self) -> dict[str, Record | None]:
         """The exact records of what is reported, for JSON."""
-        portrait: dict[str, Any] | None = self.portrait.record() if self.system.has_one_field else None
+        portrait: dict[str, Any] | None = self.portrait.facts() if self.system.has_one_field else None
         return {"check": system_record(self.result), "phase_portrait": portrait}

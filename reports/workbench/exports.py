@@ -58,7 +58,7 @@ def _figure(document: Mapping[str, Any], made: Array | System) -> File:
     if isinstance(made, System):
         from nonsmooth.reports.phase_portrait import PhasePortrait
 
-        return File(".svg", "image/svg+xml", PhasePortrait(made.system).picture(".svg"))
+        return File(".svg", "image/svg+xml", PhasePortrait(made.system).content(".svg"))
     from nonsmooth.analysis.contact_rule import CellRule, rule_of
 
     show = "cells" if isinstance(rule_of(made.scene), CellRule) else "array"
