@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from nonsmooth.reports.console import RefusedError
 from nonsmooth.reports.files import output_path, write_whole
 from nonsmooth.reports.progress import end_progress
+from nonsmooth.reports.refusals import RefusedError
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.system_decision import StabilityResult

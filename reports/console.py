@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 import signal
 import sys
 import threading
@@ -16,47 +15,18 @@ import typer
 
 from nonsmooth.reports.files import OutputError
 from nonsmooth.reports.progress import end_progress, steps
+from nonsmooth.reports.refusals import RefusedError
 from nonsmooth.symbolic import removed
 from nonsmooth.symbolic.scene_error import SceneError, one_line
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-    from nonsmooth.symbolic.scene import Scene
-    from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 PROGRAM = "nonsmooth"
 # Typer's own errors of usage; before Typer 0.27.3 they are Click's, the second base of this one.
 USAGE_ERROR: Any = getattr(typer, "TyperException", typer.BadParameter.__mro__[2])
 BAD_INPUT, UNDECIDED, FAULT, INTERRUPTED = 2, 3, 70, 130
-
-
-class RefusedError(Exception):
-    """A scene that can be read but not checked; ``str(error)`` is one line."""
-
-
-class OptionError(RefusedError, ValueError):
-    """An option that cannot be used: ``--gain: required a positive number, received -1.0``.
-
-    Python users read its keyword: :func:`in_keywords`.
-    """
-
-
-def in_keywords(message: str) -> str:
-    """A message about options with the keywords of Python in their places: ``--from`` is ``start``."""
-    named = re.sub(r"--from\b", "start", message)
-    return re.sub(r"--([a-z]+(?:-[a-z]+)*)", lambda found: found[1].replace("-", "_"), named)
-
-
-@contextmanager
-def bad_input(scene: Scene | SwitchedSystem, *errors: type[Exception]) -> Iterator[None]:
-    """Errors of these kinds are the scene's own, which their message then names; their cause is the error itself."""
-    try:
-        yield
-    except (SceneError, RefusedError):
-        raise
-    except errors as error:
-        raise RefusedError(f"{scene.origin}: {error}") from error
 
 
 def prepare_streams() -> None:
@@ -151,17 +121,6 @@ def _drop_output() -> None:
     null = os.open(os.devnull, os.O_WRONLY)
     os.dup2(null, sys.stdout.fileno())
     os.close(null)
-
-
-@contextmanager
-def refusals_named(scene: Scene | SwitchedSystem) -> Iterator[None]:
-    """Name the scene in the refusal of a check."""
-    from nonsmooth.analysis.cells.partition import RefusalError
-
-    try:
-        yield
-    except RefusalError as error:
-        raise RefusedError(f"{scene.origin}: {error}") from None
 
 
 def refuse_given(context: typer.Context, names: Collection[str], required: str, received: str) -> None:

@@ -21,9 +21,9 @@ from nonsmooth.analysis.cells.partition import Partition, RefusalError
 from nonsmooth.analysis.fields.constant_field import array_field
 from nonsmooth.analysis.trajectories.maps import SettleMap, grid_starts, settle_map
 from nonsmooth.analysis.trajectories.result import EndReason, TrajectoryError
-from nonsmooth.reports.console import OptionError
 from nonsmooth.reports.document import Block, Paragraph, findings
 from nonsmooth.reports.progress import progress
+from nonsmooth.reports.refusals import OptionError
 from nonsmooth.reports.result import DataTable, Record, Result
 from nonsmooth.reports.short_text import short_lines
 from nonsmooth.reports.simulate_options import SimulateOptions

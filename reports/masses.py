@@ -26,9 +26,9 @@ from nonsmooth.analysis.contact_rule import smooth_rules
 from nonsmooth.analysis.dynamics.newton_euler import DynamicPath, RigidBody, disc
 from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.trajectories.result import TrajectoryError
-from nonsmooth.reports.console import OptionError
 from nonsmooth.reports.document import Block, Paragraph, table
 from nonsmooth.reports.paths import ArrayPath
+from nonsmooth.reports.refusals import OptionError
 from nonsmooth.reports.result import DataTable, Record, Result
 from nonsmooth.reports.short_text import short_lines
 from nonsmooth.reports.simulate_options import SimulateOptions

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from nonsmooth.reports.console import RefusedError
+from nonsmooth.reports.refusals import RefusedError
 from nonsmooth.symbolic.rule import CONTACT_RULES, MIXED
 
 if TYPE_CHECKING:

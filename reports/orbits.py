@@ -15,8 +15,8 @@ from nonsmooth.analysis.orbits.orbit import Orbit, OrbitErrors, SlideSense
 from nonsmooth.analysis.orbits.orbit_error import OrbitError
 from nonsmooth.analysis.orbits.search import find_orbit
 from nonsmooth.proofs.orbits.orbit_proof import OrbitProof, prove_orbit
-from nonsmooth.reports.console import OptionError
 from nonsmooth.reports.document import Block, Paragraph, findings
+from nonsmooth.reports.refusals import OptionError
 from nonsmooth.reports.result import DataTable, Record, Result
 from nonsmooth.reports.short_text import short_lines
 from nonsmooth.reports.simulate_options import SimulateOptions

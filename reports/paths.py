@@ -33,10 +33,10 @@ from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.proofs.verified import verified
 from nonsmooth.reports.choices import LawName, PathMethod
-from nonsmooth.reports.console import OptionError
 from nonsmooth.reports.document import Block, Paragraph, findings
 from nonsmooth.reports.feedback_loop import FeedbackLoop, build_loop
 from nonsmooth.reports.files import FILMS, output_path, write_whole
+from nonsmooth.reports.refusals import OptionError
 from nonsmooth.reports.result import FORMATS, DataTable, Record, Result
 from nonsmooth.reports.short_text import short_lines
 from nonsmooth.reports.simulate_options import POSE, SimulateOptions

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.reports.choices import PathMethod
-from nonsmooth.reports.console import OptionError, RefusedError, bad_input
 from nonsmooth.reports.files import FILMS
+from nonsmooth.reports.refusals import OptionError, RefusedError, bad_input
 from nonsmooth.reports.simulate_options import SimulateOptions
 from nonsmooth.reports.study import SceneKind, SceneStudy, StudyRequest, kind_of
 

@@ -9,7 +9,7 @@ from typing import Any
 
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.reports.choices import LawName, PathMethod
-from nonsmooth.reports.console import OptionError
+from nonsmooth.reports.refusals import OptionError
 from nonsmooth.reports.study import Options, option
 
 # Headings of the help: what an option belongs to.

@@ -17,7 +17,7 @@ from dataclasses import dataclass, field, fields
 from enum import Enum, StrEnum
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
 
-from nonsmooth.reports.console import OptionError, RefusedError, in_keywords
+from nonsmooth.reports.refusals import OptionError, RefusedError, in_keywords
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -6,8 +6,9 @@ from typing import Annotated
 
 import typer
 
-from nonsmooth.reports.console import RefusedError, refusals_named, write_json, write_views
+from nonsmooth.reports.console import write_json, write_views
 from nonsmooth.reports.options import AllowOutside, At, Json, Radius, RuleOption, SceneText
+from nonsmooth.reports.refusals import RefusedError, refusals_named
 
 Lyapunov = Annotated[
     str | None,

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from nonsmooth.reports.check_files import CheckFiles
 from nonsmooth.reports.check_output import failed_wheels, write_check_views, write_records
-from nonsmooth.reports.console import UNDECIDED, RefusedError, refusals_named, write_json, write_views
+from nonsmooth.reports.console import UNDECIDED, write_json, write_views
 from nonsmooth.reports.options import (
     ALL_RULES,
     AUTO,
@@ -27,6 +27,7 @@ from nonsmooth.reports.options import (
     required_answers,
     under_all_rules,
 )
+from nonsmooth.reports.refusals import RefusedError, refusals_named
 from nonsmooth.symbolic.rule import CONTACT_RULES
 
 if TYPE_CHECKING:

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from nonsmooth.reports.console import RefusedError, refusals_named, refuse_given, write
+from nonsmooth.reports.console import refuse_given, write
 from nonsmooth.reports.options import AllowOutside, At, Json, Radius, ReportFile, RuleOption, SceneText, complete_part
+from nonsmooth.reports.refusals import RefusedError, refusals_named
 
 if TYPE_CHECKING:
     from nonsmooth.reports.interface.report_result import PartChoice

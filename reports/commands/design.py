@@ -7,8 +7,9 @@ from typing import Annotated, Any
 
 import typer
 
-from nonsmooth.reports.console import RefusedError, write_json, write_views
+from nonsmooth.reports.console import write_json, write_views
 from nonsmooth.reports.options import AllowOutside, At, Json, Radius, RuleOption, SceneText
+from nonsmooth.reports.refusals import RefusedError
 
 MEASUREMENTS = "precision,stress"  # sections of a report that take minutes
 

@@ -6,8 +6,9 @@ from typing import Annotated
 
 import typer
 
-from nonsmooth.reports.console import RefusedError, refusals_named, write
+from nonsmooth.reports.console import write
 from nonsmooth.reports.options import AllowOutside, SceneText
+from nonsmooth.reports.refusals import RefusedError, refusals_named
 
 Output = Annotated[
     str | None, typer.Option("-o", "--output", metavar="FILE", help="MJCF: .xml; standard output without.")

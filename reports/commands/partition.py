@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from nonsmooth.reports.choices import Drawing
-from nonsmooth.reports.console import refusals_named, refuse_given, write, write_json, write_views
+from nonsmooth.reports.console import refuse_given, write, write_json, write_views
 from nonsmooth.reports.options import AllowOutside, At, Json, Picture, Radius, RuleOption, SceneText
+from nonsmooth.reports.refusals import refusals_named
 
 if TYPE_CHECKING:
     from pathlib import Path

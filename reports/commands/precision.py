@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from nonsmooth.reports.console import INTERRUPTED, RefusedError
+from nonsmooth.reports.console import INTERRUPTED
 from nonsmooth.reports.options import AllowOutside, At, Json, Radius, RuleOption, SceneText, complete_study
+from nonsmooth.reports.refusals import RefusedError
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from nonsmooth.reports.console import RefusedError, broken_pipes_raised, write, write_json, write_views
+from nonsmooth.reports.console import broken_pipes_raised, write, write_json, write_views
 from nonsmooth.reports.options import AllowOutside, At, Fail, Json, Radius, RuleOption, SceneText, asks_for_failures
+from nonsmooth.reports.refusals import RefusedError
 
 if TYPE_CHECKING:
     from nonsmooth.reports.sweeps.base import Base

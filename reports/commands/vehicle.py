@@ -7,8 +7,9 @@ from typing import Annotated
 
 import typer
 
-from nonsmooth.reports.console import RefusedError, refusals_named, write
+from nonsmooth.reports.console import write
 from nonsmooth.reports.options import Json, RuleOption, complete_vehicle
+from nonsmooth.reports.refusals import RefusedError, refusals_named
 
 YAML = ".yaml"
 

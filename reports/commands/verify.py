@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from nonsmooth.reports.console import BAD_INPUT, RefusedError, write
+from nonsmooth.reports.console import BAD_INPUT, write
 from nonsmooth.reports.options import At, Radius, RuleOption, complete_scene
+from nonsmooth.reports.refusals import RefusedError
 
 if TYPE_CHECKING:
     from nonsmooth.symbolic.scene import Scene

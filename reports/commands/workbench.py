@@ -7,8 +7,9 @@ from typing import Annotated
 
 import typer
 
-from nonsmooth.reports.console import RefusedError, broken_pipes_raised, write
+from nonsmooth.reports.console import broken_pipes_raised, write
 from nonsmooth.reports.options import complete_scene
+from nonsmooth.reports.refusals import RefusedError
 
 NEEDED = "workbench: required starlette and uvicorn (pip install 'nonsmooth[workbench]'), received a Python without"
 
