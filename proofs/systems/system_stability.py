@@ -54,6 +54,7 @@ from nonsmooth.proofs.systems.root_axes import axes_are_crossed
 from nonsmooth.proofs.systems.search import PlaneFunction, search_lyapunov, search_weak_lyapunov
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.enclosed_numbers import NoEnclosureError, enclose_numbers
+from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 SEARCH_EFFORT = 2 * EFFORT  # for all candidates of a search together
@@ -71,7 +72,7 @@ class PlanePoint(CheckedPoint):
         """
         require_denominators(system)
         self.system = system
-        self._attraction: dict[int, dict[str, Any] | None] = {}
+        self._attractions: list[tuple[PlaneFunction, dict[str, Any] | None]] = []
 
     @cached_property
     def cells(self) -> tuple[FieldCell, ...]:
@@ -134,17 +135,22 @@ class PlanePoint(CheckedPoint):
 
     def attraction(self, function: PlaneFunction) -> dict[str, Any] | None:
         """LaSalle's principle with its evidence, as a certificate holds it, of a V that does not increase."""
-        if id(function) not in self._attraction:
-            self._attraction[id(function)] = self._searched_attraction(function)
-        return self._attraction[id(function)]
+        for asked, entry in self._attractions:
+            if asked is function:
+                return entry
+        self._attractions.append((function, self._searched_attraction(function)))
+        return self._attractions[-1][1]
 
     def _searched_attraction(self, function: PlaneFunction) -> dict[str, Any] | None:
         if function.formula is None or resting_place(function.result.cells) is not None:
             return None
-        radius = function.domain.radius or self.system.check.radius
         with suppress(NoEnclosureError):
-            return find_attraction(enclose_numbers(self.system), function.formula, radius)
+            return find_attraction(enclose_numbers(self.system), function.formula, self.radius_of(function))
         return None
+
+    def radius_of(self, function: PlaneFunction) -> Number:
+        """Half the side of the square on which a V is asked: the checked one, where it is proved on the plane."""
+        return function.domain.radius or self.system.check.radius
 
     @property
     def open_reason(self) -> str:
@@ -344,7 +350,10 @@ def verify_attraction(point: PlanePoint, known: Known, claimed: Finding) -> Find
     function, entry = claimed.function, claimed.proofs
     if function is None or claimed.is_weak:
         return verify_function(point, known, claimed)
-    if entry is None or function.formula is None or entry["hypotheses"]["function"] != function.formula.text:
+    if entry is None or function.formula is None:
+        return None
+    about = entry["hypotheses"]["function"], entry["hypotheses"]["cells"]["within"]
+    if about != (function.formula.text, str(point.radius_of(function))):
         return None
     shown = is_shown(enclose_numbers(point.system), entry, Translation.ASYMPTOTICALLY_STABLE)
     return conclude_attraction(function, entry) if shown else None
