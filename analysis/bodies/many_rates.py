@@ -15,14 +15,12 @@ from nonsmooth.analysis.bodies.many_contacts import (
     NOBODY,
     Mask,
     Numbers,
-    RowsOfWheels,
-    elastic_loads_of,
     nearest_wheels,
     widest_gaps,
 )
+from nonsmooth.analysis.bodies.motions_on_sets import LeastTwists
 from nonsmooth.analysis.bodies.moving_outline import MovingOutline
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
-from nonsmooth.analysis.minimizers.many_twists import ManyTwists, turning_rollers, with_rollers
 
 AROUND = 0.25  # of the body's size: how far it moves before the wheels near it are looked up again
 
@@ -66,24 +64,13 @@ class LeastDissipation:
 
     def __init__(self, model: ContactModel, size: float, count: int) -> None:
         """For a number of paths of a body of some size."""
-        self._rows, self._cuts, self._size = RowsOfWheels(model), model.cuts, size
-        speed = float(np.abs(model.friction * model.targets).max())
-        self._twists = ManyTwists(speed, rollers=bool((model.cuts < 1).any()))
-        self._last = np.zeros((count, 3))
+        self._least, self._size, self._last = LeastTwists(model, size), size, np.zeros((count, 3))
 
     def of(self, near: Numbers, carrying: Mask, levers: Floats, poses: Floats, paths: Numbers) -> tuple[Floats, Mask]:
         """See :meth:`Motions.of`."""
-        loads, balanced = elastic_loads_of(levers, carrying)
-        rows, targets = self._rows.at(near, levers, self._size)
-        start = self._last[paths]
-        cuts = self._cuts[near]
-        if (cuts < 1).any():
-            start = np.concatenate([start, turning_rollers(rows, targets, cuts, start)], axis=1)
-            rows, targets, loads = with_rollers(rows, targets, loads, cuts)
-        found, settled = self._twists.minimize(rows, targets, loads, start)
-        found = np.where(settled[:, None], found[:, :3], 0.0)
-        self._last[paths] = found
-        return found / [1.0, 1.0, self._size], settled & balanced
+        found = self._least.of(near, carrying, levers, self._last[paths])
+        self._last[paths] = found.rates
+        return found.rates / [1.0, 1.0, self._size], found.known
 
 
 class ManyRates:

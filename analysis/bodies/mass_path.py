@@ -18,8 +18,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from nonsmooth.analysis.bodies.mixing import balancing_weights, mixed_of, subsets_of
-from nonsmooth.analysis.bodies.some_contacts import contacts_of
-from nonsmooth.analysis.bodies.supports import CarriedBody, CarryingWheels, SupportMode, Wheels, finite_start
+from nonsmooth.analysis.bodies.set_motion import Wheels
+from nonsmooth.analysis.bodies.supports import CarriedBody, CarryingWheels, SupportMode, finite_start
 from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.analysis.dynamics.moving_loads import MovingLoads
 from nonsmooth.analysis.dynamics.newton_euler import (
@@ -129,7 +129,7 @@ class MassPath(CarriedBody):
         if wheels not in self._equations:
             if len(wheels) < min(3, self.model.wheels):
                 raise LoadError("required three wheels under the body")
-            model = contacts_of(self.model, sorted(wheels))
+            model = self.model.on(sorted(wheels))
             loads = MovingLoads(model, state[:2])
             self._equations[wheels] = NewtonEuler(model, self._body, loads, CREEP * self._speed)
         return self._equations[wheels]

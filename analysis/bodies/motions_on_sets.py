@@ -29,15 +29,40 @@ class SetMotions:
     known: Mask
 
 
+class LeastTwists:
+    """The motions of least dissipation of many bodies, each on wheels of its own."""
+
+    def __init__(self, model: ContactModel, size: float) -> None:
+        """With a length that stands for the body's size."""
+        self._rows, self._cuts, self._size = RowsOfWheels(model), model.cuts, size
+        speed = float(np.abs(model.friction * model.targets).max())
+        self._twists = ManyTwists(speed, rollers=bool((model.cuts < 1).any()))
+
+    def of(self, wheels: Numbers, carrying: Mask, levers: Floats, start: Floats) -> SetMotions:
+        """The motions on some of the wheels (m, k), at ``p_i - c`` of shape (m, k, 2), with the loads of these wheels.
+
+        Args:
+            wheels: their numbers.
+            carrying: which of them carry.
+            levers: where they are.
+            start: rates (m, 3) to start from.
+        """
+        loads, balanced = elastic_loads_of(levers, carrying)
+        rows, targets = self._rows.at(wheels, levers, self._size)
+        cuts, pressing = self._cuts[wheels], loads
+        if (cuts < 1).any():
+            start = np.concatenate([start, turning_rollers(rows, targets, cuts, start)], axis=1)
+            rows, targets, pressing = with_rollers(rows, targets, loads, cuts)
+        found, settled = self._twists.minimize(rows, targets, pressing, start)
+        return SetMotions(np.where(settled[:, None], found[:, :3], 0.0), loads, settled & balanced)
+
+
 class MotionsOnSets:
     """Motions on any sets of wheels of one model."""
 
     def __init__(self, model: ContactModel, size: float) -> None:
         """With a length that stands for the body's size."""
-        self._places, self._cuts, self._size = model.positions, model.cuts, size
-        self._rows = RowsOfWheels(model)
-        speed = float(np.abs(model.friction * model.targets).max())
-        self._twists = ManyTwists(speed, rollers=bool((model.cuts < 1).any()))
+        self._places, self._least = model.positions, LeastTwists(model, size)
 
     def at(self, carrying: Mask, centres: Floats, near: Floats | None = None) -> SetMotions:
         """The motions on wheels (m, n) with centres of mass (m, 2).
@@ -56,18 +81,6 @@ class MotionsOnSets:
             order = np.argsort(~carrying[stands], axis=1, kind="stable")[:, : int(carrying[stands].sum(axis=1).max())]
             under = np.take_along_axis(carrying[stands], order, axis=1)
             reaches = np.take_along_axis(levers[stands], order[..., None], axis=1)
-            pressing, balanced = elastic_loads_of(reaches, under)
-            found, settled = self._minimized(order, reaches, pressing, start[stands])
-            rates[stands], known[stands] = found, settled & balanced
-            loads[stands[:, None], order] = pressing
+            found = self._least.of(order, under, reaches, start[stands])
+            rates[stands], known[stands], loads[stands[:, None], order] = found.rates, found.known, found.loads
         return SetMotions(rates, loads, known)
-
-    def _minimized(self, wheels: Numbers, levers: Floats, loads: Floats, start: Floats) -> tuple[Floats, Mask]:
-        """``(c', size theta')`` (m, 3) of the wheels of each row, and whether it was found."""
-        rows, targets = self._rows.at(wheels, levers, self._size)
-        cuts = self._cuts[wheels]
-        if (cuts < 1).any():
-            start = np.concatenate([start, turning_rollers(rows, targets, cuts, start)], axis=1)
-            rows, targets, loads = with_rollers(rows, targets, loads, cuts)
-        found, settled = self._twists.minimize(rows, targets, loads, start)
-        return np.where(settled[:, None], found[:, :3], 0.0), settled

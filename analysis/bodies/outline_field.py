@@ -21,7 +21,7 @@ from nonsmooth.analysis.bodies.set_cells import CellsBySet, SetCell, Side, agree
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.switched_field import SURFACE_SLACK, Face, Surface, Vector, unit_normal
-from nonsmooth.analysis.fields.tangent_cones import has_points
+from nonsmooth.analysis.fields.tangent_cones import sign_patterns
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 
 Wheels = frozenset[int]  # places in the scene's list of wheels
@@ -117,12 +117,12 @@ class OutlineField:
         return self._known[key]
 
     def _patterns_at(self, surfaces: Sequence[Surface], x: Vector) -> tuple[Pattern, ...]:
-        """:func:`_patterns`; those of lines alone are the same at every pose."""
+        """Patterns of signs that have poses; those of lines alone are the same at every pose."""
         key = tuple(map(id, surfaces)) if all(surface.flat for surface in surfaces) else None
         if key is None:
-            return tuple(_patterns(surfaces, x))
+            return sign_patterns([unit_normal(surface, x) for surface in surfaces])
         if key not in self._of_lines:
-            self._of_lines[key] = tuple(_patterns(surfaces, x))
+            self._of_lines[key] = sign_patterns([unit_normal(surface, x) for surface in surfaces])
         return self._of_lines[key]
 
     def _add_set(self, place: _Place, wheels: Wheels, x: Vector) -> None:
@@ -224,19 +224,6 @@ class _Place:
     edge: tuple[int, ...]
     holding: dict[Wheels, list[SetCell]] = field(default_factory=dict)
     lines: list[Surface] = field(default_factory=list)
-
-
-def _patterns(surfaces: Sequence[Surface], x: Vector) -> list[Pattern]:
-    """Patterns of signs whose tangent cone has poses, those that hold most surfaces first.
-
-    A pattern has none if a part of it has none, so they grow surface by surface: m lines have 4 m + 1 in all, not 3^m.
-    """
-    normals = [unit_normal(surface, x) for surface in surfaces]
-    found: list[Pattern] = [()]
-    for count in range(1, len(surfaces) + 1):
-        longer = [(*pattern, side) for pattern in found for side in (-1, 0, 1)]
-        found = [pattern for pattern in longer if count < 2 or has_points(pattern, normals[:count])]
-    return sorted(found, key=lambda pattern: -pattern.count(0))
 
 
 def _refines(full: Pattern, pattern: Pattern) -> bool:

@@ -16,9 +16,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from nonsmooth.analysis.bodies.contact_sets import ContactSets, TippedError
 from nonsmooth.analysis.bodies.regimes import Regimes, SupportRate
-from nonsmooth.analysis.bodies.supports import CarriedBody, CarryingWheels, SupportMode, Wheels, finite_start
+from nonsmooth.analysis.bodies.set_motion import ContactSets, TippedError, Wheels
+from nonsmooth.analysis.bodies.supports import CarriedBody, CarryingWheels, SupportMode, finite_start
 from nonsmooth.analysis.bodies.switching import Switching
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
 from nonsmooth.analysis.fields.kinematics import Kinematics

@@ -15,11 +15,10 @@ from itertools import combinations
 
 import numpy as np
 
-from nonsmooth.analysis.bodies.contact_sets import ContactSets, TippedError
 from nonsmooth.analysis.bodies.mixing import balancing_weights, mixed_of, subsets_of
 from nonsmooth.analysis.bodies.moving_outline import MovingOutline
-from nonsmooth.analysis.bodies.set_motion import SetMotion
-from nonsmooth.analysis.bodies.supports import CarryingWheels, Wheels
+from nonsmooth.analysis.bodies.set_motion import ContactSets, SetMotion, TippedError, Wheels
+from nonsmooth.analysis.bodies.supports import CarryingWheels
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 

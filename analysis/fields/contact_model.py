@@ -127,6 +127,22 @@ class ContactModel(ShortRepr, ContactRows):
         if not self.heads.size:
             object.__setattr__(self, "heads", np.tile([1.0, 0.0], (self.wheels, 1)))
 
+    def on(self, wheels: Sequence[int]) -> ContactModel:
+        """The contacts of the wheels at some places; a table of loads stays only with all of its wheels."""
+        chosen, table = list(wheels), self.load_table
+        rows = np.array([[2 * k, 2 * k + 1] for k in chosen]).ravel()
+        return replace(
+            self,
+            rows=self.rows[rows],
+            targets=self.targets[rows],
+            friction=self.friction[rows],
+            cuts=self.cuts[chosen],
+            positions=self.positions[chosen],
+            rims=self.rims[chosen],
+            heads=self.heads[chosen],
+            load_table=table if table is None or len(table) != self.wheels else table[chosen],
+        )
+
     @classmethod
     def build(
         cls,

@@ -24,7 +24,7 @@ from nonsmooth.analysis.fields.switched_field import (
     length,
     unit_normal,
 )
-from nonsmooth.analysis.fields.tangent_cones import has_points, span
+from nonsmooth.analysis.fields.tangent_cones import sign_patterns, span
 
 Signs: TypeAlias = tuple[int, ...]
 
@@ -62,7 +62,7 @@ class SignField:
         near = [self._active(surface, x, value) for surface, value in zip(self.surfaces, values, strict=True)]
         active = tuple(k for k, close in enumerate(near) if close)
         sides = tuple(0 if close else (1 if v > 0 else -1) for v, close in zip(values, near, strict=True))
-        patterns = _patterns_with_points([unit_normal(self.surfaces[k], x) for k in active])
+        patterns = sign_patterns([unit_normal(self.surfaces[k], x) for k in active])
         key = (sides, patterns)
         if key not in self._known:
             self._known[key] = [self._face(_filled(sides, active, p), patterns, active) for p in patterns]
@@ -154,19 +154,6 @@ class SignField:
             gradient = surface.gradient(x)
             heights.append(surface.value(x) / (float(np.sqrt(gradient @ gradient)) or 1.0))
         return heights
-
-
-def _patterns_with_points(normals: Sequence[Vector]) -> tuple[Signs, ...]:
-    """Every pattern of -, 0, + of surfaces through a point whose tangent cone has points; most zeros first.
-
-    One surface after the other: a pattern without points has none with a further sign.  In the plane n lines leave
-    4 n + 1 patterns of 3^n.
-    """
-    patterns: list[Signs] = [()]
-    for count in range(1, len(normals) + 1):
-        longer = [(*pattern, side) for pattern in patterns for side in (-1, 0, 1)]
-        patterns = longer if count == 1 else [p for p in longer if has_points(p, normals[:count])]
-    return tuple(sorted(patterns, key=lambda p: (-p.count(0), p)))
 
 
 def _touch(surfaces: Sequence[Surface], x: Vector) -> bool:

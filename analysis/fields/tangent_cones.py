@@ -26,6 +26,19 @@ def has_points(pattern: Sequence[int], normals: Sequence[Vector]) -> bool:
     return not others or origin_distance(np.array(others)) > CONE_SLACK
 
 
+def sign_patterns(normals: Sequence[Vector]) -> tuple[tuple[int, ...], ...]:
+    """Every pattern of -, 0, + of surfaces through a point whose tangent cone has points; most zeros first.
+
+    One surface after the other: a pattern without points has none with a further sign.  In the plane n lines leave
+    4 n + 1 patterns of 3^n.
+    """
+    patterns: list[tuple[int, ...]] = [()]
+    for count in range(1, len(normals) + 1):
+        longer = [(*pattern, side) for pattern in patterns for side in (-1, 0, 1)]
+        patterns = longer if count == 1 else [p for p in longer if has_points(p, normals[:count])]
+    return tuple(sorted(patterns, key=lambda p: (-p.count(0), p)))
+
+
 def span(columns: Vector) -> Vector:
     """Orthonormal basis of the span of some columns."""
     basis, values, _ = np.linalg.svd(columns, full_matrices=False)

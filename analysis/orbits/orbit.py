@@ -26,9 +26,8 @@ from nonsmooth.analysis.fields.switched_field import Vector, length
 from nonsmooth.analysis.orbits.orbit_error import OrbitError
 from nonsmooth.analysis.orbits.variation import Variation, normals_held, path_variation
 from nonsmooth.analysis.trajectories.face_motion import TANGENT_SLACK, largest
-from nonsmooth.analysis.trajectories.legs import Leg
 from nonsmooth.analysis.trajectories.result import Trajectory, TrajectoryError
-from nonsmooth.analysis.trajectories.smooth_path import follow_legs, onto
+from nonsmooth.analysis.trajectories.smooth_path import Leg, follow_legs, onto
 
 Multipliers = NDArray[np.complex128]
 

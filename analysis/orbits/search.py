@@ -21,9 +21,8 @@ from nonsmooth.analysis.orbits.orbit import Orbit
 from nonsmooth.analysis.orbits.orbit_error import OrbitError
 from nonsmooth.analysis.orbits.shooting import shoot
 from nonsmooth.analysis.trajectories.follow import find_root
-from nonsmooth.analysis.trajectories.legs import Leg
 from nonsmooth.analysis.trajectories.result import TrajectoryError
-from nonsmooth.analysis.trajectories.smooth_path import follow_legs
+from nonsmooth.analysis.trajectories.smooth_path import Leg, follow_legs
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, WorkMeter
 
 EVALUATIONS = 240_000  # of a field, along one path or in all of shooting: some seconds

@@ -25,7 +25,7 @@ import numpy as np
 from nonsmooth.analysis.fields.switched_field import FacedField, Vector, Velocity, length, unit_normal
 from nonsmooth.analysis.orbits.orbit_error import OrbitError
 from nonsmooth.analysis.trajectories.face_motion import largest
-from nonsmooth.analysis.trajectories.legs import Leg
+from nonsmooth.analysis.trajectories.smooth_path import Leg
 
 # Relative to the size of the states: step of differences of fourth order, exact for polynomials of degree four; for
 # others truncation (step^4) and rounding (1e-16/step) are both some 1e-13.

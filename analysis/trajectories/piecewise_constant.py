@@ -25,7 +25,6 @@ from nonsmooth.analysis.trajectories.junction import junction_at, signs_of
 from nonsmooth.analysis.trajectories.lyapunov_watch import LyapunovWatch
 from nonsmooth.analysis.trajectories.orbits import OrbitMemory
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Piece, Trajectory, TrajectoryError
-from nonsmooth.analysis.trajectories.sample_times import sample_times
 from nonsmooth.analysis.trajectories.slides import Slide
 from nonsmooth.analysis.trajectories.turns import CornerSpiral, Turns
 from nonsmooth.symbolic.plane import cross, dot, minus
@@ -33,6 +32,9 @@ from nonsmooth.symbolic.plane import cross, dot, minus
 # Motions between events; a path of the built-in scenes has fewer than 20, a spiral of gain 0.99 some thousand.
 MAX_LEGS = 10_000
 RULE = "the path drawn rests if it can, else slides if it can, at the rate of smallest magnitude"
+ARC_STEP = math.pi / 36  # turn between samples (radian): a drawn chord leaves its arc by less than 0.1 % of the radius
+SLIDE_SAMPLES = 33  # along a slide whose speed varies
+SPIRAL_SAMPLES = 129  # over a spiral whose turns accumulate; the first few turns are what can be seen
 
 Motion: TypeAlias = Free | Slide | Rest | CornerSpiral
 
@@ -313,3 +315,38 @@ class _Cells(HybridField):
         if other.ray is not None:
             return f"slide along {self.field.place_name(OnEdge(other.ray.edge))}"
         return "rest"
+
+
+# ---- samples: the ends of what is straight, enough for a drawing where it bends ------------------
+
+
+def sample_times(motion: Motion, span: Any | None) -> tuple[Any, ...]:
+    """Times since the start of a piece at which it is sampled, first zero, last ``span`` where that is finite."""
+    if isinstance(motion, Slide) and span is None:
+        return _approach(motion)
+    if span is None:
+        return (_zero(motion),)
+    zero = span * 0
+    if isinstance(motion, Free) and motion.flow.turn:
+        return _even(span, max(1, math.ceil(abs(motion.flow.turn) * span / ARC_STEP)))
+    bends = isinstance(motion, Slide) and (motion.coefficients[1] or motion.coefficients[3])
+    if bends:
+        return _even(span, SLIDE_SAMPLES - 1)
+    if isinstance(motion, CornerSpiral) and isinstance(span, float):
+        return _even(span, SPIRAL_SAMPLES - 1)
+    return (zero, span) if span > zero else (zero,)
+
+
+def _even(span: float, steps: int) -> tuple[float, ...]:
+    return (*(span * k / steps for k in range(steps)), span)
+
+
+def _approach(slide: Slide) -> tuple[float, ...]:
+    """Times at which a slide has covered all but 2^-k of the way to the equilibrium it approaches."""
+    if slide.stop is None:
+        return (0.0,)
+    return tuple(slide.time_to(slide.stop * (1 - 2.0**-k)) for k in range(SLIDE_SAMPLES))
+
+
+def _zero(motion: Motion) -> Any:
+    return motion.theta * 0

@@ -12,15 +12,16 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 
 from nonsmooth.analysis.fields.switched_field import SURFACE_SLACK, Face, FacedField, Surface, Vector
-from nonsmooth.analysis.trajectories.face_motion import largest
+from nonsmooth.analysis.trajectories.face_motion import FaceMotion, largest
 from nonsmooth.analysis.trajectories.faces import FaceChoice, face_choices
-from nonsmooth.analysis.trajectories.follow import DenseStep, HybridField, Mode, Path, Stepper, follow
+from nonsmooth.analysis.trajectories.follow import DenseStep, HybridField, Mode, Path, Stepper, Stretch, follow
 from nonsmooth.analysis.trajectories.guards import FaceGuards
-from nonsmooth.analysis.trajectories.legs import Leg
 from nonsmooth.analysis.trajectories.loops import LoopMemory
 from nonsmooth.analysis.trajectories.lyapunov_watch import LyapunovWatch
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory, TrajectoryError
@@ -39,6 +40,8 @@ NEWTON_STEPS = 3  # onto surfaces from within their slack, where two steps reach
 CANCELLED = 2.0**-46  # of a coordinate: what moves leave of it is rounding then, and zero is as good
 EXPLICIT, IMPLICIT = "events", "events, implicit (Radau) where stiff"
 RULE = "the path drawn keeps to the surfaces if it can, with the velocity of least norm"
+
+Weights: TypeAlias = tuple[tuple[str, float], ...]  # convex ones, by the names of members
 
 
 def follow_smooth(
@@ -67,7 +70,7 @@ def follow_smooth(
         TrajectoryError: for a violated Lyapunov bound or a state without continuation.
     """
     faces = FilippovFaces(field, watch, meter or WorkMeter(MAX_WORK), max_events)
-    return faces.path(start, until, stepper or _near_rounding(field))
+    return faces.path(start, until, stepper or near_rounding(field))
 
 
 def follow_legs(
@@ -85,14 +88,50 @@ def follow_legs(
         ValueError, TrajectoryError: as for :func:`follow_smooth`.
     """
     faces = FilippovFaces(field, None, WorkMeter(MAX_WORK), MAX_EVENTS)
-    path = faces.path(start, until, _near_rounding(field, coarseness))
+    path = faces.path(start, until, near_rounding(field, coarseness))
     return path, tuple(faces.legs)
 
 
-def _near_rounding(field: FacedField, coarseness: float = 1.0) -> StiffAware:
+def near_rounding(field: FacedField, coarseness: float = 1.0) -> StiffAware:
     """The method of which paths are right to some 1e-12."""
     rtol, atol = RELATIVE_TOLERANCE * coarseness, ABSOLUTE_TOLERANCE * coarseness * field.size
     return StiffAware(rtol, atol, field.size)
+
+
+@dataclass(frozen=True)
+class Leg:
+    """A stretch of a path with the motion that it follows.
+
+    Attributes:
+        motion: on the face that it keeps to.
+        stretch: times, states and dense output; its end is not yet moved onto the surface it met.
+        last: where it ends, on the surfaces it met.
+        met: the surface it met at its end, if any.
+    """
+
+    motion: FaceMotion
+    stretch: Stretch
+    last: Vector
+    met: tuple[Surface, ...]
+
+    @property
+    def start(self) -> float:
+        """Time at which it begins."""
+        return float(self.stretch.times[0])
+
+    @property
+    def end(self) -> float:
+        """Time at which it ends."""
+        return float(self.stretch.times[-1])
+
+    @property
+    def first(self) -> Vector:
+        """Where it begins."""
+        return self.stretch.states[0]
+
+    def at(self, time: float) -> Vector:
+        """State at a time of the path within the leg."""
+        return self.stretch.at(time)
 
 
 class _FaceMode(Mode):
@@ -233,7 +272,7 @@ class FilippovFaces(HybridField):
         choice = choices[0]
         face, weights = choice.motion.face, choice.motion.weights(path.time, path.state)
         if not self._goes_on(face):
-            self._say_switch(path, choice, weights)
+            self.tell_switch(path, choice, weights)
         elif not choice.motion.weights_open:
             return
         notes = [f"keep to {c.motion.face.name}" for c in choices[1:]]
@@ -257,7 +296,7 @@ class FilippovFaces(HybridField):
         """Whether a slide goes on, with weights found in another way."""
         return len(face.keep) == 1 and self.before is face
 
-    def _say_switch(self, path: Path, choice: FaceChoice, weights: tuple[tuple[str, float], ...]) -> None:
+    def tell_switch(self, path: Path, choice: FaceChoice, weights: Weights) -> None:
         """What the path does."""
         face, before = choice.motion.face, self.before
         rests = self._rests(path, choice)

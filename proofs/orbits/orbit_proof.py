@@ -15,7 +15,7 @@ from flint import arb
 
 from nonsmooth.analysis.fields.switched_field import Face, Surface, Vector
 from nonsmooth.analysis.orbits.orbit import Orbit
-from nonsmooth.analysis.trajectories.legs import Leg
+from nonsmooth.analysis.trajectories.smooth_path import Leg
 from nonsmooth.proofs.orbits.ball_cell import BallCell
 from nonsmooth.proofs.orbits.ball_steps import Ball, Box, UnprovedError, precision
 from nonsmooth.proofs.orbits.return_map import CrossedLeg, ReturnMap, proved_maps

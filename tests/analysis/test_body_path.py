@@ -16,8 +16,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from nonsmooth.analysis.bodies.contact_sets import ContactSets
 from nonsmooth.analysis.bodies.path import BodyPath
+from nonsmooth.analysis.bodies.set_motion import ContactSets
 from nonsmooth.analysis.contact_rule import SmoothRule, contact_rule
 from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
 from nonsmooth.analysis.minimizers.ellipse_minimizer import WarmInterior
