@@ -9,8 +9,7 @@ apart: wheels that ``enter`` and ``leave``, wheels under the edge that the body 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -20,9 +19,13 @@ from nonsmooth.analysis.bodies.set_cells import CellsBySet
 from nonsmooth.analysis.bodies.supports import CarryingWheels, finite_start, tipping_edge, wheel_changes
 from nonsmooth.analysis.contact_rule import CellRule
 from nonsmooth.analysis.fields.contact_model import Floats
-from nonsmooth.analysis.trajectories.result import EndReason, Event, EventKind, Piece, Trajectory
-from nonsmooth.analysis.trajectories.smooth_path import follow_smooth
+from nonsmooth.analysis.fields.switched_field import Face
+from nonsmooth.analysis.trajectories.faces import FaceChoice
+from nonsmooth.analysis.trajectories.follow import Mode, Path
+from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory
+from nonsmooth.analysis.trajectories.smooth_path import MAX_EVENTS, MAX_WORK, FilippovFaces, Weights, near_rounding
 from nonsmooth.symbolic.contact_set import require_elastic
+from nonsmooth.symbolic.numbers.work_limit import WorkMeter
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.similar_scenes import counted_in_own_length
 
@@ -64,38 +67,43 @@ class CellPath:
         pose = finite_start(start, until)
         if not self.stands(start):
             raise ValueError("required a start where the body stands on its wheels, received one where it tips")
-        return self._told(follow_smooth(self._field, self._own(pose).tolist(), until)).in_lengths(self._length)
+        path = _OnWheels(self._field, self._scene).path(self._own(pose).tolist(), until, near_rounding(self._field))
+        return path.in_lengths(self._length)
 
     def _own(self, pose: Sequence[float] | Floats) -> Floats:
         """A pose with the scene's length l for the unit."""
         return np.array(pose, float) / [self._length, self._length, 1.0]
 
-    def _told(self, path: Trajectory) -> Trajectory:
-        """The same path with events of wheels, and tipping where it leaves the field."""
-        events = list(self._events(path))
-        end = path.end
-        if end.reason is EndReason.OUTSIDE:
-            pose = np.array(end.state)
-            over = tipping_edge(self._scene, self._field.under(pose), pose)
-            events.append(Event(end.t, end.state, EventKind.TIPS, over))
-            end = replace(end, reason=EndReason.TIPS)
-        return replace(path, events=tuple(events), end=end)
 
-    def _events(self, path: Trajectory) -> Iterator[Event]:
-        """Events of the switched field; where wheels come or go, one event for each kind of change instead."""
-        for event in path.events:
-            before = [piece for piece in path.pieces if piece.end is not None and piece.end <= event.t]
-            after = [piece for piece in path.pieces if piece.start >= event.t]
-            told = False
-            if before and after and event.kind is not EventKind.NONUNIQUE:
-                for kind, words in wheel_changes(self._scene, self._mode(before[-1]), self._mode(after[0])):
-                    told = True
-                    yield replace(event, kind=kind, surface=words)
-            if not told:
-                yield event
+class _OnWheels(FilippovFaces):
+    """The solutions of the field, with the wheels that come and go told apart from other switches."""
 
-    def _mode(self, piece: Piece) -> CarryingWheels:
-        """The wheels that carry in all cells of a stretch, and those that carry in some."""
-        sets = [self._field.wheels_of[name] for name in piece.cells]
+    def __init__(self, field: OutlineField, scene: Scene) -> None:
+        super().__init__(field, None, WorkMeter(MAX_WORK), MAX_EVENTS)
+        self._outlined, self._scene = field, scene
+
+    def next_mode(self, path: Path) -> Mode | EndReason:
+        """The next face; beyond the border of the field the body tips."""
+        mode = super().next_mode(path)
+        if mode is not EndReason.OUTSIDE:
+            return mode
+        path.tell(EventKind.TIPS, tipping_edge(self._scene, self._outlined.under(path.state), path.state))
+        return EndReason.TIPS
+
+    def tell_switch(self, path: Path, choice: FaceChoice, weights: Weights) -> None:
+        """Where wheels come or go, one event for each kind of change."""
+        face, before = choice.motion.face, self.before
+        told = False
+        if before is not None:
+            for kind, words in wheel_changes(self._scene, self._wheels(before), self._wheels(face)):
+                mixed = {"weights": weights, "rates": choice.rates} if face.keep else {}
+                path.tell(kind, words, **mixed)
+                told = True
+        if not told:
+            super().tell_switch(path, choice, weights)
+
+    def _wheels(self, face: Face) -> CarryingWheels:
+        """The wheels that carry in all cells of a face, and those that carry in some."""
+        sets = [self._outlined.wheels_of[member.name] for member in face.members]
         carrying = frozenset.intersection(*sets)
         return CarryingWheels(carrying, tuple(sorted(frozenset.union(*sets) - carrying)))
