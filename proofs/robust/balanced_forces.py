@@ -54,17 +54,25 @@ MARGIN = 2.0**-20  # of a radius: corners of polygons lie so far beyond the ring
 
 @dataclass(frozen=True)
 class FrictionShape:
-    """The friction sets of all wheels under one rule, in floats; the last axis is that of the wheels.
+    """The friction sets of all wheels, in floats; the last axis is that of the wheels.
 
     Attributes:
-        rule: ``box``, ``ellipse`` or ``roller``.
+        is_box: whether all are boxes; else each is an ellipse, or the disc of ``roll`` cut by the strip of ``side``.
+        rolls: which are such discs, of wheels with rollers.
         roll: coefficient along the friction axis.
         side: coefficient across it.
     """
 
-    rule: str
+    is_box: bool
+    rolls: NDArray[np.bool_]
     roll: Floats
     side: Floats
+
+    @property
+    def strip(self) -> tuple[Floats, Floats]:
+        """Half-width of the strip within the disc, and of the disc where it ends there."""
+        edge = np.minimum(self.roll, self.side)
+        return edge, np.sqrt(np.maximum(self.roll * self.roll - edge * edge, 0.0))
 
     def force(self, r: Floats, s: Floats, width: float) -> tuple[Floats, Floats]:
         """A force inside the set, per unit of load: the gradient of the support function, rounded where slips vanish.
@@ -75,50 +83,74 @@ class FrictionShape:
             width: of the slips over which edges are rounded.
         """
         a, b = self.roll, self.side
-        if self.rule == "box":
+        if self.is_box:
             return a * np.clip(r / width, -1, 1), b * np.clip(s / width, -1, 1)
-        if self.rule == "ellipse":
-            size = np.maximum(np.hypot(a * r, b * s), a * width)
-            return a * a * r / size, b * b * s / size
+        size = np.maximum(np.hypot(a * r, b * s), a * width)
+        along, across = a * a * r / size, b * b * s / size
+        if not self.rolls.any():
+            return along, across
+        edge, most = self.strip
         size = np.maximum(np.hypot(r, s), width)
-        across, edge = a * s / size, np.minimum(a, b)
-        turns = np.abs(across) > edge
-        most = np.sqrt(np.maximum(a * a - edge * edge, 0.0))
-        along = np.where(turns, np.clip(a * r / width, -most, most), a * r / size)
-        return along, np.clip(across, -edge, edge)
+        cut = a * s / size
+        straight = np.where(np.abs(cut) > edge, np.clip(a * r / width, -most, most), a * r / size)
+        return np.where(self.rolls, straight, along), np.where(self.rolls, np.clip(cut, -edge, edge), across)
 
     def stiffness(self, r: Floats, s: Floats, width: float) -> tuple[Floats, Floats, Floats]:
-        """The derivatives of the force: along by r, across by s, and the mixed one."""
+        """The derivatives of the force: along by r, across by s, and along by s, which is across by r."""
         a, b = self.roll, self.side
-        if self.rule == "box":
+        if self.is_box:
             return np.where(np.abs(r) < width, a / width, 0.0), np.where(np.abs(s) < width, b / width, 0.0), 0.0 * r
-        p, q = (a * r, b * s) if self.rule == "ellipse" else (r, s)
-        least = a * width if self.rule == "ellipse" else width + 0.0 * a
+        p, q = np.where(self.rolls, r, a * r), np.where(self.rolls, s, b * s)
+        least = np.where(self.rolls, width, a * width)
         size = np.maximum(np.hypot(p, q), least)
         free = np.hypot(p, q) > least
         x, y = np.where(free, p / size, 0.0), np.where(free, q / size, 0.0)
-        if self.rule == "ellipse":
-            return a * a * (1 - x * x) / size, b * b * (1 - y * y) / size, -a * b * x * y * np.where(free, 1, 0) / size
-        edge = np.minimum(a, b)
-        turns = np.abs(a * s / size) > edge
-        most = np.sqrt(np.maximum(a * a - edge * edge, 0.0))
-        along = np.where(turns, np.where(np.abs(a * r / width) < most, a / width, 0.0), a * (1 - x * x) / size)
-        return along, np.where(turns, 0.0, a * (1 - y * y) / size), np.where(turns, 0.0, -a * x * y / size)
+        first, second = np.where(self.rolls, a, a * a), np.where(self.rolls, a, b * b)
+        mixed = np.where(self.rolls, a, a * b)
+        by_r, by_s, both = first * (1 - x * x) / size, second * (1 - y * y) / size, -mixed * x * y / size
+        if not self.rolls.any():
+            return by_r, by_s, both
+        edge, most = self.strip
+        turns = self.rolls & (np.abs(a * s / size) > edge)
+        straight = np.where(np.abs(a * r / width) < most, a / width, 0.0)
+        return np.where(turns, straight, by_r), np.where(turns, 0.0, by_s), np.where(turns, 0.0, both)
 
     def support(self, r: Intervals, s: Intervals, roll: Intervals, side: Intervals) -> Intervals:
         """``max f . (r, s)`` over the friction set, per unit of load, for coefficients in intervals."""
         r, s = abs(r), abs(s)
-        if self.rule == "box":
+        if self.is_box:
             return roll * r + side * s
-        if self.rule == "ellipse":
-            return ((roll * r).square + (side * s).square).root
+        found = ((roll * r).square + (side * s).square).root
+        if not self.rolls.any():
+            return found
         edge = side.within(roll)
         across = (roll.square - edge.square).root
         turned, stood = across * r + edge * s, roll * (r.square + s.square).root
-        stands = (edge.low * r.low >= across.high * s.high), (edge.high * r.high < across.low * s.low)
-        low = np.where(stands[0], stood.low, np.where(stands[1], turned.low, np.minimum(stood.low, turned.low)))
-        high = np.where(stands[1], turned.high, stood.high)  # the disc holds the set that the strip cuts from it
-        return Intervals(low, high)
+        stands, turns = edge.low * r.low >= across.high * s.high, edge.high * r.high < across.low * s.low
+        # the strip only takes from the disc, and the corners of what is left are in it
+        low = np.where(stands, stood.low, np.where(turns, turned.low, np.minimum(stood.low, turned.low)))
+        high = np.where(turns, turned.high, stood.high)
+        return Intervals(np.where(self.rolls, low, found.low), np.where(self.rolls, high, found.high))
+
+    def inside(self, f: Floats, g: Floats, roll: Intervals, side: Intervals) -> tuple[Intervals, Intervals]:
+        """Forces near given ones that are within the limits, whatever the coefficients are in their intervals."""
+        first, second = f / self.roll, g / self.side  # shares of the limits are what is chosen
+        if self.is_box:
+            first, second = np.clip(first, -INSIDE, INSIDE), np.clip(second, -INSIDE, INSIDE)
+        else:
+            size = np.maximum(np.hypot(first, second) / INSIDE, 1.0)
+            first, second = first / size, second / size
+        along, across = Intervals.of(first) * roll, Intervals.of(second) * side
+        if not self.rolls.any():
+            return along, across
+        a, edge = roll.low * INSIDE, np.minimum(roll.low, side.low) * INSIDE
+        cut = np.clip(g, -edge, edge)
+        most = np.sqrt(np.maximum(a * a - cut * cut, 0.0)) * INSIDE
+        straight = np.clip(f, -most, most)
+        return (
+            Intervals(np.where(self.rolls, straight, along.low), np.where(self.rolls, straight, along.high)),
+            Intervals(np.where(self.rolls, cut, across.low), np.where(self.rolls, cut, across.high)),
+        )
 
 
 @dataclass(frozen=True)
@@ -152,7 +184,13 @@ class Quadrangles:
 
 
 class BalancedForces:
-    """A centred scene under ``box``, ``ellipse`` or ``roller`` with known loads; its rounded numbers are intervals."""
+    """A centred scene with known loads under ``box``, ``ellipse`` or ``roller``, or the last two mixed.
+
+    Numbers that were rounded are intervals.
+
+    Raises:
+        ArithmeticError: where springs do not fix the loads, and for a wheel with a row without friction.
+    """
 
     def __init__(self, scene: Scene) -> None:
         with ctx.workprec(PRECISION):
@@ -178,8 +216,12 @@ class BalancedForces:
             self.speeds = [Intervals.about([speed[kind] for speed in speeds]) for kind in range(2)]
             self.roll = Intervals.about([wheel.friction.roll.ball() for wheel in wheels])
             self.side = Intervals.about([wheel.friction.side.ball() for wheel in wheels])
+            if not (self.roll.low > 0).all() or not (self.side.low > 0).all():
+                raise ArithmeticError("required friction along and across each rim")
             self._gram = self._least_eigenvalue(rows, levers)
-        self.shape = FrictionShape(scene.contact.rule, self.roll.middle, self.side.middle)
+        rules = [scene.rule_of_wheel(wheel) for wheel in wheels]
+        rolls = np.array([rule == "roller" for rule in rules])
+        self.shape = FrictionShape("box" in rules, rolls, self.roll.middle, self.side.middle)
         self.fastest = float(max(abs(speed.middle).max() for speed in self.speeds)) or 1.0
 
     def _least_eigenvalue(self, rows: list[list[tuple[arb, arb]]], levers: list[list[arb]]) -> float:
@@ -304,7 +346,7 @@ class BalancedForces:
         one, by_x, by_y = self.forms
         loads = one + by_x * x + by_y * y
         shares = [each.reshape(len(corners), 4, -1) for each in self.forces(pushed.reshape(-1, 3))]
-        along, across = (loads * force for force in self._inside(*shares))
+        along, across = (loads * force for force in self.shape.inside(*shares, self.roll, self.side))
         rest = [(along * self.rows[0][k] + across * self.rows[1][k]).sum(axis=-1) - pulls[k] for k in range(3)]
         missing = (rest[0].square + rest[1].square + rest[2].square).root
         twist = [Intervals.of(free[:, None, k : k + 1]) for k in range(3)]
@@ -317,24 +359,6 @@ class BalancedForces:
         bound = (dissipation + driven).sum(axis=-1) + missing * self._largest_twist(loads)
         carried = (loads.low >= 0).all(axis=-1)
         return np.where(carried, bound.high, np.inf)
-
-    def _inside(self, f: Floats, g: Floats) -> tuple[Intervals, Intervals]:
-        """Forces as intervals that hold one within the limits, whatever the coefficients are in their intervals.
-
-        The shares of the limits are what is chosen; with them forces are the coefficients times the shares.
-        """
-        if self.shape.rule == "roller":  # limits of one disc and of a strip: the least coefficients serve all
-            a, b = self.roll.low, np.minimum(self.roll.low, self.side.low)
-            across = np.clip(g, -b * INSIDE, b * INSIDE)
-            size = np.sqrt(np.maximum((a * INSIDE) ** 2 - across**2, 0.0))
-            return Intervals.of(np.clip(f, -size, size)), Intervals.of(across)
-        first, second = f / self.shape.roll, g / self.shape.side
-        if self.shape.rule == "box":
-            first, second = np.clip(first, -INSIDE, INSIDE), np.clip(second, -INSIDE, INSIDE)
-        else:
-            size = np.maximum(np.hypot(first, second) / INSIDE, 1.0)
-            first, second = first / size, second / size
-        return Intervals.of(first) * self.roll, Intervals.of(second) * self.side
 
     def _largest_twist(self, loads: Intervals) -> Intervals:
         """A bound of ``|(v, length omega)|`` for every minimizer in a quadrangle, from ``D(xi) <= D(0)``.

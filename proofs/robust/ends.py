@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from nonsmooth.proofs.robust.balanced_forces import BalancedForces
 from nonsmooth.proofs.robust.touching_rings import rings_about
 from nonsmooth.proofs.robust.ultimate_bound import root_above
+from nonsmooth.symbolic.rule import MIXED
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.support_polygon import outer_positions, support_polygon
 from nonsmooth.symbolic.tolerances import Tolerance
@@ -31,7 +32,7 @@ Floats: TypeAlias = NDArray[np.float64]
 Place: TypeAlias = tuple[Fraction, Fraction]
 Velocity: TypeAlias = Callable[[Floats], Floats]
 
-MOST_WHEELS = {"nearest": 400, "box": 30, "ellipse": 400, "roller": 400}
+MOST_WHEELS = {"nearest": 400, "box": 30, "ellipse": 400, "roller": 400, MIXED: 400}
 WIDE = 5  # accuracies: the least radius of the largest disc of starts that is looked for
 CLOSE = Fraction(1, 256)  # of the accuracy: a smaller disc about a place of rest is not worth the time
 NEAR_REST = Fraction(1, 8)  # of its distance from the point: nor is one that small
@@ -158,7 +159,7 @@ def _centres(scene: Scene, accuracy: Fraction) -> Iterator[Place]:
 
 
 def _proposed(scene: Scene, velocity: Velocity, size: float, still: float) -> Iterator[Floats | None]:
-    if scene.contact.rule in {"ellipse", "roller"}:
+    if scene.contact.rule not in {"nearest", "box"}:
         yield _zero(velocity, size, float(scene.check.radius))
         yield _end_of_stiff_path(velocity, size, float(scene.check.radius))
     else:

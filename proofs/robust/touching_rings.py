@@ -176,7 +176,7 @@ def ring_rates(forces: BalancedForces, inner: Floats, outer: Floats) -> list[flo
     free = forces.minimizers(middles, np.zeros((len(middles), 3)))
     seen = -(middles * free[:, :2]).sum(axis=1) / np.hypot(middles[:, 0], middles[:, 1])
     # under rule box a body that rests seems to creep, by the width over which edges are rounded
-    least = STILL * forces.fastest if forces.shape.rule == "box" else 0.0
+    least = STILL * forces.fastest if forces.shape.is_box else 0.0
     falls = (seen.reshape(-1, SECTORS) > least).all(axis=1)
     shown = np.zeros(len(corners))
     kept = np.flatnonzero(np.repeat(falls, SECTORS))
