@@ -15,6 +15,7 @@ from typing import Any, TypeAlias
 
 from nonsmooth.proofs.inequalities.forms import Problem, Role, Vector
 from nonsmooth.proofs.inequalities.subdivision import NEARBY_STEPS, Violation
+from nonsmooth.symbolic.constraints import cofactors
 from nonsmooth.symbolic.numbers.number import sign
 
 Matrix: TypeAlias = list[list[Any]]
@@ -37,7 +38,7 @@ def decide_quadratic(problem: Problem) -> QuadraticEvidence | Violation | None:
     for size in range(1, count + 1):
         for face in combinations(range(count), size):
             minor = [[matrix[i][j] for j in face] for i in face]
-            adjugate = [[_cofactor(minor, j, i) for j in range(size)] for i in range(size)]
+            adjugate = _adjugate(minor)
             determinant = sum((minor[0][k] * adjugate[k][0] for k in range(size)), 0 * matrix[0][0])
             entries = [entry for row in adjugate for entry in row]
             if sign(determinant) < 0 and all(sign(entry) >= 0 for entry in entries):
@@ -97,15 +98,12 @@ def _spread(values: Sequence[Any], face: Sequence[int], count: int) -> list[Any]
     return [placed.get(k, zero) for k in range(count)]
 
 
-def _cofactor(matrix: Matrix, row: int, column: int) -> Any:
-    """Signed minor; 1 for a matrix of one entry."""
+def _adjugate(matrix: Matrix) -> Matrix:
+    """Of a symmetric matrix of at most three rows."""
     if len(matrix) == 1:
-        return 1 + 0 * matrix[0][0]
-    rest = [[x for j, x in enumerate(line) if j != column] for i, line in enumerate(matrix) if i != row]
-    return _determinant(rest) * (-1) ** (row + column)
-
-
-def _determinant(matrix: Matrix) -> Any:
-    if len(matrix) == 1:
-        return matrix[0][0]
-    return sum((matrix[0][k] * _cofactor(matrix, 0, k) for k in range(len(matrix))), 0 * matrix[0][0])
+        return [[1 + 0 * matrix[0][0]]]
+    if len(matrix) == 2:
+        (a, b), (_, c) = matrix
+        return [[c, -b], [-b, a]]
+    first, second, third = ((row[0], row[1], row[2]) for row in matrix)
+    return [list(row) for row in cofactors(first, second, third)]

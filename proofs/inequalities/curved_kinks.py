@@ -63,7 +63,8 @@ class CurvedKink:
         if known and all(velocity in fields for velocity in other.velocities):
             return True
         sides = tuple(_linear(side, self.curve) for side in other.region.sides)
-        return _is_empty(replace(self.around, guards=(*self.around.guards, *other.region.guards, *sides)), self.curve)
+        there = replace(self.around, guards=(*self.around.guards, *other.region.guards, *sides))
+        return is_seen_empty(there, self.curve, EMPTINESS_WORK, except_origin=True)
 
     def _slides_down(self) -> bool:
         (f,), (g,) = self.first.velocities, self.second.velocities
@@ -91,8 +92,15 @@ def _linear(side: tuple[object, object, object], like: Polynomial) -> Polynomial
     return x * a + y * b + Polynomial.constant(like.field, like.variables, 1) * c
 
 
-def _is_empty(region: Region, like: Polynomial) -> bool:
-    """Whether no point of a region but the origin is found to have all guards nonnegative, with little work."""
+def is_seen_empty(region: Region, like: Polynomial, work: int, *, except_origin: bool) -> bool:
+    """Whether ``-1 > 0`` is found to hold where no guard of a region is negative: there is no such point.
+
+    Args:
+        region: a cell.
+        like: a polynomial in the same variables.
+        work: coefficients that may be looked at.
+        except_origin: whether the origin may be such a point.
+    """
     minus_one = Polynomial.constant(like.field, like.variables, -1)
-    parts = build_parts(CellClaim(minus_one, region, strict=True, except_origin=True))
-    return all(isinstance(subdivide(part, EMPTINESS_WORK), Leaf | Split) for part in parts)
+    parts = build_parts(CellClaim(minus_one, region, strict=True, except_origin=except_origin))
+    return all(isinstance(subdivide(part, work), Leaf | Split) for part in parts)

@@ -23,16 +23,14 @@ from typing import Any
 
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.switched_cells import LyapunovCell
-from nonsmooth.proofs.inequalities.cell_forms import CellClaim, build_parts
+from nonsmooth.proofs.inequalities.curved_kinks import is_seen_empty
 from nonsmooth.proofs.inequalities.curved_regions import Adherence, adherence, is_empty
 from nonsmooth.proofs.inequalities.effort import shared_effort
 from nonsmooth.proofs.inequalities.kinks import Trend, worst
 from nonsmooth.proofs.inequalities.ladder import Interval
 from nonsmooth.proofs.inequalities.prover import Counterexample, Outcome, Proof, Sense, Undecided, ZeroBetween, prove
 from nonsmooth.proofs.inequalities.strata import Refutation, Stratum, StratumPart, bend_strata, cell_stratum, stratum_of
-from nonsmooth.proofs.inequalities.subdivision import Leaf, Split, subdivide
 from nonsmooth.symbolic.notebook import ShortRepr
-from nonsmooth.symbolic.numbers.polynomial import Polynomial
 
 EFFORT = 150_000  # coefficients looked at for all inequalities of one V: a few seconds
 EMPTINESS_WORK = 2_000  # coefficients looked at to find that a cell beside a curve is empty; kept otherwise
@@ -144,15 +142,12 @@ def inhabited(cells: Sequence[LyapunovCell]) -> tuple[LyapunovCell, ...]:
 def _is_empty(cell: LyapunovCell) -> bool:
     """Whether the open cell holds no point: exactly over Q, unless that takes too much work.
 
-    Otherwise, whether the claim ``-1 >= 0`` is found to hold on the cell with little work (the origin alone would be
-    none).
+    Otherwise, whether that is seen with little work (the origin alone would be no cell).
     """
     decided = is_empty(cell.region)
     if decided is not None:
         return decided
-    minus_one = Polynomial.constant(cell.potential.field, cell.potential.variables, -1)
-    parts = build_parts(CellClaim(minus_one, cell.region, strict=False, except_origin=True))
-    return all(isinstance(subdivide(part, EMPTINESS_WORK), Leaf | Split) for part in parts)
+    return is_seen_empty(cell.region, cell.potential, EMPTINESS_WORK, except_origin=True)
 
 
 def conclude(
