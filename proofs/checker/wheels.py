@@ -152,16 +152,25 @@ def edge_slopes(rows: dict[Row, Vector], slips: dict[Row, int], limits: Limits) 
 
     D is a sum of ``limit |slip|`` over rows.  The planes of the rows that a twist satisfies cut the neighbourhood into
     cones on which D is linear; their edges are the intersections of two planes, in both senses.  The slope along m is
-    the sum of ``limit |row . m|`` over those rows and of ``limit sign(slip) (row . m)`` over the others.
+    the sum of ``limit |row . m|`` over those rows, which is the same along -m, and of ``limit sign(slip) (row . m)``
+    over the others, which is the opposite.
     """
     tight = [rows[row] for row, side in slips.items() if not side]
     for a, b in combinations(tight, 2):
         edge = normal_to(a, b)
         if is_zero(edge):
             continue
-        for way in (edge, negative(edge)):
-            pulls = {}
-            for row in limits[0]:
-                pull = dot(way, rows[row][:3])
-                pulls[row] = pull if (slips[row] or pull.sign()) > 0 else -pull
-            yield way, [total([pulls[row] * limit for row, limit in at.items()]).sign() for at in limits]
+        pulls = {}
+        for row in limits[0]:
+            pull = dot(edge, rows[row][:3])
+            pulls[row] = pull if (slips[row] or pull.sign()) > 0 else -pull
+        there, back = list[int](), list[int]()
+        for at_corner in limits:
+            even = odd = edge[0] - edge[0]
+            for row, limit in at_corner.items():
+                part = pulls[row] * limit
+                even, odd = (even, odd + part) if slips[row] else (even + part, odd)
+            there.append((even + odd).sign())
+            back.append((even - odd).sign())
+        yield edge, there
+        yield negative(edge), back
