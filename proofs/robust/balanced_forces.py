@@ -345,8 +345,8 @@ class BalancedForces:
         x, y = (Intervals.of(corners[:, :, k])[..., None] for k in range(2))
         one, by_x, by_y = self.forms
         loads = one + by_x * x + by_y * y
-        shares = [each.reshape(len(corners), 4, -1) for each in self.forces(pushed.reshape(-1, 3))]
-        along, across = (loads * force for force in self.shape.inside(*shares, self.roll, self.side))
+        f, g = (each.reshape(len(corners), 4, -1) for each in self.forces(pushed.reshape(-1, 3)))
+        along, across = (loads * force for force in self.shape.inside(f, g, self.roll, self.side))
         rest = [(along * self.rows[0][k] + across * self.rows[1][k]).sum(axis=-1) - pulls[k] for k in range(3)]
         missing = (rest[0].square + rest[1].square + rest[2].square).root
         twist = [Intervals.of(free[:, None, k : k + 1]) for k in range(3)]
