@@ -19,12 +19,11 @@ if TYPE_CHECKING:
     from nonsmooth.proofs.answers.answer import Heading as Heading
     from nonsmooth.proofs.answers.answer import Pose as Pose
     from nonsmooth.proofs.answers.answer import Position as Position
+    from nonsmooth.reports.agreement import ComparisonResult as ComparisonResult
+    from nonsmooth.reports.cells import CellsResult as CellsResult
     from nonsmooth.reports.interface.array import Array as Array
-    from nonsmooth.reports.interface.cells_result import CellsResult as CellsResult
     from nonsmooth.reports.interface.check_result import CheckResult as CheckResult
-    from nonsmooth.reports.interface.comparison_result import ComparisonResult as ComparisonResult
     from nonsmooth.reports.interface.design_result import DesignResult as DesignResult
-    from nonsmooth.reports.interface.field_result import FieldResult as FieldResult
     from nonsmooth.reports.interface.filippov_set import FilippovSet as FilippovSet
     from nonsmooth.reports.interface.law_result import LawResult as LawResult
     from nonsmooth.reports.interface.load import load as load
@@ -38,6 +37,7 @@ if TYPE_CHECKING:
     from nonsmooth.reports.masses import MassResult as MassResult
     from nonsmooth.reports.orbits import OrbitResult as OrbitResult
     from nonsmooth.reports.paths import PathResult as PathResult
+    from nonsmooth.reports.sampled_field import FieldResult as FieldResult
     from nonsmooth.reports.sweeps.sweep import Means as Means
     from nonsmooth.reports.vehicles import VehicleResult as VehicleResult
     from nonsmooth.reports.workbench.widget import widget as widget
@@ -47,11 +47,11 @@ if TYPE_CHECKING:
 
 _MODULES = {
     "Array": "reports.interface.array",
-    "CellsResult": "reports.interface.cells_result",
+    "CellsResult": "reports.cells",
     "CheckResult": "reports.interface.check_result",
-    "ComparisonResult": "reports.interface.comparison_result",
+    "ComparisonResult": "reports.agreement",
     "DesignResult": "reports.interface.design_result",
-    "FieldResult": "reports.interface.field_result",
+    "FieldResult": "reports.sampled_field",
     "FilippovSet": "reports.interface.filippov_set",
     "Heading": "proofs.answers.answer",
     "LawResult": "reports.interface.law_result",

@@ -15,6 +15,7 @@ from nonsmooth.reports.refusals import refusals_named
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from nonsmooth.reports.result import Result
     from nonsmooth.symbolic.scene import Scene
 
 
@@ -44,10 +45,7 @@ def partition(  # noqa: PLR0913, PLR0917  # one parameter for each option of the
 
     Exit status: 0 done, 2 bad input.
     """
-    from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
     from nonsmooth.reports.files import PICTURES, output_path
-    from nonsmooth.reports.interface.cells_result import cells_of
-    from nonsmooth.reports.progress import steps
     from nonsmooth.reports.result import show as write_result
     from nonsmooth.symbolic.contact_set import standing
     from nonsmooth.symbolic.files.scene_file import load_scene
@@ -62,18 +60,35 @@ def partition(  # noqa: PLR0913, PLR0917  # one parameter for each option of the
         refuse_given(context, ("show",), "a picture of one contact rule", "--compare")
     loaded = standing(load_scene(scene, rule=rule, radius=radius, at=at, allow_outside=allow_outside))
     path = None if output is None else output_path(output, PICTURES)
-    if compare:
-        return _compare(loaded, path, json=json)
-    if path is None and _leaves_motions_open(loaded):
+    if path is None and not compare and _leaves_motions_open(loaded):
         return _possible(loaded, json=json)
-    if path is not None and show is Drawing.ARRAY and not json:
+    if path is not None and show is Drawing.ARRAY and not (json or compare):
         return _draw_array(loaded, path)
-    if isinstance(rule_of(loaded), SmoothRule):
-        return _sample(loaded, path, json=json)
-    with refusals_named(loaded), steps(f"cells of rule {loaded.contact.rule}"):
-        cells = cells_of(loaded)
-    write_result(replace(cells, show=show), path, json=json)
+    with refusals_named(loaded):
+        found = _found(loaded, show, compare=compare)
+    write_result(found, path, json=json)
     return 0
+
+
+def _found(scene: Scene, show: Drawing, *, compare: bool) -> Result:
+    """The contact rules side by side, the cells, or the field of a rule without cells."""
+    from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
+    from nonsmooth.reports.progress import steps
+
+    if compare:
+        from nonsmooth.reports.agreement import compare_scene
+
+        with steps("comparison of the contact rules"):
+            return compare_scene(scene)
+    if isinstance(rule_of(scene), SmoothRule):
+        from nonsmooth.reports.sampled_field import field_of
+
+        with steps(f"field of rule {scene.contact.rule}"):
+            return field_of(scene)
+    from nonsmooth.reports.cells import cells_of
+
+    with steps(f"cells of rule {scene.contact.rule}"):
+        return replace(cells_of(scene), show=show)
 
 
 def _portray(scene: str, output: str | None, radius: str | None, at: str | None, *, json: bool) -> int:
@@ -114,33 +129,9 @@ def _possible(scene: Scene, *, json: bool) -> int:
 
 def _draw_array(scene: Scene, path: Path) -> int:
     """The wheels alone, under any contact rule."""
+    from nonsmooth.reports.cells import drawn
     from nonsmooth.reports.files import write_whole
-    from nonsmooth.reports.interface.cells_result import drawn
 
     write_whole(path, drawn(scene, path.suffix.lower(), Drawing.ARRAY))
     write(f"{path}: {len(scene.wheels)} wheels\n")
-    return 0
-
-
-def _sample(scene: Scene, path: Path | None, *, json: bool) -> int:
-    """The field of a rule without cells."""
-    from nonsmooth.reports.interface.field_result import field_of
-    from nonsmooth.reports.progress import steps
-    from nonsmooth.reports.result import show
-
-    with refusals_named(scene), steps(f"field of rule {scene.contact.rule}"):
-        found = field_of(scene)
-    show(found, path, json=json)
-    return 0
-
-
-def _compare(scene: Scene, path: Path | None, *, json: bool) -> int:
-    """The contact rules side by side."""
-    from nonsmooth.reports.interface.comparison_result import compare_scene
-    from nonsmooth.reports.progress import steps
-    from nonsmooth.reports.result import show
-
-    with refusals_named(scene), steps("comparison of the contact rules"):
-        compared = compare_scene(scene)
-    show(compared, path, json=json)
     return 0

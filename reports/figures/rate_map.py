@@ -20,7 +20,6 @@ from nonsmooth.reports.figures.cell_map import (
     LABEL,
     PICTURE,
     POINTS,
-    figure_bytes,
     require_drawable,
     room_at,
     view_square,
@@ -38,11 +37,6 @@ SPLIT = 20  # pieces of each side of a triangle where motions tie and V* is not 
 COLORS, ZERO = "PuOr_r", "#f7f7f7"  # Matplotlib's name, and its color in the middle
 DARK = "#101418"  # text over the map's own colors, whatever the page's
 PLATE = {"boxstyle": "round,pad=0.25", "facecolor": "#fcfcfc", "edgecolor": "none"}  # behind a number
-
-
-def rate_map(partition: Partition, suffix: str) -> bytes:
-    """The picture as the bytes of a file; ``suffix`` as for the cell map."""
-    return figure_bytes(lambda: build_figure(partition), suffix)
 
 
 def build_figure(partition: Partition) -> Figure:

@@ -14,17 +14,17 @@ from nonsmooth.reports.study import options_of, takes
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from nonsmooth.reports.interface.cells_result import CellsResult
+    from nonsmooth.reports.agreement import ComparisonResult
+    from nonsmooth.reports.cells import CellsResult
     from nonsmooth.reports.interface.check_result import CheckResult
-    from nonsmooth.reports.interface.comparison_result import ComparisonResult
     from nonsmooth.reports.interface.design_result import DesignResult
-    from nonsmooth.reports.interface.field_result import FieldResult
     from nonsmooth.reports.interface.filippov_set import FilippovSet
     from nonsmooth.reports.interface.report_result import ReportResult
     from nonsmooth.reports.interface.sweep_result import SweepResult
     from nonsmooth.reports.maps import MapResult
     from nonsmooth.reports.masses import MassResult
     from nonsmooth.reports.paths import PathResult
+    from nonsmooth.reports.sampled_field import FieldResult
     from nonsmooth.reports.sweeps.sweep import Means
 
 AUTO = "auto"  # the best rest point of the square
@@ -247,7 +247,7 @@ class Array(MadeArray):
         Raises:
             RefusalError: where the motion is not determined, and under a rule without cells.
         """
-        from nonsmooth.reports.interface.cells_result import CellsResult
+        from nonsmooth.reports.cells import CellsResult
 
         return CellsResult(self.partition)
 
@@ -258,7 +258,7 @@ class Array(MadeArray):
             TypeError: for a rule with cells.
             RefusalError: where the motion is not determined.
         """
-        from nonsmooth.reports.interface.field_result import field_of
+        from nonsmooth.reports.sampled_field import field_of
 
         return field_of(self._standing)
 
@@ -268,7 +268,7 @@ class Array(MadeArray):
         Raises:
             RefusalError: where the motion is not determined.
         """
-        from nonsmooth.reports.interface.comparison_result import compare_scene
+        from nonsmooth.reports.agreement import compare_scene
 
         return compare_scene(self._standing)
 

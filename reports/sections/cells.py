@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from nonsmooth.proofs.theorem4_result import CellCheck
+from nonsmooth.reports.cells import CellsResult
 from nonsmooth.reports.document import Figure, Section, cell_mark, number, point, table
 from nonsmooth.reports.prose import listed, paragraph, prose
 from nonsmooth.reports.subject import Subject
@@ -29,11 +30,6 @@ def cells_section(subject: Subject) -> Section:
 def _map(subject: Subject) -> Figure:
     partition = subject.cells.partition
 
-    def draw(suffix: str) -> bytes:
-        from nonsmooth.reports.figures.cell_map import cell_map
-
-        return cell_map(partition, suffix)
-
     return Figure(
         "cell-map",
         prose(
@@ -42,7 +38,7 @@ def _map(subject: Subject) -> Figure:
         ),
         f"Map of the {len(partition.cells)} cells with an arrow for the motion in each.",
         subject.invocation.line("partition", "-o", "cells.pdf"),
-        draw,
+        CellsResult(partition).content,
     )
 
 

@@ -6,6 +6,7 @@ from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.contact_rule import all_rules
 from nonsmooth.analysis.minimizers.agreement import Agreement, TwistDifference
+from nonsmooth.reports.agreement import ComparisonResult
 from nonsmooth.reports.document import Block, Bullets, Entry, Figure, Section, number, table
 from nonsmooth.reports.prose import paragraph, prose
 from nonsmooth.reports.subject import Subject
@@ -78,16 +79,10 @@ def _row(first: str, second: str, difference: TwistDifference) -> tuple[Entry, .
 def _agreement_map(subject: Subject) -> Figure:
     agreement: Agreement = subject.agreement
     rules = "the rules " + ", or ".join(f"{first} and {second}" for first, second in agreement.shared)
-
-    def draw(suffix: str) -> bytes:
-        from nonsmooth.reports.agreement_views import agreement_map
-
-        return agreement_map(agreement, suffix)
-
     return Figure(
         "agreement-map",
         prose(f"Where {rules} prescribe the same motion, in the coordinates of the scene."),
         f"Map of the square, shaded by whether {rules} prescribe the same motion.",
         subject.invocation.line("partition", "--compare", "-o", "agreement.pdf"),
-        draw,
+        ComparisonResult(agreement).content,
     )

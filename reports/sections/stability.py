@@ -16,6 +16,8 @@ from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
 from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.theorem4_result import CellCheck, Check
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
+from nonsmooth.reports.cells import CellsResult
+from nonsmooth.reports.choices import Drawing
 from nonsmooth.reports.document import (
     Block,
     Entry,
@@ -85,19 +87,12 @@ def lyapunov_section(subject: Subject) -> Section:
 
 
 def _rate_map(subject: Subject) -> Figure:
-    partition = subject.cells.partition
-
-    def draw(suffix: str) -> bytes:
-        from nonsmooth.reports.figures.rate_map import rate_map
-
-        return rate_map(partition, suffix)
-
     return Figure(
         "rate-map",
         prose("The upper derivative `V*` over the cells; where it is negative, `V` falls along every solution."),
         "Heat map of V* over the cells of the checked square.",
         subject.invocation.line("partition", "--show", "rates", "-o", "rates.pdf"),
-        draw,
+        CellsResult(subject.cells.partition, Drawing.RATES).content,
     )
 
 

@@ -12,6 +12,7 @@ from nonsmooth.analysis.trajectories.result import EndReason, Trajectory, Trajec
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.reports.document import Block, Entry, Figure, Frame, Math, Section, decimal, table
 from nonsmooth.reports.papers.murphey_burdick_2001.paper import is_paper_array
+from nonsmooth.reports.paths import ArrayPath
 from nonsmooth.reports.prose import paragraph, prose
 from nonsmooth.reports.sections.closed_loop import closed_loop_section
 from nonsmooth.reports.sections.law import without_cell_law
@@ -119,11 +120,6 @@ def _first_figure(subject: Subject, start: Start, path: Trajectory) -> Figure:
     partition = subject.cells.partition
     papers = " (the paper's Figure 4)" if is_paper_array(subject.scene) else ""
 
-    def draw(suffix: str) -> bytes:
-        from nonsmooth.reports.figures.path import trajectory_figure
-
-        return trajectory_figure(partition, path, suffix)
-
     return Figure(
         "open-loop",
         prose("Without feedback{}: x, y and `theta` over time, and the path over the cells.", papers),
@@ -137,7 +133,7 @@ def _first_figure(subject: Subject, start: Start, path: Trajectory) -> Figure:
             "-o",
             "open-loop.pdf",
         ),
-        draw,
+        ArrayPath(partition.scene, path, partition).content,
     )
 
 

@@ -8,9 +8,9 @@ from typing import Any, NamedTuple
 from nonsmooth.proofs import system_certificates
 from nonsmooth.proofs.certificate import CertificateError, build_certificate, certificate_text
 from nonsmooth.proofs.kernel.subject import NoCertificateError
+from nonsmooth.reports.cells import drawn
 from nonsmooth.reports.console import json_text
 from nonsmooth.reports.interface.array import Array
-from nonsmooth.reports.interface.cells_result import drawn
 from nonsmooth.reports.interface.system import System
 from nonsmooth.reports.workbench.documents import opened, written
 from nonsmooth.reports.workbench.requests import RequestError

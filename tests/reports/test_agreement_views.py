@@ -7,8 +7,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from nonsmooth.analysis.minimizers.agreement import compare_rules
-from nonsmooth.reports.agreement_views import agreement_map, agreement_record
+from nonsmooth.reports.agreement import compare_scene
 from nonsmooth.reports.console import BAD_INPUT
 from nonsmooth.symbolic.files.scene_file import load_scene
 
@@ -17,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def test_record_holds_exact_shares() -> None:
-    record = agreement_record(compare_rules(load_scene("ring-6")))["agreement"]
+    record = compare_scene(load_scene("ring-6")).facts()["agreement"]
     assert Fraction(record["nearest_box"]["exact"]["share"]) == Fraction(1, 2)
     assert record["nearest_box"]["share"] == 0.5
     assert len(record["nearest_box"]["shared_twists"]) == 12
@@ -27,8 +26,8 @@ def test_record_holds_exact_shares() -> None:
 
 
 def test_pictures_are_reproducible_vectors() -> None:
-    agreement = compare_rules(load_scene("four-wheel"))
-    first, second = (agreement_map(agreement, ".svg") for _ in range(2))
+    compared = compare_scene(load_scene("four-wheel"))
+    first, second = (compared.content(".svg") for _ in range(2))
     assert first == second
     assert first.startswith(b"<?xml")
 
