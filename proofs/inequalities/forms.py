@@ -188,6 +188,7 @@ def multiplier(form: Terms, taken: Terms, *, signed: bool = True) -> Any:
         taken: another one, of the same degree.
         signed: whether c must not be negative.
     """
+    taken = {e: c for e, c in taken.items() if sign(c)}
     if any(sign(c) < 0 and e not in taken for e, c in form.items()):
         return None
     ratios = [(sign(c), form.get(e, 0 * c) / c) for e, c in taken.items()]

@@ -12,12 +12,14 @@ from typing import Any, TypeAlias
 import numpy as np
 import pytest
 import z3
+from flint import fmpq
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from nonsmooth.analysis.cells.polygon import square
 from nonsmooth.analysis.cells.region import Region, cone_region, polygon_region, quadrants
 from nonsmooth.proofs.inequalities.cell_forms import PLANE
+from nonsmooth.proofs.inequalities.forms import multiplier
 from nonsmooth.proofs.inequalities.products import ProductEvidence
 from nonsmooth.proofs.inequalities.prover import (
     Counterexample,
@@ -510,3 +512,10 @@ def test_derivatives_against_differences(form: Polynomial) -> None:
     point, ahead = (field(1), field(-2)), (field(1 + h), field(-2))
     difference = (form(ahead) - form(point)) / h
     assert abs(float(difference - form.derivative("x")(point))) < 1e-9
+
+
+def test_terms_with_coefficient_zero_take_nothing_off() -> None:
+    """Of ``x^2 - y^2 - c (x^2 + 0 y^2)`` a coefficient is negative for every c, of ``x^2 + y^2 - c x^2`` none is."""
+    taken = {(2, 0): fmpq(1), (0, 2): fmpq(0)}
+    assert multiplier({(2, 0): fmpq(1), (0, 2): fmpq(-1)}, taken) is None
+    assert multiplier({(2, 0): fmpq(1), (0, 2): fmpq(1)}, taken) == fmpq(1, 2)
