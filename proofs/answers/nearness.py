@@ -22,12 +22,18 @@ from nonsmooth.proofs.clauses.translation.clause import AnyTranslation
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, Move, MoveEvidence
 from nonsmooth.proofs.robust.drift import driven_out
 from nonsmooth.proofs.robust.ends import Ends, decide_ends, why_not_followed
+from nonsmooth.proofs.robust.smooth_rules import equilibrium_box
+from nonsmooth.proofs.robust.touching_rings import no_tolerance
+from nonsmooth.proofs.robust.ultimate_bound import root_above
+from nonsmooth.proofs.robust.wheel_force import HAS_ROLLERS
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.rounded import either_way
 from nonsmooth.symbolic.plane import cross, dot
 from nonsmooth.symbolic.scene import Scene, Wheel
+
+ROUNDING = Fraction(1, 10**11)  # of the accuracy: a place of rest so near is the point, to all printed digits
 
 
 @dataclass(frozen=True)
@@ -38,12 +44,15 @@ class Nearness:
         ends: the disc or the place in which they end; None where none is shown.
         out_after: the time after which every body has left the disc of the accuracy; None where that is not shown.
         is_thrown_out: whether bodies from as near as one likes are carried out of that disc.
+        rests_within: a distance from the point, no more than rounding, within which all members of what was rounded
+            have one place of rest each, which attracts; None where that is not shown.
         why_not: why nothing was looked for; empty where something was.
     """
 
     ends: Ends | None = None
     out_after: Fraction | None = None
     is_thrown_out: bool = False
+    rests_within: Fraction | None = None
     why_not: str = ""
 
     @property
@@ -99,6 +108,8 @@ def _decided(asked: _Asked) -> Nearness:
     holds = asked.equilibrium is Equilibrium.HOLDS
     with either_way(scene.field):  # what is shown holds for every member of what was rounded
         ends = decide_ends(centred, accuracy, rests=holds and asked.translation is Translation.STABLE)
+        if asked.equilibrium is Equilibrium.UNDECIDED:
+            return Nearness(ends, rests_within=_rest_beside(centred, accuracy))
         if ends is not None or (holds and asked.translation is Translation.STABLE):
             return Nearness(ends)
         if holds:
@@ -107,6 +118,15 @@ def _decided(asked: _Asked) -> Nearness:
             )
             return Nearness(is_thrown_out=out or _is_thrown_out(scene, accuracy))
         return Nearness(out_after=driven_out(centred, accuracy))
+
+
+def _rest_beside(scene: Scene, accuracy: Fraction) -> Fraction | None:
+    """How far from the point of a centred scene a place of rest may be that attracts, where only rounding hides it."""
+    if scene.contact.rule not in HAS_ROLLERS:
+        return None
+    found = equilibrium_box(scene, no_tolerance(scene))
+    most = ROUNDING * accuracy
+    return root_above(found.squared) if found is not None and found.squared <= most * most else None
 
 
 def _is_carried_out(move: MoveEvidence, fan: FanResult, accuracy: Fraction) -> bool:

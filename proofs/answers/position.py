@@ -57,6 +57,8 @@ def _by_clauses(results: Results) -> Position:
 
 def _to_the_accuracy(by_clauses: Position, found: Nearness) -> Position:
     """The verdict with what is shown of the ends; where bodies cannot be followed the clauses alone speak."""
+    if found.rests_within is not None:
+        return Position.COMES_HOME
     if found.comes_near:
         return Position.COMES_NEAR
     if by_clauses is Position.STAYS_NEAR or found.why_not:
@@ -72,6 +74,9 @@ def _facts(scene: Scene, results: Results, verdict: Position, looked: Nearness |
     """How near, how far and how fast; the keys are the same for every verdict."""
     found, unit = _translation(results), of_length(scene)
     yield Fact("accuracy", Quantity(_short(scene.accuracy)))
+    if looked is not None and looked.rests_within is not None:
+        yield from _coming_beside(scene, looked, looked.rests_within, unit)
+        return
     if verdict is Position.COMES_HOME:
         yield from _place(scene, Quantity(Fraction(0)), (Fraction(0), Fraction(0)))
         yield from _homecoming(found, unit)
@@ -123,6 +128,20 @@ def _coming_near(scene: Scene, ends: Ends, unit: str) -> Iterator[Fact]:
     yield said(f"the accuracy is {float_text(float(scene.accuracy), DIGITS)}{unit}")
     yield from (Fact("swings_out_to", Quantity(None)), Fact("seconds_per_distance", Quantity(None)))
     yield from (Fact("rate", Quantity(None)), Fact("stays_within", Quantity(None)))
+
+
+def _coming_beside(scene: Scene, looked: Nearness, rests_within: Fraction, unit: str) -> Iterator[Fact]:
+    """To the place of rest that only rounding tells from the point, from close by; and from how far near it."""
+    ends, beside = looked.ends, at_most(rests_within)
+    yield from _place(scene, Quantity(Fraction(beside)), (Fraction(0), Fraction(0)))
+    yield said(
+        f"from close by, to a place of rest within {beside}{unit} of the point, which only rounding tells from it"
+    )
+    if ends is not None and ends.is_near:
+        near, within, after = at_most(ends.ends_within or Fraction(0)), at_least(ends.within), at_most(ends.after)
+        yield said(f"from anywhere within {within}{unit} it is within {near}{unit} in at most {after} s")
+    yield from (Fact(key, Quantity(None)) for key in ("within", "after", "swings_out_to", "seconds_per_distance"))
+    yield from (Fact(key, Quantity(None)) for key in ("rate", "stays_within"))
 
 
 def _point(scene: Scene, ends: Ends) -> str:

@@ -120,7 +120,9 @@ def _about(scene: Scene, centre: Place, accuracy: Fraction, box: Tolerance | Non
     if rings is None or rings.start <= distance:
         return None
     start = rings.start - distance
-    near = max(rings.radius, min(wanted, accuracy - distance))
+    # bodies arrive in the smallest disc in a finite time where cells end at the place of rest, and slow down elsewhere
+    soon = rings.radius if scene.contact.rule == "nearest" else min(wanted, accuracy - distance)
+    near = max(rings.radius, soon)
     if distance + rings.radius <= accuracy and start >= 2 * accuracy:
         return Ends(True, distance + near, start, rings.time_to(near), centre, near)
     left = max(rings.radius, CLOSE * accuracy)
