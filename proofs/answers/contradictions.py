@@ -176,7 +176,7 @@ def leaves_and_ends(printed: Printed) -> Iterator[Contradiction]:
     ends, check = printed.sampled, printed.check
     if ends is None or not isinstance(check, CellCheck) or not check.partition.complete:
         return
-    if not printed.position(Position.LEAVES) or printed.equilibrium is not Equilibrium.HOLDS:
+    if check.translation.verdict is not Translation.UNSTABLE or printed.equilibrium is not Equilibrium.HOLDS:
         return
     zero = check.scene.field.zero
     if any(len(cell.twists) > 1 for cell in check.partition.cells_at((zero, zero))):
@@ -189,7 +189,8 @@ def leaves_and_ends(printed: Printed) -> Iterator[Contradiction]:
     paths = list(paths_from(check.partition, starts))
     if len(paths) == len(starts) and all(path.farthest < SOMEWHAT * printed.radius for path in paths):
         seen = f"all {near.sum()} sampled starts near the point, and {len(paths)} close to it, come to rest at it"
-        yield Contradiction("position and destinations", (printed.said("position"), seen), MOTION)
+        said = f"translation {check.translation.verdict}: {check.translation.reason}"
+        yield Contradiction("position and destinations", (said, seen), MOTION)
 
 
 def home_and_ends(printed: Printed) -> Iterator[Contradiction]:

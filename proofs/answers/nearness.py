@@ -144,14 +144,14 @@ def _is_carried_out(move: MoveEvidence, fan: FanResult, accuracy: Fraction) -> b
     end = ray[0] * most, ray[1] * most
     for _, before, after in rays_of(fan.cones):
         cells = [cone.cell for cone in (before, after) if isinstance(cone, CellCone)]
-        twists = (before.twists[0], after.twists[0])
-        if after.start is ray and len(cells) == 2 and set(twists) == set(move.twists):
+        # every velocity of both cells is in F on the ray, so that any two of them may mix there
+        if after.start is ray and len(cells) == 2 and {*move.twists} <= {*before.twists, *after.twists}:
             inside = all(cell.polygon.contains(end) for cell in cells)
-            return inside and dot(end, end) > accuracy * accuracy and _slides_outward(ray, twists, most)
+            return inside and dot(end, end) > accuracy * accuracy and _slides_outward(ray, move.twists, most)
     return False
 
 
-def _slides_outward(ray: Point, twists: tuple[Twist, Twist], most: Fraction) -> bool:
+def _slides_outward(ray: Point, twists: tuple[Twist, ...], most: Fraction) -> bool:
     """Whether the mixture of two motions along a ray leads outward all along a piece of it."""
     normal = [(cross(ray, twist.velocity), twist.omega * dot(ray, ray)) for twist in twists]
     first, second = ([at + by * part for part in (Fraction(0), most)] for at, by in normal)

@@ -108,6 +108,14 @@ def test_a_disc_from_which_bodies_are_said_to_come_home(name: str, rule: str) ->
     assert "position and destinations" in noticed(planted)
 
 
+def test_a_disc_from_which_bodies_are_said_to_come_near() -> None:
+    check = checked("outward")
+    said = (Fact("within", Quantity(check.scene.check.radius)), Fact("ends_within", Quantity(Fraction(1, 100))))
+    answered = full_answers(check, ask_others=False)
+    wrong = Answer("position", Position.COMES_NEAR, said)
+    assert "position and destinations" in noticed(check, replace(answered, answers=(wrong, *answered.answers[1:])))
+
+
 def test_a_disc_in_which_bodies_are_said_to_stay() -> None:
     check = checked("saddle")
     planted = with_translation(check, Translation.STABLE, region_radius=check.scene.check.radius, fan=None)
@@ -295,6 +303,7 @@ def test_every_pair_has_a_planted_fault() -> None:
         "position_and_ends": test_a_rest_point_of_cells_that_is_said_to_be_none,
         "leaves_and_ends": test_an_attracting_point_that_is_said_to_be_unstable,
         "home_and_ends": test_a_disc_from_which_bodies_are_said_to_come_home,
+        "near_and_ends": test_a_disc_from_which_bodies_are_said_to_come_near,
         "stays_and_ends": test_a_disc_in_which_bodies_are_said_to_stay,
         "heading_and_ends": test_a_body_that_turns_for_ever_where_it_is_said_to_rest_without_turning,
         "answers_and_rows": test_the_row_of_the_checked_point_says_the_opposite,

@@ -156,7 +156,7 @@ def test_rest_ends_where_the_theory_says() -> None:
     (border,) = found.borders or ()
     assert values(border) == ["2/5", "1/10", "1/2"]
     assert border.before[0] == border.there[0] == "stays near"
-    assert border.after[0] == "leaves"
+    assert border.after[0] == "undecided"  # from just outside bodies go to the edge, which is within any accuracy
 
 
 def answered(law: Any, point: Point) -> Outcome:
