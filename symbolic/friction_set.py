@@ -4,22 +4,37 @@ For a wheel with normal force N these are, along and across its rim ::
 
     N (alpha x, beta y)    with    x^2 + y^2 <= 1,    |y| <= kappa,    0 < kappa <= 1
 
-With slips ``(r, s)`` and ``X = alpha |r|``, ``Y = beta |s|`` the power that they take is the support function ::
+With slips ``(r, s)``, ``X = alpha r`` and ``Y = beta s`` the power that they take is the support function ::
 
-    D/N = sqrt(X^2 + Y^2)                        where (1 - kappa^2) Y^2 <= kappa^2 X^2     (on the arc)
-    D/N = sqrt(1 - kappa^2) X + kappa Y          elsewhere                                  (at a corner)
+    D/N = sqrt(X^2 + Y^2)                            where (1 - kappa^2) Y^2 <= kappa^2 X^2     (on the arc)
+    D/N = sqrt(1 - kappa^2) |X| + kappa |Y|          elsewhere                                  (at a corner)
 
-It is continuously differentiable where ``r != 0``, twice where moreover the two pieces do not meet, and linear at a
-corner.  ``kappa = 1`` is the whole ellipse: there are no corners.
+Its gradient is minus the force per unit of load, its Hessian how that turns with the slip ::
+
+    arc        (alpha X, beta Y)/f                                        (alpha beta)^2/f^3 [s^2, -r s; -r s, r^2]
+    corner     (alpha sqrt(1 - kappa^2) sgn r, beta kappa sgn s)          0
+
+So it is continuously differentiable where ``r != 0``, twice where moreover the two pieces do not meet.  For
+``kappa = 1``, the whole ellipse, there are no corners.
+
+The formulas are written once, for exact numbers, balls of python-flint, floats, and arrays of floats, which hold the
+sets of many wheels.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import cached_property
+from typing import Any, Generic, TypeAlias, TypeVar
+
+import numpy as np
+from flint import arb
 
 from nonsmooth.symbolic.numbers.number import Number
+
+X = TypeVar("X", bound=Any)  # numbers of one arithmetic
 
 
 class BorderPiece(StrEnum):
@@ -29,11 +44,12 @@ class BorderPiece(StrEnum):
     CORNER = "at a corner"
     KINK = "not determined"  # no slip, or a slip across a straight side
     SEAM = "where arc and corner meet"
+    OPEN = "not told by balls"
 
 
 @dataclass(frozen=True)
-class FrictionSet:
-    """The set of one wheel per unit of normal force.
+class CutEllipse(Generic[X]):
+    """The set of one wheel per unit of normal force; in arrays, shape (n,), the sets of n wheels.
 
     Attributes:
         along: alpha, at least 0.
@@ -41,31 +57,120 @@ class FrictionSet:
         cut: kappa, above 0 and at most 1.
     """
 
-    along: Number
-    across: Number
-    cut: Number
+    along: X
+    across: X
+    cut: X
+
+    def map(self, number: Callable[[X], Any]) -> CutEllipse[Any]:
+        """The same set in another arithmetic."""
+        return CutEllipse(number(self.along), number(self.across), number(self.cut))
 
     @property
     def is_cut(self) -> bool:
-        """Whether the strip takes anything away."""
-        return self.cut != 1 and bool(self.across)
+        """Whether the strip takes anything away; of one wheel."""
+        return self.cut != 1 and bool(self.across != 0)
 
     @cached_property
-    def corner(self) -> Number:
+    def corner(self) -> X:
         """``sqrt(1 - kappa^2)``: x at a corner."""
-        return (1 - self.cut * self.cut).sqrt()
+        return _root((1 - self.cut) * (1 + self.cut))
 
-    def piece(self, r: Number, s: Number) -> BorderPiece:
-        """Where the force of slips r along and s across lies."""
-        x, y = self.along * r, self.across * s
-        if not self.is_cut:
-            return BorderPiece.ARC if x or y else BorderPiece.KINK
-        if not x:
-            return BorderPiece.KINK
+    def piece(self, r: X, s: X) -> BorderPiece:
+        """Where the force of slips r along and s across lies, of one wheel."""
+        x, y = self._weighted(r, s)
+        signs = _sign(x), _sign(y)
+        if self.is_cut and signs[0]:
+            excess = _sign(self._excess(x, y))
+            pieces = (BorderPiece.ARC, BorderPiece.SEAM, BorderPiece.CORNER)
+            return BorderPiece.OPEN if excess is None else pieces[int(excess) + 1]
+        if not self.is_cut and any(signs):
+            return BorderPiece.ARC
+        return BorderPiece.OPEN if None in signs[: 1 if self.is_cut else 2] else BorderPiece.KINK
+
+    def support(self, r: X, s: X) -> X:
+        """``D/N``."""
+        x, y = self._weighted(r, s)
+        return self._either(r, s, lambda: self.corner * abs(x) + self.cut * abs(y), lambda: _length(x, y))
+
+    def gradient(self, r: X, s: X) -> tuple[X, X]:
+        """Its derivatives by r and s; in arrays some force of the set where none is determined.
+
+        Raises:
+            ValueError: for a slip of one wheel that determines no force, or balls that do not tell its piece.
+        """
+        x, y = self._weighted(r, s)
+        rho = self._either(r, s, lambda: self.corner * _sign(x), lambda: x / _divisor(_length(x, y)))
+        tau = self._either(r, s, lambda: self.cut * _sign(y), lambda: y / _divisor(_length(x, y)))
+        return self.along * rho, self.across * tau
+
+    def hessian(self, r: X, s: X) -> tuple[X, X, X]:
+        """Its second derivatives ``(rr, rs, ss)``; in arrays zero where there are none.
+
+        Raises:
+            ValueError: as for the gradient.
+        """
+        (x, y), product = self._weighted(r, s), self.along * self.across
+        bend = self._either(r, s, lambda: 0 * x, lambda: product * product / _divisor(_length(x, y)) ** 3)
+        return bend * s * s, -bend * r * s, bend * r * r
+
+    def holds_strictly(self, x: X, y: X) -> bool:
+        """Whether ``(alpha x, beta y)`` lies inside, off the border; of balls whether it certainly does."""
+        return bool(x * x + y * y < 1) and (not self.is_cut or bool(abs(y) < self.cut))
+
+    def _weighted(self, r: Any, s: Any) -> tuple[Any, Any]:
+        return self.along * r, self.across * s
+
+    def _excess(self, x: Any, y: Any) -> Any:
+        """Positive at a corner, negative on the arc."""
+        if _is_float(x):  # squares would overflow
+            return self.corner * abs(y) - self.cut * abs(x)
         square = self.cut * self.cut
-        excess = ((1 - square) * y * y - square * x * x).sign()
-        return (BorderPiece.ARC, BorderPiece.SEAM, BorderPiece.CORNER)[excess + 1]
+        return (1 - square) * y * y - square * x * x
 
-    def holds_strictly(self, x: Number, y: Number) -> bool:
-        """Whether ``(alpha x, beta y)`` lies inside, off the border."""
-        return x * x + y * y < 1 and -self.cut < y < self.cut
+    def _either(self, r: X, s: X, corner: Callable[[], Any], arc: Callable[[], Any]) -> Any:
+        """What holds at a corner, or what holds on the arc."""
+        x, y = self._weighted(r, s)
+        if isinstance(x, np.ndarray):
+            return np.where(self._excess(x, y) > 0, corner(), arc())
+        piece = self.piece(r, s)
+        if piece in (BorderPiece.KINK, BorderPiece.OPEN):
+            raise ValueError("required slips that determine a force, received others")
+        return corner() if piece is BorderPiece.CORNER else arc()
+
+
+FrictionSet: TypeAlias = CutEllipse[Number]
+
+
+def float_sets(sets: Iterable[FrictionSet]) -> CutEllipse[Any]:
+    """The sets of many wheels as arrays, each exact number rounded once."""
+    entries = np.array([[float(each.along), float(each.across), float(each.cut)] for each in sets])
+    return CutEllipse(*entries.T)
+
+
+# ---- arithmetics ---------------------------------------------------------------------------------
+
+
+def _is_float(x: Any) -> bool:
+    return isinstance(x, (float, np.ndarray, np.floating))
+
+
+def _root(x: Any) -> Any:
+    return np.sqrt(x) if _is_float(x) else x.sqrt()
+
+
+def _length(x: Any, y: Any) -> Any:
+    return np.hypot(x, y) if _is_float(x) else (x * x + y * y).sqrt()
+
+
+def _divisor(size: Any) -> Any:
+    """One in place of the zeros of an array, whose quotients are not used."""
+    return np.where(size == 0, 1.0, size) if isinstance(size, np.ndarray) else size
+
+
+def _sign(x: Any) -> Any:
+    """The sign of a number; None where a ball does not tell."""
+    if _is_float(x):
+        return np.sign(x)
+    if isinstance(x, arb):
+        return 1 if x > 0 else -1 if x < 0 else 0 if x.is_zero() else None
+    return x.sign()

@@ -275,13 +275,7 @@ class RestSearch:
 
     def _forces_at_rest(self) -> Floats:
         """Force and moment of every wheel under a body at rest, for each unit of load, (n, 3)."""
-        limits, speeds = self.model.friction.reshape(-1, 2), self.model.targets.reshape(-1, 2)
-        sizes = np.linalg.norm(limits * speeds, axis=1)
-        shares = limits * speeds / np.where(sizes > 0, sizes, 1.0)[:, None]
-        cuts = self.model.cuts
-        turn = np.abs(shares[:, 1]) > cuts
-        corners = np.sign(shares) * np.column_stack([np.sqrt(1 - cuts**2), cuts])
-        forces = limits * np.where(turn[:, None], corners, shares)
+        forces = np.column_stack(self.model.sets.gradient(*self.model.targets.reshape(-1, 2).T))
         return (forces[:, :, None] * self.model.rows.reshape(-1, 2, 3)).sum(axis=1)
 
     def _spacing(self) -> float:

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from nonsmooth.analysis.plane_arrays import turned
-from nonsmooth.symbolic.friction_set import FrictionSet
+from nonsmooth.symbolic.friction_set import CutEllipse, FrictionSet, float_sets
 from nonsmooth.symbolic.notebook import ShortRepr
 from nonsmooth.symbolic.scene import LoadTable, Scene
 from nonsmooth.symbolic.unknown_loads import UnknownLoads
@@ -72,6 +72,11 @@ class ContactRows:
     def wheels(self) -> int:
         """Number n of contacts."""
         return len(self.rows) // 2
+
+    @property
+    def sets(self) -> CutEllipse[Floats]:
+        """The friction sets of all contacts, per unit of load."""
+        return CutEllipse(self.friction[::2], self.friction[1::2], self.cuts)
 
     def at_point(self, k: int) -> ContactRows:
         """The rows with the speeds of one point."""
@@ -252,5 +257,5 @@ def contact_model(scene: Scene) -> ContactModel:
 
 def with_friction_sets(model: ContactModel, sets: Sequence[FrictionSet]) -> ContactModel:
     """The contacts with the friction forces that a contact rule allows them."""
-    axes = np.array([[float(one.along), float(one.across)] for one in sets])
-    return replace(model, friction=axes.reshape(-1), cuts=np.array([float(one.cut) for one in sets]))
+    rounded = float_sets(sets)
+    return replace(model, friction=np.column_stack([rounded.along, rounded.across]).reshape(-1), cuts=rounded.cut)

@@ -14,13 +14,12 @@ only with multipliers that balance, keep inside the cut disc and leave no gap.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.fields.contact_model import Floats
-from nonsmooth.analysis.minimizers.dissipation import corners
 from nonsmooth.analysis.minimizers.newton_polish import (
     ACCEPTED_EXCESS,
     ACCEPTED_FLOOR,
@@ -32,6 +31,7 @@ from nonsmooth.analysis.minimizers.newton_polish import (
     Norms,
 )
 from nonsmooth.analysis.minimizers.norm_scaling import TINY, norm
+from nonsmooth.symbolic.friction_set import CutEllipse
 
 NEWTON_STEPS = 10  # corners leave the Hessian singular until the right rims stop slipping
 SETTLED = 1e-13  # relative to the unknowns: a step so small on unchanged parts is rounding, and no other is needed
@@ -50,10 +50,15 @@ class NearestBorder(NamedTuple):
         return ~(self.side | self.arc | self.corner)
 
 
+def unit_sets(cuts: Floats) -> CutEllipse[Any]:
+    """Discs of radius one that are cut."""
+    return CutEllipse(1.0, 1.0, cuts)
+
+
 def pieces(points: Floats, cuts: Floats) -> NearestBorder:
     """Where points (2, n, m) lie beside discs cut at cuts (n, 1): the normal cones of the border's parts."""
     x, y = np.abs(points)
-    corner = corners(cuts)
+    corner = unit_sets(cuts).corner
     side = (y > cuts) & (x < corner)
     beyond = (x >= corner) & (corner * y > cuts * x) & (y > cuts)
     arc = ~side & ~beyond & (norm(points) > 1)
@@ -74,7 +79,7 @@ def polish_cut(
 
     Where Newton's method settles, gaps up to ``settled_floor`` are accepted, relative to the value at y = 0.
     """
-    norms, border = Norms(weights, maps, targets), np.array([corners(cuts), cuts])
+    norms, border = Norms(weights, maps, targets), np.array([unit_sets(cuts).corner, cuts])
     r = norms.residuals(y)
     stiffness = STIFFNESS * len(weights) / (norm(r).sum(axis=0) + TINY)
     part = pieces(z - stiffness * r, cuts)
@@ -122,9 +127,7 @@ def _forces(part: NearestBorder, r: Floats, z: Floats, border: Floats) -> Floats
 
 def _solved(norms: Norms, r: Floats, z: Floats, cuts: Floats, floor: Floats) -> NDArray[np.bool_]:
     """Whether residuals and multipliers prove each other optimal, shape (m,), up to gaps ``floor`` of the start."""
-    x, y = np.abs(r)
-    corner = corners(cuts)
-    sizes = np.where(corner * y > cuts * x, corner * x + cuts * y, norm(r))
+    sizes = unit_sets(cuts).support(*r)
     gap = np.abs((sizes + r[0] * z[0] + r[1] * z[1]).sum(axis=0))
     small = gap <= ACCEPTED_GAP * sizes.sum(axis=0) + floor * norms.start
     small &= np.isfinite(gap)

@@ -15,11 +15,13 @@ equality makes the twist a minimizer and the forces its certificate.
 from __future__ import annotations
 
 from enum import StrEnum
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from nonsmooth.analysis.fields.contact_model import ContactRows, Floats
+from nonsmooth.symbolic.friction_set import CutEllipse
 
 ROUNDING = 1e-14  # of D and of its gap, relative to the sum of the absolute terms they are made of
 
@@ -34,19 +36,11 @@ class Functional(StrEnum):
 def weighted_size(functional: Functional, vectors: Floats, cuts: Floats | float = 1.0) -> Floats:
     """Size of vectors ``(x, y)`` of shape (..., n, 2), safe from overflow.
 
-    box: ``|x| + |y|``; ellipse: ``sqrt(x^2 + y^2)``, or ``sqrt(1 - kappa^2) |x| + kappa |y|`` where that is less
-    steep, for cuts kappa of shape (n,).
+    box: ``|x| + |y|``; ellipse: the support function of discs that are cut at kappa, shape (n,).
     """
     if functional is Functional.BOX:
         return np.asarray(np.abs(vectors).sum(axis=-1))
-    x, y = np.abs(vectors[..., 0]), np.abs(vectors[..., 1])
-    corner = corners(cuts)
-    return np.asarray(np.where(corner * y > cuts * x, corner * x + cuts * y, np.hypot(x, y)))
-
-
-def corners(cuts: Floats | float) -> Floats:
-    """``sqrt(1 - kappa^2)``."""
-    return np.asarray(np.sqrt((1 - cuts) * (1 + cuts)))
+    return np.asarray(CutEllipse[Any](1.0, 1.0, cuts).support(vectors[..., 0], vectors[..., 1]))
 
 
 def dissipation(functional: Functional, model: ContactRows, loads: ArrayLike, twists: ArrayLike) -> Floats:

@@ -19,10 +19,8 @@ from flint import arb, arb_mat
 from nonsmooth.analysis.contact_rule import SmoothRule
 from nonsmooth.symbolic.constraints import roll_row, side_row
 from nonsmooth.symbolic.edge_headings import ball_of
-from nonsmooth.symbolic.friction_set import FrictionSet
+from nonsmooth.symbolic.friction_set import BorderPiece, CutEllipse, FrictionSet
 from nonsmooth.symbolic.scene import Wheel
-
-Pair = tuple[arb, arb]
 
 
 class UndecidedMotionError(Exception):
@@ -37,32 +35,23 @@ class BallWheel:
         row: a and b as columns, shape (3, 2): unit rows on the spatial twist.
         speed: w as a column, (2, 1): of the surface along the friction axis and across it.
         moment: ``(1, p)`` as a column.
-        axes: squares of the half-axes of the friction set.
-        half_axes: of the friction set.
-        cut: share of the half-axis across the rim at which it is cut; None of a whole ellipse.
-        corner: the force at a corner of a cut set, for positive slips.
+        limits: its friction set.
     """
 
     row: arb_mat
     speed: arb_mat
     moment: arb_mat
-    axes: Pair
-    half_axes: Pair
-    cut: arb | None
-    corner: Pair
+    limits: CutEllipse[arb]
 
     @classmethod
     def of(cls, wheel: Wheel, limits: FrictionSet) -> BallWheel:
         """From exact numbers."""
         a, b = ([ball_of(x) for x in row(wheel).unit_normal] for row in (roll_row, side_row))
         x, y = (ball_of(entry) for entry in wheel.position)
-        along, across, cut = (ball_of(entry) for entry in (limits.along, limits.across, limits.cut))
-        corner = (along * (1 - cut * cut).sqrt(), across * cut) if limits.is_cut else (arb(0), arb(0))
-        axes = (along * along, across * across)
         rows = arb_mat([[p, q] for p, q in zip(a, b, strict=True)])
         moment = arb_mat([[arb(1)], [x], [y]])
         speed = arb_mat([[ball_of(entry)] for entry in wheel.slip_speeds])
-        return cls(rows, speed, moment, axes, (along, across), cut if limits.is_cut else None, corner)
+        return cls(rows, speed, moment, limits.map(ball_of))
 
     def force(self, twist: arb_mat) -> tuple[arb_mat, arb_mat]:
         """Gradient (2, 1) and Hessian (2, 2) of f at the slips of a twist (3, 1).
@@ -72,38 +61,21 @@ class BallWheel:
         """
         slips = self.row.transpose() * twist - self.speed
         r, s = slips.entries()
-        roll, side = self.axes
-        square = roll * r * r + side * s * s
-        if self.cut is not None:
-            limit = self.cut * self.cut
-            excess = (1 - limit) * side * s * s - limit * roll * r * r
-            if excess > 0 and not r.contains(0):
-                x, y = self.corner
-                return arb_mat([[x if r > 0 else -x], [y if s > 0 else -y]]), arb_mat(2, 2)
-            if not excess < 0:
-                raise UndecidedMotionError("a wheel at the seam of arc and corner")
-        if not square > 0:
-            raise UndecidedMotionError("a wheel that may stick")
-        size = square.sqrt()
-        bend = roll * side / (size * square)
-        hessian = arb_mat([[bend * s * s, -bend * r * s], [-bend * r * s, bend * r * r]])
-        return arb_mat([[roll * r / size], [side * s / size]]), hessian
+        if self.limits.piece(r, s) not in (BorderPiece.ARC, BorderPiece.CORNER):
+            raise UndecidedMotionError("a wheel that may stick, or is at the seam of arc and corner")
+        along, across = self.limits.gradient(r, s)
+        rr, rs, ss = self.limits.hessian(r, s)
+        return arb_mat([[along], [across]]), arb_mat([[rr, rs], [rs, ss]])
 
     @property
     def is_idle(self) -> bool:
         """Whether it has no friction, and so no force."""
-        return self.axes[0].is_zero() and self.axes[1].is_zero()
+        return self.limits.along.is_zero() and self.limits.across.is_zero()
 
     @property
     def grip(self) -> arb_mat:
         """What forces in units of the half-axes do, shape (3, 2)."""
-        along, across = self.half_axes
-        return self.row * arb_mat([[along, arb(0)], [arb(0), across]])
-
-    def holds(self, along: arb, across: arb) -> bool:
-        """Whether a force, in units of the half-axes, is certainly inside the friction set."""
-        fits = self.cut is None or abs(across) < self.cut
-        return bool(along * along + across * across < 1) and bool(fits)
+        return self.row * arb_mat([[self.limits.along, arb(0)], [arb(0), self.limits.across]])
 
 
 @dataclass(frozen=True)
@@ -169,7 +141,7 @@ class BallMotion:
                 raise UndecidedMotionError("loads that change their form")
         sticking = [wheel for wheel, stuck in zip(self._wheels, self._stuck, strict=True) if stuck]
         for k, wheel in enumerate(sticking):
-            if not wheel.holds(forces[2 * k, 0], forces[2 * k + 1, 0]):
+            if not wheel.limits.holds_strictly(forces[2 * k, 0], forces[2 * k + 1, 0]):
                 raise UndecidedMotionError("a wheel that sticks at its limit")
 
     def pull(self, twist: arb_mat, forces: arb_mat, centre: arb_mat) -> Pull:

@@ -19,6 +19,7 @@ from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
 from nonsmooth.analysis.minimizers.dissipation import Functional, weighted_size
 from nonsmooth.proofs.clauses.feedback.box_twists import edge_of, side_planes
 from nonsmooth.symbolic.constraints import Triple, roll_row, side_row
+from nonsmooth.symbolic.friction_set import float_sets
 from nonsmooth.symbolic.scene import Scene
 
 DIRECTIONS = 64  # m: those in which the array has least grip
@@ -89,9 +90,8 @@ class _Grip:
         friction = np.array([[float(wheel.friction.roll), float(wheel.friction.side)] for wheel in scene.wheels])
         cuts = np.ones(len(friction))
         if isinstance(rule, SmoothRule):
-            sets = [rule.friction_set(wheel.friction) for wheel in scene.wheels]
-            friction = np.array([[float(one.along), float(one.across)] for one in sets])
-            cuts = np.array([float(one.cut) for one in sets])
+            sets = float_sets(rule.friction_set(wheel.friction) for wheel in scene.wheels)
+            friction, cuts = np.column_stack([sets.along, sets.across]), sets.cut
         rolls = _floats([roll_row(wheel).unit_normal for wheel in scene.wheels])
         self.sides = _floats([side_row(wheel).unit_normal for wheel in scene.wheels])
         along, across = (loads * friction[:, 0])[:, None] * rolls, (loads * friction[:, 1])[:, None] * self.sides

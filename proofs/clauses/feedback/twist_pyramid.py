@@ -38,6 +38,7 @@ import numpy as np
 from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
 from nonsmooth.proofs.clauses.every_load.float_loads import FloatLoads, Floats
 from nonsmooth.symbolic.constraints import roll_row, side_row
+from nonsmooth.symbolic.friction_set import CutEllipse, float_sets
 from nonsmooth.symbolic.scene import Scene
 
 SHARES = (1.0, 0.5, 0.25, 0.125)  # t
@@ -54,25 +55,19 @@ class WheelForms:
         along: rows of the slip along each rim, (n, 3).
         across: rows of the slip across, (n, 3).
         limits: half-axes of the friction sets along and across, (n, 2).
-        cuts: share of the half-axes across at which ellipses are cut, (n,); none where the sets are boxes.
+        sets: the friction sets; none where they are boxes.
     """
 
     along: Floats
     across: Floats
     limits: Floats
-    cuts: Floats | None
+    sets: CutEllipse[Floats] | None
 
     def forces(self, along: Floats, across: Floats) -> tuple[Floats, Floats]:
         """The forces that slips (..., n) meet, along and across; any in the set where a wheel does not slip."""
-        if self.cuts is None:
+        if self.sets is None:
             return self.limits[:, 0] * np.sign(along), self.limits[:, 1] * np.sign(across)
-        x, y = self.limits[:, 0] * along, self.limits[:, 1] * across
-        size = np.hypot(x, y)
-        size[size == 0] = 1
-        is_cut = np.abs(y) > self.cuts * size
-        rho = np.where(is_cut, np.sign(x) * np.sqrt(1 - self.cuts**2), x / size)
-        tau = np.where(is_cut, np.sign(y) * self.cuts, y / size)
-        return self.limits[:, 0] * rho, self.limits[:, 1] * tau
+        return self.sets.gradient(along, across)
 
     def slips(self, twists: Floats, speeds: Floats) -> tuple[Floats, Floats]:
         """Slips along and across, (..., n)."""
@@ -100,9 +95,8 @@ def wheel_forms(scene: Scene) -> WheelForms:
     if not isinstance(rule, SmoothRule):
         limits = [[float(wheel.friction.roll), float(wheel.friction.side)] for wheel in scene.wheels]
         return WheelForms(along, across, np.array(limits), None)
-    sets = [rule.friction_set(wheel.friction) for wheel in scene.wheels]
-    limits = [[float(each.along), float(each.across)] for each in sets]
-    return WheelForms(along, across, np.array(limits), np.array([float(each.cut) for each in sets]))
+    sets = float_sets(rule.friction_set(wheel.friction) for wheel in scene.wheels)
+    return WheelForms(along, across, np.column_stack([sets.along, sets.across]), sets)
 
 
 @dataclass(frozen=True, eq=False)

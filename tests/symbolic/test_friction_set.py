@@ -1,0 +1,125 @@
+"""Friction sets: support function, gradient and Hessian against the set itself, the same in every arithmetic."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from flint import arb
+from hypothesis import given
+from hypothesis import strategies as st
+
+from nonsmooth.symbolic.friction_set import BorderPiece, CutEllipse, FrictionSet, float_sets
+from nonsmooth.symbolic.numbers.number_field import NumberField
+from tests.thorough import examples
+
+SETS = [(1, 1, 1), (2, Fraction(1, 2), 1), (1, 1, Fraction(1, 2)), (2, 2, Fraction(1, 20)), (3, 0, 1)]
+STEP = 1e-5  # of differences
+
+small = st.fractions(-3, 3, max_denominator=8)
+sets = pytest.mark.parametrize("entries", SETS, ids=str)
+
+
+def exact_set(entries: tuple[int, int, Fraction | int]) -> FrictionSet:
+    field = NumberField()
+    return CutEllipse(*(field(entry) for entry in entries))
+
+
+def border(limits: CutEllipse[float]) -> np.ndarray:
+    """Forces all along the border of the set, shape (k, 2), corners included."""
+    angles = np.linspace(0, 2 * np.pi, 200_001)
+    heights = np.clip(np.sin(angles), -limits.cut, limits.cut)
+    ends = np.sqrt(1 - limits.cut**2) * np.array([[1, 1], [1, -1], [-1, 1], [-1, -1]])
+    ends[:, 1] = limits.cut * np.array([1, -1, 1, -1])
+    forces = np.concatenate([np.column_stack([np.cos(angles), heights]), ends])
+    return forces * [limits.along, limits.across]
+
+
+@sets
+def test_the_support_function_is_the_most_that_a_force_takes(entries: tuple[int, int, Fraction | int]) -> None:
+    limits = exact_set(entries).map(float)
+    forces = border(limits)
+    rng = np.random.default_rng(0)
+    for r, s in rng.normal(size=(40, 2)):
+        powers = forces @ (r, s)
+        assert limits.support(r, s) == pytest.approx(powers.max(), rel=1e-9)
+        assert limits.gradient(r, s) == pytest.approx(tuple(forces[powers.argmax()]), abs=1e-4 * float(limits.along))
+
+
+@sets
+def test_derivatives_are_those_of_differences(entries: tuple[int, int, Fraction | int]) -> None:
+    limits = exact_set(entries).map(float)
+    for r, s in np.random.default_rng(1).normal(size=(40, 2)):
+        if limits.piece(r, s) is not limits.piece(r, s + STEP) or limits.piece(r, s - STEP) is not limits.piece(r, s):
+            continue
+        by_r = np.subtract(limits.gradient(r + STEP, s), limits.gradient(r - STEP, s)) / (2 * STEP)
+        by_s = np.subtract(limits.gradient(r, s + STEP), limits.gradient(r, s - STEP)) / (2 * STEP)
+        rr, rs, ss = limits.hessian(r, s)
+        size = 1 + limits.along * limits.across / np.hypot(r, s)
+        np.testing.assert_allclose([*by_r, *by_s], [rr, rs, rs, ss], atol=1e-3 * size)
+        slope = (limits.support(r + STEP, s) - limits.support(r - STEP, s)) / (2 * STEP)
+        assert slope == pytest.approx(limits.gradient(r, s)[0], abs=1e-3 * limits.along)
+
+
+@sets
+@given(small, small)
+@examples(60)
+def test_every_arithmetic_says_the_same(entries: tuple[int, int, Fraction | int], r: Fraction, s: Fraction) -> None:
+    exact = exact_set(entries)
+    field = exact.along.field
+    floats, balls, many = exact.map(float), exact.map(lambda number: number.ball()), float_sets([exact, exact])
+    slips = (field(r), field(s)), (float(r), float(s)), (field(r).ball(), field(s).ball())
+    pieces = [one.piece(*slip) for one, slip in zip((exact, floats, balls), slips, strict=True)]
+    assert pieces[2] in {pieces[0], BorderPiece.OPEN}
+    assert pieces[1] is pieces[0] or BorderPiece.SEAM in pieces
+    if pieces[2] in {BorderPiece.KINK, BorderPiece.OPEN} or pieces[0] is BorderPiece.KINK:
+        return
+    for name in ("support", "gradient", "hessian"):
+        found = [np.ravel([getattr(one, name)(*slip)]) for one, slip in zip((exact, floats, balls), slips, strict=True)]
+        together = np.array(getattr(many, name)(np.full(2, float(r)), np.full(2, float(s)))).reshape(-1, 2)
+        if name == "hessian" and BorderPiece.SEAM in pieces:
+            continue  # there are two
+        for number, rounded, ball, column in zip(*found, together, strict=True):
+            assert ball.overlaps(number.ball())
+            np.testing.assert_allclose([rounded, *column], float(number), rtol=1e-12, atol=1e-12)
+
+
+@sets
+def test_where_no_force_is_determined_none_is_said(entries: tuple[int, int, Fraction | int]) -> None:
+    exact = exact_set(entries)
+    zero = exact.along.field.zero
+    assert exact.piece(zero, zero) is BorderPiece.KINK
+    with pytest.raises(ValueError, match="required slips that determine a force"):
+        exact.gradient(zero, zero)
+    balls = exact.map(lambda number: number.ball())
+    assert balls.piece(arb(0, 1), arb(0, 1)) is BorderPiece.OPEN
+    with pytest.raises(ValueError, match="required slips that determine a force"):
+        balls.hessian(arb(0, 1), arb(0, 1))
+    many = float_sets([exact])
+    forces = np.array(many.gradient(np.zeros(1), np.zeros(1)))[:, 0]
+    np.testing.assert_array_equal(forces, 0.0)
+
+
+def test_a_slip_across_a_straight_side_meets_a_force_of_it() -> None:
+    cut = exact_set((1, 1, Fraction(1, 2)))
+    zero, one = cut.along.field.zero, cut.along.field.one
+    assert cut.piece(zero, one) is BorderPiece.KINK
+    assert np.array(float_sets([cut]).gradient(np.zeros(1), np.ones(1)))[:, 0].tolist() == [0.0, 0.5]
+
+
+def test_forces_inside() -> None:
+    cut = exact_set((1, 1, Fraction(1, 2)))
+    field = cut.along.field
+    inside: list[tuple[Fraction | int, Fraction | int]] = [
+        (0, 0),
+        (Fraction(9, 10), 0),
+        (Fraction(4, 5), Fraction(49, 100)),
+    ]
+    outside: list[tuple[Fraction | int, Fraction | int]] = [
+        (1, 0),
+        (0, Fraction(1, 2)),
+        (Fraction(9, 10), Fraction(49, 100)),
+    ]
+    assert all(cut.holds_strictly(field(x), field(y)) for x, y in inside)
+    assert not any(cut.holds_strictly(field(x), field(y)) for x, y in outside)
