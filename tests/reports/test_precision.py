@@ -125,7 +125,7 @@ def test_a_table_shows_errors_times_and_slopes(invoke: Invoke) -> None:
         (["--runs", "0"], "--runs: required at least 1, received 0"),
         (["--time-limit", "-1"], "--time-limit: required a positive number"),
         (["--time-limit", "nan"], "--time-limit: required a positive number"),
-        (["-o", "rows.txt"], "required a file name that ends in .svg"),
+        (["-o", "rows.txt"], "required a file name that ends in .csv, .json, .parquet, .svg"),
     ],
 )
 def test_bad_input_is_one_line(arguments: list[str], words: str, capsys: pytest.CaptureFixture[str]) -> None:
