@@ -13,14 +13,14 @@ from nonsmooth.proofs.systems.findings import CheckedPoint, Finding, Known, Meth
 from nonsmooth.proofs.systems.scalar_stability import LinePoint
 from nonsmooth.proofs.systems.system_stability import PlanePoint
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
-from nonsmooth.symbolic.notebook import ShortRepr, html_table
+from nonsmooth.symbolic.notebook import html_table
 from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem, require_stated
 
 POINTS: Mapping[int, Callable[[SwitchedSystem], CheckedPoint]] = {1: LinePoint, len(PLANE): PlanePoint}
 
 
 @dataclass(frozen=True, repr=False)
-class StabilityResult(ShortRepr):
+class StabilityResult:
     """The stability of the checked point with everything that was found.
 
     Attributes:
@@ -73,6 +73,10 @@ class StabilityResult(ShortRepr):
     def by(self, theorem: str) -> Finding | None:
         """What a theorem shows; None where it shows nothing, or was not asked."""
         return next((own for own in self.findings if own.theorem is theorem), None)
+
+    def __repr__(self) -> str:
+        said = f"verdict={str(self.verdict)!r}, method={str(self.method)!r}, reason={self.reason!r}"
+        return f"{type(self).__name__}({said}, findings=<{len(self.findings)} entries>)"
 
     def _repr_html_(self) -> str:
         rows = [(self.verdict, self.method, self.reason)]
