@@ -516,6 +516,6 @@ def test_derivatives_against_differences(form: Polynomial) -> None:
 
 def test_terms_with_coefficient_zero_take_nothing_off() -> None:
     """Of ``x^2 - y^2 - c (x^2 + 0 y^2)`` a coefficient is negative for every c, of ``x^2 + y^2 - c x^2`` none is."""
-    taken = {(2, 0): fmpq(1), (0, 2): fmpq(0)}
+    taken: dict[tuple[int, ...], Any] = {(2, 0): fmpq(1), (0, 2): fmpq(0)}
     assert multiplier({(2, 0): fmpq(1), (0, 2): fmpq(-1)}, taken) is None
     assert multiplier({(2, 0): fmpq(1), (0, 2): fmpq(1)}, taken) == fmpq(1, 2)
