@@ -6,7 +6,8 @@ has one friction mu_R in all directions, the bearing a friction torque (``fricti
 radius, with the load N that springs carry.  The body is a thin square plate with a free joint in space, under gravity,
 on soft contacts, as in ``test_dynamics_mujoco``.  What the engine has and the model has not: inertia of the rollers,
 springs that tilt the plate, loads that move with slip, a bearing that creeps (``armature`` and ``solimp`` keep that
-below a thousandth of the slips).  Mecanum wheels have the hinge along their friction axis, askew to the rim.
+below a thousandth of the slips).  Mecanum wheels have the hinge along their friction axis, askew to the rim.  A wheel
+with ``mu_S = mu_R`` has no hinge: it is of rubber.
 """
 
 from __future__ import annotations
@@ -52,6 +53,16 @@ class RollerPlate(NamedTuple):
         (x, y), (wx, wy), omega = self.centre, self.data.qvel[-6:-4], self.data.qvel[-1]
         return np.array([wx + omega * y, wy - omega * x, omega])
 
+    @property
+    def loads(self) -> Floats:
+        """Shares of the weight by wheel, as the contacts carry them."""
+        forces = np.zeros(self.model.npair)
+        for k in range(self.data.ncon):
+            force, wheel = np.zeros(6), self.model.geom(int(min(self.data.contact[k].geom))).name
+            mujoco.mj_contactForce(self.model, self.data, k, force)
+            forces[int(wheel.removeprefix("wheel "))] = force[0]
+        return np.asarray(forces / forces.sum())
+
 
 def roller_plate(wheels: ContactModel, start: Floats) -> RollerPlate:
     """The plate laid onto the wheels: friction mu_R of the contacts, mu_S of the bearings."""
@@ -63,14 +74,15 @@ def roller_plate(wheels: ContactModel, start: Floats) -> RollerPlate:
     loads = GRAVITY * loads_at(wheels, start[None])[0]
     for k, (position, rim) in enumerate(zip(wheels.positions, wheels.rims, strict=True)):
         roller = spec.worldbody.add_body(name=f"roller {k}", pos=[*position, -RADIUS])
-        roller.add_joint(
-            type=mujoco.mjtJoint.mjJNT_HINGE,
-            axis=[*wheels.axes[k], 0],
-            armature=ARMATURE,
-            frictionloss=wheels.mu_side[k] * loads[k] * RADIUS,
-            solref_friction=[2e-3, 1],
-            solimp_friction=[0.9999, 0.9999, 1, 0.5, 2],
-        )
+        if wheels.mu_side[k] < wheels.mu_roll[k]:
+            roller.add_joint(
+                type=mujoco.mjtJoint.mjJNT_HINGE,
+                axis=[*wheels.axes[k], 0],
+                armature=ARMATURE,
+                frictionloss=wheels.mu_side[k] * loads[k] * RADIUS,
+                solref_friction=[2e-3, 1],
+                solimp_friction=[0.9999, 0.9999, 1, 0.5, 2],
+            )
         roller.add_geom(
             name=f"wheel {k}",
             type=mujoco.mjtGeom.mjGEOM_SPHERE,
@@ -121,6 +133,14 @@ def random_array(seed: int, *, askew: bool = False) -> tuple[ContactModel, Float
         wheels = ContactModel.build(positions, rims, speeds, (1.0, side), axes=axes)
         if loads_at(wheels, start[None]).min() > LEAST_LOAD:
             return wheels, start
+
+
+def rubber_beside_rollers(seed: int) -> tuple[ContactModel, Floats]:
+    """A random array in which every other wheel is of rubber, that grips alike in all directions."""
+    wheels, start = random_array(seed)
+    friction = wheels.friction.reshape(-1, 2).copy()
+    friction[::2, 1] = friction[::2, 0]
+    return replace(wheels, friction=friction.reshape(-1)), start
 
 
 def with_rollers(wheels: ContactModel) -> ContactModel:
