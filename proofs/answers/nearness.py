@@ -113,10 +113,7 @@ def _decided(asked: _Asked) -> Nearness:
         if ends is not None or (holds and asked.translation is Translation.STABLE):
             return Nearness(ends)
         if holds:
-            out = asked.fan is not None and any(
-                _is_carried_out(move, asked.fan, accuracy) for move in asked.fan.evidence
-            )
-            return Nearness(is_thrown_out=out or _is_thrown_out(scene, accuracy))
+            return Nearness(is_thrown_out=_is_surely_out(asked, accuracy))
         return Nearness(out_after=driven_out(centred, accuracy))
 
 
@@ -127,6 +124,14 @@ def _rest_beside(scene: Scene, accuracy: Fraction) -> Fraction | None:
     found = equilibrium_box(scene, no_tolerance(scene))
     most = ROUNDING * accuracy
     return root_above(found.squared) if found is not None and found.squared <= most * most else None
+
+
+def _is_surely_out(asked: _Asked, accuracy: Fraction) -> bool:
+    """Whether bodies are carried out of the disc of the accuracy, by signs that are those of every member."""
+    field, fan = asked.scene.field, asked.fan
+    before = field.rounded_signs
+    out = fan is not None and any(_is_carried_out(move, fan, accuracy) for move in fan.evidence)
+    return (out or _is_thrown_out(asked.scene, accuracy)) and field.rounded_signs == before
 
 
 def _is_carried_out(move: MoveEvidence, fan: FanResult, accuracy: Fraction) -> bool:
