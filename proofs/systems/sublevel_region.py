@@ -3,8 +3,10 @@
 Solutions that start where ``V < c`` stay there and reach the equilibrium if V is at least c on the border of the square
 and falls where ``V < c``.  On each side of the border V is a polynomial in one variable, which is decided exactly.  A V
 that falls on the whole square needs nothing else.  For a V without bends that falls near the equilibrium only, the rate
-is proved negative with the guard ``c - V``.  Just above the largest certified c a point refutes: on the border with V
-below it, or inside with ``V' >= 0`` (:mod:`nonsmooth.proofs.systems.rising_points`).
+is proved negative with the guard ``c - V``, factor by factor over Q; or along rays, where V is a quadratic form and the
+rate has two homogeneous parts f and g: with ``f < 0``, and ``f + g <= 0`` on ``V = c``, it is negative where ``V < c``.
+Just above the largest certified c a point refutes: on the border with V below it, or inside with ``V' >= 0``
+(:mod:`nonsmooth.proofs.systems.rising_points`).
 """
 
 from __future__ import annotations
@@ -24,6 +26,7 @@ from nonsmooth.proofs.inequalities.real_roots import positive_roots, samples_bet
 from nonsmooth.proofs.systems.rising_points import first_rise, short_below
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
+from nonsmooth.symbolic.surfaces import factorize
 
 BISECTIONS = 12  # after the first one: the level is the largest up to a part in four thousand
 SMALLEST = Fraction(1, 2**40)  # level that is looked for
@@ -188,10 +191,56 @@ def below(cell: LyapunovCell, level: Fraction) -> Region:
 
 def rise_below(rate: Polynomial, cell: LyapunovCell, level: Fraction) -> LevelViolation | None:
     """Why a polynomial is not shown to be negative, off the point, where ``V < level``; None where it is shown."""
-    outcome = prove(Sense.NEGATIVE, rate, below(cell, level), except_origin=True)
-    if isinstance(outcome, Proof):
+    if _falls_along_rays(rate, cell.potential, level, cell.region):
         return None
-    return LevelViolation((outcome.point[0], outcome.point[1]) if isinstance(outcome, Counterexample) else None)
+    outcome = prove(Sense.NEGATIVE, rate, below(cell, level), except_origin=True)
+    if isinstance(outcome, Counterexample):
+        return LevelViolation((outcome.point[0], outcome.point[1]))
+    shown = isinstance(outcome, Proof) or _falls_by_factors(rate, below(cell, level))
+    return None if shown else LevelViolation(None)
+
+
+def _falls_along_rays(rate: Polynomial, potential: Polynomial, level: Fraction, region: Region) -> bool:
+    """Whether a sum of two forms f and g is negative where a quadratic form V is below a level: homogeneous claims.
+
+    On ``V = c``, ``f + g <= 0`` is ``f (V/c)^(d/2) + g <= 0`` for degrees that differ by an even d; for an odd d
+    ``g^2 <= f^2 (V/c)^d`` is enough.
+    """
+    degrees = sorted({sum(e) for e in rate.terms})
+    if len(degrees) != 2 or not potential.is_homogeneous or potential.degree != 2:
+        return False
+    f, g = (replace(rate, terms={e: c for e, c in rate.terms.items() if sum(e) == d}) for d in degrees)
+    d, plain = degrees[1] - degrees[0], Region(region.generators)
+    if d % 2:
+        on_level = g * g * level**d - f * f * potential**d
+    else:
+        on_level = f * potential ** (d // 2) + g * level ** (d // 2)
+    return isinstance(prove(Sense.NEGATIVE, f, plain, except_origin=True), Proof) and isinstance(
+        prove(Sense.NONPOSITIVE, on_level, plain), Proof
+    )
+
+
+def _falls_by_factors(rate: Polynomial, region: Region) -> bool:
+    """Whether a product of factors with proved signs is negative; each is tried without the guards first."""
+    factored = factorize(rate)
+    if factored is None:
+        return False
+    total = sign(factored[0])
+    for factor, exponent in factored[1]:
+        here = _sign_of_factor(factor, region)
+        if not here:
+            return False
+        total *= here if exponent % 2 else 1
+    return total < 0
+
+
+def _sign_of_factor(factor: Polynomial, region: Region) -> int:
+    """The strict sign of a factor on a region without the origin; 0 where none is proved."""
+    for part in (Region(region.generators), region):
+        for sense, side in ((Sense.POSITIVE, 1), (Sense.NEGATIVE, -1)):
+            if isinstance(prove(sense, factor, part, except_origin=True), Proof):
+                return side
+    return 0
 
 
 def border_edges(cell: LyapunovCell, radius: Number) -> Iterator[Segment]:
