@@ -197,5 +197,5 @@ def test_earlier_versions_are_refused_with_the_line_that_writes_them_anew(schema
     file.write_text(json.dumps({"schema": schema, "states": ["x"]}), encoding="utf-8")
     status, line = check_file(str(file))
     assert status == 2
-    assert f"nonsmooth check SYSTEM --certificate {file}" in line
+    assert f"nonsmooth check {EARLIER[schema]} --certificate {file}" in line
     assert "\n" not in line

@@ -154,7 +154,7 @@ def test_a_certificate_is_written_and_verified(invoke: Invoke, tmp_path: Path) -
     forged = target.read_text().replace('"asymptotically stable"', '"unstable"')
     assert forged != target.read_text()
     target.write_text(forged)
-    rejected = "rejected: required translation: asymptotically stable, received 'unstable'\n"
+    rejected = 'rejected: required evidence of the claim {"translation": "unstable"}\n'
     assert invoke("verify", "four-wheel.json") == (1, rejected, "")
 
 
