@@ -21,7 +21,7 @@ import nonsmooth
 from nonsmooth.analysis import Kinematics, array_field, build_partition, simulate
 from nonsmooth.proofs import audit, check_theorem4, decide_system
 from nonsmooth.symbolic import governing_equations, load_scene, load_system
-from tests.thorough import keep
+from tests.thorough import few, keep
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -64,6 +64,7 @@ PAGES = [(ROOT / name).read_text(encoding="utf-8") for name in ("README.md", "do
 EXAMPLES = [block.split("```")[0] for page in PAGES for block in page.split("```python\n")[1:]]
 
 
+@few(1)
 @pytest.mark.parametrize("example", EXAMPLES, ids=range(len(EXAMPLES)))
 def test_every_program_of_the_page_prints_what_it_says(
     example: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]

@@ -1,4 +1,4 @@
-"""The list of checks of which some cases run in ``make bench`` only is about tests that there are."""
+"""Which cases of a check run in ``make bench`` only."""
 
 from __future__ import annotations
 
@@ -7,21 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from tests.few import FEW
 from tests.thorough import thorough, unlike
 
 TESTS = Path(__file__).parent
-
-
-def test_listed_checks_exist_and_keep_a_case() -> None:
-    for check, kept in FEW.items():
-        file, _, name = check.partition("::")
-        name = name.rpartition("::")[2]  # of a class
-        assert re.search(rf"^ *def {re.escape(name)}\(", (TESTS / file).read_text(encoding="utf-8"), re.MULTILINE), (
-            check
-        )
-        assert kept > 0
-    assert list(FEW) == sorted(FEW)
 
 
 @pytest.mark.parametrize(

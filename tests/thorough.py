@@ -1,7 +1,7 @@
 """Which cases ``make test`` runs, so that it stays short; ``make bench`` runs the others, which are marked `thorough`.
 
 1. A check over random arrays (a parameter of :data:`SEEDED`) keeps the first one.
-2. A check of many long cases (:data:`FEW`) keeps as many as take about half a second together: its first, then those
+2. A check of many long cases (:func:`few`) keeps as many as take about half a second together: its first, then those
    that have most in their names that no kept case has, such as another rule and another scene (:func:`unlike`).
 3. A test may say itself which of its cases are kept (:func:`keep`), or be left to ``make bench`` as a whole
    (:data:`thorough`) where a smaller test of the same claim stands beside it, which a comment then names.
@@ -17,8 +17,6 @@ from typing import Any
 import pytest
 from hypothesis import settings
 
-from tests.few import FEW
-
 SEEDED = {"seed": 1, "block": 1}  # parameters of random arrays, and how many of each check are kept
 
 # Profiles of Hypothesis: `make bench` asks for the second. The same examples in every run, and no failure because the
@@ -29,6 +27,11 @@ settings.register_profile(SOME, derandomize=True, database=None, deadline=None, 
 settings.register_profile(ALL, derandomize=True, database=None, deadline=None, max_examples=100)
 
 thorough = pytest.mark.thorough
+
+
+def few(kept: int) -> pytest.MarkDecorator:
+    """Of a check of many long cases: how many ``make test`` keeps, as many as together take about half a second."""
+    return pytest.mark.few(kept)
 
 
 def keep(kept: int, cases: Iterable[Any]) -> list[Any]:
@@ -52,16 +55,16 @@ def examples(number: int) -> settings:
 
 
 def mark_further(items: Iterable[pytest.Item]) -> None:
-    """Mark further random arrays, and of the checks in :data:`FEW` the cases that are not kept."""
+    """Mark further random arrays, and of the checks with :func:`few` the cases that are not kept."""
     checks: defaultdict[str, list[pytest.Item]] = defaultdict(list)
     for item in items:
         if is_further(item):
             item.add_marker(thorough)
-        elif item.get_closest_marker("thorough") is None:
+        elif item.get_closest_marker("thorough") is None and item.get_closest_marker("few") is not None:
             checks[check_of(item)].append(item)
-    for check in checks.keys() & FEW.keys():
-        cases = checks[check]
-        kept = unlike([words_of(case) for case in cases], FEW[check])
+    for cases in checks.values():
+        (number,) = next(cases[0].iter_markers("few")).args
+        kept = unlike([words_of(case) for case in cases], number)
         for k in set(range(len(cases))) - set(kept):
             cases[k].add_marker(thorough)
 
@@ -87,8 +90,8 @@ def words_of(item: pytest.Item) -> set[str]:
 
 
 def check_of(item: pytest.Item) -> str:
-    """The name of a test without its case, as :data:`FEW` spells it."""
-    return item.nodeid.partition("[")[0].removeprefix("tests/")
+    """The name of a test without its case."""
+    return item.nodeid.partition("[")[0]
 
 
 def is_further(item: pytest.Item) -> bool:

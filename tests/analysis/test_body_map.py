@@ -21,7 +21,7 @@ from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
 from tests.oracles.small_steps import Contacts
-from tests.thorough import keep, thorough
+from tests.thorough import few, keep, thorough
 
 PLACE_ERROR, HEADING_ERROR = 0.01, 0.02  # of the spacing, and radians: Heun's steps of 0.04, chattering at edges
 RATE_ERROR = {"ellipse": 1e-4, "roller": 2e-2}  # of the fastest wheel: norms are smoothed
@@ -42,6 +42,7 @@ def random_poses(count: int, reach: float) -> np.ndarray:
     return np.random.default_rng(7).uniform([-reach, -reach, -3], [reach, reach, 3], (count, 3))
 
 
+@few(1)
 @pytest.mark.parametrize(("rule", "side"), [("ellipse", "1"), ("ellipse", "1/5"), ("roller", "1/10")])
 def test_rates_are_those_of_paths_by_events(rule: str, side: str, tmp_path: Path) -> None:
     scene = carton(tmp_path, rule, side)
@@ -62,6 +63,7 @@ def test_rates_are_those_of_paths_by_events(rule: str, side: str, tmp_path: Path
     assert agree >= (standing if rule == "ellipse" else standing - 1)
 
 
+@few(1)
 @pytest.mark.parametrize(("rule", "count"), [("nearest", 15), ("box", 6), ("nearest", 60)])
 def test_rates_by_cells_are_those_of_the_words_of_the_rule(rule: str, count: int, tmp_path: Path) -> None:
     scene = carton(tmp_path, rule, "1/2")

@@ -23,7 +23,7 @@ from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import Contact, LoadTable, Scene
 from tests.four_wheel import CORNERS
 from tests.hulls import stands
-from tests.thorough import keep
+from tests.thorough import few, keep
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -112,12 +112,14 @@ def test_the_papers_states_are_among_the_minimizers_and_fill_the_square_as_side_
     assert sum(cell.polygon.area for cell in owned) == 1 - 2 * side
 
 
+@few(1)
 @pytest.mark.parametrize("count", range(3, 9))
 def test_rings_against_a_linear_program(arrays: Arrays, count: int) -> None:
     scene = arrays.ring(count, (1, Fraction(1, 5)), Fraction(1, 4))
     assert check_cells(arrays, scene, np.random.default_rng(count)).area_error == 0
 
 
+@few(1)
 @pytest.mark.parametrize(("rows", "radius"), keep(2, [(2, Fraction(2, 5)), (3, Fraction(1, 2)), (4, Fraction(5, 4))]))
 def test_grids_against_a_linear_program(arrays: Arrays, rows: int, radius: Fraction) -> None:
     scene = arrays.grid(rows, rows, (1, Fraction(1, 5)), radius)

@@ -29,7 +29,7 @@ from nonsmooth.symbolic.scene_error import SceneError
 from tests.conftest import WheelData
 from tests.oracles.small_steps import small_steps
 from tests.outlined import Depths, Pair, disc_depths, on, polygon_depths, polygon_of
-from tests.thorough import keep
+from tests.thorough import few, keep
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -59,6 +59,7 @@ def assert_near_small_steps(scene: Scene, depths: Depths, start: tuple[float, fl
     assert np.abs(found - path.end.state).max() < STEPS_OFF * until / steps
 
 
+@few(1)
 @pytest.mark.parametrize("rule", RULES)
 def test_wheels_enter_and_leave_as_in_small_steps(rule: str) -> None:
     (scene, depths), start = carton(rule), (1.436, -0.602, -0.46)
@@ -116,6 +117,7 @@ def pushed_left(arrays: Arrays) -> tuple[Scene, Depths]:
 SLIDES = {"nearest": (pushed_up, (0.0, 0.3, 0.0), 4), "box": (pushed_left, (0.3, -0.2, 0.0), 5)}
 
 
+@few(1)
 @pytest.mark.parametrize("rule", RULES)
 def test_a_wheel_that_pushes_the_body_off_stays_under_its_edge(rule: str, arrays: Arrays) -> None:
     build, start, wheel = SLIDES[rule]

@@ -30,7 +30,7 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.scene import Scene
-from tests.thorough import keep
+from tests.thorough import few, keep
 
 QUADRATURE = 1e-12  # Gauss-Legendre on pieces without the singular centre, or in coordinates that take it away
 SAMPLED = 0.02  # Monte Carlo with 200 000 points
@@ -125,6 +125,7 @@ def test_an_angle_is_two_rectangles() -> None:
     assert [found.area - 4, found.xx - xx, found.yy - yy, found.xy - xy] == [0, 0, 0, 0]
 
 
+@few(3)
 @pytest.mark.parametrize("shape", SHAPES, ids=["square", "triangle", "ell"])
 @pytest.mark.parametrize("matrix", MATRICES, ids=["radial", "elliptic", "spiral", "saddle"])
 def test_closed_forms_against_quadrature(
@@ -276,6 +277,7 @@ def test_a_spiral_turns_everything(speed: int | None) -> None:
         assert predict(field(((0, 3), (-3, 0)), speed), shape).attracts is False
 
 
+@few(1)
 @pytest.mark.parametrize("shape", [TRIANGLE, ELL, SQUARE])
 def test_damped_motion_ends_at_a_stable_heading(shape: list[tuple[int, int]]) -> None:
     """c' = F, theta' = M from several poses, knowing nothing of equilibria; the stable headings are all reached."""

@@ -22,6 +22,7 @@ from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.symbolic.files.scene_file import load_scene
+from tests.thorough import few
 
 PATH = 1e-6  # of paths: the integrator's tolerance and the creep speed, with room for their growth along the path
 SQUARE = ((1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0))
@@ -104,6 +105,7 @@ def test_friction_balances_at_the_minimizer_of_the_dissipation() -> None:
 # ---- closed forms --------------------------------------------------------------------------------
 
 
+@few(1)
 @pytest.mark.parametrize("direction", [0.0, 0.7, np.pi / 2])
 def test_isotropic_sliding_brakes_evenly_and_straight(direction: float) -> None:
     """Friction mu against v, whatever the loads: no torque because they balance moments; stops after m v/mu."""
@@ -151,6 +153,7 @@ def test_unit_of_mass_is_one_over_gravity() -> None:
 # ---- invariances ---------------------------------------------------------------------------------
 
 
+@few(1)
 @pytest.mark.parametrize("factor", [4.0, 1e-3])
 def test_faster_wheels_under_a_lighter_body_follow_the_same_path_sooner(factor: float) -> None:
     model = random_model(3)
@@ -164,6 +167,7 @@ def test_faster_wheels_under_a_lighter_body_follow_the_same_path_sooner(factor: 
     assert np.abs(difference).max() < PATH
 
 
+@few(1)
 @pytest.mark.parametrize("away", [1.0, 1e5])
 def test_turned_and_moved_array_turns_and_moves_the_path(away: float) -> None:
     model, angle, shift = random_model(4), 0.8, away * np.array([3.0, -2.0])
@@ -179,6 +183,7 @@ def test_turned_and_moved_array_turns_and_moves_the_path(away: float) -> None:
     assert np.abs(moved.sample(times) - expected).max() < PATH
 
 
+@few(1)
 @pytest.mark.parametrize("seed", range(4))
 def test_stopped_wheels_only_take_energy(seed: int) -> None:
     model, rng = random_model(seed, speeds=0.0), np.random.default_rng(seed)

@@ -31,7 +31,7 @@ from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback, decide_driven_feedback
 from nonsmooth.proofs.clauses.feedback.driven_law import rim_speeds
 from nonsmooth.symbolic.scene import Scene
-from tests.thorough import keep, thorough
+from tests.thorough import few, keep, thorough
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -172,6 +172,7 @@ def test_engines_settled_twist_is_that_of_rule_ellipse(
     assert np.abs(plate.loads() - loads[0]).max() < SHARE
 
 
+@few(1)
 @pytest.mark.parametrize("until", keep(1, [150.0, 400.0]))
 @pytest.mark.parametrize("friction", [FRICTION["side 1/2"], FRICTION["side 1/10"]])
 def test_engines_path_is_that_of_full_dynamics(friction: tuple[float, float], until: float) -> None:

@@ -18,7 +18,7 @@ from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.scene import Scene
 from tests.four_wheel import ROLL, SIDE
 from tests.hulls import hull_holds_zero
-from tests.thorough import keep
+from tests.thorough import few, keep
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -78,6 +78,7 @@ def test_motions_that_tie_in_a_cell_may_cancel_along_a_line_or_everywhere(arrays
     assert not any(holds_zero(partition, (Fraction(x), Fraction(y))) for x, y in scanned)
 
 
+@few(1)
 @pytest.mark.parametrize("seed", range(20))
 def test_every_equilibrium_of_a_random_array_is_one_and_none_is_missed(arrays: Arrays, seed: int) -> None:
     rng = np.random.default_rng(seed)
@@ -149,6 +150,7 @@ def test_each_isolated_equilibrium_is_judged_about_its_own_point(arrays: Arrays)
     assert (other.translation, other.rotation) == (direct.translation.verdict, direct.rotation.verdict)
 
 
+@few(1)
 @pytest.mark.parametrize("seed", range(12))
 def test_judged_verdicts_equal_a_check_at_the_point(arrays: Arrays, seed: int) -> None:
     scene = arrays.random(seed, 5)

@@ -31,6 +31,7 @@ from nonsmooth.symbolic.plane import dot
 from nonsmooth.symbolic.scene import Scene
 from tests.four_wheel import ROLL, SIDE
 from tests.oracles.cvxpy_programs import hull_upper_derivative_at, hull_upper_derivative_on
+from tests.thorough import few
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -75,6 +76,7 @@ def test_an_inner_edge_holds_the_twists_of_its_two_sides(arrays: Arrays, seed: i
                 assert set(filippov_twists(partition, point)) == expected
 
 
+@few(1)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_every_twist_near_a_vertex_belongs_to_its_hull(arrays: Arrays, seed: int) -> None:
     scene = arrays.cocircular(seed)
@@ -110,6 +112,7 @@ def test_four_wheel_upper_derivative_is_the_closed_form(
             assert upper_derivative_at(partition, point) == -2 * root * Fraction(pick(abs(a), abs(b)), 8)
 
 
+@few(3)
 @pytest.mark.parametrize("n", range(3, 13))
 def test_ring_upper_derivative_on_its_symmetry_axes(arrays: Arrays, n: int) -> None:
     """Towards a wheel -2|c| in both cases; midway between two wheels -2 sec(delta/2)|c| (roll), 0 (side)."""
@@ -189,6 +192,7 @@ def test_cell_derivatives_cover_every_twist_of_every_cell(arrays: Arrays) -> Non
     assert len(pairs) == 16
 
 
+@few(1)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_samples_stay_below_the_exact_maximum(arrays: Arrays, seed: int) -> None:
     scene = arrays.random(seed, 5).recentred()
@@ -205,6 +209,7 @@ def test_samples_stay_below_the_exact_maximum(arrays: Arrays, seed: int) -> None
     assert few.largest_relative <= many.largest_relative <= slope + ROUNDING
 
 
+@few(1)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_dense_samples_along_edges_reach_the_exact_slope(arrays: Arrays, seed: int) -> None:
     """The float rule, just inside every edge: it comes up to the supremum of V*/|c|, and never above."""

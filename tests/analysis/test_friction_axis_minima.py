@@ -25,6 +25,7 @@ from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.minimizers.sampling import greedy_twist
 from nonsmooth.analysis.motion.frames import wheel_slips
 from nonsmooth.symbolic.scene import Scene
+from tests.thorough import few
 
 Floats: TypeAlias = NDArray[np.float64]
 
@@ -106,6 +107,7 @@ class Definition:
         return float(cp.Problem(cp.Minimize(cp.sum([n * c for n, c in zip(loads, costs, strict=True)]))).solve())
 
 
+@few(1)
 @pytest.mark.parametrize("side", ["2/5", "0"])
 @pytest.mark.parametrize("rule", ["ellipse", "roller"])
 @pytest.mark.parametrize("seed", SEEDS)
@@ -120,6 +122,7 @@ def test_minima_without_cells(seed: int, rule: str, side: str) -> None:
             assert twist == pytest.approx(best, abs=1e-3)
 
 
+@few(1)
 @pytest.mark.parametrize("side", ["2/5", "0"])
 @pytest.mark.parametrize("seed", SEEDS)
 def test_cells_and_minima_of_rule_box(seed: int, side: str) -> None:

@@ -21,6 +21,7 @@ from nonsmooth.analysis.trajectories.hysteresis import simulate_hysteresis, simu
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from tests.four_wheel import ROLL
+from tests.thorough import few
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -57,6 +58,7 @@ def field(request: pytest.FixtureRequest, arrays: Arrays) -> SwitchedField:
     return array_field(partition, Kinematics(request.param))
 
 
+@few(3)
 @pytest.mark.parametrize("method", METHODS)
 def test_errors_shrink_with_the_width(field: SwitchedField, method: str) -> None:
     reference = simulate(field, START, UNTIL)

@@ -12,7 +12,7 @@ from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.minimizers.float_loads import elastic_loads
 from nonsmooth.symbolic.scene import Contact, LoadTable, Scene
 from tests.hulls import stands
-from tests.thorough import keep
+from tests.thorough import few, keep
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -110,6 +110,7 @@ def test_a_table_of_loads_is_taken_as_it_is_and_may_not_be_negative(arrays: Arra
         load_regions(replace(scene, contact=Contact("box", bad)))
 
 
+@few(1)
 @pytest.mark.parametrize("most", keep(1, MOST_CORNERS))
 @pytest.mark.parametrize("seed", [38, 8, 18, 31, 50, 58, 66, 70])
 def test_a_line_of_wheels_that_takes_the_whole_load_is_crossed(arrays: Arrays, seed: int, most: int) -> None:
@@ -128,6 +129,7 @@ def test_a_line_of_wheels_that_takes_the_whole_load_is_crossed(arrays: Arrays, s
         assert {region.loaded for region in here} == {r.loaded for r in regions if r.polygon.contains(corner)}
 
 
+@few(1)
 @pytest.mark.parametrize("seed", [38, 8, 18, 31])
 def test_loads_beside_such_a_line_are_those_of_floats(arrays: Arrays, seed: int) -> None:
     scene, rng = arrays.cocircular(seed), np.random.default_rng(seed)

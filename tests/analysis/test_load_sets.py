@@ -17,6 +17,7 @@ from nonsmooth.symbolic.scene import Contact, Scene
 from nonsmooth.symbolic.unknown_loads import LoadScatter, UnknownLoads
 from tests.conftest import WheelData
 from tests.springs import pressed
+from tests.thorough import few
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -56,6 +57,7 @@ def floats(loads: tuple[object, ...]) -> Floats:
     return np.array([float(load) for load in loads])  # type: ignore[arg-type]
 
 
+@few(1)
 @pytest.mark.parametrize("seed", range(12))
 def test_vertices_are_admissible_and_reach_the_optima_of_linear_programs(arrays: Arrays, seed: int) -> None:
     rng = np.random.default_rng(seed)

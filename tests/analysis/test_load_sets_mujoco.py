@@ -15,6 +15,7 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Contact, Scene
 from nonsmooth.symbolic.unknown_loads import LoadScatter, UnknownLoads
 from tests.body_engine import SETTLING, SLOW, THICK, Floats, plate_engine
+from tests.thorough import few
 
 LOADS = 2e-3  # of the weight: what slip and tilt change in the engine
 SHARE = Fraction(1, 5)  # of the mean deflection
@@ -42,6 +43,7 @@ def settled(scene: Scene, start: Floats, lowered: Floats) -> tuple[Floats, Float
     return plate.pose, plate.twist, plate.loads()
 
 
+@few(1)
 @pytest.mark.parametrize("name", ["ring-6", "four-wheel", "ring-5"])
 def test_loads_of_wheels_of_unequal_height_lie_in_the_set(name: str) -> None:
     scene, rng = plate_on_a_ring(name), np.random.default_rng(4)
@@ -64,6 +66,7 @@ def test_loads_of_wheels_of_unequal_height_lie_in_the_set(name: str) -> None:
     assert spread > 0.99  # its ends are reached
 
 
+@few(1)
 @pytest.mark.parametrize("name", ["ring-6", "four-wheel"])
 def test_bodies_come_nearer_on_wheels_of_any_height(name: str) -> None:
     """Also where wheels lift off: the verdict for every load says ``c . v < 0``."""

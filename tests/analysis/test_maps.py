@@ -21,7 +21,7 @@ from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.four_wheel import ROLL, SIDE
-from tests.thorough import thorough
+from tests.thorough import few, thorough
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -105,6 +105,7 @@ def test_maps_of_random_arrays_against_single_paths(arrays: Arrays, seed: int, k
     assert_same_as_one_by_one(field, settle_map(field, rng.uniform(low, high, (25, 2))))
 
 
+@few(2)
 @pytest.mark.parametrize("name", ["spiral-30", "conveyor-3", "elliptic", "saddle", "off-center"])
 def test_maps_of_built_in_scenes_against_single_paths(name: str) -> None:
     field = built_in(name, Kinematics.EXACT)

@@ -17,7 +17,7 @@ from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.symbolic.files.scene_file import load_scene
-from tests.thorough import keep, thorough
+from tests.thorough import few, keep, thorough
 
 START, UNTIL = (0.2, 0.4, 0.0), 2.0
 SLOPE = 0.15  # of log distance against log mass, where 1 is expected: what is left of the higher orders at m = 0.01
@@ -110,6 +110,7 @@ def test_distance_is_that_of_known_motions() -> None:
     assert distance.rotation == pytest.approx(0, abs=1e-9)
 
 
+@few(1)
 @pytest.mark.parametrize("name", ["four-wheel", "spiral-30", "off-center"])
 def test_settled_twist_is_the_minimizer_at_its_own_pose(name: str) -> None:
     """After a few settling times the velocity differs from the minimizer's by the order of the mass."""

@@ -25,7 +25,7 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.similar_scenes import with_friction_ratio
 from tests.four_wheel import CORNERS
 from tests.oracles.cvxpy_programs import MINIMIZERS, CvxpyMinimizer, minimizers_of
-from tests.thorough import keep
+from tests.thorough import few, keep
 
 Floats = NDArray[np.float64]
 
@@ -128,6 +128,7 @@ def case(request: pytest.FixtureRequest) -> Case:
 # ---- every minimizer ---------------------------------------------------------------------------
 
 
+@few(8)
 @EVERY
 @ARRAYS
 def test_results_prove_themselves(minimizer: Minimizer, case: Case) -> None:
@@ -136,6 +137,7 @@ def test_results_prove_themselves(minimizer: Minimizer, case: Case) -> None:
     assert certified(minima, minimizer)
 
 
+@few(8)
 @EVERY
 @ARRAYS
 def test_values_agree(minimizer: Minimizer, case: Case) -> None:
@@ -143,6 +145,7 @@ def test_values_agree(minimizer: Minimizer, case: Case) -> None:
     np.testing.assert_allclose(minimizer.minimize(*case).values, reference.values, rtol=SAME_VALUE, atol=1e-14)
 
 
+@few(8)
 @EVERY
 @ARRAYS
 def test_unique_twists_agree(minimizer: Minimizer, case: Case) -> None:
@@ -153,6 +156,7 @@ def test_unique_twists_agree(minimizer: Minimizer, case: Case) -> None:
             np.testing.assert_allclose(one.twist, other.twist, atol=SAME_TWIST)
 
 
+@few(8)
 @EVERY
 @ARRAYS
 def test_no_other_twist_dissipates_less(minimizer: Minimizer, case: Case) -> None:
@@ -163,6 +167,7 @@ def test_no_other_twist_dissipates_less(minimizer: Minimizer, case: Case) -> Non
         assert around.min() >= minimum.value * (1 - SAME_VALUE)
 
 
+@few(8)
 @EXACT
 @ARRAYS
 def test_friction_opposes_slip(minimizer: Minimizer, case: Case) -> None:
@@ -183,6 +188,7 @@ def largest_powers(weighted: Floats, cuts: Floats) -> Floats:
     return np.where(across <= cuts * sizes, sizes, corner)
 
 
+@few(8)
 @EXACT
 @ARRAYS
 def test_order_of_the_wheels_does_not_matter(minimizer: Minimizer, case: Case) -> None:
@@ -196,6 +202,7 @@ def test_order_of_the_wheels_does_not_matter(minimizer: Minimizer, case: Case) -
             np.testing.assert_allclose(two.twist, one.twist, atol=SAME_TWIST)
 
 
+@few(6)
 @EXACT
 @ARRAYS
 def test_a_turned_array_moves_in_the_turned_direction(minimizer: Minimizer, case: Case) -> None:
@@ -298,6 +305,7 @@ def test_weighted_median(minimizer: Minimizer) -> None:
     np.testing.assert_allclose(minima.twists, [(1, 0, 0)], atol=SAME_TWIST)
 
 
+@few(1)
 @pytest.mark.parametrize("name", ["four-wheel", "ring-5", "elliptic"])
 def test_box_minimizer_moves_as_the_exact_cells_say(name: str) -> None:
     scene = load_scene(name, rule="box")
@@ -328,6 +336,7 @@ FACES: dict[str, Callable[[], Case]] = {
 }
 
 
+@few(6)
 @EVERY
 @pytest.mark.parametrize("name", FACES)
 def test_all_points_of_a_face_dissipate_the_same(minimizer: Minimizer, name: str) -> None:
@@ -399,6 +408,7 @@ def test_one_loaded_wheel(minimizer: Minimizer) -> None:
 RATIOS = pytest.mark.parametrize("ratio", [1e-3, 1e-2, 0.1, 0.5, 1, 2, 10, 1e2, 1e3])
 
 
+@few(1)
 @pytest.mark.parametrize("points", keep(1, [100, 1000]))
 @RATIOS
 def test_interior_on_rings_grids_and_random_arrays(ratio: float, points: int) -> None:
@@ -415,6 +425,7 @@ def test_interior_on_rings_grids_and_random_arrays(ratio: float, points: int) ->
         assert (minima.values[:2] <= best * (1 + 1e-9)).all()
 
 
+@few(2)
 @pytest.mark.parametrize("exponent", range(-12, 13, 3))
 def test_interior_at_extreme_friction(exponent: int) -> None:
     for seed in range(4):
@@ -422,6 +433,7 @@ def test_interior_at_extreme_friction(exponent: int) -> None:
         assert EllipseInterior().minimize(model, loads).check(1e-9).all()
 
 
+@few(1)
 @pytest.mark.parametrize("seed", range(6))
 def test_interior_at_extreme_loads_places_and_speeds(seed: int) -> None:
     """Loads over twelve decades, a wheel array far from the origin, thin, or with speeds over many decades."""

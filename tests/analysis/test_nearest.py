@@ -21,7 +21,7 @@ from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import Friction, Scene, Wheel
 from tests.conftest import Pair, WheelData
 from tests.four_wheel import ROLL, SIDE
-from tests.thorough import keep, thorough
+from tests.thorough import few, keep, thorough
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -133,12 +133,14 @@ def picture(partition: Partition) -> set[tuple[tuple[int, ...], frozenset[Point]
 # ---- the cells are those of the rule -------------------------------------------------------------
 
 
+@few(6)
 def test_cells_tile_the_square_exactly(scene: Scene) -> None:
     partition = build_nearest_partition(scene)
     assert partition.area_error == 0
     assert all(cell.polygon.area > 0 for cell in partition.cells)
 
 
+@few(6)
 def test_a_generic_point_lies_in_one_cell_only(scene: Scene) -> None:
     partition = build_nearest_partition(scene)
     rng = np.random.default_rng(1)
@@ -146,6 +148,7 @@ def test_a_generic_point_lies_in_one_cell_only(scene: Scene) -> None:
         assert len(partition.cells_at(generic_point(scene, rng))) == 1
 
 
+@few(3)
 def test_each_cell_follows_the_literal_rule(scene: Scene, arrays: Arrays) -> None:
     rng = np.random.default_rng(2)
     for cell in build_nearest_partition(scene).cells:
@@ -156,6 +159,7 @@ def test_each_cell_follows_the_literal_rule(scene: Scene, arrays: Arrays) -> Non
             assert {row.name for row in cell.states[0].rows} == names
 
 
+@few(4)
 def test_each_cell_has_the_twist_of_the_float_rule(scene: Scene, arrays: Arrays) -> None:
     rng = np.random.default_rng(3)
     for cell in build_nearest_partition(scene).cells:
@@ -164,6 +168,7 @@ def test_each_cell_has_the_twist_of_the_float_rule(scene: Scene, arrays: Arrays)
         assert twist == pytest.approx([float(x) for x in cell.twists[0]], rel=ROUNDING, abs=ROUNDING)
 
 
+@few(6)
 def test_cells_say_which_wheels_are_nearest(scene: Scene, arrays: Arrays) -> None:
     rng = np.random.default_rng(4)
     for cell in build_nearest_partition(scene).cells:
@@ -265,12 +270,14 @@ def test_a_wheel_without_grip_along_its_rim_holds_its_side(arrays: Arrays) -> No
 # ---- looking only at wheels that can matter ------------------------------------------------------
 
 
+@few(4)
 def test_pruning_changes_nothing(scene: Scene) -> None:
     pruned, whole = (build_nearest_partition(scene, prune=prune) for prune in (True, False))
     assert picture(pruned) == picture(whole)
     assert pruned.wheels_considered <= whole.wheels_considered == len(scene.wheels)
 
 
+@few(1)
 @pytest.mark.parametrize("seed", range(6))
 def test_pruning_keeps_wheels_closer_together_than_doubles_resolve(arrays: Arrays, seed: int) -> None:
     """Positions differ by 1e-17 beside 1: as floats, near wheels and far ones are mixed up."""
@@ -282,6 +289,7 @@ def test_pruning_keeps_wheels_closer_together_than_doubles_resolve(arrays: Array
     assert picture(pruned) == picture(whole)
 
 
+@few(1)
 @pytest.mark.parametrize("seed", [36, 83, 85])  # seeds at which relative margins alone would lose a wheel
 @pytest.mark.parametrize("unit", [Fraction(1, 10**323), Fraction(1, 10**400)], ids=["denormal", "underflow"])
 def test_pruning_keeps_wheels_in_units_below_the_floats(arrays: Arrays, unit: Fraction, seed: int) -> None:

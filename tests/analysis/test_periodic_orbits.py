@@ -20,7 +20,7 @@ from nonsmooth.analysis.orbits.search import find_orbit, single_turn
 from nonsmooth.analysis.orbits.shooting import shoot
 from nonsmooth.symbolic.files.system_file import load_system
 from tests.oracles.piecewise_affine import DIGITS, Motion, arrival, matrix
-from tests.thorough import keep
+from tests.thorough import few, keep
 
 
 def orbit(states: Sequence[str], rhs: Sequence[str], start: Sequence[float], until: float = 100.0) -> Orbit:
@@ -126,6 +126,7 @@ def returned(system: ns.System, x: np.ndarray, along: np.ndarray, point: np.ndar
     return np.array(path.at(low))
 
 
+@few(1)
 @pytest.mark.parametrize(
     ("states", "rhs", "start"),
     [

@@ -33,6 +33,7 @@ from nonsmooth.proofs.theorem4 import check_smooth
 from nonsmooth.proofs.theorem4_result import SmoothCheck
 from nonsmooth.symbolic.scene import Contact, Scene
 from tests.conftest import Arrays, Pair, WheelData
+from tests.thorough import few
 
 FREE_ROLLERS: Pair = (1, 0)
 FAST = 1e3  # no array here has a speed above 3 at a distance below 1: a rate above that is no motion
@@ -83,6 +84,7 @@ def checked(build: Callable[[Arrays], Scene]) -> SmoothCheck:
     return check_smooth(build(Arrays()), prune=False)
 
 
+@few(1)
 @pytest.mark.parametrize("build", [inward_rims, omniwheels, turned_rims])
 def test_no_sampled_rate_is_beyond_what_a_body_can_do(build: Callable[[Arrays], Scene]) -> None:
     result = checked(build)

@@ -9,7 +9,7 @@ from nonsmooth.analysis.fields.contact_model import ContactModel
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.analysis.minimizers.smallest_forces import smallest_forces
 from nonsmooth.analysis.minimizers.smooth_newton import SmoothNewton
-from tests.thorough import keep
+from tests.thorough import few, keep
 
 SAME = 1e-9  # of twists of order one
 STEP, SLOPE_ERROR = 1e-5, 1e-6  # of the way from loads to loads; relative
@@ -25,6 +25,7 @@ def model_of(seed: int, alike: int) -> ContactModel:
     return ContactModel.build(places, rims, speeds, (1.0, 0.5))
 
 
+@few(1)
 @pytest.mark.parametrize("models", keep(1, [2, 8]))
 @pytest.mark.parametrize("alike", [2, 0, 1, 3])
 def test_twists_are_those_of_the_interior_point_method(alike: int, models: int) -> None:

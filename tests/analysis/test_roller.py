@@ -18,7 +18,7 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.scene import Friction
 from nonsmooth.symbolic.similar_scenes import with_friction_ratio
-from tests.thorough import keep
+from tests.thorough import few, keep
 
 PAIRS = [(1.0, 0.02), (1.0, 0.3), (0.7, 0.69), (2.0, 0.5)]  # (mu_R, mu_S)
 
@@ -34,6 +34,7 @@ def of_rolling(roll: float, side: float, r: float, s: float) -> float:
     return min(float(found.fun), lost(0.0), lost(s))
 
 
+@few(2)
 @pytest.mark.parametrize("friction", PAIRS)
 def test_the_dissipation_is_that_of_contact_and_rolling(friction: tuple[float, float]) -> None:
     roll, side = friction
@@ -94,6 +95,7 @@ def test_no_twist_dissipates_less(seed: int) -> None:
     assert (dissipation(Functional.ELLIPSE, wheels, loads, near) >= minima.values * (1 - 1e-13)).all()
 
 
+@few(1)
 @pytest.mark.parametrize("seed", range(4))
 def test_mirrored_turned_and_faster_arrays_move_alike(seed: int) -> None:
     wheels, loads = random_rollers(seed)

@@ -16,7 +16,7 @@ from nonsmooth.analysis.trajectories.result import EventKind, Trajectory
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.files.system_file import load_system
 from tests.analysis.stick_slip import random_stick_slip, reference_events
-from tests.thorough import keep
+from tests.thorough import few, keep
 
 EVENT_ERROR = 1e-9
 UNTIL = 2.5, 5.0
@@ -62,6 +62,7 @@ def test_an_exit_and_a_return_between_two_steps(tmp_path: Path) -> None:
     assert event_times(path) == pytest.approx([1.0, back], abs=EVENT_ERROR)
 
 
+@few(1)
 @pytest.mark.parametrize("until", keep(1, UNTIL))
 @pytest.mark.parametrize("seed", range(40))
 def test_two_masses_on_a_belt(tmp_path: Path, seed: int, until: float) -> None:
@@ -73,6 +74,7 @@ def test_two_masses_on_a_belt(tmp_path: Path, seed: int, until: float) -> None:
     assert path.unique
 
 
+@few(1)
 @pytest.mark.parametrize("until", keep(1, UNTIL))
 @pytest.mark.parametrize("seed", range(20))
 def test_three_masses_on_a_belt(tmp_path: Path, seed: int, until: float) -> None:
@@ -85,6 +87,7 @@ def test_three_masses_on_a_belt(tmp_path: Path, seed: int, until: float) -> None
     assert path.unique
 
 
+@few(1)
 @pytest.mark.parametrize("seed", range(20))
 def test_central_weights_against_a_linear_program(seed: int) -> None:
     rng = np.random.default_rng(seed)

@@ -20,6 +20,7 @@ from nonsmooth.analysis.trajectories.steppers import comes_to_rest, decay_rate
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.four_wheel import ROLL
+from tests.thorough import few
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -49,6 +50,7 @@ def test_the_decay_rate_is_that_of_the_fastest_mode(size: float) -> None:
     assert decay_rate(lambda t, x: np.full(2, math.inf), 0.0, np.ones(2), 1.0) == 0
 
 
+@few(1)
 @pytest.mark.parametrize("gain", [1e4, 1e6, 1e8])
 def test_feedback_of_high_gain_is_that_of_gain_one_in_its_own_time(gain: float) -> None:
     slow, fast = simulate(closed_loop(1), START, 6), simulate(closed_loop(gain), START, 2)

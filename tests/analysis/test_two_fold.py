@@ -22,6 +22,7 @@ from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.contact_states import ContactState
 from nonsmooth.symbolic.scene import Scene
 from tests.conftest import WheelData
+from tests.thorough import few
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -84,6 +85,7 @@ def assert_is_a_solution(field: CellwiseField, path: Trajectory) -> None:
             assert distance_from_inclusion(field, path, time) < OFF, time
 
 
+@few(1)
 @pytest.mark.parametrize(("seed", "start"), TWO_FOLDS)
 def test_a_slide_goes_through_a_two_fold(arrays: Arrays, seed: int, start: tuple[float, float, float]) -> None:
     field = closed_loop(arrays.cocircular(seed, ROLL))
@@ -127,6 +129,7 @@ def test_weights_in_a_two_fold_by_a_line_that_is_known() -> None:
     assert np.allclose(path.sample([0.5, 1.0])[:, :2], [-speed / 2, 0 * speed], atol=1e-8)
 
 
+@few(1)
 @pytest.mark.parametrize(("seed", "start"), HOMECOMINGS)
 def test_a_slide_comes_home(arrays: Arrays, seed: int, start: tuple[float, float, float]) -> None:
     field = closed_loop(arrays.cocircular(seed, ROLL))
@@ -140,6 +143,7 @@ def test_a_slide_comes_home(arrays: Arrays, seed: int, start: tuple[float, float
     assert values[-1] < 1e-30
 
 
+@few(1)
 @pytest.mark.parametrize(("seed", "start"), HOMECOMINGS)
 def test_home_may_lie_anywhere(arrays: Arrays, seed: int, start: tuple[float, float, float]) -> None:
     """Rounding of the coordinates grows with the distance from their origin; the path does not care."""

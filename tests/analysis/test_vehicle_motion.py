@@ -17,6 +17,7 @@ from nonsmooth.analysis.vehicles import VehicleMotion, friction_ratio, turns, ve
 from nonsmooth.symbolic.files.scene_file import builtin_vehicles
 from nonsmooth.symbolic.files.vehicle_file import build_vehicle, load_vehicle
 from nonsmooth.symbolic.vehicles import Vehicle
+from tests.thorough import few
 
 MEASURED = ("lynx-wh05", "jackal", "husky-a200", "leo-rover", "panther-wh01", "rosbot", "warthog")
 SOLVER = 1e-12  # of the multiplier
@@ -129,6 +130,7 @@ def test_box_friction_turns_without_an_effective_track() -> None:
     assert motion.slips is None
 
 
+@few(4)
 @pytest.mark.parametrize("name", builtin_vehicles())
 def test_every_built_in_vehicle_moves_under_every_rule(name: str) -> None:
     for rule in all_rules():
@@ -186,6 +188,7 @@ def test_a_heavy_rear_moves_the_instant_centre_back() -> None:
     assert all(centre[0] < 0 for centre in centres if centre is not None)
 
 
+@few(1)
 @pytest.mark.parametrize("ratio", ["0.8658", "3"])
 @pytest.mark.parametrize("keys", [{}, {"centre_of_mass": ["0.05", "0.02"]}, {"rows": 3}])
 def test_a_spin_tells_the_friction_ratio(ratio: str, keys: dict[str, Any]) -> None:

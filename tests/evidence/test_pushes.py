@@ -22,7 +22,7 @@ from tests.evidence.pushes import (
     rank,
     supports,
 )
-from tests.thorough import keep, thorough
+from tests.thorough import few, keep, thorough
 
 BODIES = 60  # random pushes
 CLOSE = 1e-6
@@ -137,6 +137,7 @@ def test_wrenches_of_all_pushes_with_nothing_fitted() -> None:
     assert isotropic.interval[0] < isotropic.median < isotropic.interval[1] < naive.interval[0]
 
 
+@few(1)
 @pytest.mark.parametrize("name", ["ellipse", "ellipsoid", "quartic"])
 def test_fitted_models_are_judged_on_pushes_that_they_have_not_seen(name: str) -> None:
     """With wrenches that were dealt to the wrong pushes a fit sees no more than a guess does."""

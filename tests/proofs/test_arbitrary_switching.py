@@ -16,6 +16,7 @@ from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.files.system_file import build_system
 from nonsmooth.symbolic.scene_error import SceneError
 from nonsmooth.symbolic.switched_system import SwitchedSystem
+from tests.thorough import few
 
 
 def switching(*sides: tuple[str, str]) -> SwitchedSystem:
@@ -42,6 +43,7 @@ def worst_factor(alpha: float) -> float:
     return math.exp(total * 2 * math.pi / steps)
 
 
+@few(1)
 @pytest.mark.parametrize("alpha", ["3", "6"])
 def test_certified_below_the_exact_limit(alpha: str) -> None:
     result = decide_system(zelentsovsky(alpha))
@@ -50,6 +52,7 @@ def test_certified_below_the_exact_limit(alpha: str) -> None:
     assert result.check()
 
 
+@few(2)
 @pytest.mark.parametrize("alpha", ["3", "6.98", "6.99", "9"])
 def test_the_worst_turn_against_fine_steps(alpha: str) -> None:
     found = decide_leading_terms(zelentsovsky(alpha))

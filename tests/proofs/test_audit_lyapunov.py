@@ -24,7 +24,7 @@ from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import SceneError
 from nonsmooth.symbolic.switched_system import SwitchedSystem
-from tests.thorough import keep
+from tests.thorough import few, keep
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -109,6 +109,7 @@ def test_valid_on_arrays(name: str, lyapunov: str, proves: Translation) -> None:
     assert result.verdict.exit_status == 0
 
 
+@few(1)
 @pytest.mark.parametrize(
     ("name", "lyapunov"),
     [
@@ -138,6 +139,7 @@ def test_invalid_on_arrays_with_a_witness(name: str, lyapunov: str, rule: str) -
     refutes(scene, lyapunov, result.witness)
 
 
+@few(1)
 @pytest.mark.parametrize("name", keep(9, builtin_scenes()))
 @pytest.mark.parametrize("rule", ["nearest", "box"])
 def test_agrees_with_the_translation_clause(name: str, rule: str) -> None:
@@ -151,6 +153,7 @@ def test_agrees_with_the_translation_clause(name: str, rule: str) -> None:
         assert result.proves is Translation.ASYMPTOTICALLY_STABLE
 
 
+@few(1)
 @pytest.mark.parametrize("seed", [*DECREASING, *range(11)])
 def test_random_arrays_against_sampled_rates(arrays: Arrays, seed: int) -> None:
     scene = arrays.cocircular(seed)

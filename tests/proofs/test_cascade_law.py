@@ -26,7 +26,7 @@ from nonsmooth.proofs.verdicts import Feedback, Theorem4
 from nonsmooth.symbolic.constraints import inner
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
-from tests.thorough import keep, thorough
+from tests.thorough import few, keep, thorough
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -179,6 +179,7 @@ def test_the_simulated_tangential_law_is_the_written_one() -> None:
 # ---- which signs ---------------------------------------------------------------------------------
 
 
+@few(1)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_where_a_quadratic_v_serves_so_do_signs(arrays: Arrays, seed: int) -> None:
     """The cascade asks for less; and what it finds verifies itself."""

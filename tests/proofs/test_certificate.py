@@ -25,7 +25,7 @@ from tests.array_certificates import check_certificate, claim_disc, evidence, pr
 from tests.built_in import checked
 from tests.four_wheel import CORNERS
 from tests.oracles.earlier_arrays import earlier_array, refusal_of_version_1
-from tests.thorough import keep, thorough
+from tests.thorough import few, keep, thorough
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -42,6 +42,7 @@ LARGEST_FILE = 40_000  # bytes; the largest built-in certificate (elliptic, rule
 SLOWEST_CHECK = 10.0  # seconds; the slowest (grid-4x4, rule box) takes about one
 
 
+@few(2)
 @pytest.mark.parametrize(("name", "rule"), keep(22, BOTH_RULES))
 def test_each_built_in_scene_has_a_valid_certificate(name: str, rule: str) -> None:
     result = checked(name, rule)

@@ -19,7 +19,7 @@ from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.conftest import WheelData
 from tests.four_wheel import CORNERS
-from tests.thorough import keep
+from tests.thorough import few, keep
 
 if TYPE_CHECKING:
     from nonsmooth.symbolic.scene import Scene
@@ -186,6 +186,7 @@ def test_no_region_of_slow_turns_is_claimed_where_the_square_leaves_the_support_
     assert feedback.region is None
 
 
+@few(1)
 @pytest.mark.parametrize("array", ["conveyor-3", "saddle", 1, 35, 91])
 @pytest.mark.parametrize("count", keep(1, [1000, 4000]))
 def test_w_falls_everywhere_in_the_region(arrays: Arrays, array: str | int, count: int) -> None:
@@ -209,6 +210,7 @@ def test_w_falls_everywhere_in_the_region(arrays: Arrays, array: str | int, coun
     assert inside > 3 * count / 40
 
 
+@few(1)
 @pytest.mark.parametrize("angles", keep(1, [91, 721]))
 @pytest.mark.parametrize("name", ["conveyor-3", "saddle"])
 def test_the_region_lies_in_the_square_and_on_its_border_w_is_not_below(name: str, angles: int) -> None:

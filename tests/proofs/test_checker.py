@@ -53,7 +53,7 @@ from tests.four_wheel import SIDE
 from tests.oracles.earlier_arrays import earlier_array
 from tests.oracles.nearest_paths import Wheel as OracleWheel
 from tests.oracles.tied_scenes import LEAVES_FROM_1E_9, LEAVES_LIKE_A_ROOT, scene_of
-from tests.thorough import keep
+from tests.thorough import few, keep
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -332,6 +332,7 @@ ATTACKS: dict[str, tuple[str, Callable[[Record], object]]] = {
 }
 
 
+@few(2)
 @pytest.mark.parametrize("name", ATTACKS)
 def test_no_data_keep_the_checker_busy(four_wheel: Record, name: str) -> None:
     """These took from 83 s to minutes; now what is counted is refused before it is used, and all work is charged."""
@@ -628,6 +629,7 @@ def unshown(kind: str, about: Any) -> str:
     return f"evidence of the claim {json.dumps({kind: about})}"
 
 
+@few(1)
 @pytest.mark.parametrize("clause", WORDS)
 def test_another_verdict_is_rejected(certificates: dict[tuple[str, str], Record], clause: str) -> None:
     for original in certificates.values():
@@ -1034,6 +1036,7 @@ def test_every_mutant_is_rejected_or_still_true(certificates: dict[tuple[str, st
     assert accepted > 0  # reordered sums, far frictions, scaled points: the second half is tested too
 
 
+@few(1)
 @pytest.mark.parametrize(("name", "rule"), WITH_FEEDBACK_EVIDENCE)
 @pytest.mark.parametrize("count", keep(1, [EVIDENCE_MUTANTS // 4, EVIDENCE_MUTANTS]))
 def test_the_evidence_of_the_feedback_clause_is_load_bearing(arrays: Arrays, name: str, rule: str, count: int) -> None:
@@ -1067,6 +1070,7 @@ def test_the_original_passes_the_same_proof(
     assert_still_true(certificates[subject])
 
 
+@few(1)
 @pytest.mark.parametrize("seed", range(10))
 def test_the_checker_agrees_with_the_workbench_on_random_arrays(arrays: Arrays, seed: int) -> None:
     """It decides every clause by its own code: equal words on arrays of all kinds are a test of both."""

@@ -26,6 +26,7 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
 from tests.four_wheel import CORNERS
 from tests.ruled import ruled
+from tests.thorough import few
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -43,6 +44,7 @@ def without_feedback(scene: Scene) -> Scene:
     )
 
 
+@few(2)
 @pytest.mark.parametrize("name", EVIDENT)
 @pytest.mark.parametrize("rule", ["box", "ellipse"])
 def test_evidence_verifies(name: str, rule: str) -> None:
@@ -74,6 +76,7 @@ def test_pruning_changes_no_verdict(name: str) -> None:
     assert full.check()
 
 
+@few(1)
 @pytest.mark.parametrize("friction", [(1, Fraction(1, 5)), (1, Fraction(1, 10))])
 def test_the_rotation_bound_of_rule_box_holds_on_every_cell(arrays: Arrays, friction: tuple[int, Fraction]) -> None:
     """V* <= -kappa |c| and |omega| <= bound kappa/2 wherever the body moves."""

@@ -32,7 +32,7 @@ from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.scene import Scene
 from tests.conftest import Arrays, WheelData
-from tests.thorough import keep, thorough
+from tests.thorough import few, keep, thorough
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.cells.partition import Partition
@@ -101,6 +101,7 @@ def serves(demands: list[Demand], shape: Shape) -> bool:
 # ---- the search is complete ----------------------------------------------------------------------
 
 
+@few(1)
 @pytest.mark.parametrize("any_rims", [False, True])
 @pytest.mark.parametrize("seed", SEEDS)
 def test_the_regions_hold_exactly_the_p_that_serve(seed: int, any_rims: bool) -> None:
@@ -117,6 +118,7 @@ def test_the_regions_hold_exactly_the_p_that_serve(seed: int, any_rims: bool) ->
         assert serves(demands, shape) == any(strictly_inside(polygon, shape) for polygon in regions)
 
 
+@few(1)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_one_p_is_found_in_every_region(seed: int) -> None:
     _, result = decided(seed, any_rims=True)

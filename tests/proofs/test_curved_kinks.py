@@ -18,7 +18,7 @@ from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.lyapunov_search import find_lyapunov
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from tests.thorough import thorough
+from tests.thorough import few, thorough
 
 if TYPE_CHECKING:
     from nonsmooth.symbolic.switched_system import SwitchedSystem
@@ -38,6 +38,7 @@ def follow(system: SwitchedSystem, points: np.ndarray) -> np.ndarray:
     return points
 
 
+@few(1)
 @pytest.mark.parametrize(
     "relay",
     [
@@ -59,6 +60,7 @@ def test_relays_on_curves_are_decided_by_v_that_bends_there(load: Load, relay: s
     assert np.abs(ends).max() < 0.1
 
 
+@few(1)
 @pytest.mark.parametrize("relay", ["-2*sign(y - x - x**2/4)", "-sign(x + y**2) + y/2", "2*sign(x + y + x**2)"])
 def test_relays_on_curves_that_repel_have_no_such_v(load: Load, relay: str) -> None:
     system = load("y", relay)
@@ -66,6 +68,7 @@ def test_relays_on_curves_that_repel_have_no_such_v(load: Load, relay: str) -> N
     assert decide_system(system).verdict is not Translation.ASYMPTOTICALLY_STABLE
 
 
+@few(2)
 @pytest.mark.parametrize(
     ("first", "second", "lyapunov", "verdict"),
     [
@@ -93,6 +96,7 @@ def test_where_a_further_cell_meets_the_curve_solutions_may_rest(load: Load) -> 
     assert audit(near, lyapunov).verdict is AuditVerdict.VALID
 
 
+@few(1)
 @pytest.mark.parametrize("seed", range(8))
 def test_proved_v_falls_along_random_curves(load: Load, seed: int) -> None:
     """The sliding value at points of the curve, from the definition in floats."""

@@ -27,7 +27,7 @@ from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.piecewise import parse_piecewise
 from nonsmooth.symbolic.switched_system import SwitchedSystem
-from tests.thorough import examples
+from tests.thorough import examples, few
 
 if TYPE_CHECKING:
     from tests.proofs.conftest import Load
@@ -196,6 +196,7 @@ FIELDS = [
 ]
 
 
+@few(3)
 @pytest.mark.parametrize("lyapunov", BENDING)
 @pytest.mark.parametrize("field", FIELDS, ids=range(len(FIELDS)))
 def test_trends_on_edges_bound_the_ladder_at_their_points(load: Load, lyapunov: str, field: tuple[str, str]) -> None:
@@ -222,6 +223,7 @@ def trends_of(result: LyapunovResult, point: tuple[Any, Any]) -> Trends:
     return Trends(*(Trend.EMPTY if i is None else Trend.of_sign(i.high.sign()) for i in intervals))
 
 
+@few(4)
 @pytest.mark.parametrize("lyapunov", BENDING)
 @pytest.mark.parametrize("field", FIELDS, ids=range(len(FIELDS)))
 def test_trends_on_cells_bound_the_rate_at_their_points(load: Load, lyapunov: str, field: tuple[str, str]) -> None:

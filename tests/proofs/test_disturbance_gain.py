@@ -14,7 +14,7 @@ from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.proofs.systems.decay_rate import DecayKind
 from nonsmooth.symbolic.files.system_file import build_system
 from tests.proofs.forged import with_reach
-from tests.thorough import keep
+from tests.thorough import few, keep
 
 NAMES = {"Abs": np.abs, "sgn": np.sign, "Max": np.maximum}
 STEP = 1e-3
@@ -58,6 +58,7 @@ def disturbed(rhs: tuple[str, str], lyapunov: str, starts: np.ndarray, delta: fl
     return np.array(found)
 
 
+@few(1)
 @pytest.mark.parametrize(("rhs", "lyapunov"), keep(2, SYSTEMS[::-1]))
 @pytest.mark.parametrize(("share", "until"), keep(1, [(0.95, 1.5), (0.95, 3.0), (0.3, 3.0)]))
 def test_no_disturbance_does_more(rhs: tuple[str, str], lyapunov: str, share: float, until: float) -> None:

@@ -39,7 +39,7 @@ from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.scene import LoadTable, Scene, Wheel
 from tests.conftest import WheelData
 from tests.ruled import centred
-from tests.thorough import keep
+from tests.thorough import few, keep
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -79,6 +79,7 @@ def cone_of(feedback: DrivenFeedback, c: Floats) -> LawCone:
 # ---- the law, followed by a numerical minimizer --------------------------------------------------
 
 
+@few(2)
 @pytest.mark.parametrize("name", APPLIES)
 def test_under_box_the_law_imposes_its_motion_within_the_reach(name: str) -> None:
     """The minimizer of D for the law's speeds is the twist itself, and V falls at the certified rate."""
@@ -101,6 +102,7 @@ def test_under_box_the_law_imposes_its_motion_within_the_reach(name: str) -> Non
         assert 2 * g @ found <= -2 * float(feedback.kappa) * (g @ g) * (1 - BOX_ERROR)
 
 
+@few(2)
 @pytest.mark.parametrize("name", APPLIES)
 def test_under_ellipse_the_speeds_impose_their_twist_at_the_equilibrium(name: str) -> None:
     scene = centred(load_scene(name), "ellipse")

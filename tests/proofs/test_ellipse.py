@@ -17,7 +17,7 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
 from tests.four_wheel import CORNERS
 from tests.ruled import ruled
-from tests.thorough import thorough
+from tests.thorough import few, thorough
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -61,6 +61,7 @@ def numerical_twist(scene: Scene, region: LoadRegion, c: tuple[float, float]) ->
     return np.asarray(polished.x)
 
 
+@few(1)
 @pytest.mark.parametrize("name", ["four-wheel", "ring-3", "rectangle", "elliptic", "spiral-30", "outward"])
 def test_the_exact_minimizer_and_its_linearization_against_a_solver(name: str) -> None:
     scene = load_scene(name, rule="ellipse").recentred()

@@ -20,7 +20,7 @@ from nonsmooth.symbolic.plane import Vector, dot, separating_direction
 from nonsmooth.symbolic.scene import Scene
 from tests.four_wheel import ROLL, SIDE
 from tests.hulls import hull_holds_zero
-from tests.thorough import thorough
+from tests.thorough import few, thorough
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -53,6 +53,7 @@ def test_both_verdicts_occur_among_the_random_arrays(arrays: Arrays) -> None:
     assert found == {Equilibrium.HOLDS, Equilibrium.FAILS}
 
 
+@few(3)
 @pytest.mark.parametrize("n", range(3, 13))
 def test_the_centre_of_a_ring_is_an_equilibrium(arrays: Arrays, n: int) -> None:
     for friction in (ROLL, SIDE):

@@ -34,7 +34,7 @@ from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.scene import Contact, Scene
 from nonsmooth.symbolic.unknown_loads import LoadScatter, UnknownLoads
 from tests.conftest import Arrays, WheelData
-from tests.thorough import thorough
+from tests.thorough import few, thorough
 
 Floats: TypeAlias = NDArray[np.float64]
 
@@ -102,6 +102,7 @@ def admissible_at(scene: Scene, points: Floats, rng: np.random.Generator) -> Flo
 # ---- rollers that turn freely ----------------------------------------------------------------
 
 
+@few(1)
 @pytest.mark.parametrize("rule", ["box", "ellipse", "roller"])
 def test_omniwheels_carry_the_body_about_the_point_under_every_load(rule: str) -> None:
     """No row with friction slips at the spin: near the point no other motion is as good, under any admissible load."""
@@ -117,6 +118,7 @@ def test_omniwheels_carry_the_body_about_the_point_under_every_load(rule: str) -
     assert np.allclose(dissipation(Functional.BOX, model, loads, np.array([0, 0, -1.0])), 0, atol=1e-12)
 
 
+@few(1)
 @pytest.mark.parametrize("rule", ["box", "ellipse", "roller"])
 def test_mecanum_wheels_on_a_diagonal_leave_the_motion_open(rule: str) -> None:
     """The spin always is a minimizer; where two opposite wheels carry alone, so are motions along their rollers."""
@@ -134,6 +136,7 @@ def test_mecanum_wheels_on_a_diagonal_leave_the_motion_open(rule: str) -> None:
 # ---- what is said of built-in scenes ---------------------------------------------------------
 
 
+@few(1)
 @pytest.mark.parametrize(
     ("name", "rule", "equilibrium", "translation", "rotation"),
     [
@@ -162,6 +165,7 @@ def test_any_load(name: str, rule: str, equilibrium: str, translation: str, rota
     assert ("can be held" in answers_of(found)[2].verdict) == (name == "conveyor-3")
 
 
+@few(2)
 @pytest.mark.parametrize("rule", ["ellipse", "roller", "box"])
 def test_scattered_springs_keep_the_heading(rule: str) -> None:
     """A pair of opposite wheels never carries alone, so rest is strict, and rotation is settled."""
@@ -181,6 +185,7 @@ def test_nearest_asks_for_no_loads() -> None:
 # ---- for all loads: samples agree ------------------------------------------------------------
 
 
+@few(1)
 @pytest.mark.parametrize(
     ("name", "rule"),
     [
@@ -200,6 +205,7 @@ def test_bodies_come_nearer_under_every_sampled_load(name: str, rule: str) -> No
     assert ((points * minima.twists[:, :2]).sum(axis=1) < 0).all()
 
 
+@few(1)
 @pytest.mark.parametrize("name", ["four-wheel", "ring-5", "rectangle"])
 def test_the_rate_is_kept_near_the_point(name: str) -> None:
     scene = with_loads(load_scene(name), "ellipse")
@@ -212,6 +218,7 @@ def test_the_rate_is_kept_near_the_point(name: str) -> None:
     assert (inward >= 0.99 * float(translation.exponential_rate)).all()
 
 
+@few(2)
 @pytest.mark.parametrize("name", ["four-wheel", "ring-5", "ring-6", "conveyor-3"])
 def test_rest_or_spin_minimizes_d_under_every_sampled_load(name: str) -> None:
     """Rule box, by linear programs in floats."""
@@ -248,6 +255,7 @@ def random_linear_array(arrays: Arrays, seed: int) -> Scene:
     return arrays.scene(wheels, radius=Fraction(1, 16))
 
 
+@few(1)
 @pytest.mark.parametrize("height", [None, "1/20"])
 @pytest.mark.parametrize("seed", range(20))
 def test_linear_fields_against_known_loads(arrays: Arrays, seed: int, height: str | None) -> None:
@@ -282,6 +290,7 @@ def test_linear_fields_are_decided_both_ways(arrays: Arrays) -> None:
 # ---- where it fails, a load is the witness ---------------------------------------------------
 
 
+@few(1)
 @pytest.mark.parametrize("name", ["off-center", "elliptic", "grid-4x4"])
 @pytest.mark.parametrize("rule", ["ellipse", "box"])
 def test_the_witness_fails_as_a_known_load(name: str, rule: str) -> None:
@@ -306,6 +315,7 @@ def test_scattered_springs_have_a_witness_that_springs_reach() -> None:
     assert check_theorem4(under(scene, load)).results["equilibrium"].verdict is Equilibrium.FAILS
 
 
+@few(1)
 @pytest.mark.parametrize("rule", ["ellipse", "box"])
 def test_forged_evidence_is_refused(rule: str) -> None:
     scene = with_loads(load_scene("grid-4x4"), rule)
@@ -328,6 +338,7 @@ def test_a_forged_unstable_verdict_is_refused() -> None:
     assert not found.with_results(translation=forged).check()
 
 
+@few(3)
 @pytest.mark.parametrize("height", [None, "1/5"])
 @pytest.mark.parametrize("name", ["four-wheel", "ring-5", "off-center", "grid-4x4"])
 def test_floats_leave_out_no_slope_that_matters(name: str, height: str | None) -> None:

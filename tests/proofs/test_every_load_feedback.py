@@ -28,6 +28,7 @@ from nonsmooth.symbolic.scene import Contact, Scene
 from nonsmooth.symbolic.similar_scenes import in_own_length
 from nonsmooth.symbolic.unknown_loads import LoadScatter, UnknownLoads
 from tests.measured_arrays import Kind, measured_array
+from tests.thorough import few
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -123,6 +124,7 @@ def certified(scene: Scene) -> DrivenFeedback:
     return feedback
 
 
+@few(1)
 @pytest.mark.parametrize(
     ("text", "rule", "loads"),
     [

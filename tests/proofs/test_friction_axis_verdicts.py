@@ -27,7 +27,7 @@ from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.similar_scenes import in_own_length
 from tests.array_certificates import check_certificate, evidence, said, subject
 from tests.oracles.earlier_arrays import refusal_of_version_1
-from tests.thorough import thorough
+from tests.thorough import few, thorough
 
 Floats: TypeAlias = NDArray[np.float64]
 
@@ -49,6 +49,7 @@ def turning(seed: int, rule: str, side: str = "2/5") -> Scene:
     return ns.Array(wheels, mu_roll=1, mu_side=side, rule=rule, radius="1/4").scene
 
 
+@few(1)
 @pytest.mark.parametrize("rule", RULES)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_the_evidence_of_every_clause_verifies(seed: int, rule: str) -> None:
@@ -59,6 +60,7 @@ def test_the_evidence_of_every_clause_verifies(seed: int, rule: str) -> None:
         assert result.feedback.verdict is Feedback.UNDECIDED
 
 
+@few(2)
 @pytest.mark.parametrize("rule", SMOOTH)
 @pytest.mark.parametrize("seed", range(24))
 def test_linearization_by_differences_of_the_minimizer(seed: int, rule: str) -> None:
@@ -86,6 +88,7 @@ def test_some_of_these_are_smooth() -> None:
     assert sum(point.situation is Situation.SMOOTH for point in points) > 3
 
 
+@few(2)
 @pytest.mark.parametrize("rule", RULES)
 def test_free_rollers_get_the_verdicts_of_rims_along_their_axes(rule: str) -> None:
     scene = load_scene("mecanum-4", rule=rule)
@@ -112,6 +115,7 @@ def test_the_speeds_of_a_law_for_mecanum_wheels_are_the_textbooks(rule: str) -> 
         assert rim_speeds(own, imposed) == pytest.approx(textbook)
 
 
+@few(2)
 @pytest.mark.parametrize("rule", RULES)
 def test_an_axis_along_the_rim_changes_no_byte(rule: str) -> None:
     places = ((1, 1), (-1, 1), (-1, -1), (1, -1))
@@ -132,6 +136,7 @@ def test_an_axis_along_the_rim_changes_no_byte(rule: str) -> None:
     assert json.dumps(plain) == json.dumps(named)
 
 
+@few(2)
 @pytest.mark.parametrize("rule", ["nearest", "box"])
 @pytest.mark.parametrize("seed", SEEDS)
 def test_certificates_name_the_axes_and_the_checker_follows_them(seed: int, rule: str) -> None:
@@ -170,6 +175,7 @@ def test_free_rollers_under_rule_nearest_are_followed() -> None:
     assert "feedback" not in said(certificate)
 
 
+@few(3)
 @pytest.mark.parametrize("rule", RULES)
 @pytest.mark.parametrize("name", ["omni-3", "mecanum-4", "roller-bed", "carton-on-6x6"])
 def test_the_scenes_give_what_an_engineer_expects(name: str, rule: str) -> None:

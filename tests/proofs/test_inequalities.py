@@ -36,7 +36,7 @@ from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.polynomial import Polynomial, in_generators
 from nonsmooth.symbolic.piecewise import parse_piecewise
-from tests.thorough import examples
+from tests.thorough import examples, few
 
 RANDOM = examples(120)
 FLOAT_ERROR = 1e-9  # of a float evaluation, relative to the sum of the absolute terms
@@ -89,6 +89,7 @@ def unit_square(field: NumberField) -> Region:
 # ---- what is decided, and how ------------------------------------------------------------------
 
 
+@few(3)
 @pytest.mark.parametrize(
     ("sense", "text", "region", "kind"),
     [

@@ -22,7 +22,7 @@ from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
 from tests.conftest import Arrays
-from tests.thorough import keep, thorough
+from tests.thorough import few, keep, thorough
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.cells.polygon import Point
@@ -100,6 +100,7 @@ def directions(rng: np.random.Generator, margin: InputMargin, sigma: float) -> l
     return [np.array([np.cos(t), np.sin(t)]) for t in angles]
 
 
+@few(1)
 @pytest.mark.parametrize("key", keep(8, [*NAMES[:4], *SEEDS[:12], *NAMES[4:]]))
 def test_within_the_margin_all_cells_in_reach_have_a_common_input(key: str | int) -> None:
     fan, result, wheels = decided(key)
@@ -117,6 +118,7 @@ def test_within_the_margin_all_cells_in_reach_have_a_common_input(key: str | int
                 break
 
 
+@few(6)
 @pytest.mark.parametrize("key", [*NAMES, *SEEDS])
 def test_at_a_sides_distance_its_two_cells_have_no_common_input(key: str | int) -> None:
     """By a linear program at the witness, which lies at the stated angle from the side; just inside there is one."""

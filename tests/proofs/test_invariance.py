@@ -18,7 +18,7 @@ from nonsmooth.proofs.systems.invariance import Staying, decide_staying, resting
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.files.system_file import parse_lyapunov
 from tests.proofs.forged import with_deciding
-from tests.thorough import keep
+from tests.thorough import few, keep
 
 if TYPE_CHECKING:
     from nonsmooth.symbolic.switched_system import SwitchedSystem
@@ -82,6 +82,7 @@ def test_a_curve_of_switching_attracts(load: Load) -> None:
         assert audit(orbits, potential).proves is Translation.STABLE
 
 
+@few(1)
 @pytest.mark.usefixtures("strict_search")
 @pytest.mark.parametrize(
     ("first", "second"),
@@ -180,6 +181,7 @@ def energy_lost(force: str, friction: str, potential: str, level: float) -> tupl
     return float(np.min(1 - last / first)), float(np.min(np.where(at_rest, 0.0, 1.0)))
 
 
+@few(1)
 @pytest.mark.parametrize("seed", range(24))
 def test_random_oscillators_against_paths(load: Load, seed: int) -> None:
     rng = np.random.default_rng(seed)

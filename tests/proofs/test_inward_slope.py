@@ -14,7 +14,7 @@ from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
 from nonsmooth.symbolic.scene import Scene
-from tests.thorough import keep
+from tests.thorough import few, keep
 
 INWARD = ("four-wheel", "four-wheel-side", "ring-5", "ring-6", "grid-4x4")
 POINTS = 200
@@ -37,6 +37,7 @@ def largest_product(scene: Scene, radius: float, seed: int = 5) -> float:
     return float(((points * twists[:, :2]).sum(axis=1) / reaches).max())
 
 
+@few(1)
 @pytest.mark.parametrize("rule", ["ellipse", "roller"])
 @pytest.mark.parametrize("name", INWARD)
 def test_the_distance_falls_all_over_the_disc(name: str, rule: str) -> None:
@@ -54,6 +55,7 @@ def test_a_spin_at_the_point_does_not_matter() -> None:
     assert largest_product(scene, float(found.home_radius)) < 0
 
 
+@few(4)
 @pytest.mark.parametrize("name", builtin_scenes())
 def test_no_disc_is_claimed_where_the_distance_may_grow(name: str) -> None:
     """Every built-in scene: where a minimizer moves outward, no disc reaches there."""

@@ -25,6 +25,7 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.numbers.coefficients import rational_quotient
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.scene import Scene
+from tests.thorough import few
 
 GRID = """
 name = "grid"
@@ -47,6 +48,7 @@ def grid(folder: Path, field: str, rule: str) -> Scene:
     return load_scene(path).recentred()
 
 
+@few(1)
 @pytest.mark.parametrize("rule", ["box", "ellipse"])
 @pytest.mark.parametrize("field", ["radial", "saddle"])
 def test_a_law_of_few_candidates_verifies(field: str, rule: str, tmp_path: Path) -> None:

@@ -21,7 +21,7 @@ from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.piecewise import parse_piecewise
 from nonsmooth.symbolic.switched_system import PLANE
 from tests.proofs.switched_oracle import Judge, Switched, leaves, random_conewise, random_relay
-from tests.thorough import keep
+from tests.thorough import few, keep
 
 if TYPE_CHECKING:
     from tests.proofs.conftest import Load
@@ -30,6 +30,7 @@ COUNT = 40
 PATHS = 6
 
 
+@few(1)
 @pytest.mark.parametrize("generate", [random_relay, random_conewise])
 @pytest.mark.parametrize("count", keep(1, [16, COUNT]))
 def test_random_systems_against_formulas(load: Load, generate: Callable[[int], Switched], count: int) -> None:
@@ -44,6 +45,7 @@ def test_random_systems_against_formulas(load: Load, generate: Callable[[int], S
     assert sum(n for (found, _), n in seen.items() if found == "None") <= count // 10
 
 
+@few(1)
 @pytest.mark.parametrize("generate", [random_relay, random_conewise])
 def test_random_systems_against_paths(load: Load, generate: Callable[[int], Switched]) -> None:
     for seed in range(2000, 2000 + PATHS):
@@ -110,6 +112,7 @@ def first_return(fields: Sequence[Callable[[float, np.ndarray], list[float]]], s
     return place
 
 
+@few(1)
 @pytest.mark.parametrize("seed", range(3))
 def test_fused_focus_against_an_integrator(load: Load, seed: int) -> None:
     rng = np.random.default_rng(seed)

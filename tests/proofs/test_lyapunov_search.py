@@ -26,7 +26,7 @@ from nonsmooth.proofs.systems.weak_search import find_weak_lyapunov
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from tests.proofs.forged import with_reach
-from tests.thorough import keep, thorough
+from tests.thorough import few, keep, thorough
 
 if TYPE_CHECKING:
     from nonsmooth.symbolic.switched_system import SwitchedSystem
@@ -40,6 +40,7 @@ def slack(radius: float) -> float:
     return 20 * STEP * radius
 
 
+@few(2)
 @pytest.mark.parametrize(
     ("first", "second"),
     [

@@ -22,7 +22,7 @@ from nonsmooth.proofs.clauses.at_point.mass import MassLimit
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation, decide_translation_at
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
-from tests.thorough import keep
+from tests.thorough import few, keep
 
 SPIRAL = ns.Array.ring(
     4,
@@ -160,6 +160,7 @@ def test_limits_of_another_array_are_refused() -> None:
     assert not replace(found, mass=other).check()
 
 
+@few(2)
 @pytest.mark.parametrize(
     ("length", "speed", "words"), [("m", 1, "up to 2.83 times"), ("mm", 1, "up to"), ("m", 10, "only at speeds below")]
 )

@@ -20,7 +20,7 @@ from nonsmooth.proofs.orbits.ball_steps import Expansion, precision
 from nonsmooth.proofs.orbits.orbit_proof import OrbitProof, prove_orbit
 from nonsmooth.symbolic.files.system_file import load_system
 from tests.oracles.piecewise_affine import DIGITS, Motion, arrival
-from tests.thorough import keep, thorough
+from tests.thorough import few, keep, thorough
 
 
 def proved(rhs: Sequence[str], start: Sequence[float], until: float = 100.0) -> tuple[Orbit, OrbitProof]:
@@ -68,6 +68,7 @@ def test_van_der_pol_is_proved() -> None:
     assert holds(proof.period, mpmath.mpf("6.6632868593231301896996820305"))
 
 
+@few(1)
 @pytest.mark.parametrize("damping", ["1/10", "1/5"])
 def test_a_repelling_orbit_is_proved_with_its_closed_form(damping: str) -> None:
     """Period 2 pi/w and multiplier exp(pi d/w), see the float test."""
@@ -116,6 +117,7 @@ def random_system(seed: int) -> list[str]:
     ]
 
 
+@few(1)
 @pytest.mark.parametrize("seed", keep(8, range(60)))
 def test_random_proofs_agree_with_paths(seed: int) -> None:
     """A start beside a proved orbit is nearer after a turn where it attracts, and farther where it repels; and the

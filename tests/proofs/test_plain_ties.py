@@ -16,7 +16,7 @@ from nonsmooth.proofs.systems.local_cells import decide_equilibrium
 from nonsmooth.proofs.verdicts import Equilibrium
 from tests.proofs.plain_agreement import contradictions
 from tests.proofs.plain_ties import Oracle, Tie, holds_zero, random_tie
-from tests.thorough import thorough
+from tests.thorough import few, thorough
 
 if TYPE_CHECKING:
     from tests.proofs.conftest import Load
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 ZERO = ("0", "0")
 
 
+@few(1)
 @pytest.mark.parametrize("seed", range(0, 100, 5))
 def test_equilibria_of_tied_systems(load: Load, seed: int) -> None:
     for k in range(seed, seed + 5):
@@ -33,6 +34,7 @@ def test_equilibria_of_tied_systems(load: Load, seed: int) -> None:
         assert (found is Equilibrium.HOLDS) == Oracle(tie).rests_at_origin(), tie
 
 
+@few(1)
 @pytest.mark.parametrize("seed", [*range(1000, 1012)])
 def test_verdicts_on_tied_systems(load: Load, seed: int) -> None:
     tie = random_tie(seed)

@@ -28,6 +28,7 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Friction, Scene
 from nonsmooth.symbolic.similar_scenes import with_friction_ratio
 from tests.ruled import centred
+from tests.thorough import few
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -135,6 +136,7 @@ def test_random_points_are_never_misjudged(arrays: Arrays, seed: int) -> None:
         assert (speed < 1e-7) == (point.equilibrium is Equilibrium.HOLDS)
 
 
+@few(1)
 @pytest.mark.parametrize("ratio", [Fraction(1, 50), Fraction(1, 4), Fraction(9, 10)])
 @pytest.mark.parametrize("name", ["four-wheel", "ring-3", "elliptic", "saddle", "conveyor-3", "off-center"])
 def test_speeds_impose_their_twists(name: str, ratio: Fraction) -> None:

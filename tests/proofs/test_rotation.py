@@ -21,6 +21,7 @@ from nonsmooth.symbolic.contact_states import ContactState
 from nonsmooth.symbolic.scene import Scene
 from tests.conftest import WheelData
 from tests.four_wheel import ROLL, SIDE
+from tests.thorough import few
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -34,6 +35,7 @@ def decide(scene: Scene) -> RotationResult:
     return decide_rotation(partition, decide_translation(partition))
 
 
+@few(3)
 @pytest.mark.parametrize("n", range(3, 13))
 def test_drift_of_rings_is_the_closed_form(arrays: Arrays, n: int) -> None:
     """``[-tan(delta/2), tan(delta/2)]`` with roll rows, ``[-cot(delta/2), cot(delta/2)]`` with side rows."""

@@ -17,7 +17,7 @@ from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.files.system_file import build_system
 from nonsmooth.symbolic.scene_error import SceneError
 from nonsmooth.symbolic.switched_system import SwitchedSystem
-from tests.thorough import keep, thorough
+from tests.thorough import few, keep, thorough
 
 ATTRACTS, LEAVES, OPEN = Translation.ASYMPTOTICALLY_STABLE, Translation.UNSTABLE, Translation.UNDECIDED
 ROOT = "sqrt(Abs(x))*sgn(x)"
@@ -54,6 +54,7 @@ KNOWN = [
 ]
 
 
+@few(3)
 @pytest.mark.parametrize(("rhs", "truth", "in_time"), keep(5, KNOWN))
 def test_known_systems_agree_with_their_polygons(rhs: list[str], truth: Translation, in_time: bool | None) -> None:
     result = decide_system(built(rhs))
@@ -160,6 +161,7 @@ def test_a_path_slides_on_a_zero_of_the_root_in_its_own_time() -> None:
     assert path.end.state[1] == pytest.approx(np.exp(-3), abs=1e-10)
 
 
+@few(1)
 @pytest.mark.parametrize("seed", range(20))
 def test_random_gains_agree_with_eigenvalues(seed: int) -> None:
     """In roots super-twisting with a relay of y is conewise linear; without it the trace and determinant decide."""
@@ -174,6 +176,7 @@ def test_random_gains_agree_with_eigenvalues(seed: int) -> None:
     assert result.check()
 
 
+@few(1)
 @pytest.mark.parametrize("seed", range(24))
 def test_random_systems_agree_with_their_polygons(seed: int) -> None:
     """Super-twisting with random gains and one random term more; near the point, as asymptotic stability is local."""

@@ -21,7 +21,7 @@ from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.files.system_file import build_system
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 from tests.proofs.forged import with_deciding
-from tests.thorough import keep
+from tests.thorough import few, keep
 
 Fields = list[list[str]]
 
@@ -146,6 +146,7 @@ def lost(fields: Fields, lyapunov: str, steps: int = STEPS) -> float:
     return float(np.min(total / start))
 
 
+@few(1)
 @pytest.mark.parametrize("seed", range(8))
 def test_random_switched_oscillators_against_signals(seed: int) -> None:
     rng = np.random.default_rng(seed)

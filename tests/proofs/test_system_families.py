@@ -12,6 +12,7 @@ from nonsmooth.proofs.systems.search import PlaneFunction
 from nonsmooth.symbolic.files.system_file import build_system
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 from tests.proofs.system_families import Known, families
+from tests.thorough import few
 
 SLOW = {"relay, viscous 1/4", "damping at one side only"}
 CHOSEN = [known for known in list(families())[::3] if known.name not in SLOW]
@@ -22,6 +23,7 @@ def system_of(known: Known) -> SwitchedSystem:
     return build_system(document, known.name, Path("known.toml"))
 
 
+@few(1)
 @pytest.mark.parametrize("known", CHOSEN, ids=lambda known: known.name)
 def test_known_systems(known: Known) -> None:
     system = system_of(known)

@@ -53,7 +53,7 @@ from nonsmooth.symbolic.surfaces import switching_factors
 from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
 from tests.built_in import planar_systems
 from tests.proofs.forged import with_deciding, with_reach
-from tests.thorough import examples, keep, thorough
+from tests.thorough import examples, few, keep, thorough
 
 if TYPE_CHECKING:
     from tests.proofs.conftest import Load
@@ -359,6 +359,7 @@ def test_built_in_systems(name: str, expected: Translation, method: Method) -> N
     assert result.equilibrium is (Equilibrium.FAILS if fails else Equilibrium.HOLDS)
 
 
+@few(4)
 @pytest.mark.parametrize(
     ("first", "second", "check", "expected", "words"),
     [
@@ -404,6 +405,7 @@ TRAPS = [
 ]  # fmt: skip
 
 
+@few(2)
 @pytest.mark.parametrize(("first", "second"), keep(6, TRAPS))
 def test_negative_in_open_cells_only_is_not_asymptotic(load: Load, first: str, second: str) -> None:
     """V' < 0 inside (nearly) every cell, but not on closed ones: there are equilibria arbitrarily near."""
@@ -437,6 +439,7 @@ def simulated_distance(scene: SwitchedSystem, start: tuple[float, float], time: 
     return float(np.hypot(x, y))
 
 
+@few(1)
 @pytest.mark.parametrize("starts", keep(1, [2, 4]))
 @pytest.mark.parametrize("name", ["relay-oscillator-damped", "flower", "eq-4"])
 def test_asymptotically_stable_systems_contract(name: str, starts: int) -> None:
@@ -446,6 +449,7 @@ def test_asymptotically_stable_systems_contract(name: str, starts: int) -> None:
         assert simulated_distance(scene, start, 30 if name == "flower" else 3, 6000) < 0.2
 
 
+@few(1)
 @pytest.mark.parametrize(("seed"), range(25))
 def test_lyapunov_functions_never_contradict_the_complete_fan(load: Load, seed: int) -> None:
     """Two independent ways for constant fields: inequalities for V, and the moves of the fan."""
@@ -554,6 +558,7 @@ def test_forged_results_are_refused() -> None:
         assert not forged.check()
 
 
+@few(1)
 @pytest.mark.parametrize(("length", "speed", "rates"), [(1, -9, 0), (1, 9, 0), (1, 0, -6), (-9, 0, 0)])
 def test_units_and_uneven_rates_do_not_hide_a_piecewise_quadratic_function(length: int, speed: int, rates: int) -> None:
     scene = scaled_system(load_system("flower"), Fraction(10) ** length, Fraction(10) ** speed)

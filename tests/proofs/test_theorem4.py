@@ -25,7 +25,7 @@ from nonsmooth.symbolic.scene import Scene
 from tests.clauses import drift, verdicts
 from tests.conftest import WheelData
 from tests.four_wheel import ROLL, SIDE
-from tests.thorough import keep, thorough
+from tests.thorough import few, keep, thorough
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays, Pair
@@ -61,6 +61,7 @@ def test_verdicts_of_known_arrays(arrays: Arrays, name: str) -> None:
     assert result.check()
 
 
+@few(2)
 @pytest.mark.parametrize("n", range(3, 13))
 def test_the_theorem_holds_for_inward_rings(arrays: Arrays, n: int) -> None:
     for friction in (ROLL, SIDE):
@@ -71,6 +72,7 @@ def test_the_theorem_holds_for_inward_rings(arrays: Arrays, n: int) -> None:
         assert result.feedback.verdict is expected
 
 
+@few(2)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_every_random_result_verifies_itself(arrays: Arrays, seed: int) -> None:
     for scene in (arrays.random(seed, 2 + seed % 5), arrays.cocircular(seed)):
@@ -152,12 +154,14 @@ def same_without_pruning(scene: Scene) -> None:
     assert pruned.partition.wheels_considered <= whole.partition.wheels_considered == len(standing(scene).wheels)
 
 
+@few(1)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_pruning_changes_nothing_for_random_arrays(arrays: Arrays, seed: int) -> None:
     for scene in (arrays.random(seed, 6), arrays.cocircular(seed)):
         same_without_pruning(scene)
 
 
+@few(2)
 @pytest.mark.parametrize("name", builtin_scenes())
 def test_pruning_changes_nothing_for_built_in_scenes(name: str) -> None:
     same_without_pruning(load_scene(name, rule="nearest"))

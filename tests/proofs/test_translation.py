@@ -22,7 +22,7 @@ from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.plane import dot
 from nonsmooth.symbolic.scene import Scene
 from tests.four_wheel import CORNERS, ROLL, SIDE
-from tests.thorough import keep, thorough
+from tests.thorough import few, keep, thorough
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -77,6 +77,7 @@ def disc_points(seed: int, inner: float, outer: float, count: int) -> NDArray[np
 # ---- verdicts and rates with closed forms --------------------------------------------------------
 
 
+@few(3)
 @pytest.mark.parametrize("n", RINGS)
 def test_rings_with_roll_rows_attract_in_finite_time(arrays: Arrays, n: int) -> None:
     scene = arrays.ring(n, ROLL)
@@ -88,6 +89,7 @@ def test_rings_with_roll_rows_attract_in_finite_time(arrays: Arrays, n: int) -> 
     assert result.check()
 
 
+@few(3)
 @pytest.mark.parametrize("n", RINGS)
 def test_rings_with_side_rows_have_rays_of_equilibria(arrays: Arrays, n: int) -> None:
     scene = arrays.ring(n, SIDE)
@@ -209,6 +211,7 @@ def test_the_exact_upper_derivative_agrees_with_the_verdict_in_the_region(arrays
 # ---- the region ----------------------------------------------------------------------------------
 
 
+@few(1)
 @pytest.mark.parametrize("seed", BOUNDED_SEEDS)
 @pytest.mark.parametrize("count", keep(1, [100, 300]))
 def test_the_region_ends_where_the_literal_rule_first_fails(arrays: Arrays, seed: int, count: int) -> None:
@@ -273,6 +276,7 @@ def test_a_ray_of_equilibria_rests_under_exact_kinematics(arrays: Arrays, count:
     assert rays == most
 
 
+@few(3)
 @pytest.mark.parametrize("n", RINGS)
 def test_rings_with_roll_rows_rest_nowhere_else(arrays: Arrays, n: int) -> None:
     partition = build_nearest_partition(arrays.ring(n, ROLL))

@@ -18,7 +18,7 @@ from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.files.system_file import build_system
 from nonsmooth.symbolic.scene_error import SceneError
 from nonsmooth.symbolic.switched_system import SwitchedSystem
-from tests.thorough import keep
+from tests.thorough import few, keep
 
 ATTRACTS, LEAVES = Translation.ASYMPTOTICALLY_STABLE, Translation.UNSTABLE
 NAMES = {"sin": np.sin, "cos": np.cos, "pi": math.pi, "Abs": np.abs, "sgn": np.sign, "Max": np.maximum}
@@ -60,6 +60,7 @@ KNOWN = [
 ]
 
 
+@few(1)
 @pytest.mark.parametrize(("rhs", "truth"), KNOWN)
 def test_known_systems(rhs: tuple[str, str], truth: Translation) -> None:
     result = decide_system(built(list(rhs)))

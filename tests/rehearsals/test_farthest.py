@@ -19,7 +19,7 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.rule import CONTACT_RULES
 from tests.rehearsals.farthest import FarthestRule
 from tests.reports.conftest import Invoke
-from tests.thorough import keep, thorough
+from tests.thorough import few, keep, thorough
 
 SCENES = ["four-wheel", "conveyor-3", "ring-6", "rectangle"]
 
@@ -34,6 +34,7 @@ def test_the_rule_is_one_short_class() -> None:
     assert [rule.name for rule in all_rules()] == ["nearest", "box", "ellipse", "roller", "farthest"]
 
 
+@few(2)
 @pytest.mark.parametrize("name", SCENES)
 def test_its_cells_tile_and_hold_the_literal_twists(name: str) -> None:
     scene = load_scene(name, rule="farthest").recentred()
@@ -44,6 +45,7 @@ def test_its_cells_tile_and_hold_the_literal_twists(name: str) -> None:
     np.testing.assert_allclose(PointLocator(partition).twists(points), literal, rtol=1e-9, atol=1e-9)
 
 
+@few(2)
 @pytest.mark.parametrize("name", SCENES)
 def test_its_verdicts_carry_evidence(name: str) -> None:
     result = check_theorem4(load_scene(name, rule="farthest"))

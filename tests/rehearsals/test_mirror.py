@@ -18,7 +18,7 @@ from nonsmooth.proofs.theorem4_result import Theorem4Result
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.rehearsals.mirror import MirrorClause
 from tests.reports.conftest import Invoke
-from tests.thorough import keep
+from tests.thorough import few, keep
 
 MANY_PARTS = "--without precision,trajectories,rules"
 
@@ -37,6 +37,7 @@ def mirror(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(registry, "CLAUSES", (*registry.CLAUSES, MirrorClause()))
 
 
+@few(1)
 @pytest.mark.usefixtures("mirror")
 @pytest.mark.parametrize(
     ("rule", "parts"),

@@ -12,7 +12,7 @@ import nonsmooth as ns
 from nonsmooth.symbolic.contact_set import TipsError
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.rule import CONTACT_RULES
-from tests.thorough import keep
+from tests.thorough import few, keep
 
 if TYPE_CHECKING:
     from tests.reports.conftest import Invoke
@@ -45,6 +45,7 @@ def record(invoke: Invoke, *arguments: str) -> tuple[int, dict[str, Any]]:
     return done.status, done.record
 
 
+@few(2)
 @pytest.mark.parametrize("rule", CONTACT_RULES)
 @pytest.mark.parametrize("name", keep(1, ["four-wheel", "off-center", "ring-5"]))
 def test_a_body_over_all_wheels_changes_no_verdict(name: str, rule: str, invoke: Invoke, tmp_path: Path) -> None:
@@ -149,6 +150,7 @@ def test_masses_are_compared_where_wheels_leave(
     assert tips.err.count("\n") == 1
 
 
+@few(1)
 @pytest.mark.parametrize("options", [("--rule", "nearest"), ("--rule", "box"), ("--method", "dynamics")])
 def test_a_path_of_every_kind_through_the_command(
     options: tuple[str, ...], carton: str, invoke: Invoke, tmp_path: Path

@@ -29,7 +29,7 @@ from nonsmooth.reports.document import Figure, Math, Paragraph, Section, Text
 from nonsmooth.reports.subject import Invocation
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.reports.derived import derived
-from tests.thorough import keep, thorough
+from tests.thorough import few, keep, thorough
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -151,6 +151,7 @@ def small_starts(region: float) -> list[Floats]:
 # ---- the certified law brings the body home, by an integrator of its own -------------------------
 
 
+@few(1)
 @pytest.mark.parametrize("number", keep(1, [1, 2]))
 @pytest.mark.parametrize("name", keep(2, [*GRADIENT, *SLOW]))
 def test_small_starts_come_home_under_the_certified_law(invoke: Invoke, name: str, number: int) -> None:
@@ -172,6 +173,7 @@ def test_small_starts_come_home_under_the_certified_law(invoke: Invoke, name: st
         assert np.linalg.norm(shown["end"]["state"]) < 0.5 * sizes[0]
 
 
+@few(1)
 @pytest.mark.parametrize("name", ["four-wheel", "ring-5", "outward", "conveyor-3", "saddle"])
 def test_the_first_steps_are_those_of_the_certified_law(invoke: Invoke, name: str) -> None:
     """Position and heading after a short time, by small steps of the literal rule."""
@@ -190,6 +192,7 @@ def typed(start: Floats) -> str:
 # ---- one law under one name ----------------------------------------------------------------------
 
 
+@few(1)
 @pytest.mark.parametrize(
     ("name", "law"), keep(2, [("outward", "gradient"), ("conveyor-3", "cascade"), ("saddle", "cascade")])
 )
@@ -266,6 +269,7 @@ def test_a_side_row_away_from_the_point_does_not_stop_the_certified_law(arrays: 
 # ---- the checked point is the origin of the law --------------------------------------------------
 
 
+@few(2)
 @pytest.mark.parametrize("law", [(), ("--law", "corrected"), ("--law", "gradient")])
 @pytest.mark.parametrize("kinematics", ["exact", "leading"])
 def test_away_from_the_worlds_origin_the_body_comes_home_too(
@@ -391,6 +395,7 @@ def imposed_rate(array: Array, cones: list[Record], minimizer: Callable[[Array, 
     return rate
 
 
+@few(1)
 @pytest.mark.parametrize(
     ("name", "rule"),
     keep(4, product(("four-wheel", "conveyor-3", "outward", "saddle", "ring-6", "off-center"), ("box", "ellipse"))),

@@ -28,7 +28,7 @@ from nonsmooth.symbolic.expression import parse
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, builtin_systems, builtin_vehicles
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
-from tests.thorough import examples
+from tests.thorough import examples, few
 
 if TYPE_CHECKING:
     from tests.reports.conftest import Invoke
@@ -148,6 +148,7 @@ def test_witness_against_translation(invoke: Invoke, name: str) -> None:
     assert number(witness["exact"]["value"], field) in rates
 
 
+@few(4)
 @pytest.mark.parametrize("name", builtin_scenes())
 def test_every_scene_has_a_verdict(invoke: Invoke, name: str) -> None:
     outcome = invoke("check", name, "--json")
@@ -156,6 +157,7 @@ def test_every_scene_has_a_verdict(invoke: Invoke, name: str) -> None:
     assert outcome.status == expected[outcome.record["theorem4"]["verdict"]]
 
 
+@few(1)
 @pytest.mark.parametrize("name", ["four-wheel", "grid-4x4", "off-center"])
 def test_pruning_changes_no_verdict(invoke: Invoke, name: str) -> None:
     pruned, full = (invoke("check", name, "--json", *option).record for option in ((), ("--no-prune",)))
@@ -255,6 +257,7 @@ def test_partition_record(invoke: Invoke) -> None:
     assert sum(Fraction(c["exact"]["area"]) for c in record["cells"]) == 1
 
 
+@few(1)
 @pytest.mark.parametrize("suffix", [".svg", ".png", ".pdf"])
 def test_partition_picture_is_whole_and_reproducible(invoke: Invoke, tmp_path: Path, suffix: str) -> None:
     path = tmp_path / f"cells{suffix}"
@@ -308,6 +311,7 @@ def test_version_and_help(invoke: Invoke) -> None:
         assert "Example: nonsmooth" in outcome.out
 
 
+@few(1)
 @pytest.mark.parametrize(
     ("typed", "offered"), [("four", ["four-wheel", "four-wheel-side"]), ("my", ["my.toml"]), ("nothing", [])]
 )
@@ -396,6 +400,7 @@ def test_bad_input(invoke: Invoke, tmp_path: Path, case: str) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
+@few(1)
 @pytest.mark.parametrize("case", ["unknown scene", "radius zero", "unknown option", "missing folder"])
 def test_bad_input_through_the_real_program(tmp_path: Path, case: str) -> None:
     arguments, message = BAD[case]

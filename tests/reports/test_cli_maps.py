@@ -24,7 +24,7 @@ from nonsmooth.reports.console import run
 from nonsmooth.reports.figures.settle_map import build_figure
 from nonsmooth.reports.maps import SettleMapResult
 from nonsmooth.reports.progress import progress
-from tests.thorough import keep
+from tests.thorough import few, keep
 
 FORMULA = 1e-12
 KEYS = [
@@ -111,6 +111,7 @@ def test_a_table_holds_what_json_holds(tmp_path: Path, capsys: pytest.CaptureFix
     assert [row["unique"] == "yes" for row in rows] == record["unique"]
 
 
+@few(1)
 @pytest.mark.parametrize("suffix", [".svg", ".png", ".pdf"])
 @pytest.mark.parametrize(
     ("scene", "grid"), keep(1, [("four-wheel-side", "3"), *((name, "7") for name in ("conveyor-3", "saddle"))])

@@ -16,7 +16,7 @@ import pytest
 
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import run
-from tests.thorough import keep
+from tests.thorough import few, keep
 
 ROUNDING = 1e-14
 EVENT = 1e-12  # times of events found on DOP853's dense output
@@ -140,6 +140,7 @@ def test_a_table_holds_the_samples(tmp_path: Path, follow: Follow) -> None:
     assert [[float(row[name]) for name in record["states"]] for row in rows] == record["state"]
 
 
+@few(1)
 @pytest.mark.parametrize("suffix", keep(1, [".svg", ".png", ".pdf"]))
 @pytest.mark.parametrize(
     ("states", "rhs", "start"),

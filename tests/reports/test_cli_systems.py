@@ -16,7 +16,7 @@ from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.reports.console import BAD_INPUT
 from nonsmooth.reports.system_views import system_record, system_view
 from nonsmooth.symbolic.files.system_file import load_system
-from tests.thorough import keep
+from tests.thorough import few, keep
 
 if TYPE_CHECKING:
     from tests.reports.conftest import Invoke
@@ -33,6 +33,7 @@ VERDICTS = {
 MANY = {"relay-chain": ("asymptotically stable", 0)}
 
 
+@few(4)
 @pytest.mark.parametrize("name", [*VERDICTS, *MANY])
 def test_built_in_systems(invoke: Invoke, name: str) -> None:
     verdict, expected = {**VERDICTS, **MANY}[name]
@@ -376,6 +377,7 @@ def test_a_certificate_is_written_verified_and_compared(invoke: Invoke, tmp_path
     assert invoke("verify", str(file)).out.startswith("rejected: required a verdict")
 
 
+@few(2)
 @pytest.mark.parametrize(
     ("states", "rhs"),
     keep(3, [

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from tests.array_certificates import subject
+from tests.thorough import few
 
 if TYPE_CHECKING:
     from tests.reports.conftest import Invoke
@@ -37,6 +38,7 @@ def test_a_missing_certificate_is_what_is_missing(invoke: Invoke, scene: str) ->
     assert err.startswith("nonsmooth: missing.json: required a certificate, received a file that is unreadable")
 
 
+@few(2)
 @pytest.mark.parametrize(
     ("name", "options"),
     [("four-wheel", []), ("ring-5", []), ("spiral-30", ["--rule", "box"]), ("off-center", ["--radius", "1/3"])],
@@ -48,6 +50,7 @@ def test_a_certificate_is_about_its_scene(invoke: Invoke, name: str, options: li
     assert text.splitlines()[-1] == f"about {name}: the same wheels, rule, point and square"
 
 
+@few(3)
 @pytest.mark.parametrize(
     ("arguments", "difference"),
     [

@@ -27,7 +27,7 @@ from nonsmooth.reports.subject import Invocation
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from tests.reports.derived import derived
-from tests.thorough import examples, keep, thorough
+from tests.thorough import examples, few, keep, thorough
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -73,6 +73,7 @@ def plain(text: Text) -> str:
 # ---- what the report holds -----------------------------------------------------------------------
 
 
+@few(1)
 def test_every_step_has_a_section(report: Report) -> None:
     titles = [s.title for s in report.document.sections]
     name = report.result.scene.name
@@ -91,6 +92,7 @@ def test_every_step_has_a_section(report: Report) -> None:
     assert titles == [title for title in expected if sometimes.get(title, True)]
 
 
+@few(1)
 def test_every_minimizing_state_has_its_equations(report: Report) -> None:
     assert isinstance(report.result, CellCheck)
     states = section(report.document, "Contact states").subsections
@@ -155,6 +157,7 @@ def test_unverified_evidence_is_not_reported(monkeypatch: pytest.MonkeyPatch) ->
         derive_report(load_scene("ring-3"), COMMAND)
 
 
+@few(1)
 @pytest.mark.parametrize("name", ["four-wheel", "off-center"])
 @pytest.mark.parametrize("rule", ["box", "ellipse"])
 def test_other_rules_are_reported_in_all_formats(rule: str, name: str) -> None:

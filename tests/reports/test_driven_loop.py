@@ -25,7 +25,7 @@ from nonsmooth.reports.driven_loop import DrivenLoop
 from nonsmooth.reports.interface.law_result import certified_law_of
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
-from tests.thorough import keep, thorough
+from tests.thorough import few, keep, thorough
 
 if TYPE_CHECKING:
     from tests.reports.conftest import Invoke
@@ -49,6 +49,7 @@ def start_of(loop: DrivenLoop, direction: tuple[float, float, float], part: floa
     return x, y, theta
 
 
+@few(3)
 @pytest.mark.parametrize("name", ["four-wheel", "rectangle", "ring-3", "ring-5", "off-center", "conveyor-3"])
 def test_under_box_v_falls_at_the_certified_rate(name: str) -> None:
     loop = loop_of(name, "box")
@@ -82,6 +83,7 @@ def stepped(scene: Scene, speeds: Speeds, start: Any, until: float, minimizer: A
     return pose
 
 
+@few(1)
 @pytest.mark.parametrize(("rule", "minimizer"), [("box", BoxHighs()), ("ellipse", EllipseInterior())])
 @pytest.mark.parametrize(("name", "until"), keep(1, [("four-wheel", 0.2), ("four-wheel", 0.6), ("ring-5", 0.6)]))
 def test_small_steps_with_a_minimizer_lead_the_same_way(

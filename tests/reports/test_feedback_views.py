@@ -9,7 +9,7 @@ import pytest
 
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.number_text import lower_text
-from tests.thorough import keep
+from tests.thorough import few, keep
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -33,6 +33,7 @@ def test_a_shown_bound_is_not_above_the_exact_one(digits: int) -> None:
             assert exact * (1 - 2 * 10.0 ** (1 - digits)) <= float(shown) <= exact * (1 + 1e-15)
 
 
+@few(1)
 @pytest.mark.parametrize(("name", "rule"), [("rectangle", "ellipse"), ("grid-4x4", "box"), ("spiral-30", "box")])
 def test_rates_and_reaches_on_the_terminal_are_true(invoke: Invoke, name: str, rule: str) -> None:
     record = invoke("check", name, "--rule", rule, "--json").record["feedback"]
@@ -84,6 +85,7 @@ def test_the_cascade_in_json(invoke: Invoke) -> None:
     assert invoke("check", "four-wheel", "--json").record["feedback"]["cascade"] is None
 
 
+@few(1)
 @pytest.mark.parametrize("rule", keep(2, ["nearest", "ellipse", "box", "roller"]))
 def test_an_obstruction_in_json(invoke: Invoke, rule: str) -> None:
     outcome = invoke("check", "differential-drive", "--rule", rule, "--json")
@@ -105,6 +107,7 @@ def test_twists_and_speeds_in_json(invoke: Invoke) -> None:
 # ---- reports -------------------------------------------------------------------------------------
 
 
+@few(1)
 @pytest.mark.parametrize(
     ("name", "rule", "words"),
     [

@@ -14,6 +14,7 @@ from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.minimizers.sampled_field import sample_field
 from tests.reports.conftest import Invoke
+from tests.thorough import few
 
 TIGHT = {"xatol": 1e-10, "fatol": 1e-14, "maxiter": 4000}
 SAME = 1e-4  # of velocities: a simplex finds a minimum to the root of its rounding
@@ -61,6 +62,7 @@ def test_a_carried_body_does_not_approach() -> None:
     assert not sample_field(array("conveyor-3").scene, 11).upper_derivative.any()
 
 
+@few(1)
 @pytest.mark.parametrize("rule", ["ellipse", "roller"])
 def test_pictures_records_and_views(rule: str, invoke: Invoke) -> None:
     out = " ".join(invoke("partition", "four-wheel", "--rule", rule).out.split())

@@ -12,7 +12,7 @@ from playwright.sync_api import Browser, Page, expect
 
 import nonsmooth as ns
 from tests.browser import CONTRAST, NARROW, READABLE, STICKING_OUT, WIDE, needs_chromium, opened
-from tests.thorough import keep
+from tests.thorough import few, keep
 
 pytestmark = needs_chromium
 PATHS: dict[str, Any] = {
@@ -61,6 +61,7 @@ def drawn(page: Page) -> tuple[str, ...]:
     return tuple(page.evaluate(script))
 
 
+@few(1)
 @pytest.mark.parametrize("width", [NARROW, WIDE])
 @pytest.mark.parametrize("name", keep(2, PATHS))
 def test_a_page_opens_quietly_and_fits(browser: Browser, pages: Pages, name: str, width: int) -> None:

@@ -22,7 +22,7 @@ from nonsmooth.reports.parts import PART_NAMES, chosen_parts
 from nonsmooth.reports.subject import Invocation
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.reports.derived import derived_afresh, page
-from tests.thorough import examples, keep, thorough
+from tests.thorough import examples, few, keep, thorough
 
 HOSTILE = "<script>alert(1)</script> & \"q\" 'a' </p><img src=x onerror=y> {{ 7 * 7 }} {% raw %}"
 MOST_BYTES = 2_000_000
@@ -65,6 +65,7 @@ def text(request: pytest.FixtureRequest) -> str:
     return page(request.param)
 
 
+@few(1)
 def test_the_page_stands_alone(text: str) -> None:
     page = Reader(text)
     assert len(text.encode()) <= MOST_BYTES
@@ -98,6 +99,7 @@ def test_every_cell_links_to_its_equations_and_back(text: str) -> None:
     assert {f"#cell-map-{mark}" for mark in marks} <= set(page.values("href"))
 
 
+@few(1)
 def test_only_the_pages_own_script_may_run(text: str) -> None:
     policy = next(a["content"] for tag, a in Reader(text).elements if a.get("http-equiv") == "Content-Security-Policy")
     (script,) = re.findall(r"<script>(.*?)</script>", text, re.DOTALL)

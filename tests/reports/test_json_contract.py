@@ -12,6 +12,7 @@ from typer.main import get_command
 
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import run
+from tests.thorough import few
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "docs" / "design.md").read_text(encoding="utf-8")
@@ -74,6 +75,7 @@ def printed(capsys: pytest.CaptureFixture[str], command: str) -> dict[str, Any]:
     return record
 
 
+@few(8)
 @pytest.mark.parametrize("command", CASES)
 def test_every_key_is_in_the_table(command: str, capsys: pytest.CaptureFixture[str]) -> None:
     record, schema = printed(capsys, command), CASES[command]

@@ -18,7 +18,7 @@ from nonsmooth.reports.driven_loop import DrivenLoop
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.loop_errors import LoopErrors
 from nonsmooth.symbolic.scene import Scene
-from tests.thorough import keep, thorough
+from tests.thorough import few, keep, thorough
 
 if TYPE_CHECKING:
     from tests.reports.conftest import Invoke
@@ -49,6 +49,7 @@ def pose_answer(invoke: Invoke, file: str, *options: str) -> Any:
     return invoke("check", file, "--json", *options).record["answers"]["pose"]
 
 
+@few(1)
 @pytest.mark.parametrize(("radius", "until"), keep(1, [("1", "20"), ("1", "60"), ("3", "60")]))
 def test_paths_end_within_the_bound(radius: str, until: str, invoke: Invoke, tmp_path: Path) -> None:
     """In another unit of length too; the worst errors do keep it at half of the error of the place and farther."""
@@ -98,6 +99,7 @@ def test_long_delays_are_not_certified_and_do_swing(tmp_path: Path) -> None:
     assert math.sqrt(loop.value(path.end.state)) < 1e-3
 
 
+@few(2)
 @pytest.mark.parametrize(
     ("rule", "errors", "reason"),
     [

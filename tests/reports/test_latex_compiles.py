@@ -15,7 +15,7 @@ from nonsmooth.reports.parts import PART_NAMES
 from nonsmooth.reports.subject import Invocation
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
 from tests.reports.derived import derived
-from tests.thorough import keep
+from tests.thorough import few, keep
 
 WIDEST = 5.0  # points by which a box may stick out: below a character, unseen on paper
 HOSTILE = "a_b*c|d $x$ 50% #1 {e} \\f ^g ~h <i> `j` & [k](l) -- \u4e2d"
@@ -45,12 +45,14 @@ def overfull(said: str) -> list[float]:
 KINDS = ("four-wheel", "elliptic", "carton-on-6x6", "ring-3")  # small, spiral, with an outline, odd
 
 
+@few(1)
 @pytest.mark.parametrize("name", keep(2, dict.fromkeys((*KINDS, *builtin_scenes()))))
 def test_every_built_in_scene_compiles_and_fits(tmp_path: Path, name: str) -> None:
     said = compiled(tmp_path, render_report(derived(name), ".tex"))
     assert max(overfull(said), default=0.0) <= WIDEST
 
 
+@few(1)
 @pytest.mark.parametrize("rule", ["box", "ellipse"])
 def test_the_other_rules_compile_and_fit(tmp_path: Path, rule: str) -> None:
     assert max(overfull(compiled(tmp_path, render_report(derived("four-wheel", rule), ".tex"))), default=0.0) <= WIDEST

@@ -31,7 +31,7 @@ from nonsmooth.reports.law_table import LawKind
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
 from nonsmooth.symbolic.similar_scenes import in_own_length
 from nonsmooth.symbolic.units import Units
-from tests.thorough import keep, thorough
+from tests.thorough import few, keep, thorough
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -74,6 +74,7 @@ def assert_close(found: Mapping[int, float], expected: Mapping[int, float]) -> N
     assert all(abs(found[wheel] - expected[wheel]) <= ROUNDING * size for wheel in expected)
 
 
+@few(4)
 @pytest.mark.parametrize("name", HAVE_ONE)
 def test_under_nearest_the_program_is_the_law_that_is_followed(name: str, tmp_path: Path) -> None:
     check = check_theorem4(load_scene(name, rule="nearest"), prune=False)
@@ -108,6 +109,7 @@ def test_a_law_of_another_v_is_exported(arrays: Arrays, tmp_path: Path) -> None:
     assert shaped == ENOUGH
 
 
+@few(2)
 @pytest.mark.parametrize("rule", ["box", "ellipse"])
 @pytest.mark.parametrize("name", keep(3, ["four-wheel", "ring-5", "conveyor-3", "ring-8", "grid-4x4"]))
 def test_under_other_rules_the_program_imposes_the_twist_of_the_clause(name: str, rule: str, tmp_path: Path) -> None:
@@ -120,6 +122,7 @@ def test_under_other_rules_the_program_imposes_the_twist_of_the_clause(name: str
             assert_close(law["speeds"](*pose.tolist(), k=2.0), imposed_speeds(check, pose, gain=2.0)[1])
 
 
+@few(1)
 @pytest.mark.parametrize("rule", ["nearest", "ellipse"])
 def test_the_program_keeps_speed_limits_by_one_factor(rule: str, tmp_path: Path) -> None:
     scene = load_scene("ring-5", rule=rule)
@@ -166,6 +169,7 @@ def _between(rays: tuple[Any, Any], c: tuple[float, float]) -> bool:
     return start[0] * c[1] > start[1] * c[0] and c[0] * end[1] > c[1] * end[0]
 
 
+@few(2)
 @pytest.mark.parametrize("name", ["four-wheel", "ring-5", "elliptic"])
 def test_under_box_a_minimizer_moves_as_the_program_wants(name: str, tmp_path: Path) -> None:
     """The exported speeds, not the clause's twist, are given to the minimizer of D, within the certified reach."""

@@ -35,7 +35,7 @@ from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import BAD_INPUT, run
 from nonsmooth.reports.paths import ArrayPath, PathResult
 from nonsmooth.symbolic.similar_scenes import in_own_length
-from tests.thorough import keep, thorough
+from tests.thorough import few, keep, thorough
 
 Floats = NDArray[np.float64]
 
@@ -118,6 +118,7 @@ def test_states_at_many_times_are_those_at_each() -> None:
     assert path.sample(times).tolist() == [list(path.at(time)) for time in times]
 
 
+@few(1)
 @pytest.mark.parametrize("gain", [0.5, 4.0])
 @pytest.mark.parametrize("name", keep(3, ARRAYS))
 def test_limits_are_kept_and_v_falls_as_certified(name: str, gain: float) -> None:
@@ -148,6 +149,7 @@ def test_limits_are_kept_and_v_falls_as_certified(name: str, gain: float) -> Non
 ORBITS = [("shaped", 1), ("four wheels", 1), ("shaped", 2), ("four wheels", 2), ("random 5", 2)]  # and how many starts
 
 
+@few(1)
 @pytest.mark.parametrize(("name", "count"), keep(2, ORBITS))
 def test_orbits_are_those_without_limits(name: str, count: int) -> None:
     """V falls strictly along both, so the pose is a function of V: it must be the same one."""
@@ -208,6 +210,7 @@ def brute_force(array: ns.Array, start: Floats, gain: float, until: float, steps
     return np.array([x, y, theta])
 
 
+@few(1)
 @pytest.mark.parametrize("finest", keep(1, [4_000, 16_000]))
 @pytest.mark.parametrize("name", keep(2, ["five in millimetres", "four wheels", "random 2"]))
 def test_paths_against_brute_force(name: str, finest: int) -> None:
@@ -255,6 +258,7 @@ def test_minimizers_scale_with_all_speeds_together(rule: str) -> None:
         assert np.abs(0.3 * one.twists - other.twists).max() < 1e-7
 
 
+@few(1)
 @pytest.mark.parametrize("rule", ["box", "ellipse"])
 @pytest.mark.parametrize("name", ["ring-3", "ring-5"])
 def test_the_error_falls_at_the_stated_speed_where_speeds_end(name: str, rule: str) -> None:

@@ -14,7 +14,7 @@ import pytest
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import run
 from tests.measured_arrays import Kind, measured_array
-from tests.thorough import keep
+from tests.thorough import few, keep
 
 LONGEST = 10  # seconds of processor time
 
@@ -37,6 +37,7 @@ def test_a_check_of_a_measured_array_ends_soon(
         assert record["equilibrium"]["verdict"] == "holds"
 
 
+@few(3)
 @pytest.mark.parametrize("rule", ["nearest", "box", "ellipse"])
 @pytest.mark.parametrize("field", ['kind = "spiral"\nangle = "pi/180"', 'kind = "radial"\nspeed = "cos(pi/180)"',
                                    'kind = "radial"\nspeed = "cos(2*pi/359)"'])  # fmt: skip

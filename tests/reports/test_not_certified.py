@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from tests.thorough import keep, thorough
+from tests.thorough import few, keep, thorough
 
 if TYPE_CHECKING:
     from tests.reports.conftest import Invoke
@@ -38,6 +38,7 @@ def scene(request: pytest.FixtureRequest, tmp_path: Path) -> str:
 SECTIONS = ("--only", "verdict,situation,derivative,theorem,feedback,rules")
 
 
+@few(1)
 @pytest.mark.parametrize(
     "views",
     [("check",), ("check", "--json"), ("derive", *SECTIONS), ("derive", *SECTIONS[:1], "theorem,feedback", "--json")],

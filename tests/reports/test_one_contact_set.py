@@ -16,6 +16,7 @@ from nonsmooth.reports.simulate_options import SimulateOptions
 from nonsmooth.symbolic.contact_set import standing
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.outlined import polygon_depths
+from tests.thorough import few
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -64,6 +65,7 @@ def test_a_loop_ends_where_a_wheel_enters(rule: str) -> None:
     assert path.pieces[-1].end == path.times[-1] == path.end.t
 
 
+@few(1)
 @pytest.mark.parametrize("rule", ["nearest", "box"])
 def test_a_loop_that_keeps_its_wheels_goes_on(rule: str) -> None:
     path, whole = closed_loop(STAYS, rule), as_if_without_outline(STAYS, rule)

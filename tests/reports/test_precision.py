@@ -36,6 +36,7 @@ from nonsmooth.reports.progress import silent
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
 from tests.precision_page import page_text
+from tests.thorough import few
 
 if TYPE_CHECKING:
     from tests.reports.conftest import Invoke
@@ -242,6 +243,7 @@ def test_legends_and_panels_do_not_overlap() -> None:
         assert not any(box.overlaps(other) for other in boxes[:k])
 
 
+@few(1)
 @pytest.mark.parametrize("suffix", [".svg", ".png", ".pdf"])
 def test_figures_are_written(invoke: Invoke, suffix: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(measurements, "STUDIES", (study({"exact": proportional}),))

@@ -8,7 +8,7 @@ from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.reports.document import Math
 from nonsmooth.reports.prose import with_formulas
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
-from tests.thorough import keep
+from tests.thorough import few, keep
 
 
 def plain(text: str) -> str:
@@ -31,6 +31,7 @@ def test_formulas_are_found(text: str, latex: list[str]) -> None:
     assert [part.latex for part in with_formulas(text) if isinstance(part, Math)] == latex
 
 
+@few(8)
 @pytest.mark.parametrize("rule", ["nearest", "box", "ellipse"])
 @pytest.mark.parametrize("name", keep(6, builtin_scenes()))
 def test_no_word_is_lost(name: str, rule: str) -> None:

@@ -14,6 +14,7 @@ from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import run
 from nonsmooth.reports.progress import CLEAR_LINE, end_progress, steps
 from nonsmooth.symbolic.under_way import listening, tell, tell_count
+from tests.thorough import few
 
 HASTY = "from nonsmooth.reports import cli, progress; progress.PATIENCE = 0.0; cli.main()"
 
@@ -104,6 +105,7 @@ def test_only_the_innermost_listener_hears() -> None:
     assert (outer, inner) == (["second"], ["first"])
 
 
+@few(1)
 @pytest.mark.parametrize(
     ("arguments", "named"),
     [

@@ -9,6 +9,7 @@ import pytest
 
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import run
+from tests.thorough import few
 
 TIPPING = """
 [check]
@@ -30,6 +31,7 @@ def check(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str
     return status, *capsys.readouterr()
 
 
+@few(1)
 @pytest.mark.parametrize(
     ("scenes", "worst"),
     [

@@ -29,7 +29,7 @@ from nonsmooth.symbolic.characteristic_length import default_length
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
 from tests.array_certificates import check_certificate, proofs, said
-from tests.thorough import keep
+from tests.thorough import few, keep
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -120,6 +120,7 @@ def without_paths(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("nonsmooth.proofs.answers.answers._destinations_of", lambda check: None)
 
 
+@few(1)
 @pytest.mark.usefixtures("without_paths")
 @pytest.mark.parametrize(("name", "rule"), [*KEPT, *keep(0, [case for case in CASES if case not in KEPT])])
 def test_verdicts_answers_and_rates_are_the_same(name: str, rule: str) -> None:
@@ -146,6 +147,7 @@ def test_verdicts_answers_and_rates_are_the_same(name: str, rule: str) -> None:
         assert worst[0] == pytest.approx(worst[1], rel=SAME)
 
 
+@few(4)
 @pytest.mark.parametrize("name", TABLES)
 def test_the_certified_region_is_the_same(name: str) -> None:
     metres = feedback_of(name)
@@ -168,6 +170,7 @@ def followed(name: str, unit: str, law: str) -> tuple[list[str], str, Floats]:
     return [event.surface for event in path.trajectory.events], path.end, states * [size, size, 1]
 
 
+@few(1)
 @pytest.mark.parametrize("law", ["certified", "gradient", "corrected", "printed", "cascade"])
 @pytest.mark.parametrize("name", keep(3, TABLES))
 def test_closed_loops_are_the_same_paths(name: str, law: str) -> None:
@@ -272,6 +275,7 @@ def test_the_law_of_imposed_twists_moves_the_body_and_lowers_v(rule: str) -> Non
 # ---- what is checked, and said -------------------------------------------------------------------------------
 
 
+@few(2)
 @pytest.mark.parametrize("rule", RULES)
 @pytest.mark.parametrize("name", ["squares", "another P", "no law"])
 def test_every_result_is_verified_and_one_for_another_length_is_refused(name: str, rule: str) -> None:
@@ -286,6 +290,7 @@ def test_every_result_is_verified_and_one_for_another_length_is_refused(name: st
         assert not other_rows.check()
 
 
+@few(1)
 @pytest.mark.parametrize("rule", ["nearest", "box"])
 def test_certificates_are_about_the_scene_whatever_its_length(rule: str) -> None:
     """A certificate shows that a law stabilizes, for no V in particular: it holds no weight, and takes none."""
@@ -351,6 +356,7 @@ def test_the_length_stands_in_reports(tmp_path: Path, rule: str) -> None:
     assert "28900" in page or "l^2" in page
 
 
+@few(1)
 @pytest.mark.parametrize("rule", RULES)
 @pytest.mark.parametrize(("count", "phase"), keep(1, [(7, "10 deg"), (5, 0), (3, "0.37 rad")]))
 def test_rings_with_irrational_and_measured_places(count: int, phase: Any, rule: str) -> None:

@@ -10,7 +10,7 @@ import pytest
 
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import run
-from tests.thorough import keep, thorough
+from tests.thorough import few, keep, thorough
 
 TEXT = '[friction]\nmu_roll = 1\nmu_side = "1/2"\n[ring]\ncount = 5\n[contact]\nrule = "{}"\nloads = {}\n'
 
@@ -26,6 +26,7 @@ def scene(tmp_path: Path, rule: str, loads: str) -> str:
     return str(path)
 
 
+@few(8)
 @pytest.mark.parametrize("rule", ["ellipse", "box"])
 @pytest.mark.parametrize(
     "command",
@@ -50,6 +51,7 @@ def test_what_needs_one_load_is_refused_in_one_line(
     assert [path.name for path in tmp_path.iterdir()] == ["ring.toml"]
 
 
+@few(1)
 @pytest.mark.parametrize("rule", ["ellipse", "box", "roller", "nearest"])
 def test_json_says_which_loads_are_meant(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], loads: str, rule: str

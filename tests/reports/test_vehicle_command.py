@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 import nonsmooth as ns
+from tests.thorough import few
 
 if TYPE_CHECKING:
     from tests.reports.conftest import Invoke
@@ -36,6 +37,7 @@ def test_views_fit_80_columns(invoke: Invoke, monkeypatch: pytest.MonkeyPatch, a
     assert max(len(line) for line in out.splitlines()) <= 80
 
 
+@few(1)
 @pytest.mark.parametrize(
     ("scene", "suffix"),
     [("husky-a200", ".svg"), ("husky-a200", ".json"), ("mecanum-base", ".svg"), ("husky-a200", ".csv")],

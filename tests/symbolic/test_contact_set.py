@@ -15,6 +15,7 @@ from nonsmooth.symbolic.continuum import Disc
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import SceneError
+from tests.thorough import few
 
 GRID = "[friction]\nmu_roll = 1\nmu_side = 0.5\n[grid]\nrows = 6\ncolumns = 6\npitch = 1\n"
 BOX = '[body]\nshape = "rectangle"\nwidth = 2.6\nheight = 1.6\n'
@@ -54,6 +55,7 @@ SHAPES = [
 ]
 
 
+@few(1)
 @pytest.mark.parametrize("shape", SHAPES)
 def test_the_wheels_under_a_body_and_its_margins(shape: str, tmp_path: Path) -> None:
     draw = random.Random(3)
@@ -87,6 +89,7 @@ def test_the_wheels_under_a_body_and_its_margins(shape: str, tmp_path: Path) -> 
     assert seen >= 6
 
 
+@few(1)
 @pytest.mark.parametrize("shape", SHAPES)
 def test_the_margin_is_the_largest(shape: str, tmp_path: Path) -> None:
     stands = standing(scene_of(tmp_path, shape, "0.05,0.07"))

@@ -34,6 +34,7 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from tests.four_wheel import ROLL, SIDE
+from tests.thorough import few
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -183,6 +184,7 @@ def test_census_of_the_four_wheel_array(arrays: Arrays) -> None:
     assert len(partition.cells) == len(partition.states) == 8
 
 
+@few(1)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_census_agrees_with_a_float_count(arrays: Arrays, seed: int) -> None:
     scene = arrays.cocircular(seed)
@@ -276,6 +278,7 @@ def neighbours(partition: Partition, n: int) -> list[tuple[int, int, Twist]]:
     return found
 
 
+@few(4)
 @pytest.mark.parametrize("third", ["roll", "side"])
 @pytest.mark.parametrize("n", RINGS)
 def test_rings_have_the_closed_form_twists(arrays: Arrays, n: int, third: str) -> None:

@@ -29,7 +29,7 @@ from nonsmooth.symbolic.formulas import LINE_BREAK, Formula, constant, number_la
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.scene import Scene
-from tests.thorough import examples
+from tests.thorough import examples, few
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -47,6 +47,7 @@ def zero(expression: sympy.Expr) -> bool:
 # ---- the annihilator and the control vector fields -----------------------------------------------
 
 
+@few(1)
 @pytest.mark.parametrize("name", RADICAL)
 def test_sympy_matrices_annihilate(name: str) -> None:
     for state in regular_states(load_scene(name)):
@@ -84,6 +85,7 @@ def test_the_generic_derivation_returns_every_regular_triple() -> None:
     assert fields["R1 S1 R2"] == {state.name: state for state in regular_states(scene)}["R1 S1 R2"].control_fields
 
 
+@few(1)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_control_fields_agree_with_an_lu_solve(arrays: Arrays, seed: int) -> None:
     for state in regular_states(arrays.random(seed, 3))[::4]:

@@ -16,7 +16,7 @@ from mpmath import mp, mpf
 from nonsmooth.symbolic.expression import MAX_LENGTH, ExpressionError, decimal_value, parse, turn_of
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField, base_order
-from tests.thorough import examples
+from tests.thorough import examples, few
 
 RANDOM = settings(max_examples=200)
 DIGITS = 40
@@ -194,6 +194,7 @@ def test_refused_angles(text: str) -> None:
         turn_of(parse(text).tree, text)
 
 
+@few(2)
 @pytest.mark.parametrize(
     "text",
     [

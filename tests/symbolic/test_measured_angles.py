@@ -15,6 +15,7 @@ from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.rational_directions import CLOSENESS, rational_direction, simplest_between
 from nonsmooth.symbolic.plane import dot
 from nonsmooth.symbolic.scene import Scene
+from tests.thorough import few
 
 DEGREE = Fraction(1, 180)
 DIGITS = 40
@@ -24,6 +25,7 @@ def degrees(*values: int) -> list[Fraction]:
     return [value * DEGREE for value in values]
 
 
+@few(4)
 @pytest.mark.parametrize("start", range(0, 720, 90))
 def test_directions_are_close_and_of_length_one(start: int) -> None:
     with mp.workdps(DIGITS):

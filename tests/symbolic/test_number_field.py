@@ -19,7 +19,7 @@ from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField, base_order
 from nonsmooth.symbolic.numbers.root_masks import bits
 from nonsmooth.symbolic.numbers.square_roots import NestingError
-from tests.thorough import keep
+from tests.thorough import few, keep
 
 COUNTS = pytest.mark.parametrize("count", keep(1, [8, 60]))  # of examples
 DIGITS = 60
@@ -109,6 +109,7 @@ def elements(name: str) -> st.SearchStrategy[Sample]:
 # ---- axioms ----------------------------------------------------------------------------------
 
 
+@few(2)
 @COUNTS
 @every_field
 def test_ring_axioms(name: str, count: int) -> None:
@@ -130,6 +131,7 @@ def test_ring_axioms(name: str, count: int) -> None:
     check()
 
 
+@few(2)
 @COUNTS
 @every_field
 def test_inverse(name: str, count: int) -> None:
@@ -146,6 +148,7 @@ def test_inverse(name: str, count: int) -> None:
     check()
 
 
+@few(2)
 @COUNTS
 @every_field
 def test_values_signs_and_order_agree_with_60_digits(name: str, count: int) -> None:
@@ -165,6 +168,7 @@ def test_values_signs_and_order_agree_with_60_digits(name: str, count: int) -> N
     check()
 
 
+@few(2)
 @COUNTS
 @every_field
 def test_root_of_a_square_needs_no_new_generator(name: str, count: int) -> None:

@@ -12,6 +12,7 @@ import pytest
 
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact, shown
+from tests.thorough import few
 
 FRICTION = '[friction]\nmu_roll = 1\nmu_side = "1/2"\n'
 WHEEL = "[[wheel]]\nposition = [1, 0]\n"
@@ -216,6 +217,7 @@ def test_malformed_scene(tmp_path: Path, text: str, key: str, words: str) -> Non
     assert words in str(error)
 
 
+@few(1)
 @pytest.mark.parametrize(("table", "key", "words"), MALFORMED_CSV, ids=names(MALFORMED_CSV))
 def test_malformed_csv(tmp_path: Path, table: str, key: str, words: str) -> None:
     (tmp_path / "my.toml").write_text(FRICTION + CSV, encoding="utf-8")

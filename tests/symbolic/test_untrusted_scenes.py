@@ -12,6 +12,7 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.files.system_file import load_any
 from nonsmooth.symbolic.files.toml_bounds import MAX_NESTING, MAX_PARTS, toml_excess
 from nonsmooth.symbolic.scene_error import SceneError
+from tests.thorough import few
 
 TABLE = "x,y\n1,0\n0,2\n-1,0\n"
 SECRET = "password-of-root-3141592653589793"
@@ -140,6 +141,7 @@ LONG = [
 ]
 
 
+@few(4)
 @pytest.mark.parametrize("text", LONG, ids=range(len(LONG)))
 def test_the_bounds_are_tested_in_linear_time(text: str) -> None:
     start = time.perf_counter()

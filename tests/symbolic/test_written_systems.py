@@ -19,7 +19,7 @@ from nonsmooth.symbolic.files.system_file import build_system
 from nonsmooth.symbolic.scene_error import SceneError
 from nonsmooth.symbolic.sine_enclosures import Wave
 from nonsmooth.symbolic.switched_system import SwitchedSystem
-from tests.thorough import examples
+from tests.thorough import examples, few
 
 NAMES = {
     **{"sin": math.sin, "cos": math.cos, "sqrt": math.sqrt, "pi": math.pi, "Abs": abs, "Max": max, "Min": min},
@@ -54,6 +54,7 @@ def velocity(system: SwitchedSystem, x: np.ndarray) -> np.ndarray:
     return np.asarray(field.flow(signs)(0.0, x))
 
 
+@few(2)
 @pytest.mark.parametrize("formula", WRITTEN)
 def test_the_float_field_is_the_formula(formula: str) -> None:
     system = built(["y", formula])
@@ -63,6 +64,7 @@ def test_the_float_field_is_the_formula(formula: str) -> None:
         assert velocity(system, x) == pytest.approx([x[1], expected], abs=1e-9)
 
 
+@few(2)
 @pytest.mark.parametrize("formula", [text for text in WRITTEN if "sin" in text or "cos" in text])
 def test_right_hand_sides_enclose_the_formula(formula: str) -> None:
     system = built(["y", formula])

@@ -26,6 +26,7 @@ from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.trajectories.result import Event, EventKind
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
 from nonsmooth.symbolic.scene import Scene
+from tests.thorough import few
 
 ROUNDING = 1e-13
 STEP = mpmath.mpf(10) ** -40  # of difference quotients: their error is of the order of its square
@@ -55,6 +56,7 @@ def test_four_wheels_arrive_as_the_closed_form_says() -> None:
 CELLS = [(name, "nearest") for name in builtin_scenes()] + [(name, "box") for name in ("off-center", "ring-5")]
 
 
+@few(4)
 @pytest.mark.parametrize(("name", "rule"), CELLS)
 def test_paths_are_compared_inside_the_square_and_while_they_are_unique(name: str, rule: str) -> None:
     scene = load_scene(name, rule=rule)
@@ -78,6 +80,7 @@ def test_starts_of_several_paths_are_left_out() -> None:
     assert all(event.kind is not EventKind.NONUNIQUE for path in paths for event in path.events)
 
 
+@few(1)
 @pytest.mark.parametrize("shift", [1e-3, 1e-12, 3e-17])
 def test_a_shifted_path_errs_by_its_shift(shift: float) -> None:
     """Also by less than the rounding of floats, because differences are exact."""
@@ -103,6 +106,7 @@ def test_event_times_are_compared_at_the_same_edges() -> None:
 # ---- twists --------------------------------------------------------------------------------------
 
 
+@few(2)
 @pytest.mark.parametrize("name", ["four-wheel", "ring-5", "grid-4x4", "off-center"])
 def test_box_references_are_what_linear_programs_find(name: str) -> None:
     scene = load_scene(name, rule="box")
@@ -137,6 +141,7 @@ def least_norm_loads(scene: Scene, point: tuple[float, float]) -> list[mpmath.mp
     return list(moments.T * mpmath.lu_solve(moments * moments.T, goal))
 
 
+@few(1)
 @pytest.mark.parametrize("name", ["four-wheel", "ring-5", "off-center"])
 def test_ellipse_references_are_minimizers_to_sixty_digits(name: str) -> None:
     """The slopes of a literal D vanish there, and are seen a little beside it."""

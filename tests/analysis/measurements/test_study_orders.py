@@ -25,7 +25,7 @@ from nonsmooth.analysis.measurements.studies import DERIVATION, UPPER_DERIVATIVE
 from nonsmooth.analysis.trajectories.result import EventKind
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.symbolic.files.scene_file import load_scene
-from tests.thorough import keep
+from tests.thorough import few, keep
 
 if TYPE_CHECKING:
     from nonsmooth.symbolic.scene import Scene
@@ -56,6 +56,7 @@ def slope_of(study: Study, scene: Scene, method: str, easiest: float, hardest: f
     return log_slope(list(found), list(found.values())), plan.orders[method].expected
 
 
+@few(1)
 @pytest.mark.parametrize("name", keep(1, ["saddle", "spiral-30", "ring-5"]))
 @pytest.mark.parametrize("method", ["hysteresis", "smoothed"])
 def test_layers_err_by_their_width(name: str, method: str) -> None:
@@ -74,6 +75,7 @@ def crossing_path(field: ConstantField, start: tuple[float, float, float]) -> Ex
     return ExactPath(start, (float(second.start) + float(ends)) / 2, path)
 
 
+@few(1)
 @pytest.mark.parametrize(("method", "count"), keep(1, [("RK45", 10), ("RK45", 30), ("DOP853", 30)]))
 def test_a_step_across_a_switch_errs_by_the_tolerance(method: str, count: int) -> None:
     """Tolerances 1e-3 to 1e-8; mean of log(error) over some starts, since the switch falls anywhere within a step."""

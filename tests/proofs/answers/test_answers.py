@@ -25,7 +25,7 @@ from nonsmooth.proofs.theorem4_result import Theorem4Result
 from nonsmooth.reports.facts import fact_lines
 from nonsmooth.reports.options import REQUIRABLE
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
-from tests.thorough import keep
+from tests.thorough import few, keep
 
 
 def value_of(check: Theorem4Result, question: str, key: str) -> Any:
@@ -51,6 +51,7 @@ def test_what_leaves_and_what_cannot_be_held() -> None:
     assert verdicts("saddle", "ellipse")[0] is Position.UNDECIDED
 
 
+@few(3)
 @pytest.mark.parametrize("name", ["four-wheel", "rectangle", "ring-5", "spiral-30", "elliptic", "grid-4x4"])
 def test_bodies_come_home_from_as_far_and_as_fast_as_said(name: str) -> None:
     check = check_cells(load_scene(name))
@@ -65,6 +66,7 @@ def test_bodies_come_home_from_as_far_and_as_fast_as_said(name: str) -> None:
         assert math.hypot(float(rest.state[0]), float(rest.state[1])) <= 1e-9
 
 
+@few(2)
 @pytest.mark.parametrize(("name", "rule"), [("four-wheel", "box"), ("ring-6", "box"), ("four-wheel-side", "nearest")])
 def test_bodies_stay_as_near_as_said(name: str, rule: str) -> None:
     check = check_cells(load_scene(name, rule=rule), prune=False)
@@ -78,6 +80,7 @@ def test_bodies_stay_as_near_as_said(name: str, rule: str) -> None:
         assert distances.max() <= 0.9 * within * (1 + 1e-9)
 
 
+@few(1)
 @pytest.mark.parametrize("name", ["four-wheel", "spiral-30", "rectangle"])
 def test_the_distance_halves_as_fast_as_said(name: str) -> None:
     scene = load_scene(name, rule="ellipse")
@@ -103,6 +106,7 @@ def test_numbers_are_rounded_to_the_safe_side() -> None:
     assert "from anywhere within 0.5" in said
 
 
+@few(3)
 @pytest.mark.parametrize("rule", keep(2, ["nearest", "ellipse", "box"]))
 @pytest.mark.parametrize("name", keep(10, builtin_scenes()))
 def test_every_answer_has_a_sentence_and_the_same_keys(name: str, rule: str) -> None:

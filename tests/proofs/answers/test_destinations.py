@@ -23,7 +23,7 @@ from nonsmooth.proofs.theorem4 import check_cells, check_theorem4
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import run
 from nonsmooth.symbolic.files.scene_file import load_scene
-from tests.thorough import keep, thorough
+from tests.thorough import few, keep, thorough
 
 # Eight wheels with headings and speeds drawn at random: the checked point is no equilibrium.
 RANDOM = """
@@ -118,6 +118,7 @@ def test_auto_on_the_command_line(random_file: str, capsys: pytest.CaptureFixtur
     assert '"answers"' in capsys.readouterr().out
 
 
+@few(2)
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -193,6 +194,7 @@ def test_auto_without_cells_proves_the_point_that_floats_propose(tmp_path: Path)
 SHIFTED = [(1.3, 1.1, -1, -1), (-0.7, 1.1, 1, -1), (-0.7, -0.9, 1, 1), (1.3, -0.9, -1, 1)]
 
 
+@few(1)
 @pytest.mark.parametrize("name", ["ring-6", "rectangle"])
 def test_bodies_stand_still_where_the_field_is_stiff(name: str) -> None:
     """Explicit steps alone go on to and fro beside the point, faster than what counts as standing still."""

@@ -10,6 +10,7 @@ import pytest
 import nonsmooth as ns
 from nonsmooth.proofs.answers.failures import NO_DRIVE, NO_TABLE, Failure, FailureKind, failures_of, worst_failure
 from nonsmooth.symbolic.files.scene_file import load_scene
+from tests.thorough import few
 
 CORNERS = [(1, 1), (-1, 1), (-1, -1), (1, -1)]
 PLACES = [*CORNERS, (2, 0), (0, 2)]
@@ -25,6 +26,7 @@ def found(failures: tuple[Failure, ...], wheel: int, kind: FailureKind) -> Failu
     return one
 
 
+@few(1)
 @pytest.mark.parametrize("rule", ["nearest", "box"])
 def test_failures_answer_as_arrays_written_without_the_wheel(rule: str) -> None:
     failures = failures_of(array(PLACES, rule, radius="1/4").scene)

@@ -24,7 +24,7 @@ from nonsmooth.proofs.headings.set_motion import set_motion
 from nonsmooth.symbolic.contact_set import whole
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
-from tests.thorough import keep, thorough
+from tests.thorough import few, keep, thorough
 
 Floats: TypeAlias = NDArray[np.float64]
 Field: TypeAlias = tuple[str, str]
@@ -124,6 +124,7 @@ def inside(entry_low: float, entry_high: float, theta: float) -> bool:
 # ---- at the checked point ------------------------------------------------------------------------
 
 
+@few(2)
 @pytest.mark.parametrize(
     ("field", "size", "columns", "side", "at"),
     [
@@ -205,6 +206,7 @@ def test_the_body_turns_to_a_heading_or_away_as_is_said(tmp_path: Path) -> None:
             assert sense * rates[0][2] > 0 > sense * rates[1][2]
 
 
+@few(1)
 @pytest.mark.parametrize("rule", keep(2, ["nearest", "ellipse", "box", "roller"]))
 def test_nothing_rests_on_a_conveying_bed_under_any_rule(rule: str) -> None:
     found = found_at_point(load_scene("roller-bed", rule=rule))

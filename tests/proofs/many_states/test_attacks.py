@@ -26,7 +26,7 @@ from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.scene_error import SceneError
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 from tests.proofs.forged import with_deciding, with_reach
-from tests.thorough import keep, thorough
+from tests.thorough import few, keep, thorough
 
 ATTRACTS, STAYS, LEAVES = Translation.ASYMPTOTICALLY_STABLE, Translation.STABLE, Translation.UNSTABLE
 VALID, INVALID, OPEN = AuditVerdict.VALID, AuditVerdict.INVALID, AuditVerdict.UNDECIDED
@@ -43,6 +43,7 @@ def built(rhs: list[Any], parameters: dict[str, Any] | None = None, **check: Any
     return build_system({"system": system, "check": check}, "t", Path("t.toml"))
 
 
+@few(6)
 @pytest.mark.parametrize(
     ("rhs", "lyapunov", "verdicts"),
     [
@@ -94,6 +95,7 @@ def test_a_witness_is_a_point_at_which_v_fails() -> None:
     assert value == found.examination.failure.value > 0
 
 
+@few(8)
 @pytest.mark.parametrize(
     ("rhs", "verdicts"),
     [
@@ -199,6 +201,7 @@ def _values(surface: Polynomial, points: NDArray[np.float64]) -> NDArray[np.floa
     return total
 
 
+@few(1)
 @pytest.mark.parametrize("seed", range(6))
 def test_cells_are_those_that_points_are_in(seed: int) -> None:
     rng = np.random.default_rng(seed)

@@ -23,7 +23,7 @@ from nonsmooth.symbolic.files.system_file import build_system, parse_lyapunov
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 from tests.oracles.solver_questions import Questions, read
 from tests.oracles.solvers import with_z3
-from tests.thorough import keep
+from tests.thorough import few, keep
 
 ON_A_FACE = [
     (["-sgn(x) + y/2", "-sgn(y) + 3*z", "-sgn(z) - x"], (16, 16, 1)),
@@ -66,6 +66,7 @@ def largest_slide(rhs: Sequence[str], weights: Sequence[int], point: Sequence[fl
     return -float(found.fun)
 
 
+@few(1)
 @pytest.mark.parametrize(("rhs", "weights"), ON_A_FACE)
 def test_a_point_of_the_face_refutes(rhs: list[str], weights: tuple[int, ...]) -> None:
     system = built(rhs)

@@ -13,7 +13,7 @@ from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.files.system_file import build_system
 from nonsmooth.symbolic.switched_system import SwitchedSystem
-from tests.thorough import thorough
+from tests.thorough import few, thorough
 
 ATTRACTS, STAYS, LEAVES = Translation.ASYMPTOTICALLY_STABLE, Translation.STABLE, Translation.UNSTABLE
 OPEN = Translation.UNDECIDED
@@ -128,6 +128,7 @@ def build(known: Known) -> SwitchedSystem:
     return build_system({"system": system, "check": dict(known.check)}, "t", Path("t.toml"))
 
 
+@few(8)
 @pytest.mark.parametrize(
     "known", [*KNOWN, *(pytest.param(known, marks=thorough) for known in FURTHER)], ids=lambda known: known.source[:40]
 )

@@ -17,6 +17,7 @@ from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.reports.interface.system import System
 from nonsmooth.symbolic.files.system_file import build_system
 from nonsmooth.symbolic.switched_system import SwitchedSystem
+from tests.thorough import few
 
 ATTRACTS, STAYS, LEAVES = Translation.ASYMPTOTICALLY_STABLE, Translation.STABLE, Translation.UNSTABLE
 NAMES = "abcdef"
@@ -42,6 +43,7 @@ def largest_real_part(matrix: Matrix) -> float:
         return float(max(mpmath.re(value) for value in values))
 
 
+@few(1)
 @pytest.mark.parametrize("seed", range(12))
 def test_linear_systems_against_eigenvalues(seed: int) -> None:
     rng = np.random.default_rng(seed)
@@ -73,6 +75,7 @@ def relay(rng: np.random.Generator) -> tuple[int, list[str], float | None]:
     return count, rhs, float(np.linalg.eigvals(basis @ along @ basis.T).real.max())
 
 
+@few(1)
 @pytest.mark.parametrize("seed", range(12))
 def test_relays_against_their_sliding_motion(seed: int) -> None:
     rng = np.random.default_rng(100 + seed)
@@ -119,6 +122,7 @@ def _follow_inside(rhs: list[str], result: StabilityResult, rng: np.random.Gener
     assert (values <= bound + 1e-6 * values[0]).all()
 
 
+@few(2)
 @pytest.mark.parametrize("seed", range(20))
 def test_crossed_relays_against_small_steps(seed: int) -> None:
     """Two or three relays: solutions slide along lines and at the point; small steps tell where they go."""
@@ -161,6 +165,7 @@ def growth_of_cones(a: Matrix, b: Matrix, rng: np.random.Generator) -> tuple[flo
     return float(rates.min()), float(rates.max())
 
 
+@few(1)
 @pytest.mark.parametrize("seed", range(12))
 def test_cones_against_exponents(seed: int) -> None:
     rng = np.random.default_rng(200 + seed)
@@ -182,6 +187,7 @@ def test_cones_against_exponents(seed: int) -> None:
         assert result.verdict in (LEAVES, Translation.UNDECIDED)
 
 
+@few(1)
 @pytest.mark.parametrize("seed", range(12))
 def test_sectors_against_frozen_and_switching_gains(seed: int) -> None:
     rng = np.random.default_rng(300 + seed)
@@ -203,6 +209,7 @@ def test_sectors_against_frozen_and_switching_gains(seed: int) -> None:
             assert max(gains) > 0
 
 
+@few(1)
 @pytest.mark.parametrize("seed", range(12))
 def test_mutated_functions_are_refused_or_still_true(seed: int) -> None:
     rng = np.random.default_rng(400 + seed)

@@ -24,7 +24,7 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.tolerances import Tolerance
 from nonsmooth.symbolic.unknown_loads import UnknownLoads
-from tests.thorough import keep, thorough
+from tests.thorough import few, keep, thorough
 
 Floats: TypeAlias = NDArray[np.float64]
 
@@ -71,6 +71,7 @@ def disc_of(name: str, radius: str, monkeypatch: pytest.MonkeyPatch) -> tuple[Sc
     return scene, found
 
 
+@few(1)
 @pytest.mark.parametrize(("name", "radius"), [("four-wheel", "13/20"), ("ring-5", "9/20"), ("ring-6", "9/20")])
 def test_no_array_of_the_box_breaks_the_rate(name: str, radius: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Corners of the box and arrays inside it, each at points between the disc and the starts."""

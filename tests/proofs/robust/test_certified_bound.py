@@ -21,7 +21,7 @@ from nonsmooth.symbolic.scene import Scene
 from tests.array_certificates import check_certificate, said, say, subject
 from tests.oracles.earlier_arrays import refusal_of_version_1
 from tests.proofs.robust.test_nearest_bounds import TABLE, drawn, table, velocities, with_box
-from tests.thorough import thorough
+from tests.thorough import few, thorough
 
 Record: TypeAlias = dict[str, Any]
 
@@ -50,6 +50,7 @@ def test_the_bound_is_nearly_the_one_of_the_check(scene: Scene, certificate: Rec
     assert "within the tolerances: bodies from within 0.05 end within 0.003385" in text
 
 
+@few(1)
 @pytest.mark.parametrize("name", ["rectangle", "ring-5", "ring-6"])
 def test_irrational_places_are_followed(name: str, tmp_path: Path) -> None:
     certificate = build_certificate(check_cells(with_box(name, tmp_path)))

@@ -20,7 +20,7 @@ from nonsmooth.proofs.robust.robust import Robust
 from nonsmooth.proofs.verdicts import Certainty
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
-from tests.thorough import thorough
+from tests.thorough import few, thorough
 
 Floats: TypeAlias = NDArray[np.float64]
 
@@ -114,6 +114,7 @@ def table(folder: Path) -> Scene:
     return load_scene(file)
 
 
+@few(3)
 @pytest.mark.parametrize("name", ["table", *SCENES])
 def test_no_array_of_the_box_breaks_the_bound(name: str, tmp_path: Path) -> None:
     """Ten thousand arrays, each at a point of its own outside the disc, most of them close to it."""

@@ -24,7 +24,7 @@ from nonsmooth.symbolic.tolerances import Tolerance
 from tests.built_in import checked
 from tests.proofs.robust.test_box_bounds import Floats, small_box
 from tests.proofs.robust.test_smooth_discs import box_of
-from tests.thorough import keep
+from tests.thorough import few, keep
 
 NAMES = ("ring-5", "spiral-30", "saddle", "conveyor-3")
 
@@ -60,6 +60,7 @@ def drawn(scene: Scene, box: Tolerance, speeds: Floats, rng: np.random.Generator
     return ContactModel.build(places, rims, true, np.column_stack([roll, side]))
 
 
+@few(1)
 @pytest.mark.parametrize("name", NAMES)
 def test_no_array_of_the_box_is_slower(name: str) -> None:
     """``V' <= -2 k kappa V`` at random poses close to the point, for arrays that are corners of the box and others."""

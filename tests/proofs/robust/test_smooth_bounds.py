@@ -26,7 +26,7 @@ from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.tolerances import Tolerance
 from nonsmooth.symbolic.unknown_loads import UnknownLoads
 from tests.outlined import on, polygon_of
-from tests.thorough import keep, thorough
+from tests.thorough import few, keep, thorough
 
 Floats: TypeAlias = NDArray[np.float64]
 
@@ -67,6 +67,7 @@ def velocity(model: ContactModel, c: Floats) -> Floats:
     return np.array([vx - omega * c[1], vy + omega * c[0]])
 
 
+@few(1)
 @pytest.mark.parametrize("rule", ["ellipse", "roller"])
 @pytest.mark.parametrize("name", keep(2, ["four-wheel", "elliptic", "ring-6", "grid-4x4"]))
 @pytest.mark.parametrize("count", keep(1, [4, 12]))

@@ -20,7 +20,7 @@ from nonsmooth.proofs.answers.answer import Heading, Position
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import run
 from nonsmooth.symbolic.files.scene_file import load_scene
-from tests.thorough import keep, thorough
+from tests.thorough import few, keep, thorough
 
 MU: dict[str, Any] = {"mu_roll": 1, "mu_side": "1/2"}
 
@@ -126,6 +126,7 @@ def test_the_best_point() -> None:
     assert (result.at, result.position.verdict) == ((0.5, 0.25), Position.COMES_HOME)
 
 
+@few(2)
 @pytest.mark.parametrize("name", ["four-wheel", "grid-4x4", "saddle", "off-center", "eq-4", "flower"])
 def test_results_print_in_few_lines(name: str) -> None:
     subject = ns.load(name)

@@ -14,7 +14,7 @@ import pytest
 import nonsmooth as ns
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import run
-from tests.thorough import keep
+from tests.thorough import few, keep
 
 MOST_LINES, WIDEST, LONGEST = 12, 100, 2_000
 DEEPEST = 6  # attributes of attributes that are printed
@@ -47,6 +47,7 @@ def test_cells_are_the_record_of_the_command(rule: str, capsys: pytest.CaptureFi
     assert {row["cell"] for row in cells.rows()} == {str(k) for k in range(1, len(cells) + 1)}
 
 
+@few(1)
 @pytest.mark.parametrize("show", ["cells", "array", "rates"])
 def test_pictures_are_the_files_of_the_command(show: str, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     own = array().cells().save(tmp_path / "own.svg", show=show)
@@ -147,6 +148,7 @@ def test_a_wrong_section_or_format_is_named(tmp_path: Path) -> None:
     assert not list(tmp_path.iterdir())
 
 
+@few(1)
 @pytest.mark.parametrize("rule", ["nearest", "box", "ellipse"])
 @pytest.mark.parametrize("name", keep(2, ["off-center", "n" * 200, "four-wheel", "ring-5"]))
 def test_results_print_in_few_lines(name: str, rule: str) -> None:
@@ -161,6 +163,7 @@ def test_results_print_in_few_lines(name: str, rule: str) -> None:
         assert max(map(len, lines)) <= WIDEST, result
 
 
+@few(1)
 @pytest.mark.parametrize("name", ["ring-5", "off-center", "flower", "relay-oscillator-damped"])
 def test_whatever_a_result_holds_is_short_to_print(name: str) -> None:
     subject = ns.load(name)

@@ -10,6 +10,7 @@ import pytest
 
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.proofs.robust.test_nearest_bounds import drawn, velocities
+from tests.thorough import few
 
 if TYPE_CHECKING:
     from tests.reports.conftest import Invoke
@@ -40,6 +41,7 @@ def written(folder: Path, **values: float) -> Path:
     return file
 
 
+@few(1)
 @pytest.mark.parametrize(
     ("first", "second"),
     [(("x", "0.09:0.11:3"), ("mu_side", "0.3:0.7:3")), (("heading", "221:229:3"), ("speed", "0.09:0.11:3"))],

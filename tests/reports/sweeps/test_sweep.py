@@ -22,7 +22,7 @@ from nonsmooth.reports.sweeps.sweep import Means, Sweep, run_sweep
 from nonsmooth.reports.sweeps.sweep_plan import LARGE, Point, SweepPlan, read_plan
 from nonsmooth.symbolic.files.one_by_one import one_by_one
 from nonsmooth.symbolic.files.scene_file import load_scene, read_document
-from tests.thorough import thorough
+from tests.thorough import few, thorough
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -48,6 +48,7 @@ def values(border: Border) -> list[Any]:
 # ---- answers -------------------------------------------------------------------------------------
 
 
+@few(1)
 @pytest.mark.parametrize("rule", ["nearest", "box", "ellipse"])
 def test_a_grid_answers_as_checks_one_by_one(rule: str) -> None:
     found = swept("four-wheel", {"mu_side": "1/2,3/2", "equilibrium.x": "0:1/4:2"}, rule=rule)
@@ -134,6 +135,7 @@ def test_keys_of_scenes_follow_their_numbers_and_nothing_else() -> None:
 # ---- borders -------------------------------------------------------------------------------------
 
 
+@few(2)
 @pytest.mark.parametrize(("rule", "question"), [("nearest", "position"), ("nearest", "pose"), ("box", "pose")])
 def test_answers_change_where_friction_is_equal(rule: str, question: str) -> None:
     """Four wheels: with ``mu_side >= mu_roll`` the side rows win (nearest), and no speeds move the body (box)."""
@@ -337,6 +339,7 @@ def test_a_wheel_of_a_layout_varies_on_its_own(invoke: Invoke, tmp_path: Path, n
     assert second["worst_rate"] == changed["translation"]["worst_rate"]
 
 
+@few(1)
 @pytest.mark.parametrize("rule", ["nearest", "ellipse"])
 def test_what_a_scene_says_of_all_wheels_varies_beside_one_wheel(invoke: Invoke, rule: str) -> None:
     """Wheel 1 stays where the ring has it, so that the answers are those of the ring with another friction."""

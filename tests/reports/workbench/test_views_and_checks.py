@@ -17,6 +17,7 @@ from nonsmooth.reports.workbench.jobs import view
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, builtin_systems, load_scene
 from nonsmooth.symbolic.rule import CONTACT_RULES
 from nonsmooth.symbolic.scene import Scene
+from tests.thorough import few
 
 SLOW = {"flower"}  # a verdict of seconds
 
@@ -33,12 +34,14 @@ def record(scene: Scene) -> dict[str, Any]:
     return check_scene(scene, ask_others=False).to_dict()
 
 
+@few(4)
 @pytest.mark.parametrize("name", builtin_scenes())
 def test_an_array_is_judged_as_by_the_command(name: str) -> None:
     fast, found = exact(document_of(name))
     assert_equal(fast, found, record(load_scene(name)))
 
 
+@few(1)
 @pytest.mark.parametrize("rule", CONTACT_RULES)
 def test_every_rule_is_judged_as_by_the_command(rule: str) -> None:
     document = document_of("four-wheel")
@@ -83,6 +86,7 @@ def test_cells_that_take_too_long_are_told_in_a_line(monkeypatch: pytest.MonkeyP
     assert all(rule["answers"] for rule in others["rules"])
 
 
+@few(4)
 @pytest.mark.parametrize("name", sorted(set(builtin_systems()) - SLOW))
 def test_a_system_is_judged_as_by_the_command(name: str) -> None:
     _, found = exact(document_of(name))
