@@ -287,8 +287,7 @@ class ArrayPath(PathResult):
         """The record of the trajectory, with the law and the speeds of the wheels."""
         if self.loop is None:
             return super().facts() | {"law": None, "speeds": None}
-        speeds = [[None if math.isnan(u) else u for u in row] for row in self.speeds().tolist()]
-        return super().facts() | {"feedback": self.loop.name, "law": self._law(), "speeds": speeds}
+        return super().facts() | {"feedback": self.loop.name, "law": self._law(), "speeds": self._speed_rows()}
 
     def _law(self) -> Record | None:
         """The law of a closed loop, whether it is certified, and from where."""
@@ -310,9 +309,8 @@ class ArrayPath(PathResult):
         columns, lines = super().table()
         if self.loop is None:
             return DataTable(columns, lines)
-        speeds = [[None if math.isnan(u) else u for u in row] for row in self.speeds().tolist()]
         names = (f"u_{wheel.index}" for wheel in self._carrying.wheels)
-        return DataTable((*columns, *names), [[*a, *b] for a, b in zip(lines, speeds, strict=True)])
+        return DataTable((*columns, *names), [[*a, *b] for a, b in zip(lines, self._speed_rows(), strict=True)])
 
     def head(self) -> Sequence[str]:
         """The kinematics and the method, and what is certified of the law."""
@@ -349,6 +347,10 @@ class ArrayPath(PathResult):
         inputs = self.loop.inputs(self.partition)
         path, cells = self.trajectory, self.partition
         return build_frames(self._carrying, path, at, partition=cells, inputs=inputs, pivot=pivot).speeds
+
+    def _speed_rows(self) -> list[list[float | None]]:
+        """The speeds of every sample; None where a wheel is given none."""
+        return [[None if math.isnan(u) else u for u in row] for row in self.speeds().tolist()]
 
     def film(self, ending: str) -> bytes:
         """The motion itself: a page with a slider, or a .gif."""

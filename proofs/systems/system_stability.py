@@ -280,9 +280,9 @@ def search_function(point: PlanePoint, known: Known) -> Finding | None:
 def conclude_function(point: PlanePoint, function: PlaneFunction) -> Finding | None:
     """What follows from a V alone; None where its conditions are not shown."""
     if function.grows:
-        reason = "a positive V grows along every solution"
-        is_shown = function.decrease is Decrease.STRICT
-        return Finding(Method.GROWTH, Translation.UNSTABLE, reason, function) if is_shown else None
+        if function.decrease is not Decrease.STRICT:
+            return None
+        return Finding(Method.GROWTH, Translation.UNSTABLE, "a positive V grows along every solution", function)
     if function.decrease is Decrease.STRICT:
         return Finding(Method.LYAPUNOV, Translation.ASYMPTOTICALLY_STABLE, function.reason, function)
     if function.decrease is not Decrease.WEAK:

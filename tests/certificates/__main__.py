@@ -13,10 +13,10 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 
 from nonsmooth.proofs.checker.statements import refusal
-from tests.certificates.arrays import array_certificates, array_forgeries, array_texts
+from tests.certificates.arrays import ARRAY_KINDS, array_certificates, array_texts
 from tests.certificates.cases import cases
 from tests.certificates.corpus import BAD, BAD_ARRAYS, GOOD, PREFIX, Record, forged, text_of
-from tests.certificates.forgeries import Forgery, forgeries, texts
+from tests.certificates.forgeries import KINDS, Forgery, Kinds, forgeries, texts
 from tests.certificates.inclusion import contradiction
 from tests.proofs.test_checker import assert_still_true
 
@@ -34,14 +34,14 @@ def write(*, arrays_only: bool) -> None:
     for old in GOOD.glob(f"{PREFIX}*.json" if arrays_only else "*.json"):
         old.unlink()
     if not arrays_only:
-        write_part(((case.name, case.certificate()) for case in cases()), BAD, forgeries, texts)
-    write_part(array_certificates(), BAD_ARRAYS, array_forgeries, array_texts)
+        write_part(((case.name, case.certificate()) for case in cases()), BAD, KINDS, texts)
+    write_part(array_certificates(), BAD_ARRAYS, ARRAY_KINDS, array_texts)
 
 
 def write_part(
     certificates: Iterable[tuple[str, Record]],
     file: Path,
-    kinds_of: Callable[[str, Record], dict[str, list[Forgery]]],
+    kinds: Kinds,
     texts_of: Callable[[], Iterator[Forgery]],
 ) -> None:
     """Write good certificates, and what is forged of them."""
@@ -57,11 +57,11 @@ def write_part(
     source, turn = random.Random(1), 0
     kept = list[Forgery]()
     for name, certificate in good.items():
-        by_kind = kinds_of(name, certificate)
-        kinds = list(by_kind)
+        by_kind = forgeries(name, certificate, kinds)
+        names = list(by_kind)
         for _ in range(EACH):
             turn += 1
-            kept.append(source.choice(by_kind[kinds[turn % len(kinds)]]))
+            kept.append(source.choice(by_kind[names[turn % len(names)]]))
     kept = [own for own in (*kept, *texts_of()) if is_rejected(own, good)]
     file.write_text("".join(json.dumps(own.record, separators=(",", ":")) + "\n" for own in kept), encoding="utf-8")
     print(f"{len(good)} good, {len(kept)} forged")

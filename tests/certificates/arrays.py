@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from fractions import Fraction
 from pathlib import Path as FilePath
 from typing import Any
@@ -21,6 +21,7 @@ from tests.certificates.forgeries import (
     PROOFS,
     SUBJECT,
     Forgery,
+    Kinds,
     Record,
     other_frame,
     other_version,
@@ -266,7 +267,7 @@ def other_theorem(good: Record) -> Iterator[Any]:
     yield [(["evidence"], [good["evidence"][0]] * 21)]
 
 
-KINDS: tuple[Callable[[Record], Iterator[Any]], ...] = (
+ARRAY_KINDS: Kinds = (
     other_version,
     other_frame,
     without_evidence,
@@ -284,16 +285,6 @@ KINDS: tuple[Callable[[Record], Iterator[Any]], ...] = (
     other_tolerances,
     other_theorem,
 )
-
-
-def array_forgeries(name: str, good: Record) -> dict[str, list[Forgery]]:
-    """All forgeries of the certificate of an array, by kind."""
-    found: dict[str, list[Forgery]] = {}
-    for kind in KINDS:
-        listed = [Forgery(kind.__name__, name, tuple(own)) for own in kind(good) if own]
-        if listed:
-            found[kind.__name__] = listed
-    return found
 
 
 def array_texts() -> Iterator[Forgery]:

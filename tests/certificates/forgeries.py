@@ -325,7 +325,9 @@ def other_numbers(good: Record) -> Iterator[Any]:
                 yield [([*PROOFS, name, kind, 0, guard], "1000003/7")]
 
 
-KINDS: tuple[Callable[[Record], Iterator[Any]], ...] = (
+Kinds: TypeAlias = tuple[Callable[[Record], Iterator[Any]], ...]
+
+KINDS: Kinds = (
     other_version,
     other_frame,
     without_evidence,
@@ -347,10 +349,10 @@ KINDS: tuple[Callable[[Record], Iterator[Any]], ...] = (
 )
 
 
-def forgeries(name: str, good: Record) -> dict[str, list[Forgery]]:
+def forgeries(name: str, good: Record, kinds: Kinds) -> dict[str, list[Forgery]]:
     """All forgeries of a good certificate, by kind."""
     found: dict[str, list[Forgery]] = {}
-    for kind in KINDS:
+    for kind in kinds:
         listed = [Forgery(kind.__name__, name, tuple(own)) for own in kind(good) if own]
         if listed:
             found[kind.__name__] = listed
