@@ -37,12 +37,9 @@ def system_facts(result: StabilityResult) -> Iterator[Fact]:
     if given is not None and given is not function and (given.suprema or not check.is_default):
         reason = f"{given.reason} (on {given.domain.text(states)})"
         yield row_fact(f"tried: V = {one_line(check.lyapunov.text)}", reason)
-    shown = () if function is None else _named(function, states)
-    early = function is not None and bool(function.suprema)  # before what is said of this V on this domain
-    yield from shown if early else ()
+    yield from () if function is None else _named(function, states)  # before what is said of this V on this domain
     yield Fact("lyapunov", tuple(_potential(result)) or None)
     yield Fact("translation", tuple(_stability(result)))
-    yield from () if early else shown
     yield from result.deciding.facts
     if scene.by_roots is not None and len(states) > 1:  # in one state no time of arrival is looked for
         yield _roots(result, scene.by_roots.roots)
@@ -260,12 +257,11 @@ def audit_facts(result: AuditResult) -> Iterator[Fact]:
     scene, function = result.scene, result.function
     yield Fact("V", result.lyapunov, str(result.verdict), row=f"V = {one_line(result.lyapunov)}")
     said = (Fact("verdict", str(result.verdict)), text_fact("reason", result.reason, "because"))
-    looked_at = tuple(_looked_at(scene, function))
-    is_late = isinstance(scene, SwitchedSystem) and len(scene.states) > len(PLANE)  # no derivatives are told of
-    yield from (*said, *looked_at) if is_late else (*looked_at, *said)
+    yield from said
     if result.proves is not None:
         yield row_fact("shows", f"the equilibrium is {result.proves}")
     yield _witness(result.witness)
+    yield from _looked_at(scene, function)
     yield Fact("proves", None if result.proves is None else str(result.proves))
 
 

@@ -6,9 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from rich import box
 from rich.console import Group, RenderableType
-from rich.table import Table
 from rich.text import Text
 
 from nonsmooth.analysis.contact_rule import rule_notes, rule_of
@@ -23,7 +21,7 @@ from nonsmooth.proofs.theorem4_result import Check, Contradiction
 from nonsmooth.reports.equilibrium_headings import headings_record, headings_view
 from nonsmooth.reports.exact_record import Record
 from nonsmooth.reports.facts import as_record, fact_record
-from nonsmooth.reports.terminal import header_table, verdict_text
+from nonsmooth.reports.terminal import answers_table, header_table, verdict_text
 from nonsmooth.symbolic.number_text import float_text, place_text
 from nonsmooth.symbolic.scene_error import one_line
 
@@ -39,7 +37,7 @@ THEOREM = "the position is stable, the heading is not, feedback holds both where
 
 def answers_view(result: Check, answers: Answers) -> RenderableType:
     """Three answers, where bodies go otherwise, the contact rule, the other rules, and the theorem in one line."""
-    table = _answers_table([*answers.answers, *([answers.robust] if answers.robust else [])])
+    table = answers_table(map(_row, [*answers.answers, *([answers.robust] if answers.robust else [])]))
     contact = "; ".join(fact.words for fact in contact_facts(result) if fact.words)
     parts: list[RenderableType] = [Text(contact), table]
     if answers.rest_points is not None:
@@ -69,18 +67,11 @@ def contradiction_lines(found: Contradiction) -> tuple[str, str, str]:
 def tipped_view(scene: Scene, answers: Sequence[Answer]) -> RenderableType:
     """The answers about a body that does not stand on the wheels."""
     head = Text(one_line(scene.name), "bold").append(f": {len(scene.wheels)} wheels", "not bold")
-    return Group(head, _answers_table(answers))
+    return Group(head, answers_table(map(_row, answers)))
 
 
-def _answers_table(answers: Sequence[Answer]) -> Table:
-    """Question, answer, and how far, how fast, on what conditions."""
-    table = Table(box=box.ROUNDED, show_header=False, show_lines=True)
-    table.add_column(no_wrap=True)
-    table.add_column(no_wrap=True)
-    table.add_column(overflow="fold", ratio=1)
-    for answer in answers:
-        table.add_row(Text(answer.name, "bold"), verdict_text(answer.verdict, bold=True), Text(answer.sentence))
-    return table
+def _row(answer: Answer) -> tuple[str, str, str]:
+    return answer.name, str(answer.verdict), answer.sentence
 
 
 def answers_record(answers: Sequence[Answer], answered: Answers | None) -> Record:

@@ -42,16 +42,23 @@ def write_records(
 
 
 def write_check_views(
-    results: list[CheckResult], found: tuple[Prediction, ...] | None, failures: list[tuple[Failure, ...]] | None
+    results: list[CheckResult],
+    found: tuple[Prediction, ...] | None,
+    failures: list[tuple[Failure, ...]] | None,
+    *,
+    evidence: bool,
 ) -> None:
-    """The answers with the clauses, the failures and the continuum, where they were asked for."""
+    """The answers and the verdicts of the clauses; why, the failures and the continuum, where they were asked for."""
+    from rich.text import Text
+
     from nonsmooth.reports.answers import answers_view
-    from nonsmooth.reports.terminal import check_view, headline, legend, notes_lines
+    from nonsmooth.reports.terminal import MORE, check_view, clauses_view, headline, legend, notes_lines
 
     views: list[RenderableType] = []
     for k, result in enumerate(results):
         check = result.evidence
-        views += [_stacked(headline(check), answers_view(check, result.answers)), check_view(check)]
+        answers = [headline(check), answers_view(check, result.answers)]
+        views += [_stacked(*answers), check_view(check)] if evidence else [_stacked(*answers, clauses_view(check))]
         if failures is not None:
             from nonsmooth.reports.failures import failures_view
 
@@ -60,7 +67,8 @@ def write_check_views(
         from nonsmooth.reports.continuum import continuum_view
 
         views.append(continuum_view(found, [result.evidence for result in results]))
-    write_views([*views, *notes_lines(results[0].evidence.scene.field), legend()])
+    views += notes_lines(results[0].evidence.scene.field)
+    write_views([*views, legend() if evidence else Text(MORE, "dim")])
 
 
 def _stacked(*views: RenderableType) -> RenderableType:

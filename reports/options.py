@@ -166,6 +166,9 @@ Fail = Annotated[
         help="Also with any one wheel failed: stopped (its friction stays) or lifted; the worst is named.",
     ),
 ]
+Evidence = Annotated[
+    bool, typer.Option("--evidence", help="Print why, too: each clause, or V and its derivatives, with all numbers.")
+]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON instead of tables.")]
 Picture = Annotated[
     str | None,

@@ -15,6 +15,7 @@ from rich.text import Text
 
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.proofs.theorem4_result import Check
+from nonsmooth.proofs.verdicts import Theorem4
 from nonsmooth.reports.document import Block, Paragraph, Table, plain_text, table
 from nonsmooth.reports.facts import fact_lines
 from nonsmooth.symbolic.number_text import short_text
@@ -23,6 +24,8 @@ from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.scene_error import one_line
 
 VERDICT_WIDTH = 14  # columns: "asymptotically"
+MORE = "--evidence shows why, with all numbers"
+ANSWER_WIDTH = 21  # columns: "asymptotically stable"
 
 _STYLES = {
     "comes home": "green",
@@ -51,6 +54,18 @@ _LEGEND = (
     ("d_i, p_i, u_i, J", "rim direction, position and speed of wheel i; quarter turn"),
     ("xi, k, n_i", "motion (v, omega); feedback gain; J d_i"),
 )
+
+
+def clauses_view(result: Check) -> RenderableType:
+    """One line for each clause of Theorem 4, why the theorem does not hold where it does not, and where bodies tip."""
+    lines = TerminalTable.grid(padding=(0, 2))
+    tips: list[Text] = []
+    for clause, found in result.clauses:
+        lines.add_row(Text(f"  {clause.name}"), verdict_text(found.verdict))
+        supports = (fact for fact in result.facts(clause) if fact.key == "support")
+        tips += [Text(f"note: {line}", "yellow") for line in fact_lines(supports)]
+    why = [] if result.verdict is Theorem4.HOLDS else [Text(f"because {result.reason}")]
+    return Group(lines, *why, *tips)
 
 
 def check_view(result: Check) -> RenderableType:
@@ -136,6 +151,17 @@ def header_table(*header: str, widest: str | None = None) -> TerminalTable:
     table = TerminalTable(box=box.ROUNDED, header_style="bold")
     for name in header:
         table.add_column(Text(name), overflow="fold", ratio=1 if name == (widest or header[-1]) else None)
+    return table
+
+
+def answers_table(answers: Iterable[tuple[str, str, str]]) -> TerminalTable:
+    """Question, answer, and how far, how fast, on what conditions."""
+    table = TerminalTable(box=box.ROUNDED, show_header=False, show_lines=True)
+    table.add_column(no_wrap=True)
+    table.add_column(max_width=ANSWER_WIDTH)
+    table.add_column(overflow="fold", ratio=1)
+    for question, answer, sentence in answers:
+        table.add_row(Text(question, "bold"), verdict_text(answer, bold=True), Text(sentence))
     return table
 
 

@@ -14,6 +14,7 @@ from nonsmooth.reports.options import (
     AtOrAuto,
     CertificateFile,
     Continuum,
+    Evidence,
     Fail,
     Headings,
     Json,
@@ -46,6 +47,7 @@ class FurtherQuestions(NamedTuple):
 
     continuum: bool
     failures: bool
+    evidence: bool
 
 
 def check(  # noqa: PLR0913, PLR0917  # one parameter for each option of the command
@@ -61,6 +63,7 @@ def check(  # noqa: PLR0913, PLR0917  # one parameter for each option of the com
     continuum: Continuum = False,
     headings: Headings = False,
     fail: Fail = None,
+    evidence: Evidence = False,
     json: Json = False,
 ) -> int:
     """Check Theorem 4 clause by clause, or the stability of a plain switched system; of many scenes in one table.
@@ -86,17 +89,17 @@ def check(  # noqa: PLR0913, PLR0917  # one parameter for each option of the com
         _require_arrays(loaded, "--at auto")
     if len(scenes) > 1:
         loaded = [_at_best_point(scene) if best else scene for scene in loaded]
-        asked = {"--certificate": files.certificate is not None, "--law": files.law is not None}
+        asked = {"--certificate": files.certificate is not None, "--law": files.law is not None, "--evidence": evidence}
         _require_one_scene({**asked, "--continuum": continuum, "--headings": headings, "--fail": failures}, len(scenes))
         return _check_many(loaded, required, prune=not no_prune, json=json)
     if isinstance(loaded[0], SwitchedSystem):
         of_arrays = {"--law": law is not None, "--continuum": continuum, "--headings": headings, "--fail": failures}
         _require_array(loaded[0], of_arrays)
-        return _check_system(loaded[0], files.certificate, json=json)
+        return _check_system(loaded[0], files.certificate, evidence=evidence, json=json)
     arrays = [scene for scene in loaded if not isinstance(scene, SwitchedSystem)]
     options = {"best": best, "prune": not no_prune, "around": headings}
     try:
-        beside = FurtherQuestions(continuum, failures)
+        beside = FurtherQuestions(continuum, failures, evidence)
         return _check_array(arrays, files, options, required=required, beside=beside, json=json)
     except TipsError as tipping:
         return _answer_tipping(arrays[0], tipping, required, json=json)
@@ -177,7 +180,7 @@ def _check_array(  # one keyword for each option
     if json:
         write_records(results, found, failures)
     else:
-        write_check_views(results, found, failures)
+        write_check_views(results, found, failures, evidence=beside.evidence)
     statuses = [result.exit_status(required) for result in results]
     return next((status for status in (1, UNDECIDED) if status in statuses), 0)
 
@@ -212,7 +215,7 @@ def _require_array(scene: SwitchedSystem, asked: dict[str, bool]) -> None:
         )
 
 
-def _check_system(scene: SwitchedSystem, certificate: Path | None, *, json: bool) -> int:
+def _check_system(scene: SwitchedSystem, certificate: Path | None, *, evidence: bool, json: bool) -> int:
     """Stability of a plain switched system: 0 stable, 1 unstable or no equilibrium, 3 undecided."""
     from nonsmooth.proofs.system_decision import decide_system
     from nonsmooth.proofs.verified import verified
@@ -233,5 +236,5 @@ def _check_system(scene: SwitchedSystem, certificate: Path | None, *, json: bool
     else:
         from nonsmooth.reports.system_views import system_view
 
-        write_views([system_view(result)])
+        write_views([system_view(result, evidence=evidence)])
     return result.exit_status

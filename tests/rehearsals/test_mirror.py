@@ -45,7 +45,7 @@ def mirror(monkeypatch: pytest.MonkeyPatch) -> None:
 )
 def test_a_new_clause_is_shown_everywhere(invoke: Invoke, tmp_path: Path, rule: str, parts: str) -> None:
     assert len(inspect.getsource(MirrorClause).splitlines()) <= 60
-    shown = " ".join(invoke("check", "four-wheel", "--rule", rule).out.replace("│", " ").split())
+    shown = " ".join(invoke("check", "four-wheel", "--rule", rule, "--evidence").out.replace("│", " ").split())
     assert "mirror symmetric 0 wheels have no counterpart across the point the farthest wheel has |p|^2 = 2" in shown
     record = json.loads(invoke("check", "four-wheel", "--rule", rule, "--json").out)["mirror"]
     assert record == {
@@ -85,7 +85,7 @@ class WidthOfDrift(RotationClause):
 def test_a_new_number_is_one_fact(invoke: Invoke, monkeypatch: pytest.MonkeyPatch) -> None:
     clauses = tuple(WidthOfDrift() if clause.name == "rotation" else clause for clause in registry.CLAUSES)
     monkeypatch.setattr(registry, "CLAUSES", clauses)
-    assert "the drift is sqrt(2) wide" in invoke("check", "four-wheel").out
+    assert "the drift is sqrt(2) wide" in invoke("check", "four-wheel", "--evidence").out
     record = json.loads(invoke("check", "four-wheel", "--json").out)["rotation"]
     assert record["width"] == pytest.approx(2**0.5)
     assert record["exact"]["width"] == "sqrt(2)"

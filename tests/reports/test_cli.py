@@ -235,7 +235,7 @@ def test_all_rules_at_once(invoke: Invoke, monkeypatch: pytest.MonkeyPatch) -> N
     assert (outcome.status, record["schema"]) == (1, "nonsmooth-checks/1")
     assert [check["rule"] for check in record["checks"]] == ["nearest", "box", "ellipse", "roller"]
     monkeypatch.setenv("COLUMNS", str(COLUMNS))
-    text = invoke("check", "four-wheel-side", "--rule", "all").out
+    text = invoke("check", "four-wheel-side", "--rule", "all", "--evidence").out
     assert [f"rule {rule}" in text for rule in ("nearest", "box", "ellipse", "roller")] == [True] * 4
     assert text.count("Filippov set: hull") == 1  # the legend once
 
@@ -295,7 +295,7 @@ def test_views_fit_80_columns_without_colors(
 
 def test_check_view_names_every_clause_and_keeps_brackets(invoke: Invoke, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("COLUMNS", "160")
-    out = invoke("check", "four-wheel").out
+    out = invoke("check", "four-wheel", "--evidence").out
     assert "56 possible, 16 singular, 13 distinct twists, 8 minimizing" in out
     assert "[-sqrt(2)/2, sqrt(2)/2]" in out
     for words in ("equilibrium", "asymptotically", "unstable", "stabilizable", "Theorem 4", "holds"):

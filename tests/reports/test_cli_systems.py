@@ -267,7 +267,7 @@ def test_nothing_is_proved_by_nothing(tmp_path: Path) -> None:
     scene.write_text('[system]\nstates = ["x", "y"]\nrhs = ["y", "-x + x**2"]\n')
     result = decide_system(load_system(scene))
     console = Console(width=100, record=True, file=StringIO())
-    console.print(system_view(result))
+    console.print(system_view(result, evidence=True))
     shown = console.export_text()
     assert "undecided" in shown
     assert "(nothing)" not in shown
@@ -278,7 +278,7 @@ def test_nothing_is_proved_by_nothing(tmp_path: Path) -> None:
 
 def test_a_refuted_function_is_not_the_reason(invoke: Invoke) -> None:
     """``x**2 + y**2`` is tried and refuted on the flower; the V that decreases is another one."""
-    words = " ".join(invoke("check", "flower").out.replace("│", " ").split())
+    words = " ".join(invoke("check", "flower", "--evidence").out.replace("│", " ").split())
     assert "tried: V = x**2 + y**2 the derivative of V is positive" in words
     reason = words[words.index("because") :]
     assert "V = x**2 + y**2" not in reason

@@ -37,7 +37,7 @@ def test_a_shown_bound_is_not_above_the_exact_one(digits: int) -> None:
 @pytest.mark.parametrize(("name", "rule"), [("rectangle", "ellipse"), ("grid-4x4", "box"), ("spiral-30", "box")])
 def test_rates_and_reaches_on_the_terminal_are_true(invoke: Invoke, name: str, rule: str) -> None:
     record = invoke("check", name, "--rule", rule, "--json").record["feedback"]
-    text = " ".join(invoke("check", name, "--rule", rule).out.replace("│", " ").split())
+    text = " ".join(invoke("check", name, "--rule", rule, "--evidence").out.replace("│", " ").split())
     rate = Fraction(text.split("V' <= -")[1].split(" k V")[0])
     assert rate <= Fraction(record["exact"]["rate"])
     assert Fraction(text.split("V' <= -")[1].split(" k V")[0]) > 0

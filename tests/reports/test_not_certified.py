@@ -58,7 +58,7 @@ def test_no_view_shows_a_number_that_is_none(invoke: Invoke, scene: str, views: 
 def test_the_missing_motion_is_named(invoke: Invoke, tmp_path: Path) -> None:
     (tmp_path / "free.toml").write_text(INWARD, encoding="utf-8")
     sentence = "no row with friction resists the motion xi = (0, 0, 1)"
-    table = invoke("check", "free.toml", "--rule", "ellipse", "--no-prune").out
+    table = invoke("check", "free.toml", "--rule", "ellipse", "--no-prune", "--evidence").out
     printed = " ".join(re.sub("[│╭╮╰╯├┤─┼]", " ", table).split())
     assert "largest V*/|c| over the square not certified: " in printed
     assert printed.count("certified: no row with friction resists") == 3
