@@ -109,9 +109,17 @@ class CutEllipse(Generic[X]):
         Raises:
             ValueError: as for the gradient.
         """
-        (x, y), product = self._weighted(r, s), self.along * self.across
-        bend = self._either(r, s, lambda: 0 * x, lambda: product * product / _divisor(_length(x, y)) ** 3)
+        bend = self.bend(r, s)
         return bend * s * s, -bend * r * s, bend * r * r
+
+    def bend(self, r: X, s: X) -> X:
+        """The factor of ``(s, -r) (s, -r)^T`` in the Hessian.
+
+        Raises:
+            ValueError: as for the gradient.
+        """
+        (x, y), product = self._weighted(r, s), self.along * self.across
+        return self._either(r, s, lambda: 0 * x, lambda: product * product / _divisor(_length(x, y)) ** 3)
 
     def holds_strictly(self, x: X, y: X) -> bool:
         """Whether ``(alpha x, beta y)`` lies inside, off the border; of balls whether it certainly does."""
@@ -159,7 +167,11 @@ def _root(x: Any) -> Any:
 
 
 def _length(x: Any, y: Any) -> Any:
-    return np.hypot(x, y) if _is_float(x) else (x * x + y * y).sqrt()
+    if _is_float(x):
+        return np.hypot(x, y)
+    if not isinstance(x, arb) and not (x and y):  # no exact root is looked for where one is known
+        return abs(x + y)
+    return (x * x + y * y).sqrt()
 
 
 def _divisor(size: Any) -> Any:

@@ -16,6 +16,7 @@ from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
 from tests.four_wheel import CORNERS
+from tests.proofs.forces_oracle import solves, verifies
 from tests.ruled import ruled
 from tests.thorough import few, thorough
 
@@ -31,6 +32,7 @@ def point_of(scene: Scene, rule: str = "ellipse") -> EllipsePoint:
     scene = ruled(scene, rule)
     point = ellipse_point(scene, load_regions(scene))
     assert point.check()
+    assert verifies(point)
     return point
 
 
@@ -94,7 +96,7 @@ def test_a_linearization_of_another_array_is_refused() -> None:
         replace(outward.scene, wheels=tuple(replace(w, given_speed=-w.speed) for w in outward.scene.wheels))
     )
     assert inward.linearization is not None
-    assert inward.linearization.check()
+    assert solves(inward.linearization)
     forged = replace(outward, linearization=inward.linearization)
     assert forged.translation is not outward.translation
     assert not forged.check()

@@ -27,6 +27,7 @@ from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.similar_scenes import in_own_length
 from tests.array_certificates import check_certificate, evidence, said, subject
 from tests.oracles.earlier_arrays import refusal_of_version_1
+from tests.proofs.forces_oracle import verifies
 from tests.thorough import few, thorough
 
 Floats: TypeAlias = NDArray[np.float64]
@@ -67,6 +68,7 @@ def test_linearization_by_differences_of_the_minimizer(seed: int, rule: str) -> 
     result = check_smooth(turning(seed, rule))
     point = result.equilibrium.point
     assert point.check()
+    assert verifies(point)
     linear = point.linearization
     if linear is None:
         return
@@ -209,6 +211,5 @@ def test_a_slip_across_the_axis_alone_leaves_a_roller_s_force_open() -> None:
     result = check_smooth(scene)
     assert result.check()
     found = result.equilibrium.point
-    assert found.balance.open
-    assert not found.balance.holds
+    assert found.balance.stuck is None
     assert found.situation is Situation.OPEN

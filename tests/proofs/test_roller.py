@@ -27,6 +27,7 @@ from nonsmooth.proofs.verdicts import Equilibrium, Feedback, Translation
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Friction, Scene
 from nonsmooth.symbolic.similar_scenes import with_friction_ratio
+from tests.proofs.forces_oracle import verifies
 from tests.ruled import centred
 from tests.thorough import few
 
@@ -50,6 +51,7 @@ def without_bearing_friction(scene: Scene) -> Scene:
 def point_of(scene: Scene) -> EllipsePoint:
     point = ellipse_point(scene, load_regions(scene, scene.check.equilibrium))
     assert point.check()
+    assert verifies(point)
     assert point.recompute()
     return point
 

@@ -15,7 +15,7 @@ Five situations are told apart, each by exact evidence:
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
@@ -24,7 +24,6 @@ from flint import arb, ctx, fmpq
 from nonsmooth.analysis.cells.loads import LoadRegion, load_regions
 from nonsmooth.analysis.contact_rule import smooth_rule_of
 from nonsmooth.proofs.clauses.at_point.balance import RestBalance, rest_balance
-from nonsmooth.proofs.clauses.at_point.forces_check import balances, carries, is_smooth_minimum, rests_by_sticking
 from nonsmooth.proofs.clauses.at_point.linearization import (
     Linearization,
     Slip,
@@ -33,12 +32,12 @@ from nonsmooth.proofs.clauses.at_point.linearization import (
     slips_at,
     spin_candidates,
 )
+from nonsmooth.proofs.enclosures import is_positive_definite, linear_stability
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.constraints import Row, RowKind, Twist, independent, scene_rows
 from nonsmooth.symbolic.contact_states import solve_rows
-from nonsmooth.symbolic.friction_set import FrictionSet
+from nonsmooth.symbolic.friction_set import BorderPiece
 from nonsmooth.symbolic.number_text import brief_text
-from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import Scene
 
 _PRECISION = 256
@@ -97,35 +96,26 @@ class EllipsePoint:
             return Translation.UNDECIDED
         if self.situation in (Situation.CARRIED, Situation.STICKING):
             return Translation.STABLE
-        if self.linearization is None:
-            return Translation.UNDECIDED
-        trace, det = self.linearization.trace.sign(), self.linearization.determinant.sign()
-        if trace < 0 < det:
-            return Translation.ASYMPTOTICALLY_STABLE
-        return Translation.UNSTABLE if det < 0 or trace > 0 else Translation.UNDECIDED
+        return Translation.UNDECIDED if self.linearization is None else linear_stability(self.linearization.translation)
 
     def undecided(self, reason: str) -> EllipsePoint:
         """The same point without a claim."""
         return replace(self, situation=Situation.OPEN, twist=None, linearization=None, reason=reason)
 
     def check(self) -> bool:
-        """Verify by forces and moments what the body does (module ``forces_check``); not that it is driven away."""
-        scene, region, twist, linear = self.scene, self.region, self.twist, self.linearization
-        zero = scene.field.zero
-        if not region.polygon.contains((zero, zero)) or not (linear is None or linear.check()):
+        """Whether the twist that is named is such a motion, with that linearization; not that the body is driven away.
+
+        Nothing is searched for.
+        """
+        zero = self.scene.field.zero
+        if not self.region.polygon.contains((zero, zero)):
             return False
-        if linear is not None and self.situation is not Situation.SMOOTH:
+        if self.twist is None:
+            return self.linearization is None and self.situation in (Situation.MOVED, Situation.OPEN)
+        found = motion_with(self.scene, self.region, rest_balance(self.scene, self.region), self.twist)
+        if found is None or (found.situation, found.balance) != (self.situation, self.balance):
             return False
-        if self.situation is Situation.MOVED or twist is None:
-            return twist is None and self.situation in (Situation.MOVED, Situation.OPEN)
-        if self.situation is Situation.CARRIED:
-            return carries(scene, region, twist.velocity, twist.omega)
-        if self.situation is Situation.STICKING:
-            return not any(twist) and rests_by_sticking(scene, region, self.balance)
-        spins = not any(twist.velocity)
-        if self.situation is Situation.OPEN:
-            return spins and balances(scene, region, twist.omega)
-        return spins and is_smooth_minimum(scene, region, twist.omega, linear)
+        return self.linearization in (None, found.linearization)
 
     def recompute(self) -> bool:
         """Whether deciding again gives the same."""
@@ -137,177 +127,129 @@ def ellipse_point(scene: Scene, regions: tuple[LoadRegion, ...]) -> EllipsePoint
     zero = scene.field.zero
     here = [region for region in regions if region.polygon.contains((zero, zero))]
     region, balance = here[0], rest_balance(scene, here[0])
-
-    def point(situation: Situation, reason: str, twist: Twist | None = None) -> EllipsePoint:
-        return EllipsePoint(scene, region, situation, twist, balance, None, reason)
-
     carried = common_twist(scene, region)
-    if carried is not None:
-        return point(Situation.CARRIED, f"the twist {_text(carried)} satisfies every row of every wheel", carried)
-    if balance.strict and balance.holds:
-        what = "friction limits" if any(force.limits.is_cut for force in balance.stuck or ()) else "friction ellipses"
-        reason = f"the sticking wheels balance the others strictly inside their {what}"
-        return point(Situation.STICKING, reason, Twist(zero, zero, zero))
-    rates = [zero, *(rate for rate in spin_candidates(scene, region) if rate)]
-    resting = _resting_slips(scene, region)
-    for rate in rates:
-        if _is_smooth_minimizer(scene, region, rate, resting):
-            return _smooth_point(scene, region, balance, rate, kinked=len(here) > 1)
+    rates = spin_candidates(scene, region) if carried is None else ()
+    resting = _in_balls(scene, region)
+    for twist in [carried] if carried is not None else [Twist(zero, zero, rate) for rate in rates]:
+        found = None if _is_no_minimizer(resting, twist) else motion_with(scene, region, balance, twist)
+        if found is not None and found.linearization is not None and len(here) > 1:
+            reason = f"{found.reason}; the loads change their form at the equilibrium, so there is no linearization"
+            return replace(found, linearization=None, reason=reason)
+        if found is not None:
+            return found
+    open_point = EllipsePoint(scene, region, Situation.OPEN, None, balance, None, "")
     if _is_moved(resting):
-        return point(Situation.MOVED, "the translation part of the gradient of D stays away from zero for every spin")
+        reason = "the translation part of the gradient of D stays away from zero for every spin"
+        return replace(open_point, situation=Situation.MOVED, reason=reason)
     reason = "wheels stick at the best motion, or its rotation rate is not a number of the scene"
-    if any(slip.limits.is_cut for slip in slips_at(scene, region, zero)):
+    if any(slip.limits.is_cut for slip in resting):
         reason = (
             "wheels stick at the best motion, or rollers turn there with rims that do not slip, "
             "or its rotation rate is not a number of the scene"
         )
-    return point(Situation.OPEN, reason)
+    return open_point.undecided(reason)
 
 
-def _is_smooth_minimizer(scene: Scene, region: LoadRegion, rate: Number, resting: Sequence[_SlipBalls]) -> bool:
-    """Whether the gradient of D exists and vanishes at ``(0, 0, rate)``; balls tell most that do not.
-
-    The exact gradient takes the root of every wheel's slip into the scene's field.
-    """
-    with ctx.workprec(_PRECISION):
-        pull = _gradient_ball(resting, rate.ball())
-    if pull is not None and not all(entry.contains(0) for entry in pull):
-        return False
-    slips = slips_at(scene, region, rate)
-    return all(slip.is_smooth for slip in slips) and not any(gradient(scene, slips))
-
-
-def _smooth_point(
-    scene: Scene, region: LoadRegion, balance: RestBalance, rate: Number, *, kinked: bool
-) -> EllipsePoint:
-    linear = linearize(scene, region, rate)
+def motion_with(scene: Scene, region: LoadRegion, balance: RestBalance, twist: Twist) -> EllipsePoint | None:
+    """The situation in which the body moves with a twist at the point; None where it is not shown to."""
     zero = scene.field.zero
-    if linear is None or not linear.is_positive_definite:
+
+    def point(situation: Situation, reason: str, linear: Linearization | None = None) -> EllipsePoint:
+        return EllipsePoint(scene, region, situation, twist, balance, linear, reason)
+
+    if is_carried(scene, region, twist):
+        text = f"({twist.vx}, {twist.vy}, {twist.omega})"
+        return point(Situation.CARRIED, f"the twist {text} satisfies every row of every wheel")
+    if not any(twist) and balance.strict:
+        what = "friction limits" if any(force.limits.is_cut for force in balance.stuck or ()) else "friction ellipses"
+        return point(Situation.STICKING, f"the sticking wheels balance the others strictly inside their {what}")
+    slips = slips_at(scene, region, twist.omega)
+    if any(twist.velocity) or not all(slip.is_smooth for slip in slips) or any(gradient(zero, slips)):
+        return None
+    linear = linearize(scene, region, twist.omega)
+    if linear is None or not is_positive_definite(linear.hessian):
         reason = (
-            f"the twist (0, 0, {brief_text(rate)}) minimizes D, but its Hessian is singular there: "
+            f"the twist (0, 0, {brief_text(twist.omega)}) minimizes D, but its Hessian is singular there: "
             "the motion near the point is not determined to first order"
         )
-        return EllipsePoint(scene, region, Situation.OPEN, Twist(zero, zero, rate), balance, None, reason)
-    what = f"a spin at {rate}" if rate else "rest"
-    reason = f"the gradient of D vanishes at {what} and its Hessian is positive definite"
-    if kinked:
-        reason += "; the loads change their form at the equilibrium, so there is no linearization"
-    return EllipsePoint(
-        scene, region, Situation.SMOOTH, Twist(zero, zero, rate), balance, None if kinked else linear, reason
-    )
+        return point(Situation.OPEN, reason)
+    what = f"a spin at {twist.omega}" if twist.omega else "rest"
+    return point(Situation.SMOOTH, f"the gradient of D vanishes at {what} and its Hessian is positive definite", linear)
 
 
 def common_twist(scene: Scene, region: LoadRegion) -> Twist | None:
     """The twist that satisfies every row with friction of every wheel, where the wheels loaded at the point fix it."""
+    loaded = [row for row in _rubbing_rows(scene) if region.forces[scene.places[row.wheel.index]][0]]
+    basis = independent([row.normal for row in loaded])
+    state = solve_rows((loaded[basis[0]], loaded[basis[1]], loaded[basis[2]])) if len(basis) == 3 else None
+    return state.twist if state is not None and is_carried(scene, region, state.twist) else None
+
+
+def is_carried(scene: Scene, region: LoadRegion, twist: Twist) -> bool:
+    """Whether a twist satisfies every row with friction of every wheel, and the loaded wheels fix it."""
+    rows = _rubbing_rows(scene)
+    if any(row.residual(twist) for row in rows):
+        return False
+    loaded = (row.normal for row in rows if region.forces[scene.places[row.wheel.index]][0])
+    return len(independent(loaded)) == 3
+
+
+def _rubbing_rows(scene: Scene) -> list[Row]:
+    """The rows in which the friction set of the wheel has a width."""
     rule = smooth_rule_of(scene)
     limits = {wheel.index: rule.friction_set(wheel.friction) for wheel in scene.wheels}
-    rows = [row for row in scene_rows(scene) if _half_axis(row, limits[row.wheel.index])]
-    loaded = [row for row in rows if region.forces[scene.places[row.wheel.index]][0]]
-    basis = independent([row.normal for row in loaded])
-    if len(basis) < 3:
-        return None
-    state = solve_rows((loaded[basis[0]], loaded[basis[1]], loaded[basis[2]]))
-    if state is None or any(row.residual(state.twist) for row in rows):
-        return None
-    return state.twist
-
-
-def _half_axis(row: Row, limits: FrictionSet) -> Number:
-    """Of the friction set, along the row."""
-    return limits.along if row.kind is RowKind.ROLL else limits.across
-
-
-def _text(twist: Twist) -> str:
-    return f"({twist.vx}, {twist.vy}, {twist.omega})"
+    sizes = {(k, RowKind.ROLL): own.along for k, own in limits.items()}
+    sizes |= {(k, RowKind.SIDE): own.across for k, own in limits.items()}
+    return [row for row in scene_rows(scene) if sizes[row.wheel.index, row.kind]]
 
 
 # ---- no equilibrium: enclosures ----------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class _SlipBalls:
-    """A loaded wheel at rest, in balls: see :class:`nonsmooth.proofs.clauses.at_point.linearization.Slip`."""
-
-    rows: tuple[tuple[arb, ...], tuple[arb, ...]]
-    squares: tuple[arb, arb]
-    slip: tuple[arb, arb]
-    force: arb
-    cut: arb | None
-
-
-def _resting_slips(scene: Scene, region: LoadRegion) -> list[_SlipBalls]:
-    slips = [slip for slip in slips_at(scene, region, scene.field.zero) if slip.force[0]]
+def _in_balls(scene: Scene, region: LoadRegion) -> list[Slip[arb]]:
+    """The loaded wheels at rest."""
     with ctx.workprec(_PRECISION):
-        return [_slip_balls(slip) for slip in slips]
+        return [slip.map(lambda x: x.ball()) for slip in slips_at(scene, region, scene.field.zero) if slip.load[0]]
 
 
-def _slip_balls(slip: Slip) -> _SlipBalls:
-    a, b = (tuple(x.ball() for x in row) for row in slip.rows)
-    roll, side = (x.ball() for x in slip.squares)
-    cut = slip.limits.cut.ball() if slip.limits.is_cut else None
-    return _SlipBalls((a, b), (roll, side), (slip.along.ball(), slip.across.ball()), slip.force[0].ball(), cut)
+def _gradient_at(resting: Sequence[Slip[arb]], rate: arb) -> Sequence[arb] | None:
+    """Enclosure of the gradient of D at ``(0, 0, rate)``; None where it may not exist."""
+    slips = [slip.moved((arb(0), arb(0), rate)) for slip in resting]
+    if any(slip.piece in (BorderPiece.KINK, BorderPiece.OPEN) for slip in slips):
+        return None
+    return gradient(arb(0), slips)
 
 
-def _is_moved(slips: Sequence[_SlipBalls]) -> bool:
+def _is_no_minimizer(resting: Sequence[Slip[arb]], twist: Twist) -> bool:
+    """Whether balls tell so: the exact gradient takes the root of every wheel's slip into the scene's field."""
+    with ctx.workprec(_PRECISION):
+        pull = None if any(twist.velocity) else _gradient_at(resting, twist.omega.ball())
+    return pull is not None and not all(entry.contains(0) for entry in pull)
+
+
+def _is_moved(resting: Sequence[Slip[arb]]) -> bool:
     """Whether no ``(0, 0, omega)`` minimizes D: enclose the best omega, then the gradient over the enclosure."""
+
+    def torque(rate: fmpq) -> arb:
+        pull = _gradient_at(resting, arb(rate))
+        return arb("nan") if pull is None else pull[2]
+
     with ctx.workprec(_PRECISION):
-        bracket = _best_rate(slips)
-        if bracket is None:
-            return False
-        lower, upper = bracket
-        pull = _gradient_ball(slips, arb(lower).union(arb(upper)))
-    return pull is not None and (not pull[0].contains(0) or not pull[1].contains(0))
+        bracket = _zero_of_rising(torque)
+        pull = None if bracket is None else _gradient_at(resting, arb(bracket[0]).union(arb(bracket[1])))
+    return pull is not None and not (pull[0].contains(0) and pull[1].contains(0))
 
 
-def _best_rate(slips: Sequence[_SlipBalls]) -> tuple[fmpq, fmpq] | None:
-    """Rational bracket of the zero of dD/domega along pure rotations; None where its sign is not certain."""
-    bound = fmpq(1)
-    for _ in range(_DOUBLINGS):
-        ends = [_torque_sign(slips, sign * bound) for sign in (-1, 1)]
-        if ends == [-1, 1]:
-            break
-        bound *= 2
-    else:
+def _zero_of_rising(function: Callable[[fmpq], arb]) -> tuple[fmpq, fmpq] | None:
+    """Rational bracket of the zero of a rising function; None where its signs are not certain."""
+    bounds = (fmpq(2) ** k for k in range(_DOUBLINGS))
+    bound = next((bound for bound in bounds if function(-bound) < 0 < function(bound)), None)
+    if bound is None:
         return None
     lower, upper = -bound, bound
     for _ in range(_BISECTIONS):
         for share in (fmpq(3, 8), fmpq(1, 2), fmpq(5, 8)):  # a zero at the middle leaves its sign open
             rate = lower + (upper - lower) * share
-            side = _torque_sign(slips, rate)
-            lower, upper = (rate, upper) if side == -1 else (lower, rate) if side == 1 else (lower, upper)
+            value = function(rate)
+            lower, upper = (rate, upper) if value < 0 else (lower, rate) if value > 0 else (lower, upper)
     return lower, upper
-
-
-def _torque_sign(slips: Sequence[_SlipBalls], rate: fmpq) -> int | None:
-    pull = _gradient_ball(slips, arb(rate))
-    if pull is None or pull[2].contains(0):
-        return None
-    return 1 if pull[2] > 0 else -1
-
-
-def _gradient_ball(slips: Sequence[_SlipBalls], rate: arb) -> tuple[arb, arb, arb] | None:
-    """Enclosure of the gradient of D at ``(0, 0, rate)``; None where a wheel may stick, or its rim not slip."""
-    total = [arb(0), arb(0), arb(0)]
-    for slip in slips:
-        (a, b), (roll, side) = slip.rows, slip.squares
-        r, s = a[2] * rate + slip.slip[0], b[2] * rate + slip.slip[1]
-        square = roll * r * r + side * s * s
-        if not square > 0 or (slip.cut is not None and r.contains(0)):
-            return None
-        scale = slip.force / square.sqrt()
-        along, across = scale * roll * r, scale * side * s
-        if slip.cut is not None and not side * s * s < slip.cut * slip.cut * square:
-            along, across = _cut_force(slip, slip.cut, r, across)
-        for k in range(3):
-            total[k] += along * a[k] + across * b[k]
-    return total[0], total[1], total[2]
-
-
-def _cut_force(slip: _SlipBalls, cut: arb, r: arb, across: arb) -> tuple[arb, arb]:
-    """The force of a slip whose force on the ellipse may pass the cut: held at the cut, the rest along the rim."""
-    roll, side = slip.squares
-    limit = slip.force * side.sqrt() * cut
-    held = across.min(limit).max(-limit)
-    share = (held / (slip.force * side.sqrt())) ** 2
-    along = slip.force * (roll * (1 - share)).sqrt()
-    return (along if r > 0 else -along), held

@@ -1,12 +1,14 @@
 """Spins and linearization under a rule without cells, exactly.
 
 With D, ``a_i`` and ``b_i`` of :mod:`nonsmooth.proofs.clauses.at_point.balance`: arrays with torque may *spin* at the
-equilibrium.  The twist ``(0, 0, omega)`` is a minimizer iff the gradient
-``sum N_i (mu_R^2 r_i a_i + mu_S^2 s_i b_i)/f_i`` vanishes at it.
+equilibrium.  The twist ``(0, 0, omega)`` is a minimizer iff the gradient ``sum N_i pull_i`` of D vanishes at it ::
+
+    pull_i = (df_i/dr) a_i + (df_i/ds) b_i,             on an ellipse (mu_R^2 r_i a_i + mu_S^2 s_i b_i)/f_i
 
 About such a smooth minimizer, to first order ``xi = (0, 0, omega) - H^-1 G c`` with ::
 
-    H = sum N_i mu_R^2 mu_S^2/f_i^3 w_i w_i^T,   w_i = s_i a_i - r_i b_i,      G = d gradient/dc through N_i(c)
+    H = sum N_i bend_i w_i w_i^T,   w_i = s_i a_i - r_i b_i,      on an ellipse bend_i = mu_R^2 mu_S^2/f_i^3
+    G = sum pull_i dN_i/dc
 
 and ``c' = A c``, A the translation part of ``-H^-1 G`` plus ``omega J``: field operations on the scene's numbers, so
 the eigenvalues are decided exactly.  (At rest H is ``sum N_i mu_S^2/(mu_R |u_i|) b_i b_i^T``.)
@@ -19,14 +21,15 @@ derivative, so there is no linearization.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any, Generic, TypeAlias, TypeVar
 
 from flint import arb
 
 from nonsmooth.analysis.cells.loads import Affine, LoadRegion
-from nonsmooth.analysis.contact_rule import smooth_rule_of
+from nonsmooth.analysis.contact_rule import SmoothRule, smooth_rule_of
 from nonsmooth.symbolic.constraints import (
     Triple,
     added,
@@ -39,11 +42,118 @@ from nonsmooth.symbolic.constraints import (
     side_row,
     total,
 )
-from nonsmooth.symbolic.friction_set import BorderPiece, FrictionSet
+from nonsmooth.symbolic.friction_set import BorderPiece, CutEllipse
 from nonsmooth.symbolic.number_text import Real
 from nonsmooth.symbolic.numbers.lazy import Lazy, divided
 from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.plane import Vector
 from nonsmooth.symbolic.scene import Scene, Wheel
+
+X = TypeVar("X", bound=Any)  # exact numbers, or balls
+Slope: TypeAlias = tuple[Triple, Triple]  # two columns, one per coordinate of c
+
+
+@dataclass(frozen=True)
+class Slip(Generic[X]):
+    """A wheel under a twist, and what it adds to D per unit of its load.
+
+    Attributes:
+        wheel: its number.
+        position: from the checked point.
+        load: its load as an affine form of c.
+        rows: ``a_i`` and ``b_i``.
+        along: ``r_i``.
+        across: ``s_i``.
+        limits: the friction set.
+    """
+
+    wheel: int
+    position: Vector
+    load: tuple[X, X, X]
+    rows: tuple[tuple[X, X, X], tuple[X, X, X]]
+    along: X
+    across: X
+    limits: CutEllipse[X]
+
+    def moved(self, twist: Sequence[X]) -> Slip[X]:
+        """The same wheel under a twist that is added."""
+        a, b = (row[0] * twist[0] + row[1] * twist[1] + row[2] * twist[2] for row in self.rows)
+        return replace(self, along=self.along + a, across=self.across + b)
+
+    def map(self, number: Callable[[X], Any]) -> Slip[Any]:
+        """The same in another arithmetic."""
+        load, *rows = (tuple(number(x) for x in triple) for triple in (self.load, *self.rows))
+        speeds = number(self.along), number(self.across)
+        return Slip(self.wheel, self.position, load, (rows[0], rows[1]), *speeds, self.limits.map(number))  # type: ignore[arg-type]
+
+    @cached_property
+    def piece(self) -> BorderPiece:
+        """Where the force lies on the border of the set."""
+        return self.limits.piece(self.along, self.across)
+
+    @property
+    def is_smooth(self) -> bool:
+        """Whether the wheel's term of D has two derivatives here."""
+        return self.piece in (BorderPiece.ARC, BorderPiece.CORNER)
+
+    @cached_property
+    def pull(self) -> tuple[X, X, X]:
+        """The gradient of f; raises as that of the friction set."""
+        (a, b), (along, across) = self.rows, self.limits.gradient(self.along, self.across)
+        return added(scaled(a, along), scaled(b, across))
+
+    @cached_property
+    def bend(self) -> X:
+        """The factor of ``w w^T`` in the Hessian of f: zero at a corner of the set."""
+        return self.limits.bend(self.along, self.across)
+
+    @cached_property
+    def w(self) -> tuple[X, X, X]:
+        """``s_i a_i - r_i b_i``."""
+        a, b = self.rows
+        return added(scaled(a, self.across), scaled(b, -self.along))
+
+
+def slips_at(scene: Scene, region: LoadRegion, omega: Number) -> tuple[Slip[Number], ...]:
+    """Slips of the loaded wheels that have friction, under the twist ``(0, 0, omega)``."""
+    zero = scene.field.zero
+    pressed = [(wheel, load) for wheel, load in zip(scene.wheels, region.forces, strict=True) if any(load)]
+    slips = [slip_at_rest(wheel, load, smooth_rule_of(scene)) for wheel, load in pressed]
+    return tuple(slip.moved((zero, zero, omega)) for slip in slips if slip.limits.along or slip.limits.across)
+
+
+def slip_at_rest(wheel: Wheel, load: Affine, rule: SmoothRule) -> Slip[Number]:
+    """The slip of one wheel under a body that rests."""
+    rows = roll_row(wheel).unit_normal, side_row(wheel).unit_normal
+    along, across = wheel.slip_speeds
+    return Slip(wheel.index, wheel.position, load, rows, -along, -across, rule.friction_set(wheel.friction))
+
+
+def gradient(zero: X, slips: Iterable[Slip[X]], part: int = 0) -> tuple[X, X, X]:
+    """``sum N_i pull_i``: of D at c = 0, or (parts 1 and 2) how it changes along x and y."""
+    return total(zero, (scaled(slip.pull, slip.load[part]) for slip in slips if slip.load[part]))
+
+
+def hessian(zero: Number, slips: Iterable[Slip[Number]], loads: Iterable[Number]) -> tuple[Triple, Triple, Triple]:
+    """``sum N_i bend_i w_i w_i^T``, by its rows."""
+    weights = [(slip.w, load * slip.bend) for slip, load in zip(slips, loads, strict=True) if load]
+    first, second, third = (total(zero, (scaled(w, weight * w[r]) for w, weight in weights)) for r in range(3))
+    return first, second, third
+
+
+def spin_candidates(scene: Scene, region: LoadRegion) -> tuple[Number, ...]:
+    """Rates omega at which a wheel alone would have its least slip: the spin of arrays whose wheels are all alike.
+
+    ``alpha^2 r a_3 + beta^2 s b_3 = 0`` gives ``omega = alpha^2 a_3 u/(alpha^2 a_3^2 + beta^2 b_3^2)``, on the arc;
+    with a friction axis apart from the rim the surface has a speed across it too.  Rest is the first.
+    """
+    rates: dict[Number, None] = {scene.field.zero: None}
+    for slip in slips_at(scene, region, scene.field.zero):
+        (a, b), roll, side = slip.rows, slip.limits.along**2, slip.limits.across**2
+        stiffness = roll * a[2] * a[2] + side * b[2] * b[2]
+        if stiffness:
+            rates[-(roll * a[2] * slip.along + side * b[2] * slip.across) / stiffness] = None
+    return tuple(rates)
 
 
 @dataclass(frozen=True)
@@ -59,8 +169,8 @@ class Linearization:
 
     omega: Number
     hessian: tuple[Triple, Triple, Triple]
-    slope: tuple[Triple, Triple]
-    columns: tuple[Triple, Triple]
+    slope: Slope
+    columns: Slope
 
     @property
     def translation(self) -> tuple[tuple[Number, Number], tuple[Number, Number]]:
@@ -91,12 +201,6 @@ class Linearization:
         return (self.trace + discriminant.sqrt()) / 2
 
     @property
-    def is_positive_definite(self) -> bool:
-        """Whether H is positive definite, so that the minimizer is unique and smooth in c (Sylvester)."""
-        a, b, c = self.hessian
-        return a[0].sign() > 0 and (a[0] * b[1] - a[1] * b[0]).sign() > 0 and inner(a, cross_product(b, c)).sign() > 0
-
-    @property
     def rotation_map(self) -> tuple[Number, Number]:
         """The row m of ``theta_inf - theta_0 = m . c_0`` (where omega = 0 and A is regular): ``m A = -M_3``.
 
@@ -106,137 +210,27 @@ class Linearization:
         x, y, z = (inner(row, normal) for row in self.hessian)
         return divided(x, z), divided(y, z)
 
-    def check(self) -> bool:
-        """Re-verify ``H M + G = 0``."""
-        return all(
-            inner(row, column) + slope[r] == 0
-            for column, slope in zip(self.columns, self.slope, strict=True)
-            for r, row in enumerate(self.hessian)
-        )
-
-
-@dataclass(frozen=True)
-class Slip:
-    """Slip of a loaded wheel under the twist ``(0, 0, omega)``.
-
-    Attributes:
-        force: its load as an affine form of c.
-        along: ``r_i``.
-        across: ``s_i``.
-        rows: ``a_i`` and ``b_i``.
-        limits: the friction set.
-    """
-
-    force: Affine
-    along: Number
-    across: Number
-    rows: tuple[Triple, Triple]
-    limits: FrictionSet
-
-    @property
-    def squares(self) -> tuple[Number, Number]:
-        """``alpha^2`` and ``beta^2``."""
-        return self.limits.along * self.limits.along, self.limits.across * self.limits.across
-
-    @cached_property
-    def piece(self) -> BorderPiece:
-        """Where the force lies on the border of the set."""
-        return self.limits.piece(self.along, self.across)
-
-    @property
-    def is_smooth(self) -> bool:
-        """Whether the wheel's term of D has two derivatives here."""
-        return self.piece in (BorderPiece.ARC, BorderPiece.CORNER)
-
-    @property
-    def squared_size(self) -> Number:
-        """``f_i^2`` on the arc."""
-        roll, side = self.squares
-        return roll * self.along * self.along + side * self.across * self.across
-
-    @cached_property
-    def size(self) -> Number:
-        """What :attr:`pull` is divided by: f on the arc, one at a corner."""
-        return self.squared_size.sqrt() if self.piece is BorderPiece.ARC else self.along.field.one
-
-    @cached_property
-    def pull(self) -> Triple:
-        """On the arc ``(alpha^2 r_i a_i + beta^2 s_i b_i)``, the gradient of ``f_i^2/2``; at a corner that of f."""
-        a, b = self.rows
-        if self.piece is BorderPiece.ARC:
-            roll, side = self.squares
-            return added(scaled(a, roll * self.along), scaled(b, side * self.across))
-        x, y = self.limits.corner * self.along.sign(), self.limits.cut * self.across.sign()
-        return added(scaled(a, self.limits.along * x), scaled(b, self.limits.across * y))
-
-
-def slips_at(scene: Scene, region: LoadRegion, omega: Number) -> tuple[Slip, ...]:
-    """Slips of the loaded wheels that have friction, under the twist ``(0, 0, omega)``."""
-    rule, slips = smooth_rule_of(scene), []
-    for wheel, form in zip(scene.wheels, region.forces, strict=True):
-        limits = rule.friction_set(wheel.friction)
-        if any(form) and (limits.along or limits.across):
-            slips.append(slip_of(wheel, form, limits, omega))
-    return tuple(slips)
-
-
-def slip_of(wheel: Wheel, force: Affine, limits: FrictionSet, omega: Number) -> Slip:
-    """The slip of one wheel under the twist ``(0, 0, omega)``."""
-    a, b = roll_row(wheel).unit_normal, side_row(wheel).unit_normal
-    along, across = wheel.slip_speeds
-    return Slip(force, a[2] * omega - along, b[2] * omega - across, (a, b), limits)
-
-
-def gradient(scene: Scene, slips: Iterable[Slip]) -> Triple:
-    """Gradient of D at c = 0, where every loaded wheel's term is smooth."""
-    return total(scene.field.zero, (scaled(s.pull, s.force[0] / s.size) for s in slips if s.force[0]))
-
-
-def spin_candidates(scene: Scene, region: LoadRegion) -> tuple[Number, ...]:
-    """Rates omega at which a wheel alone would have its least slip: the spin of arrays whose wheels are all alike.
-
-    ``alpha^2 r a_3 + beta^2 s b_3 = 0`` gives ``omega = alpha^2 a_3 u/(alpha^2 a_3^2 + beta^2 b_3^2)``, on the arc;
-    with a friction axis apart from the rim the surface has a speed across it too.
-    """
-    rates: dict[Number, None] = {}
-    for slip in slips_at(scene, region, scene.field.zero):
-        (a, b), (roll, side) = slip.rows, slip.squares
-        stiffness = roll * a[2] * a[2] + side * b[2] * b[2]
-        if stiffness:
-            rates[-(roll * a[2] * slip.along + side * b[2] * slip.across) / stiffness] = None
-    return tuple(rates)
-
 
 def linearize(scene: Scene, region: LoadRegion, omega: Number) -> Linearization | None:
     """First-order twist about ``(0, 0, omega)``; None where D is not smooth there or H is singular."""
-    slips = slips_at(scene, region, omega)
+    slips, zero = slips_at(scene, region, omega), scene.field.zero
     if not all(slip.is_smooth for slip in slips):
         return None
-    zero = scene.field.zero
-    hessian = [[zero] * 3 for _ in range(3)]
-    slopes = [(zero, zero, zero), (zero, zero, zero)]
-    for slip in slips:
-        if slip.piece is BorderPiece.ARC:
-            _add_curvature(hessian, slip)
-        slopes = [added(g, scaled(slip.pull, slip.force[1 + axis] / slip.size)) for axis, g in enumerate(slopes)]
-    rows = [(row[0], row[1], row[2]) for row in hessian]
-    columns = cofactors(rows[0], rows[1], rows[2])
+    rows = hessian(zero, slips, [slip.load[0] for slip in slips])
+    slope = gradient(zero, slips, 1), gradient(zero, slips, 2)
+    columns = cofactors(*rows)
     determinant = inner(rows[0], columns[0])
     if not determinant:
         return None
     scale = divided(-scene.field.one, determinant)
-    x, y = (scaled(combine(slope, columns), scale) for slope in slopes)
-    return Linearization(omega, (rows[0], rows[1], rows[2]), (slopes[0], slopes[1]), (x, y))
+    x, y = (scaled(combine(column, columns), scale) for column in slope)
+    return Linearization(omega, rows, slope, (x, y))
 
 
-def _add_curvature(hessian: list[list[Number]], slip: Slip) -> None:
-    """Add ``N alpha^2 beta^2/f^3 w w^T``."""
-    (a, b), (roll, side) = slip.rows, slip.squares
-    w = added(scaled(a, slip.across), scaled(b, -slip.along))
-    factor = slip.force[0] * roll * side / (slip.size * slip.squared_size)
-    for r in range(3):
-        for s in range(3):
-            hessian[r][s] = hessian[r][s] + factor * w[r] * w[s]
+def inward_pull(slope: Slope) -> Number | None:
+    """``beta > 0`` where ``G c = (beta c, 0)``; None for any other G."""
+    (a, b, m), (c, d, n) = slope
+    return a if a == d and a.sign() > 0 and not (b or c or m or n) else None
 
 
 def _root_of_positive(ball: arb) -> arb:

@@ -10,8 +10,11 @@ since ``v = w - omega_0 J c``, and because force and moment vanish at the equili
 matter.  Five eigenvalues decide, the zeros of the quintic ``det`` of the pencil.  As m goes to 0 three of them tend to
 those of ``-H/m`` and two to those of A, so a body that is light enough behaves as the verdict says (Tikhonov's
 theorem; Kokotović, Khalil and O'Reilly 1986).  As m grows, stability is lost where two zeros add to nought, that is, by
-Orlando's formula, where the fourth Hurwitz determinant vanishes: a polynomial in m.  It is proved positive on an
-interval by the signs of Bernstein coefficients, and negative at a mass beyond.
+Orlando's formula, where the fourth Hurwitz determinant of the quintic ``sum p_k lambda^k`` vanishes ::
+
+    (p_4 p_3 - p_5 p_2)(p_2 p_1 - p_3 p_0) - (p_4 p_1 - p_5 p_0)^2
+
+a polynomial in m.  It is proved positive on an interval in balls of its parts, and negative at a mass beyond.
 
 Speeds count as the square root of m: with all speeds s times as large, H is divided by s, and in times s times as long
 the same equations have the mass ``s^2 m``.
@@ -20,16 +23,15 @@ the same equations have the mass ``s^2 m``.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import pairwise, permutations
-from typing import TypeAlias
 
 import numpy as np
 from flint import arb, arb_poly, ctx, fmpq
 
 from nonsmooth.proofs.clauses.at_point.linearization import Linearization
+from nonsmooth.proofs.enclosures import holds_on, is_positive_definite, linear_stability
+from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.number_text import lower_text, upper_text
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import Scene
@@ -38,9 +40,8 @@ PRECISION = 256  # bits of the balls
 DIGITS = 4  # of the masses between which stability is lost
 REAL = 2.0**-23  # relative imaginary part below which a proposed root counts as real; a wrong one proves nothing
 FAR = 6  # powers of ten beyond the mass at which friction damps critically: as far as is looked
-HALVINGS = 30  # of an interval until the coefficients of every part have one sign
-
-Pencil: TypeAlias = list[arb_poly]  # coefficients of the powers of lambda, polynomials in m
+HALVINGS = 80  # of the interval of masses, where the determinant is not shown to be positive
+POWERS = 4  # of the mass in each coefficient of the quintic
 
 
 @dataclass(frozen=True)
@@ -64,7 +65,7 @@ class MassLimit:
         """Verify both masses from H, G and the radius."""
         with ctx.workprec(PRECISION):
             determinant = hurwitz_determinant(self.linearization, self.squared_radius)
-            if determinant is None or self.stable_to <= 0 or not _is_positive_to(determinant, self.stable_to):
+            if self.stable_to <= 0 or not _is_positive_to(determinant, self.stable_to):
                 return False
             if self.unstable_at is None:
                 return True
@@ -91,12 +92,11 @@ def decide_mass_limit(linearization: Linearization, squared_radius: Number) -> M
         linearization: H positive definite, A Hurwitz.
         squared_radius: inertia over mass, positive.
     """
-    if not (linearization.is_positive_definite and linearization.trace.sign() < 0 < linearization.determinant.sign()):
+    is_hurwitz = linear_stability(linearization.translation) is Translation.ASYMPTOTICALLY_STABLE
+    if not (is_hurwitz and is_positive_definite(linearization.hessian)):
         return None
     with ctx.workprec(PRECISION):
         determinant = hurwitz_determinant(linearization, squared_radius)
-    if determinant is None:
-        return None
     end, root = _far(linearization), _least_positive_root(determinant)
     if root is None or root >= end:
         found = MassLimit(linearization, squared_radius, end, None)
@@ -106,77 +106,35 @@ def decide_mass_limit(linearization: Linearization, squared_radius: Number) -> M
     return found if found.check() else None
 
 
-def hurwitz_determinant(linearization: Linearization, squared_radius: Number) -> arb_poly | None:
-    """The fourth Hurwitz determinant as a polynomial in m, without its factor ``m^k``.
+def hurwitz_determinant(linear: Linearization, squared_radius: Number) -> arb_poly:
+    """The fourth Hurwitz determinant as a polynomial in m, without its factor ``m^3``.
 
     To be called with the precision of its balls set.
-
-    Returns:
-        None where its sign near m = 0 is not known.
     """
-    p = _characteristic(linearization, squared_radius.ball())
-    zero = arb_poly([])
-    rows = [[p[4], p[2], p[0], zero], [p[5], p[3], p[1], zero], [zero, p[4], p[2], p[0]], [zero, p[5], p[3], p[1]]]
-    coefficients = _determinant(rows).coeffs()
-    lowest = next((k for k, value in enumerate(coefficients) if not _is_zero(value)), None)
-    if lowest is None or not coefficients[lowest] > 0:
-        return None
-    return arb_poly(coefficients[lowest:])
+    quintic = _characteristic(linear, squared_radius.ball()).coeffs()
+    mass = arb_poly([0, 1])
+    # a power of lambda above the second comes with a power of m, which is left out
+    p = [arb_poly(quintic[POWERS * k + max(0, k - 2) : POWERS * (k + 1)]) for k in range(6)]
+    first, second = p[4] * p[3] - p[5] * p[2], p[2] * p[1] - mass * p[3] * p[0]
+    third = p[4] * p[1] - mass * p[5] * p[0]
+    return first * second - mass * third * third
 
 
-def _characteristic(linear: Linearization, squared_radius: arb) -> list[arb_poly]:
-    """The coefficients of the quintic in lambda, each a polynomial in m.
+def _characteristic(linear: Linearization, squared_radius: arb) -> arb_poly:
+    """The quintic in lambda, whose coefficients are polynomials in m: with ``lambda = m^4`` all in one.
 
     Rows: balance of forces and of moments; columns: c, which moves at ``w = lambda c``, and omega.
     """
-    hessian = [[entry.ball() for entry in row] for row in linear.hessian]
-    rate = linear.omega.ball()
-    masses = (arb(1), arb(1), squared_radius)
-    entries: list[list[Pencil]] = []
-    for r, row in enumerate(hessian):
+    rate, rows = linear.omega.ball(), []
+    for r, (inertia, row) in enumerate(zip((arb(1), arb(1), squared_radius), linear.hessian, strict=True)):
+        h = [entry.ball() for entry in row]
         x, y = (column[r].ball() for column in linear.slope)
-        stiffness = (x - rate * row[1], y + rate * row[0])  # K = G - omega_0 (H_1 H_2) J
-        inertia = [arb_poly([0, masses[r] if r == column else 0]) for column in range(3)]
-        places = [[arb_poly([stiffness[k]]), arb_poly([row[k]]), inertia[k]] for k in range(2)]
-        entries.append([*places, [arb_poly([row[2]]), inertia[2]]])
-    found = [arb_poly([]) for _ in range(6)]
-    for order in permutations(range(3)):
-        term = [arb_poly([_parity(order)])]
-        for r, column in enumerate(order):
-            term = _times(term, entries[r][column])
-        for k, value in enumerate(term):
-            found[k] = found[k] + value
-    return found
-
-
-def _times(first: Pencil, second: Pencil) -> Pencil:
-    """The product of two polynomials in lambda."""
-    found = [arb_poly([]) for _ in range(len(first) + len(second) - 1)]
-    for i, a in enumerate(first):
-        for j, b in enumerate(second):
-            found[i + j] = found[i + j] + a * b
-    return found
-
-
-def _determinant(rows: Sequence[Sequence[arb_poly]]) -> arb_poly:
-    """By its definition."""
-    total = arb_poly([])
-    for order in permutations(range(len(rows))):
-        term = arb_poly([_parity(order)])
-        for r, column in enumerate(order):
-            term = term * rows[r][column]
-        total = total + term
-    return total
-
-
-def _parity(order: Sequence[int]) -> int:
-    inversions = sum(order[i] > order[j] for j in range(len(order)) for i in range(j))
-    return -1 if inversions % 2 else 1
-
-
-def _is_zero(value: arb) -> bool:
-    """Whether it is nought exactly, as a coefficient is that no term contributes to."""
-    return bool(value.is_zero())
+        pull = x - rate * h[1], y + rate * h[0]  # K = G - omega_0 (H_1 H_2) J
+        mass = [inertia if r == column else arb(0) for column in range(3)]
+        entries = [[pull[k], *[0] * 3, h[k], *[0] * 4, mass[k]] for k in range(2)]
+        rows.append([arb_poly(entry) for entry in (*entries, [h[2], *[0] * 4, mass[2]])])
+    (a, b, c), (d, e, f), (g, h, k) = rows
+    return a * (e * k - f * h) - b * (d * k - f * g) + c * (d * h - e * g)
 
 
 def _least_positive_root(determinant: arb_poly) -> float | None:
@@ -198,32 +156,8 @@ def _far(linear: Linearization) -> Fraction:
 
 def _is_positive_to(polynomial: arb_poly, end: Fraction) -> bool:
     """Whether it is positive on ``[0, end]``."""
-    stretched = polynomial(arb_poly([0, _ball(end)]))
-    return _is_positive_on_unit(stretched.coeffs(), HALVINGS)
-
-
-def _is_positive_on_unit(coefficients: Sequence[arb], halvings: int) -> bool:
-    """By the Bernstein coefficients of ever smaller parts of ``[0, 1]``."""
-    degree = len(coefficients) - 1
-    bernstein = [
-        sum((coefficients[i] * fmpq(math.comb(k, i), math.comb(degree, i)) for i in range(k + 1)), arb(0))
-        for k in range(degree + 1)
-    ]
-    return _all_positive(bernstein, halvings)
-
-
-def _all_positive(bernstein: list[arb], halvings: int) -> bool:
-    """Bernstein coefficients of both halves, by de Casteljau, until all are positive or an end is not."""
-    if all(value > 0 for value in bernstein):
-        return True
-    if not halvings or not (bernstein[0] > 0 and bernstein[-1] > 0):
-        return False
-    left, right, row = [bernstein[0]], [bernstein[-1]], bernstein
-    while len(row) > 1:
-        row = [(a + b) / 2 for a, b in pairwise(row)]
-        left.append(row[0])
-        right.append(row[-1])
-    return _all_positive(left, halvings - 1) and _all_positive(right[::-1], halvings - 1)
+    last = _ball(end)
+    return bool(polynomial(last) > 0) and holds_on(lambda mass: bool(polynomial(mass) > 0), arb(0), last, HALVINGS)
 
 
 def _ball(value: Fraction) -> arb:

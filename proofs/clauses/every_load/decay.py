@@ -32,9 +32,10 @@ from functools import cached_property
 from itertools import combinations
 
 from nonsmooth.analysis.cells.load_sets import AdmissibleLoads, LoadPolytope, Loads, LoadSet, SpringLoads, priced
+from nonsmooth.proofs.clauses.at_point.linearization import Slip, Slope, hessian
 from nonsmooth.proofs.clauses.every_load.simplices import is_positive_on_hull
-from nonsmooth.proofs.clauses.every_load.wheel_pulls import Slope, WheelPull
-from nonsmooth.symbolic.constraints import Triple, cross_product, inner, scaled, total
+from nonsmooth.proofs.enclosures import is_positive_definite
+from nonsmooth.symbolic.constraints import cross_product, inner
 from nonsmooth.symbolic.numbers.number import Number
 
 MOST_CORNERS = 100  # of the set of loads: the form is evaluated at all pairs
@@ -46,29 +47,18 @@ class DecayUnderLoads:
     """The linearization about rest as a function of the loads.
 
     Attributes:
-        pulls: every wheel about rest.
+        slips: every wheel about rest.
         slope: B.
         loads: the set of loads.
     """
 
-    pulls: tuple[WheelPull, ...]
+    slips: tuple[Slip[Number], ...]
     slope: Slope
     loads: LoadSet
 
-    def hessian(self, loads: Loads) -> tuple[Triple, Triple, Triple]:
-        """``H(N)``."""
-        zero = self.pulls[0].bend.field.zero
-        weights = [n * wheel.bend for n, wheel in zip(loads, self.pulls, strict=True)]
-        rows = [
-            total(zero, (scaled(wheel.w, n * wheel.w[r]) for n, wheel in zip(weights, self.pulls, strict=True) if n))
-            for r in range(3)
-        ]
-        return rows[0], rows[1], rows[2]
-
     def is_definite(self, loads: Loads) -> bool:
         """Whether ``H(N)`` is positive definite."""
-        a, b, c = self.hessian(loads)
-        return a[0].sign() > 0 and (a[0] * b[1] - a[1] * b[0]).sign() > 0 and inner(a, cross_product(b, c)).sign() > 0
+        return is_positive_definite(hessian(loads[0].field.zero, self.slips, loads))
 
     @cached_property
     def soft_load(self) -> Loads | None:
@@ -87,15 +77,15 @@ class DecayUnderLoads:
     def determinant_prices(self) -> list[Number]:
         """``e_z . H m`` per load."""
         normal = cross_product(*self.slope)
-        return [wheel.bend * wheel.w[2] * inner(wheel.w, normal) for wheel in self.pulls]
+        return [wheel.bend * wheel.w[2] * inner(wheel.w, normal) for wheel in self.slips]
 
     @cached_property
     def trace_terms(self) -> list[list[Number]]:
         """The symmetric matrix of the quadratic ``-tr A det H`` in the loads."""
-        zero = self.pulls[0].bend.field.zero
-        matrix = [[zero] * len(self.pulls) for _ in self.pulls]
-        for i, j in combinations(range(len(self.pulls)), 2):
-            first, second = self.pulls[i], self.pulls[j]
+        zero = self.slips[0].bend.field.zero
+        matrix = [[zero] * len(self.slips) for _ in self.slips]
+        for i, j in combinations(range(len(self.slips)), 2):
+            first, second = self.slips[i], self.slips[j]
             q = cross_product(first.w, second.w)
             spread = q[0] * inner(q, self.slope[0]) + q[1] * inner(q, self.slope[1])
             matrix[i][j] = matrix[j][i] = first.bend * second.bend * spread / 2

@@ -8,27 +8,20 @@ point is no equilibrium.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
-from nonsmooth.analysis.cells.load_sets import LoadPolytope, Loads, LoadSet, load_set
-from nonsmooth.analysis.contact_rule import CellRule, rule_of, smooth_rule_of
+from nonsmooth.analysis.cells.load_sets import Loads, LoadSet, load_set
+from nonsmooth.analysis.contact_rule import CellRule, rule_of
 from nonsmooth.proofs.clauses.at_point.balance import rest_balance
-from nonsmooth.proofs.clauses.at_point.ellipse import common_twist, ellipse_point
-from nonsmooth.proofs.clauses.at_point.forces_check import carries, rests_by_sticking
-from nonsmooth.proofs.clauses.at_point.linearization import spin_candidates
+from nonsmooth.proofs.clauses.at_point.ellipse import common_twist, ellipse_point, is_carried
+from nonsmooth.proofs.clauses.at_point.linearization import Slope, spin_candidates
 from nonsmooth.proofs.clauses.cocircular import cocircular_array
 from nonsmooth.proofs.clauses.every_load.box_slopes import build_slopes, is_driven_away, moving_loads
-from nonsmooth.proofs.clauses.every_load.wheel_pulls import (
-    Slope,
-    common_slope,
-    has_slope,
-    under_load,
-    wheel_pulls,
-)
+from nonsmooth.proofs.clauses.every_load.wheel_pulls import common_slope, has_slope, under_load, wheel_slips
 from nonsmooth.proofs.verdicts import Equilibrium
-from nonsmooth.symbolic.constraints import Triple, Twist, independent, rows_with_friction, scene_rows, wheel_rows
+from nonsmooth.symbolic.constraints import Twist, rows_with_friction, scene_rows
 from nonsmooth.symbolic.number_text import brief_text
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import Scene
@@ -92,10 +85,10 @@ class EveryLoadPoint:
                 return self.witness is not None and is_admissible(self.scene, self.witness) and self._moves()
             case EveryLoad.CARRIED:
                 region = under_load(self.scene, self.loads.reached.middle)
-                return self.twist is not None and carries(self.scene, region, self.twist.velocity, self.twist.omega)
+                return self.twist is not None and is_carried(self.scene, region, self.twist)
             case EveryLoad.SMOOTH:
-                pulls = None if self.twist is None else wheel_pulls(self.scene, self.twist.omega)
-                return pulls is not None and self.slope is not None and has_slope(pulls, self.slope)
+                slips = None if self.twist is None else wheel_slips(self.scene, self.twist.omega)
+                return slips is not None and self.slope is not None and has_slope(slips, self.slope)
             case EveryLoad.TIED:
                 return self.twist is not None and (_rolls(self.scene, self.twist) or bool(cocircular_array(self.scene)))
             case _:
@@ -135,15 +128,18 @@ def _smooth_point(scene: Scene, loads: LoadSet) -> EveryLoadPoint:
     carried = common_twist(scene, region)
     if carried is not None:
         reason = f"the twist ({', '.join(map(brief_text, carried))}) satisfies every row with friction of every wheel"
-        situation = EveryLoad.CARRIED if _fix_the_motion(scene, loads.bound) else EveryLoad.TIED
+        # the wheels that carry fix the motion iff ``sum N_i a_k a_k^T``, linear in the loads, is positive definite
+        corners = loads.bound.corners or (loads.bound.least,)
+        fixed = all(is_carried(scene, under_load(scene, corner), carried) for corner in corners)
+        situation = EveryLoad.CARRIED if fixed else EveryLoad.TIED
         return EveryLoadPoint(scene, loads, situation, carried, None, None, reason)
     if _rests_by_sticking(scene, loads):
         reason = "under every load the sticking wheels balance the others strictly inside their friction limits"
         return EveryLoadPoint(scene, loads, EveryLoad.UNIQUE, Twist(zero, zero, zero), None, None, reason)
-    rates = [zero, *(rate for rate in spin_candidates(scene, region) if rate)]
+    rates = spin_candidates(scene, region)
     for rate in rates:
-        pulls = wheel_pulls(scene, rate)
-        slope = None if pulls is None else common_slope(pulls)
+        slips = wheel_slips(scene, rate)
+        slope = None if slips is None else common_slope(slips)
         if slope is not None:
             return EveryLoadPoint(
                 scene, loads, EveryLoad.SMOOTH, Twist(zero, zero, rate), slope, None, _balance_text(rate)
@@ -174,25 +170,6 @@ def load_text(loads: Loads) -> str:
     return f"({', '.join(f'{float(load):.4g}' for load in loads)})"
 
 
-def _fix_the_motion(scene: Scene, loads: LoadPolytope) -> bool:
-    """Whether the wheels that carry fix the motion under every load: their rows with friction have rank three.
-
-    ``sum_i N_i (sum of a_k a_k^T of wheel i)`` is linear in the loads and positive definite iff that rank is three; so
-    it is under all loads where it is at the corners, and where it is under the least loads of all wheels.
-    """
-    rule = smooth_rule_of(scene)
-    rows: list[list[Triple]] = []
-    for wheel in scene.wheels:
-        limits = rule.friction_set(wheel.friction)
-        along, across = (row.normal for row in wheel_rows(wheel))
-        rows.append([normal for normal, friction in ((along, limits.along), (across, limits.across)) if friction])
-    for corner in loads.corners or (loads.least,):
-        carrying = [normal for load, normals in zip(corner, rows, strict=True) if load > 0 for normal in normals]
-        if len(independent(carrying)) < 3:
-            return False
-    return True
-
-
 def _rolls(scene: Scene, twist: Twist) -> bool:
     """Whether every row with friction holds: D = 0, whatever the load and wherever the body is."""
     return not any(row.residual(twist) for row in rows_with_friction(scene))
@@ -202,18 +179,17 @@ def _rests_by_sticking(scene: Scene, loads: LoadSet) -> bool:
     """Whether sticking wheels hold the body at every corner of the set; strictly inside is a convex condition too."""
     if all(wheel.scaled_speed and wheel.friction.roll for wheel in scene.wheels) or loads.bound.corners is None:
         return False
-    regions = (under_load(scene, corner) for corner in loads.bound.corners)
-    return all(rests_by_sticking(scene, region, rest_balance(scene, region)) for region in regions)
+    return all(rest_balance(scene, under_load(scene, corner)).strict for corner in loads.bound.corners)
 
 
-def _suspects(scene: Scene, loads: LoadSet, rates: list[Number]) -> Iterator[Loads]:
+def _suspects(scene: Scene, loads: LoadSet, rates: Sequence[Number]) -> Iterator[Loads]:
     """Loads under which a spin at one of the rates is far from balance; every wheel carries under them."""
     reached = loads.reached
     yield reached.middle
     for rate in rates:
-        pulls = wheel_pulls(scene, rate)
-        for axis in (0, 1, 2) if pulls is not None else ():
-            prices = [wheel.pull[axis] for wheel in pulls or ()]
+        slips = wheel_slips(scene, rate)
+        for axis in range(3) if slips is not None else ():
+            prices = [slip.pull[axis] for slip in slips or ()]
             for side in (1, -1):
                 yield mixed(reached.lowest([price * side for price in prices]), reached.middle)
 

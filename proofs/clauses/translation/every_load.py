@@ -5,10 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from nonsmooth.analysis.cells.load_sets import Loads
+from nonsmooth.proofs.clauses.at_point.linearization import Slip, inward_pull
 from nonsmooth.proofs.clauses.cocircular import CocircularArray
 from nonsmooth.proofs.clauses.every_load.decay import DecayUnderLoads
 from nonsmooth.proofs.clauses.every_load.point import EveryLoad, EveryLoadPoint, is_admissible, load_text
-from nonsmooth.proofs.clauses.every_load.wheel_pulls import WheelPull, inward_pull, wheel_pulls
+from nonsmooth.proofs.clauses.every_load.wheel_pulls import wheel_slips
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.plane import dot
@@ -111,13 +112,13 @@ def decide_for_every_load(point: EveryLoadPoint, lemma: CocircularArray | None) 
 
 def _smooth(point: EveryLoadPoint, lemma: CocircularArray | None) -> EveryLoadTranslation:
     """By forces to the middle, else by the linearization about rest."""
-    pulls = None if point.twist is None else wheel_pulls(point.scene, point.twist.omega)
-    if pulls is None or point.slope is None:
+    slips = None if point.twist is None else wheel_slips(point.scene, point.twist.omega)
+    if slips is None or point.slope is None:
         return EveryLoadTranslation(point, Translation.UNDECIDED, point.reason, lemma)
     beta = inward_pull(point.slope)
-    if beta is not None and all(wheel.bend for wheel in pulls):
-        radius = point.scene.check.radius if _are_outside(pulls, point.scene.check.radius) else None
-        rate = beta / (2 * max(wheel.bend * _squared_reach(wheel) for wheel in pulls))
+    if beta is not None and all(wheel.bend for wheel in slips):
+        radius = point.scene.check.radius if _are_outside(slips, point.scene.check.radius) else None
+        rate = beta / (2 * max(wheel.bend * _squared_reach(wheel) for wheel in slips))
         return EveryLoadTranslation(
             point,
             Translation.ASYMPTOTICALLY_STABLE,
@@ -130,22 +131,22 @@ def _smooth(point: EveryLoadPoint, lemma: CocircularArray | None) -> EveryLoadTr
     return _by_linearization(point, lemma)
 
 
-def _are_outside(pulls: tuple[WheelPull, ...], radius: Number) -> bool:
+def _are_outside(slips: tuple[Slip[Number], ...], radius: Number) -> bool:
     """Whether no wheel lies in the disc: under a wheel that carries alone the twist is not determined."""
-    return all((dot(wheel.position, wheel.position) - radius * radius).sign() > 0 for wheel in pulls)
+    return all((dot(wheel.position, wheel.position) - radius * radius).sign() > 0 for wheel in slips)
 
 
-def _squared_reach(wheel: WheelPull) -> Number:
+def _squared_reach(slip: Slip[Number]) -> Number:
     """``|w|^2`` of its first two entries."""
-    return wheel.w[0] * wheel.w[0] + wheel.w[1] * wheel.w[1]
+    return slip.w[0] * slip.w[0] + slip.w[1] * slip.w[1]
 
 
 def _decay(point: EveryLoadPoint) -> DecayUnderLoads | None:
     """The linearization about rest; None where the point spins or is not smooth."""
     if point.twist is None or point.slope is None or point.twist.omega:
         return None
-    pulls = wheel_pulls(point.scene, point.twist.omega)
-    return None if pulls is None else DecayUnderLoads(pulls, point.slope, point.loads)
+    slips = wheel_slips(point.scene, point.twist.omega)
+    return None if slips is None else DecayUnderLoads(slips, point.slope, point.loads)
 
 
 def _by_linearization(point: EveryLoadPoint, lemma: CocircularArray | None) -> EveryLoadTranslation:

@@ -1,6 +1,6 @@
-"""What a motion ``(0, 0, omega)`` of an array asks of the wheels, by forces and moments in the plane.
+"""An oracle: what a motion ``(0, 0, omega)`` of an array asks of the wheels, by forces and moments in the plane.
 
-The verdicts under rules without cells are built from rows of constraints; here they are verified from slips
+The verdicts under rules without cells are built from rows of constraints; here they are told from slips
 ``q = omega J p - u d``, forces ``F = N M q/f`` with ``M = alpha^2 d d^T + beta^2 n n^T`` and ``f^2 = q . M q``, and
 their moments ``p x F``.  The Hessian of f is ``M/f - (M q)(M q)^T/f^3``.  Where ``M q/f`` would pass the cut of the
 friction set, ``|y| > kappa``, the force is the corner instead, and the Hessian is zero.
@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from nonsmooth.analysis.cells.loads import Affine, LoadRegion
 from nonsmooth.analysis.contact_rule import smooth_rule_of
 from nonsmooth.proofs.clauses.at_point.balance import RestBalance
+from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, Situation
 from nonsmooth.proofs.clauses.at_point.linearization import Linearization
 from nonsmooth.symbolic.constraints import Triple, cross_product, independent, inner, roll_row, scaled, total
 from nonsmooth.symbolic.friction_set import FrictionSet
@@ -92,6 +93,31 @@ def _slip(wheel: Wheel, load: Affine, limits: FrictionSet, omega: Number) -> _Sl
         return _Slip(load, one, total(zero, (scaled(own[0], x), scaled(own[1], y))), *own, bends=False)
     pull = total(zero, (scaled(own[0], along), scaled(own[1], across)))
     return _Slip(load, square.sqrt(), pull, *own)
+
+
+def verifies(point: EllipsePoint) -> bool:
+    """Whether forces and moments show what a point says; not that the body is driven away."""
+    scene, region, twist, linear = point.scene, point.region, point.twist, point.linearization
+    if linear is not None and not (point.situation is Situation.SMOOTH and solves(linear)):
+        return False
+    if twist is None:
+        return point.situation in (Situation.MOVED, Situation.OPEN)
+    if point.situation is Situation.CARRIED:
+        return carries(scene, region, twist.velocity, twist.omega)
+    if point.situation is Situation.STICKING:
+        return not any(twist) and rests_by_sticking(scene, region, point.balance)
+    if point.situation is Situation.OPEN:
+        return not any(twist.velocity) and balances(scene, region, twist.omega)
+    return not any(twist.velocity) and is_smooth_minimum(scene, region, twist.omega, linear)
+
+
+def solves(linear: Linearization) -> bool:
+    """Whether ``H M + G = 0``."""
+    return all(
+        inner(row, column) + slope[r] == 0
+        for column, slope in zip(linear.columns, linear.slope, strict=True)
+        for r, row in enumerate(linear.hessian)
+    )
 
 
 def is_smooth_minimum(scene: Scene, region: LoadRegion, omega: Number, linear: Linearization | None) -> bool:
