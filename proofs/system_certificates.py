@@ -38,7 +38,7 @@ from nonsmooth.proofs.system_facts import (
 )
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.findings import ExaminedFunction, Method
-from nonsmooth.proofs.systems.written_potential import PotentialPiece
+from nonsmooth.proofs.systems.piecewise_quadratic import PotentialPiece
 from nonsmooth.proofs.theorem_searches import show_verdict
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.enclosed_numbers import NoEnclosureError, enclose_numbers

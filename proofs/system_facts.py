@@ -15,7 +15,7 @@ from nonsmooth.proofs.systems.decay_rate import DecayKind
 from nonsmooth.proofs.systems.derivatives import Supremum
 from nonsmooth.proofs.systems.domain import Domain, cube_text
 from nonsmooth.proofs.systems.findings import DERIVATIVES, CertifiedRegion, ExaminedFunction, Method, Reach
-from nonsmooth.proofs.systems.written_potential import PotentialPiece
+from nonsmooth.proofs.systems.piecewise_quadratic import PotentialPiece
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.number_text import place_text
 from nonsmooth.symbolic.scene import Scene

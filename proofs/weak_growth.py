@@ -18,7 +18,7 @@ from nonsmooth.proofs.kernel.second_function import find_second
 from nonsmooth.proofs.kernel.sign_cells import surfaces_of
 from nonsmooth.proofs.kernel.stated_cells import stated_cells
 from nonsmooth.proofs.kernel.subject import about
-from nonsmooth.proofs.systems.weak_search import find_weak_lyapunov
+from nonsmooth.proofs.systems.lyapunov_search import find_weak_lyapunov
 from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 

@@ -22,7 +22,7 @@ from nonsmooth.proofs.systems.decay_rate import DecayRate, RegionRate
 from nonsmooth.proofs.systems.derivatives import Decrease, Supremum
 from nonsmooth.proofs.systems.disturbance_gain import DisturbanceGain
 from nonsmooth.proofs.systems.domain import Domain
-from nonsmooth.proofs.systems.written_potential import PotentialPiece
+from nonsmooth.proofs.systems.piecewise_quadratic import PotentialPiece
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.piecewise import PiecewiseExpression

@@ -16,17 +16,19 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.analysis.cells.switched_cells import (
-    FieldCell,
-    LyapunovCell,
-    lyapunov_cells,
-    square_regions,
-    system_cells,
-)
+from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell, lyapunov_cells
 from nonsmooth.proofs.inequalities.prover import Proof, Sense, prove
-from nonsmooth.proofs.systems.derivatives import inhabited
-from nonsmooth.proofs.systems.lyapunov_basis import BasisFunction, build_formula, smooth_functions
-from nonsmooth.proofs.systems.lyapunov_rows import BEYOND_FLOATS, Floats, Sides, build_sides, values_at
+from nonsmooth.proofs.systems.lyapunov_rows import (
+    BEYOND_FLOATS,
+    BasisFunction,
+    Floats,
+    Sides,
+    build_formula,
+    build_sides,
+    smooth_functions,
+    values_at,
+)
+from nonsmooth.proofs.systems.lyapunov_search import searched_cells, square_cells
 from nonsmooth.proofs.systems.rising_points import first_rise, where_inside
 from nonsmooth.proofs.systems.sublevel_region import SublevelRegion, largest_sublevel
 from nonsmooth.symbolic.notebook import html_table
@@ -93,7 +95,7 @@ def find_larger_region(system: SwitchedSystem, degree: int = 4) -> LargerRegion 
     if degree not in DEGREES:
         raise ValueError(f"degree: required a whole number from {DEGREES[0]} to {DEGREES[-1]}, received {degree}")
     require_plane(system)
-    cells = system_cells(system, square_regions(system.check.radius))
+    cells = square_cells(system, system.check.radius)
     basis = tuple(f for d in range(2, degree + 1) for f in smooth_functions(system.field, d))
     outline = _outline(cells, float(system.check.radius))
     if not outline.reach.min() > 0:
@@ -115,8 +117,7 @@ def _certified(system: SwitchedSystem, formula: PiecewiseExpression) -> LargerRe
 
 
 def _judged(system: SwitchedSystem, formula: PiecewiseExpression) -> tuple[LyapunovCell, ...]:
-    cells = system_cells(system, square_regions(system.check.radius))
-    return inhabited(lyapunov_cells(cells, formula, system.states, system.origin))
+    return searched_cells(system, formula, system.check.radius)
 
 
 def _is_definite(cells: Sequence[LyapunovCell]) -> bool:

@@ -28,7 +28,7 @@ from nonsmooth.analysis.cells.switched_cells import PlaneField
 from nonsmooth.proofs.inequalities.dense_polynomials import trimmed, value
 from nonsmooth.proofs.inequalities.real_roots import RealRoot, positive_roots, samples_between
 from nonsmooth.proofs.systems.fused_focus import FusedFocus, fused_focus
-from nonsmooth.proofs.systems.lyapunov_basis import lines_through
+from nonsmooth.proofs.systems.lyapunov_rows import lines_through
 from nonsmooth.proofs.systems.tangent_fan import (
     UNWEIGHTED,
     Frame,

@@ -1,4 +1,8 @@
-"""Linear conditions on the coefficients of a V, at finitely many points: what a linear program may propose from.
+"""What a linear program may propose a V from: functions of a basis, and linear conditions on their coefficients.
+
+Functions are monomials, and monomials times ``|l|`` of lines and ``|q|`` of curves: switching surfaces through the
+equilibrium.  Each is continuous and bends at most along its surface, so a sum is continuous however its coefficients
+are rounded.
 
 For ``V = sum_k c_k phi_k`` every condition is linear in c: ``V > 0`` and ``grad V . f < 0`` at points of closed cells,
 and ``grad V . f_s < 0`` on edges that the fields of both sides oppose, with the sliding field f_s.  V may bend along
@@ -10,7 +14,8 @@ and rows beyond their range hold no number; programs propose nothing from such r
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from fractions import Fraction
 from functools import lru_cache
 from itertools import combinations
 from typing import Any, TypeAlias
@@ -21,10 +26,11 @@ from numpy.typing import NDArray
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.region import Region, Segment, common_edges
 from nonsmooth.analysis.cells.switched_cells import LyapunovCell, sign_on
-from nonsmooth.proofs.systems.lyapunov_basis import BasisFunction
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
+from nonsmooth.symbolic.piecewise import PiecewiseExpression, SignOf, parse_piecewise
+from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
 
 Floats: TypeAlias = NDArray[np.float64]
 
@@ -34,6 +40,88 @@ DISTANCES = 8
 BEYOND_FLOATS = np.errstate(over="ignore", invalid="ignore")  # such entries are told by their values
 KEPT = 512  # regions, and pairs of them, whose points are kept: families of functions share most cells
 RIM, HALVINGS = 24, 30  # parts of each side of an outline on which curves are looked for, and how often they are halved
+
+
+@dataclass(frozen=True)
+class BasisFunction:
+    """A monomial in the displacement, times the absolute value of a surface or alone.
+
+    Attributes:
+        monomial: with coefficient 1.
+        line: a linear form, or the polynomial of a curve; None for the monomial alone.
+    """
+
+    monomial: Polynomial
+    line: Polynomial | None
+
+    @property
+    def degree(self) -> int:
+        """The total degree."""
+        return self.monomial.degree + (0 if self.line is None else self.line.degree)
+
+    def piece(self, sign_of: SignOf) -> Polynomial:
+        """The polynomial that it is where the line has the given sign."""
+        if self.line is None:
+            return self.monomial
+        return self.monomial * self.line * sign_of(self.line)
+
+    def text(self, states: tuple[str, ...]) -> str:
+        """The function as a formula of the states."""
+        monomial = str(replace(self.monomial, variables=states))
+        if self.line is None:
+            return monomial
+        bent = f"Abs({replace(self.line, variables=states)})"
+        return bent if monomial == "1" else f"{monomial}*{bent}"
+
+
+def bent_functions(field: NumberField, lines: Iterable[Polynomial], degree: int) -> tuple[BasisFunction, ...]:
+    """Monomials times ``|l|`` for each line or curve, of a total degree if l is a line."""
+    return tuple(BasisFunction(m, line) for line in lines for m in _monomials(field, degree - 1))
+
+
+def smooth_functions(field: NumberField, degree: int) -> tuple[BasisFunction, ...]:
+    """Monomials of a total degree."""
+    return tuple(BasisFunction(m, None) for m in _monomials(field, degree))
+
+
+def _monomials(field: NumberField, degree: int) -> Iterator[Polynomial]:
+    for k in range(degree, -1, -1):
+        yield Polynomial(field, PLANE, {(k, degree - k): field.one})
+
+
+def lines_through(system: SwitchedSystem) -> tuple[Polynomial, ...]:
+    """The switching surfaces of a planar system that are lines through the checked point."""
+    return tuple(s for s in system.surfaces(system.displaced(PLANE)) if s.degree == 1 and s.is_homogeneous)
+
+
+def curves_through(system: SwitchedSystem) -> tuple[Polynomial, ...]:
+    """The switching surfaces of a planar system that are curves through the checked point with a tangent there."""
+    curves = (s for s in system.surfaces(system.displaced(PLANE)) if s.degree > 1)
+    return tuple(s for s in curves if (0, 0) not in s.terms and ((1, 0) in s.terms or (0, 1) in s.terms))
+
+
+def build_formula(
+    basis: Sequence[BasisFunction], coefficients: Sequence[Fraction], states: tuple[str, ...]
+) -> PiecewiseExpression:
+    """The sum as a formula of the states, functions of low degree first.
+
+    Raises:
+        ExpressionError: for a sum that is too long.
+    """
+    used = [(c, function) for c, function in zip(coefficients, basis, strict=True) if c]
+    used.sort(key=lambda term: term[1].degree)
+    text = " + ".join(_term(c, function.text(states)) for c, function in used) or "0"
+    return parse_piecewise(text.replace("+ -", "- "), states)
+
+
+def _term(coefficient: Fraction, function: str) -> str:
+    """``9*x*y/11`` for a coefficient and a function."""
+    top, bottom = coefficient.numerator, coefficient.denominator
+    factor = {1: "", -1: "-"}.get(top, f"{top}*")
+    return f"{factor}{function}" + (f"/{bottom}" if bottom != 1 else "")
+
+
+# ---- rows ----------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -65,28 +153,23 @@ def build_sides(cells: Iterable[LyapunovCell], basis: Sequence[BasisFunction]) -
 
 
 @BEYOND_FLOATS
-def build_rows(sides: Sequence[Sides]) -> Floats:
-    """Rows r with the condition ``r . c > 0``, for points all over the cells."""
-    blocks = [
-        rows for side in sides for rows in _cell_rows(side, _samples(side.cell.region, side.cell.potential.field))
-    ]
+def build_rows(sides: Sequence[Sides]) -> tuple[Floats, NDArray[np.bool_]]:
+    """Rows r with the condition ``r . c > 0`` for points all over the cells, and which of them speak of V itself.
+
+    The others speak of its derivative, which may vanish where V need not fall.
+    """
+    blocks: list[tuple[Floats, bool]] = []
+    for side in sides:
+        points = _samples(side.cell.region, side.cell.potential.field)
+        blocks += zip(_cell_rows(side, points), (True, False), strict=False)  # none where there is no point
     for first, second in combinations(sides, 2):
         for points, normals in _between_cells(first.cell, second.cell):
-            blocks += _slide_rows(first, second, points, normals)
-    return normalized(np.vstack(blocks)) if blocks else np.zeros((0, 0))
-
-
-@BEYOND_FLOATS
-def build_weak_rows(sides: Sequence[Sides]) -> tuple[Floats, Floats]:
-    """Rows with the conditions ``r . c > 0`` of V, and those of its derivative, which may vanish too."""
-    blocks = [
-        rows for side in sides for rows in _cell_rows(side, _samples(side.cell.region, side.cell.potential.field))
-    ]
-    positive, falling = blocks[::2], blocks[1::2]
-    for first, second in combinations(sides, 2):
-        for points, normals in _between_cells(first.cell, second.cell):
-            falling += _slide_rows(first, second, points, normals)
-    return normalized(np.vstack(positive)), normalized(np.vstack(falling))
+            blocks += [(rows, False) for rows in _slide_rows(first, second, points, normals)]
+    if not blocks:
+        return np.zeros((0, 0)), np.zeros(0, dtype=bool)
+    rows = np.vstack([block for block, _ in blocks])
+    of_values = np.repeat([own for _, own in blocks], [len(block) for block, _ in blocks])
+    return normalized(rows), of_values[np.abs(rows).max(axis=1, initial=0.0) != 0]
 
 
 @BEYOND_FLOATS

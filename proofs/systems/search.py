@@ -7,39 +7,41 @@ reversed the same searches find a function that grows along every solution.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
-from nonsmooth.analysis.cells.region import cone_region
-from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell, square_regions, system_cells
+from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell
 from nonsmooth.proofs.inequalities.strata import Refutation
-from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, Supremum, examine, inhabited
+from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, Supremum, inhabited
 from nonsmooth.proofs.systems.domain import SHRINKING, Domain, domains, given_cells, plane_cells
 from nonsmooth.proofs.systems.findings import DERIVATIVES, ExaminedFunction
 from nonsmooth.proofs.systems.local_cells import conic_germ
 from nonsmooth.proofs.systems.lyapunov_search import (
     ENLARGING_WORK,
     Budget,
+    Turn,
     find_lyapunov,
-    first_failure,
+    find_weak_lyapunov,
+    largest_square,
     searched_cells,
+    square_cells,
 )
 from nonsmooth.proofs.systems.piecewise_quadratic import (
     HALVINGS,
+    PotentialPiece,
+    build_potential,
     find_near,
     find_piecewise_quadratic,
     linear_cones,
     linear_parts,
+    potential_pieces,
     restricted,
 )
 from nonsmooth.proofs.systems.ray_moves import are_cones
-from nonsmooth.proofs.systems.weak_search import find_weak_lyapunov
-from nonsmooth.proofs.systems.written_potential import PotentialPiece, potential_pieces
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.piecewise import PiecewiseExpression
-from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
+from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 BISECTIONS = 4  # of the square of a V for the linear parts of cones, where that is not the checked one
 SEARCH_SCALES = (Fraction(1), SHRINKING, SHRINKING**2, SHRINKING**3)  # of the checked square
@@ -101,18 +103,28 @@ class PlaneFunction(ExaminedFunction):
 
     def _speaks_of(self, system: SwitchedSystem) -> bool:
         """Whether the cells are those of the system, or of the reversed one, on the domain that is named."""
+        cells, radius = self.result.cells, self.domain.radius
         if self.is_given:
             own = domains(system, system.check.lyapunov, plane_cells(system))
-            return self.domain in own and self.result.cells == inhabited(given_cells(system, self.domain))
+            return self.domain in own and cells == inhabited(given_cells(system, self.domain))
         turn = reversed_cells if self.grows else tuple
         if self.formula is not None:
-            radius = self.domain.radius
-            return radius is not None and self.result.cells == searched_cells(system, self.formula, radius, turn)
-        cells = turn(plane_cells(system))
-        if self.domain.radius is None:
-            return _are_the_cones(self.result.cells, cells)
-        on_square = turn(system_cells(system, square_regions(self.domain.radius)))
-        return _are_cut_by_cones(self.result.cells, cells, on_square)
+            return radius is not None and cells == searched_cells(system, self.formula, radius, turn)
+        known = [(cell.region, cell.velocities) for cell in cells]
+        return any(
+            known == [(cell.region, cell.velocities) for cell in own] for own in _cut_by_cones(system, radius, turn)
+        )
+
+
+def _cut_by_cones(system: SwitchedSystem, radius: Number | None, turn: Turn) -> Iterator[Sequence[LyapunovCell]]:
+    """The cells, without V, that a V of pieces on cones may have: the cones, or those of a square cut along them."""
+    cells = turn(plane_cells(system))
+    near = cells if radius is None else conic_germ(cells)
+    linear = near if radius is None or near is None else linear_parts(near)
+    for halvings in HALVINGS if linear is not None else ():
+        rays, cones = linear_cones(linear or (), halvings)
+        pieces = build_potential(rays, cones, [Fraction(0)] * len(rays), [Fraction(0)] * len(cones))
+        yield pieces if radius is None else inhabited(restricted(pieces, square_cells(system, radius, turn)))
 
 
 def search_lyapunov(system: SwitchedSystem, cells: Sequence[FieldCell], *, grows: bool = False) -> PlaneFunction | None:
@@ -135,7 +147,7 @@ def search_lyapunov(system: SwitchedSystem, cells: Sequence[FieldCell], *, grows
     refused = None
     for scale in SEARCH_SCALES if near is not None else ():
         radius = system.check.radius * scale
-        by_pieces = find_near(turn(near or ()), turn(system_cells(system, square_regions(radius))))
+        by_pieces = find_near(turn(near or ()), square_cells(system, radius, turn))
         if by_pieces is not None:
             pieces, result = by_pieces
             found_here = PlaneFunction(result, Domain(radius), None, system.states, grows)
@@ -149,18 +161,15 @@ def enlarged_pieces(
 ) -> PlaneFunction:
     """The same V, of pieces on cones, on a larger square below one on which there is none, by bisection."""
     turn = reversed_cells if found.grows else tuple
-    low, high, best = found.domain.radius, refused, found
-    for _ in range(BISECTIONS):
-        if low is None or high is None:
-            break
-        radius = (low + high) / 2
-        cells = restricted(pieces, turn(system_cells(system, square_regions(radius))))
-        result = examine(cells) if not first_failure(inhabited(cells), Budget(ENLARGING_WORK)) else None
-        if result is not None and result.verdict is Decrease.STRICT:
-            low, best = radius, replace(found, result=result, on=Domain(radius))
-        else:
-            high = radius
-    return best
+    if found.domain.radius is None or refused is None:
+        return found
+    larger = largest_square(
+        lambda radius: restricted(pieces, square_cells(system, radius, turn)),
+        (found.domain.radius, refused),
+        BISECTIONS,
+        Budget(BISECTIONS * ENLARGING_WORK),
+    )
+    return found if larger is None else replace(found, result=larger[1], on=Domain(larger[0]))
 
 
 def search_weak_lyapunov(system: SwitchedSystem, *, may_attract: bool = True) -> PlaneFunction | None:
@@ -177,29 +186,3 @@ def search_weak_lyapunov(system: SwitchedSystem, *, may_attract: bool = True) ->
 def reversed_cells(cells: Sequence[FieldCell]) -> tuple[FieldCell, ...]:
     """The system with time reversed."""
     return tuple(replace(cell, velocities=tuple((-f, -g) for f, g in cell.velocities)) for cell in cells)
-
-
-def _are_the_cones(found: Sequence[LyapunovCell], cells: Sequence[FieldCell]) -> bool:
-    """Whether cells of a searched V are the cones of the system, with its fields."""
-    for halvings in HALVINGS:
-        rays, cones = linear_cones(cells, halvings)
-        known = [(cone_region(rays[cone.start], rays[cone.end]), (cone.velocity,)) for cone in cones]
-        if known == [(cell.region, cell.velocities) for cell in found]:
-            return True
-    return False
-
-
-def _are_cut_by_cones(found: Sequence[LyapunovCell], cells: Sequence[FieldCell], domain: Sequence[FieldCell]) -> bool:
-    """Whether cells of a searched V are the cells of a domain cut along the cones near the origin."""
-    near = conic_germ(cells)
-    linear = linear_parts(near) if near is not None else None
-    if linear is None:
-        return False
-    blank = Polynomial.constant(linear[0].velocities[0][0].field, PLANE, 0)
-    for halvings in HALVINGS:
-        rays, cones = linear_cones(linear, halvings)
-        pieces = [LyapunovCell(cone_region(rays[c.start], rays[c.end]), (c.velocity,), blank) for c in cones]
-        known = [(cell.region, cell.velocities) for cell in inhabited(restricted(pieces, domain))]
-        if known == [(cell.region, cell.velocities) for cell in found]:
-            return True
-    return False
