@@ -21,24 +21,24 @@ if TYPE_CHECKING:
     from nonsmooth.proofs.answers.answer import Position as Position
     from nonsmooth.reports.agreement import ComparisonResult as ComparisonResult
     from nonsmooth.reports.cells import CellsResult as CellsResult
+    from nonsmooth.reports.check_results import CheckResult as CheckResult
+    from nonsmooth.reports.design import DesignResult as DesignResult
     from nonsmooth.reports.interface.array import Array as Array
-    from nonsmooth.reports.interface.check_result import CheckResult as CheckResult
-    from nonsmooth.reports.interface.design_result import DesignResult as DesignResult
     from nonsmooth.reports.interface.filippov_set import FilippovSet as FilippovSet
-    from nonsmooth.reports.interface.law_result import LawResult as LawResult
     from nonsmooth.reports.interface.load import load as load
     from nonsmooth.reports.interface.report_result import ReportResult as ReportResult
-    from nonsmooth.reports.interface.sweep_result import SweepResult as SweepResult
     from nonsmooth.reports.interface.system import System as System
-    from nonsmooth.reports.interface.system_result import SystemCheckResult as SystemCheckResult
     from nonsmooth.reports.interface.vehicle import Vehicle as Vehicle
     from nonsmooth.reports.interface.wheel import Wheel as Wheel
+    from nonsmooth.reports.law_program import LawResult as LawResult
     from nonsmooth.reports.maps import MapResult as MapResult
     from nonsmooth.reports.masses import MassResult as MassResult
     from nonsmooth.reports.orbits import OrbitResult as OrbitResult
     from nonsmooth.reports.paths import PathResult as PathResult
     from nonsmooth.reports.sampled_field import FieldResult as FieldResult
+    from nonsmooth.reports.sweep import SweepResult as SweepResult
     from nonsmooth.reports.sweeps.sweep import Means as Means
+    from nonsmooth.reports.system_results import SystemCheckResult as SystemCheckResult
     from nonsmooth.reports.vehicles import VehicleResult as VehicleResult
     from nonsmooth.reports.workbench.widget import widget as widget
     from nonsmooth.symbolic.files.scene_file import builtin_scenes as builtin_scenes
@@ -48,13 +48,13 @@ if TYPE_CHECKING:
 _MODULES = {
     "Array": "reports.interface.array",
     "CellsResult": "reports.cells",
-    "CheckResult": "reports.interface.check_result",
+    "CheckResult": "reports.check_results",
     "ComparisonResult": "reports.agreement",
-    "DesignResult": "reports.interface.design_result",
+    "DesignResult": "reports.design",
     "FieldResult": "reports.sampled_field",
     "FilippovSet": "reports.interface.filippov_set",
     "Heading": "proofs.answers.answer",
-    "LawResult": "reports.interface.law_result",
+    "LawResult": "reports.law_program",
     "MapResult": "reports.maps",
     "MassResult": "reports.masses",
     "Means": "reports.sweeps.sweep",
@@ -65,9 +65,9 @@ _MODULES = {
     "RefusalError": "analysis.cells.partition",
     "ReportResult": "reports.interface.report_result",
     "SceneError": "symbolic.scene_error",
-    "SweepResult": "reports.interface.sweep_result",
+    "SweepResult": "reports.sweep",
     "System": "reports.interface.system",
-    "SystemCheckResult": "reports.interface.system_result",
+    "SystemCheckResult": "reports.system_results",
     "Vehicle": "reports.interface.vehicle",
     "VehicleResult": "reports.vehicles",
     "Wheel": "reports.interface.wheel",

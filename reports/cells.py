@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.reports.choices import Drawing
-from nonsmooth.reports.document import Block
+from nonsmooth.reports.document import Block, Paragraph
 from nonsmooth.reports.figures.cell_map import figure_bytes
 from nonsmooth.reports.result import DataTable, Record, Result
 from nonsmooth.reports.short_text import short_lines
@@ -97,6 +97,38 @@ class CellsResult(Result):
 
     def _repr_html_(self) -> str:
         return self.partition._repr_html_()
+
+
+@dataclass(frozen=True, repr=False)
+class WheelsResult(Result):
+    """An array of wheels, under any contact rule.
+
+    Attributes:
+        scene: the array.
+    """
+
+    scene: Scene
+
+    def facts(self) -> Record:
+        """The cells, under a rule that has them."""
+        return cells_of(self.scene).facts()
+
+    def table(self) -> DataTable:
+        """Places of the wheels."""
+        lines = [(str(wheel.index), *map(brief_text, wheel.position)) for wheel in self.scene.wheels]
+        return DataTable(("wheel", "x", "y"), lines)
+
+    def figure(self) -> Figure:
+        """The wheels."""
+        return figure_of(self.scene, Drawing.ARRAY)
+
+    def blocks(self) -> Sequence[Block]:
+        """How many."""
+        return [Paragraph((self.summary(),))]
+
+    def summary(self) -> str:
+        """How many."""
+        return f"{len(self.scene.wheels)} wheels"
 
 
 def cells_of(scene: Scene) -> CellsResult:

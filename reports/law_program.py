@@ -1,11 +1,21 @@
-"""The certified feedback law as a program: one file of the standard library with one function."""
+"""The certified feedback law of a check: a table, and a program of the standard library with one function."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from pprint import pformat
+from typing import TYPE_CHECKING, Any, ClassVar
 
-from nonsmooth.reports.law_table import LawKind, LawTable
+from nonsmooth.reports.document import Block, Paragraph, table
+from nonsmooth.reports.law_table import LawKind, LawTable, law_table
+from nonsmooth.reports.result import FORMATS, DataTable, Record, Result
+from nonsmooth.reports.short_text import short_lines
+from nonsmooth.symbolic.number_text import short_text
 from nonsmooth.symbolic.scene_error import one_line
+
+if TYPE_CHECKING:
+    from nonsmooth.proofs.theorem4_result import Check
 
 WIDTH = 100
 
@@ -80,6 +90,61 @@ def within_limits(speeds):
 '''
 
 _NAMES = {"e": "E", "f": "F", "w": "WEIGHT", "l": "LENGTH"}
+
+
+@dataclass(frozen=True, repr=False)
+class LawResult(Result):
+    """A feedback law: in which region which wheel runs at which speed.
+
+    Attributes:
+        law: the regions and speeds; poses are measured from the checked point.
+        at: the checked point, in words.
+    """
+
+    law: LawTable
+    at: str
+
+    formats: ClassVar[Mapping[str, Callable[[Any, str], bytes]]] = {
+        ".py": lambda found, ending: found.program().encode(),
+        ".csv": FORMATS[".csv"],
+    }
+
+    def program(self) -> str:
+        """A Python file of the standard library with a function ``speeds(x, y, theta, k=1.0)``."""
+        return law_program(self.law, self.at)
+
+    def facts(self) -> Record:
+        """The law as a record."""
+        return {"scene": self.law.scene.name, "terms": str(self.law.kind), "speeds": self.law.rows()}
+
+    def table(self) -> DataTable:
+        """One line for each region and wheel (and imposed twist): where, and the speed as a formula."""
+        rows = self.law.rows()
+        return DataTable(tuple(rows[0]), [tuple(row.values()) for row in rows])
+
+    def blocks(self) -> Sequence[Block]:
+        """The terms, and the table."""
+        names, lines = self.table()
+        return [Paragraph((str(self.law.kind),)), table(names, lines, (1.0,) * len(names))]
+
+    def summary(self) -> str:
+        """How many regions."""
+        return f"{len(self.law.regions)} regions"
+
+    def __repr__(self) -> str:
+        head = f"law of {self.law.scene.name}, rule {self.law.scene.contact.rule}, measured from {self.at}"
+        said = [(f"{row['region']}, wheel {row['wheel']}", row["speed"]) for row in self.rows()]
+        return short_lines(head, [("terms", str(self.law.kind)), *said])
+
+
+def certified_law_of(check: Check) -> LawResult:
+    """The law that the feedback clause certifies.
+
+    Raises:
+        NoLawError: where it certifies none.
+    """
+    x, y = (short_text(value) for value in check.scene.check.equilibrium)
+    return LawResult(law_table(check), f"({x}, {y})")
 
 
 def law_program(law: LawTable, at: str) -> str:

@@ -14,10 +14,10 @@ from rich.table import Table as TerminalTable
 from rich.text import Text
 
 from nonsmooth.analysis.measurements.harness import FittedSlope, Measured, ResultRow, Run
+from nonsmooth.reports.console import INTERRUPTED
 from nonsmooth.reports.document import Block, Paragraph, table
 from nonsmooth.reports.result import DataTable, Record, Result
 from nonsmooth.reports.terminal import header_table
-from nonsmooth.symbolic.files.system_file import load_any
 from nonsmooth.symbolic.number_text import measured_text
 from nonsmooth.symbolic.scene import Scene, require_known_loads
 from nonsmooth.symbolic.scene_error import one_line
@@ -33,21 +33,18 @@ LEGEND = (
 )
 
 
-def load_measured(
-    scene: str, *, rule: str | None, radius: str | None, at: str | None, allow_outside: bool
-) -> Scene | SwitchedSystem:
-    """The array, or the plain system in two states, that a person names.
+def measurable(scene: Scene | SwitchedSystem) -> Scene | SwitchedSystem:
+    """An array, or a plain system in two states.
 
     Raises:
-        SceneError: where it cannot be read, and for what nothing can be measured of.
+        SceneError: for what nothing can be measured of.
     """
-    loaded = load_any(scene, rule=rule, radius=radius, at=at, allow_outside=allow_outside)
-    if isinstance(loaded, SwitchedSystem):
-        require_plane(loaded)
-        require_single(loaded)
+    if isinstance(scene, SwitchedSystem):
+        require_plane(scene)
+        require_single(scene)
     else:
-        require_known_loads(loaded, "to measure errors")
-    return loaded
+        require_known_loads(scene, "to measure errors")
+    return scene
 
 
 @dataclass(frozen=True)
@@ -138,6 +135,11 @@ class Precision(MeasurementResult):
     }
 
     @property
+    def exit_status(self) -> int:
+        """0, or 130 where somebody interrupted."""
+        return 0 if self.run.complete else INTERRUPTED
+
+    @property
     def head(self) -> str:
         """What was measured, and how."""
         return f"{one_line(self.run.scene.name)}: error against run time, best of {self.run.limits.runs} runs"
@@ -161,12 +163,11 @@ class Precision(MeasurementResult):
         """How many rows of how many studies."""
         return f"{len(self.run.rows)} rows of {len(self.run.measured)} studies"
 
-    def view(self) -> RenderableType:
-        """One table for each study, with the slopes of its methods, parted by empty lines."""
-        views: list[RenderableType] = [Text(f"{self.head}, time limit {self.run.limits.seconds:g} s")]
-        for measured in self.run.measured:
-            views += [Text(), _study_view(measured)]
-        return Group(*views, *([] if self.run.complete else [Text(), Text("interrupted: the rows above are finished")]))
+    def views(self) -> Sequence[RenderableType]:
+        """One table for each study, with the slopes of its methods."""
+        head = Text(f"{self.head}, time limit {self.run.limits.seconds:g} s")
+        left = [] if self.run.complete else [Text("interrupted: the rows above are finished")]
+        return [head, *map(_study_view, self.run.measured), *left]
 
 
 def _study_record(measured: Measured) -> dict[str, Any]:
@@ -228,6 +229,13 @@ class Stress(MeasurementResult):
     }
 
     @property
+    def exit_status(self) -> int:
+        """0 where all rows are ok, 1 where one is not, 130 where somebody interrupted."""
+        if not self.run.complete:
+            return INTERRUPTED
+        return 0 if self.run.ok else 1
+
+    @property
     def head(self) -> str:
         """The rows in one line."""
         return self.summary()
@@ -249,13 +257,13 @@ class Stress(MeasurementResult):
         counts = f"{len(self.run.rows)} rows, {'all ok' if not bad else f'{bad} not ok'}"
         return f"{one_line(self.run.scene.name)}: {counts}{end}"
 
-    def view(self) -> RenderableType:
+    def views(self) -> Sequence[RenderableType]:
         """The rows as a table, each case under its own heading; what is not ok is said again below."""
         header = ("parameter", "verdict", "error", "condition", "ok")
         table = rows_table(header, self.run.rows, lambda row: row.name, _case_entries)
         bad = [row for row in self.run.rows if not row.ok]
         said = [Text(f"not ok: {row.name}, {row.parameter}: {row.outcome}; {row.note}", "red") for row in bad]
-        return Group(table, *said, Text(self.summary(), "bold"), Text(LEGEND, "dim"))
+        return [Group(table, *said, Text(self.summary(), "bold"), Text(LEGEND, "dim"))]
 
 
 def _case_entries(row: ResultRow) -> tuple[Text, ...]:

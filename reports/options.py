@@ -7,47 +7,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from nonsmooth.reports.refusals import RefusedError
-from nonsmooth.symbolic.rule import CONTACT_RULES, MIXED
+from nonsmooth.symbolic.rule import CONTACT_RULES
 
 if TYPE_CHECKING:
-    from nonsmooth.symbolic.scene import Scene
-
-ALL_RULES = "all"
-AUTO = "auto"  # for --at: the best rest point of the square
-THEOREM = "theorem4"
-# The questions, and the theorem; tests hold them to the registry.
-REQUIRABLE = ("position", "heading", "pose", "tolerances", THEOREM)
-
-
-def under_all_rules(scene: Scene) -> list[Scene]:
-    """All wheels of an array under every contact rule, and the array itself where its wheels have different ones."""
-    ruled = [scene.under(name) for name in CONTACT_RULES]
-    return [*ruled, scene] if scene.contact.rule == MIXED else ruled
-
-
-def required_answers(text: str | None) -> tuple[str, ...]:
-    """The answers that ``--require`` asks for; the theorem alone unless told.
-
-    Raises:
-        RefusedError: for a name that is none.
-    """
-    names = (THEOREM,) if text is None else tuple(name.strip() for name in text.split(","))
-    unknown = next((name for name in names if name not in REQUIRABLE), None)
-    if unknown is not None:
-        raise RefusedError(f"--require: required names among {', '.join(REQUIRABLE)}, received {unknown[:60]!r}")
-    return names
-
-
-def asks_for_failures(fail: int | None) -> bool:
-    """Whether ``--fail`` is given.
-
-    Raises:
-        RefusedError: for another number of wheels than one.
-    """
-    if fail not in (None, 1):
-        raise RefusedError(f"--fail: required 1, the number of wheels that fail, received {fail}")
-    return fail is not None
+    pass
 
 
 def _rule_option(*more: str) -> Any:
@@ -107,8 +70,13 @@ SceneTexts = Annotated[
     list[str],
     typer.Argument(metavar="SCENE...", help="Scene files (TOML) or built-in names.", autocompletion=complete_scene),
 ]
+VehicleText = Annotated[
+    str,
+    typer.Argument(
+        metavar="SCENE", help="A scene file with [vehicle] or a built-in name.", autocompletion=complete_vehicle
+    ),
+]
 RuleOption = Annotated[str | None, _rule_option()]
-RulesOption = Annotated[str | None, _rule_option(ALL_RULES)]
 Radius = Annotated[
     str | None,
     typer.Option("--radius", metavar="R", help="Half-width of the checked square, such as 1/2; replaces the scene's."),
@@ -116,58 +84,9 @@ Radius = Annotated[
 At = Annotated[
     str | None, typer.Option("--at", metavar="X,Y", help="The point to check, such as 0,1/4; replaces the scene's.")
 ]
-AtOrAuto = Annotated[
-    str | None,
-    typer.Option(
-        "--at",
-        metavar="X,Y|auto",
-        help="The point to check, such as 0,1/4; replaces the scene's. auto: the best rest point of the square.",
-    ),
-]
 AllowOutside = Annotated[
     bool,
     typer.Option("--allow-outside", help="Read a table of wheels from outside the scene's folder too (wheels.file)."),
-]
-NoPrune = Annotated[bool, typer.Option("--no-prune", help="Leave nothing out; the verdicts are the same.")]
-CertificateFile = Annotated[
-    str | None,
-    typer.Option(
-        "--certificate",
-        metavar="FILE",
-        help="Write a certificate for verify: .json (one scene; of an array, rule nearest or box).",
-    ),
-]
-LawFile = Annotated[
-    str | None,
-    typer.Option(
-        "--law",
-        metavar="FILE",
-        help="Write the certified feedback law: .py a program, .csv a table of regions and speeds (one scene).",
-    ),
-]
-Continuum = Annotated[bool, typer.Option("--continuum", help="Add what a continuous field would do to an object.")]
-Headings = Annotated[
-    bool,
-    typer.Option("--headings", help="Look for headings at which a body rests around the checked point too."),
-]
-Require = Annotated[
-    str | None,
-    typer.Option(
-        "--require",
-        metavar="NAME,...",
-        help=f"What exit status 0 means, of {', '.join(REQUIRABLE)}: comes home, keeps, can be held, holds.",
-    ),
-]
-Fail = Annotated[
-    int | None,
-    typer.Option(
-        "--fail",
-        metavar="1",
-        help="Also with any one wheel failed: stopped (its friction stays) or lifted; the worst is named.",
-    ),
-]
-Evidence = Annotated[
-    bool, typer.Option("--evidence", help="Print why, too: each clause, or V and its derivatives, with all numbers.")
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON instead of tables.")]
 Picture = Annotated[

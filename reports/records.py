@@ -20,7 +20,6 @@ from nonsmooth.symbolic.number_text import real_text
 from nonsmooth.symbolic.numbers.measured_angles import angle_notes
 
 CHECK_SCHEMA = "nonsmooth-check/2"
-SYSTEM_SCHEMA = "nonsmooth-check/1"  # of a plain system
 CHECKS_SCHEMA = "nonsmooth-checks/1"
 PARTITION_SCHEMA = "nonsmooth-partition/1"
 SCENES_SCHEMA = "nonsmooth-scenes/1"

@@ -43,6 +43,15 @@ def bad_input(scene: Scene | SwitchedSystem, *errors: type[Exception]) -> Iterat
 
 
 @contextmanager
+def option_named(*errors: type[Exception]) -> Iterator[None]:
+    """Errors of these kinds begin with a keyword, which is an option on the command line; their cause is itself."""
+    try:
+        yield
+    except errors as error:
+        raise RefusedError(f"--{error}") from error
+
+
+@contextmanager
 def refusals_named(scene: Scene | SwitchedSystem) -> Iterator[None]:
     """Name the scene in the refusal of a check."""
     from nonsmooth.analysis.cells.partition import RefusalError

@@ -70,9 +70,13 @@ class Result(Tabular):
     def table(self) -> DataTable:
         """The rows of a ``.csv`` file."""
 
-    @abstractmethod
     def draw(self, ax: Axes) -> None:
-        """Draw it on axes."""
+        """Draw it on axes.
+
+        Raises:
+            TypeError: for what has no picture.
+        """
+        raise TypeError(f"required a result that can be drawn, received {type(self).__name__}")
 
     @abstractmethod
     def blocks(self) -> Sequence[Block]:
@@ -82,16 +86,20 @@ class Result(Tabular):
     def summary(self) -> str:
         """One line, said where a file was written."""
 
+    def written(self, ending: str) -> str:
+        """The line that says what a file with this ending holds."""
+        return self.summary()
+
     @property
     def exit_status(self) -> int:
         """Of a command that shows it."""
         return 0
 
-    def view(self) -> RenderableType:
-        """What a terminal shows: the blocks, unless it has colors and headings of its own."""
+    def views(self) -> Sequence[RenderableType]:
+        """What a terminal shows, with blank lines between: the blocks, unless it has a form of its own."""
         from nonsmooth.reports.terminal import blocks_view
 
-        return blocks_view(self.blocks())
+        return [blocks_view(self.blocks())]
 
     # ---- what follows ------------------------------------------------------------------------------
 
@@ -154,9 +162,9 @@ def show(result: Result, path: Path | None, *, json: bool) -> None:
     if json:
         write_json(result.facts())
     elif path is not None:
-        write(f"{path}: {result.summary()}\n")
+        write(f"{path}: {result.written(path.suffix.lower())}\n")
     else:
-        write_views([result.view()])
+        write_views(result.views())
 
 
 # ---- files ---------------------------------------------------------------------------------------

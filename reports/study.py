@@ -12,12 +12,13 @@ from __future__ import annotations
 
 import inspect
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field, fields
 from enum import Enum, StrEnum
-from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar, get_type_hints
 
 from nonsmooth.reports.refusals import OptionError, RefusedError, in_keywords
+from nonsmooth.symbolic.rule import CONTACT_RULES
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -43,24 +44,27 @@ class OfferedOption:
 
     Attributes:
         help: what it does, in a sentence.
-        typed: what the command line reads; an enumeration also reads the names of Python.
-        flag: on the command line, by its name unless told.
+        typed: what the command line reads, where that is another type than that of the field; an enumeration also
+            reads the names of Python.
+        flag: on the command line, by its name unless told, a short one before it; ``--no-...`` turns off what is on.
         heading: in the help; what the option belongs to.
         metavar: how its value is called.
+        names: those that are accepted; None for any text.
+        complete: what the shell offers for a text that was begun.
     """
 
     help: str
-    typed: Any
+    typed: Any = None
     flag: str = ""
     heading: str = ""
     metavar: str | None = None
+    names: Callable[[], Collection[str]] | None = None
+    complete: Callable[[str], list[str]] | None = None
 
 
-def option(  # the parts of an OfferedOption
-    default: Any, help: str, typed: Any, *, flag: str = "", heading: str = "", metavar: str | None = None
-) -> Any:
-    """A field of the options of a study."""
-    return field(default=default, metadata={"option": OfferedOption(help, typed, flag, heading, metavar)})
+def option(default: Any, help: str, typed: Any = None, **offered: Any) -> Any:
+    """A field of the options of a study, with the parts of an :class:`OfferedOption`."""
+    return field(default=default, metadata={"option": OfferedOption(help, typed, **offered)})
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,14 +77,37 @@ class Options:
         Raises:
             ValueError: for a name that is none.
         """
-        for name, own in options_of(type(self)).items():
-            if isinstance(own.typed, type) and issubclass(own.typed, Enum):
-                object.__setattr__(self, name, own.typed(getattr(self, name)))
+        for name, typed in types_of(type(self)).items():
+            if isinstance(typed, type) and issubclass(typed, Enum):
+                object.__setattr__(self, name, typed(getattr(self, name)))
+
+
+@dataclass(frozen=True, kw_only=True)
+class SceneOptions(Options):
+    """What the command line may change of a scene; Python has :meth:`nonsmooth.Array.with_`."""
+
+    rule: str | None = option(None, "Contact rule; replaces the scene's.", names=lambda: CONTACT_RULES)
+    radius: str | None = option(
+        None, "Half-width of the checked square, such as 1/2; replaces the scene's.", metavar="R"
+    )
+    at: str | None = option(None, "The point to check, such as 0,1/4; replaces the scene's.", metavar="X,Y")
+    allow_outside: bool = option(False, "Read a table of wheels from outside the scene's folder too (wheels.file).")
 
 
 def options_of(options: type[Options]) -> dict[str, OfferedOption]:
     """How each option is offered, by the name of its field."""
     return {entry.name: entry.metadata["option"] for entry in fields(options)}
+
+
+def flag_of(name: str, own: OfferedOption) -> str:
+    """How an option is called on the command line."""
+    return own.flag.rpartition(" ")[2] or f"--{name.replace('_', '-')}"
+
+
+def types_of(options: type[Options]) -> dict[str, Any]:
+    """What the command line reads for each option."""
+    hints = get_type_hints(options)
+    return {name: own.typed or hints[name] for name, own in options_of(options).items()}
 
 
 @dataclass(frozen=True)
@@ -90,12 +117,17 @@ class StudyRequest(Generic[Chosen]):
     Attributes:
         options: with defaults for what was not given.
         given: names of the options that were, and of those of the scene (``rule``).
-        kind: of the scene.
+        scene: what it is asked of.
     """
 
     options: Chosen
     given: Collection[str]
-    kind: SceneKind
+    scene: Any
+
+    @property
+    def kind(self) -> SceneKind:
+        """That of the scene."""
+        return kind_of(self.scene)
 
     def refuse(self, names: Collection[str], required: str, received: str) -> None:
         """Refuse options that do nothing here.
@@ -106,7 +138,7 @@ class StudyRequest(Generic[Chosen]):
         for name in self.given:
             if name in names:
                 own = options_of(type(self.options)).get(name)
-                flag = own.flag if own is not None and own.flag else f"--{name.replace('_', '-')}"
+                flag = f"--{name.replace('_', '-')}" if own is None else flag_of(name, own)
                 raise OptionError(f"{flag}: required {required}, received {received}")
 
 
@@ -114,11 +146,28 @@ class SceneStudy(ABC, Generic[Chosen]):
     """Something that is done with a scene."""
 
     options: ClassVar[type[Any]]
-    files: ClassVar[str]  # help of ``-o``
+    files: ClassVar[str] = ""  # help of ``-o``; without it no file is written
+    changes: ClassVar[Sequence[str]] = tuple(options_of(SceneOptions))  # what may be changed of the scene
 
-    @abstractmethod
     def endings(self, options: Chosen) -> Collection[str]:
         """What the file of a result may end in."""
+        from nonsmooth.reports.result import FORMATS
+
+        return FORMATS
+
+    def load(self, scene: Any, options: Chosen, **changes: Any) -> Any:
+        """The scene that a user names.
+
+        Raises:
+            SceneError: for whatever cannot be used.
+        """
+        from nonsmooth.symbolic.files.system_file import load_any
+
+        return load_any(scene, **changes)
+
+    def settled(self, options: Chosen, path: Path | None) -> Chosen:
+        """The options, where the file that is asked for says more."""
+        return options
 
     def refuse(self, asked: StudyRequest[Chosen], path: Path | None) -> None:
         """Refuse options, and a file, that do nothing here.
@@ -135,7 +184,7 @@ class SceneStudy(ABC, Generic[Chosen]):
             RefusedError: where the scene or an option does not allow it.
         """
 
-    def of(self, scene: Scene | SwitchedSystem, **given: Any) -> Any:
+    def of(self, scene: Any, **given: Any) -> Any:
         """The result for a scene, by keywords of Python.
 
         Raises:
@@ -143,7 +192,7 @@ class SceneStudy(ABC, Generic[Chosen]):
         """
         options = self.options(**given)
         try:
-            self.refuse(StudyRequest(options, tuple(given), kind_of(scene)), None)
+            self.refuse(StudyRequest(options, tuple(given), scene), None)
             return self.run(scene, options)
         except RefusedError as error:
             raise error.__cause__ or ValueError(in_keywords(str(error))) from None

@@ -3,52 +3,60 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import fields
 from typing import Annotated, Any
 
 import typer
 
 from nonsmooth.reports import options as shared
-from nonsmooth.reports.study import OfferedOption, SceneKind, SceneStudy, StudyRequest
+from nonsmooth.reports.study import (
+    OfferedOption,
+    Options,
+    SceneOptions,
+    SceneStudy,
+    StudyRequest,
+    flag_of,
+    options_of,
+    types_of,
+)
 
-SCENE_OPTIONS = ("rule", "radius", "at", "allow_outside")
 
-
-def command(study: SceneStudy[Any], name: str, words: str) -> Callable[..., int]:
+def command(study: SceneStudy[Any], name: str, words: str, scene: Any = shared.SceneText) -> Callable[..., int]:
     """The function of a command.
 
     Args:
         study: what the command does.
         name: of the command.
         words: its help, as a docstring: a summary first, the exit statuses last.
+        scene: how its argument is offered.
     """
 
-    def run_command(context: Any, scene: str, **given: Any) -> int:
+    def run_command(context: Any, scene: Any, **given: Any) -> int:
         return _run_command(study, context, scene, given)
 
     run_command.__name__, run_command.__doc__ = name, words
-    parameters = _parameters(study)
+    parameters = _parameters(study, scene)
     run_command.__signature__ = inspect.Signature(parameters, return_annotation=int)  # type: ignore[attr-defined]
     run_command.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
     return run_command
 
 
-def _run_command(study: SceneStudy[Any], context: Any, scene: str, given: dict[str, Any]) -> int:
+def _run_command(study: SceneStudy[Any], context: Any, scene: Any, given: dict[str, Any]) -> int:
     """Refuse what cannot be used before the work; then do it and show the result."""
     from nonsmooth.reports.files import output_path
     from nonsmooth.reports.result import show
-    from nonsmooth.symbolic.files.scene_file import load_scene
-    from nonsmooth.symbolic.files.system_file import holds_system, load_system
 
-    output, json = given.pop("output"), given.pop("json")
-    of_scene = {name: given.pop(name) for name in SCENE_OPTIONS}
-    options = study.options(**given)
+    json = given.pop("json")
+    output = given.pop("output", None) if study.files else None
+    own = options_of(study.options)
+    options = study.options(**{name: _meant(own[name], given[name]) for name in own})
     path = None if output is None else output_path(output, study.endings(options))
-    kind = SceneKind.SYSTEM if holds_system(scene) else SceneKind.ARRAY
+    options = study.settled(options, path)
+    loaded = study.load(scene, options, **{name: given[name] for name in study.changes})
     typed = [parameter.name for parameter in context.command.params if _is_typed(context, parameter.name)]
-    study.refuse(StudyRequest(options, typed, kind), path)
-    result = study.run(load_system(scene) if kind is SceneKind.SYSTEM else load_scene(scene, **of_scene), options)
+    study.refuse(StudyRequest(options, typed, loaded), path)
+    result = study.run(loaded, options)
     show(result, path, json=json)
     return result.exit_status
 
@@ -59,20 +67,54 @@ def _is_typed(context: Any, name: str) -> bool:
     return source is not None and source.name == "COMMANDLINE"
 
 
-def _parameters(study: SceneStudy[Any]) -> list[inspect.Parameter]:
-    """The parameters of a command."""
-    output = typer.Option("-o", "--output", metavar="FILE", help=study.files)
-    parameters = [_parameter("context", typer.Context), _parameter("scene", shared.SceneText)]
-    for entry in fields(study.options):
+def _turns_off(own: OfferedOption) -> bool:
+    return own.flag.startswith("--no-")
+
+
+def _meant(own: OfferedOption, typed: Any) -> Any:
+    """The value of an option that was typed: a flag that turns off is off where it is given."""
+    return not typed if _turns_off(own) else typed
+
+
+# ---- what is offered -----------------------------------------------------------------------------
+
+
+def _parameters(study: SceneStudy[Any], scene: Any) -> list[inspect.Parameter]:
+    """The parameters of a command: scene, options, file, what may be changed of the scene, and JSON."""
+    found = [_parameter("context", typer.Context), _parameter("scene", scene), *_offered(study.options)]
+    if study.files:
+        output = typer.Option("-o", "--output", metavar="FILE", help=study.files)
+        found.append(_parameter("output", Annotated[str | None, output], None))
+    own = options_of(study.options)
+    found += [entry for entry in _offered(SceneOptions) if entry.name in study.changes and entry.name not in own]
+    return [*found, _parameter("json", shared.Json, False)]
+
+
+def _offered(options: type[Options]) -> list[inspect.Parameter]:
+    """A parameter for each option."""
+    types = types_of(options)
+    found = []
+    for entry in fields(options):
         own: OfferedOption = entry.metadata["option"]
-        flag = own.flag or f"--{entry.name.replace('_', '-')}"
-        offered = typer.Option(flag, rich_help_panel=own.heading or None, metavar=own.metavar, help=own.help)
-        parameters.append(_parameter(entry.name, Annotated[own.typed, offered], entry.default))
-    parameters.append(_parameter("output", Annotated[str | None, output], None))
-    for name, annotation in (("rule", shared.RuleOption), ("radius", shared.Radius), ("at", shared.At)):
-        parameters.append(_parameter(name, annotation, None))
-    parameters.append(_parameter("allow_outside", shared.AllowOutside, False))
-    return [*parameters, _parameter("json", shared.Json, False)]
+        reading = _among(own.names) if own.names else {"metavar": own.metavar, "autocompletion": own.complete}
+        flags = own.flag.split() or [flag_of(entry.name, own)]
+        offered = typer.Option(*flags, rich_help_panel=own.heading or None, help=own.help, **reading)
+        found.append(_parameter(entry.name, Annotated[types[entry.name], offered], _meant(own, entry.default)))
+    return found
+
+
+def _among(names: Callable[[], Collection[str]]) -> dict[str, Any]:
+    """How an option reads one of some names."""
+
+    def read(text: str) -> str:
+        if text not in names():
+            raise typer.BadParameter(f"{text!r} is not one of {', '.join(map(repr, names()))}.")
+        return text
+
+    def begun(incomplete: str) -> list[str]:
+        return [name for name in names() if name.startswith(incomplete)]
+
+    return {"parser": read, "metavar": f"[{'|'.join(names())}]", "autocompletion": begun}
 
 
 def _parameter(name: str, annotation: Any, default: Any = inspect.Parameter.empty) -> inspect.Parameter:

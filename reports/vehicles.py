@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.vehicles import (
@@ -18,7 +18,8 @@ from nonsmooth.analysis.vehicles import (
 )
 from nonsmooth.reports.document import Block, Paragraph, table
 from nonsmooth.reports.exact_record import Record, exact_texts, floats
-from nonsmooth.reports.result import DataTable, Result
+from nonsmooth.reports.refusals import RefusedError
+from nonsmooth.reports.result import FORMATS, DataTable, Result
 from nonsmooth.symbolic.number_text import float_text, percent_text, short_text
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact, one_line
 from nonsmooth.symbolic.vehicles import FORMULA, Vehicle
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SCHEMA = "nonsmooth-vehicle/1"
+YAML = ".yaml"  # parameters of a controller
 ROUNDING = 1e-13  # of the speeds, sizes or weight of a vehicle: a smaller number is rounding of a zero
 DIGITS = 6  # significant, of a controller's parameter: more than any vehicle keeps
 
@@ -46,6 +48,11 @@ class VehicleResult(Result):
 
     vehicle: Vehicle
     spin: float | None = None
+
+    formats: ClassVar[Mapping[str, Callable[[Any, str], bytes]]] = {
+        **FORMATS,
+        YAML: lambda found, ending: found.controller_lines().encode(),
+    }
 
     def __post_init__(self) -> None:
         if self.spin is not None and self.vehicle.turn is None:
@@ -97,10 +104,15 @@ class VehicleResult(Result):
             parameters["wheel_radius"] = float(vehicle.wheel_radius)
         return {name: float(f"{value:.{DIGITS}g}") for name, value in parameters.items()}
 
-    def controller_lines(self) -> str | None:
-        """The parameters as YAML of a node named ``diff_drive_controller``; None as above."""
+    def controller_lines(self) -> str:
+        """The parameters as YAML of a node named ``diff_drive_controller``.
+
+        Raises:
+            RefusedError: where there are none.
+        """
         if self.controller is None:
-            return None
+            required = "required a vehicle with a track whose sides run at different speeds"
+            raise RefusedError(f"{self.vehicle.scene.origin}: {required}, received one without a multiplier")
         lines = [f"    {name}: {value!r}" for name, value in self.controller.items()]
         return "\n".join(["diff_drive_controller:", "  ros__parameters:", *lines]) + "\n"
 
@@ -181,6 +193,10 @@ class VehicleResult(Result):
         return vehicle_figure(self.own, self.turns)
 
     # ---- text ------------------------------------------------------------------------------------
+
+    def written(self, ending: str) -> str:
+        """Parameters, or the vehicle."""
+        return "parameters of diff_drive_controller" if ending == YAML else self.summary()
 
     def summary(self) -> str:
         """One line."""

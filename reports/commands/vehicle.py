@@ -3,66 +3,70 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated
+from collections.abc import Collection
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, ClassVar
 
-import typer
-
-from nonsmooth.reports.console import write
-from nonsmooth.reports.options import Json, RuleOption, complete_vehicle
+from nonsmooth.reports.options import VehicleText
 from nonsmooth.reports.refusals import RefusedError, refusals_named
-
-YAML = ".yaml"
-
-VehicleText = Annotated[
-    str,
-    typer.Argument(
-        metavar="SCENE", help="A scene file with [vehicle] or a built-in name.", autocompletion=complete_vehicle
-    ),
-]
-Output = Annotated[
-    str | None,
-    typer.Option(
-        "-o",
-        "--output",
-        metavar="FILE",
-        help="Picture: .svg, .png or .pdf; .csv, .json; parameters of the vehicle's diff_drive_controller: .yaml.",
-    ),
-]
-Spin = Annotated[
-    float | None,
-    typer.Option("--spin", metavar="RATE", help="Measured rate of turn at the scene's wheel speeds: gives mu_S/mu_R."),
-]
+from nonsmooth.reports.result import Result
+from nonsmooth.reports.study import Options, SceneStudy, StudyRequest, option
+from nonsmooth.reports.study_command import command
 
 
-def vehicle(
-    scene: VehicleText,
-    output: Output = None,
-    rule: RuleOption = None,
-    spin: Spin = None,
-    json: Json = False,
-) -> int:
+@dataclass(frozen=True, kw_only=True)
+class VehicleOptions(Options):
+    """What was measured."""
+
+    spin: float | None = option(
+        None, "Measured rate of turn at the scene's wheel speeds: gives mu_S/mu_R.", metavar="RATE"
+    )
+
+
+class VehicleStudy(SceneStudy[VehicleOptions]):
+    """The motion of a vehicle."""
+
+    options: ClassVar[type[Any]] = VehicleOptions
+    changes: ClassVar[tuple[str, ...]] = ("rule",)
+    files: ClassVar[str] = (
+        "Picture: .svg, .png or .pdf; .csv, .json; parameters of the vehicle's diff_drive_controller: .yaml."
+    )
+
+    def endings(self, options: VehicleOptions) -> Collection[str]:
+        """Parameters of a controller too."""
+        from nonsmooth.reports.vehicles import VehicleResult
+
+        return VehicleResult.formats
+
+    def load(self, scene: str, options: VehicleOptions, **changes: Any) -> Any:
+        """The vehicle that is named."""
+        from nonsmooth.symbolic.files.vehicle_file import load_vehicle
+
+        return load_vehicle(scene, **changes)
+
+    def refuse(self, asked: StudyRequest[VehicleOptions], path: Path | None) -> None:
+        """Refuse a rate that is none."""
+        spin = asked.options.spin
+        if spin is not None and (spin == 0 or not math.isfinite(spin)):
+            raise RefusedError(f"--spin: required a finite rate other than 0, received {spin}")
+
+    def run(self, scene: Any, options: VehicleOptions) -> Result:
+        """Predict it."""
+        from nonsmooth.reports.vehicles import VehicleResult
+
+        result = VehicleResult(scene, options.spin)
+        with refusals_named(scene.scene):
+            _ = result.own
+        return result
+
+
+vehicle = command(
+    VehicleStudy(),
+    "vehicle",
     """Predict how a vehicle on its own wheels moves and turns: twist, slips, forces, effective track.
 
     Exit status: 0 done, 2 bad input.
-    """
-    from nonsmooth.reports.files import output_path, write_whole
-    from nonsmooth.reports.result import FORMATS, show
-    from nonsmooth.reports.vehicles import VehicleResult
-    from nonsmooth.symbolic.files.vehicle_file import load_vehicle
-
-    path = None if output is None else output_path(output, (*FORMATS, YAML))
-    if spin is not None and (spin == 0 or not math.isfinite(spin)):
-        raise RefusedError(f"--spin: required a finite rate other than 0, received {spin}")
-    report = VehicleResult(load_vehicle(scene, rule=rule), spin)
-    with refusals_named(report.vehicle.scene):
-        _ = report.own
-    if path is None or path.suffix.lower() != YAML:
-        show(report, path, json=json)
-        return 0
-    lines = report.controller_lines()
-    if lines is None:
-        required = "required a vehicle with a track whose sides run at different speeds"
-        raise RefusedError(f"{report.vehicle.scene.origin}: {required}, received one without a multiplier")
-    write_whole(path, lines.encode())
-    write(f"{path}: parameters of diff_drive_controller\n")
-    return 0
+    """,
+    VehicleText,
+)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from nonsmooth.reports.figures.cell_map import figure_bytes
 from nonsmooth.reports.figures.sweep_cells import build_cells
 from nonsmooth.reports.figures.sweep_map import build_map
 from nonsmooth.reports.figures.sweep_strips import build_strips
@@ -32,12 +31,6 @@ def require_picture(plan: SweepPlan) -> None:
         if not has_place(axis.values) or (axis.values.count or 0) < 2:
             required = "two or more rational values that ascend for a picture"
             raise SweepError(f"vary {axis.name}: required {required}, received others")
-
-
-def sweep_figure(sweep: Sweep, suffix: str) -> bytes:
-    """The picture as the bytes of a file; ``suffix`` as for the cell map."""
-    require_picture(sweep.plan)
-    return figure_bytes(lambda: build_figure(sweep), suffix)
 
 
 def build_figure(sweep: Sweep) -> Figure:

@@ -3,31 +3,31 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from nonsmooth.reports.check import ALL_RULES, AUTO, CHECK, CheckOptions
+from nonsmooth.reports.design import DesignOptions
 from nonsmooth.reports.interface.made_array import MadeArray
 from nonsmooth.reports.simulate_options import BODY, LOOP, MAP, PATH, UNTIL, SimulateOptions
-from nonsmooth.reports.study import options_of, takes
+from nonsmooth.reports.study import SceneStudy, options_of, takes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from nonsmooth.reports.agreement import ComparisonResult
     from nonsmooth.reports.cells import CellsResult
-    from nonsmooth.reports.interface.check_result import CheckResult
-    from nonsmooth.reports.interface.design_result import DesignResult
+    from nonsmooth.reports.check_results import CheckResult
+    from nonsmooth.reports.design import DesignResult
     from nonsmooth.reports.interface.filippov_set import FilippovSet
     from nonsmooth.reports.interface.report_result import ReportResult
-    from nonsmooth.reports.interface.sweep_result import SweepResult
     from nonsmooth.reports.maps import MapResult
     from nonsmooth.reports.masses import MassResult
     from nonsmooth.reports.paths import PathResult
     from nonsmooth.reports.sampled_field import FieldResult
+    from nonsmooth.reports.sweep import SweepResult
     from nonsmooth.reports.sweeps.sweep import Means
-
-AUTO = "auto"  # the best rest point of the square
 
 
 @dataclass(frozen=True, init=False, repr=False)
@@ -50,27 +50,24 @@ class Array(MadeArray):
         SceneError: for whatever cannot be used, naming key, requirement and what was received.
     """
 
-    def check(
-        self, *, at: Sequence[Any] | str | None = None, prune: bool = True, headings: bool = False, **changes: Any
-    ) -> CheckResult:
+    @takes(CheckOptions)
+    def check(self, *, at: Any = None, rule: str | None = None, **options: Any) -> CheckResult:
         """Position, heading and pose, with the clauses of Theorem 4 behind them.
 
         Args:
             at: another point to check; ``"auto"`` for the best rest point of the square.
-            prune: leave out what no verdict needs.
-            headings: look for headings at which the body rests around the point too.
-            **changes: as for :meth:`with_`, such as ``rule="ellipse"``.
+            rule: another contact rule; ``"all"`` compares them all.
+            **options: keywords as below.  Others as for :meth:`with_`.
 
         Raises:
-            SceneError: for whatever cannot be used; a ``TipsError`` for a body that does not stand at the point.
+            SceneError: for whatever cannot be used.
             RefusalError: where the motion is not determined.
         """
-        from nonsmooth.reports.interface.check_result import check_scene
-
-        array = self.with_(**changes) if changes else self
-        if at is not None and at != AUTO:
-            array = array.with_(at=at)
-        return check_scene(array.scene, prune=prune, best=at == AUTO, around=headings)
+        words = {"at": AUTO} if at == AUTO else {}
+        words |= {"rule": ALL_RULES} if rule == ALL_RULES else {}
+        changes = {name: value for name, value in (("at", at), ("rule", rule)) if name not in words}
+        array = self if all(value is None for value in changes.values()) else self.with_(**changes)
+        return array._studied(CHECK, **words, **options)
 
     @takes(SimulateOptions, PATH, LOOP)
     def simulate(self, start: Sequence[float], until: float = UNTIL, **options: Any) -> PathResult:
@@ -134,13 +131,17 @@ class Array(MadeArray):
         return self._simulated(grid=grid, **options)
 
     def _simulated(self, **keywords: Any) -> Any:
-        """What the command ``simulate`` finds; keywords that are none of its options change the array."""
+        """What the command ``simulate`` finds."""
         from nonsmooth.reports.simulate import SIMULATE
 
-        known = options_of(SimulateOptions)
+        return self._studied(SIMULATE, **keywords)
+
+    def _studied(self, study: SceneStudy[Any], **keywords: Any) -> Any:
+        """What a study finds; keywords that are none of its options change the array."""
+        known = options_of(study.options)
         changes = {name: value for name, value in keywords.items() if name not in known}
         array = self.with_(**changes) if changes else self
-        return SIMULATE.of(array.scene, **{name: value for name, value in keywords.items() if name in known})
+        return study.of(array.scene, **{name: value for name, value in keywords.items() if name in known})
 
     def sweep(
         self,
@@ -166,52 +167,30 @@ class Array(MadeArray):
             SceneError: for a key path that names no number of the array.
             ValueError: for values and means that cannot be used.
         """
-        from nonsmooth.reports.interface.sweep_result import sweep_array
+        from nonsmooth.reports.sweep import swept
+        from nonsmooth.reports.sweeps.base import base_of
         from nonsmooth.reports.sweeps.sweep import Means
 
-        return sweep_array(self, {**(values or {}), **more}, means or Means(), draws=random, seed=seed)
+        base = base_of(self.document, *self.origin)
+        return swept(base, {**(values or {}), **more}, means or Means(), draws=random, seed=seed)
 
-    def design(
-        self,
-        *,
-        free: str = "headings",
-        require: str = "position",
-        maximize: str = "rate",
-        move: Any = None,
-        symmetry: int | None = None,
-        checks: int = 300,
-        seed: int = 1,
-    ) -> DesignResult:
+    @takes(DesignOptions)
+    def design(self, **options: Any) -> DesignResult:
         """Search for headings, speeds and positions of the wheels that meet requirements and do best.
 
         Every candidate is an exact array whose answers are proved; that none is better is not.
 
         Args:
-            free: what may change: names among ``headings,speeds,positions``, or which ``wheels`` there are.
-            require: answers that must be good: names among ``position,heading,pose``.
-            maximize: ``rate`` at which bodies come home, ``gain`` or ``margin`` of feedback, ``basin`` whence they come
-                home, or ``tolerance``, the multiple of the tolerances that is certified.
-            move: how far a wheel may move in x and y; None for a quarter of the side of the checked square.
-            symmetry: turns that leave the array as it is, 1, 2 or 4; None for the most that it has.
-            checks: how many arrays are checked at most.
-            seed: of the search, which is repeatable.
+            **options: keywords as below.
 
         Raises:
             SceneError: for a tolerance to maximize that the array does not state.
             ValueError: for other things that cannot be used.
         """
-        from nonsmooth.reports.interface.design_result import design_array
+        from nonsmooth.reports.design import DESIGN, GivenArray
 
-        return design_array(
-            self,
-            free=free,
-            require=require,
-            maximize=maximize,
-            move=move,
-            symmetry=symmetry,
-            checks=checks,
-            seed=seed,
-        )
+        found = DESIGN.of(GivenArray(self.document, self.folder, self.scene), **options)
+        return replace(found, array=self.of_document(found.design.document, self.folder))
 
     def filippov_set(self, point: Sequence[Any]) -> FilippovSet:
         """The velocities that meet at a point of the checked square, and the upper derivative of ``|c - c*|^2`` there.

@@ -15,12 +15,12 @@ from nonsmooth.reports.study import takes
 if TYPE_CHECKING:
     from nonsmooth.proofs.systems.larger_region import LargerRegion
     from nonsmooth.reports.interface.report_result import ReportResult
-    from nonsmooth.reports.interface.sweep_result import SweepResult
-    from nonsmooth.reports.interface.system_result import SystemCheckResult
     from nonsmooth.reports.maps import MapResult
     from nonsmooth.reports.orbits import OrbitResult
     from nonsmooth.reports.paths import PathResult
+    from nonsmooth.reports.sweep import SweepResult
     from nonsmooth.reports.sweeps.sweep import Means
+    from nonsmooth.reports.system_results import SystemCheckResult
     from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 MAP_UNTIL = 10.0
@@ -112,7 +112,7 @@ class System:
         Args:
             **changes: as for :meth:`with_`.
         """
-        from nonsmooth.reports.interface.system_result import check_system
+        from nonsmooth.reports.check import check_system
 
         return check_system((self.with_(**changes) if changes else self).system)
 
@@ -227,10 +227,12 @@ class System:
             SceneError: for a key path that names no number of the system.
             ValueError: for values and means that cannot be used.
         """
-        from nonsmooth.reports.interface.sweep_result import sweep_array
+        from nonsmooth.reports.sweep import swept
+        from nonsmooth.reports.sweeps.base import base_of
         from nonsmooth.reports.sweeps.sweep import Means
 
-        return sweep_array(self, {**(values or {}), **more}, means or Means(), draws=random, seed=seed)
+        base = base_of(self.document, *self.origin)
+        return swept(base, {**(values or {}), **more}, means or Means(), draws=random, seed=seed)
 
     @property
     def origin(self) -> tuple[str, Path]:

@@ -13,7 +13,7 @@ from nonsmooth.proofs.verified import verified
 from nonsmooth.reports.exact_record import Record
 from nonsmooth.reports.phase_portrait import PhasePortrait
 from nonsmooth.reports.subject import Invocation
-from nonsmooth.reports.system_views import system_record
+from nonsmooth.reports.system_results import SystemCheckResult
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 
@@ -56,4 +56,4 @@ class SystemSubject:
     def records(self) -> dict[str, Record | None]:
         """The exact records of what is reported, for JSON."""
         portrait: dict[str, Any] | None = self.portrait.facts() if self.system.has_one_field else None
-        return {"check": system_record(self.result), "phase_portrait": portrait}
+        return {"check": SystemCheckResult(self.result).facts(), "phase_portrait": portrait}

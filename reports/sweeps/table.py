@@ -1,4 +1,4 @@
-"""A sweep as rows, JSON, CSV and a view of a terminal."""
+"""A sweep as rows, a record, and blocks of text and tables."""
 
 from __future__ import annotations
 
@@ -6,12 +6,9 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from rich.console import Group, RenderableType
-from rich.table import Table
-from rich.text import Text
-
 from nonsmooth.proofs.answers.bounds import at_most
 from nonsmooth.proofs.verdicts import Certainty
+from nonsmooth.reports.document import Block, Paragraph, table
 from nonsmooth.reports.records import FAILURE
 from nonsmooth.reports.sweeps.borders import Border
 from nonsmooth.reports.sweeps.certified import CertifiedCell
@@ -19,7 +16,6 @@ from nonsmooth.reports.sweeps.outcome import CLAUSES, NUMBERS, QUESTIONS, Outcom
 from nonsmooth.reports.sweeps.sweep import Sweep
 from nonsmooth.reports.sweeps.sweep_plan import Point
 from nonsmooth.reports.sweeps.system_outcome import SYSTEM_COLUMNS, SYSTEM_NUMBERS
-from nonsmooth.reports.terminal import header_table, verdict_text
 from nonsmooth.symbolic.number_text import float_text
 from nonsmooth.symbolic.scene_error import one_line
 
@@ -73,16 +69,11 @@ def sweep_title(sweep: Sweep) -> str:
     return f"{one_line(_name(sweep))}: {_kind(sweep)}, {len(sweep.outcomes)} scenes{accuracy}"
 
 
-def sweep_view(sweep: Sweep) -> RenderableType:
+def sweep_blocks(sweep: Sweep) -> list[Block]:
     """The answers as a table, where they change, and how many there are of each."""
-    head = Text(one_line(_name(sweep)), "bold").append(f": {_kind(sweep)}", "not bold")
-    parts: list[RenderableType] = [head, _answers_table(sweep)]
-    left = len(sweep.outcomes) - MOST_SHOWN
-    if left > 0:
-        parts.append(Text(f"{left} more scenes (--json and -o list them)"))
-    if sweep.borders is not None:
-        parts.append(_borders_view(sweep))
-    return Group(*parts, Text(counted(sweep)))
+    head, left = Paragraph((f"{one_line(_name(sweep))}: {_kind(sweep)}",)), len(sweep.outcomes) - MOST_SHOWN
+    more = [Paragraph((f"{left} more scenes (--json and -o list them)",))] if left > 0 else []
+    return [head, _answers_table(sweep), *more, *_borders_blocks(sweep), Paragraph((counted(sweep),))]
 
 
 def border_text(border: Border, name: str) -> str:
@@ -172,22 +163,23 @@ def _worst(outcome: Outcome) -> dict[str, Any]:
     return {"worst failure": name, **{keys[name]: worst[name] for name in FAILURE}}
 
 
-# ---- terminal ------------------------------------------------------------------------------------
+# ---- text ----------------------------------------------------------------------------------------
 
 
-def _answers_table(sweep: Sweep) -> Table:
+def _answers_table(sweep: Sweep) -> Block:
     failures = any("failures" in outcome for outcome in sweep.outcomes)
     shorts = [name.rpartition(".")[2] if not name.startswith("wheel") else name for name in sweep.plan.names]
     known = _known_numbers(sweep) if sweep.base.is_system else SHOWN_NUMBERS
     rates = known if len(shorts) == 1 else ()  # two numbers that vary leave no room for them
-    beside = ["worst failure"] if failures else list(rates)
     titles = ["stability"] if sweep.base.is_system else ["position", "heading", "pose", "Theorem 4"]
-    table = header_table(*shorts, *titles, *beside, widest=titles[min(2, len(titles) - 1)])
+    header = [*shorts, *titles, *(["worst failure"] if failures else rates)]
+    rows = []
     for k, outcome in enumerate(sweep.outcomes[:MOST_SHOWN]):
-        entries = [Text(str(value.entry)) for value in sweep.plan.point(k)]
-        answers = [verdict_text(outcome[name]) for name in sweep.questions]
-        table.add_row(*entries, *answers, *(_failure_text(outcome) if failures else _number_texts(outcome, rates)))
-    return table
+        entries = [str(value.entry) for value in sweep.plan.point(k)]
+        answers = [outcome[name] for name in sweep.questions]
+        rows.append([*entries, *answers, *([_failure_text(outcome)] if failures else _number_texts(outcome, rates))])
+    widest = titles[min(2, len(titles) - 1)]
+    return table(header, rows, tuple(2.0 if name == widest else 1.0 for name in header))
 
 
 def _known_numbers(sweep: Sweep) -> tuple[str, ...]:
@@ -195,28 +187,30 @@ def _known_numbers(sweep: Sweep) -> tuple[str, ...]:
     return tuple(name for name in SYSTEM_NUMBERS if any(outcome[name] is not None for outcome in sweep.outcomes))
 
 
-def _number_texts(outcome: Outcome, names: Sequence[str]) -> list[Text]:
-    return [Text("" if outcome[name] is None else float_text(outcome[name], 4)) for name in names]
+def _number_texts(outcome: Outcome, names: Sequence[str]) -> list[str]:
+    return ["" if outcome[name] is None else float_text(outcome[name], 4) for name in names]
 
 
-def _failure_text(outcome: Outcome) -> list[Text]:
+def _failure_text(outcome: Outcome) -> str:
     worst = _worst(outcome)
     name, position = worst["worst failure"], worst["worst failure position"]
-    return [Text("" if name is None else f"{name}: {position}")]
+    return "" if name is None else f"{name}: {position}"
 
 
-def _borders_view(sweep: Sweep) -> RenderableType:
+def _borders_blocks(sweep: Sweep) -> Iterator[Block]:
     """Where the answers change."""
-    borders = sweep.borders or ()
-    if not borders:
-        return Text("no answer changes along the edges of the grid")
-    table = header_table("border", "question", "answer")
-    for border in borders[:MOST_SHOWN]:
-        for name in border.changed:
-            table.add_row(Text(_place(sweep, border)), Text(name), Text(border_text(border, name)))
-    lines: Sequence[RenderableType] = [Text("where the answers change (each border within 1e-9):"), table]
-    left = len(borders) - MOST_SHOWN
-    return Group(*lines, *[Text(f"{left} more borders (--json lists them)")] * (left > 0))
+    if sweep.borders is None:
+        return
+    if not sweep.borders:
+        yield Paragraph(("no answer changes along the edges of the grid",))
+        return
+    shown = [(border, name) for border in sweep.borders[:MOST_SHOWN] for name in border.changed]
+    rows = [(_place(sweep, border), name, border_text(border, name)) for border, name in shown]
+    yield Paragraph(("where the answers change (each border within 1e-9):",))
+    yield table(("border", "question", "answer"), rows, (1.0, 1.0, 2.0))
+    left = len(sweep.borders) - MOST_SHOWN
+    if left > 0:
+        yield Paragraph((f"{left} more borders (--json lists them)",))
 
 
 def _place(sweep: Sweep, border: Border) -> str:

@@ -19,11 +19,11 @@ from nonsmooth.proofs.answers.answer import Answer
 from nonsmooth.proofs.answers.other_rules import OtherRule, other_rules
 from nonsmooth.proofs.answers.robust import robust_answer
 from nonsmooth.proofs.clauses.clause import ClauseResult
+from nonsmooth.reports.check import check_scene
+from nonsmooth.reports.check_results import CheckResult, TippedResult
 from nonsmooth.reports.exact_record import floats
 from nonsmooth.reports.facts import fact_lines, fact_record
 from nonsmooth.reports.interface.array import Array
-from nonsmooth.reports.interface.check_result import CheckResult, check_scene
-from nonsmooth.reports.interface.tipped_result import TippedResult
 from nonsmooth.reports.workbench.equilibria import equilibria_record
 from nonsmooth.reports.workbench.guesses import guessed_answers
 from nonsmooth.reports.workbench.paths import path_records

@@ -17,7 +17,7 @@ from nonsmooth.reports.workbench.shapes import point
 from nonsmooth.symbolic.number_text import brief_text
 
 if TYPE_CHECKING:
-    from nonsmooth.reports.interface.system_result import SystemCheckResult
+    from nonsmooth.reports.system_results import SystemCheckResult
     from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 Stage: TypeAlias = dict[str, Any]

@@ -14,7 +14,7 @@ from rich.console import Console
 import nonsmooth as ns
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.reports.console import BAD_INPUT
-from nonsmooth.reports.system_views import system_record, system_view
+from nonsmooth.reports.system_results import SystemCheckResult
 from nonsmooth.symbolic.files.system_file import load_system
 from tests.thorough import few, keep
 
@@ -267,11 +267,12 @@ def test_nothing_is_proved_by_nothing(tmp_path: Path) -> None:
     scene.write_text('[system]\nstates = ["x", "y"]\nrhs = ["y", "-x + x**2"]\n')
     result = decide_system(load_system(scene))
     console = Console(width=100, record=True, file=StringIO())
-    console.print(system_view(result, evidence=True))
+    found = SystemCheckResult(result, shows_evidence=True)
+    console.print(*found.views())
     shown = console.export_text()
     assert "undecided" in shown
     assert "(nothing)" not in shown
-    record = system_record(result)
+    record = found.facts()
     assert not record["lyapunov"]["proves"]
     assert record["lyapunov"]["domain"]["radius"] == 0.5
 

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 import pytest
 
 import nonsmooth as ns
+from nonsmooth.proofs import verified as verified_module
 from nonsmooth.proofs.theorem4_result import CellCheck, Check
 from nonsmooth.proofs.verdicts import Theorem4, Translation
-from nonsmooth.reports import subject, summary
-from nonsmooth.reports.interface import check_result
+from nonsmooth.reports import subject
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -45,7 +45,7 @@ def wrong(check: Check) -> Check:
 @pytest.fixture
 def planted(monkeypatch: pytest.MonkeyPatch) -> None:
     """Such a fault behind every command."""
-    for module in (check_result, subject, summary):
+    for module in (verified_module, subject):
         monkeypatch.setattr(module, "verified", wrong)
 
 

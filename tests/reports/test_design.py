@@ -228,7 +228,7 @@ def test_the_fewest_wheels_are_too_few_without_any_one(invoke: Invoke, tmp_path:
 
 def test_a_report_of_the_winner(invoke: Invoke, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     left_out = ",".join(name for name in PART_NAMES if name not in ("answers", "array"))
-    monkeypatch.setattr("nonsmooth.reports.commands.design.MEASUREMENTS", left_out)
+    monkeypatch.setattr("nonsmooth.reports.design.MEASUREMENTS", left_out)
     outcome = invoke("design", "rectangle", "--maximize", "margin", "--checks", "2", "--report", "won.md")
     assert outcome.status == 0
     assert "misjudge the position" in " ".join(outcome.out.split())

@@ -22,7 +22,7 @@ from nonsmooth.proofs.clauses.feedback.by_friction import decide_driven_feedback
 from nonsmooth.proofs.own_paths import ContradictionError
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.reports.driven_loop import DrivenLoop
-from nonsmooth.reports.interface.law_result import certified_law_of
+from nonsmooth.reports.law_program import certified_law_of
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
 from tests.thorough import few, keep, thorough

@@ -8,11 +8,12 @@ import pytest
 from rich.console import Console
 
 from nonsmooth.reports.answers import answers_view
+from nonsmooth.reports.check import check_scene
+from nonsmooth.reports.check_results import CheckResult
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import run
 from nonsmooth.reports.document import Document, Section
 from nonsmooth.reports.formats.markdown import render_markdown
-from nonsmooth.reports.interface.check_result import CheckResult, check_scene
 from nonsmooth.reports.sections.answers import _headings
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.thorough import thorough

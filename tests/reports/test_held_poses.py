@@ -25,7 +25,7 @@ from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.theorem4_result import Check
-from nonsmooth.reports.interface.law_result import certified_law_of
+from nonsmooth.reports.law_program import certified_law_of
 from nonsmooth.reports.paths import follow_array
 from nonsmooth.reports.simulate_options import SimulateOptions
 from nonsmooth.symbolic.scene import Scene

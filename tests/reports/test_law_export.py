@@ -26,7 +26,7 @@ from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.theorem4_result import CellCheck, Check
 from nonsmooth.reports.choices import LawName
 from nonsmooth.reports.feedback_loop import build_loop
-from nonsmooth.reports.interface.law_result import certified_law_of
+from nonsmooth.reports.law_program import certified_law_of
 from nonsmooth.reports.law_table import LawKind
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
 from nonsmooth.symbolic.similar_scenes import in_own_length
@@ -86,7 +86,7 @@ def test_under_nearest_the_program_is_the_law_that_is_followed(name: str, tmp_pa
 @pytest.mark.parametrize("turn", [(Fraction(20, 29), Fraction(21, 29)), (Fraction(3, 5), Fraction(-4, 5))])
 def test_a_cascade_is_exported(arrays: Arrays, turn: tuple[Fraction, Fraction], tmp_path: Path) -> None:
     check = check_theorem4(arrays.four_wheel((1, Fraction(1, 2)), turn), prune=False)
-    assert certified_law_of(check).table.kind is LawKind.CASCADE
+    assert certified_law_of(check).law.kind is LawKind.CASCADE
     law = exported(check, tmp_path)
     for pose in poses(check):
         assert_close(law["speeds"](*pose.tolist()), library_speeds(check, pose))

@@ -22,8 +22,8 @@ from nonsmooth.proofs.answers.answers import QUESTIONS, answers_of, exit_status,
 from nonsmooth.proofs.answers.other_rules import TAKES_LONG, other_rules
 from nonsmooth.proofs.theorem4 import check_cells, check_theorem4
 from nonsmooth.proofs.theorem4_result import Theorem4Result
+from nonsmooth.reports.check import REQUIRABLE
 from nonsmooth.reports.facts import fact_lines
-from nonsmooth.reports.options import REQUIRABLE
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
 from tests.thorough import few, keep
 

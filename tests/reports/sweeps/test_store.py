@@ -20,8 +20,8 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from nonsmooth.reports.interface.sweep_result import SweepResult
 from nonsmooth.reports.progress import ProgressCall, silent
+from nonsmooth.reports.sweep import SweepResult
 from nonsmooth.reports.sweeps import store as store_module
 from nonsmooth.reports.sweeps import workers as workers_module
 from nonsmooth.reports.sweeps.base import base_of

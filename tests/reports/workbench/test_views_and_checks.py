@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 
 from nonsmooth.proofs.clauses.workspace import unheard
+from nonsmooth.reports.check import check_scene
 from nonsmooth.reports.interface.array import Array
-from nonsmooth.reports.interface.check_result import check_scene
 from nonsmooth.reports.interface.load import load
 from nonsmooth.reports.workbench import array_view
 from nonsmooth.reports.workbench.documents import document_of

@@ -1,0 +1,477 @@
+"""What a check of arrays has found: of one array, of a body that tips, under every contact rule, of many scenes."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+
+from nonsmooth.proofs.answers.answer import Answer, Heading, Pose, Position
+from nonsmooth.proofs.answers.answers import THEOREM, Answers, exit_status, full_answers
+from nonsmooth.proofs.answers.contradictions import contradictions_of_rules, reconciled, rests_under
+from nonsmooth.proofs.facts import said
+from nonsmooth.proofs.theorem4_result import Check, Contradiction
+from nonsmooth.proofs.verdicts import Theorem4
+from nonsmooth.reports.answers import answers_record
+from nonsmooth.reports.document import Block, Paragraph, table
+from nonsmooth.reports.exact_record import Record
+from nonsmooth.reports.records import CHECK_SCHEMA, check_record, checks_record
+from nonsmooth.reports.result import DataTable, Result
+from nonsmooth.reports.short_text import short_lines
+from nonsmooth.symbolic.contact_set import ContactSet, contact_set
+from nonsmooth.symbolic.number_text import short_text
+from nonsmooth.symbolic.scene_error import one_line
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from rich.console import RenderableType
+
+    from nonsmooth.analysis.continuum import Prediction
+    from nonsmooth.proofs.answers.best_point import RestPoint
+    from nonsmooth.proofs.answers.destinations import Destinations
+    from nonsmooth.proofs.answers.failures import Failure
+    from nonsmooth.proofs.answers.headings import HeadingsOfRest
+    from nonsmooth.reports.law_program import LawResult
+    from nonsmooth.symbolic.contact_set import TipsError
+    from nonsmooth.symbolic.scene import Scene
+
+QUESTION = ("question", "verdict", "why")
+WORST_FIRST = (2, 1, 3)  # exit statuses: refused, does not hold, undecided
+COLUMNS = ("scene", "rule", "position", "heading", "pose", "Theorem 4")  # of many scenes
+NONE = "-"  # the contact rule of a plain system, and what is not asked of it
+REFUSED = "refused"
+NOT_ASKED = "not asked: the body tips"
+
+Line: TypeAlias = tuple[str, str, str]  # question, verdict, why
+
+
+class ArrayAnswers(Result):
+    """What there is to say of one array: answers first."""
+
+    scene: Scene
+
+    @property
+    @abstractmethod
+    def _answers(self) -> Mapping[str, Answer]:
+        """The answers by their names."""
+
+    @property
+    @abstractmethod
+    def theorem4(self) -> str:
+        """The verdict of Theorem 4: holds, fails, hypotheses not met or undecided."""
+
+    @property
+    def position(self) -> Answer:
+        """Where a body goes that starts near the point."""
+        return self._answers["position"]
+
+    @property
+    def heading(self) -> Answer:
+        """What its heading does."""
+        return self._answers["heading"]
+
+    @property
+    def pose(self) -> Answer:
+        """Whether feedback can hold both."""
+        return self._answers["pose"]
+
+    def lines(self) -> Iterator[Line]:
+        """Question, verdict and why of everything that is said."""
+        for answer in self._answers.values():
+            yield answer.name, str(answer.verdict), answer.sentence
+
+    def table(self) -> DataTable:
+        """One line for each question."""
+        return DataTable(QUESTION, list(self.lines()))
+
+    def blocks(self) -> Sequence[Block]:
+        """The lines as a table."""
+        return [Paragraph((self.headline(),)), table(QUESTION, self.lines(), (1.0, 1.0, 4.0))]
+
+    def draw(self, ax: Axes) -> None:
+        """The wheels."""
+        from nonsmooth.reports.figures.array import draw_array
+
+        draw_array(ax, self.scene)
+
+    def headline(self) -> str:
+        """What is checked."""
+        return f"{self.scene.name}: {len(self.scene.wheels)} wheels, rule {self.scene.contact.rule}"
+
+    def summary(self) -> str:
+        """The answers."""
+        return ", ".join(f"{name} {answer.verdict}" for name, answer in self._answers.items())
+
+    def _said(self) -> Iterator[tuple[str, str]]:
+        for answer in self._answers.values():
+            yield answer.name, repr(answer)
+
+    def __repr__(self) -> str:
+        return short_lines(self.headline(), self._said())
+
+
+@dataclass(frozen=True, repr=False)
+class CheckResult(ArrayAnswers):
+    """What a check of an array found.
+
+    What it says has been compared (:mod:`nonsmooth.proofs.answers.contradictions`): what contradicts something else is
+    undecided.
+
+    Attributes:
+        decided: every clause as it was decided.
+        ask_others: whether the answers say what the other contact rules say.
+        around: whether headings of rest are looked for around the checked point too.
+        rest_points: with ``at="auto"`` the places of rest among which the point was chosen, the best first.
+        required: the answers that exit status 0 asks for.
+        continuum: what a continuous field would do, where that was asked.
+        failures: the answers with any one wheel failed, where these were asked.
+        shows_evidence: whether a terminal shows why, too.
+        elsewhere: contradictions with what is said in other results.
+    """
+
+    decided: Check
+    ask_others: bool = True
+    around: bool = False
+    rest_points: tuple[RestPoint, ...] | None = None
+    required: tuple[str, ...] = (THEOREM,)
+    continuum: tuple[Prediction, ...] | None = None
+    failures: tuple[Failure, ...] | None = None
+    shows_evidence: bool = False
+    elsewhere: tuple[Contradiction, ...] = ()
+
+    @cached_property
+    def _brief(self) -> tuple[Check, Answers]:
+        """The answers to the questions alone, compared with a few samples."""
+        return reconciled(self.decided, None, *self.elsewhere)
+
+    @cached_property
+    def _full(self) -> tuple[Check, Answers]:
+        """Everything, compared with each other."""
+        asked = {"ask_others": self.ask_others, "around": self.around}
+        answered = full_answers(self.decided, **asked, rest_points=self.rest_points)
+        return reconciled(self.decided, answered, *self.elsewhere)
+
+    @property
+    def _known(self) -> tuple[Check, Answers]:
+        """Everything, once somebody has asked for what takes longer."""
+        return self._full if "_full" in vars(self) else self._brief
+
+    @property
+    def scene(self) -> Scene:  # type: ignore[override]  # it is that of the evidence
+        """The array, of the wheels that carry the body."""
+        return self.decided.scene
+
+    @property
+    def evidence(self) -> Check:
+        """Every clause with its evidence; ``evidence.check()`` verifies it again."""
+        return self._known[0]
+
+    @property
+    def contradictions(self) -> tuple[Contradiction, ...]:
+        """Statements about the array that contradict each other, and on which nobody may rely."""
+        return self.evidence.contradictions
+
+    @property
+    def _answers(self) -> Mapping[str, Answer]:
+        return {answer.name: answer for answer in self._known[1].answers}
+
+    @property
+    def answers(self) -> Answers:
+        """The answers with what takes a little longer: where bodies go, and what the other rules say."""
+        return self._full[1]
+
+    @property
+    def tolerances(self) -> Answer | None:
+        """What holds for every array within the tolerances; None for a scene that states none."""
+        return self.answers.robust
+
+    @property
+    def theorem4(self) -> str:
+        """See :class:`ArrayAnswers`."""
+        return str(self.evidence.verdict)
+
+    @property
+    def at(self) -> tuple[float, float]:
+        """The point that was checked."""
+        x, y = self.scene.check.equilibrium
+        return float(x), float(y)
+
+    @property
+    def contact_set(self) -> ContactSet:
+        """The wheels that carry the body at the checked pose, and how far it may move before that changes."""
+        return contact_set(self.scene)
+
+    @property
+    def destinations(self) -> Destinations | None:
+        """Where bodies go that start all over the square; None where all come home."""
+        return self.answers.destinations
+
+    @property
+    def equilibrium_headings(self) -> HeadingsOfRest | None:
+        """At which headings a body with an outline rests, and which of them attract; None where none matters."""
+        return self.answers.headings
+
+    def law(self) -> LawResult:
+        """The certified feedback law as a table of regions and speeds, or a program.
+
+        Raises:
+            NoLawError: where the feedback clause certifies none.
+        """
+        from nonsmooth.reports.law_program import certified_law_of
+
+        return certified_law_of(self.evidence)
+
+    @property
+    def exit_status(self) -> int:
+        """0 if all that was required is as hoped for, 1 if one is not, else 3."""
+        check, answered = self._full
+        return exit_status(check, self.required, answered)
+
+    def facts(self) -> Record:
+        """The JSON record of ``nonsmooth check --json``."""
+        check, answered = self._full
+        continuum = None
+        if self.continuum is not None:
+            from nonsmooth.reports.continuum import continuum_record
+
+            continuum = continuum_record(self.continuum, check)
+        return check_record(check, answered, continuum, self.failures)
+
+    def lines(self) -> Iterator[Line]:
+        """The answers, every clause, the theorem, and what contradicts itself."""
+        yield from super().lines()
+        for clause, found in self.evidence.clauses:
+            yield clause.name, str(found.verdict), found.reason
+        yield "Theorem 4", self.theorem4, self.evidence.reason
+        for one in self.contradictions:
+            yield "contradiction", "undecided", one.text
+
+    def views(self) -> Sequence[RenderableType]:
+        """The answers, then why."""
+        return check_views([self])
+
+    def headline(self) -> str:
+        """What is checked, and where."""
+        x, y = (short_text(value) for value in self.scene.check.equilibrium)
+        return f"{super().headline()}, at ({x}, {y})"
+
+    def _said(self) -> Iterator[tuple[str, str]]:
+        yield from super()._said()
+        yield "Theorem 4", f"{self.theorem4}: {self.evidence.reason}"
+        for one in self.contradictions:
+            yield "contradiction", one.text
+
+
+@dataclass(frozen=True, repr=False)
+class TippedResult(ArrayAnswers):
+    """The answer to a check of a body that does not stand at the checked pose: that it tips; there is no verdict.
+
+    Attributes:
+        scene: the array, with the body.
+        tipping: which wheels are under the body, and why it does not stand on them.
+    """
+
+    scene: Scene
+    tipping: TipsError
+
+    @property
+    def _answers(self) -> Mapping[str, Answer]:
+        tips = Answer("position", Position.TIPS, (said(f"a body with {self.tipping.why}"),))
+        heading = Answer("heading", Heading.UNDECIDED, (said(NOT_ASKED),))
+        return {"position": tips, "heading": heading, "pose": Answer("pose", Pose.UNDECIDED, (said(NOT_ASKED),))}
+
+    @property
+    def theorem4(self) -> str:
+        """Its hypotheses are not met."""
+        return str(Theorem4.HYPOTHESES_NOT_MET)
+
+    @property
+    def exit_status(self) -> int:
+        """1, whatever is required: the body is not where it should be."""
+        return 1
+
+    def facts(self) -> Record:
+        """The JSON record of ``nonsmooth check --json``."""
+        return {
+            "schema": CHECK_SCHEMA,
+            "scene": self.scene.name,
+            "wheels": len(self.scene.wheels),
+            "rule": self.scene.contact.rule,
+            "contact_set": {"wheels": list(self.tipping.carrying), "margin": None},
+            "answers": answers_record([*self._answers.values()], None),
+            "theorem4": {"verdict": self.theorem4, "reason": self.tipping.why},
+        }
+
+    def views(self) -> Sequence[RenderableType]:
+        """The answers."""
+        from nonsmooth.reports.answers import tipped_view
+
+        return [tipped_view(self.scene, [*self._answers.values()])]
+
+
+# ---- under every contact rule --------------------------------------------------------------------
+
+
+@dataclass(frozen=True, repr=False)
+class RulesResult(Result):
+    """Checks of one array under several contact rules, compared with each other."""
+
+    results: tuple[CheckResult, ...]
+
+    @property
+    def exit_status(self) -> int:
+        """That of the worst."""
+        return worst({result.exit_status for result in self.results})
+
+    def facts(self) -> Record:
+        """One record for each rule."""
+        return checks_record(result.facts() for result in self.results)
+
+    def table(self) -> DataTable:
+        """One line for each rule and question."""
+        lines = [(str(result.scene.contact.rule), *line) for result in self.results for line in result.lines()]
+        return DataTable(("rule", *QUESTION), lines)
+
+    def blocks(self) -> Sequence[Block]:
+        """One result below the other."""
+        return [block for result in self.results for block in result.blocks()]
+
+    def views(self) -> Sequence[RenderableType]:
+        """The same for a terminal."""
+        return check_views(self.results)
+
+    def summary(self) -> str:
+        """How many rules."""
+        return f"{len(self.results)} contact rules"
+
+
+def compared(results: Sequence[CheckResult]) -> RulesResult:
+    """Checks of one array under several contact rules with all their answers, compared with each other."""
+    for result in results:
+        _ = result.answers
+    asked = {str(result.scene.contact.rule): rests_under(result.evidence) for result in results}
+    found = tuple(contradictions_of_rules(results[0].scene, asked))
+    words = {word for one in found for word in one.between.split()}
+    pairs = zip(asked, results, strict=True)
+    renewed = [replace(result, elsewhere=found) if rule in words else result for rule, result in pairs]
+    for result in renewed:
+        _ = result.answers
+    return RulesResult(tuple(renewed))
+
+
+def check_views(results: Sequence[CheckResult]) -> Sequence[RenderableType]:
+    """Answers and verdicts of one array under one rule or several, and why where that was asked."""
+    from rich.console import Group
+    from rich.text import Text
+
+    from nonsmooth.reports.answers import answers_view
+    from nonsmooth.reports.terminal import MORE, check_view, clauses_view, headline, legend, notes_lines
+
+    views: list[RenderableType] = []
+    evidence, continuum = results[0].shows_evidence, results[0].continuum
+    for result in results:
+        answered = result.answers  # before the verdicts, which may contradict them
+        check = result.evidence
+        answers = [headline(check), answers_view(check, answered)]
+        views += [Group(*answers), check_view(check)] if evidence else [Group(*answers, clauses_view(check))]
+        if result.failures is not None:
+            from nonsmooth.reports.failures import failures_view
+
+            views.append(failures_view(result.failures))
+    if continuum is not None:
+        from nonsmooth.reports.continuum import continuum_view
+
+        views.append(continuum_view(continuum, [result.evidence for result in results]))
+    return [*views, *notes_lines(results[0].scene.field), legend() if evidence else Text(MORE, "dim")]
+
+
+# ---- many scenes ---------------------------------------------------------------------------------
+
+
+class SummaryLine(NamedTuple):
+    """One scene under one rule.
+
+    Attributes:
+        origin: file or built-in name.
+        rule: the contact rule; a dash for a plain system.
+        answers: of position, heading and pose; of a plain system its stability.
+        theorem: the verdict of Theorem 4; a dash where there is none.
+        status: the exit status that the scene alone would give.
+        record: JSON.
+        refusal: why the scene was refused; empty where it was not.
+    """
+
+    origin: str
+    rule: str
+    answers: tuple[str, ...]
+    theorem: str
+    status: int
+    record: Record
+    refusal: str = ""
+
+
+@dataclass(frozen=True, repr=False)
+class SummaryResult(Result):
+    """Many scenes: one line each, all records, and the worst exit status.
+
+    Attributes:
+        checked: checks all scenes, with records or without.
+    """
+
+    checked: Callable[..., tuple[SummaryLine, ...]]
+
+    @cached_property
+    def _brief(self) -> tuple[SummaryLine, ...]:
+        return self.checked(records=False)
+
+    @cached_property
+    def _full(self) -> tuple[SummaryLine, ...]:
+        return self.checked(records=True)
+
+    @property
+    def lines(self) -> tuple[SummaryLine, ...]:
+        """One for each scene and rule."""
+        return self._full if "_full" in vars(self) else self._brief
+
+    @property
+    def exit_status(self) -> int:
+        """Refused, else not holding, else undecided, else 0."""
+        return worst({line.status for line in self.lines})
+
+    def facts(self) -> Record:
+        """All records."""
+        return checks_record(line.record for line in self._full)
+
+    def table(self) -> DataTable:
+        """One line for each scene and rule."""
+        lines = []
+        for line in self.lines:
+            unsaid = (NONE,) * (len(COLUMNS) - 3 - len(line.answers))
+            lines.append((one_line(line.origin), line.rule, *line.answers, *unsaid, line.theorem))
+        return DataTable(COLUMNS, lines)
+
+    def blocks(self) -> Sequence[Block]:
+        """The table, why scenes were refused, and how many there are of each verdict."""
+        refused = [line for line in self.lines if line.refusal]
+        reasons = [f"refused: {one_line(line.origin)}, rule {line.rule}: {line.refusal}" for line in refused]
+        rows = table(*self.table(), (3.0, 1.0, 1.0, 1.0, 1.0, 1.0))
+        return [rows, *(Paragraph((reason,)) for reason in reasons), Paragraph((self.summary(),))]
+
+    def summary(self) -> str:
+        """``position: 5 comes home, 2 leaves; Theorem 4: 5 holds, 2 fails; plain systems: 1 stable``."""
+        arrays = [line for line in self.lines if line.rule != NONE]
+        groups = (
+            ("position", Counter(line.answers[0] for line in arrays)),
+            ("Theorem 4", Counter(line.theorem for line in arrays if line.theorem != NONE)),
+            ("plain systems", Counter(line.answers[0] for line in self.lines if line.rule == NONE)),
+        )
+        counted = ((name, ", ".join(f"{n} {word}" for word, n in count.most_common())) for name, count in groups)
+        return "; ".join(f"{name}: {words}" for name, words in counted if words)
+
+
+def worst(statuses: set[int]) -> int:
+    """The worst of some exit statuses."""
+    return next((status for status in WORST_FIRST if status in statuses), 0)
