@@ -19,13 +19,14 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import reduce
-from typing import NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias, TypeVar
 
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.plane import Vector, dot, turned
 from nonsmooth.symbolic.scene import Scene, Wheel
 
 Triple: TypeAlias = tuple[Number, Number, Number]
+X = TypeVar("X", bound=Any)  # numbers of one arithmetic
 
 
 class RowKind(StrEnum):
@@ -128,9 +129,10 @@ def cross_product(a: Triple, b: Triple) -> Triple:
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
-def total(zero: Number, vectors: Iterable[Triple]) -> Triple:
-    """Sum of vectors, zero where there are none."""
-    return reduce(added, vectors, (zero, zero, zero))
+def total(zero: X, vectors: Iterable[tuple[X, X, X]]) -> tuple[X, X, X]:
+    """Sum of vectors, zero where there are none; in any arithmetic."""
+    start: tuple[X, X, X] = (zero, zero, zero)
+    return reduce(added, vectors, start)
 
 
 def inner(a: Triple, b: Triple) -> Number:
@@ -153,8 +155,8 @@ def gram(columns: Sequence[Triple]) -> tuple[Triple, Triple, Triple]:
     return (xx, xy, xz), (xy, yy, yz), (xz, yz, zz)
 
 
-def added(a: Triple, b: Triple) -> Triple:
-    """``a + b``."""
+def added(a: tuple[X, X, X], b: tuple[X, X, X]) -> tuple[X, X, X]:
+    """``a + b``, in any arithmetic."""
     return a[0] + b[0], a[1] + b[1], a[2] + b[2]
 
 
@@ -163,8 +165,8 @@ def subtracted(a: Triple, b: Triple) -> Triple:
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
-def scaled(vector: Triple, factor: Number | int) -> Triple:
-    """``factor * vector``."""
+def scaled(vector: tuple[X, X, X], factor: X | int) -> tuple[X, X, X]:
+    """``factor * vector``, in any arithmetic."""
     return vector[0] * factor, vector[1] * factor, vector[2] * factor
 
 

@@ -76,7 +76,11 @@ def rest_balance(scene: Scene, region: LoadRegion) -> RestBalance:
     shares = {slip.wheel: [zero, zero] for slip in rough}
     for (wheel, axis, _), share in zip(columns, answer, strict=True):
         shares[wheel][axis] = share
-    return RestBalance(residual, tuple(StuckForce(slip.wheel, *shares[slip.wheel], slip.limits) for slip in rough))
+    forces = []
+    for slip in rough:
+        along, across = shares[slip.wheel]
+        forces.append(StuckForce(slip.wheel, along, across, slip.limits))
+    return RestBalance(residual, tuple(forces))
 
 
 def _stuck_rows(slip: Slip[Number]) -> list[tuple[int, int, Triple]]:

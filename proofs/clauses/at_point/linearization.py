@@ -84,7 +84,7 @@ class Slip(Generic[X]):
         """The same in another arithmetic."""
         load, *rows = (tuple(number(x) for x in triple) for triple in (self.load, *self.rows))
         speeds = number(self.along), number(self.across)
-        return Slip(self.wheel, self.position, load, (rows[0], rows[1]), *speeds, self.limits.map(number))  # type: ignore[arg-type]
+        return Slip(self.wheel, self.position, load, (rows[0], rows[1]), *speeds, self.limits.map(number))
 
     @cached_property
     def piece(self) -> BorderPiece:

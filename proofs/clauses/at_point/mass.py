@@ -130,11 +130,11 @@ def _characteristic(linear: Linearization, squared_radius: arb) -> arb_poly:
         h = [entry.ball() for entry in row]
         x, y = (column[r].ball() for column in linear.slope)
         pull = x - rate * h[1], y + rate * h[0]  # K = G - omega_0 (H_1 H_2) J
-        mass = [inertia if r == column else arb(0) for column in range(3)]
-        entries = [[pull[k], *[0] * 3, h[k], *[0] * 4, mass[k]] for k in range(2)]
-        rows.append([arb_poly(entry) for entry in (*entries, [h[2], *[0] * 4, mass[2]])])
-    (a, b, c), (d, e, f), (g, h, k) = rows
-    return a * (e * k - f * h) - b * (d * k - f * g) + c * (d * h - e * g)
+        mass, zero = [inertia if r == column else arb(0) for column in range(3)], arb(0)
+        entries = [arb_poly([pull[k], *[zero] * 3, h[k], *[zero] * 4, mass[k]]) for k in range(2)]
+        rows.append([*entries, arb_poly([h[2], *[zero] * 4, mass[2]])])
+    (a, b, c), (d, e, f), (p, q, s) = rows
+    return a * (e * s - f * q) - b * (d * s - f * p) + c * (d * q - e * p)
 
 
 def _least_positive_root(determinant: arb_poly) -> float | None:
