@@ -35,7 +35,7 @@ from nonsmooth.proofs.clauses.feedback.driven_law import in_scene
 from nonsmooth.proofs.clauses.rotation.on_cells import drift_at_rest
 from nonsmooth.proofs.clauses.translation.certified_disc import CertifiedDisc, certified_disc
 from nonsmooth.proofs.exact_json import encode, homogeneous
-from nonsmooth.proofs.robust.certified_bound import certified_bounds
+from nonsmooth.proofs.robust.nearest import certified_bounds
 from nonsmooth.proofs.theorem4 import check_cells
 from nonsmooth.proofs.theorem4_result import CellCheck, SmoothCheck
 from nonsmooth.proofs.verdicts import Equilibrium, Feedback

@@ -17,7 +17,6 @@ from nonsmooth.proofs.answers.heading import OF_ROTATION
 from nonsmooth.proofs.answers.position import OF_TRANSLATION
 from nonsmooth.proofs.headings.search import EquilibriumHeadings, can_search, equilibrium_headings
 from nonsmooth.proofs.headings.stay import Stays
-from nonsmooth.proofs.verified import verified
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import Scene
 
@@ -109,7 +108,7 @@ def headings_of_rest(scene: Scene, *, around: bool = False) -> HeadingsOfRest | 
     found = equilibrium_headings(scene, around=around)
     if found is None:
         return None
-    entries = sorted(_entries(verified(found)), key=_rank)
+    entries = sorted(_entries(found), key=_rank)
     return HeadingsOfRest(tuple(entries), found.undecided, found.reach, found.left_out, can_search(scene))
 
 

@@ -22,10 +22,9 @@ from nonsmooth.proofs.clauses.translation.clause import AnyTranslation
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, Move, MoveEvidence
 from nonsmooth.proofs.robust.drift import driven_out
 from nonsmooth.proofs.robust.ends import Ends, decide_ends, why_not_followed
-from nonsmooth.proofs.robust.smooth_rules import equilibrium_box
+from nonsmooth.proofs.robust.smooth_rules import HAS_ROLLERS, equilibrium_box
 from nonsmooth.proofs.robust.touching_rings import no_tolerance
 from nonsmooth.proofs.robust.ultimate_bound import root_above
-from nonsmooth.proofs.robust.wheel_force import HAS_ROLLERS
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.numbers.number import sign

@@ -14,8 +14,8 @@ from nonsmooth.symbolic.scene import Scene
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.clauses.feedback.clause import AnyFeedback
+    from nonsmooth.proofs.robust.decide import Robust
     from nonsmooth.proofs.robust.feedback import RobustLoop
-    from nonsmooth.proofs.robust.robust import Robust
 
 TOLERANCES = "tolerances"
 KEYS = ("radius", "from", "within", "turning", "equilibrium", "drift", "at_rest_within")

@@ -8,7 +8,6 @@ from itertools import chain, combinations
 import numpy as np
 from flint import arb, arb_mat, ctx
 
-from nonsmooth.proofs.headings.ball_motion import UndecidedMotionError
 from nonsmooth.proofs.headings.heading_intervals import HeadingsAt, RestInterval, Wheels
 from nonsmooth.proofs.headings.stay import Stays
 from nonsmooth.symbolic.edge_headings import HeadingCluster, seen
@@ -138,10 +137,12 @@ def _moves_off(here: HeadingsAt, cluster: HeadingCluster, inside: Wheels) -> boo
     if len(numbers) > MOST_AT_ONCE:
         return False
     subsets = chain.from_iterable(combinations(numbers, k) for k in range(len(numbers) + 1))
-    try:
-        rates = [rate for some in subsets for rate in here.stays.rates(tuple(sorted((*inside, *some))))]
-    except UndecidedMotionError:
-        return False
+    rates: list[arb_mat] = []
+    for some in subsets:
+        found = here.stays.rates(sorted((*inside, *some)))
+        if found is None:
+            return False
+        rates += found
     way = _shortest(rates)
     return all((rate * way)[0, 0] > 0 for rate in rates)
 

@@ -44,22 +44,6 @@ class RestInterval:
         below, above = (tuple(self.scene.wheels[k].index for k in ends) for ends in self.gap.ends)
         return below, above
 
-    def check(self, known: dict[tuple[Vector, Wheels], Stay]) -> bool:
-        """Decide again, at another heading of the interval, which wheels carry and what they do.
-
-        Args:
-            known: what sets of wheels do at points, decided again before; completed.
-        """
-        with ctx.workprec(PRECISION):
-            here = HeadingsAt(self.scene, self.scene.check.equilibrium)
-            wheels = here.carrying((2 * self.gap.low + self.gap.high) / 3)
-            if wheels is None or wheels != self.wheels:
-                return wheels is self.wheels
-            key = self.scene.check.equilibrium, wheels
-            if key not in known:
-                known[key] = StaysAt(here.scene).on(wheels)
-        return known[key] == self.stay
-
 
 class HeadingsAt:
     """The headings at one point of one scene."""

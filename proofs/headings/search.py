@@ -19,11 +19,12 @@ import numpy as np
 from nonsmooth.analysis.cells.loads import LoadRegion, load_regions
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
+from nonsmooth.proofs.clauses.at_point.linearization import gradient, slips_at
 from nonsmooth.proofs.headings.at_point import OpenHeadings, SampledRest, point_headings
-from nonsmooth.proofs.headings.heading_intervals import HeadingsAt, RestInterval, Wheels
-from nonsmooth.proofs.headings.stay import Stay
+from nonsmooth.proofs.headings.heading_intervals import HeadingsAt, RestInterval
 from nonsmooth.symbolic.contact_set import whole
 from nonsmooth.symbolic.continuum import Disc
+from nonsmooth.symbolic.friction_set import BorderPiece
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, work_limit
 from nonsmooth.symbolic.plane import Vector, around, cross
 from nonsmooth.symbolic.scene import Scene
@@ -57,11 +58,6 @@ class EquilibriumHeadings:
     sampled: tuple[SampledRest, ...] = ()
     reach: float | None = None
     left_out: int = 0
-
-    def check(self) -> bool:
-        """Verify every interval again; what a set of wheels does at a point is decided again once."""
-        known: dict[tuple[Vector, Wheels], Stay] = {}
-        return all(interval.check(known) for interval in self.intervals)
 
 
 def heading_matters(scene: Scene) -> bool:
@@ -156,16 +152,10 @@ def _exact_points(scene: Scene, found: SeenRest) -> Iterator[Vector]:
 
 
 def _balance(scene: Scene, region: LoadRegion) -> Vector | None:
-    """``c`` with ``sum N_i(c) mu_R sgn(u_i) d_i = 0``; None where that is no point."""
+    """``c`` at which the forces of the wheels that slip at rest balance; None where that is no point."""
     zero = scene.field.zero
-    rows = [[zero] * 3, [zero] * 3]
-    for wheel, form in zip(scene.wheels, region.forces, strict=True):
-        if any(form):
-            pull = wheel.friction.roll * wheel.speed.sign()
-            for axis in (0, 1):
-                way = pull * wheel.unit_direction[axis]
-                rows[axis] = [old + way * entry for old, entry in zip(rows[axis], form, strict=True)]
-    (p, a, b), (q, c, d) = rows
+    slips = [slip for slip in slips_at(scene, region, zero) if slip.piece is not BorderPiece.KINK]
+    (p, q, _), (a, c, _), (b, d, _) = (gradient(zero, slips, part) for part in range(3))
     determinant = a * d - b * c
     if not determinant:
         return None

@@ -23,8 +23,8 @@ from nonsmooth.proofs.clauses.equilibrium.at_point import EllipseEquilibrium
 from nonsmooth.proofs.clauses.rotation.on_cells import RotationResult
 from nonsmooth.proofs.clauses.translation.clause import AnyTranslation
 from nonsmooth.proofs.clauses.workspace import Workspace
-from nonsmooth.proofs.headings.ball_motion import UndecidedMotionError
-from nonsmooth.proofs.headings.set_motion import EnclosedMotion, set_motion
+from nonsmooth.proofs.enclosures import linear_stability
+from nonsmooth.proofs.headings.set_motion import EnclosedMotion, UndecidedMotionError, set_motion
 from nonsmooth.proofs.verdicts import Equilibrium, Rotation, Translation
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.contact_set import TipsError, on_wheels, whole
@@ -87,8 +87,6 @@ class StaysAt:
         rule = rule_of(scene)
         known = scene.contact.loads is None
         self.rule = rule if isinstance(rule, SmoothRule) and known else None
-        x, y = scene.check.equilibrium
-        self.centre = arb_mat([[ball_of(x)], [ball_of(y)]])
         self._guesses: SetGuesses | None = None
         self._motions: dict[tuple[int, ...], EnclosedMotion | str] = {}
         self._stays: dict[tuple[int, ...], Stay] = {}
@@ -97,88 +95,67 @@ class StaysAt:
         """What the wheels with some numbers do."""
         key = tuple(numbers)
         if key not in self._stays:
-            self._stays[key] = self._decided(key)
+            stay = self._exactly(key)
+            self._stays[key] = self._by_balls(key, stay) if stay.kind is Stays.UNDECIDED else stay
         return self._stays[key]
 
-    def rates(self, numbers: Sequence[int]) -> list[arb_mat]:
+    def rates(self, numbers: Sequence[int]) -> list[arb_mat] | None:
         """Rows ``(c', omega)``, (1, 3), whose hull holds all motions on the wheels with some numbers.
 
-        Raises:
-            UndecidedMotionError: where they are not known, or the body tips.
+        None where they are not known, or the body tips.
         """
         stay = self.on(numbers)
-        if stay.kind is Stays.TIPS:
-            raise UndecidedMotionError("a body that tips")
         if stay.twists:
             return [arb_mat([[ball_of(entry) for entry in (*twist.velocity, twist.omega)]]) for twist in stay.twists]
-        motion = self.motion(numbers)
-        return [arb_mat([[*motion.velocity, motion.omega]])]
+        motion = "a body that tips" if stay.kind is Stays.TIPS else self.motion(numbers)
+        return None if isinstance(motion, str) else [arb_mat([[*motion.velocity, motion.omega]])]
 
-    def _decided(self, numbers: Sequence[int]) -> Stay:
-        try:
-            stay = self._exactly(numbers)
-        except TipsError:
-            return Stay(Stays.TIPS)
-        except (RefusalError, WorkLimitError, SceneError) as error:
-            stay = Stay(Stays.UNDECIDED, reason=str(error))
-        return self._by_balls(numbers, stay) if stay.kind is Stays.UNDECIDED else stay
+    def motion(self, numbers: Sequence[int]) -> EnclosedMotion | str:
+        """The enclosed motion on the wheels with some numbers; why none is proved.
 
-    def motion(self, numbers: Sequence[int]) -> EnclosedMotion:
-        """The enclosed motion on the wheels with some numbers, under a rule without cells and with elastic loads.
-
-        Raises:
-            UndecidedMotionError: where none is proved.
+        It is looked for under a rule without cells and with elastic loads.
         """
         if self.rule is None:
-            raise UndecidedMotionError("a rule with cells, or loads of one set of wheels")
-        key = tuple(numbers)
-        if key not in self._motions:
-            try:
-                places = [k for k, wheel in enumerate(self.scene.wheels) if wheel.index in numbers]
-                self._motions[key] = set_motion(self.scene, self.rule, self._guessing(self.rule), places, self.centre)
-            except UndecidedMotionError as error:
-                self._motions[key] = str(error)
-        found = self._motions[key]
-        if isinstance(found, str):
-            raise UndecidedMotionError(found)
-        return found
-
-    def _guessing(self, rule: SmoothRule) -> SetGuesses:
+            return "a rule with cells, or loads of one set of wheels"
         if self._guesses is None:
             from nonsmooth.analysis.bodies.set_guesses import SetGuesses  # floats: only where exact clauses leave open
 
-            self._guesses = SetGuesses(self.scene, rule)
-        return self._guesses
+            self._guesses = SetGuesses(self.scene, self.rule)
+        key = tuple(numbers)
+        if key not in self._motions:
+            places = [k for k, wheel in enumerate(self.scene.wheels) if wheel.index in key]
+            centre = arb_mat([[ball_of(entry)] for entry in self.scene.check.equilibrium])
+            try:
+                self._motions[key] = set_motion(self.scene, self.rule, self._guesses, places, centre)
+            except UndecidedMotionError as error:
+                self._motions[key] = str(error)
+        return self._motions[key]
 
     def _exactly(self, numbers: Sequence[int]) -> Stay:
-        """By the clauses of a check.
-
-        Raises:
-            TipsError: where the body does not stand on the wheels.
-            SceneError: for a table of loads of other wheels.
-            RefusalError: for cells that are refused.
-            WorkLimitError: where that takes too much arithmetic.
-        """
-        with work_limit(self.scene.field, UNITS):
-            work = Workspace(on_wheels(self.scene, numbers), sample=False)
-            for clause in registry.CLAUSES:
-                if clause.name in NEEDED:
-                    work.earlier[clause.name] = clause.decide(work)
+        """By the clauses of a check; left open for loads of other wheels, refused cells, and too much arithmetic."""
+        try:
+            with work_limit(self.scene.field, UNITS):
+                work = Workspace(on_wheels(self.scene, numbers), sample=False)
+                for clause in registry.CLAUSES:
+                    if clause.name in NEEDED:
+                        work.earlier[clause.name] = clause.decide(work)
+        except TipsError:
+            return Stay(Stays.TIPS)
+        except (RefusalError, WorkLimitError, SceneError) as error:
+            return Stay(Stays.UNDECIDED, reason=str(error))
         return _stay_of(work)
 
     def _by_balls(self, numbers: Sequence[int], stay: Stay) -> Stay:
-        try:
-            motion = self.motion(numbers)
-        except UndecidedMotionError as error:
-            return stay if stay.reason else Stay(Stays.UNDECIDED, reason=str(error))
+        motion = self.motion(numbers)
+        if isinstance(motion, str):
+            return stay if stay.reason else Stay(Stays.UNDECIDED, reason=motion)
         if any(not entry.contains(0) for entry in motion.velocity):
             return Stay(Stays.MOVES)
         wheels = [wheel for wheel in self.scene.wheels if wheel.index in numbers]
         if motion.omega.contains(0) or not is_half_turned(wheels, self.scene.check.equilibrium):
             return stay
-        matrix = motion.linearized
         turning = 1 if motion.omega > 0 else -1
-        return Stay(Stays.TURNS, _translation(matrix), Rotation.UNSTABLE, turning)
+        return Stay(Stays.TURNS, linear_stability(motion.linearized.tolist()), Rotation.UNSTABLE, turning)
 
 
 def _stay_of(work: Workspace) -> Stay:
@@ -201,14 +178,6 @@ def _stay_of(work: Workspace) -> Stay:
     low, high = (rate.sign() for rate in rates)
     turning = high if low == high else 0
     return Stay(Stays.RESTS if low <= 0 <= high else Stays.TURNS, translation, rotation.verdict, turning, twists=twists)
-
-
-def _translation(matrix: arb_mat) -> Translation:
-    """Of ``c' = A c`` to first order."""
-    trace, determinant = matrix[0, 0] + matrix[1, 1], matrix.det()
-    if trace < 0 and determinant > 0:
-        return Translation.ASYMPTOTICALLY_STABLE
-    return Translation.UNSTABLE if trace > 0 or determinant < 0 else Translation.UNDECIDED
 
 
 def is_half_turned(wheels: Sequence[Wheel], point: Vector) -> bool:

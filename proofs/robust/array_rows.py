@@ -38,7 +38,11 @@ class ArrayRows:
 
     def limits(self, place: Sequence[float]) -> Floats:
         """Largest friction force of each row with the body at a place."""
-        return self.friction * np.repeat(self._forms @ np.array([1.0, *place]), 2)
+        return self.friction * np.repeat(self.loads(place), 2)
+
+    def loads(self, place: Sequence[float]) -> Floats:
+        """Of all wheels with the body at a place."""
+        return np.asarray(self._forms @ np.array([1.0, *place]))
 
     @property
     def fastest(self) -> float:

@@ -12,8 +12,8 @@ corners: |c| is convex, and the bound is a mixture of those at the corners.  The
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
+from typing import TypeAlias
 
 import numpy as np
 from flint import arb, ctx
@@ -35,26 +35,7 @@ REST_CORNERS = 16
 REST_HALVINGS = 7
 
 
-@dataclass(frozen=True)
-class _Push:
-    """What may be tried on a quadrangle.
-
-    Attributes:
-        strength: lambda.
-        rate: about the largest ``c . v/|c|`` that follows at the middle of the box.
-    """
-
-    strength: float
-    rate: float
-
-
-@dataclass(frozen=True)
-class _Plan:
-    """A twist for a quadrangle, and the pushes that promise a negative rate."""
-
-    twist: tuple[float, float, float]
-    distance: float
-    pushes: tuple[_Push, ...]
+Plan: TypeAlias = tuple[tuple[float, float, float], list[float]]  # a twist, and strengths of pushes
 
 
 class BoxRingProof(RingProof[BoxBound]):
@@ -64,8 +45,8 @@ class BoxRingProof(RingProof[BoxBound]):
         """For a scene whose loads are known."""
         self._scene = scene
         self._corners = BoxCorners(scene)
-        self._plans: dict[AnnulusPiece, _Plan] = {}
-        self._proposals: dict[tuple[AnnulusPiece, float], tuple[Proposal, ...] | None] = {}
+        self._plans: dict[AnnulusPiece, Plan] = {}
+        self._proposals: dict[tuple[AnnulusPiece, float], list[Proposal | None]] = {}
 
     # ---- rest
 
@@ -101,72 +82,56 @@ class BoxRingProof(RingProof[BoxBound]):
     # ---- coming nearer
 
     def rates(self, bound: BoxBound, pieces: Sequence[AnnulusPiece]) -> Iterator[arb | None]:
-        """By the bounds at their corners, one after the other."""
+        """By the bounds at their corners, one after the other; the first push that proves a positive one."""
         for piece in pieces:
-            yield self._rate_at_corners(bound, piece)
+            twist, strengths = self._plan(piece)
+            rates = (self._proved(bound, piece, twist, strength) for strength in strengths)
+            yield next((rate for rate in rates if rate is not None), None)
 
-    def _rate_at_corners(self, bound: BoxBound, piece: AnnulusPiece) -> arb | None:
-        plan = self._plan(piece)
-        for push in plan.pushes:
-            proposals = self._proposed(piece, push)
-            rate = None if proposals is None else _proved(bound, piece, plan, push, proposals)
-            if rate is not None:
-                return rate
-        return None
+    def _proved(
+        self, bound: BoxBound, piece: AnnulusPiece, twist: tuple[float, float, float], strength: float
+    ) -> arb | None:
+        """The rate that the bounds at the corners of a quadrangle prove; None where it is not positive."""
+        key, xi, push, rates = (piece, strength), [arb(entry) for entry in twist], arb(strength), []
+        if key not in self._proposals:
+            self._proposals[key] = [self._proposal(_floats(corner), strength) for corner in piece.corners]
+        for corner, proposal in zip(piece.corners, self._proposals[key], strict=True):
+            x, y = _balls(corner)
+            gap = None if proposal is None else bound.gap(proposal, (x, y), [push * x, push * y, arb(0)], xi)
+            if gap is None:
+                return None
+            rates.append(-((x * xi[0] + y * xi[1]) + gap / push) / (x * x + y * y).sqrt())
+            if not rates[-1] > 0:
+                return None
+        return min(rates, key=rational_below)
 
     # ---- what floats propose
 
-    def _plan(self, piece: AnnulusPiece) -> _Plan:
-        """The twist of the middle of a quadrangle, and what pushes promise."""
+    def _plan(self, piece: AnnulusPiece) -> Plan:
+        """The twist of the middle of a quadrangle, and the pushes that promise a negative rate."""
         if piece not in self._plans:
             corners = [_floats(corner) for corner in piece.corners]
             middle = np.mean(corners, axis=0)
-            distance = float(np.hypot(*middle))
             twist, _ = self._corners.least(middle.tolist(), np.zeros(3))
-            total = float(self._corners.limits(middle.tolist()).sum()) / 2
-            pushes = tuple(self._promise(corners, twist, share * total / distance) for share in PUSHES)
+            unit = float(self._corners.limits(middle.tolist()).sum()) / 2 / float(np.hypot(*middle))
+            strengths = [share * unit for share in PUSHES]
             v_x, v_y, spin = twist.tolist()
-            slow = tuple(push for push in pushes if push.rate < 0)
-            self._plans[piece] = _Plan((v_x, v_y, spin / self._corners.length), distance, slow)
+            slow = [strength for strength in strengths if self._promise(corners, twist, strength) < 0]
+            self._plans[piece] = (v_x, v_y, spin / self._corners.length), slow
         return self._plans[piece]
 
-    def _promise(self, corners: list[tuple[float, float]], twist: np.ndarray, strength: float) -> _Push:
+    def _promise(self, corners: list[tuple[float, float]], twist: np.ndarray, strength: float) -> float:
+        """About the largest ``c . v/|c|`` that follows at the middle of the box."""
         rates = []
         for x, y in corners:
             _, value = self._corners.least((x, y), strength * np.array([x, y, 0.0]))
             rates.append((self._corners.dissipation((x, y), twist) - value) / strength / float(np.hypot(x, y)))
-        return _Push(strength, max(rates))
-
-    def _proposed(self, piece: AnnulusPiece, push: _Push) -> tuple[Proposal, ...] | None:
-        key = piece, push.strength
-        if key not in self._proposals:
-            found = [self._proposal(_floats(corner), push.strength) for corner in piece.corners]
-            several = tuple(proposal for proposal in found if proposal is not None)
-            self._proposals[key] = several if len(several) == len(found) else None
-        return self._proposals[key]
+        return max(rates)
 
     def _proposal(self, place: tuple[float, float], strength: float) -> Proposal | None:
         push = strength * np.array([*place, 0.0])
         twist, _ = self._corners.least(place, push)
         return self._corners.proposal(place, push, twist)
-
-
-def _proved(
-    bound: BoxBound, piece: AnnulusPiece, plan: _Plan, push: _Push, proposals: tuple[Proposal, ...]
-) -> arb | None:
-    """The rate that the bounds at the corners of a quadrangle prove; None where it is not positive."""
-    twist, strength = [arb(entry) for entry in plan.twist], arb(push.strength)
-    rates = []
-    for corner, proposal in zip(piece.corners, proposals, strict=True):
-        place = _balls(corner)
-        gap = bound.gap(proposal, place, [strength * place[0], strength * place[1], arb(0)], twist)
-        if gap is None:
-            return None
-        size = (place[0] * place[0] + place[1] * place[1]).sqrt()
-        rates.append(-((place[0] * twist[0] + place[1] * twist[1]) + gap / strength) / size)
-        if not rates[-1] > 0:
-            return None
-    return min(rates, key=rational_below)
 
 
 def _floats(place: Place) -> tuple[float, float]:

@@ -15,12 +15,19 @@ from typing import TypeAlias
 
 from flint import arb
 
+from nonsmooth.proofs.enclosures import UNIT
 from nonsmooth.symbolic.scene import Scene, Wheel
 from nonsmooth.symbolic.tolerances import Tolerance
 
 Balls: TypeAlias = Sequence[arb]
 
-UNIT = arb(0, 1)  # the ball [-1, 1]
+
+def half_widths(wheel: Wheel, box: Tolerance) -> list[arb]:
+    """Of what is added to a wheel's x, y, angle, speed and the two frictions over a box."""
+    step, speed = box.position.ball(), abs((wheel.speed * box.speed).ball())
+    angle = arb(box.heading.numerator) / box.heading.denominator * arb.pi()
+    roll, side = wheel.friction.roll * box.mu_roll, wheel.friction.side * box.mu_side
+    return [step, step, angle, speed, roll.ball(), side.ball()]
 
 
 @dataclass(frozen=True)

@@ -6,29 +6,107 @@ For each contact rule a class on :class:`BoxProof` says what is proved; to follo
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import replace
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
-from flint import fmpq
+from flint import arb
 
 from nonsmooth.proofs.robust.box import BoxRingProof
 from nonsmooth.proofs.robust.box_corners import MAX_WHEELS
-from nonsmooth.proofs.robust.factor import binding_entry, largest_factor
-from nonsmooth.proofs.robust.nearest import inner_radius, is_bounded, ultimate_bound, why_not_nearest
+from nonsmooth.proofs.robust.nearest import as_fraction, inner_radius, is_bounded, ultimate_bound, why_not_nearest
 from nonsmooth.proofs.robust.rings import RingProof
-from nonsmooth.proofs.robust.robust import Robust, above, beside
 from nonsmooth.proofs.robust.smooth_disc import SmoothDisc
 from nonsmooth.proofs.robust.smooth_rules import equilibrium_box
 from nonsmooth.proofs.robust.ultimate_bound import root_above
 from nonsmooth.proofs.verdicts import Certainty
 from nonsmooth.symbolic.contact_set import contact_set
+from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.tolerances import Tolerance
 from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
 MAX_SMOOTH = 16  # wheels: with more, rings under rules ellipse and roller take minutes
+DOUBLINGS = 10  # of the factor: a thousand times the tolerances is as good as all
+SMALLEST = Fraction(1, 2 ** (DOUBLINGS - 1))  # factor that is tried
+HALVINGS = 6  # of the interval in which the largest factor lies
+COARSE = 3  # the same where factors are only compared
+LARGEST_SHARE = Fraction(99, 100)
+LARGEST_TURN = Fraction(49, 100)  # of pi
+
+
+@dataclass(frozen=True)
+class Robust:
+    """What holds for every array within the tolerances.
+
+    Attributes:
+        verdict: whether a bound is proved.
+        reason: why not, else empty.
+        radius: of the disc about the point in which every body ends, or else in which every equilibrium is (length).
+        start: radius of the disc of starts (length); None where only starts close by are meant.
+        within: time after which every body is in the disc and stays there (time); None where none is known.
+        turning: bound of the rotation on the way, in radian; None where it is not bounded.
+        equilibrium: radius of a disc in which every array has one equilibrium that attracts (length); None where that
+            is not shown.
+        drift: bound of the rotation rate at the equilibrium (1/time); None where it is not bounded.
+        rests: radius of a disc in which every body stays where it is (length); None where none is looked for.
+        factor: a multiple of the tolerances for which a bound is proved too, nearly the largest one.
+        binding: the tolerance without which that multiple would grow most.
+    """
+
+    verdict: Certainty
+    reason: str = ""
+    radius: Fraction | None = None
+    start: Fraction | None = None
+    within: Fraction | None = None
+    turning: Fraction | None = None
+    equilibrium: Fraction | None = None
+    drift: Fraction | None = None
+    rests: Fraction | None = None
+    factor: Fraction | None = None
+    binding: str | None = None
+
+
+def decide_robust(scene: Scene) -> Robust | None:
+    """Decide for every array within the scene's tolerances; None for a scene without."""
+    if scene.tolerances is None:
+        return None
+    proof = _proof(scene)
+    if isinstance(proof, str):
+        return Robust(Certainty.UNDECIDED, proof)
+    found = proof.statement(scene.tolerances)
+    factor = largest_factor(proof.holds, scene.tolerances)
+    binding = binding_entry(proof.holds, scene.tolerances, factor)
+    return replace(found or Robust(Certainty.UNDECIDED, proof.no_proof), factor=factor, binding=binding)
+
+
+def decided_statement(scene: Scene) -> Robust:
+    """The same for a scene with tolerances, without the factor and what binds."""
+    proof = _proof(scene)
+    if isinstance(proof, str) or scene.tolerances is None:
+        return Robust(Certainty.UNDECIDED, proof if isinstance(proof, str) else "the scene states no tolerances")
+    return proof.statement(scene.tolerances) or Robust(Certainty.UNDECIDED, proof.no_proof)
+
+
+def certified_factor(scene: Scene) -> Fraction | None:
+    """The multiple of the scene's tolerances alone; None without tolerances, and where none is followed."""
+    proof = None if scene.tolerances is None else _proof(scene)
+    if scene.tolerances is None or proof is None or isinstance(proof, str):
+        return None
+    return largest_factor(proof.holds, scene.tolerances)
+
+
+def _proof(scene: Scene) -> BoxProof | str:
+    """What proves something about boxes of a scene; or why nothing does."""
+    if scene.contact.rule not in PROOFS:
+        return f"tolerances are followed under the rules {', '.join(PROOFS)}, not under {scene.contact.rule}"
+    proof = PROOFS[scene.contact.rule](scene.recentred())
+    return proof.why_not() or proof
+
+
+# ---- what is proved under each rule ------------------------------------------------------------
 
 
 class BoxProof(ABC):
@@ -69,29 +147,25 @@ class NearestProof(BoxProof):
         return (not box.centre_of_mass and is_bounded(self.scene, box)) or self.statement(box) is not None
 
     def statement(self, box: Tolerance) -> Robust | None:
-        """About the nominal centre of mass of the body, which may be beside the true one."""
+        """The disc, and how far the body turns on its way."""
         bound = ultimate_bound(self.scene, box)
         if bound is None:
             return None
-        radius, start, off = root_above(_fraction(bound.squared)), _fraction(inner_radius(self.scene)), beside(box)
-        if start <= radius + 2 * off:
-            return None
-        within = (start - radius) / _fraction(bound.kappa)
-        turning = None if bound.turning is None else _fraction(bound.turning) * within
-        return Robust(Certainty.CERTIFIED, "", radius + off, start - off, within, turning)
+        radius, start = root_above(as_fraction(bound.squared)), as_fraction(inner_radius(self.scene))
+        found = _ends(box, radius, start, as_fraction(bound.kappa))
+        if found is None or found.within is None or bound.turning is None:
+            return found
+        return replace(found, turning=as_fraction(bound.turning) * found.within)
 
 
 class DiscProof(BoxProof):
-    """Rules without cells: a disc in which every body ends, by rings on which every body comes nearer."""
+    """Rules with loads: a disc in which every body ends, by rings on which every body comes nearer.
 
-    def __init__(self, scene: Scene) -> None:
-        """For a centred scene."""
-        super().__init__(scene)
-        self._rings = None if self.why_not() else self._ring_proof()
+    Attributes:
+        rings: what shows that bodies come nearer; None where that would take too long.
+    """
 
-    @abstractmethod
-    def _ring_proof(self) -> RingProof[Any] | None:
-        """What shows that bodies come nearer; None where that would take too long."""
+    rings: RingProof[Any] | None = None
 
     def why_not(self) -> str:
         """Loads that nobody knows."""
@@ -99,30 +173,21 @@ class DiscProof(BoxProof):
 
     def _comes_nearer(self, box: Tolerance) -> bool:
         """Whether bodies come nearer on some ring; where the centre of mass may be beside the point, on wide ones."""
-        most = self._most(box)
-        if self._rings is None or not self._can_turn or most <= 0:
-            return False
-        return self._disc(box) is not None if box.centre_of_mass else self._rings.comes_nearer(box, most)
+        if box.centre_of_mass or not self._follows(box) or self.rings is None:
+            return self._disc(box) is not None
+        return self.rings.comes_nearer(box, self._most(box))
 
     def _disc(self, box: Tolerance) -> Robust | None:
-        """About the nominal centre of mass of the body, which may be beside the true one."""
-        most, off = self._most(box), beside(box)
-        if self._rings is None or not self._can_turn or most <= 0:
-            return None
-        disc = self._rings.disc(box, most)
-        if disc is None or disc.start <= disc.radius + 2 * off:
-            return None
-        within = (disc.start - disc.radius) / disc.kappa
-        return Robust(Certainty.CERTIFIED, "", disc.radius + off, disc.start - off, within)
+        disc = self.rings.disc(box, self._most(box)) if self.rings is not None and self._follows(box) else None
+        return None if disc is None else _ends(box, disc.radius, disc.start, disc.kappa)
 
-    @property
-    def _can_turn(self) -> bool:
-        """Whether a body that turns on its way keeps its wheels: one without an outline."""
-        return self.scene.body is None
+    def _follows(self, box: Tolerance) -> bool:
+        """Whether a body that turns on its way keeps its wheels, as one without an outline does."""
+        return self.scene.body is None and self._most(box) > 0
 
     def _most(self, box: Tolerance) -> Fraction:
         """Up to where the body stays in the square and on the same wheels."""
-        most, margin = _fraction(inner_radius(self.scene)), contact_set(self.scene).margin
+        most, margin = as_fraction(inner_radius(self.scene)), contact_set(self.scene).margin
         return most if margin is None else min(most, margin - _displaced(box))
 
 
@@ -134,8 +199,11 @@ class SmoothProof(DiscProof):
         "on some ring about the point"
     )
 
-    def _ring_proof(self) -> RingProof[Any] | None:
-        return SmoothDisc(self.scene) if len(self.scene.wheels) <= MAX_SMOOTH else None
+    def __init__(self, scene: Scene) -> None:
+        """For a centred scene."""
+        super().__init__(scene)
+        if not self.why_not() and len(scene.wheels) <= MAX_SMOOTH:
+            self.rings = SmoothDisc(scene)
 
     def holds(self, box: Tolerance) -> bool:
         """By equilibria alone where they are shown for the scene, which is quick; else by a ring too."""
@@ -166,6 +234,8 @@ class SmoothProof(DiscProof):
 class BoxRuleProof(DiscProof):
     """Rule ``box``: a disc in which every body ends, and one in which every body stays at rest."""
 
+    rings: BoxRingProof | None
+
     no_proof = "no ring about the point is found on which every body comes nearer"
 
     def why_not(self) -> str:
@@ -174,8 +244,10 @@ class BoxRuleProof(DiscProof):
             return f"under rule box arrays of up to {MAX_WHEELS} wheels are followed"
         return super().why_not()
 
-    def _ring_proof(self) -> BoxRingProof:
-        return BoxRingProof(self.scene)
+    def __init__(self, scene: Scene) -> None:
+        """For a centred scene."""
+        super().__init__(scene)
+        self.rings = None if self.why_not() else BoxRingProof(scene)
 
     def holds(self, box: Tolerance) -> bool:
         """Whether bodies come nearer on some ring."""
@@ -183,20 +255,14 @@ class BoxRuleProof(DiscProof):
 
     def statement(self, box: Tolerance) -> Robust | None:
         """The disc of ends, and the disc of rest about the nominal centre of mass."""
-        most, off = self._most(box), beside(box)
-        if not isinstance(self._rings, BoxRingProof) or most <= 0:
+        most = self._most(box)
+        if most <= 0 or self.rings is None:
             return None
-        rests = max(self._rings.rest_radius(box, most) - off, Fraction(0))
-        if not self._can_turn:
-            return Robust(
-                Certainty.UNDECIDED, "on its way a body may turn, and other wheels come under it", rests=rests
-            )
-        return replace(self._disc(box) or Robust(Certainty.UNDECIDED, self.no_proof), rests=rests)
-
-
-def _displaced(box: Tolerance) -> Fraction:
-    """How far a wheel may be from its place under the body."""
-    return root_above(2 * above((box.position + box.centre_of_mass).ball()) ** 2)
+        rests = max(self.rings.rest_radius(box, most) - beside(box), Fraction(0))
+        no_proof = self.no_proof
+        if self.scene.body is not None:
+            no_proof = "on its way a body may turn, and other wheels come under it"
+        return replace(self._disc(box) or Robust(Certainty.UNDECIDED, no_proof), rests=rests)
 
 
 PROOFS: dict[str, type[BoxProof]] = {
@@ -207,45 +273,80 @@ PROOFS: dict[str, type[BoxProof]] = {
 }
 
 
-def decide_robust(scene: Scene) -> Robust | None:
-    """Decide for every array within the scene's tolerances; None for a scene without."""
-    if scene.tolerances is None:
+def _ends(box: Tolerance, radius: Fraction, start: Fraction, kappa: Fraction) -> Robust | None:
+    """A disc in which bodies end, about the nominal centre of mass of the body, which may be beside the true one."""
+    off = beside(box)
+    if start <= radius + 2 * off:
         return None
-    proof = _proof(scene)
-    if isinstance(proof, Robust):
-        return proof
-    found = proof.statement(scene.tolerances)
-    factor = largest_factor(proof.holds, scene.tolerances)
-    binding = binding_entry(proof.holds, scene.tolerances, factor)
-    return replace(found or Robust(Certainty.UNDECIDED, proof.no_proof), factor=factor, binding=binding)
+    return Robust(Certainty.CERTIFIED, "", radius + off, start - off, (start - radius) / kappa)
 
 
-def decided_statement(scene: Scene) -> Robust:
-    """The same for a scene with tolerances, without the factor and what binds."""
-    proof = _proof(scene)
-    if isinstance(proof, Robust) or scene.tolerances is None:
-        return proof if isinstance(proof, Robust) else Robust(Certainty.UNDECIDED, "the scene states no tolerances")
-    return proof.statement(scene.tolerances) or Robust(Certainty.UNDECIDED, proof.no_proof)
+def beside(box: Tolerance) -> Fraction:
+    """How far the true centre of mass may be from the nominal one."""
+    return root_above(2 * _above(box.centre_of_mass.ball()) ** 2)
 
 
-def _proof(scene: Scene) -> BoxProof | Robust:
-    """What proves something about boxes of a scene; or why nothing does."""
-    if scene.contact.rule not in PROOFS:
-        rules = ", ".join(PROOFS)
-        reason = f"tolerances are followed under the rules {rules}, not under {scene.contact.rule}"
-        return Robust(Certainty.UNDECIDED, reason)
-    proof = PROOFS[scene.contact.rule](scene.recentred())
-    reason = proof.why_not()
-    return Robust(Certainty.UNDECIDED, reason) if reason else proof
+def _displaced(box: Tolerance) -> Fraction:
+    """How far a wheel may be from its place under the body."""
+    return root_above(2 * _above((box.position + box.centre_of_mass).ball()) ** 2)
 
 
-def certified_factor(scene: Scene) -> Fraction | None:
-    """The multiple of the scene's tolerances alone; None without tolerances, and where none is followed."""
-    if scene.tolerances is None or scene.contact.rule not in PROOFS:
+def _above(ball: arb) -> Fraction:
+    """The upper end of a ball."""
+    return -rational_below(-ball)
+
+
+# ---- how much larger the tolerances may be -----------------------------------------------------
+
+
+def largest_factor(
+    holds: Callable[[Tolerance], bool], box: Tolerance, known: Fraction = Fraction(0), halvings: int = HALVINGS
+) -> Fraction:
+    """Nearly the largest multiple of a box for which a statement is proved; 0 where none is.
+
+    A statement about a box holds for every box inside it, so that any multiple found serves all smaller ones.
+
+    Args:
+        holds: whether the statement is proved for a box.
+        box: the tolerances.
+        known: a multiple for which it is.
+        halvings: of the interval in which the largest one lies.
+    """
+    most = _largest_multiple(box)
+
+    def proved(factor: Fraction) -> bool:
+        return factor <= most and holds(box.times(factor))
+
+    low, high = known, 2 * known or Fraction(1)
+    for _ in range(DOUBLINGS):
+        if proved(high):
+            low, high = high, 2 * high
+        elif low:
+            break
+        elif high == 1 and not proved(SMALLEST):
+            return Fraction(0)  # nor is any larger one
+        else:
+            high /= 2
+    for _ in range(halvings if low else 0):
+        middle = (low + high) / 2
+        low, high = (middle, high) if proved(middle) else (low, middle)
+    return low
+
+
+def _largest_multiple(box: Tolerance) -> Fraction:
+    """Up to which shares stay below one and rims have a direction."""
+    bounds = [Fraction(2**DOUBLINGS)]
+    if box.heading:
+        bounds.append(LARGEST_TURN / box.heading)
+    for share in (box.speed, box.mu_roll, box.mu_side):
+        if share:
+            bounds.append(LARGEST_SHARE / -rational_below(-share.ball()))
+    return min(bounds)
+
+
+def binding_entry(holds: Callable[[Tolerance], bool], box: Tolerance, factor: Fraction) -> str | None:
+    """The entry without which the factor grows most; None where none matters."""
+    grown = {name: largest_factor(holds, box.without(name), factor, COARSE) for name in box.names}
+    if not grown or max(grown.values()) <= factor:
         return None
-    proof = PROOFS[scene.contact.rule](scene.recentred())
-    return None if proof.why_not() else largest_factor(proof.holds, scene.tolerances)
-
-
-def _fraction(value: fmpq) -> Fraction:
-    return Fraction(int(value.p), int(value.q))
+    return max(grown, key=lambda name: grown[name])

@@ -14,7 +14,8 @@ import numpy as np
 from flint import arb
 
 from nonsmooth.proofs.clauses.feedback.driven_law import rim_speeds
-from nonsmooth.proofs.robust.array_forces import ArrayBox, PieceForces
+from nonsmooth.proofs.enclosures import UNIT
+from nonsmooth.proofs.robust.array_forces import ArrayBox, PieceForces, Triple
 from nonsmooth.proofs.robust.box_wheel import box_wheels
 from nonsmooth.proofs.robust.friction_forces import FORCE_LAWS
 from nonsmooth.proofs.robust.intervals import Floats, Intervals
@@ -52,14 +53,13 @@ def distance_of_minimizers(
     return None
 
 
-def _speeds(scene: Scene, box: Tolerance, imposed: ImposedTwist) -> tuple[Intervals, Intervals]:
-    """Along and across each wheel's friction axis: rims' speeds of the law, within their tolerance."""
-    drive = 1 + box.speed.ball() * arb(0, 1)
-    pairs = []
-    for wheel, speed in zip(scene.wheels, rim_speeds(scene, imposed), strict=True):
-        along, across = ((gain / wheel.grip_length).ball() for gain in wheel.gains)  # of the rim's direction
-        pairs.append((along * speed * drive, across * speed * drive))
-    return Intervals.about([pair[0] for pair in pairs]), Intervals.about([pair[1] for pair in pairs])
+def _speeds(scene: Scene, box: Tolerance, imposed: ImposedTwist) -> Intervals:
+    """Along and across each wheel's friction axis: rims' speeds of the law, within their tolerance (wheels, 2)."""
+    drive = 1 + box.speed.ball() * UNIT
+    pairs = zip(scene.wheels, rim_speeds(scene, imposed), strict=True)
+    return Intervals.about(
+        [[(gain / wheel.grip_length).ball() * speed * drive for gain in wheel.gains] for wheel, speed in pairs]
+    )
 
 
 def _is_outward(forces: PieceForces, middle: Floats, half: float) -> bool:
@@ -69,23 +69,19 @@ def _is_outward(forces: PieceForces, middle: Floats, half: float) -> bool:
     first, second = np.indices((SIDE_PARTS, SIDE_PARTS)).reshape(2, -1)
     for k in range(3):
         for side in (-1.0, 1.0):
-            offset = [part[first], part[first], part[first]]
-            offset[(k + 1) % 3], offset[(k + 2) % 3] = part[first], part[second]
-            offset[k] = Intervals.of(np.full(len(first), side))
-            scaled = [entry[None] * Intervals.of(half) for entry in offset]
-            if not _increases(forces, middle, scaled):
+            offset = [Intervals.of(np.full(len(first), side)), part[first], part[second]]
+            x, y, spin = (offset[(axis - k) % 3][None] * Intervals.of(half) for axis in range(3))
+            if not _increases(forces, middle, (x, y, spin)):
                 return False
     return True
 
 
-def _increases(forces: PieceForces, middle: Floats, offset: list[Intervals]) -> bool:
+def _increases(forces: PieceForces, middle: Floats, offset: Triple) -> bool:
     """``g . (xi - xi_m) > 0`` on parts of one side: along their middles, and what is left of them."""
     x, y, spin = (entry + Intervals.of(value) for entry, value in zip(offset, middle, strict=True))
     pulls = forces.forces((x, y, spin))
-    centres = [Intervals.of(entry.middle) for entry in offset]
-    power = forces.power(pulls, (centres[0], centres[1], centres[2]))
-    zero, one = Intervals.of(np.zeros((1, 1))), Intervals.of(np.ones((1, 1)))
-    units = (one, zero, zero), (zero, one, zero), (zero, zero, one)
-    for entry, centre, unit in zip(offset, centres, units, strict=True):
-        power = power + (entry - centre) * forces.power(pulls, unit)
+    a, b, c = (Intervals.of(entry.middle) for entry in offset)
+    power = forces.power(pulls, (a, b, c))
+    for entry, centre, pull in zip(offset, (a, b, c), forces.wrench(pulls), strict=True):
+        power = power + (entry - centre) * pull
     return bool((power.low > 0).all())

@@ -12,7 +12,6 @@ from functools import cached_property
 from typing import Any, TypeAlias
 
 import numpy as np
-from flint import arb
 from numpy.typing import NDArray
 
 Floats: TypeAlias = NDArray[np.float64]
@@ -40,11 +39,17 @@ class Intervals:
         return cls(array, array)
 
     @classmethod
-    def about(cls, balls: Sequence[arb]) -> Intervals:
-        """Balls, one after the other."""
-        low = np.array([float(ball.lower()) for ball in balls])
-        high = np.array([float(ball.upper()) for ball in balls])
+    def about(cls, balls: Sequence[Any]) -> Intervals:
+        """Balls, in lists of any depth."""
+        array = np.array(balls, dtype=object)
+        low = np.array([float(ball.lower()) for ball in array.flat]).reshape(array.shape)
+        high = np.array([float(ball.upper()) for ball in array.flat]).reshape(array.shape)
         return _outward(low, high)
+
+    @classmethod
+    def joined(cls, several: Sequence[Intervals]) -> Intervals:
+        """One after the other, along the only axis."""
+        return cls(np.concatenate([each.low for each in several]), np.concatenate([each.high for each in several]))
 
     def __getitem__(self, key: Any) -> Intervals:
         return Intervals(self.low[key], self.high[key])

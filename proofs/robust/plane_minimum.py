@@ -7,8 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,31 +15,30 @@ from numpy.typing import NDArray
 from nonsmooth.analysis.contact_rule import smooth_rule_of
 from nonsmooth.proofs.robust.annulus import AnnulusPiece
 from nonsmooth.proofs.robust.array_rows import ArrayRows
-from nonsmooth.proofs.robust.wheel_force import HAS_ROLLERS
+from nonsmooth.symbolic.friction_set import float_sets
 from nonsmooth.symbolic.scene import Scene
 
 Floats: TypeAlias = NDArray[np.float64]
 
 STEPS = 30  # of Newton's method
-SHORT = 2.0**-20  # of the fastest wheel's speed: step of differences
+SHORT = 2.0**-20  # of the fastest wheel's speed: the shortest step
+SINGULAR = 2.0**-44  # of the largest curvature of D: a smaller one is rounding
 DONE = 2.0**-40  # of the sum of all friction: gradient that is small enough
 
 
-@dataclass(frozen=True)
-class PlaneMinimum:
+class PlaneMinimum(NamedTuple):
     """Twists ``v = -kappa e + lateral J e``, ``omega = spin``, near the least value of D.
 
-    Attributes:
-        kappa: speed of the plane (length/time).
-        lateral: ``J e . v``.
-        spin: omega (1/time).
-        columns: of T, rows by ``lateral`` and by ``spin``; in ``z`` with ``xi = xi^ + T z`` D curves by one.
+    With ``xi = xi^ + T z``, T with the rows ``(a, b)`` by ``lateral`` and ``(c, d)`` by ``spin``, D curves by one in z.
     """
 
     kappa: float
     lateral: float
     spin: float
-    columns: tuple[tuple[float, float], tuple[float, float]]
+    a: float
+    b: float
+    c: float
+    d: float
 
 
 class PlaneMinima:
@@ -48,6 +46,7 @@ class PlaneMinima:
 
     def __init__(self, scene: Scene) -> None:
         self._scene, self._rows = scene, ArrayRows(scene)
+        self._sets = float_sets(smooth_rule_of(scene).friction_set(wheel.friction) for wheel in scene.wheels)
         self._radial: dict[AnnulusPiece, float | None] = {}
         self._found: dict[tuple[AnnulusPiece, float], PlaneMinimum | None] = {}
 
@@ -69,48 +68,43 @@ class PlaneMinima:
         return self._found[piece, share]
 
     def _search(self, piece: AnnulusPiece, kappa: float) -> PlaneMinimum | None:
-        """Newton's method with differences of the gradient; steps are halved while the gradient grows."""
+        """Newton's method; steps are halved while the gradient grows."""
         place = _middle(piece)
         e = np.array(place) / math.hypot(*place)
-        limits = self._rows.limits(place)
+        loads = self._rows.loads(place)
         plane = np.array([[-e[1], e[0], 0.0], [0.0, 0.0, 1.0]])  # lateral velocity, and spin times length
         fixed, step = np.array([*(-kappa * e), 0.0]), SHORT * (self._rows.fastest or 1.0)
-
-        def gradient(z: Floats) -> Floats:
-            return plane @ self._gradient(fixed + z @ plane, limits)
-
+        enough = DONE * self._rows.limits(place).sum()
         z = np.zeros(2)
-        pull = gradient(z)
+        pull, slope = self._derivatives(fixed, plane, loads)
         for _ in range(STEPS):
-            slope = np.column_stack([(gradient(z + step * u) - gradient(z - step * u)) / (2 * step) for u in np.eye(2)])
-            slope = (slope + slope.T) / 2
-            if not np.isfinite(slope).all() or np.linalg.eigvalsh(slope)[0] <= 0:
+            if not np.isfinite(slope).all():
                 return None
-            if np.abs(pull).max() <= DONE * limits.sum():
+            least, largest = np.linalg.eigvalsh(slope)
+            if least <= SINGULAR * largest:
+                return None
+            if np.abs(pull).max() <= enough:
                 break
-            move = -np.linalg.solve(slope, pull)
-            while np.abs(gradient(z + move)).max() > np.abs(pull).max() and np.abs(move).max() > step:
+            move, before = -np.linalg.solve(slope, pull), np.abs(pull).max()
+            pull, slope = self._derivatives(fixed + (z + move) @ plane, plane, loads)
+            while np.abs(pull).max() > before and np.abs(move).max() > step:
                 move /= 2
+                pull, slope = self._derivatives(fixed + (z + move) @ plane, plane, loads)
             z = z + move
-            pull = gradient(z)
         columns = np.linalg.inv(np.linalg.cholesky(slope)).T
         columns[1] /= self._rows.length
-        (a, b), (c, d) = columns.tolist()
-        return PlaneMinimum(kappa, float(z[0]), float(z[1]) / self._rows.length, ((a, b), (c, d)))
+        return PlaneMinimum(kappa, float(z[0]), float(z[1]) / self._rows.length, *columns.ravel().tolist())
 
-    def _gradient(self, twist: Floats, limits: Floats) -> Floats:
-        """Of D by ``(v, length omega)``."""
+    def _derivatives(self, twist: Floats, plane: Floats, loads: Floats) -> tuple[Floats, Floats]:
+        """Gradient and Hessian of D by ``(v, length omega)`` along the plane."""
+        rows = self._rows.rows @ plane.T
         slips = self._rows.rows @ twist - self._rows.speeds
-        r, s = slips[::2], slips[1::2]
-        roll, side = limits[::2], limits[1::2]
-        if HAS_ROLLERS[self._scene.contact.rule]:
-            size = np.hypot(r, s)
-            across = np.clip(roll * s / size, -side, side)
-            forces = np.sign(r) * np.sqrt(roll**2 - across**2), across
-        else:
-            size = np.hypot(roll * r, side * s)
-            forces = roll**2 * r / size, side**2 * s / size
-        return np.asarray(self._rows.rows.T @ np.stack(forces, axis=1).ravel())
+        r, s, along, across = slips[::2], slips[1::2], rows[::2], rows[1::2]
+        f, g = (loads * entry for entry in self._sets.gradient(r, s))
+        by_r, both, by_s = (loads * entry for entry in self._sets.hessian(r, s))
+        mixed = along.T @ (both[:, None] * across)
+        slope = along.T @ (by_r[:, None] * along) + mixed + mixed.T + across.T @ (by_s[:, None] * across)
+        return along.T @ f + across.T @ g, slope
 
 
 def _middle(piece: AnnulusPiece) -> tuple[float, float]:

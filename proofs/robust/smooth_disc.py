@@ -18,7 +18,6 @@ are affine in c.  Twists are about the origin: ``c . v`` is the same for the vel
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 from typing import TypeAlias
 
@@ -100,46 +99,45 @@ def _is_carried(bound: ArrayBox, piece: AnnulusPiece) -> bool:
 
 def _come_nearer(bound: ArrayBox, pieces: list[AnnulusPiece], guesses: list[PlaneMinimum]) -> NDArray[np.bool_]:
     """Whether all minimizers have ``e . v < -kappa`` on each of several quadrangles."""
-    plan = _Plan.of(guesses)
-    forces = PieceForces.of(bound, pieces)
+    plan, forces = np.array(guesses), PieceForces.of(bound, pieces)
     nothing = Intervals.of(np.zeros((len(pieces), 1)))
-    _, first, second = plan.gradient(forces, nothing, nothing)
-    pull = (first.square + second.square).root.high[:, 0]
+    radial, across, moment = forces.wrench(forces.forces(_twists(plan, forces, nothing, nothing)))
+    a, b, c, d = (Intervals.of(plan[:, k, None]) for k in range(3, 7))
+    sideways = forces.turn[0] * across - forces.turn[1] * radial
+    pull = ((a * sideways + c * moment).square + (b * sideways + d * moment).square).root.high[:, 0]
     enclosed, sizes = np.zeros(len(pieces), dtype=bool), np.zeros(len(pieces))
     for inflation in INFLATIONS:
         left = np.flatnonzero(~enclosed)
         if len(left):
             size = inflation * pull[left] + LEAST
-            inside = _is_outward(plan.at(left), forces.at(left), size)
+            inside = _is_outward(plan[left], forces.at(left), size)
             enclosed[left[inside]], sizes[left[inside]] = True, size[inside]
     left = np.flatnonzero(enclosed)
     nearer = np.zeros(len(pieces), dtype=bool)
     if len(left):
-        nearer[left] = _is_positive(plan.at(left), forces.at(left), sizes[left])
+        nearer[left] = _is_positive(plan[left], forces.at(left), sizes[left])
     return nearer
 
 
-def _is_outward(plan: _Plan, forces: PieceForces, size: Floats) -> NDArray[np.bool_]:
+def _is_outward(plan: Floats, forces: PieceForces, size: Floats) -> NDArray[np.bool_]:
     """Whether D increases outward all along the border of each square."""
-    part, end = _intervals(SIDE_PARTS), Intervals.of(np.ones(SIDE_PARTS))
-    first, second = _joined([part, part, end, -end]), _joined([end, -end, part, part])
+    ends = np.linspace(-1.0, 1.0, SIDE_PARTS + 1)
+    part, one = Intervals(ends[:-1], ends[1:]), Intervals.of(np.ones(SIDE_PARTS))
     wide = Intervals.of(size[:, None])
-    first, second = first * wide, second * wide
-    lateral, spin = plan.offset(first, second)
+    first, second = Intervals.joined([part, part, one, -one]) * wide, Intervals.joined([one, -one, part, part]) * wide
+    lateral, spin = _offset(plan, first, second)
     middle = Intervals.of(lateral.middle), Intervals.of(spin.middle)
-    pulls = forces.forces(plan.twists(forces, first, second))
-    zero, one = Intervals.of(np.zeros((1, 1))), Intervals.of(np.ones((1, 1)))
-    radial, across, moment = (
-        forces.power(pulls, unit) for unit in ((one, zero, zero), (zero, one, zero), (zero, zero, one))
-    )
+    pulls = forces.forces(_twists(plan, forces, first, second))
+    radial, across, moment = forces.wrench(pulls)
+    (cosine, sine), zero = forces.turn, Intervals.of(np.zeros((1, 1)))
     # forces nearly cancel: T z is split into its middle, the rest, and what turning it from e_0 to the place adds
     at_middle = forces.power(pulls, (zero, *middle))
     rest = (lateral - middle[0]) * across + (spin - middle[1]) * moment
-    turned = lateral * ((forces.cosine - one) * across - forces.sine * radial)
+    turned = lateral * ((cosine - Intervals.of(1.0)) * across - sine * radial)
     return np.asarray(((at_middle + rest + turned).low > 0).all(axis=1))
 
 
-def _is_positive(plan: _Plan, forces: PieceForces, size: Floats) -> NDArray[np.bool_]:
+def _is_positive(plan: Floats, forces: PieceForces, size: Floats) -> NDArray[np.bool_]:
     """Whether on each part of each square ``g . zeta > 0``, with a direction zeta that serves; parts are divided."""
     count, grid = len(size), np.indices((SQUARE_PARTS, SQUARE_PARTS)).reshape(2, -1)
     middles = (2 * grid + 1 - SQUARE_PARTS) / SQUARE_PARTS
@@ -147,7 +145,7 @@ def _is_positive(plan: _Plan, forces: PieceForces, size: Floats) -> NDArray[np.b
     first, second = np.tile(middles[0], count), np.tile(middles[1], count)
     half = 1 / SQUARE_PARTS
     for _ in range(DIVISIONS):
-        shown = _are_positive(plan.at(owner), forces.at(owner), size[owner], (first, second), half)
+        shown = _are_positive(plan[owner], forces.at(owner), size[owner], (first, second), half)
         owner, first, second = owner[~shown], first[~shown], second[~shown]
         if not len(owner) or len(owner) > MOST_PARTS * count:
             break
@@ -161,21 +159,21 @@ def _is_positive(plan: _Plan, forces: PieceForces, size: Floats) -> NDArray[np.b
 
 
 def _are_positive(
-    plan: _Plan, forces: PieceForces, size: Floats, middles: tuple[Floats, Floats], half: float
+    plan: Floats, forces: PieceForces, size: Floats, middles: tuple[Floats, Floats], half: float
 ) -> NDArray[np.bool_]:
     """The same for one part of each square."""
     wide = Intervals.of(size[:, None])
     first, second = (Intervals(entry - half, entry + half).widened[:, None] * wide for entry in middles)
-    pulls = forces.forces(plan.twists(forces, first, second))
+    pulls = forces.forces(_twists(plan, forces, first, second))
     zeta = _directions(forces, pulls)
-    along = zeta[0] * forces.cosine + zeta[1] * forces.sine
+    along = zeta[0] * forces.turn[0] + zeta[1] * forces.turn[1]
     return np.asarray(((along.low > 0) & (forces.power(pulls, zeta).low > 0))[:, 0])
 
 
 def _directions(forces: PieceForces, pulls: Pair) -> tuple[Intervals, Intervals, Intervals]:
     """For each part the direction along which the least power is largest; (pieces, parts) each."""
     best, chosen = np.array(-np.inf), [np.array(0.0)] * 3
-    for zeta in _candidates(2 * forces.sine.high, forces.length):
+    for zeta in _candidates(2 * forces.turn[1].high, forces.length):
         size = np.sqrt(sum((entry**2 for entry in zeta), np.array(0.0)))
         value = forces.least_power(pulls, zeta) / size
         chosen = [np.where(value > best, entry, old) for entry, old in zip(zeta, chosen, strict=True)]
@@ -195,71 +193,18 @@ def _candidates(tilt: Floats, length: float) -> Iterator[tuple[Floats, Floats, F
         yield tilt, np.cos(angle) * one, np.sin(angle) / length * one
 
 
-def _intervals(count: int) -> Intervals:
-    """Intervals that cover [-1, 1]."""
-    ends = np.linspace(-1.0, 1.0, count + 1)
-    return Intervals(ends[:-1], ends[1:])
+# Guesses are columns: kappa, lateral velocity and spin of xi^, and T two by two; (pieces, 7).
 
 
-def _joined(several: list[Intervals]) -> Intervals:
-    return Intervals(np.concatenate([each.low for each in several]), np.concatenate([each.high for each in several]))
+def _offset(plan: Floats, first: Intervals, second: Intervals) -> tuple[Intervals, Intervals]:
+    """``T z``: lateral velocity and spin."""
+    a, b, c, d = (Intervals.of(plan[:, k, None]) for k in range(3, 7))
+    return a * first + b * second, c * first + d * second
 
 
-@dataclass(frozen=True)
-class _Plan:
-    """Guesses for several quadrangles, as columns (pieces, 1).
-
-    Attributes:
-        kappa: speed of each plane.
-        lateral: of ``xi^``.
-        spin: of ``xi^``.
-        columns: of T, two by two.
-    """
-
-    kappa: Floats
-    lateral: Floats
-    spin: Floats
-    columns: tuple[tuple[Floats, Floats], tuple[Floats, Floats]]
-
-    @classmethod
-    def of(cls, guesses: list[PlaneMinimum]) -> _Plan:
-        """Side by side."""
-
-        def column(values: list[float]) -> Floats:
-            return np.array(values)[:, None]
-
-        (a, b), (c, d) = ([column([guess.columns[i][j] for guess in guesses]) for j in range(2)] for i in range(2))
-        kappa, lateral = column([g.kappa for g in guesses]), column([g.lateral for g in guesses])
-        return cls(kappa, lateral, column([g.spin for g in guesses]), ((a, b), (c, d)))
-
-    def at(self, chosen: NDArray[np.intp]) -> _Plan:
-        """Of some quadrangles."""
-        (a, b), (c, d) = self.columns
-        columns = (a[chosen], b[chosen]), (c[chosen], d[chosen])
-        return _Plan(self.kappa[chosen], self.lateral[chosen], self.spin[chosen], columns)
-
-    def offset(self, first: Intervals, second: Intervals) -> tuple[Intervals, Intervals]:
-        """``T z``: lateral velocity and spin."""
-        (a, b), (c, d) = ([Intervals.of(entry) for entry in row] for row in self.columns)
-        return a * first + b * second, c * first + d * second
-
-    def twists(self, forces: PieceForces, first: Intervals, second: Intervals) -> Triple:
-        """``xi^ + T z``, for every e of the quadrangle."""
-        lateral, spin = self.offset(first, second)
-        lateral, spin = lateral + Intervals.of(self.lateral), spin + Intervals.of(self.spin)
-        kappa = Intervals.of(self.kappa)
-        along = -(kappa * forces.cosine) - lateral * forces.sine
-        across = lateral * forces.cosine - kappa * forces.sine
-        return along, across, spin
-
-    def gradient(self, forces: PieceForces, first: Intervals, second: Intervals) -> Triple:
-        """Of D at ``xi^ + T z``: along ``(e, 0)``, and along the two columns of T."""
-        pulls = forces.forces(self.twists(forces, first, second))
-        zero, one = Intervals.of(np.zeros((1, 1))), Intervals.of(np.ones((1, 1)))
-        radial, across, moment = (
-            forces.power(pulls, unit) for unit in ((one, zero, zero), (zero, one, zero), (zero, zero, one))
-        )
-        outward = forces.cosine * radial + forces.sine * across
-        sideways = forces.cosine * across - forces.sine * radial
-        (a, b), (c, d) = ([Intervals.of(entry) for entry in row] for row in self.columns)
-        return outward, a * sideways + c * moment, b * sideways + d * moment
+def _twists(plan: Floats, forces: PieceForces, first: Intervals, second: Intervals) -> Triple:
+    """``xi^ + T z``, for every e of the quadrangle."""
+    (lateral, spin), (cosine, sine) = _offset(plan, first, second), forces.turn
+    kappa, at_lateral, at_spin = (Intervals.of(plan[:, k, None]) for k in range(3))
+    lateral, spin = lateral + at_lateral, spin + at_spin
+    return -(kappa * cosine) - lateral * sine, lateral * cosine - kappa * sine, spin

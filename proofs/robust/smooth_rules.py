@@ -9,6 +9,10 @@ maps the box Z into its interior only where, for every array of the box Q, Z hol
 order, ``c' = A c`` with ``A = V + omega J + (J c) w^T``, ``(V; w) = -(dg/dxi)^-1 dg/dc``.  Where dg/dxi is positive
 definite, the trace of A negative and its determinant positive, all over Z and Q, each of these equilibria attracts
 exponentially.
+
+Per unit of weight, about the origin, with ``alpha, beta`` the half-axes of a wheel's friction set, r and s its slips
+along the friction axis a and across it and ``f = |(alpha r, beta s)|``, its force is ``N_i (alpha^2 r a + beta^2 s J
+a)/f``.  Over the box of its own parameters it is enclosed by the mean value theorem.
 """
 
 from __future__ import annotations
@@ -17,26 +21,41 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
-from typing import TypeAlias
 
 import numpy as np
 from flint import arb, arb_mat, ctx
 
 from nonsmooth.analysis.contact_rule import smooth_rule_of
+from nonsmooth.proofs.enclosures import (
+    UNIT,
+    Jet,
+    approximate_inverse,
+    is_positive_definite,
+    krawczyk,
+    lies_inside,
+    linear_stability,
+    newton,
+    parameters,
+    pose_rate_slope,
+    turned_by,
+    unit_vector,
+)
+from nonsmooth.proofs.robust.box_wheel import half_widths
 from nonsmooth.proofs.robust.load_box import LoadBox, load_box
-from nonsmooth.proofs.robust.wheel_force import HAS_ROLLERS, LOAD, TWIST, WheelBox
+from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.numbers.enclosures import rational_below
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.scene import Scene, Wheel
 from nonsmooth.symbolic.tolerances import Tolerance
 
 PRECISION = 64  # bits of the balls
 INFLATIONS = 12  # of the box Z
 GROWTH = 1.125  # of the image of the box, which is the next one
 LEAST = 2.0**-50  # of its half-widths
-NEWTON_STEPS = 20  # in floats, to the middle of the box, at most
-DONE = LEAST / 16  # a step that moves the middle no more
+NEWTON_STEPS = 20  # to the middle of the box
 
-Matrix: TypeAlias = list[list[arb]]
+# The rules whose forces are written here, and whether rollers cut the disc; another rule has no entry and is a fault.
+HAS_ROLLERS = {"ellipse": False, "roller": True}
+TWIST = 3  # entries; then x, y, angle, speed and the two frictions of a wheel, and its load
 
 
 @dataclass(frozen=True)
@@ -52,47 +71,6 @@ class EquilibriumBox:
     drift: Fraction
 
 
-@dataclass(frozen=True)
-class _Balance:
-    """g and its slopes over a box: values (3), by the twist (3 x 3), by c (3 x 2), and what parameters add to g (3)."""
-
-    value: list[arb]
-    by_twist: Matrix
-    by_place: Matrix
-    spread: list[arb]
-
-
-class _Springs:
-    """All wheels and their loads."""
-
-    def __init__(self, scene: Scene, box: Tolerance, loads: LoadBox, nominal: LoadBox) -> None:
-        has_rollers = HAS_ROLLERS[scene.contact.rule]
-        self._wheels = [WheelBox.of(wheel, box, has_rollers=has_rollers) for wheel in scene.wheels]
-        self._loads, self._nominal = loads, nominal
-
-    def balance(self, z: Sequence[arb], *, whole: bool) -> _Balance | None:
-        """At places and spins ``z = (c_x, c_y, omega)``; None where a wheel may stick or lift off."""
-        x, y, omega = z
-        twist = (omega * y, -omega * x, omega)
-        loads, middles = self._loads.at((x, y)), self._nominal.at((x, y))
-        value, spread = [arb(0)] * 3, [arb(0)] * 3
-        by_twist, by_place = [[arb(0)] * 3 for _ in range(3)], [[arb(0)] * 2 for _ in range(3)]
-        for wheel, load, middle, form in zip(self._wheels, loads, middles, self._loads.forms, strict=True):
-            wrench = wheel.wrench(twist, load if whole else middle, whole=whole)
-            if wrench is None or not load > 0:
-                return None
-            sizes = [*wheel.sizes, abs(load - middle)]
-            for k, entry in enumerate(wrench):
-                value[k] += entry.value
-                for j in range(TWIST):
-                    by_twist[k][j] += entry.slopes[j]
-                for j in range(2):
-                    by_place[k][j] += entry.slopes[LOAD] * form[j + 1]
-                for slope, size in zip(entry.slopes[TWIST:], sizes, strict=True):
-                    spread[k] += slope * size * arb(0, 1)
-        return _Balance(value, by_twist, by_place, spread)
-
-
 def equilibrium_box(scene: Scene, box: Tolerance) -> EquilibriumBox | None:
     """The equilibria of all arrays of a box about a centred scene, where they are proved to attract; else None."""
     with ctx.workprec(PRECISION):
@@ -100,126 +78,137 @@ def equilibrium_box(scene: Scene, box: Tolerance) -> EquilibriumBox | None:
         start = _start(scene)
         if loads is None or nominal is None or start is None:
             return None
-        springs = _Springs(scene, box, loads, nominal)
-        middle = _newton(springs, start)
-        return None if middle is None else _proved(springs, middle)
+        arrays = _Arrays(scene, box, loads, nominal)
+        centre = newton(arrays.nominal_map, arb_mat([[arb(0)], [arb(0)], [arb(start)]]), NEWTON_STEPS)
+        return None if centre is None else _proved(arrays, centre)
 
 
 @lru_cache(maxsize=8)  # many boxes about one scene are asked for
-def _start(scene: Scene) -> list[float] | None:
-    """The point, and the spin of the minimizer there, in floats."""
-    minima = smooth_rule_of(scene).minima(scene, np.zeros((1, 2)))
-    omega = float(minima.twists[0, 2])
-    return [0.0, 0.0, omega] if np.isfinite(omega) else None
+def _start(scene: Scene) -> float | None:
+    """The spin of the minimizer at the point, in floats."""
+    omega = float(smooth_rule_of(scene).minima(scene, np.zeros((1, 2))).twists[0, 2])
+    return omega if np.isfinite(omega) else None
 
 
-def _newton(springs: _Springs, start: list[float]) -> list[float] | None:
-    """An equilibrium of the scene itself, in floats; nothing rests on it but where the box lies."""
-    z = np.array(start)
-    for _ in range(NEWTON_STEPS):
-        found = springs.balance([arb(float(entry)) for entry in z], whole=False)
-        if found is None:
-            return None
-        slope = np.array([[float(entry) for entry in row] for row in _chained(found, [arb(float(e)) for e in z])])
-        try:
-            step = np.linalg.solve(slope, [float(entry) for entry in found.value])
-        except np.linalg.LinAlgError:
-            return None
-        z -= step
-        if not np.isfinite(z).all():
-            return None
-        if np.abs(step).max() <= DONE:
-            break
-    return [float(entry) for entry in z]
+@dataclass(frozen=True)
+class _Balance:
+    """g over a box of places and spins.
+
+    Attributes:
+        value: g (3, 1).
+        spread: what the parameters add to it (3, 1).
+        by_twist: its slopes (3, 3).
+        by_place: its slopes through the loads (3, 2).
+        slope: ``F'``, by c and omega (3, 3).
+    """
+
+    value: arb_mat
+    spread: arb_mat
+    by_twist: arb_mat
+    by_place: arb_mat
+    slope: arb_mat
 
 
-def _chained(balance: _Balance, z: Sequence[arb]) -> Matrix:
-    """``F'``: by c and omega, through the twist and through the loads."""
-    x, y, omega = z
-    through = [[arb(0), omega, y], [-omega, arb(0), -x], [arb(0), arb(0), arb(1)]]  # of the twist by (c_x, c_y, omega)
-    rows = []
-    for k in range(3):
-        row = [sum((balance.by_twist[k][m] * through[m][j] for m in range(3)), arb(0)) for j in range(3)]
-        rows.append([row[0] + balance.by_place[k][0], row[1] + balance.by_place[k][1], row[2]])
-    return rows
+class _Arrays:
+    """All arrays of a box."""
+
+    def __init__(self, scene: Scene, box: Tolerance, loads: LoadBox, nominal: LoadBox) -> None:
+        self._rolls = HAS_ROLLERS[scene.contact.rule]
+        self._wheels = [(wheel, half_widths(wheel, box)) for wheel in scene.wheels]
+        self._loads, self._nominal = loads, nominal
+
+    def nominal_map(self, z: arb_mat) -> tuple[arb_mat, arb_mat] | None:
+        """F of the scene itself, and its Jacobian."""
+        found = self.balance(z, whole=False)
+        return None if found is None else (found.value, found.slope)
+
+    def balance(self, z: arb_mat, *, whole: bool) -> _Balance | None:
+        """At places and spins ``z = (c_x, c_y, omega)`` of all arrays, or of the scene; None where a wheel may stick
+        or lift off.
+        """
+        x, y, omega = z.entries()
+        loads, middles = self._loads.at((x, y)), self._nominal.at((x, y))
+        value, spread, by_twist, by_place = arb_mat(3, 1), arb_mat(3, 1), arb_mat(3, 3), arb_mat(3, 2)
+        for (wheel, own), load, middle, form in zip(self._wheels, loads, middles, self._loads.forms, strict=True):
+            shifts = [size * UNIT if whole else arb(0) for size in own]
+            at = [omega * y, -omega * x, omega, *shifts, load if whole else middle]
+            wrench = _wrench(wheel, at, has_rollers=self._rolls)
+            if wrench is None or not load > 0:
+                return None
+            sizes = [*own, abs(load - middle)]
+            for r, entry in enumerate(wrench):
+                value[r, 0] += entry.value
+                spread[r, 0] += Jet(arb(0), entry.slopes[TWIST:]).over(sizes, arb(0))
+                for k in range(TWIST):
+                    by_twist[r, k] += entry.slopes[k]
+                for k in range(2):
+                    by_place[r, k] += entry.slopes[-1] * form[k + 1]
+        through = arb_mat([[arb(0), omega, y], [-omega, arb(0), -x], [arb(0), arb(0), arb(1)]])  # of the twist by z
+        places = arb_mat([[arb(1), arb(0), arb(0)], [arb(0), arb(1), arb(0)]])
+        return _Balance(value, spread, by_twist, by_place, by_twist * through + by_place * places)
 
 
-def _proved(springs: _Springs, middle: list[float]) -> EquilibriumBox | None:
+def _wrench(wheel: Wheel, values: Sequence[arb], *, has_rollers: bool) -> tuple[Jet, Jet, Jet] | None:
+    """Force and moment of a wheel; None where it may stick, or its rollers may turn.
+
+    Args:
+        wheel: of a centred scene.
+        values: of the twist, of what is added to the wheel's own parameters, and of its load.
+        has_rollers: whether the friction set is the disc of mu_R cut by a strip of mu_S (rule ``roller``).
+    """
+    vx, vy, omega, x, y, angle, speed, roll, side, load = parameters(values)
+    px, py = (shift + entry.ball() for shift, entry in zip((x, y), wheel.position, strict=True))
+    first, second = (entry.ball() for entry in wheel.unit_grip)
+    a, b = turned_by(first, second, angle)
+    along, across = ((gain / wheel.grip_length).ball() for gain in wheel.gains)
+    drive, at_x, at_y = speed + wheel.speed.ball(), vx - omega * py, vy + omega * px
+    r, s = at_x * a + at_y * b - drive * along, at_y * a - at_x * b - drive * across
+    mu_roll, mu_side = roll + wheel.friction.roll.ball(), side + wheel.friction.side.ball()
+    mu_across = mu_roll if has_rollers else mu_side
+    unit = unit_vector(mu_roll * r, mu_across * s)
+    if unit is None or (has_rollers and not abs(unit[1].value) * mu_roll.value < mu_side.value):
+        return None
+    pull, push = mu_roll * unit[0], mu_across * unit[1]
+    fx, fy = load * (pull * a - push * b), load * (pull * b + push * a)
+    return fx, fy, px * fy - py * fx
+
+
+def _proved(arrays: _Arrays, centre: arb_mat) -> EquilibriumBox | None:
     """Krawczyk's test, and the linearization, on a box that is inflated until it maps into itself."""
-    centre = [arb(entry) for entry in middle]
-    at_centre, over_box = springs.balance(centre, whole=False), springs.balance(centre, whole=True)
-    if at_centre is None or over_box is None:
+    at_centre, of_all = arrays.balance(centre, whole=False), arrays.balance(centre, whole=True)
+    inverse = None if at_centre is None else approximate_inverse(at_centre.slope)
+    if at_centre is None or of_all is None or inverse is None:
         return None
-    inverse = _inverse(_chained(at_centre, centre))
-    if inverse is None:
-        return None
-    offsets = [at_centre.value[k] + over_box.spread[k] for k in range(3)]
-    shift = [-sum((inverse[k][m] * offsets[m] for m in range(3)), arb(0)) for k in range(3)]
-    sizes = [GROWTH * abs(entry).upper() + LEAST for entry in shift]
+    value = at_centre.value + of_all.spread
+    box = _inflated(centre, inverse * value)
     for _ in range(INFLATIONS):
-        z = [entry + size * arb(0, 1) for entry, size in zip(centre, sizes, strict=True)]
-        found = springs.balance(z, whole=True)
+        found = arrays.balance(box, whole=True)
         if found is None:
             return None
-        image = _krawczyk(inverse, _chained(found, z), shift, sizes)
-        if all(abs(entry) < size for entry, size in zip(image, sizes, strict=True)):
-            return _attracting(found, z)
-        sizes = [GROWTH * abs(entry).upper() + LEAST for entry in image]
+        image = krawczyk(centre, value, inverse, found.slope, box)
+        if lies_inside(image, box):
+            return _attracting(found, box)
+        box = _inflated(centre, image - centre)
     return None
 
 
-def _krawczyk(inverse: Matrix, slope: Matrix, shift: list[arb], sizes: list[arb]) -> list[arb]:
-    """``K(Z) - z_0``."""
-    image = []
-    for k in range(3):
-        total = shift[k]
-        for j in range(3):
-            entry = arb(int(j == k)) - sum((inverse[k][m] * slope[m][j] for m in range(3)), arb(0))
-            total += entry * sizes[j] * arb(0, 1)
-        image.append(total)
-    return image
+def _inflated(centre: arb_mat, offset: arb_mat) -> arb_mat:
+    """A box about a point that holds offsets in both directions, and a little more."""
+    pairs = zip(centre.entries(), offset.entries(), strict=True)
+    return arb_mat([[entry + (GROWTH * abs(move).upper() + LEAST) * UNIT] for entry, move in pairs])
 
 
-def _inverse(matrix: Matrix) -> Matrix | None:
-    """About the inverse, in floats; None where there is none."""
-    try:
-        found = np.linalg.inv(np.array([[float(entry) for entry in row] for row in matrix]))
-    except np.linalg.LinAlgError:
-        return None
-    return [[arb(float(entry)) for entry in row] for row in found]
-
-
-def _attracting(balance: _Balance, z: Sequence[arb]) -> EquilibriumBox | None:
+def _attracting(balance: _Balance, box: arb_mat) -> EquilibriumBox | None:
     """Bounds of the box, where A is Hurwitz all over it."""
-    x, y, omega = z
-    if not _is_positive_definite(balance.by_twist):
+    x, y, omega = box.entries()
+    inverse = approximate_inverse(balance.by_twist)
+    if inverse is None or not is_positive_definite(balance.by_twist.tolist()):
         return None
-    response = _response(balance)
-    if response is None:
-        return None
-    v, w = [[response[r, c] for c in range(2)] for r in range(2)], [response[2, c] for c in range(2)]
-    a, b = v[0][0] - y * w[0], v[0][1] - omega - y * w[1]
-    c, d = v[1][0] + omega + x * w[0], v[1][1] + x * w[1]
-    if not (a + d < 0 and a * d - b * c > 0):
-        return None
-    return EquilibriumBox(-rational_below(-(x * x + y * y)), -rational_below(-abs(omega)))
-
-
-def _response(balance: _Balance) -> arb_mat | None:
-    """``(V; w) = -(dg/dxi)^-1 dg/dc``, shape 3 x 2, preconditioned by about the inverse."""
-    inverse = _inverse(balance.by_twist)
-    if inverse is None:
-        return None
-    near_identity, right = arb_mat(inverse) * arb_mat(balance.by_twist), arb_mat(inverse) * arb_mat(balance.by_place)
     try:
-        return -near_identity.solve(right)
+        response = -(inverse * balance.by_twist).solve(inverse * balance.by_place)  # (V; w)
     except ZeroDivisionError:
         return None
-
-
-def _is_positive_definite(matrix: Matrix) -> bool:
-    """Sylvester's criterion for all symmetric matrices in a ball."""
-    (a, b, c), (_, d, e), (_, _, f) = matrix
-    minor = a * d - b * b
-    whole = a * (d * f - e * e) - b * (b * f - e * c) + c * (b * e - d * c)
-    return bool(a > 0 and minor > 0 and whole > 0)
+    motion = pose_rate_slope(arb_mat([[x], [y]]), omega, response)
+    if linear_stability(motion.tolist()) is not Translation.ASYMPTOTICALLY_STABLE:
+        return None
+    return EquilibriumBox(-rational_below(-(x * x + y * y)), -rational_below(-abs(omega)))

@@ -3,8 +3,7 @@
 On the cell let ``c . v <= c . w`` for every velocity, with w a rational vector.  Outside the set where ``c . w >=
 -kappa |c|`` the distance falls at the rate kappa.  That set meets the cell at distances up to a largest one: it is a
 cone, so the largest is on the border of the polygon, at a corner or where a side leaves the cone.  Along a side
-``c . w + kappa |c|`` is convex: beyond a point where it is negative, up to an end where it is, it stays so.  Floats
-propose such points, rational numbers decide.
+``c . w + kappa |c|`` is convex: beyond a point where it is negative, up to an end where it is, it stays so.
 """
 
 from __future__ import annotations
@@ -66,26 +65,12 @@ def is_slow(c: Point, w: Point, kappa: fmpq) -> bool:
 
 
 def _last_slow(slow: Point, fast: Point, w: Point, kappa: fmpq) -> Point:
-    """A point of a side beyond which, up to its fast end, no point is slow."""
-    part = _proposed(slow, fast, w, kappa)
-    step = 1
-    while part < PARTS and is_slow(_between(slow, fast, part), w, kappa):
-        part, step = part + step, 2 * step
-    return _between(slow, fast, min(part, PARTS))
-
-
-def _proposed(slow: Point, fast: Point, w: Point, kappa: fmpq) -> int:
-    """About where a side ceases to be slow, in floats and in parts of the side."""
-    (ax, ay), (bx, by), (wx, wy) = ([float(x) for x in point] for point in (slow, fast, w))
-    low, high, rate = 0.0, 1.0, float(kappa)
-    for _ in range(PARTS.bit_length()):
-        middle = (low + high) / 2
-        x, y = ax + middle * (bx - ax), ay + middle * (by - ay)
-        if x * wx + y * wy >= -rate * math.hypot(x, y):
-            low = middle
-        else:
-            high = middle
-    return math.ceil(high * PARTS)
+    """The first of the parts of a side beyond which, up to its fast end, no point is slow: by bisection."""
+    low, high = 0, PARTS
+    while high - low > 1:
+        middle = (low + high) // 2
+        low, high = (middle, high) if is_slow(_between(slow, fast, middle), w, kappa) else (low, middle)
+    return _between(slow, fast, high)
 
 
 def _between(a: Point, b: Point, part: int) -> Point:

@@ -19,7 +19,6 @@ from nonsmooth.analysis.fields.contact_model import ContactModel
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.proofs.answers.answer import Heading, Position
 from nonsmooth.proofs.answers.headings import HeadingKind, HeadingsOfRest, headings_of_rest
-from nonsmooth.proofs.headings.search import equilibrium_headings
 from nonsmooth.proofs.headings.set_motion import set_motion
 from nonsmooth.symbolic.contact_set import whole
 from nonsmooth.symbolic.files.scene_file import load_scene
@@ -218,15 +217,6 @@ def test_what_is_not_decided_is_named(tmp_path: Path) -> None:
     found = found_at_point(swirl(tmp_path))
     assert found.undecided
     assert all(one.edge and one.reason for one in found.undecided)
-
-
-def test_evidence_that_was_changed_is_refused(tmp_path: Path) -> None:
-    found = equilibrium_headings(swirl(tmp_path))
-    assert found is not None
-    assert found.check()
-    interval = found.intervals[0]
-    assert not replace(found, intervals=(replace(interval, wheels=found.intervals[1].wheels),)).check()
-    assert not replace(found, intervals=(replace(interval, stay=replace(interval.stay, turning=0)),)).check()
 
 
 # ---- around the point ----------------------------------------------------------------------------

@@ -15,8 +15,7 @@ from nonsmooth.analysis.fields.contact_model import ContactModel, with_friction_
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.proofs.answers.robust import robust_facts
-from nonsmooth.proofs.robust.decide import decide_robust
-from nonsmooth.proofs.robust.robust import Robust
+from nonsmooth.proofs.robust.decide import Robust, decide_robust
 from nonsmooth.proofs.robust.smooth_rules import equilibrium_box
 from nonsmooth.proofs.verdicts import Certainty
 from nonsmooth.symbolic.contact_set import standing
