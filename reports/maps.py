@@ -2,7 +2,7 @@
 
 :class:`MapResult` says what all maps share; :class:`SettleMapResult` is that of an array, by the cells of its rule.  A
 body with an outline (:mod:`nonsmooth.reports.body_maps`) and a plain system
-(:mod:`nonsmooth.reports.plain_systems.starts_map`) have maps of their own.
+(:mod:`nonsmooth.reports.system_maps`) have maps of their own.
 """
 
 from __future__ import annotations

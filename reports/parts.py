@@ -1,25 +1,30 @@
 """The sections of the derivation report in their order, each with what it needs of the scene.
 
-A section is built only where it applies and was asked for; the others are named with the reason in the section on
-what was left out.  To add a section, write a function ``(subject) -> Section`` and one line below.
+A section is built only where it applies and was asked for; the others of the same kind of scene are named with the
+reason in the section on what was left out.  To add a section, write a function ``(subject) -> Section`` and one line in
+:data:`PARTS`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Callable, Collection, Iterator
+from dataclasses import dataclass
+from typing import Any
 
 from nonsmooth.analysis.contact_rule import rule_of
 from nonsmooth.proofs.clauses.equilibrium.at_point import EllipseEquilibrium
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
+from nonsmooth.proofs.systems.findings import Method
 from nonsmooth.proofs.theorem4_result import CellCheck
 from nonsmooth.reports.continuum import continuum_section
-from nonsmooth.reports.document import Section
+from nonsmooth.reports.document import Bullets, Section, Text
 from nonsmooth.reports.papers.murphey_burdick_2001.paper import is_paper_array
 from nonsmooth.reports.papers.murphey_burdick_2001.sign_form import sign_form_section, without_sign_form
-from nonsmooth.reports.report_part import ReportPart, chosen_names
+from nonsmooth.reports.prose import paragraph
+from nonsmooth.reports.sections import plain_system as of_system
 from nonsmooth.reports.sections.answers import answers_section
 from nonsmooth.reports.sections.cells import cells_section
-from nonsmooth.reports.sections.closing import left_out_section, references_section, reproduction_section
+from nonsmooth.reports.sections.closing import references_section, reproduction_section
 from nonsmooth.reports.sections.contact import constraining_wheels, constraints_section, contact_states_section
 from nonsmooth.reports.sections.ellipse import ellipse_derivative_section, situation_section
 from nonsmooth.reports.sections.law import law_section, without_law
@@ -33,87 +38,159 @@ from nonsmooth.reports.sections.stability import (
     theorem_section,
 )
 from nonsmooth.reports.sections.trajectories import trajectories_section
-from nonsmooth.reports.subject import Subject
+from nonsmooth.reports.subject import ArraySubject, Subject, SystemSubject
 from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
+FOR_SMOOTH_RULES = "for rules without cells"  # of sections that nobody misses beside cells
 
-def _no_cells(subject: Subject) -> str:
+
+@dataclass(frozen=True)
+class ReportPart:
+    """A section under its name on the command line.
+
+    Attributes:
+        name: for ``--only`` and ``--without``.
+        build: the section.
+        lacks: why the subject has no such section; empty where it has.
+        kinds: of the subjects whose reports may have it.
+    """
+
+    name: str
+    build: Callable[[Any], Section]
+    lacks: Callable[[Any], str] = lambda subject: ""
+    kinds: tuple[type[Subject], ...] = (ArraySubject,)
+
+
+def parts_of(kind: type[Subject]) -> list[ReportPart]:
+    """The sections that reports about such subjects may have."""
+    return [part for part in PARTS if kind in part.kinds]
+
+
+def names_of(kind: type[Subject]) -> tuple[str, ...]:
+    """Their names."""
+    return tuple(part.name for part in parts_of(kind))
+
+
+def chosen_parts(
+    only: Collection[str], without: Collection[str], kind: type[Subject] = ArraySubject
+) -> tuple[str, ...]:
+    """Names of the sections to write: those of ``only``, or all, less those of ``without``.
+
+    Raises:
+        ValueError: for a name that is none.
+    """
+    names = names_of(kind)
+    unknown = next((name for name in (*only, *without) if name not in names), None)
+    if unknown is not None:
+        raise ValueError(f"required names among {', '.join(names)}, received {unknown[:60]!r}")
+    return tuple(name for name in names if (not only or name in only) and name not in without)
+
+
+def sections_of(subject: Subject) -> Iterator[Section]:
+    """The sections that the subject asks for and has, each announced before it is built."""
+    for part in parts_of(type(subject)):
+        if part.name in subject.parts and not part.lacks(subject):
+            subject.announce(f"section {part.name}")
+            yield part.build(subject)
+
+
+def _left_out(subject: Subject) -> Section:
+    """What was not computed, and which sections were not written, with the reasons."""
+    parts = parts_of(type(subject))
+    reasons = [(part.name, part.lacks(subject)) for part in parts if part.name in subject.parts]
+    reasons = [(name, why) for name, why in reasons if why not in {"", FOR_SMOOTH_RULES}]
+    reasons += [(part.name, "not asked for") for part in parts if part.name not in subject.parts]
+    items: list[Text] = [(said,) for said in subject.left_out]
+    items += [(f"Section {name}: {why}.",) for name, why in reasons]
+    return Section("What was left out, and why", (Bullets(tuple(items)) if items else paragraph("Nothing."),))
+
+
+# ---- what sections need --------------------------------------------------------------------------
+
+
+def _no_cells(subject: ArraySubject) -> str:
     if _unknown_loads(subject):
         return _unknown_loads(subject)
     has_cells = isinstance(subject.result, CellCheck)
     return "" if has_cells else f"rule {subject.scene.contact.rule} has no cells with one twist each"
 
 
-def _no_ellipse(subject: Subject) -> str:
-    return "for rules without cells" if isinstance(subject.result, CellCheck) else ""
+def _no_ellipse(subject: ArraySubject) -> str:
+    return FOR_SMOOTH_RULES if isinstance(subject.result, CellCheck) else ""
 
 
-def _no_whole_partition(subject: Subject) -> str:
+def _no_whole_partition(subject: ArraySubject) -> str:
     if isinstance(subject.result, CellCheck) and not subject.result.partition.complete:
         return "cells away from the point were not built, and no verdict needs them"
     return _no_cells(subject)
 
 
-def _unknown_loads(subject: Subject) -> str:
+def _unknown_loads(subject: ArraySubject) -> str:
     """The motion away from the point is that of one load."""
     needs = rule_of(subject.scene).needs_loads and isinstance(subject.scene.contact.loads, UnknownLoads)
     return "the loads are not known, and this is about one load" if needs else ""
 
 
-def _no_situation(subject: Subject) -> str:
+def _no_situation(subject: ArraySubject) -> str:
     return _no_ellipse(subject) or _unknown_loads(subject)
 
 
-def _not_the_papers(subject: Subject) -> str:
+def _not_the_papers(subject: ArraySubject) -> str:
     its_array = is_paper_array(subject.scene) and subject.scene.contact.rule == "nearest"
     return "" if its_array else "the audit is about the paper's own array under rule nearest"
 
 
-def _audit(subject: Subject) -> Section:
+def _audit(subject: ArraySubject) -> Section:
     from nonsmooth.reports.papers.murphey_burdick_2001.audit import audit_section  # SymPy takes half a second
 
     return audit_section()
 
 
-def _no_idealization(subject: Subject) -> str:
+def _no_idealization(subject: ArraySubject) -> str:
     return "" if continuum_section(subject.result) else "no continuous field stands for the wheels"
 
 
-def _continuum(subject: Subject) -> Section:
+def _continuum(subject: ArraySubject) -> Section:
     section = continuum_section(subject.result)
     if section is None:
         raise TypeError("required wheels that sample a field")
     return section
 
 
-def _constraints(subject: Subject) -> Section:
+def _constraints(subject: ArraySubject) -> Section:
     result = subject.result
     wheels = constraining_wheels(result) if isinstance(result, CellCheck) else subject.scene.recentred().wheels
     return constraints_section(wheels)
 
 
-def _situation(subject: Subject) -> Section:
+def _situation(subject: ArraySubject) -> Section:
     equilibrium = subject.result.equilibrium
     if not isinstance(equilibrium, EllipseEquilibrium):
         raise TypeError("required a check under rule ellipse")
     return situation_section(equilibrium.point)
 
 
-def _derivative(subject: Subject) -> Section:
+def _derivative(subject: ArraySubject) -> Section:
     translation = subject.result.translation
     if isinstance(translation, EllipseTranslation):
         return ellipse_derivative_section(translation)
     return lyapunov_section(subject)
 
 
-def _left_out(subject: Subject) -> Section:
-    reasons = [(part.name, part.lacks(subject)) for part in PARTS if part.name in subject.parts]
-    omitted = [(name, why) for name, why in reasons if why and why != _no_ellipse(subject)]
-    unasked = [(part.name, "not asked for") for part in PARTS if part.name not in subject.parts]
-    return left_out_section(subject.result, omitted + unasked)
+def _several_fields(subject: SystemSubject) -> str:
+    switches = "the field may switch at any time, and this is about one field in each cell"
+    return "" if subject.scene.has_one_field else switches
 
 
-PARTS: tuple[ReportPart[Subject], ...] = (
+def _no_leading(subject: SystemSubject) -> str:
+    return "" if subject.result.by(Method.LEADING) is not None else "what decides are not the leading terms"
+
+
+# ---- the sections --------------------------------------------------------------------------------
+
+
+SYSTEM, BOTH = (SystemSubject,), (ArraySubject, SystemSubject)
+PARTS: tuple[ReportPart, ...] = (
     ReportPart("answers", answers_section),
     ReportPart("verdict", lambda subject: verdict_section(subject.result)),
     ReportPart("array", array_section),
@@ -138,17 +215,17 @@ PARTS: tuple[ReportPart[Subject], ...] = (
     ),
     ReportPart("stress", stress_section, _unknown_loads),
     ReportPart("audit", _audit, _not_the_papers),
-    ReportPart("left-out", _left_out),
-    ReportPart("references", references_section),
-    ReportPart("versions", lambda subject: reproduction_section(subject.invocation)),
+    ReportPart("verdict", of_system.verdict_section, kinds=SYSTEM),
+    ReportPart("system", of_system.system_section, kinds=SYSTEM),
+    ReportPart("cells", of_system.cells_section, kinds=SYSTEM),
+    ReportPart("borders", of_system.borders_section, _several_fields, SYSTEM),
+    ReportPart("point", of_system.point_section, kinds=SYSTEM),
+    ReportPart("lyapunov", of_system.lyapunov_section, kinds=SYSTEM),
+    ReportPart("leading-terms", of_system.leading_section, _no_leading, SYSTEM),
+    ReportPart("portrait", of_system.portrait_section, _several_fields, SYSTEM),
+    ReportPart("trajectories", of_system.paths_section, _several_fields, SYSTEM),
+    ReportPart("left-out", _left_out, kinds=BOTH),
+    ReportPart("references", references_section, kinds=BOTH),
+    ReportPart("versions", reproduction_section, kinds=BOTH),
 )
-PART_NAMES = tuple(part.name for part in PARTS)
-
-
-def chosen_parts(only: Collection[str], without: Collection[str]) -> tuple[str, ...]:
-    """Names of the sections to write: those of ``only``, or all, less those of ``without``.
-
-    Raises:
-        ValueError: for a name that is none.
-    """
-    return chosen_names(PART_NAMES, only, without)
+PART_NAMES = names_of(ArraySubject)

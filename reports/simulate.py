@@ -97,7 +97,7 @@ def _run_system(system: Any, options: SimulateOptions) -> Result:
     from nonsmooth.analysis.trajectories.result import TrajectoryError
 
     if options.grid is not None and not options.orbit:
-        from nonsmooth.reports.plain_systems.starts_map import build_system_map
+        from nonsmooth.reports.system_maps import build_system_map
 
         return build_system_map(system, options)
     from nonsmooth.reports.orbits import find_system_orbit

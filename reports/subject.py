@@ -1,20 +1,34 @@
-"""What a derivation report is about: the scene, its check, and what several sections need, computed once."""
+"""What a derivation report is about: a scene, how it was asked for, and what several sections need, computed once."""
 
 from __future__ import annotations
 
 import shlex
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
+from nonsmooth.analysis.cells.switched_cells import FieldCell, square_regions, system_cells
 from nonsmooth.analysis.minimizers.agreement import Agreement, compare_rules
 from nonsmooth.proofs.answers.answers import Answers, full_answers
 from nonsmooth.proofs.answers.contradictions import reconciled
+from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.clauses.workspace import Announce, unheard
+from nonsmooth.proofs.system_decision import StabilityResult, decide_system
+from nonsmooth.proofs.systems.findings import Method
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.theorem4_result import CellCheck, Check
 from nonsmooth.proofs.verified import verified
+from nonsmooth.reports import references
 from nonsmooth.reports.console import PROGRAM
+from nonsmooth.reports.exact_record import Record
+from nonsmooth.reports.phase_portrait import PhasePortrait
+from nonsmooth.reports.records import check_record, partition_record, states_record
+from nonsmooth.reports.references import Reference
+from nonsmooth.reports.system_results import SystemCheckResult
 from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.switched_system import SwitchedSystem, require_plane
 
 
 @dataclass(frozen=True)
@@ -42,20 +56,51 @@ class Invocation:
 
 
 @dataclass(frozen=True, eq=False)
-class Subject:
+class Subject(ABC):
     """A scene, how it was asked for, and lazily what the sections share.
 
     Attributes:
-        scene: the array.
+        scene: what is reported.
         invocation: how the report was asked for.
         parts: names of the sections that are written.
-        announce: hears the steps of the check.
+        announce: hears the steps of the check and the names of the sections.
     """
 
-    scene: Scene
+    scene: Any
     invocation: Invocation
     parts: tuple[str, ...]
     announce: Announce = unheard
+
+    @property
+    @abstractmethod
+    def result(self) -> Any:
+        """The verdict, its evidence verified once more."""
+
+    @property
+    @abstractmethod
+    def headline(self) -> str:
+        """The verdict in a line."""
+
+    @property
+    @abstractmethod
+    def records(self) -> Record:
+        """The exact records of what is reported, for JSON."""
+
+    @property
+    @abstractmethod
+    def left_out(self) -> Sequence[str]:
+        """What was not computed, and why, in sentences."""
+
+    @property
+    @abstractmethod
+    def works(self) -> list[Reference]:
+        """What the verdict rests on."""
+
+
+class ArraySubject(Subject):
+    """An array of wheels."""
+
+    scene: Scene
 
     @cached_property
     def _checked(self) -> tuple[Check, Answers]:
@@ -76,11 +121,16 @@ class Subject:
         return self._checked[1]
 
     @property
+    def headline(self) -> str:
+        """The verdict of Theorem 4."""
+        return f"Theorem 4: {self.result.verdict}"
+
+    @property
     def cells(self) -> CellCheck:
         """The check of a rule with cells.
 
         Raises:
-            TypeError: under rule ``ellipse``, which has none; a part that needs cells says so first.
+            TypeError: under rule ``ellipse``, which has none; a section that needs cells says so first.
         """
         if not isinstance(self.result, CellCheck):
             raise TypeError(f"required a check with cells, received rule {self.scene.contact.rule}")
@@ -90,3 +140,87 @@ class Subject:
     def agreement(self) -> Agreement:
         """The contact rules side by side."""
         return compare_rules(self.scene)
+
+    @property
+    def records(self) -> Record:
+        """The check, its cells and its contact states."""
+        result = self.result
+        check = {key: value for key, value in check_record(result).items() if key != "seconds"}
+        records: Record = {"check": check, "partition": None, "contact_states": None}
+        if isinstance(result, CellCheck):
+            records["partition"] = partition_record(result.partition)
+            records["contact_states"] = states_record(result.partition)
+        return records
+
+    @property
+    def left_out(self) -> list[str]:
+        """The contact states without equations, and what no verdict needs."""
+        result = self.result
+        said = [f"{skipped.what} ({skipped.count}): {skipped.why}." for skipped in result.skipped]
+        if isinstance(result, CellCheck):
+            count, possible = len(result.partition.states), result.census.possible
+            words = f"Equations are written for the {count} contact states that own a cell, out of {possible}"
+            said.insert(0, f"{words} row triples.")
+        return said
+
+    @property
+    def works(self) -> list[Reference]:
+        """The paper, Filippov, Shevitz and Paden, and those that clause 4 uses."""
+        feedback = self.result.results["feedback"]
+        works = [references.PAPER, references.FILIPPOV, references.SHEVITZ_PADEN]
+        if isinstance(feedback, FeedbackResult):
+            works += [references.HOMOGENEITY] if feedback.cascade is not None else []
+            works += [references.JURDJEVIC_QUINN] if feedback.has_lyapunov else []
+        if getattr(feedback, "obstruction", None) is not None:
+            works += [references.BROCKETT, references.RYAN]
+        return works
+
+
+class SystemSubject(Subject):
+    """A plain system in two states.
+
+    Raises:
+        SceneError: for another number of states.
+    """
+
+    scene: SwitchedSystem
+    left_out = ()
+
+    def __post_init__(self) -> None:
+        require_plane(self.scene)
+
+    @cached_property
+    def result(self) -> StabilityResult:
+        """The stability of the checked point."""
+        return verified(decide_system(self.scene))
+
+    @property
+    def headline(self) -> str:
+        """The stability of the checked point."""
+        return str(self.result.verdict)
+
+    @cached_property
+    def cells(self) -> tuple[FieldCell, ...]:
+        """The cells of the checked square, measured from the checked point."""
+        return system_cells(self.scene, square_regions(self.scene.check.radius))
+
+    @cached_property
+    def portrait(self) -> PhasePortrait:
+        """Cells, borders and picture.
+
+        Raises:
+            SceneError: under arbitrary switching.
+        """
+        return PhasePortrait(self.scene)
+
+    @property
+    def records(self) -> Record:
+        """The verdict, and the phase portrait of one field."""
+        portrait = self.portrait.facts() if self.scene.has_one_field else None
+        return {"check": SystemCheckResult(self.result).facts(), "phase_portrait": portrait}
+
+    @property
+    def works(self) -> list[Reference]:
+        """Filippov, the authors of the derivatives of V, and of leading terms where these decide."""
+        works = [references.FILIPPOV, references.SHEVITZ_PADEN, references.BACCIOTTI_CERAGIOLI]
+        return [*works, references.HOMOGENEITY] if self.result.by(Method.LEADING) is not None else works

@@ -11,7 +11,7 @@ from nonsmooth.reports.options import AllowOutside, At, Json, Radius, ReportFile
 from nonsmooth.reports.refusals import RefusedError, refusals_named
 
 if TYPE_CHECKING:
-    from nonsmooth.reports.interface.report_result import PartChoice
+    from nonsmooth.reports.subject import Subject
 
 Only = Annotated[
     str | None,
@@ -53,11 +53,9 @@ def derive(  # noqa: PLR0913, PLR0917  # one parameter for each option of the co
     """
     from nonsmooth.reports.derivation import REPORT_FORMATS
     from nonsmooth.reports.files import output_path
-    from nonsmooth.reports.interface.report_result import derive_scene, derive_system
-    from nonsmooth.reports.parts import chosen_parts
-    from nonsmooth.reports.plain_systems.report import chosen_system_parts
+    from nonsmooth.reports.interface.report_result import derive_scene
     from nonsmooth.reports.progress import steps
-    from nonsmooth.reports.subject import Invocation
+    from nonsmooth.reports.subject import ArraySubject, Invocation, SystemSubject
     from nonsmooth.symbolic.contact_set import standing
     from nonsmooth.symbolic.files.scene_file import load_scene
     from nonsmooth.symbolic.files.system_file import holds_system, load_system
@@ -68,13 +66,13 @@ def derive(  # noqa: PLR0913, PLR0917  # one parameter for each option of the co
     invocation = Invocation(scene, options, _given({"--only": only, "--without": without, "-o": output}))
     if holds_system(scene):
         refuse_given(context, ("rule", "allow_outside"), "an array of wheels", "a plain system")
-        parts = _parts(only, without, chosen_system_parts)
+        parts = _parts(only, without, SystemSubject)
         system = load_system(scene, radius=radius, at=at)
         path = None if output is None else output_path(output, REPORT_FORMATS)
         with steps("derivation") as announce:
-            result = derive_system(system, parts, invocation=invocation, announce=announce)
+            result = derive_scene(system, parts, invocation=invocation, announce=announce)
     else:
-        parts = _parts(only, without, chosen_parts)
+        parts = _parts(only, without, ArraySubject)
         loaded = standing(load_scene(scene, rule=rule, radius=radius, at=at, allow_outside=allow_outside))
         path = None if output is None else output_path(output, REPORT_FORMATS)
         with refusals_named(loaded), steps("derivation") as announce:
@@ -84,7 +82,7 @@ def derive(  # noqa: PLR0913, PLR0917  # one parameter for each option of the co
     if json:
         write(result.text(".json"))
     elif path is not None:
-        write(f"{path}: {result.report.headline}\n")
+        write(f"{path}: {result.report.subject.headline}\n")
     else:
         write(result.text(".md"))
     return 0
@@ -95,10 +93,10 @@ def _given(options: dict[str, object]) -> tuple[str, ...]:
     return tuple(part for name, value in options.items() if value is not None for part in (name, str(value)))
 
 
-def _parts(only: str | None, without: str | None, choose: PartChoice) -> tuple[str, ...]:
+def _parts(only: str | None, without: str | None, kind: type[Subject]) -> tuple[str, ...]:
     from nonsmooth.reports.interface.report_result import named_parts
 
     try:
-        return named_parts(only, without, choose)
+        return named_parts(only, without, kind)
     except ValueError as error:
         raise RefusedError(f"--{error}") from None

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from matplotlib.image import AxesImage
 
-    from nonsmooth.reports.plain_systems.starts_map import SystemMap
+    from nonsmooth.reports.system_maps import SystemMap
 
 Floats: TypeAlias = NDArray[np.float64]
 

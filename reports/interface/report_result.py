@@ -2,25 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING
 
 from nonsmooth.proofs.clauses.workspace import Announce, unheard
 from nonsmooth.reports.derivation import (
     REPORT_FORMATS,
     Report,
-    SystemReport,
     derive_report,
-    derive_system_report,
     render_report,
     write_report,
 )
 from nonsmooth.reports.files import output_path
-from nonsmooth.reports.parts import PART_NAMES, chosen_parts
-from nonsmooth.reports.plain_systems.report import SYSTEM_PART_NAMES
+from nonsmooth.reports.parts import chosen_parts
 from nonsmooth.reports.short_text import short_lines
+from nonsmooth.reports.subject import ArraySubject, Subject
 
 if TYPE_CHECKING:
     from nonsmooth.reports.subject import Invocation
@@ -36,7 +34,7 @@ class ReportResult:
         report: the document, and the check that it reports.
     """
 
-    report: Report | SystemReport
+    report: Report
 
     @property
     def verdict(self) -> str:
@@ -50,7 +48,7 @@ class ReportResult:
         Raises:
             AttributeError: for the report of a plain system.
         """
-        if isinstance(self.report, SystemReport):
+        if not isinstance(self.report.subject, ArraySubject):
             raise AttributeError("theorem4: the report is about a plain system, see verdict")
         return self.verdict
 
@@ -88,21 +86,20 @@ class ReportResult:
         return path
 
     def __repr__(self) -> str:
-        return short_lines(self.title, [("verdict", self.report.headline), ("sections", ", ".join(self.sections))])
-
-
-PartChoice: TypeAlias = Callable[[Collection[str], Collection[str]], tuple[str, ...]]
+        return short_lines(
+            self.title, [("verdict", self.report.subject.headline), ("sections", ", ".join(self.sections))]
+        )
 
 
 def named_parts(
-    only: str | Sequence[str] | None, without: str | Sequence[str] | None, choose: PartChoice = chosen_parts
+    only: str | Sequence[str] | None, without: str | Sequence[str] | None, kind: type[Subject] = ArraySubject
 ) -> tuple[str, ...]:
     """The sections to write, of names in a sequence or in a text with commas.
 
     Args:
         only: these, or all.
         without: less these.
-        choose: :func:`chosen_parts` for arrays, ``chosen_system_parts`` for plain systems.
+        kind: of what the report is about.
 
     Raises:
         ValueError: for a name that is none, beginning with ``only`` or ``without``.
@@ -110,10 +107,10 @@ def named_parts(
     chosen = {"only": _names(only), "without": _names(without)}
     for option, names in chosen.items():
         try:
-            choose(names, ())
+            chosen_parts(names, (), kind)
         except ValueError as error:
             raise ValueError(f"{option}: {error}") from None
-    return choose(chosen["only"], chosen["without"])
+    return chosen_parts(chosen["only"], chosen["without"], kind)
 
 
 def _names(given: str | Sequence[str] | None) -> list[str]:
@@ -123,42 +120,22 @@ def _names(given: str | Sequence[str] | None) -> list[str]:
 
 
 def derive_scene(
-    scene: Scene,
-    parts: tuple[str, ...] = PART_NAMES,
+    scene: Scene | SwitchedSystem,
+    parts: tuple[str, ...] | None = None,
     *,
     invocation: Invocation | None = None,
     announce: Announce = unheard,
 ) -> ReportResult:
-    """Check an array and write its derivation; the evidence is verified before anything is written.
+    """Check a scene and write its derivation; the evidence is verified before anything is written.
 
     Args:
-        scene: the array.
-        parts: names of the sections to write.
+        scene: an array, or a plain system in two states.
+        parts: names of the sections to write; all unless given.
         invocation: how the report was asked for; None for the scene as it stands.
         announce: hears the steps of the check and the names of the sections.
 
     Raises:
         RefusalError: where the motion is not determined.
+        SceneError: for a plain system in another number of states.
     """
     return ReportResult(derive_report(scene, invocation, parts, announce))
-
-
-def derive_system(
-    system: SwitchedSystem,
-    parts: tuple[str, ...] = SYSTEM_PART_NAMES,
-    *,
-    invocation: Invocation | None = None,
-    announce: Announce = unheard,
-) -> ReportResult:
-    """Check a plain system and write its derivation; the evidence is verified before anything is written.
-
-    Args:
-        system: in two states.
-        parts: names of the sections to write.
-        invocation: how the report was asked for; None for the system as it stands.
-        announce: hears the names of the sections.
-
-    Raises:
-        SceneError: for a system in another number of states.
-    """
-    return ReportResult(derive_system_report(system, invocation, parts, announce))

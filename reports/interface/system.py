@@ -129,10 +129,10 @@ class System:
             SceneError: for a system in another number of states than two.
             ValueError: for a name that is no section.
         """
-        from nonsmooth.reports.interface.report_result import derive_system, named_parts
-        from nonsmooth.reports.plain_systems.report import chosen_system_parts
+        from nonsmooth.reports.interface.report_result import derive_scene, named_parts
+        from nonsmooth.reports.subject import SystemSubject
 
-        return derive_system(self.system, named_parts(only, without, chosen_system_parts))
+        return derive_scene(self.system, named_parts(only, without, SystemSubject))
 
     @takes(SimulateOptions, PATH)
     def simulate(self, start: Sequence[float], until: float = UNTIL, **options: Any) -> PathResult:

@@ -15,14 +15,14 @@ from nonsmooth.reports.equilibrium_headings import HEADER, notes, row, title
 from nonsmooth.reports.equilibrium_headings import MOST_SHOWN as SHOWN
 from nonsmooth.reports.prose import paragraph
 from nonsmooth.reports.sections.opening import array_figure
-from nonsmooth.reports.subject import Subject
+from nonsmooth.reports.subject import ArraySubject
 
 MOST_SHOWN = 8  # destinations in the table
 
 _TONES = {0: Tone.GOOD, 1: Tone.BAD, 3: Tone.OPEN}
 
 
-def answers_section(subject: Subject) -> Section:
+def answers_section(subject: ArraySubject) -> Section:
     """The three answers, the array, the rule, the other rules, where bodies go, and the theorem in one line."""
     scene, answered = subject.scene, subject.answers
     unit = of_length(scene)
@@ -41,7 +41,7 @@ def answers_section(subject: Subject) -> Section:
     return Section("Answers", (intro, said, _items(subject), *goes, *headings, array_figure(subject)))
 
 
-def _items(subject: Subject) -> Bullets:
+def _items(subject: ArraySubject) -> Bullets:
     """The contact rule in a sentence, what the other rules say, and the theorem."""
     rule, verdict = rule_of(subject.scene), subject.result.verdict
     theorem = Verdict(str(verdict), _TONES[verdict.exit_status])

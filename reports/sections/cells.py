@@ -6,11 +6,11 @@ from nonsmooth.proofs.theorem4_result import CellCheck
 from nonsmooth.reports.cells import CellsResult
 from nonsmooth.reports.document import Figure, Section, cell_mark, number, point, table
 from nonsmooth.reports.prose import listed, paragraph, prose
-from nonsmooth.reports.subject import Subject
+from nonsmooth.reports.subject import ArraySubject
 from nonsmooth.symbolic.number_text import real_text
 
 
-def cells_section(subject: Subject) -> Section:
+def cells_section(subject: ArraySubject) -> Section:
     """The map, and the polygons with the proof that they tile the square."""
     cells = subject.cells.partition.cells
     rows = [
@@ -27,7 +27,7 @@ def cells_section(subject: Subject) -> Section:
     return Section("Cells", (_map(subject), listing, paragraph("{}", _tiling(subject.cells))))
 
 
-def _map(subject: Subject) -> Figure:
+def _map(subject: ArraySubject) -> Figure:
     partition = subject.cells.partition
 
     return Figure(

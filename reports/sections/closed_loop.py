@@ -15,7 +15,7 @@ from nonsmooth.reports.paths import follow_cells
 from nonsmooth.reports.prose import paragraph, prose
 from nonsmooth.reports.sections.starts import STARTS, Start, start_text, starts, typed_start
 from nonsmooth.reports.simulate_options import SimulateOptions
-from nonsmooth.reports.subject import Subject
+from nonsmooth.reports.subject import ArraySubject
 from nonsmooth.symbolic.number_text import float_text
 
 HEADING = 0.3  # radian at the start: a heading to be brought back, small beside a turn
@@ -39,7 +39,7 @@ class _Path:
         return self.path.end.reason is EndReason.OUTSIDE
 
 
-def closed_loop_section(subject: Subject) -> Section:
+def closed_loop_section(subject: ArraySubject) -> Section:
     """Where the certified law leads from four sides, and one of the paths."""
     loop = _loop(subject)
     try:
@@ -60,20 +60,20 @@ def closed_loop_section(subject: Subject) -> Section:
     return Section("With feedback", (words, _ends(loop, paths), _figure(subject, loop, paths[0])))
 
 
-def _loop(subject: Subject) -> FeedbackLoop:
+def _loop(subject: ArraySubject) -> FeedbackLoop:
     feedback = subject.cells.feedback
     if not isinstance(feedback, FeedbackResult):
         raise TypeError(f"required rule nearest, received {subject.scene.contact.rule}")
     return build_loop(subject.cells.partition, LawName.CERTIFIED, Kinematics.EXACT, feedback)
 
 
-def _quarters(subject: Subject) -> list[Start]:
+def _quarters(subject: ArraySubject) -> list[Start]:
     """Four places about the checked point, with headings of both signs."""
     places = starts(subject.cells.partition)[:: STARTS // QUARTERS]
     return [(x, y, HEADING * (-1) ** k) for k, (x, y, _) in enumerate(places)]
 
 
-def _from(subject: Subject, loop: FeedbackLoop, start: Start) -> _Path:
+def _from(subject: ArraySubject, loop: FeedbackLoop, start: Start) -> _Path:
     """The path from the start, moved nearer until it lies in the certified region, or else stays in the square."""
     if loop.region is not None:
         return _followed(subject, loop, _inside(loop, start))
@@ -85,7 +85,7 @@ def _from(subject: Subject, loop: FeedbackLoop, start: Start) -> _Path:
     return path
 
 
-def _followed(subject: Subject, loop: FeedbackLoop, start: Start) -> _Path:
+def _followed(subject: ArraySubject, loop: FeedbackLoop, start: Start) -> _Path:
     """The path to the first of the times at which the body is as good as home."""
     for until in TIMES:
         options = SimulateOptions(start=start, until=until, feedback=True)
@@ -144,7 +144,7 @@ def _row(loop: FeedbackLoop, path: _Path) -> tuple[Entry, ...]:
     return start_text(path.start), levels[0], float_text(end.t, 4), *place, levels[1], str(end.reason)
 
 
-def _figure(subject: Subject, loop: FeedbackLoop, path: _Path) -> Figure:
+def _figure(subject: ArraySubject, loop: FeedbackLoop, path: _Path) -> Figure:
     partition = subject.cells.partition
     papers = "; the paper's Figure 5 is of its own law" if is_paper_array(subject.scene) else ""
 

@@ -14,7 +14,7 @@ from nonsmooth.reports.driven_loop import DrivenLoop
 from nonsmooth.reports.feedback_loop import GAIN
 from nonsmooth.reports.prose import paragraph, prose
 from nonsmooth.reports.sections.starts import Start, start_text
-from nonsmooth.reports.subject import Subject
+from nonsmooth.reports.subject import ArraySubject
 from nonsmooth.symbolic.number_text import float_text, lower_text
 
 UNTIL = 16.0
@@ -30,7 +30,7 @@ class _Path:
     path: Trajectory
 
 
-def driven_law_section(subject: Subject) -> Section:
+def driven_law_section(subject: ArraySubject) -> Section:
     """The law of imposed twists: where it stands, from where it is certified, and its closed loop."""
     feedback = subject.result.feedback
     if not isinstance(feedback, DrivenFeedback):
@@ -57,7 +57,7 @@ def _region_blocks(loop: DrivenLoop) -> list[Block]:
     return [paragraph(words + "falls, so the body comes home from every start with {}.", square, inside)]
 
 
-def _loop_blocks(subject: Subject, loop: DrivenLoop) -> list[Block]:
+def _loop_blocks(subject: ArraySubject, loop: DrivenLoop) -> list[Block]:
     """Paths from some sides; or why there are none."""
     try:
         paths = [_Path(start, loop.follow(start, UNTIL)) for start in _starts(loop)]
@@ -101,7 +101,7 @@ def _row(loop: DrivenLoop, path: _Path) -> tuple[Entry, ...]:
     return start_text(path.start), values[0], float_text(end.t, 4), *place, values[1], switches
 
 
-def _figure(subject: Subject, loop: DrivenLoop, path: _Path) -> Figure:
+def _figure(subject: ArraySubject, loop: DrivenLoop, path: _Path) -> Figure:
     def draw(suffix: str) -> bytes:
         from nonsmooth.reports.figures.cell_map import figure_bytes
         from nonsmooth.reports.figures.path import centre_picture, path_figure

@@ -12,10 +12,10 @@ from nonsmooth.reports.papers.murphey_burdick_2001.paper import is_paper_array, 
 from nonsmooth.reports.prose import paragraph
 from nonsmooth.reports.sections.driven_loop import driven_law_section
 from nonsmooth.reports.sections.feedback import law_formulas, region_blocks
-from nonsmooth.reports.subject import Subject
+from nonsmooth.reports.subject import ArraySubject
 
 
-def law_section(subject: Subject) -> Section:
+def law_section(subject: ArraySubject) -> Section:
     """The certified law; beside it, on the paper's own array, the law of its sec. 3.3."""
     if isinstance(subject.result.feedback, DrivenFeedback):
         return driven_law_section(subject)
@@ -32,12 +32,12 @@ def law_section(subject: Subject) -> Section:
     return Section("Feedback law", (words, *law_formulas(feedback), *region_blocks(feedback), *papers))
 
 
-def without_cell_law(subject: Subject) -> str:
+def without_cell_law(subject: ArraySubject) -> str:
     """Why the scene has no certified law of cells; empty where it has."""
     return without_law(subject) if rule_of(subject.scene).keeps_rows else "the law is one for rule nearest"
 
 
-def without_law(subject: Subject) -> str:
+def without_law(subject: ArraySubject) -> str:
     """Why the scene has no such law; empty where it has."""
     verdict = subject.result.feedback.holding.verdict
     return "" if verdict is Feedback.STABILIZABLE else f"the feedback clause says: {verdict}"

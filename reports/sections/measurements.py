@@ -13,7 +13,7 @@ from nonsmooth.analysis.measurements.harness import LeftOut, Limits, ResultRow, 
 from nonsmooth.analysis.measurements.path_studies import TRAJECTORIES
 from nonsmooth.reports.document import Code, Entry, Section, decimal, table
 from nonsmooth.reports.prose import paragraph
-from nonsmooth.reports.subject import Subject
+from nonsmooth.reports.subject import ArraySubject
 from nonsmooth.symbolic.number_text import float_text
 
 METHODS = ("events, closed form", "DOP853 with events", "hysteresis", "smoothed", "RK45", "DOP853")
@@ -22,7 +22,7 @@ ONCE = Limits(runs=1, seconds=math.inf)  # without a time limit, so that equal i
 CASES = (LOADS, COLLINEAR)  # hundredths of a second; verdicts, paths and feedback take some seconds
 
 
-def without_precision(subject: Subject) -> str:
+def without_precision(subject: ArraySubject) -> str:
     """Why the errors are not measured; empty where they are."""
     try:
         TRAJECTORIES.build(subject.scene)
@@ -31,7 +31,7 @@ def without_precision(subject: Subject) -> str:
     return ""
 
 
-def precision_section(subject: Subject) -> Section:
+def precision_section(subject: ArraySubject) -> Section:
     """Errors, steps and orders of methods that follow the same paths."""
     plan = TRAJECTORIES.build(subject.scene)
     rows = []
@@ -54,7 +54,7 @@ def precision_section(subject: Subject) -> Section:
     return Section("Error against work", (intro, listing, *orders))
 
 
-def stress_section(subject: Subject) -> Section:
+def stress_section(subject: ArraySubject) -> Section:
     """What came out at extreme parameters, with its error against exact or 60-digit arithmetic."""
     rows = measure(subject.scene, CASES).rows
     words = paragraph(

@@ -6,7 +6,7 @@ from nonsmooth.analysis.contact_rule import rule_of
 from nonsmooth.proofs.theorem4_result import Check
 from nonsmooth.reports.document import Bullets, Entry, Figure, Math, Paragraph, Section, number, point, table
 from nonsmooth.reports.prose import paragraph, prose, with_formulas
-from nonsmooth.reports.subject import Subject
+from nonsmooth.reports.subject import ArraySubject
 from nonsmooth.symbolic.free_rollers import askew_wheels
 from nonsmooth.symbolic.numbers.measured_angles import angle_notes
 from nonsmooth.symbolic.scene import Scene
@@ -22,7 +22,7 @@ def verdict_section(result: Check) -> Section:
     return Section("Verdict", (table(("clause", "verdict", "because"), rows, (2, 3, 8)),))
 
 
-def array_section(subject: Subject) -> Section:
+def array_section(subject: ArraySubject) -> Section:
     """The wheels, drawn and listed."""
     scene = subject.scene
     length, speed = (f" [{unit}]" if unit else "" for unit in (scene.units.length, scene.units.speed))
@@ -58,7 +58,7 @@ def array_section(subject: Subject) -> Section:
     return Section("The array", (intro, *notes, *drawn, listing))
 
 
-def array_figure(subject: Subject) -> Figure:
+def array_figure(subject: ArraySubject) -> Figure:
     """The wheels from above."""
     scene = subject.scene
 

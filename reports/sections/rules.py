@@ -9,13 +9,13 @@ from nonsmooth.analysis.minimizers.agreement import Agreement, TwistDifference
 from nonsmooth.reports.agreement import ComparisonResult
 from nonsmooth.reports.document import Block, Bullets, Entry, Figure, Section, number, table
 from nonsmooth.reports.prose import paragraph, prose
-from nonsmooth.reports.subject import Subject
+from nonsmooth.reports.subject import ArraySubject
 from nonsmooth.symbolic.number_text import float_text, place_text
 
 MOST_WHEELS = 24  # up to which the cells of rule box take a second or two; 36 wheels have some 450 cells
 
 
-def without_rules(subject: Subject) -> str:
+def without_rules(subject: ArraySubject) -> str:
     """Why the rules are not compared; empty where they are."""
     if len(subject.scene.wheels) > MOST_WHEELS:
         command = subject.invocation.line("partition", "--compare")
@@ -30,7 +30,7 @@ def without_rules(subject: Subject) -> str:
     return ""
 
 
-def rules_section(subject: Subject) -> Section:
+def rules_section(subject: ArraySubject) -> Section:
     """Cells, agreement and largest differences of all rules."""
     agreement = subject.agreement
     blocks: list[Block] = [_rules_list(subject, agreement), _agreement_map(subject)]
@@ -57,7 +57,7 @@ def rules_section(subject: Subject) -> Section:
     return Section("The contact rules side by side", tuple(blocks))
 
 
-def _rules_list(subject: Subject, agreement: Agreement) -> Bullets:
+def _rules_list(subject: ArraySubject, agreement: Agreement) -> Bullets:
     """What each rule is, and how many cells it has."""
     items = []
     for rule in all_rules(subject.scene):
@@ -76,7 +76,7 @@ def _row(first: str, second: str, difference: TwistDifference) -> tuple[Entry, .
     return f"{first} and {second}", float_text(difference.mean, 3), float_text(difference.largest, 3), place
 
 
-def _agreement_map(subject: Subject) -> Figure:
+def _agreement_map(subject: ArraySubject) -> Figure:
     agreement: Agreement = subject.agreement
     rules = "the rules " + ", or ".join(f"{first} and {second}" for first, second in agreement.shared)
     return Figure(

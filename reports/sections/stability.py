@@ -34,7 +34,7 @@ from nonsmooth.reports.document import (
 from nonsmooth.reports.fact_list import fact_list
 from nonsmooth.reports.prose import listed, paragraph, prose, with_formulas
 from nonsmooth.reports.sections.feedback import feedback_blocks
-from nonsmooth.reports.subject import Subject
+from nonsmooth.reports.subject import ArraySubject
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.number_text import float_text
 
@@ -62,7 +62,7 @@ def _cells_of(result: CellCheck, twist: Twist) -> list[int]:
     return [cell.index for cell in meeting if twist in cell.twists]
 
 
-def lyapunov_section(subject: Subject) -> Section:
+def lyapunov_section(subject: ArraySubject) -> Section:
     """V* on every closed cell, as a table and a heat map."""
     result = subject.cells
     general = display(
@@ -86,7 +86,7 @@ def lyapunov_section(subject: Subject) -> Section:
     return Section("Upper derivative", (general, intro, _rate_map(subject), listing, worst))
 
 
-def _rate_map(subject: Subject) -> Figure:
+def _rate_map(subject: ArraySubject) -> Figure:
     return Figure(
         "rate-map",
         prose("The upper derivative `V*` over the cells; where it is negative, `V` falls along every solution."),

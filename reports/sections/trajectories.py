@@ -17,14 +17,14 @@ from nonsmooth.reports.prose import paragraph, prose
 from nonsmooth.reports.sections.closed_loop import closed_loop_section
 from nonsmooth.reports.sections.law import without_cell_law
 from nonsmooth.reports.sections.starts import Start, start_text, starts, typed_start
-from nonsmooth.reports.subject import Subject
+from nonsmooth.reports.subject import ArraySubject
 from nonsmooth.symbolic.number_text import float_text
 
 SHOWN_EVENTS = 8  # in the table of the first path
 AFTERWARDS = 1.4  # how long the figure goes on, in units of the time to the rest, so that the rest can be seen
 
 
-def trajectories_section(subject: Subject) -> Section:
+def trajectories_section(subject: ArraySubject) -> Section:
     """Filippov solutions with the scene's own speeds, and under feedback where there is a law."""
     try:
         return _trajectories(subject)
@@ -32,7 +32,7 @@ def trajectories_section(subject: Subject) -> Section:
         return Section("Trajectories", (paragraph("They could not be followed to their end: {}.", str(error)),))
 
 
-def _trajectories(subject: Subject) -> Section:
+def _trajectories(subject: ArraySubject) -> Section:
     field = array_field(subject.cells.partition, Kinematics.EXACT)
     places = starts(subject.cells.partition)
     paths = [_whole_path(field, start) for start in places]
@@ -47,13 +47,13 @@ def _trajectories(subject: Subject) -> Section:
     return Section("Trajectories", (intro,), tuple(parts))
 
 
-def _first_section(subject: Subject, start: Start, path: Trajectory, whole: Trajectory) -> Section:
+def _first_section(subject: ArraySubject, start: Start, path: Trajectory, whole: Trajectory) -> Section:
     words = paragraph("From (x, y, theta) = {}:", Math(start_text(start), start_text(start)))
     blocks = (words, _first_figure(subject, start, path), *_first_words(whole), _event_table(path))
     return Section("Without feedback", blocks)
 
 
-def _starts_section(subject: Subject, places: list[Start], paths: list[Trajectory]) -> Section:
+def _starts_section(subject: ArraySubject, places: list[Start], paths: list[Trajectory]) -> Section:
     words = paragraph(
         "{} starts on a circle about the checked point, each until the body rests, leaves the square, or the time is "
         "over:",
@@ -116,7 +116,7 @@ def _short(value: SupportsFloat) -> str:
     return float_text(round(float(value), 12) + 0.0, 4)
 
 
-def _first_figure(subject: Subject, start: Start, path: Trajectory) -> Figure:
+def _first_figure(subject: ArraySubject, start: Start, path: Trajectory) -> Figure:
     partition = subject.cells.partition
     papers = " (the paper's Figure 4)" if is_paper_array(subject.scene) else ""
 
@@ -137,7 +137,7 @@ def _first_figure(subject: Subject, start: Start, path: Trajectory) -> Figure:
     )
 
 
-def _starts_figure(subject: Subject, places: list[Start], paths: list[Trajectory]) -> Figure:
+def _starts_figure(subject: ArraySubject, places: list[Start], paths: list[Trajectory]) -> Figure:
     from nonsmooth.reports.figures.starts import start_mark
 
     partition = subject.cells.partition

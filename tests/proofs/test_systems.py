@@ -38,7 +38,7 @@ from nonsmooth.proofs.systems.ray_moves import RayKind, decide_constant_fan
 from nonsmooth.proofs.systems.search import PlaneFunction
 from nonsmooth.proofs.systems.system_stability import PlanePoint
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
-from nonsmooth.reports.derivation import derive_system_report
+from nonsmooth.reports.derivation import derive_report
 from nonsmooth.symbolic.expression import ExpressionError
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, builtin_systems, load_scene
 from nonsmooth.symbolic.files.system_file import load_any, load_system, system_descriptions
@@ -303,8 +303,8 @@ def test_malformed_systems(tmp_path: Path, text: str, key: str, words: str) -> N
     ("states", "decide"),
     [
         (["x"], lambda system: audit(system, "x**2")),
-        (["x"], derive_system_report),
-        (["x", "y", "theta"], derive_system_report),
+        (["x"], derive_report),
+        (["x", "y", "theta"], derive_report),
     ],
 )
 def test_planar_decisions_need_two_states(

@@ -13,11 +13,11 @@ from scipy.integrate import solve_ivp
 import nonsmooth as ns
 from nonsmooth.analysis.fields.cell_values import potential_values
 from nonsmooth.proofs.verdicts import Translation
+from nonsmooth.reports import system_maps
 from nonsmooth.reports.console import BAD_INPUT
 from nonsmooth.reports.figures.system_map import build_figure
 from nonsmooth.reports.phase_portrait import PhasePortrait
-from nonsmooth.reports.plain_systems import starts_map
-from nonsmooth.reports.plain_systems.starts_map import SystemMap, Whereabouts, mapped
+from nonsmooth.reports.system_maps import SystemMap, Whereabouts, mapped
 from nonsmooth.symbolic.files.system_file import load_system
 from tests.proofs.forged import with_deciding, with_reach
 from tests.thorough import keep
@@ -130,7 +130,7 @@ def test_too_many_starts_and_three_states_are_refused(invoke: Invoke, tmp_path: 
 def test_paths_of_a_map_that_end_early_are_not_said_to_be_anywhere(monkeypatch: pytest.MonkeyPatch) -> None:
     """Circles, followed for too long: beyond the work that all starts share nothing is said of ends."""
     system = ns.System(("x", "y"), ["y", "-x"], radius=1)
-    monkeypatch.setattr(starts_map, "MAX_WORK", 20_000)
+    monkeypatch.setattr(system_maps, "MAX_WORK", 20_000)
     found = mapped(PhasePortrait(system.system), 3, 200.0)
     assert 0 < found.whereabouts.count(Whereabouts.LOST) < 9
     for start, end, kind in zip(found.starts, found.ends, found.whereabouts, strict=True):

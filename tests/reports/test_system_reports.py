@@ -11,9 +11,10 @@ import pytest
 import nonsmooth as ns
 from nonsmooth.proofs.systems.border_motion import BorderKind, sliding_velocity
 from nonsmooth.reports.console import BAD_INPUT
-from nonsmooth.reports.derivation import derive_system_report, render_report
+from nonsmooth.reports.derivation import derive_report, render_report
+from nonsmooth.reports.parts import names_of
 from nonsmooth.reports.phase_portrait import PhasePortrait
-from nonsmooth.reports.plain_systems.report import SYSTEM_PART_NAMES
+from nonsmooth.reports.subject import SystemSubject
 from nonsmooth.symbolic.files.system_file import load_system
 
 if TYPE_CHECKING:
@@ -29,7 +30,7 @@ def test_every_section_is_written_or_named_as_left_out() -> None:
     report = RELAYS.derive()
     text = report.text(".md")
     left_out = text.split("## What was left out, and why")[1].split("##")[0]
-    assert len(report.sections) == len(SYSTEM_PART_NAMES) - 1
+    assert len(report.sections) == len(names_of(SystemSubject)) - 1
     assert "Section leading-terms: " in left_out
     assert report.verdict == "asymptotically stable"
     with pytest.raises(AttributeError, match="plain system"):
@@ -51,10 +52,10 @@ def test_under_arbitrary_switching_the_rest_is_written() -> None:
 
 
 def test_leading_terms_stand_where_they_decide() -> None:
-    report = derive_system_report(load_system("flower"), parts=("verdict", "leading-terms"))
+    report = derive_report(load_system("flower"), parts=("verdict", "leading-terms"))
     text = render_report(report, ".md")
     assert "## Leading terms" in text
-    assert report.headline == "asymptotically stable"
+    assert report.subject.headline == "asymptotically stable"
 
 
 def test_sliding_velocities_are_limits_of_small_steps() -> None:

@@ -19,7 +19,7 @@ from typing import Any, TypeAlias
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.reports.document import Block, Math, Paragraph, Section, display
 from nonsmooth.reports.prose import listed, paragraph, prose
-from nonsmooth.reports.subject import Subject
+from nonsmooth.reports.subject import ArraySubject
 from nonsmooth.symbolic.formulas import Formula, number_latex
 from nonsmooth.symbolic.numbers.enclosures import EXACT_ROOTS
 from nonsmooth.symbolic.numbers.number import Number, sign
@@ -38,7 +38,7 @@ Product: TypeAlias = tuple[int, ...]  # numbers of the factors, ascending
 # ---- the section ---------------------------------------------------------------------------------
 
 
-def sign_form_section(subject: Subject) -> Section:
+def sign_form_section(subject: ArraySubject) -> Section:
     """The twist of all cells in one formula, each component that has a short one."""
     forms = list(zip(NAMES, partition_forms(subject.cells.partition), strict=True))
     found = [(name, form) for name, form in forms if form is not None]
@@ -57,7 +57,7 @@ def sign_form_section(subject: Subject) -> Section:
     return Section("Governing equations in sgn form", tuple(blocks))
 
 
-def without_sign_form(subject: Subject) -> str:
+def without_sign_form(subject: ArraySubject) -> str:
     """Why the cells allow no such formula; empty where they do."""
     partition = subject.cells.partition
     if len(partition.scene.field.radicands) > EXACT_ROOTS:

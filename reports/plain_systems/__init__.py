@@ -1,1 +1,0 @@
-"""Plain switched systems: the derivation report of one system, section by section."""
