@@ -29,7 +29,7 @@ from nonsmooth.analysis.contact_rule import contact_rule, rule_of
 from nonsmooth.proofs.checker.statements import VERSION, refusal
 from nonsmooth.proofs.checker.theorem4 import CLAUSES
 from nonsmooth.proofs.clauses.equilibrium.on_cells import decide_equilibrium
-from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, rim_signs
+from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.clauses.feedback.clause import AnyFeedback
 from nonsmooth.proofs.clauses.feedback.driven_law import in_scene
 from nonsmooth.proofs.clauses.rotation.on_cells import drift_at_rest
@@ -291,7 +291,7 @@ def _feedback(feedback: AnyFeedback) -> tuple[list[Record], Record]:
     if verdict is not Feedback.STABILIZABLE:
         return claims, {}
     if isinstance(feedback, FeedbackResult):
-        return claims, {"feedback": {"signs": rim_signs(feedback)}}
+        return claims, {"feedback": {"signs": feedback.rim_signs}}
     (first, *others) = feedback.cones
     if others:
         return [], {}

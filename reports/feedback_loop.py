@@ -30,10 +30,8 @@ from nonsmooth.analysis.fields.switched_field import Vector
 from nonsmooth.analysis.motion.saturation import with_saturation
 from nonsmooth.analysis.trajectories.result import EndReason, State, Trajectory
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, decide_feedback
-from nonsmooth.proofs.clauses.feedback.cascade_law import CascadeLaw, Descent, find_cascade
-from nonsmooth.proofs.clauses.feedback.gradient_law import gradient_text
-from nonsmooth.proofs.clauses.feedback.level_region import LevelRegion
-from nonsmooth.proofs.clauses.feedback.turn_region import TurnRegion
+from nonsmooth.proofs.clauses.feedback.cascade_law import CascadeLaw, Descent, TurnRegion, find_cascade
+from nonsmooth.proofs.clauses.feedback.gradient_law import LevelRegion
 from nonsmooth.proofs.own_paths import ContradictionError
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.proofs.verified import verified
@@ -88,7 +86,7 @@ class FeedbackLoop:
             case LawName.CASCADE:
                 return str(self.cascade)
             case _:
-                return gradient_text(self.feedback.lyapunov)
+                return self.feedback.lyapunov.law
 
     def _paper_formula(self, sign: str) -> str:
         length = self.partition.scene.check.length

@@ -13,8 +13,8 @@ from scipy.spatial import ConvexHull
 
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, decide_feedback
-from nonsmooth.proofs.clauses.feedback.level_region import LevelRegion
-from nonsmooth.proofs.clauses.feedback.turn_region import TurnRegion
+from nonsmooth.proofs.clauses.feedback.cascade_law import TurnRegion
+from nonsmooth.proofs.clauses.feedback.gradient_law import LevelRegion
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.conftest import WheelData
@@ -55,7 +55,7 @@ def sampled_level(feedback: FeedbackResult, scene: Scene) -> float:
     for data, polygon in zip(feedback.cells, polygons, strict=True):
         touches = np.abs(polygon @ shape @ [float(x) for x in data.nearest.direction])
         signs = np.sign(np.where(touches < 1e-12, 0, polygon @ shape @ [float(x) for x in data.nearest.direction]))
-        if data.cell.index not in feedback.local and (data.lever is None or len(set(signs)) > 1 or 0 in signs):
+        if data in feedback.inputs.away and (data.lever is None or len(set(signs)) > 1 or 0 in signs):
             borders.append(polygon)
     sides = [(polygon[k - 1], polygon[k]) for polygon in borders for k in range(len(polygon))]
     return min(least_on_segment(start, end, shape) for start, end in sides)
@@ -113,7 +113,6 @@ def test_a_forged_level_is_refused() -> None:
     for forged in (
         replace(region, level=Fraction(2501, 10_000)),
         replace(region, level=Fraction(0)),
-        replace(region, radius=region.radius * 2),
         replace(region, lyapunov=replace(region.lyapunov, weight=Fraction(2))),
     ):
         assert not replace(feedback, region=forged).check()
@@ -234,6 +233,6 @@ def test_forged_bounds_of_slow_turns_are_refused() -> None:
         replace(region, weight=region.weight / 100),
         replace(region, weight=region.weight * 100),
         replace(region, length=region.length * 2),
-        LevelRegion(feedback.lyapunov, Fraction(1, 100), region.length),
+        LevelRegion(feedback.lyapunov, Fraction(1, 100)),
     ):
         assert not replace(feedback, region=forged).check()

@@ -19,6 +19,7 @@ from nonsmooth.analysis.fields.feedback_laws import gradient_law
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, decide_feedback
+from nonsmooth.proofs.clauses.feedback.control_fields import InputCell, RowInputs
 from nonsmooth.proofs.clauses.feedback.control_lyapunov import (
     SQUARES,
     ControlLyapunov,
@@ -26,8 +27,7 @@ from nonsmooth.proofs.clauses.feedback.control_lyapunov import (
     find_shapes,
     shape_regions,
 )
-from nonsmooth.proofs.clauses.feedback.feedback_rate import certified_rate
-from nonsmooth.proofs.clauses.feedback.input_cell import InputCell
+from nonsmooth.proofs.clauses.feedback.gradient_law import certified_rate
 from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.scene import Scene
@@ -70,7 +70,7 @@ def decided(seed: int, *, any_rims: bool) -> tuple[Partition, FeedbackResult]:
 
 
 def local_cells(result: FeedbackResult) -> list[InputCell]:
-    return [data for data in result.cells if data.cell.index in result.local]
+    return list(result.inputs.local)
 
 
 def demands_of(result: FeedbackResult) -> list[Demand]:
@@ -252,12 +252,14 @@ def test_any_weight_serves_and_half_of_the_best_rate_is_reached(count: int) -> N
     for partition, result in shaped_results(count):
         assert result.rate is not None
         shape = result.lyapunov.shape
-        light, best = (certified_rate(partition, ControlLyapunov(shape, Fraction(2) ** k)) for k in (-20, 60))
+        light, best = (
+            certified_rate(RowInputs(partition), ControlLyapunov(shape, Fraction(2) ** k)) for k in (-20, 60)
+        )
         assert light is not None
         assert best is not None
         assert 0 < light.kappa < result.rate.kappa <= best.kappa
         assert result.rate.kappa >= Fraction(49, 100) * best.kappa
-        half = certified_rate(partition, replace(result.lyapunov, weight=result.lyapunov.weight / 2))
+        half = certified_rate(RowInputs(partition), replace(result.lyapunov, weight=result.lyapunov.weight / 2))
         assert half is not None
         assert half.kappa <= Fraction(51, 100) * best.kappa
 

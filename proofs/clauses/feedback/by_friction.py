@@ -36,6 +36,7 @@ from nonsmooth.analysis.cells.loads import LoadRegion, load_regions
 from nonsmooth.analysis.contact_rule import CellRule, rule_of
 from nonsmooth.proofs.clauses.feedback.box_twists import BoxTwist
 from nonsmooth.proofs.clauses.feedback.by_direction import drives_in, law_by_direction
+from nonsmooth.proofs.clauses.feedback.control_fields import askew_reason, side_friction_rules
 from nonsmooth.proofs.clauses.feedback.control_lyapunov import ControlLyapunov, sum_of_squares
 from nonsmooth.proofs.clauses.feedback.driven_law import (
     ImposedTwist,
@@ -48,7 +49,6 @@ from nonsmooth.proofs.clauses.feedback.driven_law import (
 )
 from nonsmooth.proofs.clauses.feedback.inscribed_box import inscribed_boxes
 from nonsmooth.proofs.clauses.feedback.obstruction import common_normal, obstruction_text
-from nonsmooth.proofs.clauses.feedback.row_hypotheses import askew_reason, side_friction_rules
 from nonsmooth.proofs.clauses.feedback.twist_candidates import candidates_of, with_exclusions
 from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.verdicts import Feedback
@@ -138,6 +138,11 @@ class DrivenFeedback:
     def certified_kappa(self) -> Fraction | None:
         """Kappa with ``V' <= -2 k kappa V`` near the equilibrium under every load that may be, k the gain."""
         return None if self.kappa is None else self.kappa * self.kept
+
+    @property
+    def has_lyapunov(self) -> bool:
+        """Whether V certifies a law."""
+        return self.verdict is Feedback.STABILIZABLE
 
     @property
     def kept(self) -> Fraction:

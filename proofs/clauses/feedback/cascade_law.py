@@ -19,21 +19,54 @@ turn, chi' = z^2 - m its periodic integral, and ``R = r + mu r^2 chi(z)``; then 
 of third order, so ``R^2 + Theta^2`` decreases strictly near the equilibrium along every solution: R and Theta are
 continuous across the rays between cells, and every solution crosses these in the sense of the turn.  With leading-order
 kinematics r stays, and there is no such law.
+
+*The region of slow turns.* With gain one, and where wheel i is nearest, let ``r = c . p_i/|p_i|``, ``s = c . J
+p_i/|p_i|``, ``x = r/l``, ``z = s/r``, ``y = Theta = theta - x z^2/2``. Under exact kinematics the law gives, without
+remainder ::
+
+    x' = -omega x z,   z' = 1 + omega z^2,   y' = -y - omega x z^3/2,   omega = x z - y
+
+With the mean m of z^2 over a turn, ``chi' = z^2 - m`` (continuous around the turn) and ``X = x + x^2 chi(z)`` ::
+
+    X' = -m x^2 + x y z + x^2 (x z - y) h(z),   h = z^2 (z^2 - m) - 2 z chi
+
+Let Z, C, H bound ``|z|, |chi|, |h|``.  Then ``W = X^2 + q y^2`` obeys ``W'/2 <= -A x^3 + B x^2 |y| - D y^2`` with ::
+
+    A = (1 - x C) m - (1 + x C) x Z H,   B = (1 + x C)(Z + x H) + q Z^4/2,   D = q (1 - x Z^3/2)
+
+A and D fall with x and B grows, so W decreases on ``0 <= x <= x_0`` if ``A, D > 0`` and ``x_0 B^2 < 4 A D`` at x_0.
+As ``X >= x (1 - x C)``, which grows up to ``x = 1/(2 C)``, no solution with ``W < x_0^2 (1 - x_0 C)^2`` passes x_0.
+If moreover ``Z^2 (x_0 Z + |y|) < 1`` there, then ``z' > 0``: the rays between wheels are crossed, and W is continuous
+on them.  Every inequality is verified with balls.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
+from fractions import Fraction
+from functools import cached_property, reduce
+from itertools import pairwise
+from typing import TypeAlias
+
+import numpy as np
+from flint import arb
+from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.fan import CellCone, Cone
 from nonsmooth.analysis.cells.moves import slide_speed
+from nonsmooth.proofs.clauses.feedback.control_fields import RowInputs
+from nonsmooth.proofs.clauses.feedback.control_lyapunov import SQUARES
+from nonsmooth.proofs.clauses.feedback.gradient_law import are_above, segments
+from nonsmooth.proofs.clauses.feedback.rational_bounds import BELOW, DIGITS, ball_of
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, decide_cones
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.constraints import Twist
-from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.plane import around, cross, dot
+from nonsmooth.symbolic.number_text import float_text
+from nonsmooth.symbolic.numbers.enclosures import rational_below
+from nonsmooth.symbolic.numbers.number import Number, sign
+from nonsmooth.symbolic.plane import around, cross, dot, turned
 from nonsmooth.symbolic.scene import Wheel
 
 LAW = (
@@ -44,6 +77,12 @@ SLOW_LAW = (
     "u_w = d_w . (v + omega J p_w) for w = i, j with v = (k - omega) r J p_i/|p_i|, omega = k (s/l - Theta), "
     "Theta = theta - s^2/(2 r l), (r, s) = (c . p_i, c . J p_i)/|p_i|, any length l"
 )
+
+_STEPS = 80  # proposals for x_0 and for q
+_TOPS = (-4.0, -0.3)  # decimal exponents of x_0
+_WEIGHTS = (-5.0, 2.0)  # decimal exponents of q
+
+Floats: TypeAlias = NDArray[np.float64]
 
 
 class Descent(StrEnum):
@@ -84,19 +123,6 @@ class CascadeLaw:
             f"{'+' if s > 0 else '-'}d_{wheel.index}" for s, wheel in zip(self.signs, self.wheels, strict=True)
         )
         return LAW.format(signs)
-
-    def check(self) -> bool:
-        """Verify the fan of the field that the signs make, and that it leads home as is said."""
-        cones = self.fan.cones
-        if not len(cones) == len(self.wheels) == len(self.signs):
-            return False
-        if _field(cones, self.wheels, self.signs) != cones or not self.fan.check():
-            return False
-        turns = bool(self.fan.gains)
-        if self.descent is Descent.SLOW_TURNS:
-            radial = any(dot(wheel.direction, wheel.position) for wheel in self.wheels)
-            return turns and not radial and self.fan.verdict is Translation.UNDECIDED
-        return self.fan.verdict is Translation.ASYMPTOTICALLY_STABLE and turns == (self.descent is Descent.TURNS)
 
 
 def find_cascade(fan: Sequence[CellCone]) -> CascadeLaw | None:
@@ -151,10 +177,11 @@ class _Rays:
         self.first = [sign(cross(d, cone.start)) for d, cone in zip(self.rims, fan, strict=True)]
         self.last = [sign(cross(d, cone.end)) for d, cone in zip(self.rims, fan, strict=True)]
         # where a closed cone holds its own rim's direction, no translation crosses that line; inward on both sides
-        held = [a * b <= 0 for a, b in zip(self.first, self.last, strict=True)]
-        self.inward = {k: -1 if fan[k].holds(self.rims[k]) else 1 for k in range(self.count) if held[k]}
+        held = [k for k in range(self.count) if self.first[k] * self.last[k] <= 0]
+        self.inward = {k: -1 if fan[k].holds(self.rims[k]) else 1 for k in held}
+        self.slides = [self._slide(k) for k in range(self.count)]
 
-    def slide(self, k: int) -> int:
+    def _slide(self, k: int) -> int:
         """Sign of the radial speed where both neighbours of a ray push onto it; 0 where that is none."""
         zero, after = self.rays[k][0] * 0, (k + 1) % self.count
         signs = self.inward.get(k, -self.last[k]), self.inward.get(after, self.first[after])
@@ -173,20 +200,163 @@ class _Rays:
 def _proposals(fan: Sequence[Cone], wheels: Sequence[Wheel]) -> Iterator[tuple[int, ...]]:
     """Full turns in both senses; in each arc between held directions, all cones towards one inward slide."""
     rays = _Rays(fan, wheels)
-    slides = [rays.slide(k) for k in range(rays.count)]
-    if not rays.inward:
+    signs = dict(rays.inward)
+    held = sorted(rays.inward)
+    if not held:
         yield tuple(-a for a in rays.first)
         yield tuple(rays.first)
-        inward, outward = (next((k for k, s in enumerate(slides) if s == side), None) for side in (-1, 1))
-        if inward is not None and outward is not None:
-            signs = rays.towards(inward, outward + 1, outward + 1)
-            yield tuple(signs[k] for k in range(rays.count))
-        return
-    held = sorted(rays.inward)
-    signs = dict(rays.inward)
-    for start, stop in zip(held, [*held[1:], held[0] + rays.count], strict=True):
-        target = next((k % rays.count for k in range(start, stop) if slides[k % rays.count] < 0), None)
+        if not {-1, 1} <= set(rays.slides):
+            return
+        arc = rays.slides.index(1) + 1
+        signs = rays.towards(rays.slides.index(-1), arc, arc)
+    for start, stop in zip(held, [*held[1:], *(k + rays.count for k in held[:1])], strict=True):
+        target = next((k % rays.count for k in range(start, stop) if rays.slides[k % rays.count] < 0), None)
         if target is None:
             return
         signs |= rays.towards(target, start, stop) | {start: rays.inward[start]}
     yield tuple(signs[k] for k in range(rays.count))
+
+
+# ---- where slow turns are certified ---------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class TurnBounds:
+    """The bounds of one turn about the equilibrium, as balls.
+
+    Attributes:
+        mean: m.
+        largest: Z.
+        constants: ``chi = z^3/3 - m z + constant`` in the cone of each nearest wheel.
+        swing: C.
+        bend: H.
+    """
+
+    mean: arb
+    largest: arb
+    constants: tuple[arb, ...]
+    swing: arb
+    bend: arb
+
+    def decreases(self, top: Fraction, weight: Fraction) -> bool:
+        """Whether W decreases and every ray is crossed where ``x <= top`` and ``W < level(top)``."""
+        x, q, large = ball_of(top), ball_of(weight), self.largest
+        less, more = 1 - x * self.swing, 1 + x * self.swing
+        a = less * self.mean - more * x * large * self.bend
+        b = more * (large + x * self.bend) + q * large**4 / 2
+        d = q * (1 - x * large**3 / 2)
+        heading = self.level(top).sqrt() / q.sqrt()
+        grows = 2 * x * self.swing < 1
+        crosses = large**2 * (x * large + heading) < 1
+        return bool(grows and crosses and a > 0 and d > 0 and x * b * b < 4 * a * d)
+
+    def level(self, top: Fraction) -> arb:
+        """``x_0^2 (1 - x_0 C)^2``."""
+        x = ball_of(top)
+        return (x * (1 - x * self.swing)) ** 2
+
+    def proposals(self) -> Iterator[tuple[Fraction, Fraction]]:
+        """Pairs (x_0, q) that verify, those of the largest range of c times that of theta first."""
+        tops = [Fraction(f"{top:.2g}") for top in np.logspace(*_TOPS, _STEPS)]
+        weights = [Fraction(f"{weight:.2g}") for weight in np.logspace(*_WEIGHTS, _STEPS)]
+        good = [(top, weight) for top in tops for weight in weights if self.decreases(top, weight)]
+        yield from sorted(good, key=lambda pair: -float(self.level(pair[0]).mid()) / float(pair[1]) ** 0.5)
+
+
+@dataclass(frozen=True)
+class TurnRegion:
+    """All (c, theta) with ``r < top l`` and ``W < level``.
+
+    Attributes:
+        cascade: the law of slow turns.
+        length: l, the half-width of the checked square.
+        top: ``x_0``.
+        weight: q.
+        level: at most ``x_0^2 (1 - x_0 C)^2``.
+        turn: the bounds of a turn.
+    """
+
+    cascade: CascadeLaw
+    length: Number
+    top: Fraction
+    weight: Fraction
+    level: Fraction
+    turn: TurnBounds = field(compare=False, repr=False)
+
+    def __str__(self) -> str:
+        level, length = float_text(self.level, DIGITS), float_text(self.length)
+        low = f"W < {level}, r < {float_text(self.top, 3)} l with l = {length}"
+        return f"{low}, W = (r/l + (r/l)^2 chi)^2 + {float_text(self.weight, 3)} Theta^2"
+
+    def value(self, pose: Sequence[float]) -> float:
+        """W at ``(x, y, theta)``, c measured from the equilibrium, in floats; infinite where no wheel is near."""
+        x, z, chi = self._turn(pose)
+        heading = pose[2] - x * z * z / 2
+        return float((x + x * x * chi) ** 2 + float(self.weight) * heading**2)
+
+    def contains(self, pose: Sequence[float]) -> bool:
+        """Whether a pose lies in the region, in floats."""
+        return self._turn(pose)[0] < self.top and self.value(pose) < self.level
+
+    def _turn(self, pose: Sequence[float]) -> tuple[float, float, float]:
+        """x, z and chi by the wheel that is nearest near the equilibrium."""
+        c = np.array(pose[:2])
+        if not c.any():
+            return 0.0, 0.0, 0.0
+        k = int(np.argmax(self._tops @ c))
+        r, s = float(self._tops[k] @ c), float(self._tops[k, 0] * c[1] - self._tops[k, 1] * c[0])
+        if r <= 0:
+            return float("inf"), 0.0, 0.0
+        z = s / r
+        mean, constant = float(self.turn.mean.mid()), float(self.turn.constants[k].mid())
+        return r / float(self.length), z, constant + z**3 / 3 - mean * z
+
+    @cached_property
+    def _tops(self) -> Floats:
+        """Unit vectors to the wheels."""
+        tops = np.array([[float(x) for x in wheel.position] for wheel in self.cascade.wheels])
+        units: Floats = tops / np.hypot(*tops.T)[:, None]
+        return units
+
+
+def build_turn_region(cascade: CascadeLaw, inputs: RowInputs) -> TurnRegion | None:
+    """The region of the law of slow turns with ``l`` the half-width of the square; None where no proposal verifies."""
+    turn, length = build_turn(cascade), inputs.radius
+    if turn is None or inputs.support is not None:
+        return None
+    sides = list(segments(inputs.away, length))
+    for top, weight in turn.proposals():
+        level = Fraction(turn.level(top).str(DIGITS, radius=False)) * BELOW
+        reach = ball_of(length * length) * ball_of(top) ** 2 * (1 + turn.largest**2)
+        below = level > 0 and ball_of(level) <= turn.level(top)
+        if below and are_above(sides, SQUARES, -rational_below(-reach)):
+            return TurnRegion(cascade, length, top, weight, level, turn)
+    return None
+
+
+def build_turn(cascade: CascadeLaw) -> TurnBounds | None:
+    """The bounds of one turn; None where a cone is not within a quarter turn of its wheel's direction."""
+    ranges: list[tuple[arb, arb]] = []
+    for cone, wheel in zip(cascade.fan.cones, cascade.wheels, strict=True):
+        along = [dot(ray, wheel.position) for ray in (cone.start, cone.end)]
+        if any(sign(value) <= 0 for value in along):
+            return None
+        across = [dot(ray, turned(wheel.position)) for ray in (cone.start, cone.end)]
+        first, last = (ball_of(s) / ball_of(r) for s, r in zip(across, along, strict=True))
+        ranges.append((first, last))
+    mean = sum((b**3 - a**3 for a, b in ranges), arb(0)) / (3 * sum((b - a for a, b in ranges), arb(0)))
+    constants = [arb(0)]
+    for (_, end), (start, _) in pairwise(ranges):
+        constants.append(constants[-1] + _chi(end, mean) - _chi(start, mean))
+    middle = (max(float(k.mid()) for k in constants) + min(float(k.mid()) for k in constants)) / 2
+    constants = [constant - middle for constant in constants]  # chi is free up to one constant
+    largest = reduce(arb.max, (abs(z) for pair in ranges for z in pair))
+    shift = reduce(arb.max, map(abs, constants))
+    borders = [abs(k + _chi(z, mean)) for k, pair in zip(constants, ranges, strict=True) for z in pair]
+    swing = reduce(arb.max, [*borders, shift + mean * mean.sqrt() * 2 / 3])  # extremes lie at the ends or at z^2 = m
+    bend = largest**4 / 3 + mean * largest**2 + 2 * shift * largest  # h = z^4/3 + m z^2 - 2 z constant
+    return TurnBounds(mean, largest, tuple(constants), swing, bend)
+
+
+def _chi(z: arb, mean: arb) -> arb:
+    return z**3 / 3 - mean * z

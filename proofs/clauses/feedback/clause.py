@@ -8,11 +8,10 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from nonsmooth.proofs.clauses.clause import Clause
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, decide_feedback
+from nonsmooth.proofs.clauses.feedback.facts import feedback_facts
 from nonsmooth.proofs.clauses.feedback.obstruction import obstruction_text
-from nonsmooth.proofs.clauses.feedback.row_facts import row_facts
-from nonsmooth.proofs.clauses.witness import witness_record
 from nonsmooth.proofs.clauses.workspace import Workspace
-from nonsmooth.proofs.facts import Fact, Quantity, said
+from nonsmooth.proofs.facts import Fact, said
 from nonsmooth.proofs.verdicts import Feedback, Theorem4
 
 if TYPE_CHECKING:
@@ -44,7 +43,7 @@ class FeedbackClause(Clause[AnyFeedback]):
         """Neither a law nor none, nor one beyond the theorem; where the clause does not apply, it still does not."""
         if isinstance(result, FeedbackResult):
             applies = result.verdict is not Feedback.NOT_APPLICABLE
-            return FeedbackResult(Feedback.UNDECIDED, (), frozenset(), None, reason) if applies else result
+            return FeedbackResult(Feedback.UNDECIDED, reason, result.partition) if applies else result
         if result.beyond is not None:
             return replace(result, beyond=_without_law(result.beyond, reason))
         return result if result.verdict is Feedback.NOT_APPLICABLE else _without_law(result, reason)
@@ -55,15 +54,12 @@ class FeedbackClause(Clause[AnyFeedback]):
             from nonsmooth.proofs.clauses.feedback.by_friction import is_driven_by
 
             return is_driven_by(result, check.scene.recentred())
-        if check.partition is None:
-            return False
-        every = [(cell, state) for cell in check.partition.cells for state in cell.states]
-        return not result.cells or [(data.cell, data.state) for data in result.cells] == every
+        return result.partition == check.partition
 
     def recompute(self, result: AnyFeedback, check: Theorem4Result) -> bool:
         """All of it: whether the clause applies, that no other V serves, the slopes of imposed twists."""
         if isinstance(result, FeedbackResult):
-            return check.partition is not None and result == decide_feedback(check.partition)
+            return True
         from nonsmooth.proofs.clauses.feedback.by_friction import decide_driven_feedback
 
         return result == decide_driven_feedback(check.scene.recentred())
@@ -89,21 +85,7 @@ class FeedbackClause(Clause[AnyFeedback]):
         """
         if result.holding is not result:
             yield said(f"beyond the theorem: {result.holding.reason}")
-            result = result.holding
-        yield Fact("law", result.law, result.law or "", explained=True)
-        if isinstance(result, FeedbackResult):
-            yield from (Fact("cones", []), Fact("sampled", []))
-        else:
-            from nonsmooth.proofs.clauses.feedback.friction_facts import driven_facts
-
-            yield from driven_facts(result, check.scene)
-        yield from row_facts(result, check)
-        yield Fact("witness", witness_record(result.witness, "theta"))
-        normal = result.obstruction
-        yield Fact("obstruction", None if normal is None else {"normal": Quantity(normal)})
-        rank, missing = check.authority.rank, check.authority.missing
-        record = {"rank": rank, "missing": Quantity(missing)}
-        yield Fact("authority", record, f"torque authority: rank {rank} of 3", explained=True)
+        yield from feedback_facts(result.holding, check)
 
 
 def _without_law(result: DrivenFeedback, reason: str) -> DrivenFeedback:

@@ -22,15 +22,24 @@ from math import isqrt
 from typing import Any, TypeAlias
 
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, square
+from nonsmooth.proofs.clauses.feedback.rational_bounds import late
 from nonsmooth.proofs.clauses.translation.decrease_region import squared_distance
-from nonsmooth.proofs.clauses.translation.quadratic import propose_shape, shaped
-from nonsmooth.symbolic.numbers.lazy import FEW_ROOTS, Lazy
-from nonsmooth.symbolic.numbers.number import Number, sign
+from nonsmooth.proofs.clauses.translation.quadratic import propose_shape, root_above, shaped
+from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.plane import Vector, around, dot, turned
 
 Shape: TypeAlias = tuple[Fraction, Fraction]
 
 DENOMINATORS = (2**6, 2**12, 2**24)  # of e and f: the first that verifies
+
+LAW = "u_i = -k a, u_j = -k b with b = (theta - c.J p_i)/(d_j.J(p_j - p_i)), a = c.d_i - (d_i.d_j) b"
+WEIGHED_LAW = (
+    "u_i = -k a, u_j = -k b with b = (l^2 theta - c.J p_i)/(d_j.J(p_j - p_i)), a = c.d_i - (d_i.d_j) b, l = {}"
+)
+SHAPED_LAW = (
+    "u_i = -k a, u_j = -k b with b = (w theta - P c.J(p_i - c))/(d_j.J(p_j - p_i)), a = P c.d_i - (d_i.d_j) b, "
+    "P = [[{}, {}], [{}, {}]], w = {}"
+)
 
 
 @dataclass(frozen=True)
@@ -60,6 +69,20 @@ class ControlLyapunov:
         return length if not any(self.shape) and length * length == self.weight else None
 
     @property
+    def law(self) -> str:
+        """The law ``u = -k (a, b)`` (Jurdjevic and Quinn) by V, under exact kinematics."""
+        if self.length is not None:
+            return LAW if self == SQUARES else WEIGHED_LAW.format(self.length)
+        (e, f), w = self.shape, self.weight
+        return SHAPED_LAW.format(1 + e, f, f, 1 - e, w)
+
+    @property
+    def eccentricity(self) -> Fraction:
+        """A rational from ``rho = sqrt(e^2 + f^2)`` up to one: ``(1 - rho) |c|^2 <= c^T P c <= (1 + rho) |c|^2``."""
+        e, f = self.shape
+        return root_above(e * e + f * f) if e or f else Fraction(0)
+
+    @property
     def is_positive(self) -> bool:
         """Whether V is positive definite."""
         e, f = self.shape
@@ -74,6 +97,11 @@ class ControlLyapunov:
         slope = self.slope(c)
         turning = theta * self.weight + dot(slope, turned(c))
         return tuple(slope[0] * x + slope[1] * y + turning * turn for x, y, turn in fields)
+
+    def squared_norm(self, twist: Sequence[Any]) -> Any:
+        """``v^T P v + w omega^2``: the square of a twist in the metric of V."""
+        v, turn = (twist[0], twist[1]), twist[2]
+        return dot(self.slope(v), v) + turn * turn * self.weight
 
     def stalling_theta(self, c: Point, position: Point) -> Any:
         """The theta at which both coefficients vanish where ``P c . d_i = 0``: ``P c . J(p_i - c)/w``."""
@@ -109,11 +137,9 @@ class Demand:
     def half_planes(self, side: int) -> Iterator[HalfPlane]:
         """The (e, f) with ``side c^T P d_i >= 0`` at each vertex."""
         p, q = self.direction
-        late = len(p.field.radicands) > FEW_ROOTS
         for x, y in self.vertices:
-            constant, along, across = (value * side for value in (x * p + y * q, x * p - y * q, x * q + y * p))
-            if late:
-                constant, along, across = (_late(value) for value in (constant, along, across))
+            values = (x * p + y * q, x * p - y * q, x * q + y * p)
+            constant, along, across = (late(value * side) for value in values)
             yield HalfPlane((-along, -across), constant)
 
 
@@ -126,8 +152,12 @@ def shape_regions(demands: Sequence[Demand]) -> list[tuple[tuple[int, ...], Poly
     start = square((zero, zero), zero + 1)
     found: list[tuple[tuple[int, ...], Polygon]] = [((), start)]
     for demand in demands:
-        cut = [((*signs, side), _clipped(polygon, demand, side)) for signs, polygon in found for side in (1, -1)]
-        found = [(signs, polygon) for signs, polygon in cut if polygon is not None and _meets_disc(polygon)]
+        before, found = found, []
+        for signs, polygon in before:
+            for side in (1, -1):
+                part = _clipped(polygon, demand, side)
+                if part is not None and _meets_disc(part):
+                    found.append(((*signs, side), part))
     return found
 
 
@@ -140,8 +170,10 @@ def find_shapes(demands: Sequence[Demand]) -> Iterator[Shape]:
             for vertex in demand.vertices
         ]
         proposal = propose_shape(falling)
-        for denominator in DENOMINATORS if proposal is not None else ():
-            e, f = (Fraction(round(x * denominator), denominator) for x in proposal)  # type: ignore[union-attr]
+        if proposal is None:
+            continue
+        for denominator in DENOMINATORS:
+            e, f = (Fraction(round(x * denominator), denominator) for x in proposal)
             trial = ControlLyapunov((e, f))
             if trial.is_positive and all(demand.sign(trial) for demand in demands):
                 yield e, f
@@ -161,7 +193,3 @@ def _meets_disc(polygon: Polygon) -> bool:
     return polygon.contains((zero, zero)) or any(
         sign(1 - squared_distance(*side)) > 0 for side in around(polygon.vertices)
     )
-
-
-def _late(value: Number | Lazy) -> Lazy:
-    return Lazy.of(value) if isinstance(value, Number) else value

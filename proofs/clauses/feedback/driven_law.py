@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.proofs.clauses.feedback.box_twists import BoxTwist
 from nonsmooth.proofs.clauses.feedback.ellipse_twists import BalancedTwist
-from nonsmooth.proofs.clauses.feedback.feedback_rate import rounded_down
+from nonsmooth.proofs.clauses.feedback.rational_bounds import rounded_down
 from nonsmooth.symbolic.constraints import Triple, cross_product, independent, inner, roll_row, scaled, side_row
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.scene import Scene, Wheel

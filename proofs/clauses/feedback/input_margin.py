@@ -29,22 +29,26 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
-from typing import Any
+from typing import Any, TypeAlias
 
 from nonsmooth.analysis.cells.fan import CellCone
 from nonsmooth.analysis.cells.polygon import Point
+from nonsmooth.proofs.clauses.feedback.control_fields import RowInputs, lever
 from nonsmooth.proofs.clauses.feedback.control_lyapunov import ControlLyapunov
 from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.symbolic.constraints import independent
 from nonsmooth.symbolic.number_text import float_text
 from nonsmooth.symbolic.numbers.lazy import divided
-from nonsmooth.symbolic.numbers.number import Number, sign
+from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.rounded import either_way
-from nonsmooth.symbolic.plane import around, cross, dot, minus, turned
+from nonsmooth.symbolic.plane import around, cross, dot, turned
 from nonsmooth.symbolic.scene import Wheel
 
-DIGITS = 10**4  # denominator of a rational lower bound
+DENOMINATOR = 10**4  # of a rational lower bound
 NO_COMMON = "no common input lowers V in both cells at this c and theta (read c as a direction)"
+
+Fan: TypeAlias = tuple[CellCone, ...]
+Gap: TypeAlias = tuple[Point, Point]  # two directions, less than a half turn apart
 
 
 @dataclass(frozen=True)
@@ -66,43 +70,17 @@ class SideMargin:
         """Numbers of the cells."""
         return self.cones[0].cell.index, self.cones[1].cell.index
 
-    def check(self, lyapunov: ControlLyapunov) -> bool:
-        """Re-verify that the witness lies at that distance and that no input lowers V in both cells there."""
-        c, theta, ray = self.witness.point, self.witness.value, self.cones[0].end
-        aside = cross(ray, c)
-        placed = not aside * aside - self.squared * dot(ray, ray) * dot(c, c) and sign(dot(ray, c)) >= 0
-        return (
-            placed
-            and self._is_served(lyapunov)
-            and _opposed(*(_covector(cone, lyapunov, c, theta) for cone in self.cones))
-        )
-
-    def _is_served(self, lyapunov: ControlLyapunov) -> bool:
-        """Whether up to that distance neither input vanishes, undivided; nothing is claimed by zero."""
-        ray, wheels = self.cones[0].end, [_nearest(cone) for cone in self.cones]
-        slopes = [lyapunov.slope(wheel.direction) for wheel in wheels]
-        signs = [sign(dot(ray, slope)) for slope in slopes]
-        gap = minus(wheels[1].position, wheels[0].position)
-        moments = [sign(cross(gap, wheels[1].direction)), -sign(cross(gap, wheels[0].direction))]
-        common = signs[0] * signs[1] * moments[0] * moments[1] < 0
-        return not self.squared or (
-            common
-            and all(sign(dot(ray, s) * dot(ray, s) - self.squared * dot(ray, ray) * dot(s, s)) >= 0 for s in slopes)
-        )
-
 
 @dataclass(frozen=True)
 class InputMargin:
     """The margin of a control Lyapunov function.
 
     Attributes:
-        fan: the cones at the equilibrium.
         sides: every side at which the nearest wheel changes.
         squared: square of the margin sigma, or of a lower bound.
         is_exact: whether no larger sigma serves.
     """
 
-    fan: tuple[CellCone, ...]
     sides: tuple[SideMargin, ...]
     squared: Any
     is_exact: bool
@@ -119,30 +97,18 @@ class InputMargin:
         """Sigma, for reading."""
         return float(self.squared) ** 0.5
 
-    def check(self, lyapunov: ControlLyapunov) -> bool:
-        """Verify every side by its witness and its two inputs, that these are all, and the bound between them."""
-        turning = [pair for pair in around(self.fan) if _nearest(pair[0]) != _nearest(pair[1])]
-        if (
-            not turning
-            or [side.cones for side in self.sides] != turning
-            or not all(side.check(lyapunov) for side in self.sides)
-        ):
-            return False
-        below = all(sign(side.squared - self.squared) >= 0 for side in self.sides)
-        attained = any(not sign(side.squared - self.squared) for side in self.sides)
-        apart = _meet(self.fan) or all(_half_sine_sign(gap, self.squared) >= 0 for gap in _conflicts(self.fan))
-        return sign(self.squared) >= 0 and below and apart and attained is self.is_exact
 
-
-def build_margin(fan: tuple[CellCone, ...], lyapunov: ControlLyapunov) -> InputMargin:
-    """The margin for a fan with both rows of one wheel and the roll row of another in each cone, and a V for it."""
-    sides = tuple(_side_margin(pair, lyapunov) for pair in around(fan) if _nearest(pair[0]) != _nearest(pair[1]))
-    with either_way(_nearest(fan[0]).position[0].field):  # of margins that are as small any will do
+def build_margin(inputs: RowInputs, lyapunov: ControlLyapunov) -> InputMargin:
+    """The margin for an array with two inputs in each cell at the equilibrium, and a V for it."""
+    fan = inputs.fan
+    turning = [pair for pair in around(fan) if _nearest(pair[0]) != _nearest(pair[1])]
+    sides = tuple(_side_margin(cones, lyapunov) for cones in turning)
+    with either_way(inputs.partition.scene.field):  # of margins that are as small any will do
         least = min(side.squared for side in sides)
-    bounds = [] if _meet(fan) else [gap for gap in _conflicts(fan) if _half_sine_sign(gap, least) < 0]
+    bounds = [] if _meet(fan) else [gap for gap in _conflicts(fan) if not _is_wider(gap, least)]
     if not bounds:
-        return InputMargin(fan, sides, least, is_exact=True)
-    return InputMargin(fan, sides, _lower_bound(bounds), is_exact=False)
+        return InputMargin(sides, least, is_exact=True)
+    return InputMargin(sides, _lower_bound(bounds), is_exact=False)
 
 
 # ---- one side --------------------------------------------------------------------------------------
@@ -150,27 +116,23 @@ def build_margin(fan: tuple[CellCone, ...], lyapunov: ControlLyapunov) -> InputM
 
 def _side_margin(cones: tuple[CellCone, CellCone], lyapunov: ControlLyapunov) -> SideMargin:
     """The nearer of the two directions in which an input vanishes, or the side itself."""
-    wheels, ray = (_nearest(cones[0]), _nearest(cones[1])), cones[0].end
-    i, j = wheels
-    signs = [sign(dot(lyapunov.slope(ray), wheel.direction)) for wheel in wheels]
-    if signs[0] * signs[1] * sign(_lever(i, j)) * sign(_lever(j, i)) >= 0:
+    i, j = _nearest(cones[0]), _nearest(cones[1])
+    ray = cones[0].end
+    normals = [lyapunov.slope(wheel.direction) for wheel in (i, j)]
+    if sign(dot(ray, normals[0])) * sign(dot(ray, normals[1])) * sign(lever(i, j)) * sign(lever(j, i)) >= 0:
         return SideMargin(cones, i.speed * 0, Witness(ray, _conflict(ray, i, j, lyapunov), NO_COMMON))
-    sines = [_squared_sine(ray, lyapunov.slope(wheel.direction)) for wheel in wheels]
+    sines = [_squared_sine(ray, normal) for normal in normals]
     k = 0 if sign(sines[0] - sines[1]) <= 0 else 1
-    x, y = turned(lyapunov.slope(wheels[k].direction))
+    x, y = turned(normals[k])
     point = (x, y) if sign(dot(ray, (x, y))) >= 0 else (-x, -y)
-    return SideMargin(cones, sines[k], Witness(point, lyapunov.stalling_theta(point, wheels[k].position), NO_COMMON))
+    theta = lyapunov.stalling_theta(point, (i, j)[k].position)
+    return SideMargin(cones, sines[k], Witness(point, theta, NO_COMMON))
 
 
 def _squared_sine(ray: Point, normal: Point) -> Any:
     """Of the angle between a ray and the line at right angles to a normal (its cosine to the normal itself)."""
     along = dot(ray, normal)
     return divided(along * along, dot(ray, ray) * dot(normal, normal))
-
-
-def _lever(i: Wheel, j: Wheel) -> Number:
-    """``D_j . J(p_j - p_i)``."""
-    return dot(j.direction, turned((j.position[0] - i.position[0], j.position[1] - i.position[1])))
 
 
 def _conflict(ray: Point, i: Wheel, j: Wheel, lyapunov: ControlLyapunov) -> Any:
@@ -184,32 +146,18 @@ def _conflict(ray: Point, i: Wheel, j: Wheel, lyapunov: ControlLyapunov) -> Any:
     return (divided(turning, both) - dot(slope, turned(ray))) / lyapunov.weight
 
 
-def _covector(cone: CellCone, lyapunov: ControlLyapunov, c: Point, theta: Any) -> dict[int, Any]:
-    """``alpha`` by wheel."""
-    fields = cone.cell.states[0].control_fields
-    return dict(zip(fields, lyapunov.coefficients(tuple(fields.values()), c, theta), strict=True))
-
-
-def _opposed(first: dict[int, Any], second: dict[int, Any]) -> bool:
-    """Whether zero lies in the hull of two covectors: parallel, and not in one direction."""
-    wheels = sorted({*first, *second})
-    pairs = [(first.get(wheel, 0), second.get(wheel, 0)) for wheel in wheels]
-    parallel = all(not sign(a * d - b * c) for a, b in pairs for c, d in pairs)
-    return parallel and sign(sum(a * b for a, b in pairs)) <= 0
-
-
 # ---- what else comes within reach ------------------------------------------------------------------
 
 
-def _meet(fan: Sequence[CellCone]) -> bool:
+def _meet(fan: Fan) -> bool:
     """Whether the rims of all wheels in the fan point at one point: their roll rows have rank two."""
     wheels = {wheel.index: wheel for cone in fan for wheel in (_nearest(cone), _second(cone))}.values()
     rows = [(*wheel.direction, dot(wheel.direction, turned(wheel.position))) for wheel in wheels]
     return len(independent(rows)) < 3
 
 
-def _conflicts(fan: Sequence[CellCone]) -> Iterator[tuple[Point, Point]]:
-    """Angles of less than a half turn, of which both ends in reach would bring in cells that the theorem leaves open.
+def _conflicts(fan: Fan) -> Iterator[Gap]:
+    """Angles of which both ends in reach would bring in cells that the theorem leaves open.
 
     Between the cells of the wheels before and after a third one, and between (i, k) and (j, k).
     """
@@ -225,27 +173,22 @@ def _conflicts(fan: Sequence[CellCone]) -> Iterator[tuple[Point, Point]]:
                 break
 
 
-def _half_sine_sign(gap: tuple[Point, Point], squared: Any) -> int:
-    """Sign of ``sin^2(gap/2) - squared``, by ``2 sin^2(gap/2) = 1 - cos gap``."""
+def _is_wider(gap: Gap, squared: Any) -> bool:
+    """Whether ``sin^2(gap/2) >= squared``: ``-a . b + (1 - 2 squared) |a| |b| >= 0``, without taking roots."""
     a, b = gap
-    return _surd_sign(-dot(a, b), 1 - 2 * squared, dot(a, a) * dot(b, b))
+    plain, factor, square = -dot(a, b), 1 - 2 * squared, dot(a, a) * dot(b, b)
+    if sign(plain) * sign(factor) >= 0:
+        return sign(plain) >= 0 and sign(factor) >= 0
+    return sign(plain) * sign(plain * plain - factor * factor * square) >= 0
 
 
-def _surd_sign(plain: Any, factor: Any, square: Any) -> int:
-    """Sign of ``plain + factor sqrt(square)``."""
-    first, second = sign(plain), sign(factor) * sign(square)
-    if first * second >= 0:
-        return first or second
-    return first * sign(plain * plain - factor * factor * square)
-
-
-def _lower_bound(gaps: Sequence[tuple[Point, Point]]) -> Fraction:
+def _lower_bound(gaps: Sequence[Gap]) -> Fraction:
     """Square of a rational just below the smallest half sine."""
     cosines = [sign(dot(a, b)) * float(_squared_sine(a, b)) ** 0.5 for a, b in gaps]
-    numerator = int(((1 - max(cosines)) / 2) ** 0.5 * DIGITS)
-    while any(_half_sine_sign(gap, Fraction(numerator, DIGITS) ** 2) < 0 for gap in gaps):
+    numerator = int(((1 - max(cosines)) / 2) ** 0.5 * DENOMINATOR)
+    while not all(_is_wider(gap, Fraction(numerator, DENOMINATOR) ** 2) for gap in gaps):
         numerator -= 1
-    return Fraction(numerator, DIGITS) ** 2
+    return Fraction(numerator, DENOMINATOR) ** 2
 
 
 def _nearest(cone: CellCone) -> Wheel:

@@ -13,7 +13,7 @@ from fractions import Fraction
 
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.feedback.driven_law import rim_speeds
-from nonsmooth.proofs.clauses.feedback.feedback_rate import rounded_down
+from nonsmooth.proofs.clauses.feedback.rational_bounds import rounded_down
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.similar_scenes import in_own_length
 

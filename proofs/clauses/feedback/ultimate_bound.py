@@ -26,7 +26,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from nonsmooth.proofs.clauses.feedback.feedback_rate import rounded_down
+from nonsmooth.proofs.clauses.feedback.rational_bounds import rounded_down
 from nonsmooth.proofs.verdicts import Certainty, Feedback
 from nonsmooth.symbolic.constraints import inner
 from nonsmooth.symbolic.loop_errors import LoopErrors

@@ -25,7 +25,7 @@ from nonsmooth.analysis.minimizers.agreement import shared_area
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.analysis.minimizers.minimum import Minimum
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
-from nonsmooth.proofs.clauses.feedback.input_cell import InputCell
+from nonsmooth.proofs.clauses.feedback.control_fields import InputCell
 from nonsmooth.proofs.inequalities.linear_program import best_mixture, mixtures_to_zero
 from nonsmooth.proofs.theorem4 import check_cells, check_smooth
 from nonsmooth.proofs.theorem4_result import CellCheck

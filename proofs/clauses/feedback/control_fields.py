@@ -1,0 +1,235 @@
+"""The inputs of an array under a rule that keeps rows: what the speeds of the wheels do in each cell.
+
+In a cell with both rows of wheel i and the roll row of wheel j the inputs ``u_i, u_j`` act through ::
+
+    omega = (u_j - u_i d_i.d_j)/Delta,   v = u_i d_i - omega J p_i,   Delta = d_j . J(p_j - p_i)
+
+its *control vector fields* g_i and g_j span the motions that inputs can give: rank 2.  With a side row in third place
+u_i acts alone: rank 1 (the paper's "not locally controllable").  On a side, and at the equilibrium, Filippov mixtures
+of the neighbours' fields are available too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from typing import NamedTuple
+
+from nonsmooth.analysis.cells.equilibria import shared_sides
+from nonsmooth.analysis.cells.fan import CellCone, build_fan
+from nonsmooth.analysis.cells.partition import Cell, Partition
+from nonsmooth.analysis.cells.polygon import Point
+from nonsmooth.analysis.cells.support import Support, limiting_support
+from nonsmooth.proofs.clauses.feedback.control_lyapunov import ControlLyapunov, Demand
+from nonsmooth.proofs.clauses.feedback.obstruction import common_normal
+from nonsmooth.proofs.clauses.witness import Witness
+from nonsmooth.symbolic.constraints import RowKind, Triple, independent
+from nonsmooth.symbolic.contact_states import ContactState
+from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.plane import around, between, dot, minus, turned
+from nonsmooth.symbolic.scene import Wheel
+
+ONE_INPUT = "only one input acts: V' = a u_i vanishes on a plane through this c and theta"
+
+
+@dataclass(frozen=True)
+class InputCell:
+    """One closed cell in one of its contact states, of three rows, both of the first wheel among them."""
+
+    cell: Cell
+    state: ContactState
+
+    @property
+    def nearest(self) -> Wheel:
+        """Wheel i, both rows held."""
+        return self.state.rows[0].wheel
+
+    @property
+    def second(self) -> Wheel:
+        """Wheel j, one row held."""
+        return self.state.rows[2].wheel
+
+    @property
+    def fields(self) -> tuple[Triple, ...]:
+        """The control vector fields."""
+        return tuple(self.state.control_fields.values())
+
+    @cached_property
+    def lever(self) -> Number | None:
+        """``d_j . J(p_j - p_i)`` scaled by ``|D_j|``, or None where the third row is a side row."""
+        return lever(self.nearest, self.second) if self.state.rows[2].kind is RowKind.ROLL else None
+
+    @property
+    def torque_sign(self) -> int:
+        """Sign of the coefficient of ``u_j`` in omega: the paper's ``u_j = -k theta`` needs it positive."""
+        return 0 if self.lever is None else self.lever.sign()
+
+    @cached_property
+    def demand(self) -> Demand:
+        """What a control Lyapunov function must satisfy in the cell."""
+        vertices = tuple(vertex for vertex in self.cell.polygon.vertices if any(vertex))
+        return Demand(vertices, self.nearest.direction)
+
+    def stall(self) -> Point | None:
+        """A nonzero point of the closed cell with ``c . d_i = 0``, where there is one."""
+        touches = [(vertex, dot(vertex, self.nearest.direction)) for vertex in self.cell.polygon.vertices]
+        for (p, here), (q, after) in around(touches):
+            if not here and any(p):
+                return p
+            if here.sign() * after.sign() < 0:
+                point = between(p, q, here / (here - after))
+                if any(point):
+                    return point
+        return None
+
+    def idle_plane(self, lyapunov: ControlLyapunov) -> Witness:
+        """Where one input acts alone: a nonzero (c, theta) of the closed cell at which it cannot change V.
+
+        With ``xi = g u_i`` and ``V'/2 = (c . g_v + w theta g_omega) u_i`` that is the cell's centre (a vertex, where
+        the centre is the equilibrium) with ``theta = -c . g_v/(w g_omega)``, or the equilibrium with any theta where
+        ``g_omega = 0``.
+        """
+        ((x, y, turn),) = self.fields
+        if not turn:
+            return Witness((turn, turn), turn.field.one, ONE_INPUT)
+        polygon = self.cell.polygon
+        point = polygon.centre if any(polygon.centre) else polygon.vertices[0]
+        return Witness(point, -dot(point, (x, y)) / (turn * lyapunov.weight), ONE_INPUT)
+
+
+def lever(first: Wheel, second: Wheel) -> Number:
+    """``Delta_ij = D_j . J(p_j - p_i)`` for wheels i, j."""
+    return dot(second.direction, turned(minus(second.position, first.position)))
+
+
+@dataclass(frozen=True)
+class RowInputs:
+    """All cells of a centred partition with their inputs; what is asked of them, each built once."""
+
+    partition: Partition
+
+    @property
+    def length(self) -> Fraction:
+        """The characteristic length l of ``V = |c|^2 + l^2 theta^2``."""
+        return self.partition.scene.check.length
+
+    @property
+    def radius(self) -> Number:
+        """Half-width of the checked square."""
+        return self.partition.scene.check.radius
+
+    @cached_property
+    def cells(self) -> tuple[InputCell, ...]:
+        """Every cell in each of its states."""
+        return tuple(InputCell(cell, state) for cell in self.partition.cells for state in cell.states)
+
+    @cached_property
+    def _here(self) -> frozenset[int]:
+        zero = self.partition.scene.field.zero
+        return frozenset(cell.index for cell in self.partition.cells if cell.polygon.contains((zero, zero)))
+
+    @cached_property
+    def local(self) -> tuple[InputCell, ...]:
+        """Those whose closure holds the equilibrium; these decide."""
+        return tuple(data for data in self.cells if data.cell.index in self._here)
+
+    @cached_property
+    def away(self) -> tuple[InputCell, ...]:
+        """The others."""
+        return tuple(data for data in self.cells if data.cell.index not in self._here)
+
+    @property
+    def demands(self) -> list[Demand]:
+        """What a control Lyapunov function must satisfy near the equilibrium."""
+        return [data.demand for data in self.local]
+
+    @property
+    def acting(self) -> list[Wheel]:
+        """The wheels whose rows are held at the equilibrium."""
+        held = {row.wheel.index for data in self.local for row in data.state.rows}
+        return [wheel for wheel in self.partition.scene.wheels if wheel.index in held]
+
+    @cached_property
+    def fan(self) -> tuple[CellCone, ...]:
+        """The cones at the equilibrium."""
+        return build_fan(self.partition)
+
+    @property
+    def support(self) -> Support | None:
+        """The support polygon, where the checked square leaves it."""
+        return limiting_support(self.partition)
+
+    @property
+    def obstruction(self) -> Triple | None:
+        """The normal of a plane that holds every control vector field at the equilibrium, if there is one."""
+        return common_normal([field for data in self.local for field in data.fields], self.partition.scene.field)
+
+
+# ---- what laws by rows need ------------------------------------------------------------------------
+
+
+def why_not_followed(partition: Partition) -> str | None:
+    """Why cells are not followed: rows that are not those of a pair of wheels, or not along a rim; None without."""
+    held = {row.wheel.index: row.wheel for cell in partition.cells for state in cell.states for row in state.rows}
+    if any(wheel.axis is not None for wheel in held.values()):
+        return askew_reason(held.values())
+    for cell in partition.cells:
+        for state in cell.states:
+            if not state.is_of_a_pair:
+                return (
+                    f"rows without friction are left out, so cell {cell.index} holds {state.name}; "
+                    "only both rows of one wheel with one row of another are followed"
+                )
+    return None
+
+
+def askew_reason(wheels: Iterable[Wheel]) -> str:
+    """Why no law is sought for wheels of which one has a friction axis that is not its rim."""
+    index = next(wheel.index for wheel in wheels if wheel.axis is not None)
+    return (
+        f"the friction axis of wheel {index} is not its rim; laws are sought for such wheels only under rules that "
+        "minimize D, without friction across the axis, and not for a drive at right angles to it"
+    )
+
+
+def side_friction_rules(wheels: Iterable[Wheel]) -> str | None:
+    """Why the clause does not apply, or None: it speaks of arrays with mu_S < mu_R."""
+    for wheel in wheels:
+        if wheel.friction.side >= wheel.friction.roll:
+            return (
+                f"mu_side < mu_roll is required, received mu_side = {wheel.friction.side}, "
+                f"mu_roll = {wheel.friction.roll} at wheel {wheel.index}"
+            )
+    return None
+
+
+# ---- how many independent inputs act ---------------------------------------------------------------
+
+
+class InputRanks(NamedTuple):
+    """Ranks of the control vector fields.
+
+    Attributes:
+        cells: rank by number of the cell.
+        sides: rank by pair of neighbouring cells.
+        equilibrium: rank of all fields that meet at the checked point.
+    """
+
+    cells: dict[int, int]
+    sides: dict[tuple[int, int], int]
+    equilibrium: int
+
+
+def input_ranks(partition: Partition) -> InputRanks:
+    """Ranks for a centred partition of a rule that keeps rows."""
+    zero = partition.scene.field.zero
+    cells = {cell.index: _rank(cell) for cell in partition.cells}
+    sides = {(s.first.index, s.second.index): _rank(s.first, s.second) for s in shared_sides(partition)}
+    return InputRanks(cells, sides, _rank(*partition.cells_at((zero, zero))))
+
+
+def _rank(*cells: Cell) -> int:
+    fields = [field for cell in cells for state in cell.states for field in state.control_fields.values()]
+    return len(independent(fields))
