@@ -59,7 +59,7 @@ def test_no_limit_is_stated_where_the_path_slides_along_an_edge(arrays: Arrays) 
     assert shown.facts()["limits"] is None
     console = Console(width=100, record=True)
     with console.capture() as captured:
-        console.print(shown.view())
+        console.print(*shown.views())
     assert "no limit is stated" in captured.get()
     assert "-> 0" not in captured.get()
 

@@ -125,6 +125,7 @@ def test_limits_are_kept_and_v_falls_as_certified(name: str, gain: float) -> Non
     array = ARRAYS[name]
     feedback, limited = feedback_of(name)
     limits = {index: float(limit) for index, limit in array.scene.speed_limits.items()}
+    assert feedback.rate is not None
     kappa, speed = float(feedback.rate.kappa), float(limited.speed)
     ever = False
     for start in starts(array, limited, feedback.lyapunov, 3):
@@ -361,6 +362,7 @@ def test_what_is_said_of_limited_speeds(tmp_path: Path) -> None:
     record = array.check().to_dict()["feedback"]["limited"]
     assert record["speed"] == pytest.approx(float(limited.speed))
     assert feedback.check()
+    assert feedback.rate is not None
     assert float(limited.speed) <= 15 * math.sqrt(feedback.rate.kappa)
     metres = array.check().pose
     assert metres["speed"] == limited.speed
