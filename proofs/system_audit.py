@@ -5,42 +5,137 @@ solver is judged as it was printed.  Valid means: V is zero at the equilibrium a
 does not increase along any Filippov solution there (:mod:`nonsmooth.proofs.systems.derivatives` in two states,
 :mod:`nonsmooth.proofs.many_states.examination` in more).  The domain is the checked cube; for a plain system of cones
 in two states it is the plane.  Wheel arrays move with the exact pose rate ``v + omega J c``.
+
+Where the right-hand sides only enclose the stated field (sines and cosines of states lie between polynomials,
+:mod:`nonsmooth.symbolic.sine_enclosures`), what holds along all of these holds along the field; a point at which V
+increases along one of them refutes nothing.  Then the derivative of V along the stated field is evaluated in balls,
+inside cells at such a point or beside it: where a ball is positive, V increases along the solution through its place.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from enum import StrEnum
 from fractions import Fraction
+from itertools import product
 from typing import Any, TypeAlias
+
+from flint import arb, ctx
 
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.switched_cells import LyapunovCell, lyapunov_cells, partition_cells, system_cells
 from nonsmooth.analysis.contact_rule import CellRule, rule_of
-from nonsmooth.proofs.inequalities.strata import RISES, Refutation
-from nonsmooth.proofs.kernel.sign_cells import BeyondReachError
+from nonsmooth.proofs.kernel.cells import BeyondReachError
 from nonsmooth.proofs.many_states import denominators as many_denominators
 from nonsmooth.proofs.many_states import examination as many
-from nonsmooth.proofs.many_states.examination import FailurePoint, NotZeroError
-from nonsmooth.proofs.many_states.examined_lyapunov import ExaminedLyapunov
+from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, FailurePoint, NotZeroError
 from nonsmooth.proofs.systems.denominators import require_denominators
-from nonsmooth.proofs.systems.derivatives import Decrease, examine, inhabited, refutations
+from nonsmooth.proofs.systems.derivatives import RISES, Decrease, Refutation, examine, inhabited, refutations
 from nonsmooth.proofs.systems.domain import Domain, domain_regions, domains, plane_cells
 from nonsmooth.proofs.systems.invariance import Staying, decide_staying
 from nonsmooth.proofs.systems.search import PlaneFunction
-from nonsmooth.proofs.systems.stated_rise import NOT_OF_THE_FIELD, rising_place
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.enclosed_numbers import NoEnclosureError, enclose_numbers
 from nonsmooth.symbolic.expression import ExpressionError
 from nonsmooth.symbolic.files.system_file import parse_lyapunov
 from nonsmooth.symbolic.notebook import ShortRepr, html_table
 from nonsmooth.symbolic.numbers.lazy import evaluated
-from nonsmooth.symbolic.piecewise import PiecewiseExpression
+from nonsmooth.symbolic.numbers.number import Number, sign
+from nonsmooth.symbolic.numbers.polynomial import Polynomial
+from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import SceneError, requirement
 from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem, require_stated
+
+BITS = 128
+ASIDE = Fraction(1, 256)  # of the half-width: how far beside a point cells are looked into
+MOST_STATES = 6  # up to which all sides of a point are looked at
+
+
+NOT_OF_THE_FIELD = "V increases along polynomials between which sines lie; along the field itself that is not shown"
+
+
+class _OnSurfaceError(Exception):
+    """A place at which some formula switches."""
+
+
+def rising_place(
+    system: SwitchedSystem, lyapunov: PiecewiseExpression, point: Sequence[Any]
+) -> tuple[Number, ...] | None:
+    """A point or a place beside it at which V is shown to increase along the stated field; None shows nothing.
+
+    Args:
+        system: with sines or cosines of states.
+        lyapunov: V in the displacement from the checked point, with the states' names.
+        point: such a displacement, in the checked cube.
+    """
+    if not system.named_rhs:
+        return None
+    with ctx.workprec(BITS):
+        return next((tuple(p) for p in _places(system, point) if _rate_at(system, lyapunov, p) > 0), None)
+
+
+def _places(system: SwitchedSystem, point: Sequence[Any]) -> Iterator[list[Number]]:
+    """The point, and places of the cube on all sides of it."""
+    centre = [system.field(evaluated(c)) for c in point]
+    yield centre
+    sides = product((1, -1), repeat=len(centre)) if len(centre) <= MOST_STATES else ()
+    for side in sides:
+        steps = [system.check.radius * (ASIDE * s / (k + 2)) for k, s in enumerate(side)]
+        yield [c * (1 - ASIDE) + step for c, step in zip(centre, steps, strict=True)]
+
+
+def _rate_at(system: SwitchedSystem, lyapunov: PiecewiseExpression, place: Sequence[Number]) -> arb:
+    """A ball around ``grad V . f`` at a place; the whole line where a formula switches there, or is no polynomial."""
+    names = (*system.states, *(wave.name for wave in system.names))
+    displacement = {name: Polynomial.variable(system.field, names, name) for name in names}
+    centre = dict(zip(system.states, system.check.equilibrium, strict=True))
+    stated = {name: part + centre[name] if name in centre else part for name, part in displacement.items()}
+
+    def sign_of(expression: Polynomial) -> int:  # what switches holds no sines
+        terms = {exponents[: len(place)]: c for exponents, c in expression.terms.items()}
+        found = sign(Polynomial(system.field, system.states, terms)(place))
+        if not found:
+            raise _OnSurfaceError
+        return found
+
+    try:
+        rates = [part.polynomial(stated, sign_of) for part in system.named_rhs]
+        potential = lyapunov.polynomial(displacement, sign_of)
+        waves = _waves(system, stated, place)
+    except (_OnSurfaceError, ExpressionError):
+        return arb(0, "inf")
+    values = [*(c.ball() for c in place), *waves]
+    slopes = [potential.derivative(name) for name in system.states]
+    return sum((_ball(slope * rate, values) for slope, rate in zip(slopes, rates, strict=True)), arb(0))
+
+
+def _waves(system: SwitchedSystem, stated: Mapping[str, Polynomial], place: Sequence[Number]) -> list[arb]:
+    """Balls around the sines and cosines at a place."""
+    found = []
+    values = [*place, *(system.field.zero for _ in system.names)]  # no wave stands in the argument of another
+    for wave in system.names:
+        formula = parse_piecewise(wave.argument, system.states)
+        argument = system.field(formula.polynomial(stated, _no_sign)(values)).ball()
+        found.append(argument.sin() if wave.kind == "sin" else argument.cos())
+    return found
+
+
+def _no_sign(expression: Polynomial) -> int:
+    raise ExpressionError(f"required no switching, received {expression}")
+
+
+def _ball(polynomial: Polynomial, values: Sequence[arb]) -> arb:
+    total = arb(0)
+    for exponents, c in polynomial.terms.items():
+        term = c.ball()
+        for value, exponent in zip(values, exponents, strict=True):
+            term = term * value**exponent
+        total += term
+    return total
+
 
 KEY = "lyapunov"
 NOT_OF_THE_NUMBERS = (

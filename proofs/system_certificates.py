@@ -22,10 +22,9 @@ from nonsmooth.proofs.checker.files import read
 from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.statements import VERSION, refusal
 from nonsmooth.proofs.checker.theorems import Statement
+from nonsmooth.proofs.kernel.cells import BeyondReachError, IrrationalError, StatedCells, stated_cells, surfaces_of
 from nonsmooth.proofs.kernel.search import NotShownError, Search, stability_hypotheses
 from nonsmooth.proofs.kernel.second_function import find_second
-from nonsmooth.proofs.kernel.sign_cells import BeyondReachError, IrrationalError, surfaces_of
-from nonsmooth.proofs.kernel.stated_cells import StatedCells, stated_cells
 from nonsmooth.proofs.kernel.subject import NoCertificateError, about, exact_text
 from nonsmooth.proofs.scalar_theorems import scalar_theorem
 from nonsmooth.proofs.system_decision import StabilityResult

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from nonsmooth.proofs.kernel.sign_cells import BeyondReachError
+from nonsmooth.proofs.kernel.cells import BeyondReachError
 from nonsmooth.proofs.many_states.decision import SpacePoint
 from nonsmooth.proofs.strategies import STRATEGIES
 from nonsmooth.proofs.systems.findings import CheckedPoint, Finding, Known, Method, Reach, Strategy

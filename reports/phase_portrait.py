@@ -11,8 +11,7 @@ from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.switched_cells import FieldCell, square_regions, system_cells
 from nonsmooth.analysis.fields.stated_field import StatedField, stated_fields
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
-from nonsmooth.proofs.systems.border_motion import BorderPart, border_parts
-from nonsmooth.proofs.systems.border_signs import wave_border_parts
+from nonsmooth.proofs.systems.border_motion import BorderPart, border_parts, wave_border_parts
 from nonsmooth.proofs.verified import verified
 from nonsmooth.reports.document import Block, Paragraph, table
 from nonsmooth.reports.exact_record import with_exact

@@ -20,9 +20,8 @@ from dataclasses import dataclass, replace
 
 from nonsmooth.analysis.cells.region import Region
 from nonsmooth.analysis.cells.switched_cells import LyapunovCell
-from nonsmooth.proofs.inequalities.cell_forms import CellClaim, build_parts
+from nonsmooth.proofs.inequalities.forms import CellClaim, Leaf, Split, build_parts, subdivide
 from nonsmooth.proofs.inequalities.prover import Proof, Sense, prove
-from nonsmooth.proofs.inequalities.subdivision import Leaf, Split, subdivide
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.surfaces import divides
 

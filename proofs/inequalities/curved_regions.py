@@ -37,10 +37,8 @@ from flint import Ordering, ctx, fmpq, fmpq_mpoly, fmpq_mpoly_ctx, fmpq_poly
 
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.region import Region
-from nonsmooth.proofs.inequalities.cell_forms import directions
-from nonsmooth.proofs.inequalities.dense_polynomials import trimmed, value
-from nonsmooth.proofs.inequalities.forms import simplest
-from nonsmooth.proofs.inequalities.real_roots import Sturm
+from nonsmooth.proofs.inequalities.forms import directions, simplest
+from nonsmooth.proofs.inequalities.real_roots import Sturm, trimmed, value
 from nonsmooth.symbolic.numbers.lazy import evaluated
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.polynomial import Polynomial

@@ -1,25 +1,121 @@
-"""Signs of forms on simplicial cones, read off their coefficients in the generators.
+"""Signs of polynomials on cells as signs of forms on simplicial cones, read off their coefficients in the generators.
 
-A polynomial on a polygon or a cone is a form on cones of linearly independent generators
-(:mod:`nonsmooth.proofs.inequalities.cell_forms`).  Written in the generators, ``F(sum lambda_i g_i) = sum c_e
-lambda^e``, it is non-negative if all ``c_e`` are (Bernstein's form without the binomials), and then it vanishes on a
-face exactly if no monomial with a positive coefficient lives on that face alone: strictness is read off.  Beside a
-curve ``g = 0`` it is enough that this holds of ``F - c g`` with a number c >= 0.  Where some coefficient is negative
-the cone is cut in two (:mod:`nonsmooth.proofs.inequalities.subdivision`).
+*Cells.*  A homogeneous polynomial has one sign along each ray from the origin, so only the directions of the cell
+matter: a region gives cones of two rays.  (Not so an unbounded region without the origin: it tends to directions that
+none of its points has.)  Any other polynomial is made a form by the variable w, and the region's triangles, seen from
+the origin where the region holds it, give cones of generators ``(x, y, w)``.
+
+*Coefficients.*  Written in the generators, ``F(sum lambda_i g_i) = sum c_e lambda^e``, a form is non-negative if all
+``c_e`` are (Bernstein's form without the binomials), and then it vanishes on a face exactly if no monomial with a
+positive coefficient lives on that face alone: strictness is read off.  Beside a curve ``g = 0`` it is enough that this
+holds of ``F - c g`` with a number c >= 0.  Where some coefficient is negative the cone is cut in two
+.
+
+*Subdivision.*  The longest edge is halved, breadth first, so that a point that refutes the claim is met early and all
+parts shrink: the search ends wherever the form is positive.  It does not end at a zero inside the cone or inside an
+edge; then other ways (:mod:`nonsmooth.proofs.inequalities.prover`) prove it, or propose where to cut.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import Enum
+from fractions import Fraction
 from functools import cached_property, lru_cache
+from itertools import combinations, pairwise
 from typing import Any, TypeAlias
 
 from flint import fmpq
 
+from nonsmooth.analysis.cells.region import Region, Triple
+from nonsmooth.proofs.inequalities.effort import take_effort
 from nonsmooth.symbolic.numbers.number import Number, sign
-from nonsmooth.symbolic.numbers.polynomial import Polynomial, Terms, add_terms, in_generators, multiply_terms
+from nonsmooth.symbolic.numbers.polynomial import (
+    Polynomial,
+    Terms,
+    add_terms,
+    in_generators,
+    multiply_terms,
+    with_mixture,
+)
+from nonsmooth.symbolic.plane import cross
+
+PLANE = ("x", "y")
+
+
+@dataclass(frozen=True)
+class CellClaim:
+    """``polynomial >= 0`` (or ``> 0``) on a closed region.
+
+    Attributes:
+        polynomial: in (x, y).
+        region: the closed region of the plane.
+        strict: whether > 0 is claimed.
+        except_origin: whether a strict claim leaves the origin out.
+    """
+
+    polynomial: Polynomial
+    region: Region
+    strict: bool
+    except_origin: bool = False
+
+    @cached_property
+    def holds_origin(self) -> bool:
+        """Whether the region holds the origin."""
+        zero = self.polynomial.field.zero
+        return self.region.contains((zero, zero))
+
+    @cached_property
+    def directions_are_attained(self) -> bool:
+        """Whether each direction of the region is that of one of its points, and no curve cuts it."""
+        closed = self.holds_origin or all(g[2] for g in self.region.generators)
+        return closed and not self.region.guards
+
+
+def build_parts(claim: CellClaim) -> Iterator[Problem]:
+    """The claim on simplicial cones that cover the cell."""
+    if claim.polynomial.is_homogeneous and claim.directions_are_attained:
+        for rays in directions(claim.region):
+            yield Problem(claim.polynomial, False, rays, claim.strict, claim.except_origin)
+        return
+    form, guards = claim.polynomial.homogenized(), tuple(guard.homogenized() for guard in claim.region.guards)
+    for triangle in triangles(claim.region, holds_origin=claim.holds_origin):
+        yield Problem(form, True, triangle, claim.strict, claim.except_origin, guards)
+
+
+def place_of(vector: Vector, part: Problem, claim: CellClaim) -> Vector:
+    """The point (x, y) of the cell that a vector in the variables of a part stands for."""
+    field = claim.polynomial.field
+    exact = [v if hasattr(v, "sign") else field(v) for v in vector]
+    if part.weighted:
+        *exact, scale = exact
+        return tuple(v / scale for v in exact) if scale else tuple(exact)
+    scale = claim.region.reach(exact[0], exact[1])
+    return tuple(v * scale for v in exact)
+
+
+def directions(region: Region) -> Iterator[tuple[Vector, Vector]]:
+    """Cones of two rays from the origin that hold exactly the directions of the region's points."""
+    for g, h in pairwise([*region.generators, region.generators[0]]):
+        if sign(cross(g[:2], h[:2])) > 0:
+            yield g[:2], h[:2]
+
+
+def triangles(region: Region, *, holds_origin: bool) -> Iterator[tuple[Triple, Triple, Triple]]:
+    """Triangles that cover the region; from the origin where it belongs to it."""
+    first = region.generators[0]
+    if not holds_origin:
+        for g, h in pairwise(region.generators[1:]):
+            yield first, g, h
+        return
+    one = next(g[2] for g in region.generators if g[2])
+    origin = (one - one, one - one, one / one)
+    for g, h in pairwise([*region.generators, first]):
+        if sign(cross(g[:2], h[:2])) > 0:
+            yield origin, g, h
+
 
 Vector: TypeAlias = tuple[Any, ...]
 
@@ -226,3 +322,182 @@ def face_sum(generators: Sequence[Vector], face: int) -> Vector:
     """Sum of a face's generators."""
     chosen = [g for k, g in enumerate(generators) if face >> k & 1]
     return tuple(sum(column[1:], column[0]) for column in zip(*chosen, strict=True))
+
+
+NEARBY_STEPS = 40  # distances 4^-k tried beside a corner that is no point of the claim
+
+
+@dataclass(frozen=True)
+class Leaf:
+    """A part of the cone on which the coefficients show the claim."""
+
+
+@dataclass(frozen=True)
+class Split:
+    """Generators ``first`` and ``second`` with ``m = (1 - weight) g_first + weight g_second`` between them.
+
+    The part ``near`` has m in place of ``second``, the part ``far`` in place of ``first``.
+    """
+
+    first: int
+    second: int
+    weight: Any
+    near: Tree
+    far: Tree
+
+
+Tree: TypeAlias = Leaf | Split
+
+
+@dataclass(frozen=True)
+class Stuck:
+    """Generators of a part of the cone on which the sign was not found."""
+
+    generators: tuple[Vector, ...]
+
+
+@dataclass(frozen=True)
+class Violation:
+    """A point, in the form's variables, at which the claim is false."""
+
+    point: Vector
+
+
+class SubCone:
+    """A part of the cone on its way to being proved.
+
+    Attributes:
+        generators: of the part.
+        places: the generators in the root's barycentric coordinates (halvings only), which measure its size.
+        pieces: coefficients in the generators.
+        depth: number of cuts above it.
+    """
+
+    __slots__ = ("depth", "generators", "parts", "pieces", "places", "split")
+
+    def __init__(self, generators: tuple[Vector, ...], places: tuple[Vector, ...], pieces: Pieces, depth: int) -> None:
+        self.generators, self.places, self.pieces, self.depth = generators, places, pieces, depth
+        self.split: tuple[int, int, Any] | None = None
+        self.parts: tuple[SubCone, SubCone] | None = None
+
+    def tree(self) -> Tree:
+        """The cuts below, without coefficients."""
+        if self.split is None or self.parts is None:
+            return Leaf()
+        return Split(*self.split, self.parts[0].tree(), self.parts[1].tree())
+
+
+Cut: TypeAlias = Callable[["SubCone"], "tuple[int, int, Any] | Violation | None"]
+
+
+def subdivide(problem: Problem, budget: int, cut: Cut | None = None) -> Tree | Violation | Stuck:
+    """Prove by coefficients, breadth first, within a budget.
+
+    Args:
+        problem: the claim.
+        budget: work that may be done, in coefficients (those of one part at least).
+        cut: proposes where to split a part because the form touches zero on its edge.
+    """
+    count = len(problem.generators)
+    places = tuple(tuple(Fraction(int(i == k)) for i in range(count)) for k in range(count))
+    root = SubCone(problem.generators, places, problem.coefficients, 0)
+    waiting = deque([root])
+    while waiting and budget > 0:
+        node = waiting.popleft()
+        budget -= node.pieces.work
+        take_effort(node.pieces.work)
+        if problem.settles(node.generators, node.pieces):
+            continue
+        violation = _violation(problem, node)
+        if violation is not None:
+            return violation
+        split = cut(node) if cut is not None else None
+        if isinstance(split, Violation):
+            return split
+        node.split = split or (*_edge_to_halve(node), fmpq(1, 2))
+        node.parts = _halves(node, *node.split)
+        waiting.extend(node.parts)
+    return Stuck(waiting[0].generators) if waiting else root.tree()
+
+
+def verify(problem: Problem, tree: Tree) -> bool:
+    """Re-verify a tree: the parts cover the cone because each is cut in two, and each leaf's coefficients are
+    computed anew from the form.
+    """
+    waiting: list[tuple[tuple[Vector, ...], Tree]] = [(problem.generators, tree)]
+    while waiting:
+        generators, part = waiting.pop()
+        if isinstance(part, Split):
+            if not sign(part.weight) > 0 or not sign(1 - part.weight) > 0:
+                return False
+            middle = _mixture(generators, part.first, part.second, part.weight)
+            waiting.append((_replaced(generators, part.second, middle), part.near))
+            waiting.append((_replaced(generators, part.first, middle), part.far))
+        elif not problem.settles(generators, problem.pieces(generators)):
+            return False
+    return True
+
+
+def _mixture(vectors: Sequence[Vector], first: int, second: int, weight: Any) -> Vector:
+    return tuple(a * (1 - weight) + b * weight for a, b in zip(vectors[first], vectors[second], strict=True))
+
+
+def _replaced(vectors: Sequence[Vector], k: int, vector: Vector) -> tuple[Vector, ...]:
+    return (*vectors[:k], vector, *vectors[k + 1 :])
+
+
+def _edge_to_halve(part: SubCone) -> tuple[int, int]:
+    """The longest edge as seen in the root's barycentric coordinates, so that all parts shrink.
+
+    Near a corner where the form is zero its sign may depend on the direction alone, and halving the longest edge would
+    give similar parts for ever: every second time only edges between other corners are looked at.
+    """
+    corners = range(len(part.generators))
+    others = [k for k in corners if face_sign(part.pieces, 1 << k)] if part.depth % 2 else []
+    if part.depth % 2 and len(others) < 2 and any(part.pieces.guards):
+        # beside a curve that ends at the origin, and zero at another corner too: halving at the origin leads nowhere
+        others = [k for k in corners if any(part.generators[k][:-1])]
+    return max(
+        combinations(others if len(others) > 1 else corners, 2),
+        key=lambda edge: sum((a - b) ** 2 for a, b in zip(part.places[edge[0]], part.places[edge[1]], strict=True)),
+    )
+
+
+def _halves(node: SubCone, first: int, second: int, weight: Any) -> tuple[SubCone, SubCone]:
+    middle = _mixture(node.generators, first, second, weight)
+    place = _mixture(node.places, first, second, Fraction(1, 2))
+    near = node.pieces.mapped(lambda terms: with_mixture(terms, first, second, 1 - weight, weight))
+    far = node.pieces.mapped(lambda terms: with_mixture(terms, second, first, weight, 1 - weight))
+    return (
+        SubCone(
+            _replaced(node.generators, second, middle), _replaced(node.places, second, place), near, node.depth + 1
+        ),
+        SubCone(_replaced(node.generators, first, middle), _replaced(node.places, first, place), far, node.depth + 1),
+    )
+
+
+def _violation(problem: Problem, node: SubCone) -> Violation | None:
+    """A point of the part where the claim is false, if a corner, a strict face or the middle shows one."""
+    generators, count = node.generators, len(node.generators)
+    faces = problem.strict_faces(generators, except_origin=problem.except_origin) if problem.strict else []
+    for face in dict.fromkeys([*(1 << k for k in range(count)), (1 << count) - 1, *faces]):
+        here = face_sign(node.pieces, face)
+        if here < 0 or (here == 0 and face in faces):
+            point = face_sum(generators, face)
+            if problem.is_violated_at(point):
+                return Violation(point)
+            if here < 0 and not problem.guards and problem.role(point) is not Role.POINT:
+                nearby = _towards(problem, point, generators)
+                if nearby is not None:
+                    return nearby
+    return None
+
+
+def _towards(problem: Problem, start: Vector, generators: Sequence[Vector]) -> Violation | None:
+    """A violating point near a direction or the origin, which are no points of the claim themselves."""
+    for k in range(NEARBY_STEPS):
+        for other in generators:
+            point = tuple(a + b * fmpq(1, 4**k) for a, b in zip(start, other, strict=True))
+            if problem.is_violated_at(point):
+                return Violation(point)
+    return None

@@ -2,43 +2,139 @@
 
 ``prove(sense, polynomial, region)`` decides ``polynomial < 0``, ``<= 0``, ``> 0`` or ``>= 0`` on a closed region of the
 plane, bounded or not, with coefficients in the scene's field.  Where a curve cuts the cell, rational points are tried
-first (:mod:`nonsmooth.proofs.inequalities.samples`), elsewhere last.  Each simplicial part goes through the same ways:
+first, elsewhere last.  Each simplicial part goes through the same ways:
 
 1. non-negative coefficients in the generators, with a few bisections (extreme rays for a linear form);
 2. what is complete: real roots for two generators, principal minors for a quadratic form;
-3. products: an irreducible factorization over Q, each factor with its own sign;
+3. squares: where ``>= 0`` is claimed, an irreducible factorization over Q takes off the square that divides the form;
 4. more bisections, cutting edges first where the form touches zero.
 
 Nothing undecided is left for homogeneous polynomials in the plane and for quadratic forms.  Elsewhere the search ends
 undecided where the polynomial touches zero inside the cell at a point that none of the cuts hits.
+
+Floats propose these points in each triangle of the region, at distances from the origin that fall by powers of eight;
+the first few at which a claim seems to fail are evaluated exactly, and only an exact failure counts.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from enum import StrEnum
-from functools import cached_property
+from fractions import Fraction
+from functools import cache, cached_property
 from typing import Any, TypeAlias
 
-from nonsmooth.analysis.cells.region import Region
-from nonsmooth.proofs.inequalities.binary_forms import RootEvidence, Zero, decide_binary, line_of
-from nonsmooth.proofs.inequalities.cell_forms import PLANE, CellClaim, build_parts, place_of
-from nonsmooth.proofs.inequalities.copositive import QuadraticEvidence, decide_quadratic
-from nonsmooth.proofs.inequalities.cuts import zero_cut
+import numpy as np
+from numpy.typing import NDArray
+
+from nonsmooth.analysis.cells.region import Region, Triple
+from nonsmooth.proofs.inequalities.complete import (
+    QuadraticEvidence,
+    RootEvidence,
+    Zero,
+    decide_binary,
+    decide_quadratic,
+    line_of,
+    zero_cut,
+)
 from nonsmooth.proofs.inequalities.effort import effort_left
-from nonsmooth.proofs.inequalities.forms import Problem
-from nonsmooth.proofs.inequalities.products import ProductEvidence, decide_product
-from nonsmooth.proofs.inequalities.samples import counterexample
-from nonsmooth.proofs.inequalities.subdivision import Leaf, Split, Stuck, Violation, subdivide, verify
+from nonsmooth.proofs.inequalities.forms import (
+    PLANE,
+    CellClaim,
+    Leaf,
+    Problem,
+    Split,
+    Stuck,
+    Violation,
+    build_parts,
+    place_of,
+    subdivide,
+    triangles,
+    verify,
+)
 from nonsmooth.symbolic.number_text import place_text
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
+from nonsmooth.symbolic.surfaces import factorize
+
+PARTS = 12  # of each side of a triangle
+SCALES = (1, 8, 64, 512)  # factors of the first corner, the origin where the region holds it
+CONFIRMED = 4  # points of each triangle that are evaluated exactly
+
+Weights: TypeAlias = tuple[int, int, int]
+
+
+def counterexample(claim: CellClaim) -> tuple[Any, Any] | None:
+    """A point of the region inside all guards at which a claim fails; None where none was found."""
+    for triangle in triangles(claim.region, holds_origin=claim.holds_origin):
+        for weights in _suspects(claim, triangle):
+            point = _point(triangle, weights)
+            if _fails_at(claim, point):
+                return point
+    return None
+
+
+@cache
+def _grid() -> tuple[Weights, ...]:
+    """Weights of the corners of a triangle, no point twice."""
+    found: dict[tuple[Fraction, Fraction], Weights] = {}
+    for scale in SCALES:
+        for j in range(PARTS + 1):
+            for k in range(PARTS + 1 - j):
+                weights = ((PARTS - j - k) * scale, j, k)
+                total = sum(weights)
+                found.setdefault((Fraction(j, total), Fraction(k, total)), weights)
+    return tuple(found.values())
+
+
+def _suspects(claim: CellClaim, triangle: Sequence[Triple]) -> Iterator[Weights]:
+    """The weights at which floats say that the claim fails, the clearest failures first."""
+    weights = np.array(_grid(), dtype=float)
+    x, y, w = (weights @ np.array([[float(v) for v in g] for g in triangle])).T
+    inside = w > 0
+    with np.errstate(all="ignore"):
+        x, y = x / w, y / w
+        for guard in claim.region.guards:
+            inside &= _values(guard, x, y)[0] > 0
+        values, sizes = _values(claim.polynomial, x, y)
+        share = values / sizes
+    fails = (share <= 0 if claim.strict else share < 0) & inside & np.isfinite(share)
+    order = np.argsort(np.where(fails, share, np.inf), kind="stable")
+    for k in order[: min(CONFIRMED, int(fails.sum()))]:
+        yield _grid()[int(k)]
+
+
+def _values(polynomial: Polynomial, x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[Any, Any]:
+    """Values, and the sums of the terms' sizes."""
+    total, size = np.zeros_like(x), np.zeros_like(x)
+    for (a, b), c in polynomial.terms.items():
+        term = float(c) * x**a * y**b
+        total += term
+        size += np.abs(term)
+    return total, size
+
+
+def _point(triangle: Sequence[Triple], weights: Weights) -> tuple[Any, Any]:
+    x, y, w = (sum(c * v for c, v in zip(column, weights, strict=True)) for column in zip(*triangle, strict=True))
+    return x / w, y / w
+
+
+def _fails_at(claim: CellClaim, point: tuple[Any, Any]) -> bool:
+    """The exact test: strictly inside the guards, in the closed convex part, and the claim false."""
+    if claim.except_origin and not any(point):
+        return False
+    if not claim.region.contains(point) or any(sign(guard(point)) <= 0 for guard in claim.region.guards):
+        return False
+    here = sign(claim.polynomial(point))
+    return here < 0 or (here == 0 and claim.strict)
+
 
 LITTLE_WORK = 500  # coefficients of parts looked at before the complete ways are tried
 MUCH_WORK = 50_000  # about a second
 MAX_EXACT_ROOTS = 6  # square roots in the field up to which quotients of two generators are carried out
 
-Evidence: TypeAlias = Leaf | Split | RootEvidence | QuadraticEvidence | ProductEvidence
+Evidence: TypeAlias = "RootEvidence | QuadraticEvidence | SquareEvidence | Leaf | Split"
 
 
 class Sense(StrEnum):
@@ -221,23 +317,46 @@ def decide(problem: Problem) -> Evidence | Violation | Zero | Stuck:
         return decide_binary(problem)
     if not problem.guards and problem.form.degree == 2:
         return decide_quadratic(problem) or found
-    if not problem.guards:
-        product = decide_product(problem, decide)
-        if product is not None:
-            return product
+    if not problem.guards and not problem.strict:
+        shown = _without_square(problem)
+        if shown is not None:
+            return shown
     work = min(MUCH_WORK, effort_left())
     return subdivide(problem, work, lambda node: zero_cut(problem, node)) if work else found
 
 
+@dataclass(frozen=True)
+class SquareEvidence:
+    """``form = root**2 * rest``, and the rest is not negative."""
+
+    root: Polynomial
+    rest: Polynomial
+    evidence: Evidence
+
+    def check(self, problem: Problem) -> bool:
+        """Multiply out, and re-verify the evidence of the rest."""
+        whole = not self.root * self.root * self.rest - problem.form
+        return whole and not problem.strict and confirms(self.evidence, replace(problem, form=self.rest))
+
+
+def _without_square(problem: Problem) -> SquareEvidence | Violation | None:
+    """Decide ``>= 0`` of what is left of a form without the largest square that divides it; None where that is all."""
+    factored = factorize(problem.form)
+    if factored is None or all(exponent == 1 for _, exponent in factored[1]):
+        return None
+    rest = Polynomial.constant(problem.form.field, problem.form.variables, factored[0])
+    root = Polynomial.constant(problem.form.field, problem.form.variables, 1)
+    for factor, exponent in factored[1]:
+        root, rest = root * factor ** (exponent // 2), rest * factor ** (exponent % 2)
+    found = decide(replace(problem, form=rest))
+    if isinstance(found, Violation):
+        return found if problem.is_violated_at(found.point) else None
+    return None if isinstance(found, Stuck | Zero) else SquareEvidence(root, rest, found)
+
+
 def confirms(evidence: Evidence, problem: Problem) -> bool:
     """Re-verify evidence from the definition of the problem."""
-    match evidence:
-        case Leaf() | Split():
-            return verify(problem, evidence)
-        case ProductEvidence():
-            return evidence.check(problem, confirms)
-        case _:
-            return evidence.check(problem)
+    return verify(problem, evidence) if isinstance(evidence, Leaf | Split) else evidence.check(problem)
 
 
 def _origin(claim: CellClaim) -> tuple[Number, ...]:

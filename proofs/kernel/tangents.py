@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from fractions import Fraction
 
-from nonsmooth.proofs.inequalities.dense_polynomials import trimmed
-from nonsmooth.proofs.inequalities.real_roots import Sturm
+from nonsmooth.proofs.inequalities.real_roots import Sturm, trimmed
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.surfaces import factorize, switching_factors
 

@@ -1,15 +1,15 @@
 """Strong stability of the checked point of a plain system in three states and more.
 
 1. ``0`` must be in F at the point; otherwise every solution leaves it.
-2. A velocity that leads from the point into a cell (:mod:`nonsmooth.proofs.many_states.escape`), a relay of relative
-   degree three or more (:mod:`nonsmooth.proofs.many_states.relay_degree`), and the linearization, where there is one
-   (:mod:`nonsmooth.proofs.many_states.linear_part`).
+2. A velocity that leads from the point into a cell, and the linearization, where there is one
+   (:mod:`nonsmooth.proofs.many_states.first_terms`); a relay of relative degree three or more
+   (:mod:`nonsmooth.proofs.many_states.relay_degree`).
 3. The V that the scene names, on the checked cube (:mod:`nonsmooth.proofs.many_states.examination`).
 4. A V that is searched (:mod:`nonsmooth.proofs.many_states.lyapunov_search`); for a linearization whose eigenvalues all
    have negative real parts its own quadratic form on smaller cubes, if nothing else is proved.
 5. A V that shows instability (:mod:`nonsmooth.proofs.many_states.instability`).
 6. A V that does not increase: the point attracts where nothing else stays where V does not fall
-   (:mod:`nonsmooth.proofs.many_states.invariance`); otherwise ``stable``, and whether it attracts is left open.
+   (:mod:`nonsmooth.proofs.kernel.second_function`); otherwise ``stable``, and whether it attracts is left open.
 
 Rays, fans and leading terms are used for two states only.
 """
@@ -22,17 +22,22 @@ from functools import cached_property
 from typing import Any
 
 from nonsmooth.proofs.inequalities.linear_program import best_mixture, mixtures_to_zero
-from nonsmooth.proofs.kernel.sign_cells import BeyondReachError, SignCells, adjoining, build_cells
-from nonsmooth.proofs.many_states.decay import decay_rate
+from nonsmooth.proofs.kernel.cells import BeyondReachError, SignCells, adjoining, build_cells
 from nonsmooth.proofs.many_states.denominators import require_denominators
-from nonsmooth.proofs.many_states.escape import escaping_rate, escaping_velocity
-from nonsmooth.proofs.many_states.examination import examine
-from nonsmooth.proofs.many_states.examined_lyapunov import ExaminedLyapunov
+from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, examine
+from nonsmooth.proofs.many_states.first_terms import (
+    LinearPart,
+    Spectrum,
+    escaping_rate,
+    escaping_velocity,
+    linear_part,
+    quadratic_text,
+    unstable_mixture,
+)
 from nonsmooth.proofs.many_states.instability import GrowthEvidence, find_growth
-from nonsmooth.proofs.many_states.linear_part import LinearPart, Spectrum, linear_part, quadratic_text, unstable_mixture
 from nonsmooth.proofs.many_states.lyapunov_search import SCALES, find_lyapunov
+from nonsmooth.proofs.many_states.reach import decay_rate, largest_sublevel
 from nonsmooth.proofs.many_states.relay_degree import high_degree_relay
-from nonsmooth.proofs.many_states.sublevel import largest_sublevel
 from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.domain import Domain

@@ -5,7 +5,7 @@ from __future__ import annotations
 from flint import fmpq
 
 from nonsmooth.proofs.checker.polynomials import unit
-from nonsmooth.proofs.kernel.sign_cells import BeyondReachError, patterns, rational, rational_terms, scaled
+from nonsmooth.proofs.kernel.cells import BeyondReachError, patterns, rational, rational_terms, scaled
 from nonsmooth.proofs.sums_of_squares.ansatz import Condition
 from nonsmooth.proofs.sums_of_squares.prove import prove_positive
 from nonsmooth.symbolic.piecewise import PiecewiseExpression

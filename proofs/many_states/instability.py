@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.checker.positivity import Claim
 from nonsmooth.proofs.facts import Fact, row_fact
+from nonsmooth.proofs.kernel.cells import StatedCells
 from nonsmooth.proofs.kernel.claims import Functions
-from nonsmooth.proofs.kernel.stated_cells import StatedCells
 from nonsmooth.proofs.many_states.examination import answer, conditions_on, find_failure
 from nonsmooth.proofs.many_states.lyapunov_search import proposals
 from nonsmooth.proofs.sums_of_squares.prove import Effort

@@ -27,11 +27,9 @@ from flint import fmpq, fmpq_mat
 
 from nonsmooth.proofs.checker.polynomials import unit
 from nonsmooth.proofs.kernel.bounds import formula
-from nonsmooth.proofs.kernel.curved_cells import started
+from nonsmooth.proofs.kernel.cells import RationalTerms, SignCells, adjoining, rational_terms, started, stated_cells
 from nonsmooth.proofs.kernel.search import Entry, NotShownError, Search
 from nonsmooth.proofs.kernel.second_function import find_second
-from nonsmooth.proofs.kernel.sign_cells import RationalTerms, SignCells, adjoining, rational_terms
-from nonsmooth.proofs.kernel.stated_cells import stated_cells
 from nonsmooth.proofs.kernel.written import as_checked
 from nonsmooth.symbolic.numbers.polynomial import Exponents, add_terms, multiply_terms
 from nonsmooth.symbolic.switched_system import SwitchedSystem

@@ -1,7 +1,12 @@
 """What solutions do on the straight borders between the cells of a plain system: cross, slide, leave, or touch.
 
-Along a border the normal parts of both fields are polynomials in one parameter, so the signs are constant between
+Along a border the normal parts of polynomial fields are polynomials in one parameter, so the signs are constant between
 their real roots, which are isolated exactly.  Borders along curves are not looked at.
+
+With sines and cosines of states the normal part of each field is a function of one parameter t between 0 and 1.  On a
+part of the border its sign is proved where its ball excludes zero, or where that of its derivative does and the signs
+at both ends are known; then a change of sign is one root, which is enclosed.  Other parts are halved.  Roots have no
+name in the field, so the ends of what is found lie close to them; stretches shorter than ``SHORT`` are left out.
 """
 
 from __future__ import annotations
@@ -9,15 +14,28 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from fractions import Fraction
 from itertools import combinations, pairwise
+from typing import Any
+
+from flint import arb, arb_series, ctx, fmpq
 
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.region import Segment, common_edges
 from nonsmooth.analysis.cells.switched_cells import FieldCell
-from nonsmooth.analysis.fields.stated_field import StatedField
-from nonsmooth.proofs.inequalities.dense_polynomials import along_edge, trimmed, value
-from nonsmooth.proofs.inequalities.real_roots import RealRoot, positive_roots, samples_between, separated
+from nonsmooth.analysis.fields.stated_field import PlaneWave, StatedField
+from nonsmooth.proofs.inequalities.real_roots import (
+    RealRoot,
+    along_edge,
+    positive_roots,
+    samples_between,
+    separated,
+    trimmed,
+    value,
+)
 from nonsmooth.symbolic.constraints import cross_product
+from nonsmooth.symbolic.numbers.lazy import evaluated
+from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.plane import dot
 
 
@@ -118,3 +136,187 @@ def _root_point(root: RealRoot, edge: Segment) -> tuple[Point, bool]:
     t = root.low if exact is None else exact
     x, y, w = (a + b * t for a, b in zip(*edge, strict=True))
     return (x / w, y / w), exact is not None
+
+
+SHORT = Fraction(1, 2**20)  # of a border: parts that are left out
+NARROW = Fraction(1, 2**40)  # of a border: what encloses a root
+MOST_PARTS = 400  # of a border that are looked at for one sign
+BITS = 128
+
+
+@dataclass(frozen=True)
+class BorderStretch:
+    """A part of a border on which the sign of a function is known.
+
+    Attributes:
+        low: where it begins, between 0 and 1.
+        high: where it ends.
+        sign: of the function inside; None where it was not found.
+    """
+
+    low: Fraction
+    high: Fraction
+    sign: int | None
+
+
+class NormalPart:
+    """The part of a field across a border, as a function of t.
+
+    Args:
+        rate: a polynomial in x, y and the waves.
+        waves: what its further variables are.
+        start: of the border, where t = 0.
+        end: of the border, where t = 1.
+    """
+
+    def __init__(self, rate: Polynomial, waves: Sequence[PlaneWave], start: Point, end: Point) -> None:
+        self._rate, self._waves, self._ends = rate, waves, (start, end)
+        self._terms = _ball_terms(rate)
+        self._arguments = [(wave.kind, _ball_terms(wave.argument)) for wave in waves]
+        self._place = [(evaluated(a).ball(), evaluated(b - a).ball()) for a, b in zip(start, end, strict=True)]
+
+    def stretches(self) -> Iterator[BorderStretch]:
+        """Signs from 0 to 1, in order; narrow gaps hold roots."""
+        if not self._rate:
+            yield BorderStretch(Fraction(0), Fraction(1), 0)
+            return
+        found, waiting, left = [], [(Fraction(0), Fraction(1))], MOST_PARTS
+        while waiting:
+            low, high = waiting.pop(0)
+            left -= 1
+            known = self._signs_on(low, high)
+            if known is not None:
+                found += known
+            elif left > 0 and high - low > SHORT:
+                waiting += [(low, (low + high) / 2), ((low + high) / 2, high)]
+            else:
+                found.append(BorderStretch(low, high, None))
+        yield from _joined(sorted(found, key=lambda stretch: stretch.low))
+
+    def _signs_on(self, low: Fraction, high: Fraction) -> list[BorderStretch] | None:
+        """The signs on a part; None where they do not follow from one ball of the function and its derivative."""
+        value, slope = self._over(low, high)
+        if not value.contains(0):
+            return [BorderStretch(low, high, _sign(value))]
+        if slope.contains(0):
+            return None
+        ends = self._sign_at(low), self._sign_at(high)
+        if None in ends:
+            return None
+        first, last = ends
+        if not first or not last or first == last:
+            return [BorderStretch(low, high, first or last)]
+        before, after = self._root_between(low, high, first)
+        return [BorderStretch(low, before, first), BorderStretch(after, high, last)]
+
+    def _root_between(self, low: Fraction, high: Fraction, first: int | None) -> tuple[Fraction, Fraction]:
+        """A narrow enclosure of the one root between ends with different signs."""
+        while high - low > NARROW:
+            middle = (low + high) / 2
+            here = self._sign_at(middle)
+            if not here:  # zero, or too near to it to tell
+                return low, high
+            low, high = (middle, high) if here == first else (low, middle)
+        return low, high
+
+    def _sign_at(self, t: Fraction) -> int | None:
+        """The sign at a place: exact 0 only where the function is known to vanish at an end; None if not found."""
+        value, _ = self._over(t, t)
+        if not value.contains(0):
+            return _sign(value)
+        return 0 if t in {0, 1} and self._vanishes_at(self._ends[int(t)]) else None
+
+    def _vanishes_at(self, place: Point) -> bool:
+        """Whether the function is exactly zero at a place at which all arguments of its waves are."""
+        if any(evaluated(wave.argument(place)) for wave in self._waves):
+            return False
+        return not evaluated(self._rate([*place, *(int(wave.kind == "cos") for wave in self._waves)]))
+
+    def _over(self, low: Fraction, high: Fraction) -> tuple[Any, Any]:
+        """Balls of the function and of its derivative on a part."""
+        middle, half = (low + high) / 2, (high - low) / 2
+        t = arb(fmpq(middle.numerator, middle.denominator), fmpq(half.numerator, half.denominator))
+        place = [arb_series([a + t * b, b], prec=2) for a, b in self._place]
+        waves = []
+        for kind, terms in self._arguments:
+            argument = _value(terms, place)
+            waves.append(argument.sin() if kind == "sin" else argument.cos())
+        value = _value(self._terms, [*place, *waves])
+        return value[0], value[1]
+
+
+def wave_border_parts(cells: Sequence[FieldCell], fields: Sequence[StatedField]) -> Iterator[BorderPart]:
+    """All parts of straight borders across which the field changes.
+
+    Args:
+        cells: of a system with sines or cosines of states.
+        fields: the field of each.
+    """
+    for (first, f), (second, g) in combinations(zip(cells, fields, strict=True), 2):
+        if f == g or are_parted(first, second):
+            continue
+        for edge in common_edges(first.region, second.region):
+            with ctx.workprec(BITS):
+                found = list(_wave_parts(f, g, edge))
+            yield from found
+
+
+def _wave_parts(first: StatedField, second: StatedField, edge: Segment) -> Iterator[BorderPart]:
+    a, b, _ = cross_product(*edge)  # positive inside the first cell
+    start, end = ((x / w, y / w) for x, y, w in edge)
+    (f, g), (h, k) = first.rates, second.rates
+    signs = [
+        list(NormalPart(across, field.waves, start, end).stretches())
+        for across, field in ((f * a + g * b, first), (h * a + k * b, second))
+    ]
+    for one in signs[0]:
+        for other in signs[1]:
+            low, high = max(one.low, other.low), min(one.high, other.high)
+            if high - low > SHORT:
+                places = [_place(start, end, t) for t in (low, high)]
+                exact = low == 0 and high == 1
+                kind = _kind(one.sign, other.sign)
+                yield BorderPart(places[0], places[1], kind, exact, (a, b), (first, second))
+
+
+def _kind(first: int | None, second: int | None) -> BorderKind:
+    return BorderKind.UNDECIDED if first is None or second is None else border_kind({first}, {second})
+
+
+def _place(start: Point, end: Point, t: Fraction) -> Point:
+    x, y = (a + (b - a) * t for a, b in zip(start, end, strict=True))
+    return x, y
+
+
+def _joined(stretches: Sequence[BorderStretch]) -> Iterator[BorderStretch]:
+    """Neighbours of one sign as one."""
+    last: BorderStretch | None = None
+    for stretch in stretches:
+        if last is not None and last.sign == stretch.sign and last.high == stretch.low:
+            last = BorderStretch(last.low, stretch.high, last.sign)
+            continue
+        if last is not None:
+            yield last
+        last = stretch
+    if last is not None:
+        yield last
+
+
+def _ball_terms(polynomial: Polynomial) -> list[tuple[tuple[int, ...], Any]]:
+    return [(exponents, c.ball()) for exponents, c in polynomial.terms.items()]
+
+
+def _value(terms: Sequence[tuple[tuple[int, ...], Any]], variables: Sequence[Any]) -> Any:
+    """A polynomial of power series in t."""
+    total = arb_series([0], prec=2)
+    for exponents, c in terms:
+        term = arb_series([c], prec=2)
+        for variable, exponent in zip(variables, exponents, strict=True):
+            for _ in range(exponent):
+                term = term * variable
+        total = total + term
+    return total
+
+
+def _sign(ball: Any) -> int:
+    return 1 if ball > 0 else -1

@@ -1,10 +1,12 @@
 """Lyapunov's conditions for a nonsmooth V and a Filippov inclusion on a closed domain, each with exact evidence.
 
 V is a polynomial on each cell (:mod:`nonsmooth.analysis.cells.switched_cells`); it is positive if it is on every
-closed cell. Its derivative is decided part by part (:mod:`nonsmooth.proofs.inequalities.strata`): on each *closed*
-cell ``grad V . f`` (the hull on a surface holds the fields of both sides, so for smooth V nothing else is needed:
-Filippov 1988, sec. 15), and the sets of :mod:`nonsmooth.proofs.inequalities.ladder` on each edge and at each corner
-where V bends.  Then along every solution
+closed cell. Its derivative is decided part by part: on each *closed* cell ``grad V . f`` is an inequality between
+polynomials (the hull on a surface holds the fields of both sides, so for smooth V nothing else is needed: Filippov
+1988, sec. 15).  V bends where two pieces meet with different gradients: there the three sets of
+:mod:`nonsmooth.proofs.inequalities.kinks` are decided along the whole edge and at its ends.  A V that jumps across an
+edge is refuted; one that bends along a curve is proved to fall there
+(:mod:`nonsmooth.proofs.inequalities.curved_kinks`) or undecided.  Then along every solution
 
 - largest value of Bacciotti and Ceragioli's set <= 0 everywhere: V does not increase, the equilibrium is stable;
 - < 0 everywhere but at the equilibrium: no solution stays where 0 is in the set, so it is asymptotically stable
@@ -17,20 +19,255 @@ at which V bends twice and the set is positive refutes nothing by itself (no sol
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
+from fractions import Fraction
+from itertools import combinations
 from typing import Any
 
 from nonsmooth.analysis.cells.polygon import Point
-from nonsmooth.analysis.cells.switched_cells import LyapunovCell
-from nonsmooth.proofs.inequalities.curved_kinks import is_seen_empty
+from nonsmooth.analysis.cells.region import Region, common_edges
+from nonsmooth.analysis.cells.switched_cells import LyapunovCell, distinct, gradients_at, velocities_at
+from nonsmooth.proofs.inequalities.curved_kinks import CurvedKink, is_seen_empty
 from nonsmooth.proofs.inequalities.curved_regions import Adherence, adherence, is_empty
-from nonsmooth.proofs.inequalities.effort import shared_effort
-from nonsmooth.proofs.inequalities.kinks import Trend, worst
-from nonsmooth.proofs.inequalities.ladder import Interval
+from nonsmooth.proofs.inequalities.effort import effort_of_its_own, shared_effort
+from nonsmooth.proofs.inequalities.kinks import Interval, Kink, Ladder, Trend, Trends, ladder_at, worst
 from nonsmooth.proofs.inequalities.prover import Counterexample, Outcome, Proof, Sense, Undecided, ZeroBetween, prove
-from nonsmooth.proofs.inequalities.strata import Refutation, Stratum, StratumPart, bend_strata, cell_stratum, stratum_of
+from nonsmooth.proofs.inequalities.real_roots import RealRoot
 from nonsmooth.symbolic.notebook import ShortRepr
+from nonsmooth.symbolic.numbers.number import sign
+from nonsmooth.symbolic.numbers.polynomial import Polynomial
+from nonsmooth.symbolic.numbers.work_limit import WorkLimitError
+
+BEND_EFFORT = 100_000  # for all edges on which V bends: a few seconds
+RISES = "the derivative of V is positive"
+RISES_ON_LINE = "V increases along a line on which it bends"
+
+
+class StratumPart(StrEnum):
+    """Where a derivative is looked at."""
+
+    CELL = "cell"
+    SURFACE = "surface"
+    CORNER = "corner"
+
+
+@dataclass(frozen=True)
+class Refutation:
+    """A point at which a condition fails, with the exact value there (None where it is known by its sign only)."""
+
+    point: Point
+    value: Any | None
+    meaning: str
+
+    @property
+    def is_of_rates(self) -> bool:
+        """Whether it speaks of V along the fields, not of V alone."""
+        return self.meaning in (RISES, RISES_ON_LINE)
+
+
+@dataclass(frozen=True)
+class Stratum:
+    """A part of the domain with the derivatives of V there.
+
+    Attributes:
+        part: its kind.
+        sample: a point of it.
+        ladder: the three derivatives at the sample.
+        trends: what their maxima do on the whole part (on closed cells, except at the equilibrium).
+        evidence: the inequality for each field of a cell; the edge; nothing for a corner.
+        refutation: where the last derivative is positive, or V is not continuous.
+        constant: whether the ladder at the sample holds on the whole part.
+    """
+
+    part: StratumPart
+    sample: Point
+    ladder: Ladder
+    trends: Trends
+    evidence: tuple[Outcome, ...] | Kink | None
+    refutation: Refutation | None
+    constant: bool
+
+
+# ---- cells ---------------------------------------------------------------------------------
+
+
+def cell_stratum(cell: LyapunovCell) -> Stratum:
+    """``grad V . f`` on the closed cell, for each field."""
+    return stratum_of(cell, tuple(_rate_outcome(rate, cell.region) for rate in cell.rates))
+
+
+def stratum_of(cell: LyapunovCell, outcomes: tuple[Outcome, ...]) -> Stratum:
+    """What the outcomes of a cell's inequalities say of it."""
+    trends = [trend_of(outcome) for outcome in outcomes]
+    sample = cell.region.inner_point
+    refuted = [o for o, trend in zip(outcomes, trends, strict=True) if trend is Trend.POSITIVE]
+    refutation = None
+    if refuted and isinstance(refuted[0], Counterexample):
+        refutation = Refutation(refuted[0].point, refuted[0].value, RISES)
+    rates = [rate(sample) for rate in cell.rates]
+    interval = Interval(min(rates), max(rates))
+    trend = worst(trends)
+    constant = all(rate.constant_value is not None for rate in cell.rates)
+    return Stratum(
+        StratumPart.CELL,
+        sample,
+        Ladder(interval, interval, interval),
+        Trends(trend, trend, trend),
+        outcomes,
+        refutation,
+        constant,
+    )
+
+
+def _rate_outcome(rate: Polynomial, region: Region) -> Outcome:
+    """``rate < 0`` except at the equilibrium, or else ``rate <= 0``, or a point where it is positive."""
+    strict = prove(Sense.NEGATIVE, rate, region, except_origin=True)
+    if isinstance(strict, Proof) or (isinstance(strict, Counterexample) and sign(strict.value) > 0):
+        return strict
+    return prove(Sense.NONPOSITIVE, rate, region)
+
+
+def trend_of(outcome: Outcome) -> Trend:
+    """What an outcome of :func:`_rate_outcome` says of the derivative on its closed cell."""
+    match outcome:
+        case Proof():
+            return Trend.NEGATIVE if outcome.question.sense.strict else Trend.NONPOSITIVE
+        case Undecided():
+            return Trend.UNDECIDED
+        case _:
+            return Trend.POSITIVE
+
+
+# ---- edges and corners where V bends ---------------------------------------------------------
+
+
+@effort_of_its_own(BEND_EFFORT)
+def bend_strata(cells: Sequence[LyapunovCell]) -> tuple[Stratum, ...]:
+    """Edges on which V bends or jumps, and their corners; undecided where these are too much work together."""
+    return tuple(_bend_strata(cells))
+
+
+def _bend_strata(cells: Sequence[LyapunovCell]) -> Iterator[Stratum]:
+    corners: list[Point] = []
+    for first, second in combinations(cells, 2):
+        if not first.potential - second.potential:
+            continue
+        parting = _parting(first, second)
+        common = _overlap(first, second) if parting else None
+        if common is not None:
+            yield _curved_stratum(cells, CurvedKink(first, second, parting[0], common))
+        for edge in common_edges(first.region, second.region):
+            kink = Kink(first, second, edge)
+            if parting and all(any(kink.along(guard)) for guard in parting):
+                continue  # on two sides of a curve that only crosses the edge: no point of it borders both
+            if _is_left_by_a_guard(kink):
+                continue
+            if not kink.is_continuous:
+                yield _jump_stratum(cells, kink)
+            elif kink.bends:
+                yield _open_stratum(cells, kink.point(kink.samples()[0])) if parting else _kink_stratum(cells, kink)
+                corners += [(x / w, y / w) for x, y, w in edge if w and (x or y)]
+    for corner in distinct(corners):
+        yield _corner_stratum(cells, corner)
+
+
+def bends_along_a_curve(cells: Sequence[LyapunovCell]) -> bool:
+    """Whether two cells on the two sides of a curve have different pieces of V."""
+    return any(
+        first.potential - second.potential and _parting(first, second) for first, second in combinations(cells, 2)
+    )
+
+
+def _parting(first: LyapunovCell, second: LyapunovCell) -> list[Polynomial]:
+    """The guards of one cell whose opposites are guards of another: curves between them."""
+    return [g for g in first.region.guards for h in second.region.guards if not g + h]
+
+
+def _kink_stratum(cells: Sequence[LyapunovCell], kink: Kink) -> Stratum:
+    try:
+        trends, place = kink.trends()
+    except WorkLimitError:
+        return _open_stratum(cells, kink.point(Fraction(1)))
+    guarded = bool(kink.first.region.guards or kink.second.region.guards)
+    if guarded:  # not every point of the edge belongs to both cells: only the largest set is an upper bound
+        bound = trends.naive if trends.naive.rank <= Trend.NONPOSITIVE.rank else Trend.UNDECIDED
+        trends = Trends(bound, bound, bound)
+    sample = kink.point(kink.samples()[0])
+    refutation = None
+    if trends.bacciotti_ceragioli is Trend.POSITIVE:
+        at = place.low if isinstance(place, RealRoot) else place
+        refutation = Refutation(kink.point(at), None, RISES_ON_LINE)
+        if not isinstance(place, RealRoot):
+            found = derivatives_at(cells, kink.point(at)).bacciotti_ceragioli
+            refutation = Refutation(kink.point(at), found.high if found else None, refutation.meaning)
+    constant = all(
+        rate.constant_value is not None
+        for gradient in (kink.first.gradient, kink.second.gradient)
+        for f, g in (*kink.first.velocities, *kink.second.velocities)
+        for rate in [gradient[0] * f + gradient[1] * g]
+    )
+    return Stratum(StratumPart.SURFACE, sample, derivatives_at(cells, sample), trends, kink, refutation, constant)
+
+
+def _jump_stratum(cells: Sequence[LyapunovCell], kink: Kink) -> Stratum:
+    """Two values of V at one point of an edge; undecided where none is found that belongs to both cells."""
+    difference = kink.first.potential - kink.second.potential
+    guards = (*kink.first.region.guards, *kink.second.region.guards)
+    points = (kink.point(kink.samples()[0] * k) for k in range(1, 10 + difference.degree))
+    place = next((p for p in points if difference(p) and all(sign(guard(p)) > 0 for guard in guards)), None)
+    if place is None:
+        return _open_stratum(cells, kink.point(kink.samples()[0]))
+    refutation = Refutation(place, difference(place), "V is not continuous")
+    positive = Trends(Trend.POSITIVE, Trend.POSITIVE, Trend.POSITIVE)
+    return Stratum(StratumPart.SURFACE, place, derivatives_at(cells, place), positive, kink, refutation, constant=False)
+
+
+def _corner_stratum(cells: Sequence[LyapunovCell], corner: Point) -> Stratum:
+    ladder = derivatives_at(cells, corner)
+    intervals = (ladder.naive, ladder.shevitz_paden, ladder.bacciotti_ceragioli)
+    trends = Trends(*(Trend.EMPTY if i is None else Trend.of_sign(sign(i.high)) for i in intervals))
+    return Stratum(StratumPart.CORNER, corner, ladder, trends, None, None, constant=True)
+
+
+def _open_stratum(cells: Sequence[LyapunovCell], sample: Point) -> Stratum:
+    """Two pieces of V beside a curve, or on an edge that is too much work."""
+    undecided = Trends(Trend.UNDECIDED, Trend.UNDECIDED, Trend.UNDECIDED)
+    return Stratum(StratumPart.SURFACE, sample, derivatives_at(cells, sample), undecided, None, None, constant=False)
+
+
+def _curved_stratum(cells: Sequence[LyapunovCell], kink: CurvedKink) -> Stratum:
+    """Two pieces of V beside a curve; what is proved is about the last derivative alone."""
+    found = _open_stratum(cells, kink.around.inner_point)
+    if not kink.falls(cells):
+        return found
+    return replace(found, trends=replace(found.trends, bacciotti_ceragioli=Trend.NEGATIVE))
+
+
+def _overlap(first: LyapunovCell, second: LyapunovCell) -> Region | None:
+    """The common part of the convex regions of two cells, with the guards of both; None where it has no area."""
+    overlap: Region | None = first.region
+    for side in second.region.sides:
+        overlap = overlap.clipped(side) if overlap is not None else None
+    more = tuple(guard for guard in second.region.guards if guard not in first.region.guards)
+    return None if overlap is None else replace(overlap, guards=(*first.region.guards, *more))
+
+
+def _is_left_by_a_guard(kink: Kink) -> bool:
+    """Whether a guard of either cell is negative on the whole edge, but perhaps at the origin."""
+    (x, y, _), (s, t, u) = kink.edge
+    for guard in (*kink.first.region.guards, *kink.second.region.guards):
+        along = kink.along(guard)
+        inside = any(along) and all(sign(c) <= 0 for c in along)
+        if inside and (along[0] or not (x or y)) and (along[-1] or not u or not (s or t)):
+            return True
+    return False
+
+
+def derivatives_at(cells: Sequence[LyapunovCell], point: Point) -> Ladder:
+    """The three derivatives of V at a point of the domain."""
+    return ladder_at(velocities_at(cells, point), gradients_at(cells, point))
+
 
 EFFORT = 150_000  # coefficients looked at for all inequalities of one V: a few seconds
 EMPTINESS_WORK = 2_000  # coefficients looked at to find that a cell beside a curve is empty; kept otherwise

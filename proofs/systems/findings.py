@@ -18,9 +18,8 @@ from nonsmooth.proofs.checker.statements import show_entry
 from nonsmooth.proofs.checker.work import BUDGET, MALFORMED, MAX_BYTES, RejectedError
 from nonsmooth.proofs.facts import Fact
 from nonsmooth.proofs.kernel.subject import about
-from nonsmooth.proofs.systems.decay_rate import DecayRate, RegionRate
+from nonsmooth.proofs.systems.decay_rate import DecayRate, DisturbanceGain, RegionRate
 from nonsmooth.proofs.systems.derivatives import Decrease, Supremum
-from nonsmooth.proofs.systems.disturbance_gain import DisturbanceGain
 from nonsmooth.proofs.systems.domain import Domain
 from nonsmooth.proofs.systems.piecewise_quadratic import PotentialPiece
 from nonsmooth.proofs.verdicts import Equilibrium, Translation

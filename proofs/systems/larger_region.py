@@ -29,8 +29,7 @@ from nonsmooth.proofs.systems.lyapunov_rows import (
     values_at,
 )
 from nonsmooth.proofs.systems.lyapunov_search import searched_cells, square_cells
-from nonsmooth.proofs.systems.rising_points import first_rise, where_inside
-from nonsmooth.proofs.systems.sublevel_region import SublevelRegion, largest_sublevel
+from nonsmooth.proofs.systems.sublevel_region import SublevelRegion, first_rise, largest_sublevel, where_inside
 from nonsmooth.symbolic.notebook import html_table
 from nonsmooth.symbolic.number_text import brief_text
 from nonsmooth.symbolic.piecewise import PiecewiseExpression

@@ -25,9 +25,8 @@ from typing import Any
 
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.switched_cells import PlaneField
-from nonsmooth.proofs.inequalities.dense_polynomials import trimmed, value
-from nonsmooth.proofs.inequalities.real_roots import RealRoot, positive_roots, samples_between
-from nonsmooth.proofs.systems.fused_focus import FusedFocus, fused_focus
+from nonsmooth.proofs.inequalities.real_roots import RealRoot, positive_roots, samples_between, trimmed, value
+from nonsmooth.proofs.systems.full_turns import FusedFocus, TurnGrowth, WorstTurn, fused_focus, turn_growth, worst_turn
 from nonsmooth.proofs.systems.lyapunov_rows import lines_through
 from nonsmooth.proofs.systems.tangent_fan import (
     UNWEIGHTED,
@@ -41,8 +40,6 @@ from nonsmooth.proofs.systems.tangent_fan import (
     rays_between,
     turning,
 )
-from nonsmooth.proofs.systems.turn_growth import TurnGrowth, turn_growth
-from nonsmooth.proofs.systems.worst_turn import WorstTurn, worst_turn
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.number_text import place_text
 from nonsmooth.symbolic.numbers.number import Number, sign

@@ -23,7 +23,7 @@ from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.region import Region, cone_region
 from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell, PlaneField
 from nonsmooth.analysis.minimizers.cvxpy_import import load_cvxpy
-from nonsmooth.proofs.inequalities.cell_forms import directions
+from nonsmooth.proofs.inequalities.forms import directions
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine
 from nonsmooth.proofs.systems.lyapunov_rows import BEYOND_FLOATS
 from nonsmooth.symbolic.number_text import brief_text
@@ -55,7 +55,7 @@ def find_near(
     """A V found for the linear parts of the cones at the origin, and its proof for the true fields of a domain.
 
     Args:
-        near: the cells at the origin, cones (:func:`nonsmooth.proofs.systems.local_cells.conic_germ`).
+        near: the cells at the origin, cones (:func:`nonsmooth.proofs.systems.ray_moves.conic_germ`).
         domain: cells that cover a neighbourhood of the origin.
     """
     linear = linear_parts(near)

@@ -1,16 +1,22 @@
-"""What happens along single rays from the equilibrium: the constant fan of a plain system, and rays of any forms.
+"""The cells of a switched system at the origin, and what happens along single rays from there.
 
-Where every cell is a cone, a velocity that is radial on a ray stays radial along it.  If F on the ray holds an outward
-radial vector, one solution leaves along it: unstable.  If it holds zero, the ray consists of equilibria: the one at the
-origin does not attract.  Inside a cone such rays are the roots of ``c x f(c)``; on a ray between cones the hull of the
-fields beside it is looked at.  Where the fields are constant near the equilibrium, the fan of cones decides completely
+*Germs.*  The Filippov set at a point is the hull of the limits of the fields of the cells whose *open* parts have
+points arbitrarily near; a guard that merely vanishes at the point adds nothing
+(:mod:`nonsmooth.proofs.inequalities.curved_regions`).
+
+*Rays.*  Where every cell is a cone, a velocity that is radial on a ray stays radial along it.  If F on the ray holds an
+outward radial vector, one solution leaves along it: unstable.  If it holds zero, the ray consists of equilibria: the
+one at the origin does not attract.  Inside a cone such rays are the roots of ``c x f(c)``; on a ray between cones the
+hull of the fields beside it is looked at.
+
+*Constant fans.*  Where the fields are constant near the equilibrium, the fan of cones decides completely
 (:mod:`nonsmooth.proofs.clauses.translation.fan_stability`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from fractions import Fraction
 from itertools import combinations
@@ -18,20 +24,54 @@ from typing import Any
 
 from nonsmooth.analysis.cells.fan import Cone, by_angle
 from nonsmooth.analysis.cells.polygon import Point
-from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell, PlaneField, velocities_at
+from nonsmooth.analysis.cells.region import cone_region
+from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell, PlaneField, distinct, velocities_at
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, Move, decide_cones
-from nonsmooth.proofs.inequalities.cell_forms import directions
-from nonsmooth.proofs.inequalities.curved_regions import Adherence, ray_adherence
-from nonsmooth.proofs.inequalities.dense_polynomials import trimmed, value
-from nonsmooth.proofs.inequalities.ladder import mixtures
-from nonsmooth.proofs.inequalities.real_roots import RealRoot, positive_roots, samples_between
-from nonsmooth.proofs.systems.local_cells import conic_germ
-from nonsmooth.proofs.verdicts import Translation
+from nonsmooth.proofs.inequalities.curved_regions import Adherence, Extent, adherence, ray_adherence, sectors
+from nonsmooth.proofs.inequalities.forms import directions
+from nonsmooth.proofs.inequalities.kinks import mixtures
+from nonsmooth.proofs.inequalities.real_roots import RealRoot, positive_roots, samples_between, trimmed, value
+from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.number_text import place_text
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.polynomial import Polynomial, in_generators
 from nonsmooth.symbolic.plane import around, cross, dot, hull_holds_zero, turned
+
+
+def decide_equilibrium(cells: Sequence[FieldCell]) -> Equilibrium:
+    """Whether 0 is in F at the origin; undecided where that hangs on a cell of which it is not known if it counts."""
+    by_adherence = [(adherence(cell.region), cell) for cell in cells]
+    sure = [cell for found, cell in by_adherence if found is Adherence.YES]
+    possible = [cell for found, cell in by_adherence if found is not Adherence.NO]
+    if hull_holds_zero(values_at_origin(sure)):
+        return Equilibrium.HOLDS
+    return Equilibrium.UNDECIDED if hull_holds_zero(values_at_origin(possible)) else Equilibrium.FAILS
+
+
+def values_at_origin(cells: Iterable[FieldCell]) -> tuple[Point, ...]:
+    """The distinct values of the fields of some cells at the origin."""
+    values = []
+    for cell in cells:
+        for f, g in cell.velocities:
+            zero = f.field.zero
+            values.append((f.terms.get((0, 0), zero), g.terms.get((0, 0), zero)))
+    return distinct(values)
+
+
+def conic_germ(cells: Iterable[FieldCell]) -> tuple[FieldCell, ...] | None:
+    """The cells near the origin as whole cones; None where a curved side ends at the origin, or may.
+
+    Guards that are positive near the origin bound nothing there, and cells that have no points near it are left out.
+    """
+    cones: list[FieldCell] = []
+    for cell in cells:
+        for sector in sectors(cell.region):
+            if sector.extent is Extent.WHOLE:
+                cones.append(replace(cell, region=cone_region(sector.start, sector.end)))
+            elif sector.extent is not Extent.NONE:
+                return None
+    return tuple(cones)
 
 
 class RayKind(StrEnum):

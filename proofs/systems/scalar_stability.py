@@ -15,8 +15,7 @@ from fractions import Fraction
 from functools import cached_property
 
 from nonsmooth.proofs.facts import Fact, Quantity
-from nonsmooth.proofs.inequalities.dense_polynomials import Coefficients
-from nonsmooth.proofs.inequalities.real_roots import RealRoot, positive_roots, separated
+from nonsmooth.proofs.inequalities.real_roots import Coefficients, RealRoot, positive_roots, separated
 from nonsmooth.proofs.systems.findings import CheckedPoint, Finding, Known, Method
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.number_text import brief_text

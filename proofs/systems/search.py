@@ -12,11 +12,9 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell
-from nonsmooth.proofs.inequalities.strata import Refutation
-from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, Supremum, inhabited
+from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, Refutation, Supremum, inhabited
 from nonsmooth.proofs.systems.domain import SHRINKING, Domain, domains, given_cells, plane_cells
 from nonsmooth.proofs.systems.findings import DERIVATIVES, ExaminedFunction
-from nonsmooth.proofs.systems.local_cells import conic_germ
 from nonsmooth.proofs.systems.lyapunov_search import (
     ENLARGING_WORK,
     Budget,
@@ -38,7 +36,7 @@ from nonsmooth.proofs.systems.piecewise_quadratic import (
     potential_pieces,
     restricted,
 )
-from nonsmooth.proofs.systems.ray_moves import are_cones
+from nonsmooth.proofs.systems.ray_moves import are_cones, conic_germ
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.switched_system import SwitchedSystem

@@ -1,7 +1,7 @@
 """Strong stability of a planar system's equilibrium: the scene's V first, then what decides without it.
 
 1. ``0`` must be in F at the point: otherwise every solution leaves it.  Only cells count there whose open parts have
-   points arbitrarily near (:mod:`nonsmooth.proofs.systems.local_cells`).
+   points arbitrarily near (:mod:`nonsmooth.proofs.systems.ray_moves`).
 2. The scene's V (:mod:`nonsmooth.proofs.systems.derivatives`): on the whole plane for a system of cones and a
    homogeneous V, otherwise on the checked square, or on a smaller one.
 3. Fields that are constant near the equilibrium: the fan of cones, which is complete.
@@ -18,44 +18,112 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
-from nonsmooth.analysis.cells.switched_cells import FieldCell
-from nonsmooth.proofs.inequalities.effort import shared_effort
+from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell, square_regions
+from nonsmooth.proofs.inequalities.effort import effort_of_its_own, shared_effort
 from nonsmooth.proofs.kernel.second_function import find_attraction
-from nonsmooth.proofs.systems.certified_reach import (
-    arrives_in_finite_time,
-    cells_of_checked_square,
-    certified_reach,
-    holds_everywhere,
-)
+from nonsmooth.proofs.systems.decay_rate import decay_rate, disturbance_gain, region_rate
 from nonsmooth.proofs.systems.denominators import require_denominators
-from nonsmooth.proofs.systems.derivatives import EFFORT, Decrease, examine
-from nonsmooth.proofs.systems.domain import SHRINKING, Domain, domains, given_cells, plane_cells
+from nonsmooth.proofs.systems.derivatives import EFFORT, Decrease, examine, inhabited
+from nonsmooth.proofs.systems.domain import SHRINKING, Domain, domains, given_cells, plane_cells, scene_cells
 from nonsmooth.proofs.systems.findings import CheckedPoint, Finding, Known, Method, Reach, is_shown
 from nonsmooth.proofs.systems.invariance import Staying, resting_place
 from nonsmooth.proofs.systems.leading_terms import LeadingTerms, decide_leading_terms
-from nonsmooth.proofs.systems.local_cells import conic_germ, decide_equilibrium
-from nonsmooth.proofs.systems.lyapunov_search import has_curves
+from nonsmooth.proofs.systems.lyapunov_search import has_curves, searched_cells
 from nonsmooth.proofs.systems.ray_moves import (
     ConstantFan,
     RayKind,
     RayMove,
     are_cones,
+    conic_germ,
     decide_constant_fan,
+    decide_equilibrium,
     ray_moves,
     resting_edges,
 )
-from nonsmooth.proofs.systems.root_axes import axes_are_crossed
+from nonsmooth.proofs.systems.root_axes import arrives_in_time, axes_are_crossed, axes_are_crossed_within
 from nonsmooth.proofs.systems.search import PlaneFunction, search_lyapunov, search_weak_lyapunov
+from nonsmooth.proofs.systems.sublevel_region import SublevelRegion, largest_sublevel
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.enclosed_numbers import NoEnclosureError, enclose_numbers
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.switched_system import SwitchedSystem
+
+MOST_DEGREE = 6  # of V' whose sign is asked for on sublevel sets of a searched V: beyond that it takes too long
+
+
+def cells_of_square(scene: SwitchedSystem) -> tuple[LyapunovCell, ...]:
+    """The cells of the checked square with the scene's V."""
+    return scene_cells(scene, square_regions(scene.check.radius))
+
+
+@shared_effort(EFFORT)
+def certified_reach(scene: SwitchedSystem, function: PlaneFunction) -> Reach:
+    """The reach of a V that is proved on a square; on the plane the region is the plane."""
+    domain, cells = function.domain, function.result.cells
+    if domain.radius is None or not axes_are_crossed_within(scene, scene.check.radius):
+        return Reach()
+    near = largest_sublevel(cells, domain.radius)
+    far = _beyond(scene, function)
+    region = near if far is None or (near is not None and near.level >= far.level) else far
+    # a scaled field has another rate
+    rate = None if scene.scale is not None or scene.by_roots is not None else decay_rate(cells)
+    if rate is None:
+        return Reach(near=near, region=region)
+    gain = disturbance_gain(cells, domain.radius, rate, near)
+    on_region = None
+    if region is not None and region is not near:
+        on_region = region_rate(cells_of_checked_square(scene, function), region)
+    return Reach(near=near, region=region, rate=rate, rate_domain=domain, region_rate=on_region, gain=gain)
+
+
+def cells_of_checked_square(scene: SwitchedSystem, function: PlaneFunction) -> tuple[LyapunovCell, ...]:
+    """The cells of the checked square with V; none for one of pieces."""
+    if function.is_given:
+        return inhabited(cells_of_square(scene))
+    return () if function.formula is None else searched_cells(scene, function.formula, scene.check.radius)
+
+
+def _beyond(scene: SwitchedSystem, function: PlaneFunction) -> SublevelRegion | None:
+    """The largest level in the checked square of a V that is proved to fall on a smaller one.
+
+    None where V bends, and for a V that was searched where its derivative has a high degree, as that of enclosed sines.
+    """
+    if function.domain.radius == scene.check.radius or (not function.is_given and scene.waves):
+        return None
+    cells = cells_of_checked_square(scene, function)
+    if function.is_given:
+        return largest_sublevel(cells, scene.check.radius, falls=False)
+    short = all(rate.degree <= MOST_DEGREE for cell in cells for rate in cell.rates)
+    return largest_sublevel(cells, scene.check.radius, falls=False) if cells and short else None
+
+
+@effort_of_its_own(EFFORT)
+def arrives_in_finite_time(
+    scene: SwitchedSystem, cells: Sequence[FieldCell], verdict: Translation, function: PlaneFunction | None
+) -> bool:
+    """Whether solutions of a system in roots of states are known to arrive in finite time."""
+    if scene.by_roots is None or verdict is not Translation.ASYMPTOTICALLY_STABLE:
+        return False
+    if arrives_in_time(scene, cells, falls_exponentially=False):
+        return True
+    if function is None or function.decrease is not Decrease.STRICT or are_cones(function.result.cells):
+        return False
+    return decay_rate(function.result.cells) is not None and arrives_in_time(scene, cells, falls_exponentially=True)
+
+
+def holds_everywhere(scene: SwitchedSystem, verdict: Translation, cells: Sequence[FieldCell]) -> bool:
+    """Whether asymptotic stability extends to the plane: in cones with fields of one degree solutions scale."""
+    if not axes_are_crossed_within(scene, None):
+        return False
+    degrees = {p.degree for cell in cells for v in cell.velocities for p in v if p}
+    return verdict is Translation.ASYMPTOTICALLY_STABLE and are_cones(cells) and len(degrees) <= 1
+
 
 SEARCH_EFFORT = 2 * EFFORT  # for all candidates of a search together
 UNCOVERED = "not every solution crosses where the root of a state is zero: what is proved of the roots says nothing"

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import pytest
 
-from nonsmooth.proofs.many_states.examined_lyapunov import ExaminedLyapunov
+from nonsmooth.proofs.many_states.examination import ExaminedLyapunov
 from nonsmooth.proofs.system_audit import AuditResult, audit
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.derivatives import Decrease

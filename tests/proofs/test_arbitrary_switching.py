@@ -10,8 +10,8 @@ import pytest
 
 from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.proofs.system_decision import decide_system
+from nonsmooth.proofs.systems.full_turns import WorstTurn
 from nonsmooth.proofs.systems.leading_terms import decide_leading_terms
-from nonsmooth.proofs.systems.worst_turn import WorstTurn
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.files.system_file import build_system
 from nonsmooth.symbolic.scene_error import SceneError

@@ -15,11 +15,9 @@ from hypothesis import strategies as st
 from scipy.optimize import linprog
 
 from nonsmooth.analysis.cells.switched_cells import LyapunovCell, gradients_at, lyapunov_cells, velocities_at
-from nonsmooth.proofs.inequalities.kinks import Kink, Trend, Trends
-from nonsmooth.proofs.inequalities.ladder import Interval, ladder_at
-from nonsmooth.proofs.inequalities.strata import StratumPart, derivatives_at
+from nonsmooth.proofs.inequalities.kinks import Interval, Kink, Trend, Trends, ladder_at
 from nonsmooth.proofs.system_decision import decide_system
-from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine
+from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, StratumPart, derivatives_at, examine
 from nonsmooth.proofs.systems.domain import plane_cells
 from nonsmooth.proofs.systems.search import PlaneFunction
 from nonsmooth.symbolic.files.system_file import load_system

@@ -15,7 +15,7 @@ from nonsmooth.proofs.inequalities.curved_regions import Adherence, Extent, adhe
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.domain import plane_cells
 from nonsmooth.proofs.systems.findings import Method
-from nonsmooth.proofs.systems.local_cells import conic_germ, decide_equilibrium
+from nonsmooth.proofs.systems.ray_moves import conic_germ, decide_equilibrium
 from nonsmooth.proofs.systems.system_stability import PlanePoint
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.numbers.number_field import NumberField

@@ -14,7 +14,7 @@ from nonsmooth.proofs.clauses.rotation.at_point import says_the_spin, spin_of
 from nonsmooth.proofs.clauses.translation import fan_stability as fans
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, Move, decide_cones, decide_fan
 from nonsmooth.proofs.system_decision import decide_system
-from nonsmooth.proofs.systems.local_cells import conic_germ
+from nonsmooth.proofs.systems.ray_moves import conic_germ
 from nonsmooth.proofs.systems.system_stability import PlanePoint
 from nonsmooth.proofs.theorem4 import check_cells
 from nonsmooth.proofs.verdicts import Rotation, Translation

@@ -18,20 +18,18 @@ from hypothesis import strategies as st
 
 from nonsmooth.analysis.cells.polygon import square
 from nonsmooth.analysis.cells.region import Region, cone_region, polygon_region, quadrants
-from nonsmooth.proofs.inequalities.cell_forms import PLANE
-from nonsmooth.proofs.inequalities.forms import multiplier
-from nonsmooth.proofs.inequalities.products import ProductEvidence
+from nonsmooth.proofs.inequalities.forms import PLANE, Leaf, Split, Tree, multiplier
 from nonsmooth.proofs.inequalities.prover import (
     Counterexample,
     Outcome,
     Proof,
     Question,
     Sense,
+    SquareEvidence,
     Undecided,
     ZeroBetween,
     prove,
 )
-from nonsmooth.proofs.inequalities.subdivision import Leaf, Split, Tree
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.polynomial import Polynomial, in_generators
@@ -421,12 +419,12 @@ def test_a_tree_without_any_one_of_its_cuts_proves_nothing() -> None:
     assert refused == str(proof.evidence).count("Split(") > 20
 
 
-def test_factors_must_multiply_to_the_form() -> None:
-    proof = proof_of("(x**2 - 2*y**2)**2*(x + 2)", unit_square)
-    index, product = next((k, e) for k, e in enumerate(proof.evidence) if isinstance(e, ProductEvidence))
-    fewer = replace(product, factors=product.factors[1:])
-    negative = replace(product, constant=-product.constant)
-    for forged in (fewer, negative):
+def test_a_square_and_the_rest_must_multiply_to_the_form() -> None:
+    proof = proof_of("(x**3 - 3*x*y**2 + y**3 + 1/7)**2*(x + 2)", unit_square)
+    index, found = next((k, e) for k, e in enumerate(proof.evidence) if isinstance(e, SquareEvidence))
+    larger = replace(found, root=found.root * 2)
+    turned = replace(found, rest=-found.rest)
+    for forged in (larger, turned):
         evidence = (*proof.evidence[:index], forged, *proof.evidence[index + 1 :])
         assert not replace(proof, evidence=evidence).check()
 

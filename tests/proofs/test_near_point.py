@@ -10,12 +10,10 @@ import pytest
 import nonsmooth as ns
 from nonsmooth.proofs.checker.cells import Inclusion, read_system
 from nonsmooth.proofs.checker.statements import VERSION, refusal
-from nonsmooth.proofs.kernel.curved_cells import sharpened
+from nonsmooth.proofs.kernel.cells import IrrationalError, sharpened, stated_cells
 from nonsmooth.proofs.kernel.fans import show_by_fan
 from nonsmooth.proofs.kernel.first_terms import leading_direction, show_departure_of
 from nonsmooth.proofs.kernel.search import NotShownError, Search
-from nonsmooth.proofs.kernel.sign_cells import IrrationalError
-from nonsmooth.proofs.kernel.stated_cells import stated_cells
 from nonsmooth.proofs.kernel.subject import about
 from nonsmooth.proofs.theorem_searches import show_verdict
 from nonsmooth.symbolic.switched_system import SwitchedSystem

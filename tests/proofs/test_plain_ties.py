@@ -12,7 +12,7 @@ import pytest
 
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.domain import plane_cells
-from nonsmooth.proofs.systems.local_cells import decide_equilibrium
+from nonsmooth.proofs.systems.ray_moves import decide_equilibrium
 from nonsmooth.proofs.verdicts import Equilibrium
 from tests.proofs.plain_agreement import contradictions
 from tests.proofs.plain_ties import Oracle, Tie, holds_zero, random_tie

@@ -10,8 +10,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from nonsmooth.proofs.inequalities.dense_polynomials import value
-from nonsmooth.proofs.inequalities.real_roots import RealRoot, Sturm, positive_roots, separated
+from nonsmooth.proofs.inequalities.real_roots import RealRoot, Sturm, positive_roots, separated, value
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from tests.thorough import examples

@@ -23,12 +23,11 @@ from nonsmooth.proofs.checker.positivity import Claim, Inequality, cube_guards, 
 from nonsmooth.proofs.checker.statements import VERSION, refusal
 from nonsmooth.proofs.checker.work import MALFORMED, RejectedError
 from nonsmooth.proofs.kernel import simplices
+from nonsmooth.proofs.kernel.cells import stated_cells, surfaces_of
 from nonsmooth.proofs.kernel.search import NotShownError, Search
 from nonsmooth.proofs.kernel.second_function import extreme_velocities, find_second
-from nonsmooth.proofs.kernel.sign_cells import surfaces_of
-from nonsmooth.proofs.kernel.stated_cells import stated_cells
 from nonsmooth.proofs.kernel.subject import about
-from nonsmooth.proofs.weak_growth import find_weak_growth
+from nonsmooth.proofs.theorem_searches import find_weak_growth
 from nonsmooth.symbolic.files.system_file import build_system
 from nonsmooth.symbolic.piecewise import parse_piecewise
 from tests.dissipative_systems import dissipative_systems

@@ -18,9 +18,8 @@ from nonsmooth.proofs import checker
 from nonsmooth.proofs.checker.cells import read_system
 from nonsmooth.proofs.checker.files import EARLIER, check_file
 from nonsmooth.proofs.checker.statements import refusal
+from nonsmooth.proofs.kernel.cells import stated_cells, surfaces_of
 from nonsmooth.proofs.kernel.search import NotShownError, Search
-from nonsmooth.proofs.kernel.sign_cells import surfaces_of
-from nonsmooth.proofs.kernel.stated_cells import stated_cells
 from nonsmooth.proofs.kernel.subject import NoCertificateError, about
 from nonsmooth.proofs.system_certificates import certificate_of, left_out
 from nonsmooth.proofs.system_decision import decide_system

@@ -28,7 +28,7 @@ from nonsmooth.analysis.cells.switched_cells import (
     system_cells,
     velocities_at,
 )
-from nonsmooth.proofs.inequalities.ladder import Interval
+from nonsmooth.proofs.inequalities.kinks import Interval
 from nonsmooth.proofs.system_audit import audit
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.proofs.systems.derivatives import Decrease

@@ -13,10 +13,8 @@ from nonsmooth.proofs.checker.polynomials import constant
 from nonsmooth.proofs.checker.positivity import Claim, Inequality, Proofs
 from nonsmooth.proofs.checker.theorems import STABLE, Statement
 from nonsmooth.proofs.checker.work import require, take
-from nonsmooth.proofs.kernel.curved_cells import started
+from nonsmooth.proofs.kernel.cells import adjoining, started, stated_cells
 from nonsmooth.proofs.kernel.search import Entry, Kind, Search
-from nonsmooth.proofs.kernel.sign_cells import adjoining
-from nonsmooth.proofs.kernel.stated_cells import stated_cells
 from nonsmooth.proofs.many_states.decision import SpacePoint
 from nonsmooth.proofs.systems.findings import Finding, Known, Strategy
 from nonsmooth.proofs.theorem_searches import TheoremSearch

@@ -11,10 +11,10 @@ import pytest
 from flint import fmpq
 from numpy.typing import NDArray
 
-from nonsmooth.proofs.kernel.sign_cells import build_cells, is_empty
-from nonsmooth.proofs.many_states.examined_lyapunov import ExaminedLyapunov
-from nonsmooth.proofs.many_states.linear_part import Spectrum, spectrum_of
-from nonsmooth.proofs.many_states.sublevel import SublevelSet
+from nonsmooth.proofs.kernel.cells import build_cells, is_empty
+from nonsmooth.proofs.many_states.examination import ExaminedLyapunov
+from nonsmooth.proofs.many_states.first_terms import Spectrum, spectrum_of
+from nonsmooth.proofs.many_states.reach import SublevelSet
 from nonsmooth.proofs.system_audit import AuditVerdict, audit
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.decay_rate import DecayKind

@@ -1,31 +1,104 @@
-"""Points of faces at which V increases: where V bends, and solutions that slide raise it.
+"""Points at which conditions on V fail: floats look for them, rational arithmetic decides.
 
-At a rational point of a face let ``l_j = 0`` for j in Z, with no other surface through it, and let f_i be the fields
-of all cells that meet there.  A mixture with ``sum_i w_i grad l_j . f_i = 0`` for j in Z is a velocity along the face,
-and V(c(t)) has the derivative ``sum_i w_i g . f_i`` with the gradient g of any one piece.  A linear program finds
-the largest.  If it is positive, with as many positive weights as there are equations, then these weights depend
-continuously on the place near the point: there is a solution along the face, and V rises along it.
+*On cells*: a point at which an inequality is false.
+
+*On faces*, where V bends, solutions that slide may raise V.  At a rational point of a face let ``l_j = 0`` for j in Z,
+with no other surface through it, and let f_i be the fields of all cells that meet there.  A mixture with
+``sum_i w_i grad l_j . f_i = 0`` for j in Z is a velocity along the face, and V(c(t)) has the derivative
+``sum_i w_i g . f_i`` with the gradient g of any one piece.  A linear program finds the largest.  If it is positive,
+with as many positive weights as there are equations, then these weights depend continuously on the place near the
+point: there is a solution along the face, and V rises along it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 
 import numpy as np
 from flint import fmpq, fmpq_mat
+from numpy.typing import NDArray
 
 from nonsmooth.proofs.checker.cells import Cell, Face, Inclusion
 from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.inequalities.linear_program import best_mixture
 from nonsmooth.proofs.kernel.claims import Functions
 from nonsmooth.proofs.kernel.squares import terms_of
-from nonsmooth.proofs.many_states.samples import Point, as_fractions, exact_value
+from nonsmooth.proofs.sums_of_squares.ansatz import Condition
 from nonsmooth.symbolic.numbers.number_field import NumberField
+from nonsmooth.symbolic.numbers.polynomial import Exponents
 
-POINTS = 80  # of one face, half of them at the largest distance
-HALVINGS = 6  # of the distance from the point
-FINE = 1 << 6  # denominator of a coordinate, in parts of its distance
+POINTS = 1_500
+HALVINGS = 10  # of the distance from the point
+FINE = 1 << 10  # denominator of a point, in parts of its distance
+TRIES = 6
+
+Point = tuple[fmpq, ...]
+
+
+def refuting_point(condition: Condition, *, strictly: bool) -> Point | None:
+    """A point inside the guards at which p is negative (or zero, unless ``strictly``); None where none is found.
+
+    Args:
+        condition: without parameters.
+        strictly: whether zero refutes nothing.
+    """
+    rng = np.random.default_rng(0)
+    cloud = rng.uniform(-1, 1, (POINTS, condition.variables))
+    axes = np.eye(condition.variables)
+    cloud = np.vstack([axes, -axes, cloud])
+    halved = 0.5 ** rng.integers(0, HALVINGS, len(cloud))
+    points = cloud * halved[:, None]
+    inside = np.ones(len(points), dtype=bool)
+    for guard in condition.guards:
+        inside &= values_at(guard, points) > 0
+    points, halved = points[inside], halved[inside]
+    if not len(points):
+        return None
+    order = min(map(sum, condition.constant), default=0)
+    value = values_at(condition.constant, points) / halved**order
+    for k in np.argsort(value)[:TRIES]:
+        step = FINE * round(1 / float(halved[k]))
+        point = tuple(fmpq(round(float(x) * step), step) for x in points[k])
+        found = exact_value(condition.constant, point)
+        fails = found < 0 or (not found and not strictly and any(point))
+        if fails and all(exact_value(guard, point) > 0 for guard in condition.guards):
+            return point
+    return None
+
+
+def values_at(terms: Mapping[Exponents, fmpq], points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """A polynomial at many points, in floats."""
+    total = np.zeros(len(points))
+    for exponents, value in terms.items():
+        product = np.full(len(points), float(value))
+        for k, exponent in enumerate(exponents):
+            if exponent:
+                product *= points[:, k] ** exponent
+        total += product
+    return total
+
+
+def exact_value(terms: Mapping[Exponents, fmpq], point: Sequence[fmpq]) -> fmpq:
+    """A polynomial at a rational point."""
+    total = fmpq(0)
+    for exponents, value in terms.items():
+        product = value
+        for x, exponent in zip(point, exponents, strict=True):
+            if exponent:
+                product *= x**exponent
+        total += product
+    return total
+
+
+def as_fractions(point: Sequence[fmpq]) -> tuple[Fraction, ...]:
+    """The same numbers."""
+    return tuple(Fraction(int(x.p), int(x.q)) for x in point)
+
+
+FACE_POINTS = 80  # of one face, half of them at the largest distance
+FACE_HALVINGS = 6  # of the distance from the point
+FACE_FINE = 1 << 6  # denominator of a coordinate, in parts of its distance
 EXTREME = 0.5  # the share of coordinates that are least or largest
 
 
@@ -56,10 +129,10 @@ def rising_slide(conditions: Functions, zero: Sequence[int]) -> tuple[tuple[Frac
 def _points(face: Face) -> Iterator[Point]:
     """Rational points of a face in the cube, nearer and farther; many of them near its border or near other faces."""
     rng = np.random.default_rng(0)
-    for _ in range(POINTS):
-        scale = fmpq(1, FINE << max(0, int(rng.integers(-HALVINGS, HALVINGS))))
-        inside = rng.integers(1, FINE, face.dimension)
-        sizes = np.where(rng.random(face.dimension) < EXTREME, rng.choice((1, FINE), face.dimension), inside)
+    for _ in range(FACE_POINTS):
+        scale = fmpq(1, FACE_FINE << max(0, int(rng.integers(-FACE_HALVINGS, FACE_HALVINGS))))
+        inside = rng.integers(1, FACE_FINE, face.dimension)
+        sizes = np.where(rng.random(face.dimension) < EXTREME, rng.choice((1, FACE_FINE), face.dimension), inside)
         free = [scale * int(k) for k in sizes * rng.choice((-1, 1), face.dimension)]
         point = tuple(_value(form, free) for form in face.coordinates)
         if any(point) and all(abs(x) <= 1 for x in point):

@@ -1,10 +1,16 @@
-"""The linearization at the point: exact solutions of Lyapunov's equation decide by eigenvalues that are not computed.
+"""What shows itself near the point in many states: velocities that lead away, linearizations, relays.
 
-Where all fields at the point vanish there and have one Jacobian A, the field is ``A x`` up to higher order, and
-Lyapunov's indirect method applies.  ``A^T P + P A = -I`` has one solution unless two eigenvalues of A add up to zero;
-P is positive definite iff all eigenvalues have negative real parts, and otherwise some real part is positive (Ostrowski
-and Schneider 1962).  In the exceptional case the same is asked of ``A - alpha I`` for small ``alpha > 0``.
+*A solution that leaves.*  Let s = 0 be the surfaces through the point, and f the field of a cell in which they have the
+signs e.  If ``e grad s . f > 0`` at the point for each of them, the solution ``t f + ...`` of the field of this cell
+stays in it for a while.  A cone with a linear field that holds an eigenvector of a positive eigenvalue holds a ray
+along which solutions leave: the columns of ``adj(s I - A)`` are eigenvectors at the roots of the characteristic
+polynomial, and the signs of polynomials at such a root are exact.  Where the right-hand sides only enclose the field
+neither says anything.
 
+*Linearization.*  Where all fields at the point vanish there and have one Jacobian A, the field is ``A x`` up to higher
+order, and Lyapunov's indirect method applies.  ``A^T P + P A = -I`` has one solution unless two eigenvalues of A add up
+to zero; P is positive definite iff all eigenvalues have negative real parts, and otherwise some real part is positive
+(Ostrowski and Schneider 1962).  In the exceptional case the same is asked of ``A - alpha I`` for small ``alpha > 0``.
 A linear field is decided completely: eigenvalues on the imaginary axis belong to the greatest common divisor h of
 ``chi(s)`` and ``chi(-s)``.  If the other factor of chi is Hurwitz and h has imaginary roots only, the point is stable
 iff A is a zero of the polynomial in which these roots are taken once.
@@ -12,7 +18,7 @@ iff A is a zero of the polynomial in which these roots are taken once.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from fractions import Fraction
@@ -22,13 +28,95 @@ import numpy as np
 from flint import fmpq, fmpq_mat, fmpq_poly
 
 from nonsmooth.proofs.checker.polynomials import unit
-from nonsmooth.proofs.inequalities.real_roots import Sturm
-from nonsmooth.proofs.kernel.sign_cells import RationalTerms, SignCells, adjoining
-from nonsmooth.proofs.many_states.function_families import PiecewiseFunction, formula_text
+from nonsmooth.proofs.inequalities.real_roots import RealRoot, Sturm, positive_roots
+from nonsmooth.proofs.kernel.cells import RationalTerms, SignCell, SignCells, adjoining, rational_terms
+from nonsmooth.proofs.many_states.lyapunov_search import PiecewiseFunction, formula_text
 from nonsmooth.proofs.sums_of_squares.gram_certificate import RationalMatrix, is_definite
 from nonsmooth.proofs.sums_of_squares.rounding import simplest
+from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.switched_system import SwitchedSystem
+
+Velocity = tuple[fmpq, ...]
+
+
+def escaping_velocity(system: SwitchedSystem, cells: SignCells) -> Velocity | None:
+    """The velocity at the point of a cell that it leads into; None where no cell has one."""
+    if system.only_encloses:
+        return None
+    zero = (0,) * len(cells.states)
+    for cell in adjoining(cells):
+        for field in cell.velocities:
+            velocity = tuple(part.get(zero, fmpq(0)) for part in field)
+            if any(velocity) and _leads_into(cells, cell, velocity):
+                return velocity
+    return None
+
+
+def _leads_into(cells: SignCells, cell: SignCell, velocity: Sequence[fmpq]) -> bool:
+    """Whether a velocity at the point leads into a cell."""
+    count = len(velocity)
+    for surface, sign in zip(cells.surfaces, cell.signs, strict=True):
+        terms = rational_terms(surface)
+        if terms.get((0,) * count):
+            continue
+        slope = sum((terms.get(unit(count, k), fmpq(0)) * v for k, v in enumerate(velocity)), fmpq(0))
+        if not slope * sign > 0:
+            return False
+    return True
+
+
+def escaping_rate(system: SwitchedSystem, cells: SignCells) -> Fraction | None:
+    """A lower bound of the rate at which solutions leave along a ray in an open cone; None where none is found."""
+    if system.only_encloses:
+        return None
+    zero = (0,) * len(cells.states)
+    near = [(j, s) for j, s in enumerate(cells.surfaces) if zero not in s.terms]
+    if any(surface.degree != 1 for _, surface in near):
+        return None
+    for cell in adjoining(cells):
+        forms = [
+            [cell.signs[j] * rational_terms(surface).get(unit(len(zero), k), fmpq(0)) for k in range(len(zero))]
+            for j, surface in near
+        ]
+        for field in cell.velocities:
+            if all(sum(e) == 1 for part in field for e in part):
+                for root in _rays(system, field, forms):
+                    return root.low
+    return None
+
+
+def _rays(
+    system: SwitchedSystem, field: Sequence[RationalTerms], forms: Sequence[Sequence[fmpq]]
+) -> Iterator[RealRoot]:
+    """Positive eigenvalues of a linear field with an eigenvector at which all forms are positive."""
+    count = len(field)
+    matrix = fmpq_mat([[part.get(unit(count, k), fmpq(0)) for k in range(count)] for part in field])
+    characteristic, adjugates = _resolvent(matrix)
+    for root in positive_roots([system.field(c) for c in characteristic]):
+        for column in range(count):
+            heights = [_height(system, adjugates, form, column) for form in forms]
+            signs = {root.sign_of(height) for height in heights}
+            if len(signs) == 1 and 0 not in signs:
+                yield root
+                break
+
+
+def _height(system: SwitchedSystem, adjugates: Sequence[fmpq_mat], form: Sequence[fmpq], column: int) -> list[Number]:
+    """A form at one column of the adjugate, as a polynomial in the eigenvalue, ascending."""
+    values = (sum((f * m[i, column] for i, f in enumerate(form)), fmpq(0)) for m in reversed(adjugates))
+    return [system.field(value) for value in values]
+
+
+def _resolvent(matrix: fmpq_mat) -> tuple[list[fmpq], list[fmpq_mat]]:
+    """The characteristic polynomial, ascending, and the coefficients of ``adj(s I - A)``, descending."""
+    count = matrix.nrows()
+    identity = fmpq_mat([[fmpq(i == j) for j in range(count)] for i in range(count)])
+    coefficients, adjugates = matrix.charpoly().coeffs(), [identity]
+    for value in coefficients[-2:0:-1]:
+        adjugates.append(matrix * adjugates[-1] + identity * value)
+    return coefficients, adjugates
+
 
 SHIFTS = tuple(fmpq(1, 1 << bits) for bits in (4, 10, 20, 40))
 WEIGHTS = (fmpq(1, 4), fmpq(1, 2), fmpq(3, 4))  # of the second of two right-hand sides

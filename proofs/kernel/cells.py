@@ -1,0 +1,403 @@
+"""The cells of a system: the patterns of signs of its switching surfaces that the checked cube has.
+
+*Affine surfaces.*  A pattern is left out only where its open cell is proved to be empty in the cube (an exact linear
+program).  Curved surfaces are taken with both signs: a pattern too many adds an inequality, and never a wrong verdict,
+because F is then the hull of more velocities.
+
+*As certificates state them*, with functions: surfaces, and patterns that are empty, with the mixtures that show it.
+
+*Curved surfaces* are taken with both signs everywhere, also in cones that the surface does not meet near the point.
+Samples propose patterns that they do not have, and the checker's claims show these.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
+from typing import Any, TypeAlias
+
+import numpy as np
+from flint import fmpq
+from numpy.typing import NDArray
+
+from nonsmooth.proofs.checker.cells import Domain, Inclusion, Pattern, Surfaces, System, pattern
+from nonsmooth.proofs.checker.roots import read_subject
+from nonsmooth.proofs.checker.work import RejectedError
+from nonsmooth.proofs.inequalities.linear_program import Mixture, best_mixture
+from nonsmooth.proofs.kernel.samples import Floats, sample_points, values_at
+from nonsmooth.proofs.kernel.search import NotShownError, Search
+from nonsmooth.proofs.kernel.subject import NoCertificateError, about
+from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.polynomial import Exponents, Polynomial
+from nonsmooth.symbolic.piecewise import PiecewiseExpression
+from nonsmooth.symbolic.switched_system import MAX_PATTERNS, SwitchedSystem, UnknownSign, signs_by_factors
+
+MAX_SURFACES = 24
+MAX_CELLS = 160
+SAMPLES = 3_000
+MAX_MAGNITUDE = 40  # bits before or after the point: sixteenth powers of such numbers are floats
+
+RationalTerms: TypeAlias = dict[Exponents, fmpq]
+
+
+class BeyondReachError(ValueError):
+    """A system or a V that is not decided here, with the reason for people."""
+
+
+class IrrationalError(BeyondReachError):
+    """The same for numbers with roots."""
+
+
+@dataclass(frozen=True)
+class SignCell:
+    """An open cell of the cube.
+
+    Attributes:
+        signs: of every surface.
+        velocities: one for each right-hand side, in the displacement.
+    """
+
+    signs: Pattern
+    velocities: tuple[tuple[RationalTerms, ...], ...]
+
+
+@dataclass(frozen=True)
+class SignCells:
+    """The cells of a cube about the checked point.
+
+    Attributes:
+        states: names of the states; every polynomial is in the displacement.
+        surfaces: the switching surfaces of the system, and of a V.
+        cells: the patterns of signs that the cube has, with the fields.
+        radius: half the side of the cube.
+        beyond: whether the fields are those of the system outside the cube too; denominators are positive inside only.
+    """
+
+    states: tuple[str, ...]
+    surfaces: tuple[Polynomial, ...]
+    cells: tuple[SignCell, ...]
+    radius: fmpq
+    beyond: bool
+
+    @property
+    def are_cones(self) -> bool:
+        """Whether every surface is a hyperplane through the point."""
+        return all(s.degree == 1 and s.is_homogeneous for s in self.surfaces)
+
+
+def build_cells(system: SwitchedSystem, radius: Number, more: Iterable[Polynomial] = ()) -> SignCells:
+    """The cells of a cube.
+
+    Args:
+        system: in any number of states.
+        radius: half the side of the cube.
+        more: further surfaces, of a V.
+
+    Raises:
+        BeyondReachError: for irrational numbers, and for too many surfaces or cells.
+        SceneError: for formulas that cannot be used.
+    """
+    states = system.displaced(system.states)
+    surfaces = tuple(dict.fromkeys(s for s in (*system.surfaces(states), *more) if s.degree))
+    if len(surfaces) > MAX_SURFACES:
+        raise BeyondReachError(f"over {MAX_SURFACES} switching surfaces")
+    found: list[SignCell] = []
+    for signs in patterns(surfaces, radius):
+        if len(found) == MAX_CELLS:
+            raise BeyondReachError(f"over {MAX_CELLS} cells")
+        sign_of = signs_by_factors(dict(zip(surfaces, signs, strict=True)))
+        fields = (member.velocity(sign_of, states) for member in system.members)
+        velocities = tuple(tuple(rational_terms(part) for part in field) for field in fields)
+        found.append(SignCell(signs, velocities))
+    return SignCells(system.states, surfaces, tuple(found), rational(radius), not system.denominators)
+
+
+def adjoining(cells: SignCells) -> list[SignCell]:
+    """The cells whose closures may hold the point."""
+    zero = (0,) * len(cells.states)
+    at_point = [surface.terms[zero].sign() if zero in surface.terms else 0 for surface in cells.surfaces]
+    return [cell for cell in cells.cells if all(s * v >= 0 for s, v in zip(cell.signs, at_point, strict=True))]
+
+
+def rational(number: Number) -> fmpq:
+    """A number as a fraction.
+
+    Raises:
+        BeyondReachError: for an irrational one, and for one so large or small that its powers are no floats.
+    """
+    found = number.as_rational()
+    if found is None:
+        raise IrrationalError("numbers with roots in more than two states")
+    if found and abs(int(found.p).bit_length() - int(found.q).bit_length()) > MAX_MAGNITUDE:
+        raise BeyondReachError(f"numbers beyond 2**{MAX_MAGNITUDE} or below 2**-{MAX_MAGNITUDE}")
+    return found
+
+
+def rational_terms(polynomial: Polynomial) -> RationalTerms:
+    """A polynomial with rational coefficients.
+
+    Raises:
+        BeyondReachError: for irrational ones.
+    """
+    return {exponents: rational(value) for exponents, value in polynomial.terms.items()}
+
+
+def scaled(terms: Mapping[Exponents, fmpq], factor: fmpq) -> RationalTerms:
+    """A polynomial in the variables divided by a factor."""
+    return {e: c * factor ** sum(e) for e, c in terms.items()}
+
+
+def surfaces_of(system: SwitchedSystem, formula: PiecewiseExpression) -> tuple[Polynomial, ...]:
+    """The surfaces on which a formula of the displacement switches.
+
+    Raises:
+        ExpressionError: for a formula that is no polynomial on some piece.
+        BeyondReachError: for too many surfaces.
+    """
+    values = dict(zip(system.states, system.coordinates(), strict=True))
+    found: dict[Polynomial, None] = {}
+    waiting: list[dict[Polynomial, int]] = [{}]
+    while waiting:
+        signs = waiting.pop()
+        try:
+            formula.polynomial(values, signs_by_factors(signs))
+        except UnknownSign as unknown:
+            found[unknown.surface] = None
+            waiting += [{**signs, unknown.surface: sign} for sign in (-1, 1)]
+        if len(found) > MAX_SURFACES or len(waiting) > MAX_PATTERNS:
+            raise BeyondReachError(f"over {MAX_SURFACES} surfaces on which V switches")
+    return tuple(surface for surface in found if surface.degree)
+
+
+def patterns(surfaces: Sequence[Polynomial], radius: Number) -> Iterator[Pattern]:
+    """All patterns of signs whose cells are not proved to be empty in the open cube."""
+    affine = [surface.degree == 1 for surface in surfaces]
+    sides = _signs_in_floats(surfaces, radius)
+    waiting: list[Pattern] = [()]
+    while waiting:
+        signs = waiting.pop()
+        if len(signs) == len(surfaces):
+            yield signs
+            continue
+        for sign in (-1, 1):
+            longer = (*signs, sign)
+            known = [k for k in range(len(longer)) if affine[k]]
+            seen = bool(np.all(sides[:, known] == [longer[k] for k in known], axis=1).any())
+            if seen or not affine[len(signs)] or not is_empty([surfaces[k] * longer[k] for k in known], radius):
+                waiting.append(longer)
+
+
+def _signs_in_floats(surfaces: Sequence[Polynomial], radius: Number) -> NDArray[np.float64]:
+    """Pattern at points of the cube, in floats: where a pattern is seen, no proof of its emptiness is looked for."""
+    if not surfaces:
+        return np.zeros((1, 0))
+    count = len(surfaces[0].variables)
+    cloud = np.random.default_rng(0).uniform(-1, 1, (SAMPLES, count)) * float(radius)
+    columns = []
+    for surface in surfaces:
+        value = np.zeros(SAMPLES)
+        for exponents, coefficient in surface.terms.items():
+            value += float(coefficient) * np.prod(cloud**exponents, axis=1)
+        columns.append(np.sign(value))
+    return np.column_stack(columns)
+
+
+def is_empty(forms: Sequence[Polynomial], radius: Number) -> bool:
+    """Whether affine forms are positive together nowhere in the open cube: a mixture is not positive (Gordan)."""
+    found = least_mixture(forms, radius) if forms else None
+    return found is not None and found.value.sign() >= 0
+
+
+def least_mixture(forms: Sequence[Polynomial], radius: Number) -> Mixture | None:
+    """The mixture of affine forms, and of those of the sides of the cube, that is constant and least.
+
+    Its weights are of the forms first; its value is minus the constant.
+    """
+    field, count = forms[0].field, len(forms[0].variables)
+    units = [tuple(int(i == k) for i in range(count)) for k in range(count)]
+    zero = (0,) * count
+    columns = [(*(form.terms.get(unit, field.zero) for unit in units), field.one) for form in forms]
+    prices = [-form.terms.get(zero, field.zero) for form in forms]
+    for k in range(count):
+        for side in (1, -1):
+            columns.append((*(field(side if i == k else 0) for i in range(count)), field.one))
+            prices.append(-radius)
+    return best_mixture(columns, (*(field.zero for _ in range(count)), field.one), prices)
+
+
+@dataclass(frozen=True)
+class StatedCells:
+    """What a theorem is told of the cells.
+
+    Attributes:
+        within: half the side of the cube; None for the whole space.
+        surfaces: of the system, and further ones, each once up to a factor.
+        empty: patterns of signs that no point inside the cube has, as texts, with the evidence.
+        cells: of the cube, or of a cube in the whole space.
+    """
+
+    within: str | None
+    surfaces: tuple[Polynomial, ...]
+    empty: dict[str, dict[str, Any]]
+    cells: SignCells
+
+    @property
+    def record(self) -> dict[str, Any]:
+        """As a certificate holds it."""
+        return {"within": self.within, "surfaces": list(map(str, self.surfaces)), "empty": list(self.empty)}
+
+    @property
+    def proofs(self) -> dict[str, Any]:
+        """The evidence that patterns are empty, by the names of the claims."""
+        return {f"empty {signs}": evidence for signs, evidence in self.empty.items()}
+
+    def signs(self, sides: Iterable[tuple[Polynomial, int]]) -> str:
+        """A text of signs in which some polynomials, multiples of surfaces, have given signs."""
+        found: list[int | None] = [None] * len(self.surfaces)
+        for polynomial, sign in sides:
+            own = monic(polynomial)
+            k = next(k for k, surface in enumerate(self.surfaces) if monic(surface) == own)
+            found[k] = sign * _leading(polynomial).sign() * _leading(self.surfaces[k]).sign()
+        return pattern(found)
+
+
+def stated_cells(system: SwitchedSystem, radius: Number | None, more: Iterable[Polynomial] = ()) -> StatedCells:
+    """The cells of a system.
+
+    Args:
+        system: in any number of states.
+        radius: half the side of the cube; None for the whole space, where all surfaces pass the point.
+        more: further surfaces, of functions; what is a multiple of another one is left out.
+
+    Raises:
+        BeyondReachError: for irrational numbers, and for too many surfaces or cells.
+    """
+    half = system.field(1) if radius is None else radius
+    known = {monic(surface) for surface in build_cells(system, half).surfaces}
+    new = {monic(surface): surface for surface in more}
+    cells = build_cells(system, half, [surface for own, surface in new.items() if own not in known])
+    within = None if radius is None else str(radius)
+    return StatedCells(within, cells.surfaces, dict(_empty_patterns(cells)), cells)
+
+
+def monic(polynomial: Polynomial) -> Polynomial:
+    """The multiple whose leading coefficient is one."""
+    return polynomial * _leading(polynomial).inverse()
+
+
+def _leading(polynomial: Polynomial) -> Number:
+    return polynomial.terms[max(polynomial.terms)]
+
+
+def _empty_patterns(cells: SignCells) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Patterns, walked as the checker walks them: of those that have no cell the shortest beginnings, and why."""
+    occurring = {cell.signs[:size] for cell in cells.cells for size in range(len(cells.surfaces) + 1)}
+    known: list[dict[int, int]] = []
+    for beginning in sorted(occurring, key=len):
+        for sign in (-1, 1):
+            longer = (*beginning, sign)
+            if len(longer) <= len(cells.surfaces) and longer not in occurring and not _is_known(longer, known):
+                weights = _contradiction(cells, longer)
+                known.append({j: longer[j] for j in weights})
+                last = max(weights)
+                mixture = {f"s{j}": str(weight / weights[last]) for j, weight in weights.items() if j != last}
+                yield pattern(known[-1].get(j) for j in range(len(cells.surfaces))), {"mixture": [mixture]}
+
+
+def _is_known(signs: Pattern, known: Sequence[dict[int, int]]) -> bool:
+    """Whether signs that were found to contradict each other occur in the pattern."""
+    return any(all(j < len(signs) and signs[j] == s for j, s in own.items()) for own in known)
+
+
+def _contradiction(cells: SignCells, signs: Pattern) -> dict[int, Number]:
+    """Weights with which some affine surfaces with their signs have no positive value in the cube."""
+    affine = [j for j in range(len(signs)) if cells.surfaces[j].degree == 1]
+    forms = [cells.surfaces[j] * signs[j] for j in affine]
+    found = least_mixture(forms, forms[0].field(cells.radius))
+    weights = {} if found is None else found.weights
+    return {j: weights[i] for i, j in enumerate(affine) if weights.get(i)}
+
+
+LARGEST = 3  # signs that contradict each other
+TRIALS = 6  # contradictions that are tried, for one pattern
+
+
+def started(system: SwitchedSystem, search: Search | None) -> tuple[System, Search]:
+    """The subject of a certificate, and a search.
+
+    Raises:
+        NotShownError: for a system that no certificate can name.
+    """
+    try:
+        return read_subject(about(system)), search or Search()
+    except (NoCertificateError, RejectedError) as error:
+        raise NotShownError(str(error)) from None
+
+
+def build_inclusion(stated: StatedCells, subject: System, search: Search, functions: Sequence[str] = ()) -> Inclusion:
+    """The cells with their fields as the checker builds them.
+
+    Raises:
+        NotShownError: where it refuses to.
+    """
+    try:
+        return Inclusion(subject, stated.record, functions, search)
+    except RejectedError as error:
+        raise NotShownError(f"required {error}") from None
+
+
+def sharpened(stated: StatedCells, subject: System, search: Search) -> StatedCells:
+    """The same cells with further patterns that are shown to be empty.
+
+    Args:
+        stated: of a cube.
+        subject: the system.
+        search: keeps the proofs.
+    """
+    if all(surface.degree == 1 for surface in stated.surfaces):
+        return stated
+    found = stated
+    known = build_inclusion(stated, subject, search)
+    signs = _sampled_signs(known.surfaces)
+    occurring = {tuple(map(int, row)) for row in np.unique(signs, axis=0)}
+    for cell in known.cells:
+        is_known = any(_holds(cell.signs, mark) for mark in found.empty)
+        if cell.signs in occurring or is_known:
+            continue
+        for mark in _contradictions(cell.signs, signs, known.surfaces):
+            if _is_shown(stated, mark, subject, search):
+                found = replace(found, empty={**found.empty, mark: search.found[f"empty {mark}"][1]})
+                break
+    return found
+
+
+def _sampled_signs(surfaces: Surfaces) -> Floats:
+    """The signs of all surfaces at random points, one row for each point."""
+    points = np.concatenate([sample_points(surfaces.domain.system.count, bounded=True, seed=k) for k in range(20)])
+    return np.stack([np.sign(values_at(own, points)[0]) for own in surfaces.listed], axis=1)
+
+
+def _holds(signs: Pattern, mark: str) -> bool:
+    """Whether a pattern has the signs of a text."""
+    return all(m in (".", "-+"[s > 0]) for m, s in zip(mark, signs, strict=True))
+
+
+def _contradictions(signs: Pattern, sampled: Floats, surfaces: Surfaces) -> Iterator[str]:
+    """A few of its signs, one of a curved surface among them, that no sample has together; the smallest first."""
+    curved = {j for j, own in enumerate(surfaces.listed) if own.degree > 1}
+    left = TRIALS
+    for size in range(1, LARGEST + 1):
+        for chosen in combinations(range(len(signs)), size):
+            wanted = [signs[j] for j in chosen]
+            if left and curved.intersection(chosen) and not (sampled[:, chosen] == wanted).all(axis=1).any():
+                left -= 1
+                yield pattern(s if j in chosen else None for j, s in enumerate(signs))
+
+
+def _is_shown(stated: StatedCells, mark: str, subject: System, search: Search) -> bool:
+    try:
+        Surfaces(Domain(subject, stated.within), stated.record["surfaces"], [mark], search)
+    except (NotShownError, RejectedError):
+        return False
+    return True
