@@ -47,6 +47,7 @@ from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import SceneError, requirement
+from nonsmooth.symbolic.scene_kind import SceneKind
 from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem, require_stated
 
 BITS = 128
@@ -211,11 +212,11 @@ def audit(scene: Scene | SwitchedSystem, lyapunov: str) -> AuditResult:
     Raises:
         SceneError: for text that is no formula of the states, and for systems in one state.
     """
-    if isinstance(scene, SwitchedSystem) and _is_in_space(scene):
+    if scene.kind is SceneKind.SYSTEM and len(scene.states) > len(PLANE):
         return _audit_in_space(scene, lyapunov)
     found = audited_cells(scene, lyapunov)
     if found is None:
-        rule = scene.contact.rule if isinstance(scene, Scene) else None
+        rule = scene.contact.rule if scene.kind is SceneKind.ARRAY else None
         reason = f'rule "{rule}" moves the array by a field without cells, which is not audited'
         return AuditResult(scene, lyapunov, AuditVerdict.UNDECIDED, None, reason, None, None)
     formula, domain, cells = found
@@ -224,11 +225,11 @@ def audit(scene: Scene | SwitchedSystem, lyapunov: str) -> AuditResult:
 
 
 def _is_in_space(scene: Scene | SwitchedSystem) -> bool:
-    return isinstance(scene, SwitchedSystem) and len(scene.states) > len(PLANE)
+    return scene.kind is SceneKind.SYSTEM and len(scene.states) > len(PLANE)
 
 
 def _states(scene: Scene | SwitchedSystem) -> tuple[str, ...]:
-    return scene.states if isinstance(scene, SwitchedSystem) else PLANE
+    return scene.states if scene.kind is SceneKind.SYSTEM else PLANE
 
 
 def _result(scene: Scene | SwitchedSystem, lyapunov: str, function: Any) -> AuditResult:
@@ -261,7 +262,7 @@ def audited_cells(
         SceneError: for text that is no formula of the states over the scene's field.
     """
     formula = _formula(scene, lyapunov)
-    if isinstance(scene, SwitchedSystem):
+    if scene.kind is SceneKind.SYSTEM:
         require_stated(scene)
         require_denominators(scene)
         domain = domains(scene, formula, plane_cells(scene))[0]
@@ -277,7 +278,7 @@ def _judged_in_the_plane(scene: Scene | SwitchedSystem, function: PlaneFunction)
     """The verdict that follows from the inequalities."""
     verdict, proves = JUDGED[function.decrease]
     reason, witness = function.reason, function.witness
-    if not isinstance(scene, SwitchedSystem):
+    if scene.kind is SceneKind.ARRAY:
         return verdict, proves, reason, _named(witness)
     if function.decrease is Decrease.REFUTED and scene.waves:
         witness = _stated_refutation(scene, function)

@@ -20,6 +20,7 @@ from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.number_text import place_text
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import one_line
+from nonsmooth.symbolic.scene_kind import SceneKind
 from nonsmooth.symbolic.signed_roots import SignedRoots
 from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
 
@@ -267,9 +268,9 @@ def audit_facts(result: AuditResult) -> Iterator[Fact]:
 
 def _looked_at(scene: Scene | SwitchedSystem, function: ExaminedFunction | None) -> Iterator[Fact]:
     """Where V is looked at, and its derivatives."""
-    states = scene.states if isinstance(scene, SwitchedSystem) else PLANE
+    states = scene.states if scene.kind is SceneKind.SYSTEM else PLANE
     yield Fact("domain") if function is None else text_fact("domain", function.domain.text(states), "on")
-    if isinstance(scene, SwitchedSystem) and (scene.written or scene.others):
+    if scene.kind is SceneKind.SYSTEM and (scene.written or scene.others):
         yield row_fact("field", rewriting_words(scene))  # of which the derivatives speak
     yield from () if function is None else _derivatives(function)
 

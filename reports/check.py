@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 from nonsmooth.reports.files import output_path, write_whole
 from nonsmooth.reports.progress import end_progress, progress, steps
 from nonsmooth.reports.refusals import RefusedError, bad_input, refusals_named
-from nonsmooth.reports.study import Options, SceneKind, SceneStudy, StudyRequest, kind_of, option
+from nonsmooth.reports.study import Options, SceneStudy, StudyRequest, option
 from nonsmooth.symbolic.rule import CONTACT_RULES, MIXED
 from nonsmooth.symbolic.scene_error import SceneError, one_line
+from nonsmooth.symbolic.scene_kind import SceneKind
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.cells.partition import Partition
@@ -116,12 +117,12 @@ class CheckStudy(SceneStudy[CheckOptions]):
                     raise RefusedError(f"{flag}: required one contact rule, received all")
                 output_path(file, endings)
         for scene in scenes:
-            if kind_of(scene) is SceneKind.SYSTEM:
+            if scene.kind is SceneKind.SYSTEM:
                 _require_array(scene, f"--rule {ALL_RULES}" * (options.rule == ALL_RULES), "a plain system")
                 _require_array(scene, "--at auto" * (options.at == AUTO), "a plain system")
         if len(scenes) > 1:
             asked.refuse(OF_ONE_SCENE, "one scene", str(len(scenes)))
-        elif kind_of(scenes[0]) is SceneKind.SYSTEM:
+        elif scenes[0].kind is SceneKind.SYSTEM:
             wanted = next((name for name in OF_ONE_ARRAY if name in asked.given), "")
             _require_array(scenes[0], f"--{wanted}" if wanted else "", "a plain switched system")
 
@@ -130,7 +131,7 @@ class CheckStudy(SceneStudy[CheckOptions]):
         scenes = [ruled for one in _listed(scene) for ruled in _under_rules(one, options)]
         if len(_listed(scene)) > 1:
             return _check_many(scenes, options)
-        if kind_of(scenes[0]) is SceneKind.SYSTEM:
+        if scenes[0].kind is SceneKind.SYSTEM:
             return _check_system(scenes[0], options)
         return _check_array(scenes, options)
 
@@ -361,7 +362,7 @@ def _summary_line(scene: Any, options: CheckOptions, *, records: bool) -> Summar
     from nonsmooth.reports.records import CHECK_SCHEMA
     from nonsmooth.symbolic.contact_set import TipsError
 
-    if kind_of(scene) is SceneKind.SYSTEM:
+    if scene.kind is SceneKind.SYSTEM:
         found = check_system(scene)
         return SummaryLine(scene.origin, NONE, (found.verdict,), NONE, found.exit_status, found.facts())
     rule = str(scene.contact.rule)

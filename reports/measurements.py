@@ -21,6 +21,7 @@ from nonsmooth.reports.terminal import header_table
 from nonsmooth.symbolic.number_text import measured_text
 from nonsmooth.symbolic.scene import Scene, require_known_loads
 from nonsmooth.symbolic.scene_error import one_line
+from nonsmooth.symbolic.scene_kind import SceneKind
 from nonsmooth.symbolic.switched_system import SwitchedSystem, require_plane, require_single
 
 if TYPE_CHECKING:
@@ -39,7 +40,7 @@ def measurable(scene: Scene | SwitchedSystem) -> Scene | SwitchedSystem:
     Raises:
         SceneError: for what nothing can be measured of.
     """
-    if isinstance(scene, SwitchedSystem):
+    if scene.kind is SceneKind.SYSTEM:
         require_plane(scene)
         require_single(scene)
     else:
@@ -150,7 +151,7 @@ class Precision(MeasurementResult):
         return {
             "schema": "nonsmooth-precision/1",
             "scene": run.scene.name,
-            "rule": str(run.scene.contact.rule) if isinstance(run.scene, Scene) else None,
+            "rule": str(run.scene.contact.rule) if run.scene.kind is SceneKind.ARRAY else None,
             "runs": run.limits.runs,
             "time_limit": run.limits.seconds,
             "complete": run.complete,

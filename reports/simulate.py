@@ -11,7 +11,8 @@ from nonsmooth.reports.choices import PathMethod
 from nonsmooth.reports.files import FILMS
 from nonsmooth.reports.refusals import OptionError, RefusedError, bad_input
 from nonsmooth.reports.simulate_options import SimulateOptions
-from nonsmooth.reports.study import SceneKind, SceneStudy, StudyRequest, kind_of
+from nonsmooth.reports.study import SceneStudy, StudyRequest
+from nonsmooth.symbolic.scene_kind import SceneKind
 
 if TYPE_CHECKING:
     from nonsmooth.reports.result import Result
@@ -55,7 +56,7 @@ class Simulate(SceneStudy[SimulateOptions]):
 
     def run(self, scene: Scene | SwitchedSystem, options: SimulateOptions) -> Result:
         """A path, a map, an orbit, or distances by mass."""
-        return _run_system(scene, options) if kind_of(scene) is SceneKind.SYSTEM else _run_array(scene, options)
+        return _run_system(scene, options) if scene.kind is SceneKind.SYSTEM else _run_array(scene, options)
 
 
 SIMULATE = Simulate()

@@ -14,28 +14,20 @@ import inspect
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field, fields
-from enum import Enum, StrEnum
+from enum import Enum
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar, get_type_hints
 
 from nonsmooth.reports.refusals import OptionError, RefusedError, in_keywords
 from nonsmooth.symbolic.rule import CONTACT_RULES
+from nonsmooth.symbolic.scene_kind import SceneKind
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from nonsmooth.reports.result import Result
-    from nonsmooth.symbolic.scene import Scene
-    from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 Chosen = TypeVar("Chosen", bound="Options")
 Method = TypeVar("Method", bound=Callable[..., Any])
-
-
-class SceneKind(StrEnum):
-    """What a study is of, in words."""
-
-    ARRAY = "an array of wheels"
-    SYSTEM = "a plain switched system"
 
 
 @dataclass(frozen=True)
@@ -127,7 +119,8 @@ class StudyRequest(Generic[Chosen]):
     @property
     def kind(self) -> SceneKind:
         """That of the scene."""
-        return kind_of(self.scene)
+        kind: SceneKind = self.scene.kind
+        return kind
 
     def refuse(self, names: Collection[str], required: str, received: str) -> None:
         """Refuse options that do nothing here.
@@ -196,13 +189,6 @@ class SceneStudy(ABC, Generic[Chosen]):
             return self.run(scene, options)
         except RefusedError as error:
             raise error.__cause__ or ValueError(in_keywords(str(error))) from None
-
-
-def kind_of(scene: Scene | SwitchedSystem) -> SceneKind:
-    """What a scene is."""
-    from nonsmooth.symbolic.scene import Scene
-
-    return SceneKind.ARRAY if isinstance(scene, Scene) else SceneKind.SYSTEM
 
 
 # ---- Python --------------------------------------------------------------------------------------

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from nonsmooth.reports.check import FAIL, asks_for_failures
 from nonsmooth.reports.document import Block
+from nonsmooth.reports.entries import entry
 from nonsmooth.reports.files import PICTURES, write_whole
-from nonsmooth.reports.interface.entries import entry
 from nonsmooth.reports.refusals import RefusedError, option_named
 from nonsmooth.reports.result import DataTable, Record, Result
 from nonsmooth.reports.short_text import short_lines

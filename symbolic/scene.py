@@ -16,6 +16,7 @@ import dataclasses
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
+from typing import ClassVar, Literal
 
 from nonsmooth.symbolic.body import Body
 from nonsmooth.symbolic.characteristic_length import default_length
@@ -28,6 +29,7 @@ from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.plane import Vector, cross, dot
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact
+from nonsmooth.symbolic.scene_kind import SceneKind
 from nonsmooth.symbolic.tolerances import Tolerance
 from nonsmooth.symbolic.units import Units
 from nonsmooth.symbolic.unknown_loads import UnknownLoads
@@ -195,6 +197,8 @@ class Scene(ShortRepr):
     ``tolerances`` are how far the array that is built may be from this one, None where nothing is said of it;
     ``loop_errors`` are how late and how wrong the pose is that a feedback law acts on, None where it is exact.
     """
+
+    kind: ClassVar[Literal[SceneKind.ARRAY]] = SceneKind.ARRAY
 
     name: str
     field: NumberField

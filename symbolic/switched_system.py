@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import prod
+from typing import ClassVar, Literal
 
 from nonsmooth.symbolic.expression import ExpressionError
 from nonsmooth.symbolic.notebook import ShortRepr
@@ -19,6 +20,7 @@ from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.piecewise import PiecewiseExpression, SignOf
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact, requirement
+from nonsmooth.symbolic.scene_kind import SceneKind
 from nonsmooth.symbolic.signed_roots import SignedRoots
 from nonsmooth.symbolic.sine_enclosures import Wave
 from nonsmooth.symbolic.surfaces import switching_factors
@@ -92,6 +94,8 @@ class SwitchedSystem(ShortRepr):
         by_roots: what the system stands for where its states are signed roots of the stated ones; None otherwise.
         encloses_numbers: whether the right-hand sides have rational bounds in place of irrational numbers.
     """
+
+    kind: ClassVar[Literal[SceneKind.SYSTEM]] = SceneKind.SYSTEM
 
     name: str
     field: NumberField

@@ -17,10 +17,12 @@ quadratic in omega, ``(mu_R (u - omega W/2))^2 + (mu_S omega L/2)^2``, least whe
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar, Literal
 
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.plane import Vector
 from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.scene_kind import SceneKind
 
 FORMULA = "1 + (mu_S/mu_R)^2 (L/W)^2"  # the multiplier of four equal wheels under rule ellipse
 
@@ -40,6 +42,8 @@ class Vehicle:
         source: where that number is from.
     """
 
+    kind: ClassVar[Literal[SceneKind.VEHICLE]] = SceneKind.VEHICLE
+
     scene: Scene
     track: Number | None = None
     wheel_base: Number | None = None
@@ -53,6 +57,11 @@ class Vehicle:
     def name(self) -> str:
         """The name of its scene."""
         return self.scene.name
+
+    @property
+    def origin(self) -> str:
+        """Where it came from, for messages."""
+        return self.scene.origin
 
     @property
     def centre_of_mass(self) -> Vector:

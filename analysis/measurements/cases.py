@@ -48,6 +48,7 @@ from nonsmooth.symbolic.constraints import Row, roll_row, side_row
 from nonsmooth.symbolic.contact_states import solve_rows
 from nonsmooth.symbolic.number_text import power_text
 from nonsmooth.symbolic.scene import Scene, Wheel
+from nonsmooth.symbolic.scene_kind import SceneKind
 from nonsmooth.symbolic.similar_scenes import moved, scaled, scaled_system, with_friction_ratio
 from nonsmooth.symbolic.support_polygon import support_polygon
 from nonsmooth.symbolic.switched_system import SwitchedSystem
@@ -241,7 +242,7 @@ def cells_of(scene: Scene) -> Partition | RefusalError:
 
 def measured_fields(scene: Scene | SwitchedSystem, kinematics: Kinematics) -> list[MeasuredField]:
     """The field of a scene; none where a contact rule has no cells, which the case of scales says once."""
-    if isinstance(scene, SwitchedSystem):
+    if scene.kind is SceneKind.SYSTEM:
         return [measured_system(scene)]
     cells = cells_of(scene)
     return [] if isinstance(cells, RefusalError) else [measured_array(cells, kinematics)]

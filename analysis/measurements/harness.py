@@ -17,6 +17,7 @@ from enum import StrEnum
 from typing import Any, TypeAlias, TypeVar, cast
 
 from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.scene_kind import SceneKind
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 EPSILON = 2.0**-52  # relative spacing of doubles
@@ -265,7 +266,7 @@ class Case:
 
     def rows(self, scene: Scene | SwitchedSystem) -> Rows:
         """The rows of a scene, none where the family is not about such scenes."""
-        family: Callable[[Any], Rows] | None = self.array if isinstance(scene, Scene) else self.system
+        family: Callable[[Any], Rows] | None = self.array if scene.kind is SceneKind.ARRAY else self.system
         if family is None:
             return
         try:

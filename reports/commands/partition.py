@@ -10,8 +10,9 @@ from nonsmooth.reports.choices import Drawing
 from nonsmooth.reports.files import PICTURES
 from nonsmooth.reports.progress import steps
 from nonsmooth.reports.refusals import refusals_named
-from nonsmooth.reports.study import Options, SceneKind, SceneStudy, StudyRequest, kind_of, option
+from nonsmooth.reports.study import Options, SceneStudy, StudyRequest, option
 from nonsmooth.reports.study_command import command
+from nonsmooth.symbolic.scene_kind import SceneKind
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -57,7 +58,7 @@ class PartitionStudy(SceneStudy[PartitionOptions]):
 
     def run(self, scene: Any, options: PartitionOptions) -> Result:
         """Build them."""
-        if kind_of(scene) is SceneKind.SYSTEM:
+        if scene.kind is SceneKind.SYSTEM:
             from nonsmooth.reports.phase_portrait import PhasePortrait
 
             return PhasePortrait(scene)

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from nonsmooth.reports.options import complete_study
 from nonsmooth.reports.refusals import RefusedError
 from nonsmooth.reports.result import Result
-from nonsmooth.reports.study import Options, SceneKind, SceneStudy, StudyRequest, kind_of, option
+from nonsmooth.reports.study import Options, SceneStudy, StudyRequest, option
 from nonsmooth.reports.study_command import command
+from nonsmooth.symbolic.scene_kind import SceneKind
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -56,10 +57,10 @@ class PrecisionStudy(SceneStudy[PrecisionOptions]):
         from nonsmooth.symbolic.contact_set import standing
 
         measurable(scene)
-        stands = standing(scene) if kind_of(scene) is SceneKind.ARRAY else scene
+        stands = standing(scene) if scene.kind is SceneKind.ARRAY else scene
         limits = Limits(options.runs, options.time_limit)
         with progress() as report:
-            return Precision(measure(stands, _studies(options.study, kind_of(scene)), limits, report))
+            return Precision(measure(stands, _studies(options.study, scene.kind), limits, report))
 
 
 def _studies(names: Sequence[str] | None, kind: SceneKind) -> tuple[Study, ...]:

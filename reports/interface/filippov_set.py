@@ -10,7 +10,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from nonsmooth.proofs.inequalities.linear_program import best_mixture, mixtures_to_zero
-from nonsmooth.reports.interface.entries import entry
+from nonsmooth.reports.entries import entry
 from nonsmooth.reports.result import Tabular
 from nonsmooth.reports.short_text import short_lines
 from nonsmooth.symbolic.notebook import html_table

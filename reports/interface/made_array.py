@@ -8,7 +8,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
-from nonsmooth.reports.interface.entries import table
+from nonsmooth.reports.entries import table
 from nonsmooth.reports.interface.places import placed
 from nonsmooth.reports.interface.wheel import Wheel
 

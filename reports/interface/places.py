@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from nonsmooth.reports.interface.entries import entry
+from nonsmooth.reports.entries import entry
 
 # Where a keyword of `with_` stands in a scene file.
 _PLACES = {

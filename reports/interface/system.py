@@ -8,7 +8,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
-from nonsmooth.reports.interface.entries import entry, table
+from nonsmooth.reports.entries import entry, table
 from nonsmooth.reports.simulate_options import PATH, UNTIL, SimulateOptions
 from nonsmooth.reports.study import takes
 

@@ -8,7 +8,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from nonsmooth.reports.interface.entries import table
+from nonsmooth.reports.entries import table
 from nonsmooth.reports.vehicles import VehicleResult
 
 if TYPE_CHECKING:

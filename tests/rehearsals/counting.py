@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from nonsmooth.reports.document import Block, Paragraph, findings
 from nonsmooth.reports.result import FORMATS, DataTable, Record, Result
-from nonsmooth.reports.study import Options, SceneKind, SceneStudy, StudyRequest, kind_of, option
+from nonsmooth.reports.study import Options, SceneStudy, StudyRequest, option
 from nonsmooth.reports.study_command import command
+from nonsmooth.symbolic.scene_kind import SceneKind
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -58,7 +59,7 @@ class Count(SceneStudy[CountOptions]):
             asked.refuse(("times",), "no --twice", "--twice")
 
     def run(self, scene: Any, options: CountOptions) -> Result:
-        counted = scene.wheels if kind_of(scene) is SceneKind.ARRAY else scene.states
+        counted = scene.wheels if scene.kind is SceneKind.ARRAY else scene.states
         return CountResult(scene.name, len(counted) * (2 if options.twice else options.times))
 
 
