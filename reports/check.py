@@ -50,6 +50,9 @@ class CheckOptions(Options):
         str | None,
         metavar="X,Y|auto",
     )
+    accuracy: Any = option(
+        None, "How near a body must come, such as 1/100; replaces the scene's.", str | None, metavar="LENGTH"
+    )
     prune: bool = option(True, "Leave nothing out; the verdicts are the same.", flag="--no-prune")
     certificate: str | None = option(
         None, "Write a certificate for verify: .json (one scene; of an array, rule nearest or box).", metavar="FILE"
@@ -100,6 +103,7 @@ class CheckStudy(SceneStudy[CheckOptions]):
     """A check of one scene or of many."""
 
     options: ClassVar[type[Any]] = CheckOptions
+    changes: ClassVar[Sequence[str]] = (*SceneStudy.changes, "accuracy")
 
     def load(self, scene: Sequence[str], options: CheckOptions, **changes: Any) -> list[AnyScene]:
         """The scenes that are named."""

@@ -81,6 +81,12 @@ Radius = Annotated[
     str | None,
     typer.Option("--radius", metavar="R", help="Half-width of the checked square, such as 1/2; replaces the scene's."),
 ]
+Accuracy = Annotated[
+    str | None,
+    typer.Option(
+        "--accuracy", metavar="LENGTH", help="How near a body must come, such as 1/100; replaces the scene's."
+    ),
+]
 At = Annotated[
     str | None, typer.Option("--at", metavar="X,Y", help="The point to check, such as 0,1/4; replaces the scene's.")
 ]

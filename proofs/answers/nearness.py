@@ -22,9 +22,7 @@ from nonsmooth.proofs.clauses.translation.clause import AnyTranslation
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, Move, MoveEvidence
 from nonsmooth.proofs.robust.drift import driven_out
 from nonsmooth.proofs.robust.ends import Ends, decide_ends, why_not_followed
-from nonsmooth.proofs.robust.smooth_rules import HAS_ROLLERS, equilibrium_box
-from nonsmooth.proofs.robust.touching_rings import no_tolerance
-from nonsmooth.proofs.robust.ultimate_bound import root_above
+from nonsmooth.proofs.robust.rest_points import EnclosedRest, enclosed_rest, is_carried_away
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.numbers.number import sign
@@ -108,21 +106,32 @@ def _decided(asked: _Asked) -> Nearness:
     with either_way(scene.field):  # what is shown holds for every member of what was rounded
         ends = decide_ends(centred, accuracy, rests=holds and asked.translation is Translation.STABLE)
         if asked.equilibrium is Equilibrium.UNDECIDED:
-            return Nearness(ends, rests_within=_rest_beside(centred, accuracy))
+            return _beside_a_rest(centred, accuracy, ends)
         if ends is not None or (holds and asked.translation is Translation.STABLE):
             return Nearness(ends)
         if holds:
-            return Nearness(is_thrown_out=_is_surely_out(asked, accuracy))
+            carried_away = asked.translation is Translation.UNSTABLE and is_carried_away(centred, accuracy, Fraction(0))
+            return Nearness(is_thrown_out=carried_away or _is_surely_out(asked, accuracy))
         return Nearness(out_after=driven_out(centred, accuracy))
 
 
-def _rest_beside(scene: Scene, accuracy: Fraction) -> Fraction | None:
-    """How far from the point of a centred scene a place of rest may be that attracts, where only rounding hides it."""
-    if scene.contact.rule not in HAS_ROLLERS:
-        return None
-    found = equilibrium_box(scene, no_tolerance(scene))
-    most = ROUNDING * accuracy
-    return root_above(found.squared) if found is not None and found.squared <= most * most else None
+def _beside_a_rest(scene: Scene, accuracy: Fraction, ends: Ends | None) -> Nearness:
+    """Where a place of rest that only rounding tells from the point of a centred scene attracts bodies, or repels them.
+
+    So it is too where its rotation rate is not a number of the scene, as of arrays that are symmetric about the point.
+    """
+    rest = rest_beside(scene)
+    if rest is not None and rest.stability is Translation.ASYMPTOTICALLY_STABLE:
+        return Nearness(ends, rests_within=rest.distance)
+    if ends is None and rest is not None and rest.stability is Translation.UNSTABLE:
+        return Nearness(is_thrown_out=is_carried_away(scene, accuracy, rest.distance))
+    return Nearness(ends)
+
+
+def rest_beside(scene: Scene) -> EnclosedRest | None:
+    """The place of rest of a centred scene that is its point, to all printed digits; None where none is enclosed."""
+    rest = enclosed_rest(scene)
+    return rest if rest is not None and rest.distance <= ROUNDING * scene.accuracy else None
 
 
 def _is_surely_out(asked: _Asked, accuracy: Fraction) -> bool:

@@ -1,17 +1,17 @@
-"""Rings on which every body comes nearer under a rule with loads, by friction forces that balance a pull outward.
+"""Bounds of the motion of bodies under a rule with loads, by friction forces that balance a pull.
 
 At a place c let the forces ``y_i`` be within the limits of the wheels, ``y_i = N_i f_i`` with ``f_i`` in the friction
-set, and let them balance the pull ``G = (lambda c, 0)`` up to a small rest: ``sum_i y_i . row_i = G + rho``.  Since
+set, and let them balance a pull G up to a small rest: ``sum_i y_i . row_i = G + rho``.  Since
 ``D(xi) >= sum_i y_i . slip_i(xi)`` for every twist, every minimizer xi of D, and any other twist ``xi^``, obey ::
 
-    lambda c . v  <=  D(xi^) + sum_i y_i . u_i - rho . xi,
+    G . xi  <=  D(xi^) + sum_i y_i . u_i - rho . xi,
 
 ``u_i`` the speed of the surface.  The forces that make the right side least are those at the minimizer of ``D - G .
-xi``: the bound is sharp (Fenchel's duality).
+xi``: the bound is sharp (Fenchel's duality).  With a covector g and ``c' = v + omega J c``, ``G = lambda (g, g . J c)``
+makes it a bound of ``lambda g . c'``.
 
-Loads are affine in c.  So forces at the corners of a polygon, mixed, are forces at each of its points, and with one
-``xi^`` and one lambda the bounds at the corners, mixed, bound ``lambda c . v`` all over it.  |c| is convex: where the
-bound is at most ``-kappa |c|`` at each corner, ``c . v <= -kappa |c|`` on the polygon.
+Loads are affine in c.  So forces at the corners of a polygon, mixed, are forces at each of its points, and where G is
+affine on it the bounds at the corners, with one ``xi^`` and one lambda, mixed, bound ``lambda g . c'`` all over it.
 
 Floats find the forces, by Newton's method on D with its edges rounded (whose gradient is a force inside the limits,
 whatever the rounding); intervals bound what follows.  The twist itself is bounded by ``D(xi) <= D(0)``.
@@ -38,18 +38,11 @@ Triple: TypeAlias = tuple[Intervals, Intervals, Intervals]
 
 PRECISION = 128  # bits of the balls
 INSIDE = 1 - 2.0**-40  # of its limit: the largest friction force that is proposed
-ROUNDINGS = (
-    2.0**-3,
-    2.0**-7,
-    2.0**-12,
-    2.0**-18,
-    2.0**-24,
-)  # of the fastest surface: slips over which edges are rounded
-STEPS = 12  # of Newton's method for each of them
+ROUNDINGS = tuple(2.0**-k for k in range(3, 25, 3))  # of the fastest surface: slips over which edges are rounded
+STEPS = 16  # of Newton's method for each of them
 LONGEST = 4.0  # step, in speeds of the fastest surface
 TINY, HUGE = 2.0**-1000, 2.0**300
 HALVINGS = 12  # of a step
-MARGIN = 2.0**-20  # of a radius: corners of polygons lie so far beyond the ring, which rounding does not reach
 
 
 @dataclass(frozen=True)
@@ -75,7 +68,11 @@ class FrictionShape:
         return edge, np.sqrt(np.maximum(self.roll * self.roll - edge * edge, 0.0))
 
     def force(self, r: Floats, s: Floats, width: float) -> tuple[Floats, Floats]:
-        """A force inside the set, per unit of load: the gradient of the support function, rounded where slips vanish.
+        """A force inside the set, per unit of load: the gradient of the support function of a slip with a third part.
+
+        The third part, ``width`` times the coefficient, rounds the edge where slips vanish:
+        ``sqrt((a r)^2 + (b s)^2 + (a width)^2)`` on the arc, ``sqrt(a^2 - e^2) sqrt(r^2 + width^2) + e |s|`` at a
+        corner of height e.
 
         Args:
             r: slip along the axis.
@@ -84,27 +81,25 @@ class FrictionShape:
         """
         a, b = self.roll, self.side
         if self.is_box:
-            return a * np.clip(r / width, -1, 1), b * np.clip(s / width, -1, 1)
-        size = np.maximum(np.hypot(a * r, b * s), a * width)
+            return a * r / np.hypot(r, width), b * s / np.hypot(s, width)
+        size = np.hypot(np.hypot(a * r, b * s), a * width)
         along, across = a * a * r / size, b * b * s / size
         if not self.rolls.any():
             return along, across
         edge, most = self.strip
-        size = np.maximum(np.hypot(r, s), width)
+        size = np.hypot(np.hypot(r, s), width)
         cut = a * s / size
-        straight = np.where(np.abs(cut) > edge, np.clip(a * r / width, -most, most), a * r / size)
+        straight = np.where(np.abs(cut) > edge, most * r / np.hypot(r, width), a * r / size)
         return np.where(self.rolls, straight, along), np.where(self.rolls, np.clip(cut, -edge, edge), across)
 
     def stiffness(self, r: Floats, s: Floats, width: float) -> tuple[Floats, Floats, Floats]:
         """The derivatives of the force: along by r, across by s, and along by s, which is across by r."""
         a, b = self.roll, self.side
         if self.is_box:
-            return np.where(np.abs(r) < width, a / width, 0.0), np.where(np.abs(s) < width, b / width, 0.0), 0.0 * r
+            return a * width**2 / np.hypot(r, width) ** 3, b * width**2 / np.hypot(s, width) ** 3, 0.0 * r
         p, q = np.where(self.rolls, r, a * r), np.where(self.rolls, s, b * s)
-        least = np.where(self.rolls, width, a * width)
-        size = np.maximum(np.hypot(p, q), least)
-        free = np.hypot(p, q) > least
-        x, y = np.where(free, p / size, 0.0), np.where(free, q / size, 0.0)
+        size = np.hypot(np.hypot(p, q), np.where(self.rolls, width, a * width))
+        x, y = p / size, q / size
         first, second = np.where(self.rolls, a, a * a), np.where(self.rolls, a, b * b)
         mixed = np.where(self.rolls, a, a * b)
         by_r, by_s, both = first * (1 - x * x) / size, second * (1 - y * y) / size, -mixed * x * y / size
@@ -112,7 +107,7 @@ class FrictionShape:
             return by_r, by_s, both
         edge, most = self.strip
         turns = self.rolls & (np.abs(a * s / size) > edge)
-        straight = np.where(np.abs(a * r / width) < most, a / width, 0.0)
+        straight = most * width**2 / np.hypot(r, width) ** 3
         return np.where(turns, straight, by_r), np.where(turns, 0.0, by_s), np.where(turns, 0.0, both)
 
     def support(self, r: Intervals, s: Intervals, roll: Intervals, side: Intervals) -> Intervals:
@@ -151,36 +146,6 @@ class FrictionShape:
             Intervals(np.where(self.rolls, straight, along.low), np.where(self.rolls, straight, along.high)),
             Intervals(np.where(self.rolls, cut, across.low), np.where(self.rolls, cut, across.high)),
         )
-
-
-@dataclass(frozen=True)
-class Quadrangles:
-    """Several quadrangles about the origin, counterclockwise, that cover their parts of rings.
-
-    Attributes:
-        corners: (pieces, 4, 2).
-    """
-
-    corners: Floats
-
-    @classmethod
-    def of_rings(cls, inner: Floats, outer: Floats, sectors: int) -> Quadrangles:
-        """Of rings one after the other, ``sectors`` of each.
-
-        Neighbours share their corners to the last bit, so that no gap is between them.
-        """
-        angles = 2 * math.pi * np.arange(sectors) / sectors
-        rays = np.stack([np.cos(angles), np.sin(angles)], axis=1)
-        following = np.roll(rays, -1, axis=0)
-        near = (inner * (1 - MARGIN))[:, None, None]
-        far = (outer * (1 + MARGIN) / math.cos(math.pi / sectors))[:, None, None]
-        corners = np.stack([near * rays, far * rays, far * following, near * following], axis=2)
-        return cls(corners.reshape(-1, 4, 2))
-
-    @property
-    def middles(self) -> Floats:
-        """(pieces, 2)."""
-        return self.corners.mean(axis=1)
 
 
 class BalancedForces:
@@ -309,8 +274,13 @@ class BalancedForces:
         both = np.einsum("mw,wi,wj->mij", mixed, along, across)
         return gradient, slope + both + both.transpose(0, 2, 1)
 
-    def pulls_at_rest(self, places: Floats) -> Floats:
-        """About the force inward on a body that is held at a place, turning as it would at the origin, (m)."""
+    def pulls_at_rest(self, places: Floats, slopes: Floats) -> Floats:
+        """About the force against a covector, per its length, on a body held at a place, turning as at the origin, (m).
+
+        Args:
+            places: of the body (m, 2).
+            slopes: the covectors (m, 2).
+        """
         zero = np.zeros((1, 2))
         still = self.minimizers(zero, np.zeros((1, 3)))
         still[:, :2] = 0.0
@@ -321,7 +291,7 @@ class BalancedForces:
             ROUNDINGS[-1] * self.fastest,
             hessian=False,
         )
-        return np.asarray((gradient[:, :2] * places).sum(axis=1) / np.hypot(places[:, 0], places[:, 1]))
+        return np.asarray((gradient[:, :2] * slopes).sum(axis=1) / np.hypot(slopes[:, 0], slopes[:, 1]))
 
     def forces(self, twists: Floats) -> tuple[Floats, Floats]:
         """Inside the friction sets, per unit of load, (m, wheels) each."""

@@ -2,8 +2,8 @@
 
 Bodies are followed by rings about a centre (:mod:`nonsmooth.proofs.robust.touching_rings`): about the checked point,
 about a place of rest near it, or about where a path from it ends.  Floats propose the centre, whose coordinates are
-then exact; what is proved of it is proved, wherever it lies.  With d its distance from the checked point, bodies from
-within ``R' - d`` of the point end within ``d + r'`` of it.
+then exact, and the shape of the rings; what is proved of them is proved, wherever they lie.  With d the distance of the
+centre from the checked point, bodies from within ``R' - d`` of the point end within ``d + r'`` of it.
 
 Kinematics are exact: ``c' = v + omega J c``.
 """
@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.proofs.robust.balanced_forces import BalancedForces
+from nonsmooth.proofs.robust.level_sets import Distance, LevelFunction, shapes_about
 from nonsmooth.proofs.robust.touching_rings import rings_about
 from nonsmooth.proofs.robust.ultimate_bound import root_above
 from nonsmooth.symbolic.rule import MIXED
@@ -36,6 +37,7 @@ MOST_WHEELS = {"nearest": 400, "box": 30, "ellipse": 400, "roller": 400, MIXED: 
 WIDE = 5  # accuracies: the least radius of the largest disc of starts that is looked for
 CLOSE = Fraction(1, 256)  # of the accuracy: a smaller disc about a place of rest is not worth the time
 NEAR_REST = Fraction(1, 8)  # of its distance from the point: nor is one that small
+BEYOND = 1.05  # of that distance: the disc of starts that is needed where bodies end away from the point
 DIGITS = 5  # decimals of a centre, below those of the accuracy
 DRIFT_STEPS = 160
 FEW_STEPS = 40  # the same under rule box, where each takes longer
@@ -83,12 +85,17 @@ def decide_ends(scene: Scene, accuracy: Fraction, box: Tolerance | None = None, 
     """
     if why_not_followed(scene):
         return None
-    away = None
-    for centre in [(Fraction(0), Fraction(0))] if rests else _centres(scene, accuracy):
-        found = _about(scene, centre, accuracy, box)
-        if found is not None and found.is_near:
-            return found
-        away = away or found
+    velocity, away = _velocity(scene), None
+    if velocity is None:
+        return None
+    for centre in [(Fraction(0), Fraction(0))] if rests else _centres(scene, velocity, accuracy):
+        for shape in _shapes(scene, velocity, centre):
+            found = _about(scene, centre, shape, accuracy, box)
+            if found is not None and found.is_near:
+                return found
+            away = away or found
+            if found is not None:
+                break
     return away
 
 
@@ -104,7 +111,17 @@ def why_not_followed(scene: Scene) -> str:
     return ""
 
 
-def _about(scene: Scene, centre: Place, accuracy: Fraction, box: Tolerance | None) -> Ends | None:
+def _shapes(scene: Scene, velocity: Velocity, centre: Place) -> Iterator[LevelFunction]:
+    """Of the rings about a centre: circles, and where the field is smooth ellipses that it suggests."""
+    if scene.contact.rule in {"nearest", "box"}:
+        yield Distance()
+        return
+    place = np.array([float(entry) for entry in centre])
+    _, slope = _field_beside(velocity, place, DIFFERENCE * float(scene.check.radius))
+    yield from shapes_about(slope) if np.isfinite(slope).all() else (Distance(),)
+
+
+def _about(scene: Scene, centre: Place, shape: LevelFunction, accuracy: Fraction, box: Tolerance | None) -> Ends | None:
     """What rings about a centre show."""
     x, y = (scene.field.rational(entry) for entry in centre)
     distance = root_above(centre[0] ** 2 + centre[1] ** 2)
@@ -112,11 +129,12 @@ def _about(scene: Scene, centre: Place, accuracy: Fraction, box: Tolerance | Non
     most = min(
         max(float(scene.check.radius) - float(distance), float(WIDE * accuracy + 2 * distance)), _standing(there)
     )
-    through = 2 * float(accuracy) + float(distance)
+    # to come near they must come from twice the accuracy; to end farther away they need only come from the point
+    through = 2 * float(accuracy) + float(distance) if distance < accuracy else float(distance) * BEYOND
     if most <= through:
         return None
-    wanted = max(CLOSE * accuracy, NEAR_REST * distance)
-    rings = rings_about(there, box, most, through, float(CLOSE * accuracy if distance > accuracy else wanted) / 2)
+    wanted = max(CLOSE * accuracy, min(NEAR_REST * distance, abs(accuracy - distance) / 2))
+    rings = rings_about(there, box, most, through, float(wanted) / 2, shape)
     if rings is None or rings.start <= distance:
         return None
     start = rings.start - distance
@@ -125,7 +143,7 @@ def _about(scene: Scene, centre: Place, accuracy: Fraction, box: Tolerance | Non
     near = max(rings.radius, soon)
     if distance + rings.radius <= accuracy and start >= 2 * accuracy:
         return Ends(True, distance + near, start, rings.time_to(near), centre, near)
-    left = max(rings.radius, CLOSE * accuracy)
+    left = max(rings.radius, min(wanted, CLOSE * accuracy))
     if distance * (1 - Fraction(1, 2**20)) - left > accuracy:
         return Ends(False, None, start, rings.time_to(left), centre, left)
     return None
@@ -145,12 +163,10 @@ def _standing(scene: Scene) -> float:
 # ---- centres, proposed by floats ---------------------------------------------------------------
 
 
-def _centres(scene: Scene, accuracy: Fraction) -> Iterator[Place]:
+def _centres(scene: Scene, velocity: Velocity, accuracy: Fraction) -> Iterator[Place]:
     """The point itself, a zero of the field near it, and where a path from it ends."""
-    velocity, size = _velocity(scene), float(accuracy)
+    size = float(accuracy)
     still = STILL * max(abs(float(wheel.speed)) for wheel in scene.wheels)
-    if velocity is None:
-        return
     seen: list[Floats] = []
     for place in _proposed(scene, velocity, size, still):
         if place is not None and all(np.hypot(*(place - other)) > size / 64 for other in seen):

@@ -1,8 +1,9 @@
 """Rings about a point on which every body comes nearer, from where they begin to where they end, and how long it takes.
 
-On each ring ``inner <= |c| <= outer`` let ``c . v <= -kappa |c|`` for every velocity that is possible there, of every
-array of the box.  ``(c . c)' = 2 c . v``, also with exact kinematics, since ``c . J c = 0``.  So bodies that start in
-the largest disc come to the smallest one, in the time that is the sum of (outer - inner)/kappa, and do not leave it.
+V is the distance, or a function whose level sets are polygons (:mod:`nonsmooth.proofs.robust.level_sets`).  On each
+ring ``inner <= V <= outer`` let ``V' <= -kappa`` for every velocity that is possible there, of every array of the box;
+with exact kinematics too.  So bodies that start in the largest level set come to the smallest one, in the time that is
+the sum of (outer - inner)/kappa, and do not leave it.
 
 One rate for all rings would make that time many times too long: near a place of rest bodies are slow.
 """
@@ -18,8 +19,9 @@ import numpy as np
 from flint import fmpq
 from numpy.typing import NDArray
 
-from nonsmooth.proofs.robust.balanced_forces import BalancedForces, Quadrangles
+from nonsmooth.proofs.robust.balanced_forces import BalancedForces
 from nonsmooth.proofs.robust.intervals import Intervals
+from nonsmooth.proofs.robust.level_sets import Distance, LevelFunction, Pieces, short_levels
 from nonsmooth.proofs.robust.nearest import bounded_cells, why_not_nearest
 from nonsmooth.proofs.robust.ultimate_bound import root_above, squared_radius
 from nonsmooth.symbolic.scene import Scene
@@ -28,13 +30,14 @@ from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
 Floats: TypeAlias = NDArray[np.float64]
 
-SECTORS = 24  # quadrangles of each ring
-RATIO = 0.8  # of the radii of one ring
+RATIO = 0.8  # of the levels of one ring
 AT_ONCE = 6  # rings
+FINER = (2, 4)  # parts of each side of a ring that is not shown in one
 SMALLEST = 2.0**-22  # of the outermost radius
 SHARES = (0.25, 0.5, 0.12, 0.9)  # of the pull inward that the body feels, tried one after the other
 PUSHES = (0.6, 0.3, 0.1, 0.03)  # of the friction of all wheels, where what pulls inward is not smooth
-STILL = 2.0**-20  # of the fastest wheel
+STILL = 2.0**-20  # of the fastest wheel: speeds that are not looked at under rule box
+SLOW = 2.0**-24  # the same under the others, where floats do not tell a circle from a spiral
 ENOUGH = 0.5  # of the speed inward that is seen: with less, other strengths are tried
 RATES = 48  # values of kappa that are tried under rule nearest
 
@@ -44,46 +47,58 @@ class TouchingRings:
     """Rings that touch, from the largest inward.
 
     Attributes:
-        start: outer radius of the first (length).
-        inner: inner radius of each (length).
+        outer: level of the first one's outer border (length).
+        inner: level of the inner border of each (length).
         rates: kappa on each (length/time).
+        inside: radius of a disc that a level set holds, over its level.
+        outside: radius of a disc that holds it.
     """
 
-    start: Fraction
+    outer: Fraction
     inner: tuple[Fraction, ...]
     rates: tuple[Fraction, ...]
+    inside: Fraction = Fraction(1)
+    outside: Fraction = Fraction(1)
+
+    @property
+    def start(self) -> Fraction:
+        """Radius of the disc of starts."""
+        return self.outer * self.inside
 
     @property
     def radius(self) -> Fraction:
         """Of the disc in which every body ends."""
-        return self.inner[-1]
+        return self.inner[-1] * self.outside
 
     def time_to(self, radius: Fraction, start: Fraction | None = None) -> Fraction:
         """After which every body from within ``start`` is within a radius that is not below :attr:`radius`."""
-        outer, total = self.start, Fraction(0)
-        most = self.start if start is None else start
+        outer, total = self.outer, Fraction(0)
+        most = self.outer if start is None else start / self.inside
         for inner, rate in zip(self.inner, self.rates, strict=True):
-            width = min(outer, most) - max(inner, radius)
+            width = min(outer, most) - max(inner, radius / self.outside)
             total += max(width, Fraction(0)) / rate
             outer = inner
         return total
 
 
-def rings_about(scene: Scene, box: Tolerance | None, most: float, through: float, least: float) -> TouchingRings | None:
+def rings_about(
+    scene: Scene, box: Tolerance | None, most: float, through: float, least: float, shape: LevelFunction | None = None
+) -> TouchingRings | None:
     """Rings about the origin of a centred scene; None where there is none through a radius.
 
     Args:
         scene: centred; with known loads, where its rule needs loads.
         box: tolerances, under rule ``nearest`` alone.
-        most: the largest radius that is looked at.
-        through: a radius on the ring at which the search begins, outward and inward.
-        least: a smaller disc than this is not looked for.
+        most: the largest disc of starts that is looked for.
+        through: a disc of starts that is needed; the search begins at its border, outward and inward.
+        least: a smaller disc of ends than this is not looked for.
+        shape: V, where the rule has loads; the distance where none is given.
     """
     if scene.contact.rule == "nearest":
         return None if why_not_nearest(scene) else _of_cells(scene, box or no_tolerance(scene), most)
     if isinstance(scene.contact.loads, UnknownLoads):
         return None
-    return _of_forces(scene, most, through, least)
+    return _of_forces(scene, most, through, least, shape or Distance())
 
 
 def no_tolerance(scene: Scene) -> Tolerance:
@@ -127,32 +142,49 @@ def _fraction(value: fmpq) -> Fraction:
 # ---- rules with loads ----------------------------------------------------------------------------
 
 
-def _of_forces(scene: Scene, most: float, through: float, least: float) -> TouchingRings | None:
+def _of_forces(scene: Scene, most: float, through: float, least: float, shape: LevelFunction) -> TouchingRings | None:
     """Outward from the ring in the middle, then inward, until one fails."""
     try:
         forces = BalancedForces(scene)
     except ArithmeticError:
         return None
     outward = max(int(np.ceil(np.log(most / through) / -np.log(RATIO))), 1)
-    edges: Floats = most * np.power(RATIO, np.arange(outward + 200, dtype=np.float64))
-    edges = edges[edges > max(SMALLEST * most, least * RATIO)]
+    edges = short_levels(most / shape.inside * np.power(RATIO, np.arange(outward + 200, dtype=np.float64)))
+    edges = edges[edges > max(SMALLEST * most / shape.inside, least / shape.outside * RATIO)]
     first = min(outward - 1, len(edges) - 2)
     rates: dict[int, float] = {}
     for begin, step, count in ((first, 1, 1), (first + 1, 1, AT_ONCE), (first - 1, -1, AT_ONCE)):
         k = begin
         while 0 <= k < len(edges) - 1:
             chosen = [j for j in range(k, k + step * count, step) if 0 <= j < len(edges) - 1]
-            shown = ring_rates(forces, edges[np.array(chosen) + 1], edges[chosen])
-            rates |= dict(zip(chosen, shown, strict=True))
-            if min(shown) <= 0 or begin == first:
+            shown = ring_rates(forces, shape.pieces(edges[np.array(chosen) + 1], edges[chosen]))
+            failed = next((j for j, rate in enumerate(shown) if rate <= 0), None)
+            if failed is not None:
+                shown = [*shown[:failed], finer_rate(forces, shape, edges[chosen[failed] + 1], edges[chosen[failed]])]
+            rates |= dict(zip(chosen, shown, strict=False))
+            if shown[-1] <= 0 or begin == first:
                 break
-            k += step * count
-        if not rates[first]:
+            k += step * len(shown)
+        if rates[first] <= 0:
             return None
-    return _joined(edges, rates, first)
+    return _joined(shape, edges, rates, first)
 
 
-def _joined(edges: Floats, rates: dict[int, float], first: int) -> TouchingRings | None:
+def finer_rate(
+    forces: BalancedForces, shape: LevelFunction, inner: float, outer: float, *, turned: bool = False
+) -> float:
+    """The same for one ring of smaller and smaller pieces, of V or of -V; zero where none is shown."""
+    for parts in FINER:
+        levels = short_levels(np.geomspace(outer, inner, parts + 1))
+        levels[[0, -1]] = outer, inner
+        pieces = shape.pieces(levels[1:], levels[:-1], parts)
+        rate = min(ring_rates(forces, pieces.turned if turned else pieces))
+        if rate > 0 or rate == -np.inf:
+            return max(rate, 0.0)
+    return 0.0
+
+
+def _joined(shape: LevelFunction, edges: Floats, rates: dict[int, float], first: int) -> TouchingRings | None:
     """The rings about the first one that touch."""
     low = high = first
     if rates.get(first, 0.0) <= 0:
@@ -166,59 +198,64 @@ def _joined(edges: Floats, rates: dict[int, float], first: int) -> TouchingRings
         Fraction(float(edges[low])),
         tuple(Fraction(float(edges[k + 1])) for k in kept),
         tuple(Fraction(rates[k]) for k in kept),
+        Fraction(shape.inside),
+        Fraction(shape.outside),
     )
 
 
-def ring_rates(forces: BalancedForces, inner: Floats, outer: Floats) -> list[float]:
-    """For each ring a kappa with ``c . v <= -kappa |c|`` on it; zero where none is shown."""
-    corners = Quadrangles.of_rings(inner, outer, SECTORS).corners
-    middles = corners.mean(axis=1)
-    free = forces.minimizers(middles, np.zeros((len(middles), 3)))
-    seen = -(middles * free[:, :2]).sum(axis=1) / np.hypot(middles[:, 0], middles[:, 1])
+def ring_rates(forces: BalancedForces, pieces: Pieces) -> list[float]:
+    """For each ring a kappa with ``V' <= -kappa`` on it; zero where none is shown, minus infinity where V rises."""
+    free = forces.minimizers(pieces.middles, np.zeros((len(pieces.corners), 3)))
+    slopes, places = pieces.middle_slopes, pieces.middles
+    moments = slopes[:, 1] * places[:, 0] - slopes[:, 0] * places[:, 1]
+    falls = -(slopes * free[:, :2]).sum(axis=1) - moments * free[:, 2] / forces.length
+    seen = falls / pieces.sizes.mean(axis=1)
     # under rule box a body that rests seems to creep, by the width over which edges are rounded
-    least = STILL * forces.fastest if forces.shape.is_box else 0.0
-    falls = (seen.reshape(-1, SECTORS) > least).all(axis=1)
-    shown = np.zeros(len(corners))
-    kept = np.flatnonzero(np.repeat(falls, SECTORS))
+    still = STILL if forces.shape.is_box else SLOW
+    least = still * forces.fastest * np.hypot(*slopes.T) / pieces.sizes.mean(axis=1)
+    nearer = (seen > least).reshape(-1, pieces.per_ring).all(axis=1)
+    shown = np.full(len(pieces.corners), -np.inf)
+    kept = np.flatnonzero(np.repeat(nearer, pieces.per_ring))
     if len(kept):
-        shown[kept] = piece_rates(forces, corners[kept], free[kept], seen[kept])
-    return np.maximum(shown.reshape(-1, SECTORS).min(axis=1), 0.0).tolist()
+        shown[kept] = np.maximum(piece_rates(forces, pieces.at(kept), free[kept], seen[kept]), 0.0)
+    return shown.reshape(-1, pieces.per_ring).min(axis=1).tolist()
 
 
-def piece_rates(forces: BalancedForces, corners: Floats, free: Floats, seen: Floats) -> Floats:
+def piece_rates(forces: BalancedForces, pieces: Pieces, free: Floats, seen: Floats) -> Floats:
     """A kappa that pulls of several strengths show on each quadrangle; minus infinity where none does.
 
     Args:
         forces: of the array.
-        corners: (pieces, 4, 2).
+        pieces: the quadrangles.
         free: about the minimizer in the middle of each.
-        seen: about its speed inward; what is shown of it suffices where it is :data:`ENOUGH` of that.
+        seen: about ``-V'`` there; what is shown of it suffices where it is :data:`ENOUGH` of that.
     """
-    best = np.full(len(corners), -np.inf)
-    for every in _strengths(forces, corners.mean(axis=1)):
+    best = np.full(len(pieces.corners), -np.inf)
+    inverse = Intervals.of(1 / forces.length).widened
+    for every in _strengths(forces, pieces):
         left = np.flatnonzero(best < ENOUGH * seen)
         if not len(left):
             break
-        strengths, places = every[left], corners[left].reshape(-1, 2)
-        pulls = np.zeros((len(places), 3))
-        pulls[:, :2] = np.repeat(strengths, 4)[:, None] * places
-        pushed = forces.minimizers(places, pulls, np.repeat(free[left], 4, axis=0)).reshape(-1, 4, 3)
-        strength, (x, y) = Intervals.of(strengths[:, None]), (Intervals.of(corners[left, :, k]) for k in range(2))
-        shown = forces.powers(corners[left], (strength * x, strength * y, Intervals.of(0.0)), pushed, free[left])
-        sizes = np.hypot(corners[left, :, 0], corners[left, :, 1])
+        strengths, some = every[left], pieces.at(left)
+        strength = Intervals.of(strengths[:, None])
+        pulls = strength * some.slopes[0], strength * some.slopes[1], strength * some.moments * inverse
+        middle = np.stack([pull.middle for pull in pulls], axis=-1).reshape(-1, 3)
+        pushed = forces.minimizers(some.corners.reshape(-1, 2), middle, np.repeat(free[left], 4, axis=0))
+        shown = forces.powers(some.corners, pulls, pushed.reshape(-1, 4, 3), free[left])
         with np.errstate(invalid="ignore"):
-            rates = -shown / (strengths[:, None] * sizes) * (1 - 2.0**-40)
+            rates = -shown / (strengths[:, None] * some.sizes) * (1 - 2.0**-40)
         rates = np.where(np.isfinite(rates).all(axis=1), rates.min(axis=1), -np.inf)
         best[left] = np.fmax(best[left], rates)
     return best
 
 
-def _strengths(forces: BalancedForces, middles: Floats) -> Sequence[Floats]:
+def _strengths(forces: BalancedForces, pieces: Pieces) -> Sequence[Floats]:
     """Values of lambda for each quadrangle."""
-    distances = np.hypot(middles[:, 0], middles[:, 1])
-    loads = forces.float_loads(middles)
+    slopes = pieces.middle_slopes
+    loads = forces.float_loads(pieces.middles)
     total = (loads * np.maximum(forces.shape.roll, forces.shape.side)).sum(axis=1)
-    inward = forces.pulls_at_rest(middles)
-    smooth = [share * inward / distances for share in SHARES]
-    rough = [share * total / distances for share in PUSHES]
+    sizes = np.hypot(*slopes.T)
+    against = forces.pulls_at_rest(pieces.middles, slopes)
+    smooth = [share * against / sizes for share in SHARES]
+    rough = [share * total / sizes for share in PUSHES]
     return [np.where(a > 0, np.minimum(a, b * 1e3), b) for a, b in zip(smooth, rough, strict=True)]

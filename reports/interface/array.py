@@ -51,12 +51,13 @@ class Array(MadeArray):
     """
 
     @takes(CheckOptions)
-    def check(self, *, at: Any = None, rule: str | None = None, **options: Any) -> CheckResult:
+    def check(self, *, at: Any = None, rule: str | None = None, accuracy: Any = None, **options: Any) -> CheckResult:
         """Position, heading and pose, with the clauses of Theorem 4 behind them.
 
         Args:
             at: another point to check; ``"auto"`` for the best rest point of the square.
             rule: another contact rule; ``"all"`` compares them all.
+            accuracy: how near a body must come (length).
             **options: keywords as below.  Others as for :meth:`with_`.
 
         Raises:
@@ -65,7 +66,8 @@ class Array(MadeArray):
         """
         words = {"at": AUTO} if at == AUTO else {}
         words |= {"rule": ALL_RULES} if rule == ALL_RULES else {}
-        changes = {name: value for name, value in (("at", at), ("rule", rule)) if name not in words}
+        asked = {"at": at, "rule": rule, "accuracy": accuracy}
+        changes = {name: value for name, value in asked.items() if name not in words}
         array = self if all(value is None for value in changes.values()) else self.with_(**changes)
         return array._studied(CHECK, **words, **options)
 

@@ -103,8 +103,8 @@ class MadeArray:
         """Another array in which some keys are changed.
 
         Args:
-            **changes: name, mu_roll, mu_side, axis, speed_limit, rule, loads, at, radius, lyapunov, length; as
-                tables field, body, tolerance and units.
+            **changes: name, mu_roll, mu_side, axis, speed_limit, rule, loads, at, radius, lyapunov, length, accuracy;
+                as tables field, body, tolerance and units.
 
         Raises:
             SceneError: for whatever cannot be used.

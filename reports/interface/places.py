@@ -19,6 +19,7 @@ _PLACES = {
     "at": ("check",),
     "radius": ("check",),
     "length": ("check",),
+    "accuracy": ("check",),
     "lyapunov": ("check",),
     "field": (),
     "body": (),

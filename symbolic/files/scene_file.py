@@ -118,7 +118,12 @@ def builtin_descriptions() -> dict[str, str]:
 
 
 def read_document(
-    source: str | Path, *, rule: str | None = None, radius: str | None = None, at: str | None = None
+    source: str | Path,
+    *,
+    rule: str | None = None,
+    radius: str | None = None,
+    at: str | None = None,
+    accuracy: str | None = None,
 ) -> tuple[dict[str, Any], str, Path]:
     """The TOML document of a scene with the given replacements, the scene's name for messages, and its file.
 
@@ -127,7 +132,12 @@ def read_document(
     """
     file = str(source) or "''"
     path = _path(source)
-    return _overridden(_read_toml(path, file), rule, radius, at), file, path
+    equilibrium = None if at is None else at.split(",")
+    changes: dict[str, dict[str, object]] = {
+        "contact": {"rule": rule},
+        "check": {"radius": radius, "equilibrium": equilibrium, "accuracy": accuracy},
+    }
+    return _overridden(_read_toml(path, file), changes), file, path
 
 
 def load_scene(
@@ -136,6 +146,7 @@ def load_scene(
     rule: str | None = None,
     radius: str | None = None,
     at: str | None = None,
+    accuracy: str | None = None,
     allow_outside: bool = False,
 ) -> Scene:
     """Read a scene.
@@ -145,13 +156,14 @@ def load_scene(
         rule: contact rule that replaces the file's: nearest, box, ellipse or roller.
         radius: half-width of the checked square (length) that replaces the file's, as text.
         at: equilibrium ``x,y`` that replaces the file's, as text.
+        accuracy: how near a body must come (length), which replaces the file's, as text.
         allow_outside: read a table of wheels (``wheels.file``) from outside the scene's folder too.
 
     Raises:
         SceneError: for whatever cannot be used.
     """
     with deep_nesting_refused(source):
-        document = read_document(source, rule=rule, radius=radius, at=at)
+        document = read_document(source, rule=rule, radius=radius, at=at, accuracy=accuracy)
         return build_scene(*document, allow_outside=allow_outside)
 
 
@@ -198,13 +210,8 @@ def _wanted(file: str) -> str:
     return f"a scene file or a built-in scene such as {' or '.join(close)}"
 
 
-def _overridden(data: dict[str, Any], rule: str | None, radius: str | None, at: str | None) -> dict[str, Any]:
+def _overridden(data: dict[str, Any], changes: Mapping[str, Mapping[str, object]]) -> dict[str, Any]:
     """The document with the command line's values in their places, to be validated like the file's own."""
-    equilibrium = None if at is None else at.split(",")
-    changes: dict[str, dict[str, object]] = {
-        "contact": {"rule": rule},
-        "check": {"radius": radius, "equilibrium": equilibrium},
-    }
     for name, values in changes.items():
         given = {key: value for key, value in values.items() if value is not None}
         section = data.get(name, {})

@@ -42,6 +42,7 @@ def load_any(
     rule: str | None = None,
     radius: str | None = None,
     at: str | None = None,
+    accuracy: str | None = None,
     allow_outside: bool = False,
 ) -> Scene | SwitchedSystem:
     """Read a wheel array or a plain switched system, whichever the file holds; arguments as for ``load_scene``.
@@ -50,11 +51,13 @@ def load_any(
         SceneError: for whatever cannot be used.
     """
     with deep_nesting_refused(source):
-        data, file, path = read_document(source, rule=rule, radius=radius, at=at)
+        data, file, path = read_document(source, rule=rule, radius=radius, at=at, accuracy=accuracy)
         if "system" not in data:
             return build_scene(data, file, path, allow_outside=allow_outside)
         if rule is not None:
             raise SceneError(file, "contact.rule", "no contact rule for a plain switched system", str(rule))
+        if accuracy is not None:
+            raise SceneError(file, "check.accuracy", "no accuracy for a plain switched system", accuracy)
         return build_system(data, file, path)
 
 

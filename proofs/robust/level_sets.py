@@ -1,0 +1,219 @@
+"""Functions about the origin whose level sets bodies are followed through: the distance, and those of polygons.
+
+On a sector between two rays through the vertices ``w_k`` of a polygon let V be linear with ``V(w_k) = h_k``, so that
+it is continuous, positively homogeneous, and has one slope g on each sector.  With ``h_k = 1`` its level sets are the
+polygons ``s P``; rings between such polygons are looked at whatever the ``h_k`` are.  A solution of an inclusion
+``c' in F(c)`` has ``V' <= -kappa`` where ``g . f <= -kappa`` for all f in F and the slopes g of all closed sectors that
+hold the point (Clarke's gradient is their hull).
+
+The distance itself, ``V = |c|`` with ``V' = c . c'/|c|``, is the limit of many vertices, and spares its own bends.
+
+A polygon's vertices have 24 bits, and so have the levels: their products are exact, and neighbouring pieces share
+their corners.
+"""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import solve_continuous_lyapunov
+
+from nonsmooth.proofs.robust.intervals import Intervals
+
+Floats: TypeAlias = NDArray[np.float64]
+
+SECTORS = 24  # of each ring of circles
+VERTICES = 32
+BITS = 24  # of levels and vertices
+MARGIN = 2.0**-20  # of a radius: corners lie so far beyond a ring of circles, which rounding does not reach
+LONGEST = 40.0  # half-axis of an ellipse, over the other one
+
+
+@dataclass(frozen=True)
+class Pieces:
+    """Quadrangles that cover rings, the pieces of one ring after the other, and the slope of V on them.
+
+    Attributes:
+        corners: counterclockwise (pieces, 4, 2).
+        slopes: g at the corners, by x and by y, affine on each quadrangle; (pieces, 4) each.
+        moments: ``g . J c``, affine too; (pieces, 4).
+        sizes: what ``V'`` is multiplied by, to be ``g . c'``, convex on each quadrangle; (pieces, 4).
+        per_ring: pieces of each ring.
+    """
+
+    corners: Floats
+    slopes: tuple[Intervals, Intervals]
+    moments: Intervals
+    sizes: Floats
+    per_ring: int
+
+    @cached_property
+    def middles(self) -> Floats:
+        """(pieces, 2)."""
+        return np.asarray(self.corners.mean(axis=1))
+
+    @cached_property
+    def middle_slopes(self) -> Floats:
+        """About the slope g there, (pieces, 2)."""
+        return np.stack([slope.middle.mean(axis=1) for slope in self.slopes], axis=1)
+
+    @property
+    def turned(self) -> Pieces:
+        """The same for -V."""
+        x, y = self.slopes
+        return Pieces(self.corners, (-x, -y), -self.moments, self.sizes, self.per_ring)
+
+    def at(self, chosen: NDArray[np.intp]) -> Pieces:
+        """Some of them."""
+        x, y = self.slopes
+        slopes = x[chosen], y[chosen]
+        return Pieces(self.corners[chosen], slopes, self.moments[chosen], self.sizes[chosen], self.per_ring)
+
+
+class LevelFunction(ABC):
+    """A function V whose sublevel set of level s holds the disc ``s inside`` and lies in the disc ``s outside``."""
+
+    inside: float
+    outside: float
+
+    @abstractmethod
+    def pieces(self, inner: Floats, outer: Floats, parts: int = 1) -> Pieces:
+        """Of the rings between levels, (rings) each; the sectors divided into parts, a power of two."""
+
+
+class Distance(LevelFunction):
+    """``V = |c|``."""
+
+    inside = outside = 1.0
+
+    def pieces(self, inner: Floats, outer: Floats, parts: int = 1) -> Pieces:
+        """Neighbours share their corners to the last bit, so that no gap is between them."""
+        count = SECTORS * parts
+        angles = 2 * math.pi * np.arange(count) / count
+        rays = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+        far = outer * (1 + MARGIN) / math.cos(math.pi / count)
+        corners = _quadrangles(rays, inner * (1 - MARGIN), far)
+        x, y = (Intervals.of(corners[:, :, k]) for k in range(2))
+        sizes = (x.square + y.square).root.high
+        return Pieces(corners, (x, y), Intervals.of(np.zeros_like(sizes)), sizes, count)
+
+
+@dataclass(frozen=True)
+class Polygon(LevelFunction):
+    """Linear on the sectors between the rays through the vertices.
+
+    Attributes:
+        vertices: ``w_k``, counterclockwise about the origin, 24 bits each; (n, 2).
+        values: ``h_k``, 24 bits each; (n,).
+    """
+
+    vertices: Floats
+    values: Floats
+
+    @classmethod
+    def of_ellipse(cls, matrix: Floats) -> Polygon:
+        """Inscribed in the ellipse ``c . P c = 1``, made as large as holds the unit disc, for a definite P (2 x 2)."""
+        angles = 2 * math.pi * np.arange(VERTICES) / VERTICES
+        circle = np.stack([np.cos(angles), np.sin(angles)])
+        vertices = np.linalg.solve(np.linalg.cholesky(matrix).T, circle).T
+        found = cls(short_vertices(vertices), np.ones(VERTICES))
+        return cls(short_vertices(vertices / found.inside), found.values)
+
+    @cached_property
+    def slopes(self) -> tuple[Intervals, Intervals]:
+        """The slope g on each sector, by x and by y, (n,) each.
+
+        Raises:
+            ArithmeticError: where rays do not go counterclockwise.
+        """
+        (a, b), (c, d) = (
+            (Intervals.of(w[:, 0]), Intervals.of(w[:, 1])) for w in (self.vertices, self._next(self.vertices))
+        )
+        first, second = Intervals.of(self.values), Intervals.of(self._next(self.values))
+        area = a * d - b * c
+        if not (area.low > 0).all():
+            raise ArithmeticError("required rays that go counterclockwise")
+        inverse = Intervals(1 / area.high, 1 / area.low).widened
+        return (first * d - second * b) * inverse, (second * a - first * c) * inverse
+
+    @cached_property
+    def inside(self) -> float:  # type: ignore[override]
+        """Of the polygon: with all ``h_k = 1`` no slope is longer than one over it."""
+        x, y = Polygon(self.vertices, np.ones(len(self.vertices))).slopes
+        return float(1 / (x.square + y.square).root.high.max()) * (1 - 2.0**-40)
+
+    @cached_property
+    def outside(self) -> float:  # type: ignore[override]
+        """The largest distance of a vertex."""
+        return float(np.hypot(*self.vertices.T).max()) * (1 + 2.0**-40)
+
+    @cached_property
+    def sectors(self) -> NDArray[np.intp]:
+        """Where V is positive somewhere, (m,)."""
+        return np.flatnonzero(np.maximum(self.values, self._next(self.values)) > 0)
+
+    def pieces(self, inner: Floats, outer: Floats, parts: int = 1) -> Pieces:
+        """Of the sectors where V is positive somewhere; levels must have no more than 24 bits."""
+        shares = (np.arange(parts) / parts)[None, :, None]
+        ahead = self._next(self.vertices)[:, None] - self.vertices[:, None]
+        every = _quadrangles((self.vertices[:, None] + shares * ahead).reshape(-1, 2), inner, outer)
+        corners = every.reshape(len(inner), len(self.vertices), parts, 4, 2)[:, self.sectors].reshape(-1, 4, 2)
+        x, y = (_repeated(slope[self.sectors], parts, len(inner)) for slope in self.slopes)
+        moments = y * Intervals.of(corners[:, :, 0]) - x * Intervals.of(corners[:, :, 1])
+        return Pieces(corners, (x, y), moments, np.ones(corners.shape[:2]), len(self.sectors) * parts)
+
+    @staticmethod
+    def _next(entries: Floats) -> Floats:
+        return np.roll(entries, -1, axis=0)
+
+
+def shapes_about(slope: Floats) -> Iterator[LevelFunction]:
+    """The distance, and ellipses on which ``c' = A c`` falls, where it does: by its modes, and by Lyapunov's equation.
+
+    Args:
+        slope: about A (2 x 2).
+    """
+    yield Distance()
+    roots, modes = np.linalg.eig(slope)
+    if not (roots.real < 0).all():
+        return
+    found = [solve_continuous_lyapunov(slope.T, -np.eye(2))]
+    if abs(np.linalg.det(modes)) > 1 / LONGEST:
+        inverse = np.linalg.inv(modes)
+        found.insert(0, (inverse.conj().T @ inverse).real)
+    for matrix in found:
+        low, high = np.linalg.eigvalsh(matrix)
+        if high < LONGEST**2 * low:
+            yield Polygon.of_ellipse(matrix)
+
+
+def short_levels(levels: Floats) -> Floats:
+    """Levels with 24 bits."""
+    size = 2.0 ** (np.floor(np.log2(levels)) - BITS + 1)
+    return np.asarray(np.floor(levels / size) * size)
+
+
+def short_vertices(entries: Floats) -> Floats:
+    """Vertices or values that are multiples of a power of two, 2^24 of which the largest has."""
+    size = 2.0 ** (math.floor(math.log2(np.abs(entries).max())) - BITS + 1)
+    return np.asarray(np.round(entries / size) * size)
+
+
+def _quadrangles(rays: Floats, inner: Floats, outer: Floats) -> Floats:
+    """(rings times rays, 4, 2)."""
+    following, near, far = np.roll(rays, -1, axis=0), inner[:, None, None], outer[:, None, None]
+    corners = np.stack([near * rays, far * rays, far * following, near * following], axis=2)
+    return corners.reshape(-1, 4, 2)
+
+
+def _repeated(slope: Intervals, parts: int, rings: int) -> Intervals:
+    """(n,) as (rings times n times parts, 4)."""
+    low, high = (np.tile(np.repeat(ends, parts), rings)[:, None] for ends in (slope.low, slope.high))
+    return Intervals(np.repeat(low, 4, axis=1), np.repeat(high, 4, axis=1))
