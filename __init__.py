@@ -22,11 +22,11 @@ if TYPE_CHECKING:
     from nonsmooth.reports.agreement import ComparisonResult as ComparisonResult
     from nonsmooth.reports.cells import CellsResult as CellsResult
     from nonsmooth.reports.check_results import CheckResult as CheckResult
+    from nonsmooth.reports.derivation import ReportResult as ReportResult
     from nonsmooth.reports.design import DesignResult as DesignResult
     from nonsmooth.reports.interface.array import Array as Array
     from nonsmooth.reports.interface.filippov_set import FilippovSet as FilippovSet
     from nonsmooth.reports.interface.load import load as load
-    from nonsmooth.reports.interface.report_result import ReportResult as ReportResult
     from nonsmooth.reports.interface.system import System as System
     from nonsmooth.reports.interface.vehicle import Vehicle as Vehicle
     from nonsmooth.reports.interface.wheel import Wheel as Wheel
@@ -63,7 +63,7 @@ _MODULES = {
     "Pose": "proofs.answers.answer",
     "Position": "proofs.answers.answer",
     "RefusalError": "analysis.cells.partition",
-    "ReportResult": "reports.interface.report_result",
+    "ReportResult": "reports.derivation",
     "SceneError": "symbolic.scene_error",
     "SweepResult": "reports.sweep",
     "System": "reports.interface.system",

@@ -64,6 +64,11 @@ class ArrayAnswers(Result):
         """The verdict of Theorem 4: holds, fails, hypotheses not met or undecided."""
 
     @property
+    @abstractmethod
+    def reason(self) -> str:
+        """Why, in one sentence."""
+
+    @property
     def position(self) -> Answer:
         """Where a body goes that starts near the point."""
         return self._answers["position"]
@@ -194,6 +199,11 @@ class CheckResult(ArrayAnswers):
         return str(self.evidence.verdict)
 
     @property
+    def reason(self) -> str:
+        """See :class:`ArrayAnswers`."""
+        return self.evidence.reason
+
+    @property
     def at(self) -> tuple[float, float]:
         """The point that was checked."""
         x, y = self.scene.check.equilibrium
@@ -245,7 +255,7 @@ class CheckResult(ArrayAnswers):
         yield from super().lines()
         for clause, found in self.evidence.clauses:
             yield clause.name, str(found.verdict), found.reason
-        yield "Theorem 4", self.theorem4, self.evidence.reason
+        yield "Theorem 4", self.theorem4, self.reason
         for one in self.contradictions:
             yield "contradiction", "undecided", one.text
 
@@ -260,7 +270,7 @@ class CheckResult(ArrayAnswers):
 
     def _said(self) -> Iterator[tuple[str, str]]:
         yield from super()._said()
-        yield "Theorem 4", f"{self.theorem4}: {self.evidence.reason}"
+        yield "Theorem 4", f"{self.theorem4}: {self.reason}"
         for one in self.contradictions:
             yield "contradiction", one.text
 
@@ -289,6 +299,11 @@ class TippedResult(ArrayAnswers):
         return str(Theorem4.HYPOTHESES_NOT_MET)
 
     @property
+    def reason(self) -> str:
+        """Why it does not stand."""
+        return self.tipping.why
+
+    @property
     def exit_status(self) -> int:
         """1, whatever is required: the body is not where it should be."""
         return 1
@@ -302,7 +317,7 @@ class TippedResult(ArrayAnswers):
             "rule": self.scene.contact.rule,
             "contact_set": {"wheels": list(self.tipping.carrying), "margin": None},
             "answers": answers_record([*self._answers.values()], None),
-            "theorem4": {"verdict": self.theorem4, "reason": self.tipping.why},
+            "theorem4": {"verdict": self.theorem4, "reason": self.reason},
         }
 
     def views(self) -> Sequence[RenderableType]:

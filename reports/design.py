@@ -230,7 +230,7 @@ def _write_report(document: dict[str, Any], folder: Path, options: DesignOptions
 
     Its commands name the file that was written, or one of the scene's name in the reader's own folder.
     """
-    from nonsmooth.reports.derivation import derive_report, write_report
+    from nonsmooth.reports.derivation import derive_report
     from nonsmooth.reports.parts import chosen_parts
     from nonsmooth.reports.subject import Invocation
     from nonsmooth.symbolic.contact_set import standing
@@ -239,7 +239,7 @@ def _write_report(document: dict[str, Any], folder: Path, options: DesignOptions
     file = folder / f"{name}.toml"
     how = Invocation(str(options.output or file.name), (), ("--without", MEASUREMENTS, "-o", path))
     scene = standing(build_scene(document, name, file))
-    write_report(derive_report(scene, how, chosen_parts((), MEASUREMENTS.split(","))), Path(path))
+    derive_report(scene, how, chosen_parts((), MEASUREMENTS.split(","))).write_to(Path(path))
 
 
 def _fewest_words(fewest: Fewest) -> str:

@@ -41,23 +41,7 @@ class DataTable(NamedTuple):
     lines: Iterable[Sequence[Any]]
 
 
-class Tabular(ABC):
-    """What can be read row by row."""
-
-    @abstractmethod
-    def rows(self) -> Sequence[Mapping[str, Any]]:
-        """One mapping for each row, all with the same keys."""
-
-    def to_dataframe(self) -> Any:
-        """The rows as a pandas DataFrame, where pandas is installed.
-
-        Raises:
-            ImportError: where it is not.
-        """
-        return import_module("pandas").DataFrame(self.rows())
-
-
-class Result(Tabular):
+class Result(ABC):
     """What a study has found."""
 
     formats: ClassVar[Mapping[str, Callable[[Any, str], bytes]]]  # by the ending of a file; :data:`FORMATS` unless told
@@ -112,6 +96,14 @@ class Result(Tabular):
         names, lines = self.table()
         return [dict(zip(names, line, strict=True)) for line in lines]
 
+    def to_dataframe(self) -> Any:
+        """The rows as a pandas DataFrame, where pandas is installed.
+
+        Raises:
+            ImportError: where it is not.
+        """
+        return import_module("pandas").DataFrame(self.rows())
+
     def figure(self) -> Figure:
         """The picture of a file."""
         from matplotlib.figure import Figure
@@ -137,8 +129,16 @@ class Result(Tabular):
             OutputError: for another ending, and for a file that cannot be written.
         """
         path = output_path(str(file), self.formats)
-        write_whole(path, self.content(path.suffix.lower()))
+        self.write_to(path)
         return path
+
+    def write_to(self, path: Path) -> None:
+        """Write it to a file that can be written."""
+        write_whole(path, self.content(path.suffix.lower()))
+
+    def to_terminal(self) -> None:
+        """Print it on a terminal."""
+        write_views(self.views())
 
     def _repr_html_(self) -> str:
         from nonsmooth.reports.formats.notebook import notebook_html
@@ -158,13 +158,13 @@ def own_axes(ax: Axes | None) -> Axes:
 def show(result: Result, path: Path | None, *, json: bool) -> None:
     """Write the file that was asked for; then print JSON, or say what was written, or print the blocks."""
     if path is not None:
-        write_whole(path, result.content(path.suffix.lower()))
+        result.write_to(path)
     if json:
         write_json(result.facts())
     elif path is not None:
         write(f"{path}: {result.written(path.suffix.lower())}\n")
     else:
-        write_views(result.views())
+        result.to_terminal()
 
 
 # ---- files ---------------------------------------------------------------------------------------

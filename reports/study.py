@@ -61,7 +61,7 @@ def option(default: Any, help: str, typed: Any = None, **offered: Any) -> Any:
 
 @dataclass(frozen=True, kw_only=True)
 class Options:
-    """The options of a study; each field is made by :func:`option`."""
+    """The options of a study: the fields that :func:`option` makes are offered."""
 
     def __post_init__(self) -> None:
         """Names of Python become members of their enumerations.
@@ -88,7 +88,7 @@ class SceneOptions(Options):
 
 def options_of(options: type[Options]) -> dict[str, OfferedOption]:
     """How each option is offered, by the name of its field."""
-    return {entry.name: entry.metadata["option"] for entry in fields(options)}
+    return {entry.name: entry.metadata["option"] for entry in fields(options) if "option" in entry.metadata}
 
 
 def flag_of(name: str, own: OfferedOption) -> str:
@@ -207,8 +207,8 @@ def takes(options: type[Options], *headings: str) -> Callable[[Method], Method]:
         taken = {parameter.name for parameter in named}
         lines = []
         for entry in fields(options):
-            offered: OfferedOption = entry.metadata["option"]
-            if entry.name in taken or offered.heading not in {"", *headings}:
+            offered = options_of(options).get(entry.name)
+            if offered is None or entry.name in taken or offered.heading not in {"", *headings}:
                 continue
             keyword = inspect.Parameter(entry.name, inspect.Parameter.KEYWORD_ONLY, default=entry.default)
             named.append(keyword)

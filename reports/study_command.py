@@ -92,15 +92,17 @@ def _parameters(study: SceneStudy[Any], scene: Any) -> list[inspect.Parameter]:
 
 def _offered(options: type[Options]) -> list[inspect.Parameter]:
     """A parameter for each option."""
-    types = types_of(options)
-    found = []
-    for entry in fields(options):
-        own: OfferedOption = entry.metadata["option"]
-        reading = _among(own.names) if own.names else {"metavar": own.metavar, "autocompletion": own.complete}
-        flags = own.flag.split() or [flag_of(entry.name, own)]
-        offered = typer.Option(*flags, rich_help_panel=own.heading or None, help=own.help, **reading)
-        found.append(_parameter(entry.name, Annotated[types[entry.name], offered], _meant(own, entry.default)))
-    return found
+    types, own = types_of(options), options_of(options)
+    defaults = {entry.name: _meant(own[entry.name], entry.default) for entry in fields(options) if entry.name in own}
+    return [_parameter(name, Annotated[types[name], offered(options, name)], defaults[name]) for name in own]
+
+
+def offered(options: type[Options], name: str) -> Any:
+    """An option as Typer reads it."""
+    own = options_of(options)[name]
+    reading = _among(own.names) if own.names else {"metavar": own.metavar, "autocompletion": own.complete}
+    flags = own.flag.split() or [flag_of(name, own)]
+    return typer.Option(*flags, rich_help_panel=own.heading or None, help=own.help, **reading)
 
 
 def _among(names: Callable[[], Collection[str]]) -> dict[str, Any]:

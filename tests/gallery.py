@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from nonsmooth.proofs.theorem4_result import CellCheck
-from nonsmooth.reports.derivation import Report, derive_report, render_report
+from nonsmooth.reports.derivation import ReportResult, derive_report, render_report
 from nonsmooth.reports.figures.cell_map import cell_map
 from nonsmooth.reports.files import output_path, write_whole
 from nonsmooth.reports.progress import progress
@@ -29,12 +29,12 @@ network; download it and open it in a browser. Rebuilt by `make gallery`.
 """
 
 
-def gallery_report(name: str) -> Report:
+def gallery_report(name: str) -> ReportResult:
     """The report of one scene."""
     return derive_report(load_scene(name), Invocation(name))
 
 
-def gallery_files(name: str, report: Report) -> Iterator[tuple[str, bytes]]:
+def gallery_files(name: str, report: ReportResult) -> Iterator[tuple[str, bytes]]:
     """Path below the documents' folder and content of each file of one scene."""
     if not isinstance(report.result, CellCheck):
         raise TypeError("required a contact rule with cells")
@@ -42,7 +42,7 @@ def gallery_files(name: str, report: Report) -> Iterator[tuple[str, bytes]]:
     yield f"{FOLDER}/{name}.svg", cell_map(report.result.partition, ".svg")
 
 
-def gallery_page(reports: dict[str, Report]) -> str:
+def gallery_page(reports: dict[str, ReportResult]) -> str:
     """The page: each scene with its cells, its verdict and the decisive reason."""
     descriptions, parts = builtin_descriptions(), [INTRODUCTION]
     for name, report in reports.items():
@@ -50,7 +50,7 @@ def gallery_page(reports: dict[str, Report]) -> str:
             f"## {name}\n",
             f"{descriptions[name]}\n",
             f"Theorem 4: **{report.result.verdict}**. {_sentence(report.result.reason)}\n",
-            f"[Report of {name}]({FOLDER}/{name}.html)\n",
+            f"[ReportResult of {name}]({FOLDER}/{name}.html)\n",
             f"![the cells of {name}]({FOLDER}/{name}.svg)\n",
         ]
     return "\n".join(parts)
@@ -64,7 +64,7 @@ def _sentence(reason: str) -> str:
 
 def write_gallery(folder: Path) -> Path:
     """Write every file of the gallery below a folder, and return the page."""
-    reports: dict[str, Report] = {}
+    reports: dict[str, ReportResult] = {}
     (folder / FOLDER).mkdir(exist_ok=True)
     with progress("reports") as report:
         for done, name in enumerate(SHOWN):

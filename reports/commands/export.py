@@ -7,8 +7,10 @@ from typing import Annotated
 import typer
 
 from nonsmooth.reports.console import write
-from nonsmooth.reports.options import AllowOutside, SceneText
+from nonsmooth.reports.options import SceneText
 from nonsmooth.reports.refusals import RefusedError, refusals_named
+from nonsmooth.reports.study import SceneOptions
+from nonsmooth.reports.study_command import offered
 
 Output = Annotated[
     str | None, typer.Option("-o", "--output", metavar="FILE", help="MJCF: .xml; standard output without.")
@@ -23,7 +25,7 @@ def export(
     scene: SceneText,
     output: Output = None,
     place: Place = None,
-    allow_outside: AllowOutside = False,
+    allow_outside: Annotated[bool, offered(SceneOptions, "allow_outside")] = False,
 ) -> int:
     """Export a scene to MuJoCo's MJCF; comments state the predicted twist and motion, and a bound on creep.
 

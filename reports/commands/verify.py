@@ -7,8 +7,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from nonsmooth.reports.console import BAD_INPUT, write
-from nonsmooth.reports.options import At, Radius, RuleOption, complete_scene
+from nonsmooth.reports.options import complete_scene
 from nonsmooth.reports.refusals import RefusedError
+from nonsmooth.reports.study import SceneOptions
+from nonsmooth.reports.study_command import offered
 
 if TYPE_CHECKING:
     from nonsmooth.symbolic.scene import Scene
@@ -26,9 +28,9 @@ def verify(
             autocompletion=complete_scene,
         ),
     ] = None,
-    rule: RuleOption = None,
-    radius: Radius = None,
-    at: At = None,
+    rule: Annotated[str | None, offered(SceneOptions, "rule")] = None,
+    radius: Annotated[str | None, offered(SceneOptions, "radius")] = None,
+    at: Annotated[str | None, offered(SceneOptions, "at")] = None,
 ) -> int:
     """Re-check a certificate with the stand-alone checker, which trusts nothing else of this program.
 

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from nonsmooth.reports.check import ALL_RULES, AUTO, CHECK, CheckOptions
+from nonsmooth.reports.choices import Drawing
 from nonsmooth.reports.design import DesignOptions
 from nonsmooth.reports.interface.made_array import MadeArray
 from nonsmooth.reports.simulate_options import BODY, LOOP, MAP, PATH, UNTIL, SimulateOptions
-from nonsmooth.reports.study import SceneStudy, options_of, takes
+from nonsmooth.reports.study import takes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -21,13 +21,10 @@ if TYPE_CHECKING:
     from nonsmooth.reports.check_results import CheckResult
     from nonsmooth.reports.design import DesignResult
     from nonsmooth.reports.interface.filippov_set import FilippovSet
-    from nonsmooth.reports.interface.report_result import ReportResult
     from nonsmooth.reports.maps import MapResult
     from nonsmooth.reports.masses import MassResult
     from nonsmooth.reports.paths import PathResult
     from nonsmooth.reports.sampled_field import FieldResult
-    from nonsmooth.reports.sweep import SweepResult
-    from nonsmooth.reports.sweeps.sweep import Means
 
 
 @dataclass(frozen=True, init=False, repr=False)
@@ -132,50 +129,6 @@ class Array(MadeArray):
         """
         return self._simulated(grid=grid, **options)
 
-    def _simulated(self, **keywords: Any) -> Any:
-        """What the command ``simulate`` finds."""
-        from nonsmooth.reports.simulate import SIMULATE
-
-        return self._studied(SIMULATE, **keywords)
-
-    def _studied(self, study: SceneStudy[Any], **keywords: Any) -> Any:
-        """What a study finds; keywords that are none of its options change the array."""
-        known = options_of(study.options)
-        changes = {name: value for name, value in keywords.items() if name not in known}
-        array = self.with_(**changes) if changes else self
-        return study.of(array.scene, **{name: value for name, value in keywords.items() if name in known})
-
-    def sweep(
-        self,
-        values: Mapping[str, Any] | None = None,
-        *,
-        random: int | None = None,
-        seed: int = 0,
-        means: Means | None = None,
-        **more: Any,
-    ) -> SweepResult:
-        """Check many arrays that differ from this one in a few numbers.
-
-        Args:
-            values: by key path, such as ``{"wheel.1.heading": "40:50:11"}``: a range ``start:stop:count``, a list
-                ``a,b,c``, or any numbers one by one.  Several give every combination.
-            random: how many random draws within ranges ``start:stop``, instead of a grid.
-            seed: of the draws.
-            means: how it is run: workers, store, borders, failures (:class:`nonsmooth.Means`).  More than one worker
-                is a process each: a script then needs ``if __name__ == "__main__":`` around what it does.
-            **more: values of numbers that only one table has, such as ``mu_side="0.05:1:40"``.
-
-        Raises:
-            SceneError: for a key path that names no number of the array.
-            ValueError: for values and means that cannot be used.
-        """
-        from nonsmooth.reports.sweep import swept
-        from nonsmooth.reports.sweeps.base import base_of
-        from nonsmooth.reports.sweeps.sweep import Means
-
-        base = base_of(self.document, *self.origin)
-        return swept(base, {**(values or {}), **more}, means or Means(), draws=random, seed=seed)
-
     @takes(DesignOptions)
     def design(self, **options: Any) -> DesignResult:
         """Search for headings, speeds and positions of the wheels that meet requirements and do best.
@@ -218,9 +171,20 @@ class Array(MadeArray):
         Returns:
             The axes.
         """
-        from nonsmooth.reports.interface.plots import plot_array
+        from nonsmooth.reports.cells import drawing
+        from nonsmooth.reports.figures import array, cell_map, rate_map
+        from nonsmooth.reports.result import own_axes
 
-        return plot_array(self, ax, show)
+        chosen, axes = drawing(show), own_axes(ax)
+        if chosen is Drawing.ARRAY:
+            array.draw_array(axes, self.scene)
+        elif chosen is Drawing.CELLS:
+            cell_map.draw_cell_map(axes, self.partition)
+        else:
+            levels = rate_map.draw_rates(axes, self.partition)
+            if ax is None:
+                rate_map.draw_scale(axes.figure, axes, self.partition, levels)
+        return axes
 
     def cells(self) -> CellsResult:
         """The exact cells of the checked square, as rows, JSON or pictures.
@@ -252,40 +216,3 @@ class Array(MadeArray):
         from nonsmooth.reports.agreement import compare_scene
 
         return compare_scene(self._standing)
-
-    def derive(
-        self, *, only: str | Sequence[str] | None = None, without: str | Sequence[str] | None = None
-    ) -> ReportResult:
-        """The derivation report, to be read as text or saved.
-
-        Args:
-            only: names of the sections to write, such as ``"verdict,cells"``; all unless given.
-            without: names of sections to leave out.
-
-        Raises:
-            ValueError: for a name that is none; the error lists all.
-            RefusalError: where the motion is not determined.
-        """
-        from nonsmooth.reports.interface.report_result import derive_scene, named_parts
-
-        return derive_scene(self._standing, named_parts(only, without))
-
-    def report(
-        self,
-        file: str | Path,
-        *,
-        only: str | Sequence[str] | None = None,
-        without: str | Sequence[str] | None = None,
-    ) -> Path:
-        """Write the derivation report: .html, .tex (with its figures in a folder beside it), .md or .json.
-
-        Raises:
-            ValueError: for a section that is none.
-            OutputError: for a file that cannot be written.
-            RefusalError: where the motion is not determined.
-        """
-        from nonsmooth.reports.derivation import REPORT_FORMATS
-        from nonsmooth.reports.files import output_path
-
-        path = output_path(str(file), REPORT_FORMATS)  # refused before the work
-        return self.derive(only=only, without=without).save(path)

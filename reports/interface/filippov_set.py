@@ -10,12 +10,14 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from nonsmooth.proofs.inequalities.linear_program import best_mixture, mixtures_to_zero
+from nonsmooth.reports.document import Block, Paragraph, table
 from nonsmooth.reports.entries import entry
-from nonsmooth.reports.result import Tabular
+from nonsmooth.reports.result import DataTable, Record, Result
 from nonsmooth.reports.short_text import short_lines
-from nonsmooth.symbolic.notebook import html_table
 from nonsmooth.symbolic.number_text import brief_text, short_text
+from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.plane import dot, minus
+from nonsmooth.symbolic.support_polygon import support_polygon
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -28,7 +30,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, repr=False)
-class FilippovSet(Tabular):
+class FilippovSet(Result):
     """``F(c) = co { c' of every cell whose closure holds c }``, exactly.
 
     Attributes:
@@ -74,37 +76,56 @@ class FilippovSet(Tabular):
         """``V*(c)``, the largest of the rates."""
         return max(self.rates)
 
-    def rows(self) -> list[dict[str, str]]:
-        """One row for each member: its cell, the rows it holds, its pose rate and its rate of V."""
-        return [
-            {
-                "cell": str(cell),
-                "rows held": state.name,
-                **dict(zip(("x'", "y'"), map(brief_text, velocity), strict=True)),
-                "theta'": brief_text(state.twist.omega),
-                "rate of V": brief_text(rate),
-            }
+    def facts(self) -> Record:
+        """The set as a record, exact numbers as texts."""
+        weights = None if self.weights is None else [str(weight) for weight in self.weights]
+        return {"point": [str(value) for value in self.point], "members": self.rows(), "weights": weights}
+
+    def table(self) -> DataTable:
+        """One line for each member: its cell, the rows it holds, its pose rate and its rate of V."""
+        lines = [
+            (str(cell), state.name, *map(brief_text, (*velocity, state.twist.omega, rate)))
             for (cell, state), velocity, rate in zip(self.members, self.velocities, self.rates, strict=True)
         ]
+        return DataTable(("cell", "rows held", "x'", "y'", "theta'", "rate of V"), lines)
 
-    def plot(self, ax: Axes | None = None) -> Axes:
-        """Draw the velocities as arrows from zero, their hull, and the cell of each."""
-        from nonsmooth.reports.interface.plots import plot_filippov_set
+    def blocks(self) -> Sequence[Block]:
+        """The members as a table."""
+        return [Paragraph((self.summary(),)), table(*self.table(), (1.0,) * 6)]
 
-        return plot_filippov_set(self, ax)
+    def draw(self, ax: Axes) -> None:
+        """The velocities as arrows from zero, their hull, and the cell of each."""
+        from nonsmooth.reports.figures import cell_map, wheels
+
+        corners = [wheels.floats(velocity) for velocity in support_polygon(self.velocities) or self.velocities[:1]]
+        ax.fill(*zip(*corners, strict=True), facecolor=cell_map.PALETTE[0], alpha=cell_map.TINT)
+        ax.fill(*zip(*corners, strict=True), facecolor="none", edgecolor=cell_map.PALETTE[5], linewidth=2)
+        cells: dict[tuple[float, float], list[str]] = {}
+        for (cell, _), velocity in zip(self.members, self.velocities, strict=True):
+            cells.setdefault(wheels.floats(velocity), []).append(str(cell))
+        for tip, indices in cells.items():
+            ax.annotate(
+                "", tip, (0, 0), arrowprops={"arrowstyle": "->", "color": wheels.INK, "shrinkA": 0, "shrinkB": 0}
+            )
+            label = f"cell{'s' if len(indices) > 1 else ''} {', '.join(indices)}"
+            across, up = sign(tip[0]), sign(tip[1])
+            beyond: dict[str, Any] = {"ha": ("center", "left", "right")[across], "va": ("center", "bottom", "top")[up]}
+            ax.annotate(label, tip, (4 * across, 4 * up), textcoords="offset points", color=wheels.INK, **beyond)
+        ax.plot([0], [0], marker="+", color=wheels.INK, markersize=11)
+        x, y = (short_text(value) for value in self.point)
+        ax.set(xlabel="x'", ylabel="y'", title=f"F({x}, {y})")
+        ax.axis("equal")
+        ax.margins(0.35)
 
     def __repr__(self) -> str:
         said = [
             (f"cell {cell}", f"({', '.join(map(brief_text, velocity))})")
             for (cell, _), velocity in zip(self.members, self.velocities, strict=True)
         ]
-        return short_lines(self._head(), said)
+        return short_lines(self.summary(), said)
 
-    def _repr_html_(self) -> str:
-        rows = self.rows()
-        return html_table(self._head(), tuple(rows[0]), [tuple(row.values()) for row in rows])
-
-    def _head(self) -> str:
+    def summary(self) -> str:
+        """Whether it holds zero."""
         x, y = (short_text(value) for value in self.point)
         holds = "holds" if self.holds_zero else "does not hold"
         return f"F({x}, {y}) of {self.partition.scene.name} {holds} 0; V* = {short_text(self.upper_derivative)}"

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 from nonsmooth.reports.entries import table
 from nonsmooth.reports.interface.places import placed
+from nonsmooth.reports.interface.scene import PythonScene
 from nonsmooth.reports.interface.wheel import Wheel
 
 if TYPE_CHECKING:
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, init=False, repr=False)
-class MadeArray:
+class MadeArray(PythonScene):
     """A planar array of driven wheels under a rigid body, with what is to be checked.
 
     Immutable: :meth:`with_` returns another array.  Numbers may be int, float (its shortest decimal: 0.1 is one tenth),
@@ -122,6 +123,11 @@ class MadeArray:
         label, file = self.origin
         with deep_nesting_refused(label):
             return build_scene(dict(self.document), label, file)
+
+    @property
+    def exact(self) -> Scene:
+        """See ``scene``."""
+        return self.scene
 
     @property
     def origin(self) -> tuple[str, Path]:

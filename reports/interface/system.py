@@ -9,17 +9,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 from nonsmooth.reports.entries import entry, table
+from nonsmooth.reports.interface.scene import PythonScene
 from nonsmooth.reports.simulate_options import PATH, UNTIL, SimulateOptions
 from nonsmooth.reports.study import takes
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.systems.larger_region import LargerRegion
-    from nonsmooth.reports.interface.report_result import ReportResult
     from nonsmooth.reports.maps import MapResult
     from nonsmooth.reports.orbits import OrbitResult
     from nonsmooth.reports.paths import PathResult
-    from nonsmooth.reports.sweep import SweepResult
-    from nonsmooth.reports.sweeps.sweep import Means
     from nonsmooth.reports.system_results import SystemCheckResult
     from nonsmooth.symbolic.switched_system import SwitchedSystem
 
@@ -28,7 +26,7 @@ ORBIT_UNTIL = 100.0
 
 
 @dataclass(frozen=True, init=False, repr=False)
-class System:
+class System(PythonScene):
     """``x' = f(x)`` with ``sign`` and ``Abs`` on the right; Filippov solutions.
 
     Immutable: :meth:`with_` returns another one.
@@ -116,24 +114,6 @@ class System:
 
         return check_system((self.with_(**changes) if changes else self).system)
 
-    def derive(
-        self, *, only: str | Sequence[str] | None = None, without: str | Sequence[str] | None = None
-    ) -> ReportResult:
-        """The derivation report: cells, borders, Lyapunov function or leading terms, phase portrait, solutions.
-
-        Args:
-            only: names of the sections to write, or a text with commas; all unless given.
-            without: less these.
-
-        Raises:
-            SceneError: for a system in another number of states than two.
-            ValueError: for a name that is no section.
-        """
-        from nonsmooth.reports.interface.report_result import derive_scene, named_parts
-        from nonsmooth.reports.subject import SystemSubject
-
-        return derive_scene(self.system, named_parts(only, without, SystemSubject))
-
     @takes(SimulateOptions, PATH)
     def simulate(self, start: Sequence[float], until: float = UNTIL, **options: Any) -> PathResult:
         """A Filippov solution from a start.
@@ -198,41 +178,10 @@ class System:
         """
         return self._simulated(grid=grid, until=until)
 
-    def _simulated(self, **options: Any) -> Any:
-        """What the command ``simulate`` finds."""
-        from nonsmooth.reports.simulate import SIMULATE
-
-        return SIMULATE.of(self.system, **options)
-
-    def sweep(
-        self,
-        values: Mapping[str, Any] | None = None,
-        *,
-        random: int | None = None,
-        seed: int = 0,
-        means: Means | None = None,
-        **more: Any,
-    ) -> SweepResult:
-        """Check many systems that differ from this one in a few numbers.
-
-        Args:
-            values: by key path or parameter, such as ``{"k": "0:5:40"}``, as for arrays
-                (:meth:`nonsmooth.reports.interface.array.Array.sweep`).
-            random: how many random draws within ranges ``start:stop``, instead of a grid.
-            seed: of the draws.
-            means: how it is run (:class:`nonsmooth.Means`).
-            **more: values of parameters, such as ``k="0:5:40"``.
-
-        Raises:
-            SceneError: for a key path that names no number of the system.
-            ValueError: for values and means that cannot be used.
-        """
-        from nonsmooth.reports.sweep import swept
-        from nonsmooth.reports.sweeps.base import base_of
-        from nonsmooth.reports.sweeps.sweep import Means
-
-        base = base_of(self.document, *self.origin)
-        return swept(base, {**(values or {}), **more}, means or Means(), draws=random, seed=seed)
+    @property
+    def exact(self) -> SwitchedSystem:
+        """See ``system``."""
+        return self.system
 
     @property
     def origin(self) -> tuple[str, Path]:

@@ -20,7 +20,7 @@ from nonsmooth.proofs.answers.other_rules import OtherRule, other_rules
 from nonsmooth.proofs.answers.robust import robust_answer
 from nonsmooth.proofs.clauses.clause import ClauseResult
 from nonsmooth.reports.check import check_scene
-from nonsmooth.reports.check_results import CheckResult, TippedResult
+from nonsmooth.reports.check_results import ArrayAnswers, CheckResult, TippedResult
 from nonsmooth.reports.exact_record import floats
 from nonsmooth.reports.facts import fact_lines, fact_record
 from nonsmooth.reports.interface.array import Array
@@ -86,7 +86,7 @@ def array_stages(array: Array, request: dict[str, Any], announce: Announce) -> I
         try:
             result = proved(array, announce)
         except TipsError as tipping:
-            yield timed(tipped_stage(TippedResult(array.scene, tipping)))
+            yield timed(exact_stage(TippedResult(array.scene, tipping)))
             return
         yield timed(exact_stage(result))
         for stage in _later_stages(array, result, request, announce):
@@ -256,17 +256,17 @@ def proved(array: Array, announce: Announce) -> CheckResult:
     return check_scene(array.scene, ask_others=False, beside=False, announce=announce, built=built)
 
 
-def exact_stage(result: CheckResult) -> Stage:
-    """The answers and clauses of a check whose evidence is verified."""
-    evidence = result.evidence
+def exact_stage(result: ArrayAnswers) -> Stage:
+    """The answers and clauses of a check whose evidence is verified, or that the body tips."""
+    clauses = result.evidence.clauses if isinstance(result, CheckResult) else ()
     return {
         "stage": "exact",
         "kind": "array",
         "answers": answer_records((result.position, result.heading, result.pose)),
-        "clauses": [_clause_record(clause.name, found) for clause, found in evidence.clauses],
+        "clauses": [_clause_record(clause.name, found) for clause, found in clauses],
         "verdict": result.theorem4,
-        "reason": evidence.reason,
-        "rule": evidence.scene.contact.rule,
+        "reason": result.reason,
+        "rule": result.scene.contact.rule,
     }
 
 
@@ -285,19 +285,6 @@ def facts_stage(result: CheckResult) -> Stage:
 
 def _clause_record(name: str, found: ClauseResult) -> dict[str, Any]:
     return {"key": name, "title": name, "verdict": str(found.verdict), "reason": found.reason, "facts": []}
-
-
-def tipped_stage(result: TippedResult) -> Stage:
-    """The answers about a body that does not stand at the checked pose."""
-    return {
-        "stage": "exact",
-        "kind": "array",
-        "answers": answer_records((result.position, result.heading, result.pose)),
-        "clauses": [],
-        "verdict": result.theorem4,
-        "reason": result.tipping.why,
-        "rule": result.scene.contact.rule,
-    }
 
 
 def answer_records(answers: Collection[Answer]) -> list[dict[str, Any]]:

@@ -4,20 +4,20 @@ from __future__ import annotations
 
 from functools import cache
 
-from nonsmooth.reports.derivation import Report, derive_report, render_report
+from nonsmooth.reports.derivation import ReportResult, derive_report, render_report
 from nonsmooth.reports.papers.murphey_burdick_2001.audit import audit_section
 from nonsmooth.reports.subject import Invocation
 from nonsmooth.symbolic.files.scene_file import load_scene
 
 
 @cache
-def derived(name: str, rule: str | None = None) -> Report:
+def derived(name: str, rule: str | None = None) -> ReportResult:
     """The report that ``nonsmooth derive`` writes."""
     options = () if rule is None else ("--rule", rule)
     return derive_report(load_scene(name, rule=rule), Invocation(name, options))
 
 
-def derived_afresh(name: str, rule: str | None = None) -> Report:
+def derived_afresh(name: str, rule: str | None = None) -> ReportResult:
     """The same, nothing of it computed before."""
     audit_section.cache_clear()
     return derived.__wrapped__(name, rule)

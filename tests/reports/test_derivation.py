@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.proofs.theorem4_result import CellCheck
 from nonsmooth.proofs.verdicts import Feedback
-from nonsmooth.reports.derivation import REPORT_FORMATS, Report, derive_report, render_report
+from nonsmooth.reports.derivation import REPORT_FORMATS, ReportResult, derive_report, render_report
 from nonsmooth.reports.document import Bullets, Code, Display, Document, Math, Paragraph, Section, Text, number, table
 from nonsmooth.reports.formats.latex import render_latex
 from nonsmooth.reports.formats.markdown import render_markdown
@@ -43,12 +43,12 @@ QUICK = tuple(
 
 
 @pytest.fixture(scope="module", params=keep(2, SCENES))
-def report(request: pytest.FixtureRequest) -> Report:
+def report(request: pytest.FixtureRequest) -> ReportResult:
     return derived(request.param)
 
 
 @pytest.fixture(scope="module")
-def four_wheel() -> Report:
+def four_wheel() -> ReportResult:
     return derived("four-wheel")
 
 
@@ -74,7 +74,7 @@ def plain(text: Text) -> str:
 
 
 @few(1)
-def test_every_step_has_a_section(report: Report) -> None:
+def test_every_step_has_a_section(report: ReportResult) -> None:
     titles = [s.title for s in report.document.sections]
     name = report.result.scene.name
     sometimes = {
@@ -93,7 +93,7 @@ def test_every_step_has_a_section(report: Report) -> None:
 
 
 @few(1)
-def test_every_minimizing_state_has_its_equations(report: Report) -> None:
+def test_every_minimizing_state_has_its_equations(report: ReportResult) -> None:
     assert isinstance(report.result, CellCheck)
     states = section(report.document, "Contact states").subsections
     names = [state.name for state in report.result.partition.states]
@@ -105,7 +105,7 @@ def test_every_minimizing_state_has_its_equations(report: Report) -> None:
         assert "u_" in formulas
 
 
-def test_the_clauses_state_their_verdicts(report: Report) -> None:
+def test_the_clauses_state_their_verdicts(report: ReportResult) -> None:
     result = report.result
     titles = [part.title for part in section(report.document, "Theorem 4, clause").subsections]
     assert titles == [
@@ -117,7 +117,7 @@ def test_the_clauses_state_their_verdicts(report: Report) -> None:
     ]
 
 
-def test_four_wheel_census(four_wheel: Report) -> None:
+def test_four_wheel_census(four_wheel: ReportResult) -> None:
     census = section(four_wheel.document, "Contact states").blocks[0]
     assert isinstance(census, Bullets)
     assert [plain(item) for item in census.items] == [
@@ -128,7 +128,7 @@ def test_four_wheel_census(four_wheel: Report) -> None:
     ]
 
 
-def test_the_command_that_reproduces_the_report_is_named(four_wheel: Report) -> None:
+def test_the_command_that_reproduces_the_report_is_named(four_wheel: ReportResult) -> None:
     (versions,) = four_wheel.document.sections[-1].blocks
     assert isinstance(versions, Paragraph)
     assert Code("nonsmooth derive four-wheel") in versions.text
@@ -197,7 +197,7 @@ def test_many_wheels_are_reported_without_the_comparison(arrays: Arrays) -> None
 # ---- formats -------------------------------------------------------------------------------------
 
 
-def test_markdown_is_well_formed(report: Report) -> None:
+def test_markdown_is_well_formed(report: ReportResult) -> None:
     text = render_report(report, ".md")
     lines = text.splitlines()
     assert lines.count("$$") % 2 == 0
@@ -213,7 +213,7 @@ def columns(line: str) -> int:
     return len(re.findall(r"(?<!\\)\|", line))
 
 
-def test_latex_is_well_formed(report: Report) -> None:
+def test_latex_is_well_formed(report: ReportResult) -> None:
     text = render_report(report, ".tex")
     assert text.isascii()
     assert unescaped(text, "{") == unescaped(text, "}")
@@ -231,7 +231,7 @@ def unescaped(text: str, character: str) -> int:
     return len(re.findall(rf"(?<!\\)\{character}", text))
 
 
-def test_json_holds_document_and_exact_records(four_wheel: Report) -> None:
+def test_json_holds_document_and_exact_records(four_wheel: ReportResult) -> None:
     record: dict[str, Any] = json.loads(render_report(four_wheel, ".json"))
     assert record["schema"] == "nonsmooth-derivation/1"
     assert record["check"]["contact_states"]["minimizing"] == 8
@@ -300,7 +300,7 @@ def test_long_numbers_are_shown_in_decimals() -> None:
     assert number(long / 10**400).plain == "~ 1.907336535e-399"
 
 
-def test_the_report_of_the_paper_array_says_what_eq_4_says(four_wheel: Report) -> None:
+def test_the_report_of_the_paper_array_says_what_eq_4_says(four_wheel: ReportResult) -> None:
     """By hand: c' is (0, -sqrt2 sgn y) or (-sqrt2 sgn x, 0), and omega = +-1/sqrt2 on either side of each line."""
     document = four_wheel.document
     assert [part.title for part in section(document, "Theorem 4, clause").subsections] == [

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from nonsmooth.reports.derivation import derive_report, render_report, write_report
+from nonsmooth.reports.derivation import derive_report, render_report
 from nonsmooth.reports.parts import PART_NAMES
 from nonsmooth.reports.subject import Invocation
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
@@ -62,7 +62,7 @@ def test_the_other_rules_compile_and_fit(tmp_path: Path, rule: str) -> None:
 def test_figures_lie_in_a_folder_beside_the_source(tmp_path: Path, extent: str) -> None:
     parts = ("array", "cells") if extent == "short" else PART_NAMES
     report = derive_report(load_scene("four-wheel"), parts=parts)
-    write_report(report, tmp_path / "report.tex")
+    report.save(tmp_path / "report.tex")
     files = {file.name for file in (tmp_path / "report-figures").iterdir()}
     assert files == {f"{figure.key}.pdf" for figure in report.document.figures}
     assert len(files) >= 2

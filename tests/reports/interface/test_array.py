@@ -193,7 +193,7 @@ def test_plots_draw_on_the_axes_given() -> None:
     assert all(ax.has_data() or ax.patches for ax in axes)
     own = ns.System(["x"], ["-sign(x)"]).simulate((0.3,), until=1).plot()
     assert own.get_ylabel() == "x"
-    with pytest.raises(ValueError, match="required one of array, cells, rates"):
+    with pytest.raises(ValueError, match="required one of cells, array, rates"):
         array.plot(axes[0], show="nothing")
     plt.close("all")
 

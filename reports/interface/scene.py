@@ -1,0 +1,123 @@
+"""What can be asked of an array and of a plain system alike."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Self
+
+from nonsmooth.reports.study import options_of
+
+if TYPE_CHECKING:
+    from nonsmooth.reports.derivation import ReportResult
+    from nonsmooth.reports.study import SceneStudy
+    from nonsmooth.reports.sweep import SweepResult
+    from nonsmooth.reports.sweeps.sweep import Means
+
+
+class PythonScene(ABC):
+    """A scene by its document, as Python describes it.
+
+    Attributes:
+        document: the tables of a scene file.
+    """
+
+    document: Mapping[str, Any]
+
+    @property
+    @abstractmethod
+    def exact(self) -> Any:
+        """The exact scene."""
+
+    @property
+    @abstractmethod
+    def origin(self) -> tuple[str, Path]:
+        """Its name in messages, and the scene file that it would have."""
+
+    @abstractmethod
+    def with_(self, **changes: Any) -> Self:
+        """Another scene in which some keys are changed."""
+
+    def _studied(self, study: SceneStudy[Any], **keywords: Any) -> Any:
+        """What a study finds; keywords that are none of its options change the scene."""
+        known = options_of(study.options)
+        changes = {name: value for name, value in keywords.items() if name not in known}
+        scene = self.with_(**changes) if changes else self
+        return study.of(scene.exact, **{name: value for name, value in keywords.items() if name in known})
+
+    def _simulated(self, **keywords: Any) -> Any:
+        """What the command ``simulate`` finds."""
+        from nonsmooth.reports.simulate import SIMULATE
+
+        return self._studied(SIMULATE, **keywords)
+
+    def sweep(
+        self,
+        values: Mapping[str, Any] | None = None,
+        *,
+        random: int | None = None,
+        seed: int = 0,
+        means: Means | None = None,
+        **more: Any,
+    ) -> SweepResult:
+        """Check many scenes that differ from this one in a few numbers.
+
+        Args:
+            values: by key path or parameter, such as ``{"wheel.1.heading": "40:50:11"}`` or ``{"k": "0:5:40"}``: a
+                range ``start:stop:count``, a list ``a,b,c``, or numbers one by one.  Several give every combination.
+            random: how many random draws within ranges ``start:stop``, instead of a grid.
+            seed: of the draws.
+            means: how it is run: workers, store, borders, failures (:class:`nonsmooth.Means`).  More than one worker
+                is a process each: a script then needs ``if __name__ == "__main__":`` around what it does.
+            **more: values of parameters, and of numbers that only one table has, such as ``mu_side="0.05:1:40"``.
+
+        Raises:
+            SceneError: for a key path that names no number of the scene.
+            ValueError: for values and means that cannot be used.
+        """
+        from nonsmooth.reports.sweep import swept
+        from nonsmooth.reports.sweeps.base import base_of
+        from nonsmooth.reports.sweeps.sweep import Means
+
+        base = base_of(self.document, *self.origin)
+        return swept(base, {**(values or {}), **more}, means or Means(), draws=random, seed=seed)
+
+    def derive(
+        self, *, only: str | Sequence[str] | None = None, without: str | Sequence[str] | None = None
+    ) -> ReportResult:
+        """The derivation report, to be read as text or saved.
+
+        Args:
+            only: names of the sections to write, such as ``"verdict,cells"``; all unless given.
+            without: names of sections to leave out.
+
+        Raises:
+            ValueError: for a name that is none; the error lists all.
+            RefusalError: where the motion is not determined.
+            SceneError: for a plain system in another number of states than two.
+        """
+        from nonsmooth.reports.derivation import DERIVE, NamedScene
+
+        result: ReportResult = DERIVE.of(NamedScene(self.exact), only=only, without=without)
+        return result
+
+    def report(
+        self,
+        file: str | Path,
+        *,
+        only: str | Sequence[str] | None = None,
+        without: str | Sequence[str] | None = None,
+    ) -> Path:
+        """Write the derivation report: .html, .tex (with its figures in a folder beside it), .md or .json.
+
+        Raises:
+            ValueError: for a section that is none.
+            OutputError: for a file that cannot be written.
+            RefusalError: where the motion is not determined.
+        """
+        from nonsmooth.reports.derivation import REPORT_FORMATS
+        from nonsmooth.reports.files import output_path
+
+        path = output_path(str(file), REPORT_FORMATS)  # refused before the work
+        return self.derive(only=only, without=without).save(path)
