@@ -18,6 +18,7 @@ from nonsmooth.proofs.verdicts import Theorem4
 from nonsmooth.reports.answers import answers_record
 from nonsmooth.reports.document import Block, Paragraph, table
 from nonsmooth.reports.exact_record import Record
+from nonsmooth.reports.progress import steps
 from nonsmooth.reports.records import CHECK_SCHEMA, check_record, checks_record
 from nonsmooth.reports.result import DataTable, Result
 from nonsmooth.reports.short_text import short_lines
@@ -156,8 +157,9 @@ class CheckResult(ArrayAnswers):
     def _full(self) -> tuple[Check, Answers]:
         """Everything, compared with each other."""
         asked = {"ask_others": self.ask_others, "around": self.around}
-        answered = full_answers(self.decided, **asked, rest_points=self.rest_points)
-        return reconciled(self.decided, answered, *self.elsewhere)
+        with steps("where bodies go, headings of rest, and the other rules"):
+            answered = full_answers(self.decided, **asked, rest_points=self.rest_points)
+            return reconciled(self.decided, answered, *self.elsewhere)
 
     @property
     def _known(self) -> tuple[Check, Answers]:

@@ -7,8 +7,7 @@ no times and no dates, so equal input gives equal bytes.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
-from dataclasses import field as dataclass_field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
@@ -211,7 +210,7 @@ class DeriveOptions(Options):
         metavar="NAMES",
         complete=complete_part,
     )
-    file: Path | None = dataclass_field(default=None)  # that the command writes, which the report names
+    file: Path | None = field(default=None)  # that the command writes, which the report names
 
     def parts(self, kind: type[Subject]) -> tuple[str, ...]:
         """The sections to write.
