@@ -1,24 +1,20 @@
 """Who checks the scenes of a sweep: this process, or a pool of processes that are warm and may die.
 
-A worker that is killed costs time only: its pool is built anew, and what it worked on is tried again.  A scene whose
-worker dies again and again is tried alone, so that it is known which one it is, and in the end refused.
+A worker that is killed costs time only: its pool is built anew, and what was under way is tried again, one by one, so
+that it is known which scene it is whose workers die; after a few deaths that one is refused.
 """
 
 from __future__ import annotations
 
-import gc
 import os
-import signal
-import threading
 from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
-from multiprocessing import get_all_start_methods, get_context, parent_process
-from multiprocessing.context import BaseContext
 from multiprocessing.synchronize import Event
 from typing import NamedTuple, Protocol
 
+from nonsmooth.reports.processes import begin_process, starting_with
 from nonsmooth.reports.sweeps.base import Base
 from nonsmooth.reports.sweeps.certified import cell_outcome
 from nonsmooth.reports.sweeps.outcome import Outcome, outcome_of, refused
@@ -28,13 +24,12 @@ from nonsmooth.symbolic.files.key_paths import Path
 
 AHEAD = 2  # scenes under way for each worker, so that none waits for the next
 TICK = 1.0  # seconds after which the sweep looks up, whether anything is finished or not
-TOGETHER, ALONE = 2, 3  # deaths of workers before a scene is tried alone, and before it is refused
+DEATHS = 4  # of workers before a scene is refused: among others, then alone
 DIED = "its worker was killed again and again: it takes more memory or time than the machine allows"
 FALSE_STARTS = 3  # pools that end before any worker is ready
 NEVER_READY = (
     'required processes that start (a script needs if __name__ == "__main__":), received ones that end at once'
 )
-GARBAGE_THRESHOLD = 200_000  # as the command line sets it: there are few cycles
 
 
 class Task(NamedTuple):
@@ -120,21 +115,19 @@ class ProcessPool:
 
     def __init__(self, work: Work, count: int) -> None:
         self._work, self._count = work, count
-        self._context = _start_method()
+        self._context = starting_with(__name__)
         self._began = self._context.Event()  # set by every worker that is ready
         self._false_starts = 0
         self._executor = self._new()
         self._running: dict[Future[Outcome], Task] = {}
-        self._again: deque[Task] = deque()  # to be tried once more, together with others
-        self._suspects: deque[Task] = deque()  # to be tried alone
+        self._again: deque[Task] = deque()  # to be tried once more, alone
+        self._is_alone = False
         self._deaths: dict[str, int] = {}
 
     @property
     def room(self) -> int:
-        """None while a suspect waits to be alone."""
-        if self._suspects:
-            return 0
-        return self._count * AHEAD - len(self._running) - len(self._again)
+        """None while something is tried again."""
+        return 0 if self._again or self._is_alone else self._count * AHEAD - len(self._running)
 
     def submit(self, tasks: Iterable[Task]) -> None:
         """See :class:`Workers`."""
@@ -143,7 +136,7 @@ class ProcessPool:
 
     def finished(self) -> Iterator[Finished]:
         """See :class:`Workers`."""
-        self._start_waiting()
+        self._try_again()
         done, _ = wait(self._running, timeout=TICK, return_when=FIRST_COMPLETED)
         died: list[Task] = []
         for future in done:
@@ -174,17 +167,15 @@ class ProcessPool:
             # It broke since we last looked, or what starts workers was killed: the task has done nothing that counts.
             self._again.append(task)
 
-    def _start_waiting(self) -> None:
-        """Begin what must be tried again; a suspect only where nothing else runs."""
-        while self._again:
-            task = self._again.popleft()
-            before = len(self._running)
-            self._start(task)
-            if len(self._running) == before:
+    def _try_again(self) -> None:
+        """Begin one of those that must be tried again, where nothing else runs."""
+        if self._running:
+            return
+        self._is_alone = bool(self._again)
+        if self._again:
+            self._start(self._again.popleft())
+            if not self._running:  # it could not be started
                 self._renew()
-                return
-        if self._suspects and not self._running:
-            self._start(self._suspects.popleft())
 
     def _recover(self, died: list[Task]) -> Iterator[Finished]:
         """Build the pool anew, and try again what was under way: any of it may have killed the worker."""
@@ -197,10 +188,8 @@ class ProcessPool:
         self._renew()
         for task in died:
             deaths = self._deaths[task.key] = self._deaths.get(task.key, 0) + 1
-            if deaths >= TOGETHER + ALONE:
+            if deaths >= DEATHS:
                 yield Finished(task, refused(DIED, is_system=self._work.base.is_system), lasting=False)
-            elif deaths >= TOGETHER:
-                self._suspects.append(task)
             else:
                 self._again.append(task)
 
@@ -227,35 +216,16 @@ def processors() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def _start_method() -> BaseContext:
-    """A server that has imported what checks need and forks workers, where there is one: a new worker costs little."""
-    if "forkserver" not in get_all_start_methods():
-        return get_context("spawn")
-    context = get_context("forkserver")
-    context.set_forkserver_preload([__name__])
-    return context
-
-
 # ---- in a worker ---------------------------------------------------------------------------------
 
 _works: list[Work] = []  # one entry in a worker, none elsewhere
 
 
 def _begin(work: Work, began: Event) -> None:
-    """Get ready: leave interrupts to the sweep, and end with it."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    gc.set_threshold(GARBAGE_THRESHOLD)
-    threading.Thread(target=_end_with_sweep, daemon=True).start()
+    """Get ready."""
+    begin_process()
     _works[:] = [work]
     began.set()
-
-
-def _end_with_sweep() -> None:
-    """End this process once the sweep is gone: it may have been killed, and then tells nobody."""
-    sweep = parent_process()
-    if sweep is not None:
-        sweep.join()
-    os._exit(0)
 
 
 def _check(entries: tuple[Entry, ...]) -> Outcome:

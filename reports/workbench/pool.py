@@ -8,7 +8,8 @@ from collections.abc import AsyncGenerator, AsyncIterator, Awaitable
 from contextlib import aclosing
 from typing import Any, NamedTuple, TypeVar
 
-from nonsmooth.reports.workbench.process import Process, start_method
+from nonsmooth.reports.processes import starting_with
+from nonsmooth.reports.workbench.process import WARM, Process
 from nonsmooth.reports.workbench.worker import CANCELLED, END
 
 GRACE = 0.15  # seconds that a cancelled job has to end before its worker is killed
@@ -59,7 +60,7 @@ class WorkerPool:
     """
 
     def __init__(self, count: int) -> None:
-        self._context, self._count = start_method(), count
+        self._context, self._count = starting_with(WARM), count
         self._idle: asyncio.LifoQueue[Process] = asyncio.LifoQueue()  # the last one's caches are still warm
         self._workers: set[Process] = set()
         self._waiting = 0

@@ -5,13 +5,9 @@ from __future__ import annotations
 import asyncio
 import threading
 from contextlib import suppress
-from multiprocessing import get_all_start_methods, get_context
-from multiprocessing.context import ForkServerContext, SpawnContext
-from typing import TypeAlias
 
+from nonsmooth.reports.processes import Context
 from nonsmooth.reports.workbench.worker import serve
-
-Context: TypeAlias = ForkServerContext | SpawnContext
 
 WARM = "nonsmooth.reports.workbench.warm"  # what the server of forks imports
 
@@ -62,12 +58,3 @@ class Process:
         self._thread.join()
         self._connection.close()
         self._process.close()
-
-
-def start_method() -> Context:
-    """A process that has imported what jobs need and forks workers, where there is one: a new worker costs little."""
-    if "forkserver" not in get_all_start_methods():
-        return get_context("spawn")
-    context = get_context("forkserver")
-    context.set_forkserver_preload([WARM])
-    return context

@@ -9,13 +9,13 @@ import gc
 import json
 
 from nonsmooth.proofs.clauses.workspace import unheard
+from nonsmooth.reports.processes import GARBAGE_THRESHOLD
 from nonsmooth.reports.workbench import refusals, worker
 from nonsmooth.reports.workbench.documents import document_of
 from nonsmooth.reports.workbench.jobs import view
 
 __all__ = ["refusals", "worker"]
 
-GARBAGE_THRESHOLD = 200_000  # as the command line sets it: there are few cycles
 STARTS = {"four-wheel": [0.1, 0.1, 0.0], "relay-oscillator": [0.1, 0.1]}
 
 

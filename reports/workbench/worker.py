@@ -10,12 +10,11 @@ from __future__ import annotations
 import gc
 import json
 import os
-import signal
-import threading
 from collections.abc import Callable, Iterator
-from multiprocessing import parent_process
 from multiprocessing.connection import Connection
 from typing import Any, TypeAlias
+
+from nonsmooth.reports.processes import begin_process
 
 Announce: TypeAlias = Callable[[str], None]
 
@@ -34,8 +33,7 @@ def serve(connection: Connection) -> None:
     Args:
         connection: to the server.
     """
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threading.Thread(target=_end_with_server, daemon=True).start()
+    begin_process()
     _limit_memory()
     gc.freeze()  # what is imported is never garbage
     try:
@@ -46,14 +44,6 @@ def serve(connection: Connection) -> None:
                 connection.send_bytes(END)
     except (EOFError, OSError):
         os._exit(0)
-
-
-def _end_with_server() -> None:
-    """End this process once the server is gone: it may have been killed, and then tells nobody."""
-    server = parent_process()
-    if server is not None:
-        server.join()
-    os._exit(0)
 
 
 def _limit_memory() -> None:

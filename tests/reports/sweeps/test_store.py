@@ -32,7 +32,7 @@ from nonsmooth.reports.sweeps.sweep import Means, run_sweep
 from nonsmooth.reports.sweeps.sweep_error import SweepError
 from nonsmooth.reports.sweeps.sweep_plan import read_plan
 from nonsmooth.reports.sweeps.values import Entry
-from nonsmooth.reports.sweeps.workers import ALONE, DIED, TOGETHER, InProcess, ProcessPool, Task, Work
+from nonsmooth.reports.sweeps.workers import DEATHS, DIED, InProcess, ProcessPool, Task, Work
 from nonsmooth.symbolic.files.scene_file import read_document
 from tests.thorough import keep
 
@@ -194,12 +194,9 @@ class Deadly(Work):
         return {"position": str(entries[0])}
 
 
-@pytest.mark.parametrize(("together", "alone"), keep(1, [(1, 1), (TOGETHER, ALONE)]))
-def test_a_scene_that_kills_its_workers_is_refused_and_no_other(
-    together: int, alone: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(workers_module, "TOGETHER", together)
-    monkeypatch.setattr(workers_module, "ALONE", alone)
+@pytest.mark.parametrize("deaths", keep(1, [2, DEATHS]))
+def test_a_scene_that_kills_its_workers_is_refused_and_no_other(deaths: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(workers_module, "DEATHS", deaths)
     pool = ProcessPool(Deadly(*work()), 2)
     try:
         waiting = [Task(f"key {name}", (name,)) for name in ("a", "deadly", "b", "c", "d")]
@@ -213,7 +210,7 @@ def test_a_scene_that_kills_its_workers_is_refused_and_no_other(
                 if not done.lasting:
                     assert done.outcome["why"] == DIED
         assert found == {**{f"key {name}": (name, True) for name in "abcd"}, "key deadly": ("refused", False)}
-        assert pool._deaths["key deadly"] == together + alone
+        assert pool._deaths["key deadly"] == deaths
     finally:
         pool.close()
 
