@@ -17,24 +17,24 @@ rest of the field is arbitrary.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import reduce
+from itertools import pairwise
 
 from flint import fmpq, fmpq_mat
 
-from nonsmooth.proofs.checker.polynomials import unit
+from nonsmooth.proofs.checker.lyapunov import sign_along
+from nonsmooth.proofs.checker.polynomials import Polynomial, constant, lie_derivative
 from nonsmooth.proofs.kernel.bounds import formula
-from nonsmooth.proofs.kernel.cells import RationalTerms, SignCells, adjoining, rational_terms, started, stated_cells
+from nonsmooth.proofs.kernel.cells import SignCells, adjoining, rational_terms, started, stated_cells
 from nonsmooth.proofs.kernel.search import Entry, NotShownError, Search
 from nonsmooth.proofs.kernel.second_function import find_second
 from nonsmooth.proofs.kernel.written import as_checked
-from nonsmooth.symbolic.numbers.polynomial import Exponents, add_terms, multiply_terms
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
-SHIFTS = (fmpq(0), fmpq(1, 64), fmpq(-1, 100))  # of a direction, off the other surfaces
+SHIFTS = (Fraction(0), Fraction(1, 64), Fraction(-1, 100))  # of a direction, off the other surfaces
 RADII = (Fraction(1), Fraction(1, 4), Fraction(1, 16), Fraction(1, 64))  # half-widths of cubes, over that of the scene
 
 
@@ -51,29 +51,22 @@ class RelayDegree:
 
     surface: int
     degree: int
-    rising: RationalTerms
-    direction: tuple[fmpq, ...]
+    rising: Polynomial
+    direction: tuple[Fraction, ...]
 
     def check(self, cells: SignCells) -> bool:
         """Verify from W itself: its derivative on every cell, and its sign in the direction."""
-        count = len(cells.states)
-        linear = {k: self.direction[k] for k in range(count)}
-        second = sum((c * _at(e, linear) for e, c in self.rising.items() if sum(e) == 2), fmpq(0))
-        if any(sum(e) < 2 for e in self.rising) or not second > 0:
+        ladder = _ladder(cells, self.surface)
+        if len(ladder) != self.degree or sign_along(self.rising, self.direction) <= 0:
             return False
-        surface = rational_terms(cells.surfaces[self.surface])
-        ladder = _ladder(cells, surface)
-        if len(ladder) != self.degree:
-            return False
-        square = multiply_terms(ladder[self.degree // 2], ladder[self.degree // 2]) if self.degree % 2 == 0 else {}
-        for cell in adjoining(cells):
-            for field in cell.velocities:
-                rate, last = _along(self.rising, field), _along(ladder[-1], field)
-                sense = cell.signs[self.surface] * last.get((0,) * count, fmpq(0))
-                pushed = multiply_terms(surface, last)
-                rest = add_terms(rate, _scaled(pushed, fmpq(-1 if sense > 0 else 1)))
-                if sense == 0 or _cleaned(rest) != _cleaned(square):
-                    return False
+        middle = ladder[self.degree // 2]
+        square = middle * middle if self.degree % 2 == 0 else constant(middle.count, 0)
+        for sign, field in _fields(cells, self.surface):
+            last = lie_derivative(ladder[-1], field)
+            pushed = ladder[0] * last
+            rest = lie_derivative(self.rising, field) + (-pushed if sign * last.at_origin > 0 else pushed)
+            if not last.at_origin or rest != square:
+                return False
         return True
 
 
@@ -114,11 +107,9 @@ def show_relay_of(system: SwitchedSystem, verdict: str, search: Search | None = 
         relay = high_degree_relay(system, stated.cells)
         if relay is None:
             continue
-        ladder = _ladder(stated.cells, rational_terms(stated.cells.surfaces[relay.surface]))
-        function, *others = (
-            formula(as_checked(own, len(system.states)), system.states)
-            for own in (_scaled(relay.rising, fmpq(-1)), *map(multiply_terms, ladder, ladder[1:]))
-        )
+        ladder = _ladder(stated.cells, relay.surface)
+        products = (before * after for before, after in pairwise(ladder))
+        function, *others = (formula(own, system.states) for own in (-relay.rising, *products))
         second = find_second(subject, stated.record, function, search, below=Fraction(0), others=others)
         for shift in SHIFTS if second is not None else ():
             direction = [str(x + k * shift) for k, x in enumerate(relay.direction, 1)]
@@ -129,82 +120,63 @@ def show_relay_of(system: SwitchedSystem, verdict: str, search: Search | None = 
 
 
 def _found(cells: SignCells) -> Iterator[RelayDegree]:
-    count = len(cells.states)
-    for number, polynomial in enumerate(cells.surfaces):
-        ladder = _ladder(cells, rational_terms(polynomial))
+    for number in range(len(cells.surfaces)):
+        ladder = _ladder(cells, number)
         degree = len(ladder)
-        sense = _sense(cells, number, ladder[-1]) if 2 <= degree <= count else 0
+        sense = _sense(cells, number, ladder[-1]) if 2 <= degree <= len(cells.states) else 0
         if not sense or (degree % 2 == 0 and sense != -((-1) ** (degree // 2))):
             continue
-        direction = _direction(ladder, sense, count)
+        direction = _direction(ladder, sense)
         if direction is not None:
-            yield RelayDegree(number, degree, _cleaned(_scaled(_by_parts(ladder), fmpq(sense))), direction)
+            yield RelayDegree(number, degree, _by_parts(ladder).times(sense), direction)
 
 
-def _ladder(cells: SignCells, surface: RationalTerms) -> list[RationalTerms]:
+def _fields(cells: SignCells, number: int) -> Iterator[tuple[int, tuple[Polynomial, ...]]]:
+    """The fields of all cells near the point, each with the sign of a surface there."""
+    count = len(cells.states)
+    for cell in adjoining(cells):
+        for field in cell.velocities:
+            yield cell.signs[number], tuple(as_checked(part, count) for part in field)
+
+
+def _ladder(cells: SignCells, number: int) -> list[Polynomial]:
     """``h_0, ..., h_(r-1)``: as long as they vanish at the point and the next one is the same on all cells near it."""
-    zero = (0,) * len(cells.states)
-    ladder: list[RationalTerms] = []
-    following = _cleaned(surface)
-    while following and zero not in following and len(ladder) <= len(cells.states):
+    ladder: list[Polynomial] = []
+    following = as_checked(rational_terms(cells.surfaces[number]), len(cells.states))
+    while following and not following.at_origin and len(ladder) <= len(cells.states):
         ladder.append(following)
-        seen = [_along(following, field) for cell in adjoining(cells) for field in cell.velocities]
-        if any(other != seen[0] for other in seen):
+        first, *others = (lie_derivative(following, field) for _, field in _fields(cells, number))
+        if any(other != first for other in others):
             return ladder
-        following = seen[0]
+        following = first
     return []
 
 
-def _sense(cells: SignCells, number: int, last: RationalTerms) -> int:
+def _sense(cells: SignCells, number: int, last: Polynomial) -> int:
     """Whether the field pushes s away from zero in its last derivative (1) or back (-1) on all cells; else 0."""
-    zero = (0,) * len(cells.states)
-    values = [
-        cell.signs[number] * _along(last, field).get(zero, fmpq(0))
-        for cell in adjoining(cells)
-        for field in cell.velocities
-    ]
+    values = [sign * lie_derivative(last, field).at_origin for sign, field in _fields(cells, number)]
     return 1 if all(v > 0 for v in values) else -1 if all(v < 0 for v in values) else 0
 
 
-def _by_parts(ladder: Sequence[RationalTerms]) -> RationalTerms:
+def _by_parts(ladder: Sequence[Polynomial]) -> Polynomial:
     """B."""
-    top = len(ladder) - 1
-    terms = [_scaled(multiply_terms(ladder[i], ladder[top - i]), fmpq((-1) ** i)) for i in range((top + 1) // 2)]
+    top, total = len(ladder) - 1, constant(ladder[0].count, 0)
+    for i in range((top + 1) // 2):
+        total += (ladder[i] * ladder[top - i]).times((-1) ** i)
     if top % 2 == 0:
-        middle = multiply_terms(ladder[top // 2], ladder[top // 2])
-        terms.append(_scaled(middle, fmpq((-1) ** (top // 2), 2)))
-    return reduce(add_terms, terms)
+        total += ladder[top // 2].power(2).times(Fraction((-1) ** (top // 2), 2))
+    return total
 
 
-def _direction(ladder: Sequence[RationalTerms], sense: int, count: int) -> tuple[fmpq, ...] | None:
+def _direction(ladder: Sequence[Polynomial], sense: int) -> tuple[Fraction, ...] | None:
     """The d with ``grad h_0 . d = 1``, ``grad h_(r-1) . d = sense`` and zero between; None for dependent gradients."""
-    rows = fmpq_mat([[h.get(unit(count, k), fmpq(0)) for k in range(count)] for h in ladder])
+    count = ladder[0].count
+    slopes = [[h.slope(k) for k in range(count)] for h in ladder]
+    rows = fmpq_mat([[fmpq(x.numerator, x.denominator) for x in row] for row in slopes])
     gram = rows * rows.transpose()
     if not gram.det():
         return None
     wanted = [[fmpq(0)] for _ in ladder]
     wanted[0], wanted[-1] = [fmpq(1)], [fmpq(sense)]
     found = rows.transpose() * gram.inv() * fmpq_mat(wanted)
-    return tuple(found[k, 0] for k in range(count))
-
-
-def _along(function: Mapping[Exponents, fmpq], field: Sequence[RationalTerms]) -> RationalTerms:
-    """``grad h . f``."""
-    total: RationalTerms = {}
-    for k, rate in enumerate(field):
-        step = unit(len(field), k)
-        slope = {tuple(map(int.__sub__, e, step)): c * e[k] for e, c in function.items() if e[k]}
-        total = add_terms(total, multiply_terms(slope, rate))
-    return _cleaned(total)
-
-
-def _at(exponents: Exponents, values: Mapping[int, fmpq]) -> fmpq:
-    return reduce(lambda total, k: total * values[k] ** exponents[k], range(len(exponents)), fmpq(1))
-
-
-def _scaled(terms: Mapping[Exponents, fmpq], factor: fmpq) -> RationalTerms:
-    return {e: c * factor for e, c in terms.items()}
-
-
-def _cleaned(terms: Mapping[Exponents, fmpq]) -> RationalTerms:
-    return {e: c for e, c in terms.items() if c}
+    return tuple(Fraction(int(found[k, 0].p), int(found[k, 0].q)) for k in range(count))

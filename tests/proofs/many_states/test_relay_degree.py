@@ -94,11 +94,10 @@ def test_other_relays_are_left_to_others(rhs: list[str], whole: bool) -> None:
 def test_forged_evidence_is_refused() -> None:
     result = decided(["y", "z", "-sgn(x) - z"])
     relay = result.deciding.proofs
-    rising = {e: -c for e, c in relay.rising.items()}
     for forged in (
         replace(relay, degree=4),
-        replace(relay, rising=rising),
-        replace(relay, rising={}),
+        replace(relay, rising=-relay.rising),
+        replace(relay, rising=relay.rising - relay.rising),
         replace(relay, direction=tuple(-2 * d for d in relay.direction[:1]) + relay.direction[1:]),
     ):
         assert not forged.check(first_cells(result.scene))
