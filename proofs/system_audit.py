@@ -28,7 +28,6 @@ from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.switched_cells import LyapunovCell, lyapunov_cells, partition_cells, system_cells
 from nonsmooth.analysis.contact_rule import CellRule, rule_of
 from nonsmooth.proofs.kernel.cells import BeyondReachError
-from nonsmooth.proofs.many_states import denominators as many_denominators
 from nonsmooth.proofs.many_states import examination as many
 from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, FailurePoint, NotZeroError
 from nonsmooth.proofs.systems.denominators import require_denominators
@@ -327,7 +326,7 @@ def _holds_in_the_plane(result: AuditResult) -> bool:
 
 def _audit_in_space(scene: SwitchedSystem, lyapunov: str) -> AuditResult:
     require_stated(scene)
-    many_denominators.require_denominators(scene)
+    require_denominators(scene)
     formula, radius = _formula(scene, lyapunov), scene.check.radius
     with suppress(NoEnclosureError):
         scene = enclose_numbers(scene)

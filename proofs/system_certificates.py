@@ -36,8 +36,7 @@ from nonsmooth.proofs.system_facts import (
     rewriting_words,
 )
 from nonsmooth.proofs.systems.derivatives import Decrease
-from nonsmooth.proofs.systems.findings import ExaminedFunction, Method
-from nonsmooth.proofs.systems.piecewise_quadratic import PotentialPiece
+from nonsmooth.proofs.systems.findings import ExaminedFunction, Method, PotentialPiece
 from nonsmooth.proofs.theorem_searches import show_verdict
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.enclosed_numbers import NoEnclosureError, enclose_numbers
@@ -271,7 +270,7 @@ def _by_function(result: StabilityResult, function: ExaminedFunction) -> Candida
     if reach.near is not None:
         options.append(Option({"level": exact_text(reach.near.level)}, reached_words(reach.near, states)))
     if reach.rate is not None and system.by_roots is None:  # rates are in the time of the roots
-        rate = {"kind": reach.rate.decay.name.lower(), "kappa": exact_text(reach.rate.kappa)}
+        rate = reach.rate.record
         options.append(Option({"rate": rate}, rate_words(reach, states)))
         if reach.gain is not None and reach.gain.rate == reach.rate:
             gain = {"rate": rate, "gain": exact_text(reach.gain.gamma)}

@@ -14,8 +14,14 @@ from nonsmooth.proofs.system_decision import StabilityResult
 from nonsmooth.proofs.systems.decay_rate import DecayKind
 from nonsmooth.proofs.systems.derivatives import Supremum
 from nonsmooth.proofs.systems.domain import Domain, cube_text
-from nonsmooth.proofs.systems.findings import DERIVATIVES, CertifiedRegion, ExaminedFunction, Method, Reach
-from nonsmooth.proofs.systems.piecewise_quadratic import PotentialPiece
+from nonsmooth.proofs.systems.findings import (
+    DERIVATIVES,
+    ExaminedFunction,
+    Method,
+    PotentialPiece,
+    Reach,
+)
+from nonsmooth.proofs.systems.sublevel_region import SublevelRegion
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.number_text import place_text
 from nonsmooth.symbolic.scene import Scene
@@ -147,12 +153,12 @@ def _piece(piece: PotentialPiece) -> dict[str, object]:
     return {"V": str(piece.potential), "cone": cone}
 
 
-def reached_words(region: CertifiedRegion, states: Sequence[str]) -> str:
+def reached_words(region: SublevelRegion, states: Sequence[str]) -> str:
     """What is certified of a sublevel set of V."""
     return f"every start with {region} within {cube_text(region.radius, states)} reaches the equilibrium"
 
 
-def region_words(region: CertifiedRegion, states: Sequence[str]) -> str:
+def region_words(region: SublevelRegion, states: Sequence[str]) -> str:
     """The same, and what refutes a larger one."""
     reached = reached_words(region, states)
     if region.refuted is None:
@@ -165,7 +171,7 @@ def region_words(region: CertifiedRegion, states: Sequence[str]) -> str:
     return f"{reached}; V < {region.refuted} {why}, {where}"
 
 
-def _region_record(region: CertifiedRegion, states: Sequence[str]) -> dict[str, object]:
+def _region_record(region: SublevelRegion, states: Sequence[str]) -> dict[str, object]:
     record: dict[str, object] = {"level": Quantity(region.level), "within": Quantity(region.radius)}
     if region.refuted is not None:
         record |= {"refuted": Quantity(region.refuted), "point": Quantity(region.point)}

@@ -26,7 +26,7 @@ from nonsmooth.proofs.kernel.first_terms import show_departure_of, show_lineariz
 from nonsmooth.proofs.kernel.search import Entry, NotShownError, Search
 from nonsmooth.proofs.kernel.second_function import find_second
 from nonsmooth.proofs.kernel.subject import about
-from nonsmooth.proofs.many_states.instability import find_growth
+from nonsmooth.proofs.many_states.lyapunov_search import find_growth
 from nonsmooth.proofs.many_states.relay_degree import show_relay_of
 from nonsmooth.proofs.systems.lyapunov_search import find_weak_lyapunov
 from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise

@@ -73,6 +73,16 @@ class CellClaim:
         closed = self.holds_origin or all(g[2] for g in self.region.generators)
         return closed and not self.region.guards
 
+    def fails_at(self, point: Vector) -> bool:
+        """Whether a point of the cell, strictly inside all guards, refutes the claim."""
+        if self.except_origin and not any(point):
+            return False
+        place = (point[0], point[1])
+        if not self.region.contains(place) or any(sign(guard(place)) <= 0 for guard in self.region.guards):
+            return False
+        here = sign(self.polynomial(place))
+        return here < 0 or (here == 0 and self.strict)
+
 
 def build_parts(claim: CellClaim) -> Iterator[Problem]:
     """The claim on simplicial cones that cover the cell."""

@@ -54,7 +54,7 @@ from nonsmooth.proofs.inequalities.forms import (
     verify,
 )
 from nonsmooth.symbolic.number_text import place_text
-from nonsmooth.symbolic.numbers.number import Number, sign
+from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.surfaces import factorize
 
@@ -70,7 +70,7 @@ def counterexample(claim: CellClaim) -> tuple[Any, Any] | None:
     for triangle in triangles(claim.region, holds_origin=claim.holds_origin):
         for weights in _suspects(claim, triangle):
             point = _point(triangle, weights)
-            if _fails_at(claim, point):
+            if claim.fails_at(point):
                 return point
     return None
 
@@ -120,16 +120,6 @@ def _point(triangle: Sequence[Triple], weights: Weights) -> tuple[Any, Any]:
     return x / w, y / w
 
 
-def _fails_at(claim: CellClaim, point: tuple[Any, Any]) -> bool:
-    """The exact test: strictly inside the guards, in the closed convex part, and the claim false."""
-    if claim.except_origin and not any(point):
-        return False
-    if not claim.region.contains(point) or any(sign(guard(point)) <= 0 for guard in claim.region.guards):
-        return False
-    here = sign(claim.polynomial(point))
-    return here < 0 or (here == 0 and claim.strict)
-
-
 LITTLE_WORK = 500  # coefficients of parts looked at before the complete ways are tried
 MUCH_WORK = 50_000  # about a second
 MAX_EXACT_ROOTS = 6  # square roots in the field up to which quotients of two generators are carried out
@@ -170,14 +160,6 @@ class Question:
         """The question as ``>= 0`` or ``> 0``."""
         return CellClaim(self.polynomial * self.sense.factor, self.region, self.sense.strict, self.except_origin)
 
-    def fails_at(self, point: tuple[Any, ...]) -> bool:
-        """Whether a point of the cell (inside all guards) refutes the claim."""
-        place = (point[0], point[1])
-        here = sign(self.claim.polynomial(point))
-        exempt = self.except_origin and not any(point)
-        inside = self.region.contains(place) and all(sign(guard(place)) > 0 for guard in self.region.guards)
-        return inside and not exempt and (here < 0 or (here == 0 and self.sense.strict))
-
 
 @dataclass(frozen=True)
 class Proof:
@@ -194,7 +176,7 @@ class Proof:
     def check(self) -> bool:
         """Rebuild the parts from the question and re-verify the evidence of each from the definitions."""
         claim = self.question.claim
-        if self.question.fails_at(_origin(claim)):
+        if claim.fails_at(_origin(claim)):
             return False
         parts = list(build_parts(claim))
         return len(parts) == len(self.evidence) and all(
@@ -218,7 +200,7 @@ class Counterexample:
 
     def check(self) -> bool:
         """Evaluate again."""
-        return self.question.fails_at(self.point) and not self.value - self.question.polynomial(self.point)
+        return self.question.claim.fails_at(self.point) and not self.value - self.question.polynomial(self.point)
 
 
 @dataclass(frozen=True)
@@ -286,7 +268,7 @@ def prove(sense: Sense | str, polynomial: Polynomial, region: Region, *, except_
         raise ValueError(f"required a polynomial in {PLANE}, received {polynomial.variables}")
     question = Question(Sense(sense), polynomial, region, except_origin)
     claim = question.claim
-    if question.fails_at(_origin(claim)):
+    if claim.fails_at(_origin(claim)):
         return _witness(question, _origin(claim))
     refuting = counterexample(claim) if region.guards else None
     if refuting is not None:

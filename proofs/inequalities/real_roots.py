@@ -99,6 +99,12 @@ def greatest_divisor(first: Coefficients, second: Coefficients) -> list[Number]:
     return a
 
 
+def between_rays(form: Polynomial, first: Sequence[Any], second: Sequence[Any]) -> list[Number]:
+    """A form on ``first + t second``, ascending in t; empty where it is zero."""
+    terms = in_generators(form.terms, [first, second])
+    return trimmed([form.field(terms.get((form.degree - k, k), 0)) for k in range(form.degree + 1)])
+
+
 def along_edge(polynomial: Polynomial, edge: Segment, degree: int | None = None) -> list[Number]:
     """A polynomial in (x, y) at the points ``g + t h``, t > 0, of an edge, times a power of w, which is positive there.
 

@@ -25,8 +25,7 @@ from nonsmooth.proofs.checker.cells import Domain, Inclusion, Pattern, Surfaces,
 from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.inequalities.linear_program import Mixture, best_mixture
-from nonsmooth.proofs.kernel.samples import Floats, sample_points, values_at
-from nonsmooth.proofs.kernel.search import NotShownError, Search
+from nonsmooth.proofs.kernel.search import Floats, NotShownError, Search, sample_points, values_at
 from nonsmooth.proofs.kernel.subject import NoCertificateError, about
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Exponents, Polynomial

@@ -24,8 +24,7 @@ from nonsmooth.proofs.checker.lyapunov import sign_along
 from nonsmooth.proofs.checker.polynomials import Polynomial, constant, lie_derivative, solve, variable
 from nonsmooth.proofs.kernel.cells import SignCell, SignCells, adjoining, build_cells, rational_terms, started
 from nonsmooth.proofs.kernel.first_terms import MIDDLE, lyapunov_solution, quadratic_form
-from nonsmooth.proofs.kernel.samples import SampledProofs, values_at
-from nonsmooth.proofs.kernel.search import Entry, NotShownError, Search
+from nonsmooth.proofs.kernel.search import Entry, NotShownError, SampledProofs, Search, values_at
 from nonsmooth.proofs.kernel.written import as_checked, formula_text
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 

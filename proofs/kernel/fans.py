@@ -38,8 +38,16 @@ from nonsmooth.proofs.kernel.cells import (
     stated_cells,
     surfaces_of,
 )
-from nonsmooth.proofs.kernel.samples import Floats, SampledProofs, sample_points, values_at
-from nonsmooth.proofs.kernel.search import Entry, NotShownError, Search, stability_hypotheses
+from nonsmooth.proofs.kernel.search import (
+    Entry,
+    Floats,
+    NotShownError,
+    SampledProofs,
+    Search,
+    sample_points,
+    stability_hypotheses,
+    values_at,
+)
 from nonsmooth.proofs.kernel.second_function import find_second
 from nonsmooth.proofs.kernel.tangents import form_lines, lowest_form
 from nonsmooth.symbolic.numbers.polynomial import Polynomial as Form

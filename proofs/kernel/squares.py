@@ -17,7 +17,7 @@ from nonsmooth.proofs.sums_of_squares.ansatz import Condition, build_ansatz, bui
 from nonsmooth.proofs.sums_of_squares.conic_program import solve_inside
 from nonsmooth.proofs.sums_of_squares.gram_certificate import SquareTerm
 from nonsmooth.proofs.sums_of_squares.prove import Effort, normalized, prove_positive
-from nonsmooth.proofs.sums_of_squares.rounded_parameters import round_parameters
+from nonsmooth.proofs.sums_of_squares.rounding import round_parameters
 from nonsmooth.symbolic.numbers.polynomial import add_terms, multiply_terms
 
 MU_DENOMINATORS = (1 << 6, 1 << 16)  # of the coefficients of mu, tried in turn

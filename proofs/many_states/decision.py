@@ -7,7 +7,7 @@
 3. The V that the scene names, on the checked cube (:mod:`nonsmooth.proofs.many_states.examination`).
 4. A V that is searched (:mod:`nonsmooth.proofs.many_states.lyapunov_search`); for a linearization whose eigenvalues all
    have negative real parts its own quadratic form on smaller cubes, if nothing else is proved.
-5. A V that shows instability (:mod:`nonsmooth.proofs.many_states.instability`).
+5. A V that shows instability (:mod:`nonsmooth.proofs.many_states.lyapunov_search`).
 6. A V that does not increase: the point attracts where nothing else stays where V does not fall
    (:mod:`nonsmooth.proofs.kernel.second_function`); otherwise ``stable``, and whether it attracts is left open.
 
@@ -23,7 +23,6 @@ from typing import Any
 
 from nonsmooth.proofs.inequalities.linear_program import best_mixture, mixtures_to_zero
 from nonsmooth.proofs.kernel.cells import BeyondReachError, SignCells, adjoining, build_cells
-from nonsmooth.proofs.many_states.denominators import require_denominators
 from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, examine
 from nonsmooth.proofs.many_states.first_terms import (
     LinearPart,
@@ -34,11 +33,11 @@ from nonsmooth.proofs.many_states.first_terms import (
     quadratic_text,
     unstable_mixture,
 )
-from nonsmooth.proofs.many_states.instability import GrowthEvidence, find_growth
-from nonsmooth.proofs.many_states.lyapunov_search import SCALES, find_lyapunov
-from nonsmooth.proofs.many_states.reach import decay_rate, largest_sublevel
+from nonsmooth.proofs.many_states.lyapunov_search import SCALES, GrowthEvidence, find_growth, find_lyapunov
+from nonsmooth.proofs.many_states.reach import decay_rate, largest_sublevel, rate_scales
 from nonsmooth.proofs.many_states.relay_degree import high_degree_relay
 from nonsmooth.proofs.sums_of_squares.prove import Effort
+from nonsmooth.proofs.systems.denominators import require_denominators
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.domain import Domain
 from nonsmooth.proofs.systems.findings import CheckedPoint, Finding, Known, Method, Reach, is_shown
@@ -152,7 +151,7 @@ class SpacePoint(CheckedPoint):
         """Where a rate of V holds."""
         if rate is None or found.function is None:
             return None
-        return Domain(None if rate.scales(found.function.examination) else found.function.radius)
+        return Domain(None if rate_scales(rate, found.function.examination) else found.function.radius)
 
 
 def first_cells(scene: SwitchedSystem) -> SignCells:

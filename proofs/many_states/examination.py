@@ -314,8 +314,7 @@ class ExaminedLyapunov(ExaminedFunction):
 
     def known_entry(self, reach: Reach) -> dict[str, Any]:
         """The theorem with its evidence, as a certificate holds it: what V shows, where from, and how fast."""
-        region: Any = reach.region
-        rate: Any = reach.rate
+        region, rate = reach.region, reach.rate
         stated, falls = self.examination.stated, self.examination.verdict is Decrease.STRICT
         verdict = str(PROVES[self.examination.verdict])
         hypotheses = stability_hypotheses(stated.record, self.formula.text, verdict) | {

@@ -10,7 +10,7 @@ about ``-V'`` is asked again for ``p - kappa`` or ``p - kappa V``, on faces with
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
@@ -25,33 +25,13 @@ from nonsmooth.proofs.many_states.witnesses import values_at
 from nonsmooth.proofs.sums_of_squares.ansatz import Condition
 from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.decay_rate import DENOMINATOR, SHARES, DecayKind, DecayRate
+from nonsmooth.proofs.systems.sublevel_region import SublevelRegion
 
 POINTS = 4_000
 LEVEL_SHARES = tuple(Fraction(k, 64) for k in (63, 60, 48, 32, 16, 4))  # of the least sampled value, tried in turn
 
 
-@dataclass(frozen=True)
-class SublevelSet:
-    """Starts that stay in the cube and reach the point.
-
-    Attributes:
-        level: c, where ``V < c`` is certified.
-        radius: half the side of the cube.
-        proofs: the evidence that V is above c on the border, by the names of claims.
-    """
-
-    level: Fraction
-    radius: Fraction
-    proofs: dict[str, Any]
-    refuted: None = None  # no larger level is refuted
-    point: None = None
-    falls: bool = True  # on all of the cube
-
-    def __str__(self) -> str:
-        return f"V < {self.level}"
-
-
-def largest_sublevel(examination: Examination) -> SublevelSet | None:
+def largest_sublevel(examination: Examination) -> SublevelRegion | None:
     """A certified level near the least value on the border; None where none is proved."""
     if examination.is_homogeneous:
         return None
@@ -65,7 +45,7 @@ def largest_sublevel(examination: Examination) -> SublevelSet | None:
         if None not in found.values():
             radius = examination.cells.radius
             proofs = {name: own.evidence for name, own in found.items() if own is not None}
-            return SublevelSet(level, Fraction(int(radius.p), int(radius.q)), proofs)
+            return SublevelRegion(level, None, None, Fraction(int(radius.p), int(radius.q)), True, proofs)
     return None
 
 
@@ -103,30 +83,15 @@ def _brief(value: float) -> Fraction:
     return Fraction(int(value * power), power)
 
 
-@dataclass(frozen=True)
-class ProvedDecay(DecayRate):
-    """A proved rate.
+def rate_scales(rate: DecayRate, examination: Examination) -> bool:
+    """Whether a rate on the cube is one on the whole space: V and V' are forms, of the degrees of the rate.
 
-    Attributes:
-        proofs: the evidence, by the names of claims.
+    ``V' <= -kappa V`` scales where V' has the degree of V, ``V' <= -kappa`` where it has degree 0.
     """
-
-    proofs: dict[str, Any]
-
-    @property
-    def record(self) -> dict[str, str]:
-        """As a certificate states it."""
-        return {"kind": self.decay.name.lower(), "kappa": str(self.kappa)}
-
-    def scales(self, examination: Examination) -> bool:
-        """Whether the rate on the cube is one on the whole space: V and V' are forms, of the degrees of the rate.
-
-        ``V' <= -kappa V`` scales where V' has the degree of V, ``V' <= -kappa`` where it has degree 0.
-        """
-        return examination.is_homogeneous and are_about_forms(rate_claims(examination, self.decay, self.kappa))
+    return examination.is_homogeneous and are_about_forms(rate_claims(examination, rate.decay, rate.kappa))
 
 
-def decay_rate(examination: Examination) -> ProvedDecay | None:
+def decay_rate(examination: Examination) -> DecayRate | None:
     """A rate of a V that is proved to fall; None where none is proved."""
     falling = [own for own in examination.asked if own.is_about_fall]
     for decay in DecayKind:
@@ -137,7 +102,7 @@ def decay_rate(examination: Examination) -> ProvedDecay | None:
             kappa = Fraction(int(most * float(share) * DENOMINATOR), DENOMINATOR)
             proofs = _proofs(examination, falling, decay, kappa) if kappa else None
             if proofs is not None:
-                return ProvedDecay(decay, kappa, proofs)
+                return DecayRate(decay, kappa, proofs)
     return None
 
 

@@ -20,8 +20,8 @@ g_2, and otherwise the nearer end.  A disturbance may also hold a solution at a 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from fractions import Fraction
 from itertools import combinations, combinations_with_replacement
@@ -68,10 +68,17 @@ class DecayRate:
     Attributes:
         decay: which of the two.
         kappa: the rate.
+        proofs: the evidence by the names of the checker's claims, where it is found in that form.
     """
 
     decay: DecayKind
     kappa: Fraction
+    proofs: Mapping[str, Any] = field(default_factory=dict, hash=False)
+
+    @property
+    def record(self) -> dict[str, str]:
+        """As a certificate states it."""
+        return {"kind": self.decay.name.lower(), "kappa": str(self.kappa)}
 
     def __str__(self) -> str:
         return self.decay.value.format(self.kappa)

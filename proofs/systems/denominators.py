@@ -1,32 +1,37 @@
-"""Denominators of a plain system are proved positive on the checked square before anything is decided there."""
+"""Denominators of a plain system are proved positive on the checked cube before anything is decided there."""
 
 from __future__ import annotations
 
+from flint import fmpq
+
 from nonsmooth.analysis.cells.switched_cells import TooManyCells, smooth_pieces, square_regions
+from nonsmooth.proofs.checker.polynomials import unit
 from nonsmooth.proofs.inequalities.prover import Proof, Sense, prove
+from nonsmooth.proofs.kernel.cells import BeyondReachError, patterns, rational, rational_terms, scaled
+from nonsmooth.proofs.sums_of_squares.ansatz import Condition
+from nonsmooth.proofs.sums_of_squares.prove import prove_positive
 from nonsmooth.symbolic.expression import ExpressionError
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.piecewise import PiecewiseExpression, SignOf
 from nonsmooth.symbolic.scene_error import SceneError
-from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem, require_plane
+from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem, signs_by_factors
 
 
 def require_denominators(system: SwitchedSystem) -> None:
-    """Refuse denominators that are not proved positive on the checked square.
+    """Refuse denominators that are not proved positive on the checked cube, in two states a square.
 
     Raises:
         SceneError: for such a denominator.
     """
-    if not system.denominators:
-        return
-    require_plane(system)
+    in_plane = len(system.states) == len(PLANE)
+    is_positive, where = (_is_positive_on_square, "square") if in_plane else (_is_positive_on_cube, "cube")
     for formula in system.denominators:
-        if not _is_positive(system, formula):
-            expected = "a denominator that is proved not to vanish on the checked square (a smaller check.radius?)"
+        if not is_positive(system, formula):
+            expected = f"a denominator that is proved not to vanish on the checked {where} (a smaller check.radius?)"
             raise SceneError(system.origin, "system.rhs", expected, formula.text)
 
 
-def _is_positive(system: SwitchedSystem, formula: PiecewiseExpression) -> bool:
+def _is_positive_on_square(system: SwitchedSystem, formula: PiecewiseExpression) -> bool:
     values = dict(zip(system.states, system.displaced(PLANE), strict=True))
 
     def evaluate(sign_of: SignOf) -> Polynomial:
@@ -37,3 +42,21 @@ def _is_positive(system: SwitchedSystem, formula: PiecewiseExpression) -> bool:
     except (TooManyCells, ExpressionError):
         return False
     return all(isinstance(prove(Sense.POSITIVE, piece, region), Proof) for region, piece in pieces)
+
+
+def _is_positive_on_cube(system: SwitchedSystem, formula: PiecewiseExpression) -> bool:
+    states, count = system.displaced(system.states), len(system.states)
+    asked = SwitchedSystem(system.name, system.field, system.states, (formula,), system.check, system.source)
+    surfaces = tuple(s for s in asked.surfaces(states) if s.degree)
+    bounds = tuple({unit(count, k): fmpq(1)} for k in range(count))
+    try:
+        rho = rational(system.check.radius)
+        for signs in patterns(surfaces, system.check.radius):
+            (piece,) = asked.velocity(signs_by_factors(dict(zip(surfaces, signs, strict=True))), states)
+            guards = tuple(scaled(rational_terms(s * e), rho) for s, e in zip(surfaces, signs, strict=True))
+            condition = Condition(scaled(rational_terms(piece), rho), {}, guards, bounds, count, at_origin=True)
+            if prove_positive(condition) is None:
+                return False
+    except BeyondReachError:
+        return False
+    return True

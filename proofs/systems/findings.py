@@ -7,12 +7,12 @@ A :class:`Finding` is a theorem with what it shows; what it rests on is a small 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
-from fractions import Fraction
-from typing import Any, Protocol
+from typing import Any
 
+from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.statements import show_entry
 from nonsmooth.proofs.checker.work import BUDGET, MALFORMED, MAX_BYTES, RejectedError
@@ -21,9 +21,10 @@ from nonsmooth.proofs.kernel.subject import about
 from nonsmooth.proofs.systems.decay_rate import DecayRate, DisturbanceGain, RegionRate
 from nonsmooth.proofs.systems.derivatives import Decrease, Supremum
 from nonsmooth.proofs.systems.domain import Domain
-from nonsmooth.proofs.systems.piecewise_quadratic import PotentialPiece
+from nonsmooth.proofs.systems.sublevel_region import SublevelRegion
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
-from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.number_text import brief_text
+from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.scene_error import one_line
 from nonsmooth.symbolic.switched_system import SwitchedSystem
@@ -51,6 +52,27 @@ class Method(StrEnum):
     GROWTH = "function that grows"
     INSTABILITY = "function that shows instability"
     NONE = "nothing"
+
+
+@dataclass(frozen=True)
+class PotentialPiece:
+    """V on one cone at the equilibrium.
+
+    Attributes:
+        potential: V, in the displacement from the equilibrium under the states' names.
+        start: first ray of the cone, counterclockwise.
+        end: its last ray; None with ``start`` where one polynomial is V everywhere.
+    """
+
+    potential: Polynomial
+    start: Point | None
+    end: Point | None
+
+    def __str__(self) -> str:
+        if self.start is None or self.end is None:
+            return f"{self.potential}"
+        first, last = (f"({brief_text(x)}, {brief_text(y)})" for x, y in (self.start, self.end))
+        return f"{self.potential} from ray {first} to ray {last}"
 
 
 class ExaminedFunction(ABC):
@@ -160,37 +182,13 @@ class Known:
         return self.standing is None or self.standing.is_weak
 
 
-class CertifiedRegion(Protocol):
-    """Starts that stay in the domain of V and reach the point: those with V below a level."""
-
-    @property
-    def level(self) -> Fraction:
-        """The level."""
-
-    @property
-    def radius(self) -> Number | Fraction:
-        """Half the side of the cube."""
-
-    @property
-    def refuted(self) -> Fraction | None:
-        """A larger level for which that is not shown; None where none was looked at."""
-
-    @property
-    def point(self) -> Sequence[Any] | None:
-        """A point that refutes this level; None where none is known."""
-
-    @property
-    def falls(self) -> bool:
-        """Whether V falls on all of the cube."""
-
-
 @dataclass(frozen=True)
 class Reach:
     """How far and how fast a proved verdict carries; None for what is not proved.
 
     Attributes:
         everywhere: whether every start of the whole space reaches the point.
-        near: starts that stay where V is proved to fall, and reach the point, a :class:`CertifiedRegion`.
+        near: starts that stay where V is proved to fall, and reach the point.
         region: the most starts that are certified to reach the point: these, or more in the checked square.
         rate: of V where it is proved to fall, hence from the starts of ``near``.
         rate_domain: where this rate holds; None without one.
@@ -200,8 +198,8 @@ class Reach:
     """
 
     everywhere: bool = False
-    near: Any = None
-    region: Any = None
+    near: SublevelRegion | None = None
+    region: SublevelRegion | None = None
     rate: DecayRate | None = None
     rate_domain: Domain | None = None
     region_rate: RegionRate | None = None

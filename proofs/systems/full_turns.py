@@ -38,7 +38,7 @@ from flint import acb, acb_poly, arb, ctx, fmpq
 from nonsmooth.analysis.cells.fan import by_angle
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.switched_cells import PlaneField
-from nonsmooth.proofs.inequalities.real_roots import RealRoot, positive_roots, separated, trimmed
+from nonsmooth.proofs.inequalities.real_roots import RealRoot, between_rays, positive_roots, separated
 from nonsmooth.proofs.systems.tangent_fan import Frame, TangentCone, TangentFan, build_tangent_fan, turning
 from nonsmooth.symbolic.number_text import brief_text
 from nonsmooth.symbolic.numbers.number import Number, sign
@@ -193,14 +193,8 @@ def _strict_sense(cone: TangentCone) -> int:
     """The strict sense in which a field turns on a whole closed cone; 0 where it has none."""
     across = turning(cone.leading)[0]
     ends = {across(cone.start).sign(), across(cone.end).sign()}
-    along = _along(across, cone)
+    along = between_rays(across, cone.start, cone.end)
     return ends.pop() if len(ends) == 1 and along and not positive_roots(along) else 0
-
-
-def _along(form: Polynomial, cone: TangentCone) -> list[Number]:
-    """A form on ``start + t end``, ascending in t; empty where it is zero."""
-    terms = in_generators(form.terms, [cone.start, cone.end])
-    return trimmed([form.field(terms.get((form.degree - k, k), 0)) for k in range(form.degree + 1)])
 
 
 def _largest_growth(members: Sequence[TangentCone], sense: int) -> arb:
@@ -218,14 +212,10 @@ def _short_pieces(members: Sequence[TangentCone]) -> list[tuple[Fraction, Fracti
     """Around every root of ``f_i x f_j``, in ``c = (1 - u) start + u end``."""
     roots: list[RealRoot] = []
     for first, second in combinations(members, 2):
-        along = _along(_product(first.leading, second.leading), first)
+        along = between_rays(cross(first.leading, second.leading), first.start, first.end)
         roots += positive_roots(along) if along else []
     short = [_shortened(root) for root in separated(roots)]
     return [(r.low / (1 + r.low), r.high / (1 + r.high)) for r in short]
-
-
-def _product(f: PlaneField, g: PlaneField) -> Polynomial:
-    return cross(f, g)
 
 
 def _shortened(root: RealRoot) -> RealRoot:

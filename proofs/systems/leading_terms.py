@@ -25,7 +25,13 @@ from typing import Any
 
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.switched_cells import PlaneField
-from nonsmooth.proofs.inequalities.real_roots import RealRoot, positive_roots, samples_between, trimmed, value
+from nonsmooth.proofs.inequalities.real_roots import (
+    RealRoot,
+    between_rays,
+    positive_roots,
+    samples_between,
+    value,
+)
 from nonsmooth.proofs.systems.full_turns import FusedFocus, TurnGrowth, WorstTurn, fused_focus, turn_growth, worst_turn
 from nonsmooth.proofs.systems.lyapunov_rows import lines_through
 from nonsmooth.proofs.systems.tangent_fan import (
@@ -43,7 +49,7 @@ from nonsmooth.proofs.systems.tangent_fan import (
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.number_text import place_text
 from nonsmooth.symbolic.numbers.number import Number, sign
-from nonsmooth.symbolic.numbers.polynomial import Polynomial, in_generators
+from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.plane import cross
 from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
 
@@ -238,7 +244,7 @@ def radial_motions(fan: TangentFan) -> Iterator[RadialMotion]:
 
 def _inner_motions(cone: TangentCone, degree: int) -> Iterator[RadialMotion]:
     """Rays ``start + t end`` inside a cone on which the field is radial."""
-    across, radial = (_along(form, cone) for form in turning(cone.leading))
+    across, radial = (between_rays(form, cone.start, cone.end) for form in turning(cone.leading))
     if not across:
         yield from _everywhere_radial(cone, radial)
         return
@@ -256,12 +262,6 @@ def _everywhere_radial(cone: TangentCone, radial: Sequence[Number]) -> Iterator[
         here = place.sign_of(radial) if isinstance(place, RealRoot) else value(radial, place).sign() if radial else 0
         t = place.low if isinstance(place, RealRoot) else place
         yield RadialMotion(_ray(cone, t), here, not roots, False)
-
-
-def _along(form: Polynomial, cone: TangentCone) -> list[Number]:
-    """A form on ``start + t end``, ascending in t; empty where it is zero."""
-    terms = in_generators(form.terms, [cone.start, cone.end])
-    return trimmed([form.field(terms.get((form.degree - k, k), 0)) for k in range(form.degree + 1)])
 
 
 def _ray(cone: TangentCone, t: Any) -> Point:
@@ -319,9 +319,7 @@ def _crosses_itself(before: TangentCone, after: TangentCone) -> bool:
 
 def _closer(ray: Point, place: Point, across: Polynomial) -> int:
     """The sign of a form at directions that come arbitrarily near to a ray on which it vanishes."""
-    terms = in_generators(across.terms, [ray, place])
-    along = [across.field(terms.get((across.degree - k, k), 0)) for k in range(across.degree + 1)]
-    return next((sign(c) for c in along if c), 0)
+    return next((sign(c) for c in between_rays(across, ray, place) if c), 0)
 
 
 def _turn_and_speed(field: PlaneField, ray: Point) -> tuple[Any, Any]:

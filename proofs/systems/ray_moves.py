@@ -30,12 +30,18 @@ from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, Move, 
 from nonsmooth.proofs.inequalities.curved_regions import Adherence, Extent, adherence, ray_adherence, sectors
 from nonsmooth.proofs.inequalities.forms import directions
 from nonsmooth.proofs.inequalities.kinks import mixtures
-from nonsmooth.proofs.inequalities.real_roots import RealRoot, positive_roots, samples_between, trimmed, value
+from nonsmooth.proofs.inequalities.real_roots import (
+    RealRoot,
+    between_rays,
+    positive_roots,
+    samples_between,
+    value,
+)
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.number_text import place_text
-from nonsmooth.symbolic.numbers.number import Number, sign
-from nonsmooth.symbolic.numbers.polynomial import Polynomial, in_generators
+from nonsmooth.symbolic.numbers.number import sign
+from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.plane import around, cross, dot, hull_holds_zero, turned
 
 
@@ -197,7 +203,7 @@ def _inner_moves(first: Point, second: Point, velocity: tuple[Polynomial, Polyno
     """Rays ``first + t second`` inside the cone on which the field is radial, or one between any two if all are."""
     f, g = velocity
     x, y = (Polynomial.variable(f.field, f.variables, name) for name in f.variables)
-    across, radial = _along(x * g - y * f, first, second), _along(x * f + y * g, first, second)
+    across, radial = between_rays(x * g - y * f, first, second), between_rays(x * f + y * g, first, second)
     places: list[Fraction | RealRoot] = list(positive_roots(across or radial)) if across or radial else []
     if not across:
         places += samples_between([place for place in places if isinstance(place, RealRoot)])
@@ -210,12 +216,6 @@ def _inner_moves(first: Point, second: Point, velocity: tuple[Polynomial, Polyno
             ray = (first[0] + second[0] * t, first[1] + second[1] * t)
             speed = None if isolated and exact is None else dot(ray, (f(ray), g(ray)))
             yield RayMove(RayKind.ESCAPE if here else RayKind.REST, ray, speed)
-
-
-def _along(form: Polynomial, first: Point, second: Point) -> list[Number]:
-    """A form on ``first + t second``, ascending in t; empty where it is zero."""
-    terms = in_generators(form.terms, [first, second])
-    return trimmed([form.field(terms.get((form.degree - k, k), 0)) for k in range(form.degree + 1)])
 
 
 # ---- the constant fan ------------------------------------------------------------------------

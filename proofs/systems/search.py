@@ -3,18 +3,35 @@
 Systems of cones with linear fields get a piecewise quadratic V on the whole plane.  For others a linear program
 proposes sums of monomials and bent functions on a square; then the linear parts of the cones propose.  With time
 reversed the same searches find a function that grows along every solution.
+
+*Piecewise quadratic V.*  In the two rays a, b of a cone, ``c = s a + t b``, let ``V = v_a s^2 + 2 m s t + v_b t^2``:
+one number for each ray and one for each cone, so V is continuous however they are rounded.  On the cone V and -V' are
+positive if each is a positive definite form plus a product ``s t`` with a weight >= 0 (in two variables nothing is lost
+by that): linear matrix inequalities (Johansson and Rantzer 1998).  Cells are cut into thinner cones where one piece
+each is too stiff.  Floats propose; the solution is rounded and proved anew, sliding on the rays included; what the
+rounding broke is tried again with longer fractions.
 """
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from typing import Any
 
-from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell
-from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, Refutation, Supremum, inhabited
+import numpy as np
+from numpy.typing import NDArray
+
+from nonsmooth.analysis.cells.polygon import Point
+from nonsmooth.analysis.cells.region import Region, cone_region
+from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell, PlaneField
+from nonsmooth.analysis.minimizers.cvxpy_import import load_cvxpy
+from nonsmooth.proofs.inequalities.forms import directions
+from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, Refutation, Supremum, examine, inhabited
 from nonsmooth.proofs.systems.domain import SHRINKING, Domain, domains, given_cells, plane_cells
-from nonsmooth.proofs.systems.findings import DERIVATIVES, ExaminedFunction
+from nonsmooth.proofs.systems.findings import DERIVATIVES, ExaminedFunction, PotentialPiece
+from nonsmooth.proofs.systems.lyapunov_rows import BEYOND_FLOATS
 from nonsmooth.proofs.systems.lyapunov_search import (
     ENLARGING_WORK,
     Budget,
@@ -25,21 +42,226 @@ from nonsmooth.proofs.systems.lyapunov_search import (
     searched_cells,
     square_cells,
 )
-from nonsmooth.proofs.systems.piecewise_quadratic import (
-    HALVINGS,
-    PotentialPiece,
-    build_potential,
-    find_near,
-    find_piecewise_quadratic,
-    linear_cones,
-    linear_parts,
-    potential_pieces,
-    restricted,
-)
 from nonsmooth.proofs.systems.ray_moves import are_cones, conic_germ
-from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.number import Number, sign
+from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.piecewise import PiecewiseExpression
+from nonsmooth.symbolic.plane import cross, same_direction
 from nonsmooth.symbolic.switched_system import SwitchedSystem
+
+DENOMINATORS = (1 << 6, 1 << 12, 1 << 24)  # of the rounded values, tried in turn
+HALVINGS = (0, 1, 2, 3)  # of each cell's cone, tried in turn: more pieces bend more
+
+
+@dataclass(frozen=True)
+class LinearCone:
+    """A cone between two rays (given by their numbers) with a linear field."""
+
+    start: int
+    end: int
+    velocity: PlaneField
+
+
+def find_piecewise_quadratic(cells: Sequence[FieldCell]) -> LyapunovResult | None:
+    """A proved V for a system of cones with linear fields; None where the search or the proof fails."""
+    return next((result for _, result in _proved_on_cones(cells)), None)
+
+
+def find_near(
+    near: Sequence[FieldCell], domain: Sequence[FieldCell]
+) -> tuple[tuple[LyapunovCell, ...], LyapunovResult] | None:
+    """A V found for the linear parts of the cones at the origin, and its proof for the true fields of a domain.
+
+    Args:
+        near: the cells at the origin, cones (:func:`nonsmooth.proofs.systems.ray_moves.conic_germ`).
+        domain: cells that cover a neighbourhood of the origin.
+    """
+    linear = linear_parts(near)
+    for pieces, _ in _proved_on_cones(linear) if linear is not None else ():
+        result = examine(restricted(pieces, domain))
+        if result.verdict is Decrease.STRICT:
+            return pieces, result
+    return None
+
+
+def linear_parts(cones: Sequence[FieldCell]) -> tuple[FieldCell, ...] | None:
+    """The cones with the linear parts of their fields; None where a field does not vanish at the origin."""
+    if any((0, 0) in part.terms for cell in cones for velocity in cell.velocities for part in velocity):
+        return None
+    return tuple(
+        replace(cell, velocities=tuple((_linear(f), _linear(g)) for f, g in cell.velocities)) for cell in cones
+    )
+
+
+def _linear(polynomial: Polynomial) -> Polynomial:
+    return replace(polynomial, terms={e: c for e, c in polynomial.terms.items() if sum(e) == 1})
+
+
+def restricted(pieces: Sequence[LyapunovCell], cells: Sequence[FieldCell]) -> tuple[LyapunovCell, ...]:
+    """The cells of a domain cut along the cones of a V, with its pieces."""
+    found: list[LyapunovCell] = []
+    for cell in cells:
+        for piece in pieces:
+            region: Region | None = cell.region
+            for side in piece.region.sides:
+                region = region.clipped(side) if region is not None else None
+            if region is not None:
+                found.append(LyapunovCell(region, cell.velocities, piece.potential))
+    return tuple(found)
+
+
+def _proved_on_cones(cells: Sequence[FieldCell]) -> Iterator[tuple[tuple[LyapunovCell, ...], LyapunovResult]]:
+    """Each V that is proved on the cones themselves, with the proof."""
+    if any(not p.is_homogeneous or (p and p.degree != 1) for cell in cells for v in cell.velocities for p in v):
+        return
+    for halvings in HALVINGS:
+        rays, cones = linear_cones(cells, halvings)
+        proposal = solve_piecewise_quadratic(rays, cones)
+        for denominator in DENOMINATORS if proposal is not None else ():
+            on_rays, mixed = ([Fraction(x).limit_denominator(denominator) for x in part] for part in proposal or ())
+            pieces = build_potential(rays, cones, on_rays, mixed)
+            result = examine(pieces)
+            if result.verdict is Decrease.STRICT:
+                yield pieces, result
+
+
+def linear_cones(cells: Sequence[FieldCell], halvings: int) -> tuple[list[Point], list[LinearCone]]:
+    """All rays, and the cones between them (one for each field), each cell's cone halved a number of times."""
+    rays: list[Point] = []
+
+    def number(ray: Point) -> int:
+        for k, known in enumerate(rays):
+            if same_direction(known, ray):
+                return k
+        rays.append(ray)
+        return len(rays) - 1
+
+    cones = [
+        LinearCone(number(a), number(b), velocity)
+        for cell in cells
+        for start, end in directions(cell.region)
+        for a, b in _halved((start[0], start[1]), (end[0], end[1]), halvings)
+        for velocity in cell.velocities
+    ]
+    return rays, cones
+
+
+def _halved(start: Point, end: Point, times: int) -> list[tuple[Point, Point]]:
+    """The cone between two rays as 2^times cones."""
+    if not times:
+        return [(start, end)]
+    middle = (start[0] + end[0], start[1] + end[1])
+    return _halved(start, middle, times - 1) + _halved(middle, end, times - 1)
+
+
+def solve_piecewise_quadratic(
+    rays: Sequence[Point], cones: Sequence[LinearCone]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
+    """Values on unit rays and mixed values, by a semidefinite program; None where there are none, or beyond floats.
+
+    Maximizes the margin e in ``G >= e I + p X`` and ``-(B^T G + G B) >= e I + q X`` with ``p, q >= 0`` and
+    ``X = [[0, 1], [1, 0]]``.  How fast a field is does not matter to the sign of a rate, so each is scaled to size one.
+    """
+    flows = np.array([_scaled_flow(rays, cone) for cone in cones])
+    if not np.isfinite(flows).all():
+        return None
+    load_cvxpy()
+    import cvxpy as cp
+    from cvxpy.atoms.affine.binary_operators import multiply
+    from cvxpy.atoms.affine.vstack import vstack
+
+    on_rays, mixed, margin = cp.Variable(len(rays)), cp.Variable(len(cones)), cp.Variable()
+    weights = cp.Variable((2, len(cones)), nonneg=True)
+    first, second = on_rays[[cone.start for cone in cones]], on_rays[[cone.end for cone in cones]]
+    (b11, b12), (b21, b22) = flows.transpose(1, 2, 0)
+    fall = (
+        -2 * (multiply(b11, first) + multiply(b21, mixed)),
+        -multiply(b12, first) - multiply(b11 + b22, mixed) - multiply(b21, second),
+        -2 * (multiply(b12, mixed) + multiply(b22, second)),
+    )
+    constraints = [on_rays <= 1]
+    for weight, (corner, side, other) in zip(weights, ((first, mixed, second), fall), strict=True):
+        # [[a, b], [b, c]] >= e I says |(2 b, a - c)| <= a + c - 2 e: all cones at once
+        apart = vstack([2 * (side - weight), corner - other])
+        constraints.append(cp.SOC(corner + other - 2 * margin, apart))
+    problem = cp.Problem(cp.Maximize(margin), constraints)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", UserWarning)  # an inaccurate solution is a proposal like any other
+            problem.solve(solver=cp.CLARABEL)
+    except cp.SolverError:
+        return None
+    if margin.value is None or not margin.value > 0:
+        return None
+    return np.asarray(on_rays.value), np.asarray(mixed.value)
+
+
+@BEYOND_FLOATS
+def _scaled_flow(rays: Sequence[Point], cone: LinearCone) -> NDArray[np.float64]:
+    """The flow of a cone in its rays, of size one; no numbers beyond the range of floats."""
+    flow = _flow_in_rays(rays, cone)
+    if not np.isfinite(flow).all():
+        return np.full((2, 2), np.nan)
+    return np.asarray(flow / (np.abs(flow).max() or 1.0))
+
+
+def _flow_in_rays(rays: Sequence[Point], cone: LinearCone) -> NDArray[np.float64]:
+    """``B`` with ``lambda' = B lambda`` for ``c = lambda_1 a + lambda_2 b``."""
+    basis = np.array([[float(x) for x in rays[k]] for k in (cone.start, cone.end)]).T
+    zero = cone.velocity[0].field.zero
+    matrix = np.array([[float(p.terms.get(e, zero)) for e in ((1, 0), (0, 1))] for p in cone.velocity])
+    return np.asarray(np.linalg.solve(basis, matrix @ basis))
+
+
+def build_potential(
+    rays: Sequence[Point], cones: Sequence[LinearCone], on_rays: Sequence[Fraction], mixed: Sequence[Fraction]
+) -> tuple[LyapunovCell, ...]:
+    """V from its values on the rays and its mixed values, exactly."""
+    cells: list[LyapunovCell] = []
+    for cone, m in zip(cones, mixed, strict=True):
+        first, second = rays[cone.start], rays[cone.end]
+        like = cone.velocity[0]
+        x, y = (Polynomial.variable(like.field, like.variables, name) for name in like.variables)
+        area: Any = cross(first, second)
+        s = (x * second[1] - y * second[0]) * area.inverse()
+        t = (y * first[0] - x * first[1]) * area.inverse()
+        potential = s * s * on_rays[cone.start] + s * t * (2 * m) + t * t * on_rays[cone.end]
+        cells.append(LyapunovCell(cone_region(first, second), (cone.velocity,), potential))
+    return tuple(cells)
+
+
+# ---- as people and other programs read it ----------------------------------------------------------
+
+
+def potential_pieces(cells: Sequence[LyapunovCell], states: tuple[str, ...]) -> tuple[PotentialPiece, ...]:
+    """The pieces of a V whose cells are cones, or parts of cones, at the origin."""
+    spans: dict[Polynomial, list[tuple[Point, Point]]] = {}
+    for cell in cells:
+        found = spans.setdefault(cell.potential, [])
+        for a, b in directions(cell.region):
+            found.append(((a[0], a[1]), (b[0], b[1])))
+    if len(spans) == 1:
+        return tuple(PotentialPiece(replace(p, variables=states), None, None) for p in spans)
+    return tuple(
+        PotentialPiece(replace(potential, variables=states), start, end)
+        for potential, own in spans.items()
+        for start, end in _joined(own)
+    )
+
+
+def _joined(spans: Sequence[tuple[Point, Point]]) -> list[tuple[Point, Point]]:
+    """Cones with a common ray made one (of at most a half turn), each direction once."""
+    joined: list[tuple[Point, Point]] = []
+    for start, end in spans:
+        if any(same_direction(start, s) and same_direction(end, e) for s, e in joined):
+            continue
+        before = next((k for k, (_, e) in enumerate(joined) if same_direction(e, start)), None)
+        if before is not None and sign(cross(joined[before][0], end)) >= 0:
+            joined[before] = (joined[before][0], end)
+        else:
+            joined.append((start, end))
+    return joined
+
 
 BISECTIONS = 4  # of the square of a V for the linear parts of cones, where that is not the checked one
 SEARCH_SCALES = (Fraction(1), SHRINKING, SHRINKING**2, SHRINKING**3)  # of the checked square

@@ -14,9 +14,10 @@ confirms it.  One such point bounds all levels that can be certified, and spares
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 from flint import fmpq
@@ -45,18 +46,20 @@ class SublevelRegion:
 
     Attributes:
         level: every solution from ``V < level`` stays there.
-        refuted: a larger level for which that is not shown.
+        refuted: a larger level for which that is not shown; None where none was looked at.
         point: a point with V at most the refuted level, on the border or with a V that does not fall; None where the
             larger level is merely undecided.
-        radius: half the side of the square.
+        radius: half the side of the square, a number of the system's field, or rational in many states.
         falls: whether V is proved to fall on all of the square.
+        proofs: the evidence by the names of the checker's claims, where it is found in that form.
     """
 
     level: Fraction
-    refuted: Fraction
+    refuted: Fraction | None
     point: Point | None
-    radius: Number
+    radius: Any
     falls: bool
+    proofs: Mapping[str, Any] = field(default_factory=dict, hash=False)
 
     def __str__(self) -> str:
         return f"V < {self.level}"

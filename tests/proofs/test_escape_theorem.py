@@ -18,8 +18,7 @@ from nonsmooth.proofs.checker.cells import read_system
 from nonsmooth.proofs.checker.statements import VERSION, refusal
 from nonsmooth.proofs.checker.theorems import UNSTABLE
 from nonsmooth.proofs.kernel.escapes import show_escape_of
-from nonsmooth.proofs.kernel.samples import SampledProofs
-from nonsmooth.proofs.kernel.search import NotShownError, Search
+from nonsmooth.proofs.kernel.search import NotShownError, SampledProofs, Search
 from tests.proofs import mutants
 from tests.proofs.mutants import Record, is_one_line
 from tests.thorough import keep, thorough

@@ -17,9 +17,8 @@ from nonsmooth.proofs.systems.domain import Domain, scene_cells
 from nonsmooth.proofs.systems.findings import Method
 from nonsmooth.proofs.systems.lyapunov_rows import bent_functions, build_formula, lines_through, smooth_functions
 from nonsmooth.proofs.systems.lyapunov_search import find_lyapunov, find_weak_lyapunov, propose
-from nonsmooth.proofs.systems.piecewise_quadratic import find_near
 from nonsmooth.proofs.systems.ray_moves import conic_germ
-from nonsmooth.proofs.systems.search import PlaneFunction, enlarged_pieces, reversed_cells
+from nonsmooth.proofs.systems.search import PlaneFunction, enlarged_pieces, find_near, reversed_cells
 from nonsmooth.proofs.systems.sublevel_region import SublevelRegion, largest_sublevel
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.numbers.polynomial import Polynomial

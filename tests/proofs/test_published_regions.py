@@ -60,6 +60,7 @@ def test_a_forged_level_is_refused(name: str) -> None:
     system = system_of(next(published for published in PUBLISHED if published.name == name))
     found, cells = exact_level(system), published_cells(system)
     assert found is not None
+    assert found.refuted is not None
     assert found.check(cells)
     assert not replace(found, level=found.refuted).check(cells)
     assert not replace(found, refuted=found.level / 2).check(cells)

@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 from nonsmooth.proofs.kernel.cells import build_cells, is_empty
 from nonsmooth.proofs.many_states.examination import ExaminedLyapunov
 from nonsmooth.proofs.many_states.first_terms import Spectrum, spectrum_of
-from nonsmooth.proofs.many_states.reach import SublevelSet
 from nonsmooth.proofs.system_audit import AuditVerdict, audit
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.decay_rate import DecayKind
 from nonsmooth.proofs.systems.findings import Method
+from nonsmooth.proofs.systems.sublevel_region import SublevelRegion
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.reports.interface.system import System
 from nonsmooth.symbolic.files.system_file import build_system
@@ -161,7 +161,7 @@ def test_forged_results_are_refused() -> None:
     assert not with_deciding(result, verdict=STAYS).check()
     assert not replace(result, scene=built(["-sgn(x) + 9*y", *CHAIN[1:]])).check()
     reach, function = result.reach, result.function
-    assert isinstance(reach.region, SublevelSet)
+    assert isinstance(reach.region, SublevelRegion)
     higher = replace(reach.region, level=reach.region.level * 2)
     assert not with_reach(result, near=higher, region=higher).check()
     assert reach.rate is not None
