@@ -12,6 +12,7 @@ what is proposed is shown by the proofs of the theorem.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import combinations, product
@@ -75,13 +76,16 @@ def find_second(
     return Chains(system, cells, function, Search() if search is None else search, below).extended([*others])
 
 
-def find_attraction(system: SwitchedSystem, potential: PiecewiseExpression, radius: Number) -> dict[str, Any] | None:
+def find_attraction(
+    system: SwitchedSystem, potential: PiecewiseExpression, radius: Number, *, everywhere: bool = False
+) -> dict[str, Any] | None:
     """The entry of a certificate that shows asymptotic stability by V and further functions; None where none is found.
 
     Args:
         system: in any number of states.
         potential: V in the displacement, which does not rise.
         radius: half the side of a cube about the point.
+        everywhere: whether it is also asked if V and the fields are forms on cones: then every solution is attracted.
     """
     try:
         subject, search = started(system, None)
@@ -90,6 +94,9 @@ def find_attraction(system: SwitchedSystem, potential: PiecewiseExpression, radi
         if second is None:
             return None
         hypotheses = stability_hypotheses(cells.record, potential.text, ASYMPTOTICALLY_STABLE, second)
+        if everywhere:
+            with suppress(NotShownError):
+                return search.entry(subject, "lyapunov", {**hypotheses, "everywhere": True})[0]
         return search.entry(subject, "lyapunov", hypotheses)[0]
     except (NotShownError, BeyondReachError, NoCertificateError):
         return None

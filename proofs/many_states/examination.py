@@ -11,7 +11,6 @@ from flint import fmpq
 
 from nonsmooth.proofs.checker.cells import read_system
 from nonsmooth.proofs.checker.positivity import Claim
-from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.work import MALFORMED, RejectedError
 from nonsmooth.proofs.kernel.cells import (
     BeyondReachError,
@@ -21,8 +20,8 @@ from nonsmooth.proofs.kernel.cells import (
     surfaces_of,
 )
 from nonsmooth.proofs.kernel.claims import Functions
-from nonsmooth.proofs.kernel.search import NotShownError, Search, stability_hypotheses
-from nonsmooth.proofs.kernel.second_function import find_second
+from nonsmooth.proofs.kernel.search import stability_hypotheses
+from nonsmooth.proofs.kernel.second_function import find_attraction
 from nonsmooth.proofs.kernel.squares import Squares, condition_of, find
 from nonsmooth.proofs.kernel.subject import NoCertificateError, about
 from nonsmooth.proofs.many_states.witnesses import Point, as_fractions, exact_value, refuting_point, rising_slide
@@ -299,18 +298,7 @@ class ExaminedLyapunov(ExaminedFunction):
         """
         if self.examination.verdict is not Decrease.WEAK:
             return None
-        subject, search = read_subject(about(system)), Search()
-        stated = self.known_entry(Reach())["hypotheses"]
-        second = find_second(subject, stated["cells"], stated["function"], search)
-        if second is None:
-            return None
-        hypotheses = {**stated, "second": second, "verdict": str(Translation.ASYMPTOTICALLY_STABLE)}
-        for everywhere in (True, False):
-            try:
-                return search.entry(subject, "lyapunov", {**hypotheses, "everywhere": everywhere})[0]
-            except NotShownError:
-                continue
-        return None
+        return find_attraction(system, self.formula, self.radius, everywhere=True)
 
     def known_entry(self, reach: Reach) -> dict[str, Any]:
         """The theorem with its evidence, as a certificate holds it: what V shows, where from, and how fast."""
