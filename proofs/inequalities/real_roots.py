@@ -99,6 +99,17 @@ def greatest_divisor(first: Coefficients, second: Coefficients) -> list[Number]:
     return a
 
 
+def dense(polynomial: Polynomial) -> list[Number]:
+    """The coefficients of a polynomial in one variable; empty for zero."""
+    zero, top = polynomial.field.zero, polynomial.degree if polynomial else -1
+    return [polynomial.terms.get((k,), zero) for k in range(top + 1)]
+
+
+def germ_sign(polynomial: Polynomial) -> int:
+    """The sign of a polynomial in one variable at small positive places; 0 of zero."""
+    return polynomial.terms[min(polynomial.terms)].sign() if polynomial else 0
+
+
 def between_rays(form: Polynomial, first: Sequence[Any], second: Sequence[Any]) -> list[Number]:
     """A form on ``first + t second``, ascending in t; empty where it is zero."""
     terms = in_generators(form.terms, [first, second])

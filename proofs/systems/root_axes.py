@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from nonsmooth.analysis.cells.switched_cells import FieldCell
-from nonsmooth.proofs.inequalities.real_roots import positive_roots
+from nonsmooth.proofs.inequalities.real_roots import dense, germ_sign, positive_roots
 from nonsmooth.proofs.systems.leading_terms import decide_fan_of_leading_terms, needs_no_other_terms
 from nonsmooth.proofs.systems.ray_moves import are_cones
 from nonsmooth.proofs.systems.tangent_fan import build_tangent_fan
@@ -81,7 +81,7 @@ def _unscaled(system: SwitchedSystem) -> tuple[SwitchedSystem, ...]:
 def _is_crossed(system: SwitchedSystem, axis: int, half: int) -> bool:
     """Whether near the point all speeds across one half of an axis have one sign."""
     speeds = [speed for member in _unscaled(system) for _, speed in _speeds(member, axis, half)]
-    return {_germ_sign(speed) for speed in speeds} in ({1}, {-1})
+    return {germ_sign(speed) for speed in speeds} in ({1}, {-1})
 
 
 def _keeps_sign(member: SwitchedSystem, axis: int, radius: Number | None) -> bool:
@@ -98,7 +98,7 @@ def _speeds(member: SwitchedSystem, axis: int, half: int) -> Iterator[tuple[list
     values = member.displaced(member.states)
     for side in (1, -1):
         known = {s: _beside(s, axis, half, side) for s in member.surfaces(values)}
-        signs = {s: _germ_sign(germ) for s, germ in known.items()}
+        signs = {s: germ_sign(germ) for s, germ in known.items()}
         speed = member.velocity(signs_by_factors(signs), values)[axis]
         yield list(known.values()), _on_axis(speed, axis, half, 0)
 
@@ -119,18 +119,9 @@ def _on_axis(polynomial: Polynomial, axis: int, half: int, power: int) -> Polyno
     return Polynomial(polynomial.field, LINE, terms)
 
 
-def _germ_sign(polynomial: Polynomial) -> int:
-    return polynomial.terms[min(polynomial.terms)].sign() if polynomial.terms else 0
-
-
 def _vanishes_within(polynomial: Polynomial, radius: Number | None) -> bool:
     """Whether a polynomial has a root at a positive distance up to the radius."""
-    roots = positive_roots(_dense(polynomial))
+    roots = positive_roots(dense(polynomial))
     if radius is None:
         return bool(roots)
     return any(root.sign_of([-radius, radius.field.one]) <= 0 for root in roots)
-
-
-def _dense(polynomial: Polynomial) -> Sequence[Number]:
-    zero = polynomial.field.zero
-    return [polynomial.terms.get((k,), zero) for k in range(polynomial.degree + 1)]

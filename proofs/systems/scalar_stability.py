@@ -15,7 +15,7 @@ from fractions import Fraction
 from functools import cached_property
 
 from nonsmooth.proofs.facts import Fact, Quantity
-from nonsmooth.proofs.inequalities.real_roots import Coefficients, RealRoot, positive_roots, separated
+from nonsmooth.proofs.inequalities.real_roots import RealRoot, dense, germ_sign, positive_roots, separated
 from nonsmooth.proofs.systems.findings import CheckedPoint, Finding, Known, Method
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.number_text import brief_text
@@ -139,8 +139,8 @@ def _conclude(scene: SwitchedSystem, holds: Equilibrium, right: Side, left: Side
 
 def _side(scene: SwitchedSystem, turn: int) -> Side:
     """The fields on one side, as polynomials in the distance from the point."""
-    near = [_outward(member, turn, _germ_sign) for member in scene.members]
-    signs = tuple(_germ_sign(p) if p else 0 for p in near)
+    near = [_outward(member, turn, germ_sign) for member in scene.members]
+    signs = tuple(map(germ_sign, near))
     values = tuple(p.terms.get((0,), scene.field.zero) for p in near)
     if max(signs) >= 0:
         return Side(signs, values, None)
@@ -149,11 +149,6 @@ def _side(scene: SwitchedSystem, turn: int) -> Side:
         return Side(signs, values, scene.check.radius)
     exact = first.exact()
     return Side(signs, values, first.low if exact is None else exact)
-
-
-def _germ_sign(polynomial: Polynomial) -> int:
-    """The sign at small distances."""
-    return polynomial.terms[min(polynomial.terms)].sign()
 
 
 def _distance(scene: SwitchedSystem, turn: int) -> Polynomial:
@@ -172,7 +167,7 @@ def _first_stop(scene: SwitchedSystem, turn: int) -> RealRoot | None:
     for mark in marks:
         for member in scene.members:
             before, after = (_outward(member, turn, _sign_at(place)) for place in (mark.low, mark.high))
-            at_mark = [mark.sign_of(_dense(field)) for field in (before, after)]
+            at_mark = [mark.sign_of(dense(field)) for field in (before, after)]
             if max(at_mark) >= 0 or _value(after, mark.high).sign() >= 0:
                 return mark
     return None
@@ -198,7 +193,7 @@ def _inner(scene: SwitchedSystem) -> Fraction:
 
 def _inside(scene: SwitchedSystem, polynomials: Sequence[Polynomial]) -> list[RealRoot]:
     """Distinct positive roots below the half-width, with bounds below it."""
-    roots = separated(root for p in polynomials for root in positive_roots(_dense(p)))
+    roots = separated(root for p in polynomials for root in positive_roots(dense(p)))
     radius = scene.check.radius
     one = scene.field.one
     found = []
@@ -221,12 +216,6 @@ def _sign_at(place: Fraction) -> SignOf:
 
 def _value(polynomial: Polynomial, place: Number | Fraction) -> Number:
     return polynomial.field(polynomial((place,))) if polynomial else polynomial.field.zero
-
-
-def _dense(polynomial: Polynomial) -> Coefficients:
-    """Coefficients, ascending."""
-    zero = polynomial.field.zero
-    return [polynomial.terms.get((k,), zero) for k in range(polynomial.degree + 1)] if polynomial else []
 
 
 def _leads_inward(scene: SwitchedSystem, side: Side, place: Number | Fraction, turn: int) -> bool:
@@ -253,7 +242,7 @@ def _is_positive(scene: SwitchedSystem, formula: PiecewiseExpression, turn: int)
     ends: list[Number | Fraction] = [scene.check.radius, Fraction(0), *(m.low for m in marks), *(m.high for m in marks)]
     pieces = [(place, asked.velocity(_sign_at_or_one(place), [_distance(asked, turn)])[0]) for place in ends]
     return all(_value(p, place).sign() > 0 for place, p in pieces) and not any(
-        not m.sign_of(_dense(p)) for m in marks for _, p in pieces
+        not m.sign_of(dense(p)) for m in marks for _, p in pieces
     )
 
 
