@@ -131,6 +131,7 @@ def test_a_region_up_to_its_exact_limit(load: Load) -> None:
         scene_cells(system, square_regions(system.check.radius)), system.check.radius, falls=False
     )
     assert region is not None
+    assert region.refuted is not None
     assert region.level == Fraction(1, 20)
     assert Fraction(1, 20) < region.refuted < Fraction(1, 20) * Fraction(1001, 1000)
     assert region.point is not None

@@ -60,6 +60,7 @@ def test_the_parts_add_up_to_all_starts(found: SystemMap) -> None:
 
 def test_paths_from_the_certified_region_lower_v(found: SystemMap) -> None:
     function, region = found.portrait.stability.function, found.portrait.stability.reach.region
+    assert region is not None
     before, after = (potential_values(function.result.cells, places) for places in (found.starts, found.ends))
     inside = before < float(region.level)
     assert inside.sum() >= 1
