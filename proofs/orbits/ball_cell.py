@@ -2,38 +2,77 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
+import operator
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import reduce
+from itertools import accumulate
+from typing import Any, TypeAlias
 
-from nonsmooth.proofs.orbits.ball_steps import ORDER, BallPolynomial, BallPolynomials, Box
+from nonsmooth.proofs.orbits.ball_steps import ORDER, Box
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.numbers.work_limit import WorkMeter
 from nonsmooth.symbolic.switched_system import SwitchedSystem, signs_by_factors
 
-Field = tuple[Polynomial, ...]
+BallFunction: TypeAlias = Callable[[Sequence[Any]], Any]  # of a point
 
 
-def along(field: Field, guard: Polynomial) -> Polynomial:
+class BallPolynomials:
+    """Polynomials with balls for coefficients, to be evaluated at balls and at series: each monomial once for all."""
+
+    def __init__(self, polynomials: Sequence[Polynomial]) -> None:
+        self._exponents = list(dict.fromkeys(e for polynomial in polynomials for e in polynomial.terms))
+        places = {exponents: k for k, exponents in enumerate(self._exponents)}
+        self._highest = [max(own, default=0) for own in zip(*self._exponents, strict=True)]
+        self._rows = [[(c.ball(), places[e]) for e, c in polynomial.terms.items()] for polynomial in polynomials]
+
+    @property
+    def cost(self) -> int:
+        """Products of one evaluation."""
+        return len(self._exponents) + sum(map(len, self._rows))
+
+    def __call__(self, point: Sequence[Any]) -> list[Any]:
+        """The values."""
+        powers = [list(accumulate([1, *[x] * n], operator.mul)) for x, n in zip(point, self._highest, strict=False)]
+        monomials = []
+        for exponents in self._exponents:
+            factors = [own[exponent] for own, exponent in zip(powers, exponents, strict=True) if exponent]
+            monomials.append(reduce(operator.mul, factors) if factors else 1)
+        return [sum((monomials[k] * c for c, k in row), start=0) for row in self._rows]
+
+
+def in_balls(polynomial: Polynomial) -> BallFunction:
+    """One polynomial as a function of balls."""
+    alone = BallPolynomials([polynomial])
+    return lambda point: alone(point)[0]
+
+
+def along(field: Sequence[Polynomial], guard: Polynomial) -> Polynomial:
     """``f . grad g``: the derivative of a function along the solutions."""
-    slopes = [guard.derivative(name) for name in guard.variables]
-    total = slopes[0] * field[0]
-    for slope, rate in zip(slopes[1:], field[1:], strict=True):
-        total = total + slope * rate
-    return total
+    return dot(field, [guard.derivative(name) for name in guard.variables])
 
 
-class BallGuard:
-    """A polynomial g with its first two derivatives along a field, and its gradient.
+@dataclass(frozen=True)
+class End:
+    """A function g of the state, with its slope along the field and its gradient; at an arrival it falls to zero."""
 
-    Args:
-        guard: g.
-        field: f.
-    """
+    value: BallFunction
+    slope: BallFunction
+    gradient: Sequence[BallFunction]
 
-    def __init__(self, guard: Polynomial, field: Field) -> None:
+
+@dataclass(frozen=True)
+class BallGuard(End):
+    """A polynomial g of a cell, with the slope of its slope."""
+
+    bend: BallFunction
+
+    @classmethod
+    def of(cls, guard: Polynomial, field: Sequence[Polynomial]) -> BallGuard:
+        """Along a field."""
         first = along(field, guard)
-        self.value, self.slope, self.bend = map(BallPolynomial, (guard, first, along(field, first)))
-        self.gradient = [BallPolynomial(guard.derivative(name)) for name in guard.variables]
+        gradient = [in_balls(guard.derivative(name)) for name in guard.variables]
+        return cls(in_balls(guard), in_balls(first), gradient, in_balls(along(field, first)))
 
 
 class BallCell:
@@ -51,9 +90,9 @@ class BallCell:
     ) -> None:
         self.signs = tuple(signs)
         self.field = system.velocity(signs_by_factors(dict(zip(surfaces, signs, strict=True))))
-        self.guards = [BallGuard(s * side, self.field) for s, side in zip(surfaces, signs, strict=True)]
+        self.guards = [BallGuard.of(s * side, self.field) for s, side in zip(surfaces, signs, strict=True)]
         slopes = [f.derivative(name) for f in self.field for name in f.variables]
-        self._field, self._varied = BallPolynomials(self.field), BallPolynomials([*self.field, *slopes])
+        self.rates, self._varied = BallPolynomials(self.field), BallPolynomials([*self.field, *slopes])
         self._meter = meter
 
     def spend_step(self) -> None:
@@ -62,24 +101,21 @@ class BallCell:
         Raises:
             WorkLimitError: once there have been too many.
         """
-        self._meter.spend(2 * ORDER * (self._field.cost + self._varied.cost))
-
-    def rates(self, point: Sequence[Any]) -> list[Any]:
-        """The field at a point."""
-        return self._field(point)
+        self._meter.spend(2 * ORDER * (self.rates.cost + self._varied.cost))
 
     def varied_rates(self, state: Sequence[Any]) -> list[Any]:
         """Rates of the point and of the four entries of the derivative Phi by the start: ``Phi' = (df/dx) Phi``."""
-        point, (p, q, r, s) = state[:2], state[2:]
-        f, g, a, b, c, d = self._varied(point)
-        return [f, g, a * p + b * r, a * q + b * s, c * p + d * r, c * q + d * s]
+        f, g, *jacobian = self._varied(state[:2])
+        p, q, r, s = state[2:]
+        (a, c), (b, d) = applied(jacobian, [p, r]), applied(jacobian, [q, s])
+        return [f, g, a, b, c, d]
 
 
 def dot(first: Sequence[Any], second: Sequence[Any]) -> Any:
-    """Scalar product of two boxes in the plane."""
+    """Scalar product of two vectors in the plane."""
     return first[0] * second[0] + first[1] * second[1]
 
 
 def applied(matrix: Sequence[Any], vector: Box) -> Box:
     """A matrix of four entries, row by row, times a vector."""
-    return [matrix[0] * vector[0] + matrix[1] * vector[1], matrix[2] * vector[0] + matrix[3] * vector[1]]
+    return [dot(matrix[:2], vector), dot(matrix[2:], vector)]

@@ -7,17 +7,15 @@ For ``z' = F(z)`` let ``c_k(Z)`` be the Taylor coefficients of the solutions fro
 
 from __future__ import annotations
 
-import operator
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import cached_property, reduce
-from itertools import accumulate
+from functools import cached_property
 from typing import Any, TypeAlias
 
 from flint import arb, arb_poly, arb_series, ctx
 
-from nonsmooth.symbolic.numbers.polynomial import Polynomial
+from nonsmooth.proofs.enclosures import UNIT
 
 BITS = 160  # of balls
 ORDER = 20  # of a step
@@ -45,66 +43,6 @@ def precision() -> Iterator[None]:
         yield
     finally:
         ctx.prec, ctx.cap = before
-
-
-class BallPolynomials:
-    """Polynomials with balls for coefficients, to be evaluated at balls and at series: each monomial once for all."""
-
-    def __init__(self, polynomials: Sequence[Polynomial]) -> None:
-        self._exponents = list(dict.fromkeys(e for polynomial in polynomials for e in polynomial.terms))
-        places = {exponents: k for k, exponents in enumerate(self._exponents)}
-        self._highest = [max(own, default=0) for own in zip(*self._exponents, strict=True)]
-        self._rows = [[(c.ball(), places[e]) for e, c in polynomial.terms.items()] for polynomial in polynomials]
-
-    @property
-    def cost(self) -> int:
-        """Products of one evaluation."""
-        return len(self._exponents) + sum(map(len, self._rows))
-
-    def __call__(self, point: Sequence[Any]) -> list[Any]:
-        """The values."""
-        powers = [list(accumulate([1, *[x] * n], operator.mul)) for x, n in zip(point, self._highest, strict=False)]
-        monomials = []
-        for exponents in self._exponents:
-            factors = [own[exponent] for own, exponent in zip(powers, exponents, strict=True) if exponent]
-            monomials.append(reduce(operator.mul, factors) if factors else 1)
-        return [sum((monomials[k] * c for c, k in row), start=0) for row in self._rows]
-
-
-class BallPolynomial:
-    """One of them."""
-
-    def __init__(self, polynomial: Polynomial) -> None:
-        self._alone = BallPolynomials([polynomial])
-
-    def __call__(self, point: Sequence[Any]) -> Any:
-        """The value."""
-        return self._alone(point)[0]
-
-
-def interval(low: Ball, high: Ball) -> Ball:
-    """The hull of two balls."""
-    return low.union(high)
-
-
-def width(ball: Ball) -> Ball:
-    """Radius of a ball, as an exact ball."""
-    return arb(ball.rad())
-
-
-def middle(ball: Ball) -> Ball:
-    """Midpoint of a ball, as an exact ball."""
-    return arb(ball.mid())
-
-
-def lower(ball: Ball) -> Ball:
-    """Lower end of a ball."""
-    return arb(ball.lower())
-
-
-def upper(ball: Ball) -> Ball:
-    """Upper end of a ball."""
-    return arb(ball.upper())
 
 
 @dataclass(frozen=True)
@@ -153,7 +91,7 @@ class Expansion:
             step = _enclosed(self._rates, self._series, span)
             if step is not None and all(abs(entry[ORDER]) * span**ORDER < LOOSEST for entry in step.series):
                 return step
-            span = middle(span * 3 / 4)
+            span = (span * 3 / 4).mid()
         raise UnprovedError("no step of the path could be enclosed")
 
 
@@ -169,24 +107,24 @@ def expanded(rates: Rates, start: Box) -> list[tuple[Ball, ...]]:
 
 def _suitable(series: Sequence[Sequence[Ball]], start: Box) -> Ball:
     """Length at which the last terms are as small as wanted; infinite for a polynomial solution."""
-    size = max([abs(middle(x)) for x in start] + [arb(1)], key=float)
+    size = max([abs(x.mid()) for x in start] + [arb(1)], key=float)
     wanted, span = size * arb(2) ** ACCURACY, arb("inf")
     for entry in series:
         for k in (ORDER - 1, ORDER):
-            last = abs(middle(entry[k]))
-            if last:
-                span = min(span, middle(((wanted / last).log() / k).exp()))
+            last = abs(entry[k].mid())
+            if last > 0:
+                span = min(span, ((wanted / last).log() / k).exp().mid())
     return span
 
 
 def _enclosed(rates: Rates, series: Sequence[Sequence[Ball]], span: Ball) -> EnclosedStep | None:
     """The step over a span, if a box is found that shows its remainder."""
-    times = interval(arb(0), span)
+    times = arb(0).union(span)
     main = [arb_poly(list(entry[:ORDER]))(times) for entry in series]
     # radii of balls have 30 bits, so that a box has to be larger by more than they resolve
-    radii = [4 * abs(entry[ORDER]) * span**ORDER + width(x) * INFLATION for entry, x in zip(series, main, strict=True)]
+    radii = [4 * abs(entry[ORDER]) * span**ORDER + x.rad() * INFLATION for entry, x in zip(series, main, strict=True)]
     for _ in range(ENCLOSURES):
-        hull = [x + interval(-r, r) for x, r in zip(main, radii, strict=True)]
+        hull = [x + r * UNIT for x, r in zip(main, radii, strict=True)]
         last = [over[ORDER] for over in expanded(rates, hull)]
         rest = [c * times**ORDER for c in last]
         if not all(x.is_finite() for x in rest):
@@ -194,5 +132,5 @@ def _enclosed(rates: Rates, series: Sequence[Sequence[Ball]], span: Ball) -> Enc
         if all(box.contains(x + r) for box, x, r in zip(hull, main, rest, strict=True)):
             ends = zip(series, last, strict=True)
             return EnclosedStep(span, tuple((*first[:ORDER], c) for first, c in ends), hull)
-        radii = [2 * upper(abs(r)) + width(x) * INFLATION for r, x in zip(rest, main, strict=True)]
+        radii = [2 * abs(r).upper() + x.rad() * INFLATION for r, x in zip(rest, main, strict=True)]
     return None

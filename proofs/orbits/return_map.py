@@ -9,12 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from flint import arb
 
-from nonsmooth.proofs.orbits.ball_cell import BallCell, dot
-from nonsmooth.proofs.orbits.ball_steps import Ball, Box, UnprovedError, interval, middle
+from nonsmooth.proofs.enclosures import UNIT
+from nonsmooth.proofs.orbits.ball_cell import BallCell, BallFunction, End, dot
+from nonsmooth.proofs.orbits.ball_steps import Ball, Box, UnprovedError
 from nonsmooth.proofs.orbits.cell_passage import Family, pass_cell
 
 REFINEMENTS = 2  # of the point of a float orbit, each doubles its digits
@@ -74,7 +74,7 @@ class ReturnMap:
     @property
     def image(self) -> Ball:
         """A ball of the image of the whole segment."""
-        return self.value + self.slope * interval(-self.reach, self.reach)
+        return self.value + self.slope * self.reach * UNIT
 
     @property
     def into_itself(self) -> bool:
@@ -100,7 +100,7 @@ def proved_maps(legs: Sequence[CrossedLeg], point: Box, direction: Box, extent: 
         move = thin.value / (1 - thin.slope)
         if not move.is_finite():
             raise UnprovedError("the multiplier is not told apart from one")
-        point, lasts = [middle(x + d * middle(move)) for x, d in zip(point, direction, strict=True)], thin.lasts
+        point, lasts = [(x + d * move.mid()).mid() for x, d in zip(point, direction, strict=True)], thin.lasts
         if abs(move) < extent * arb(2) ** REFINED:
             break
     short = best = _first_proved(legs, lasts, (point, direction), [extent * arb(2) ** digits for digits in REACHES])
@@ -148,50 +148,58 @@ def return_map(legs: Sequence[CrossedLeg], lasts: Sequence[Ball], point: Box, di
     Raises:
         UnprovedError: where that fails.
     """
-    family = Family(point, [arb(0), arb(0)], direction, reach)
-    time, times = arb(0), []
-    for k, (leg, lasting) in enumerate(zip(legs, lasts, strict=True)):
-        end = section(leg.cell, point, direction) if leg.leaves is None else leg.cell.guards[leg.leaves]
-        passage = pass_cell(leg.cell, family, end, lasting, entry=leg.entry, leaves=leg.leaves)
-        if leg.leaves is not None:
-            require_crossing(leg.cell, legs[k + 1].cell, leg.leaves, passage.arrival)
-        family, time = passage.family, time + passage.time
-        times.append(middle(passage.middle_time))
+    start = Family(point, [arb(0), arb(0)], direction, reach)
+    family, time, times = fly(legs, lasts, start, section(legs[-1].cell, point, direction))
     square = dot(direction, direction)
     gap = [x - p for x, p in zip(family.first, point, strict=True)]
     return ReturnMap(
-        point, direction, reach, dot(direction, gap) / square, dot(direction, family.slope) / square, time, tuple(times)
+        point, direction, reach, dot(direction, gap) / square, dot(direction, family.slope) / square, time, times
     )
 
 
-def require_crossing(before: BallCell, after: BallCell, surface: int, arrival: Box) -> None:
-    """Show that all of an arrival is crossed, in one sense.
+def fly(
+    legs: Sequence[CrossedLeg], lasts: Sequence[Ball], family: Family, last: End | None, tangent: int | None = None
+) -> tuple[Family, Ball, tuple[Ball, ...]]:
+    """Take a family along some legs: where and when it arrives, and how long each takes from the centre.
+
+    Args:
+        legs: in order.
+        lasts: about how long each takes.
+        family: at the start.
+        last: where the last leg ends, if that is on no surface.
+        tangent: number of the surface that the family leaves along it, if it does.
 
     Raises:
-        UnprovedError: where that is not clear.
+        UnprovedError: for what cannot be shown, also that every surface is crossed in one sense all along the arrivals.
     """
-    if not (before.guards[surface].slope(arrival) < 0 and after.guards[surface].slope(arrival) > 0):
-        raise UnprovedError("a switching surface may not be crossed all along the arrivals at it")
+    time, times = arb(0), []
+    for k, (leg, lasting) in enumerate(zip(legs, lasts, strict=True)):
+        end = last if leg.leaves is None else leg.cell.guards[leg.leaves]
+        if end is None:
+            raise UnprovedError("a leg of the orbit ends on no switching surface")
+        entry = tangent if leg.entry is None else leg.entry
+        slides = tangent is not None and not k
+        family, when, middle = pass_cell(leg.cell, family, end, lasting, entry=entry, leaves=leg.leaves, tangent=slides)
+        if leg.leaves is not None and k + 1 < len(legs):
+            before, after = (part.cell.guards[leg.leaves].slope(family.box) for part in legs[k : k + 2])
+            if not (before < 0 and after > 0):
+                raise UnprovedError("a switching surface may not be crossed all along the arrivals at it")
+        time = time + when
+        times.append(middle.mid())
+    return family, time, tuple(times)
 
 
-class _Section:
-    """``-(x - p) . n`` for the normal n of the segment along the flow, as what falls to zero when the turn ends."""
-
-    def __init__(self, cell: BallCell, point: Box, normal: Box) -> None:
-        self._cell, self._point = cell, point
-        self._normal = [-n for n in normal]
-        self.gradient: list[Any] = [lambda box, n=n: n for n in self._normal]
-
-    def value(self, box: Sequence[Any]) -> Any:
-        return dot(self._normal, [x - p for x, p in zip(box, self._point, strict=True)])
-
-    def slope(self, box: Sequence[Any]) -> Any:
-        return dot(self._normal, self._cell.rates(box))
-
-
-def section(cell: BallCell, point: Box, direction: Box) -> Any:
+def section(cell: BallCell, point: Box, direction: Box) -> End:
     """The segment's line as an end: falling along the flow."""
     normal = [direction[1], -direction[0]]
-    if dot(normal, cell.rates(point)) < 0:
+    if dot(normal, cell.rates(point)) > 0:
         normal = [-n for n in normal]
-    return _Section(cell, point, normal)
+    return End(
+        lambda box: dot(normal, [x - p for x, p in zip(box, point, strict=True)]),
+        lambda box: dot(normal, cell.rates(box)),
+        [_constant(n) for n in normal],
+    )
+
+
+def _constant(value: Ball) -> BallFunction:
+    return lambda _: value

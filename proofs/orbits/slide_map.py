@@ -10,15 +10,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Any
 
 from flint import acb, arb
 
-from nonsmooth.proofs.orbits.ball_cell import BallCell, BallGuard, along, dot
-from nonsmooth.proofs.orbits.ball_steps import Ball, BallPolynomial, Box, UnprovedError, interval, middle
-from nonsmooth.proofs.orbits.cell_passage import Family, Passage, pass_cell
-from nonsmooth.proofs.orbits.return_map import CrossedLeg, require_crossing
+from nonsmooth.proofs.enclosures import holds_on
+from nonsmooth.proofs.orbits.ball_cell import BallCell, along, dot, in_balls
+from nonsmooth.proofs.orbits.ball_steps import Ball, Box, UnprovedError
+from nonsmooth.proofs.orbits.cell_passage import Family
+from nonsmooth.proofs.orbits.return_map import CrossedLeg, fly
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 
 NEAR_END = range(-40, 0, 2)  # binary digits of the radius in which the end of a slide is looked for
@@ -51,7 +52,7 @@ class TangencySlide:
     def normal(self) -> Box:
         """Gradient of the switching function."""
         point = [arb(0), arb(0)]
-        return [BallPolynomial(self.surface.derivative(name))(point) for name in self.surface.variables]
+        return [in_balls(self.surface.derivative(name))(point) for name in self.surface.variables]
 
     @cached_property
     def tangent(self) -> Box:
@@ -61,7 +62,7 @@ class TangencySlide:
     @cached_property
     def foot(self) -> Box:
         """The point of the line nearest to the origin."""
-        share = BallPolynomial(self.surface)([arb(0), arb(0)]) / dot(self.normal, self.normal)
+        share = in_balls(self.surface)([arb(0), arb(0)]) / dot(self.normal, self.normal)
         return [-share * n for n in self.normal]
 
     def point(self, place: Any) -> Box:
@@ -73,6 +74,10 @@ class TangencySlide:
         away = [x - p for x, p in zip(point, self.foot, strict=True)]
         return dot(self.tangent, away) / dot(self.tangent, self.tangent)
 
+    def on_line(self, function: OnLine) -> OnLine:
+        """A function of points at places along the line."""
+        return lambda place: function(self.point(place))
+
     def push(self, cell: BallCell, place: Any) -> Any:
         """Speed away from the line into a side's own cell: negative where it pushes onto the line."""
         return cell.guards[self.number].slope(self.point(place))
@@ -82,7 +87,7 @@ class TangencySlide:
         """Derivative of the leaving side's push along the line."""
         guard = self.surface * self.leaving.signs[self.number]
         push = along(self.leaving.field, guard)
-        slopes = [BallPolynomial(push.derivative(name)) for name in push.variables]
+        slopes = [in_balls(push.derivative(name)) for name in push.variables]
         return lambda place: dot([slope(self.point(place)) for slope in slopes], self.tangent)
 
     def drift(self, place: Any) -> tuple[Any, Any]:
@@ -102,13 +107,13 @@ class TangencySlide:
         Raises:
             UnprovedError: where that is not shown.
         """
-        start = middle(self.place(self.ends))
+        start = self.place(self.ends).mid()
         for digits in NEAR_END:
             place = arb(start, arb(2) ** digits)
             following = start - self.push(self.leaving, start) / self.bend(place)
             if following.is_finite() and place.contains_interior(following):
                 for _ in range(NEWTON):
-                    here = middle(following)
+                    here = following.mid()
                     following = here - self.push(self.leaving, here) / self.bend(following)
                 return following
         raise UnprovedError("the end of a slide is not where one field alone becomes tangent to its surface")
@@ -135,32 +140,23 @@ def proved_period(chains: Sequence[SlideChain]) -> Ball:
     """
     period = arb(0)
     for chain, following in zip(chains, [*chains[1:], *chains[:1]], strict=True):
-        passage, time = _flown(chain)
-        begin = following.slide.place(passage.arrival)
+        arrived, time = _flown(chain)
+        begin = following.slide.place(arrived.box)
         period = period + time + _slid(following.slide, begin)
     return period
 
 
-def _flown(chain: SlideChain) -> tuple[Passage, Ball]:
+def _flown(chain: SlideChain) -> tuple[Family, Ball]:
     """From the end of a slide to the surface of the next, and how long that takes."""
     slide = chain.slide
     exact = slide.point(slide.end_place)
-    centre = [middle(x) for x in exact]
+    centre = [x.mid() for x in exact]
     nothing = [arb(0), arb(0)]
     family = Family(centre, [x - c for x, c in zip(exact, centre, strict=True)], nothing, arb(0))
-    time, passage = arb(0), None
-    for k, leg in enumerate(chain.legs):
-        if leg.leaves is None:
-            raise UnprovedError("a leg of the orbit ends on no switching surface")
-        entry = slide.number if leg.entry is None else leg.entry
-        end = leg.cell.guards[leg.leaves]
-        passage = pass_cell(leg.cell, family, end, leg.lasts, entry=entry, leaves=leg.leaves, tangent=not k)
-        family, time = passage.family, time + passage.time
-        if k + 1 < len(chain.legs):
-            require_crossing(leg.cell, chain.legs[k + 1].cell, leg.leaves, passage.arrival)
-    if passage is None:
+    if not chain.legs:
         raise UnprovedError("a slide is followed by another at once")
-    return passage, time
+    family, time, _ = fly(chain.legs, [leg.lasts for leg in chain.legs], family, None, slide.number)
+    return family, time
 
 
 def _slid(slide: TangencySlide, begin: Ball) -> Ball:
@@ -169,28 +165,23 @@ def _slid(slide: TangencySlide, begin: Ball) -> Ball:
     sense = 1 if end > begin else -1
     if not sense * (end - begin) > 0:
         raise UnprovedError("a slide may begin where it ends")
-    whole = interval(begin, end)
+    whole = begin.union(end)
     last = _last_part(slide, begin, end, sense)
-    _require_positive(lambda s: -slide.push(slide.leaving, s), interval(begin, last))
+    _require_positive(lambda s: -slide.push(slide.leaving, s), begin.union(last))
     _require_positive(lambda s: -slide.push(slide.other, s), whole)
     # both pushes are negative, and so are numerator and denominator of a drift towards larger places
     _require_positive(lambda s: -sense * slide.drift(s)[0], whole)
     for k, guard in enumerate(slide.leaving.guards):
         if k != slide.number:
-            _require_positive(partial(_value_on, slide, guard), whole)
+            _require_positive(slide.on_line(guard.value), whole)
     return _duration(slide, begin, end)
-
-
-def _value_on(slide: TangencySlide, guard: BallGuard, place: Ball) -> Ball:
-    """Value of a guard at a place of a slide."""
-    return guard.value(slide.point(place))
 
 
 def _last_part(slide: TangencySlide, begin: Ball, end: Ball, sense: int) -> Ball:
     """A place from which on the leaving side's push rises to its zero at the end."""
     for k in range(1, LAST_PART):
-        place = middle(end + (begin - end) * arb(2) ** -k)
-        if sense * slide.bend(interval(place, end)) > 0:
+        place = (end + (begin - end) * arb(2) ** -k).mid()
+        if sense * slide.bend(place.union(end)) > 0:
             return place
     raise UnprovedError("it is not clear how a slide ends")
 
@@ -201,15 +192,8 @@ def _require_positive(value: OnLine, whole: Ball) -> None:
     Raises:
         UnprovedError: where that is not clear.
     """
-    waiting = [(arb(whole.lower()), arb(whole.upper()), 0)]
-    while waiting:
-        low, high, depth = waiting.pop()
-        if value(interval(low, high)) > 0:
-            continue
-        if depth >= PARTS:
-            raise UnprovedError("it is not clear that both sides push onto the surface all along a slide")
-        half = middle((low + high) / 2)
-        waiting += [(low, half, depth + 1), (half, high, depth + 1)]
+    if not holds_on(lambda part: bool(value(part) > 0), whole.lower(), whole.upper(), PARTS):
+        raise UnprovedError("it is not clear that both sides push onto the surface all along a slide")
 
 
 def _duration(slide: TangencySlide, begin: Ball, end: Ball) -> Ball:
