@@ -15,14 +15,13 @@ from flint import arb
 from nonsmooth.proofs.answers.answer import Heading, Position
 from nonsmooth.proofs.answers.heading import OF_ROTATION
 from nonsmooth.proofs.answers.position import OF_TRANSLATION
-from nonsmooth.proofs.headings.search import EquilibriumHeadings, can_search, equilibrium_headings
+from nonsmooth.proofs.headings.search import can_search, equilibrium_headings
 from nonsmooth.proofs.headings.stay import Stays
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import Scene
 
 if TYPE_CHECKING:
-    from nonsmooth.proofs.headings.at_point import OpenHeadings, SampledRest
-    from nonsmooth.proofs.headings.heading_intervals import RestInterval
+    from nonsmooth.proofs.headings.at_point import EquilibriumHeadings, OpenHeadings, RestInterval, SampledRest
 
 
 class HeadingKind(StrEnum):

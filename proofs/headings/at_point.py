@@ -1,17 +1,27 @@
-"""Every heading with the centre of mass at one point: where the body rests, where its turns meet, what is undecided."""
+"""Every heading with the centre of mass at one point: where the body rests, where its turns meet, what is undecided.
+
+The motion depends on the point and on the wheels under the outline, and on the heading through these alone.  So with
+the centre of mass at c0, every heading between two that bring wheels under the edge has one verdict.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from itertools import chain, combinations
+from typing import TypeAlias
 
 import numpy as np
 from flint import arb, arb_mat, ctx
 
-from nonsmooth.proofs.headings.heading_intervals import HeadingsAt, RestInterval, Wheels
-from nonsmooth.proofs.headings.stay import Stays
-from nonsmooth.symbolic.edge_headings import HeadingCluster, seen
+from nonsmooth.proofs.headings.stay import Stay, Stays, StaysAt
+from nonsmooth.symbolic.contact_set import whole
+from nonsmooth.symbolic.edge_headings import BallOutline, Gap, HeadingCluster, clusters, gaps, places_of, seen
 from nonsmooth.symbolic.numbers.enclosures import PRECISION
+from nonsmooth.symbolic.plane import Vector
+from nonsmooth.symbolic.scene import Scene
+
+Wheels: TypeAlias = tuple[int, ...]  # numbers, ascending
 
 MOST_AT_ONCE = 4  # wheels under the edge at one heading whose motions are looked at: 16 sets
 STEPS = 200  # towards the shortest mixture of motions
@@ -19,6 +29,29 @@ MOVES = "whether mixtures of the motions on both sides rest is not decided"
 CORNER = "a wheel that may lie under a corner of the body"
 TOWARDS = "the body turns to it from both sides; whether it comes back to it is not decided"
 AWAY = "the body turns away from it on both sides; what becomes of it is not decided"
+
+
+@dataclass(frozen=True)
+class RestInterval:
+    """An open interval of headings on the same wheels, with the centre of mass at one point.
+
+    Attributes:
+        scene: all wheels, with the body at the point, at the checked heading.
+        gap: the interval, in radians from that heading.
+        wheels: numbers of the wheels that carry; None where that is not certain.
+        stay: what the body does there.
+    """
+
+    scene: Scene
+    gap: Gap
+    wheels: Wheels | None
+    stay: Stay
+
+    @property
+    def ends(self) -> tuple[Wheels, Wheels]:
+        """Numbers of the wheels under the edge at the lower and at the upper end."""
+        below, above = (tuple(self.scene.wheels[k].index for k in ends) for ends in self.gap.ends)
+        return below, above
 
 
 @dataclass(frozen=True)
@@ -58,29 +91,81 @@ class SampledRest:
 
 
 @dataclass(frozen=True)
-class PointHeadings:
-    """All headings at one point.  At those that are in none of these lists the body does not rest.
+class EquilibriumHeadings:
+    """Headings at which a body rests, about the checked point of a scene.
 
     Attributes:
-        intervals: those in which the centre of mass stays.
-        sampled: single headings with wheels under the edge, at which turns one way meet turns the other way.
-        undecided: the headings left open.
+        intervals: ranges of headings on one set of wheels, proved.
+        undecided: headings at the checked point of which nothing is proved.
+        sampled: what seems to be rest: single headings with wheels under the edge, and points on one set of wheels.
+        reach: half-width of the square of places that was searched; None where it was the checked point alone.
+        left_out: points on one set of wheels that were found but not decided, for there were too many.
     """
 
     intervals: tuple[RestInterval, ...]
-    sampled: tuple[SampledRest, ...]
-    undecided: tuple[OpenHeadings, ...]
+    undecided: tuple[OpenHeadings, ...] = ()
+    sampled: tuple[SampledRest, ...] = ()
+    reach: float | None = None
+    left_out: int = 0
 
 
-def point_headings(here: HeadingsAt) -> PointHeadings:
-    """Decide every heading at a point; the ends of intervals of rest are headings of rest too, and not listed."""
+class HeadingsAt:
+    """The headings at one point of one scene."""
+
+    def __init__(self, scene: Scene, point: Vector) -> None:
+        """For a scene with a body, at a point in its numbers.
+
+        Raises:
+            ValueError: for a scene without a body.
+        """
+        if scene.body is None:
+            raise ValueError("required a scene with a body")
+        self.scene = replace(whole(scene), check=replace(scene.check, equilibrium=point))
+        with ctx.workprec(PRECISION):
+            self.outline = BallOutline(scene.body)
+            self.places = places_of([wheel.position for wheel in self.scene.wheels], point)
+            self.stays = StaysAt(self.scene)
+
+    def clusters(self) -> list[HeadingCluster]:
+        """Headings with wheels under the edge, in ascending order."""
+        with ctx.workprec(PRECISION):
+            return clusters([edge for k, at in enumerate(self.places) for edge in self.outline.edge_headings(k, at)])
+
+    def sectors(self, only: Wheels | None = None) -> Iterator[RestInterval]:
+        """All intervals between these headings, in ascending order.
+
+        Args:
+            only: numbers of wheels; then the intervals in which these carry, and no others.
+        """
+        with ctx.workprec(PRECISION):
+            for gap in gaps(self.clusters()):
+                wheels = self.carrying((gap.low + gap.high) / 2) if gap.low < gap.high else None
+                if only in (None, wheels):
+                    yield RestInterval(self.scene, gap, wheels, self._stay(wheels))
+
+    def carrying(self, theta: arb) -> Wheels | None:
+        """Numbers of the wheels under the body at a heading; None where that is not certain."""
+        theta = theta.mid()
+        sides = [self.outline.side_of(seen(place, theta)) for place in self.places]
+        if 0 in sides:
+            return None
+        return tuple(wheel.index for wheel, side in zip(self.scene.wheels, sides, strict=True) if side > 0)
+
+    def _stay(self, wheels: Wheels | None) -> Stay:
+        if wheels is None:
+            return Stay(Stays.UNDECIDED, reason="headings that balls do not tell apart")
+        return self.stays.on(wheels)
+
+
+def point_headings(here: HeadingsAt) -> EquilibriumHeadings:
+    """Decide every heading at a point; the ends of intervals of rest are headings of rest too, and not listed.
+
+    Sampled are single headings with wheels under the edge, at which turns one way meet turns the other way.
+    """
     sectors = list(here.sectors())
+    open_ones = [sector for sector in sectors if sector.stay.kind is Stays.UNDECIDED]
+    left = [OpenHeadings(sector.gap.low, sector.gap.high, (), sector.stay.reason) for sector in open_ones]
     singles: list[SampledRest] = []
-    left = [
-        OpenHeadings(sector.gap.low, sector.gap.high, (), sector.stay.reason)
-        for sector in sectors
-        if sector.stay.kind is Stays.UNDECIDED
-    ]
     for k, cluster in enumerate(here.clusters()):
         with ctx.workprec(PRECISION):
             found = _at_edge(here, cluster, sectors[k - 1], sectors[k])
@@ -89,7 +174,7 @@ def point_headings(here: HeadingsAt) -> PointHeadings:
         elif found is not None:
             left.append(found)
     staying = tuple(sector for sector in sectors if sector.stay.is_equilibrium)
-    return PointHeadings(staying, tuple(singles), tuple(left))
+    return EquilibriumHeadings(staying, tuple(left), tuple(singles))
 
 
 def _at_edge(

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
@@ -20,8 +20,13 @@ from nonsmooth.analysis.cells.loads import LoadRegion, load_regions
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
 from nonsmooth.proofs.clauses.at_point.linearization import gradient, slips_at
-from nonsmooth.proofs.headings.at_point import OpenHeadings, SampledRest, point_headings
-from nonsmooth.proofs.headings.heading_intervals import HeadingsAt, RestInterval
+from nonsmooth.proofs.headings.at_point import (
+    EquilibriumHeadings,
+    HeadingsAt,
+    RestInterval,
+    SampledRest,
+    point_headings,
+)
 from nonsmooth.symbolic.contact_set import whole
 from nonsmooth.symbolic.continuum import Disc
 from nonsmooth.symbolic.friction_set import BorderPiece
@@ -39,25 +44,6 @@ UNITS = 400_000  # of exact arithmetic for one of them
 UNDER_THE_EDGE = "rest with a wheel under the edge is seen in floats, not proved"
 TOO_MUCH = "its exact point takes too much arithmetic, or is none"
 NEAR = 10**6  # denominator of a rational point beside a sampled one: the same wheels are loaded there
-
-
-@dataclass(frozen=True)
-class EquilibriumHeadings:
-    """Headings at which a body rests, about the checked point of a scene.
-
-    Attributes:
-        intervals: ranges of headings on one set of wheels, proved.
-        undecided: headings at the checked point of which nothing is proved.
-        sampled: what seems to be rest: single headings with wheels under the edge, and points on one set of wheels.
-        reach: half-width of the square of places that was searched; None where it was the checked point alone.
-        left_out: points on one set of wheels that were found but not decided, for there were too many.
-    """
-
-    intervals: tuple[RestInterval, ...]
-    undecided: tuple[OpenHeadings, ...] = ()
-    sampled: tuple[SampledRest, ...] = ()
-    reach: float | None = None
-    left_out: int = 0
 
 
 def heading_matters(scene: Scene) -> bool:
@@ -90,8 +76,7 @@ def equilibrium_headings(scene: Scene, *, around: bool = False) -> EquilibriumHe
     rule = rule_of(scene)
     if not heading_matters(scene) or (rule.needs_loads and isinstance(scene.contact.loads, UnknownLoads)):
         return None
-    found = point_headings(HeadingsAt(scene, scene.check.equilibrium))
-    at_point = EquilibriumHeadings(found.intervals, found.undecided, found.sampled)
+    at_point = point_headings(HeadingsAt(scene, scene.check.equilibrium))
     if not around or not isinstance(rule, SmoothRule) or not can_search(scene):
         return at_point
     return _with_surroundings(at_point, whole(scene), rule)
