@@ -8,7 +8,8 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.symbolic.scene import LoadTable, Scene
+from nonsmooth.analysis.fields.contact_model import contact_model
+from nonsmooth.symbolic.scene import Scene
 
 Floats: TypeAlias = NDArray[np.float64]
 
@@ -24,17 +25,13 @@ class ArrayRows:
     """
 
     def __init__(self, scene: Scene) -> None:
-        places = np.array([[float(x) for x in wheel.position] for wheel in scene.wheels])
-        grips = np.array([[float(x) for x in wheel.unit_grip] for wheel in scene.wheels])
-        sides = np.stack([-grips[:, 1], grips[:, 0]], axis=1)
-        normals = np.stack([grips, sides], axis=1).reshape(-1, 2)
-        at = np.repeat(places, 2, axis=0)
-        self.length = float(np.sqrt((places**2).sum(axis=1).mean())) or 1.0
-        moments = (at[:, 0] * normals[:, 1] - at[:, 1] * normals[:, 0]) / self.length
-        self.rows = np.column_stack([normals, moments])  # by (v, length omega)
-        self.speeds = np.array([[float(x) for x in wheel.slip_speeds] for wheel in scene.wheels]).ravel()
-        self.friction = np.array([[float(w.friction.roll), float(w.friction.side)] for w in scene.wheels]).ravel()
-        self._forms = _load_forms(scene, places)
+        model = contact_model(scene)
+        self.length = float(np.sqrt((model.positions**2).sum(axis=1).mean())) or 1.0
+        self.rows = model.rows / [1.0, 1.0, self.length]
+        self.speeds, self.friction = model.targets, model.friction
+        moments = np.column_stack([np.ones(model.wheels), model.positions])
+        elastic = moments @ np.linalg.pinv(moments.T @ moments)
+        self._forms = elastic if model.load_table is None else model.load_table
 
     def limits(self, place: Sequence[float]) -> Floats:
         """Largest friction force of each row with the body at a place."""
@@ -48,12 +45,3 @@ class ArrayRows:
     def fastest(self) -> float:
         """Speed of the fastest row."""
         return float(np.abs(self.speeds).max())
-
-
-def _load_forms(scene: Scene, places: Floats) -> Floats:
-    """Loads as affine functions of the body's place, (n, 3)."""
-    loads = scene.contact.loads
-    if isinstance(loads, LoadTable):
-        return np.array([[float(x) for x in row] for row in loads.rows])
-    moments = np.column_stack([np.ones(len(places)), places])
-    return moments @ np.linalg.pinv(moments.T @ moments)
