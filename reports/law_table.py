@@ -21,7 +21,7 @@ from nonsmooth.proofs.clauses.feedback.cascade_law import CascadeLaw, Descent
 from nonsmooth.proofs.clauses.feedback.clause import AnyFeedback
 from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, in_scene, rim_speeds
 from nonsmooth.proofs.clauses.feedback.gradient_law import LevelRegion
-from nonsmooth.proofs.clauses.feedback.wheel_speed import wheel_speed
+from nonsmooth.proofs.clauses.feedback.loop_bounds import wheel_speed
 from nonsmooth.proofs.theorem4_result import CellCheck, Check
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.constraints import RowKind

@@ -7,7 +7,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
-from nonsmooth.proofs.clauses.feedback.ultimate_bound import BY_CELLS, UltimateBound, ultimate_bound
+from nonsmooth.proofs.clauses.feedback.loop_bounds import BY_CELLS, UltimateBound, ultimate_bound
 from nonsmooth.proofs.facts import Fact, Quantity
 from nonsmooth.proofs.verdicts import Certainty
 from nonsmooth.symbolic.loop_errors import LoopErrors

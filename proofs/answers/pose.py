@@ -10,7 +10,7 @@ from nonsmooth.proofs.answers.answer import Answer, Pose, Results
 from nonsmooth.proofs.answers.bounds import half_life
 from nonsmooth.proofs.answers.loop import late_and_wrong
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
-from nonsmooth.proofs.clauses.feedback.wheel_speed import wheel_speed
+from nonsmooth.proofs.clauses.feedback.loop_bounds import wheel_speed
 from nonsmooth.proofs.facts import Fact, Quantity, said
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.number_text import float_text, lower_text, upper_text
@@ -79,7 +79,7 @@ def _speed(found: AnyFeedback, scene: Scene) -> Fraction | None:
         return None
     if isinstance(found, FeedbackResult):
         return None if found.limited is None else found.limited.speed
-    from nonsmooth.proofs.clauses.feedback.limited_twists import limited_speed
+    from nonsmooth.proofs.clauses.feedback.loop_bounds import limited_speed
 
     return limited_speed(found, scene)
 

@@ -24,7 +24,7 @@ from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.tolerances import Tolerance
 
 if TYPE_CHECKING:
-    from nonsmooth.proofs.clauses.feedback.driven_law import ImposedTwist
+    from nonsmooth.proofs.clauses.feedback.twist_candidates import ImposedTwist
 
 SIDE_PARTS = 10  # of each edge of the cube
 SHARES = (0.03, 0.06, 0.1, 0.15, 0.2, 0.3, 0.4, 0.55, 0.7, 0.9)  # of the largest distance that serves

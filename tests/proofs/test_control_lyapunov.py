@@ -28,11 +28,9 @@ from nonsmooth.proofs.clauses.feedback.control_lyapunov import (
     shape_regions,
 )
 from nonsmooth.proofs.clauses.feedback.gradient_law import certified_rate
-from nonsmooth.proofs.clauses.witness import Witness
-from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.scene import Scene
 from tests.conftest import Arrays, WheelData
-from tests.thorough import few, keep, thorough
+from tests.thorough import few, keep
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.cells.partition import Partition
@@ -276,19 +274,3 @@ def test_tampered_functions_are_refused(count: int) -> None:
             replace(result.lyapunov, weight=result.lyapunov.weight * 2),
         ):
             assert not replace(result, lyapunov=lyapunov).check()
-
-
-@thorough  # the small one: test_tampered_functions_are_refused
-def test_a_false_exclusion_is_refused() -> None:
-    """A failure is about squares only, unless no P serves at all."""
-    for seed in SEEDS:
-        partition, result = decided(seed, any_rims=True)
-        if result.lyapunov != SQUARES:
-            stalled = next(data for data in local_cells(result) if data.stall() is not None)
-            point = stalled.stall()
-            assert point is not None
-            theta = SQUARES.stalling_theta(point, stalled.nearest.position) + point[0] * 0
-            failure = replace(decide_feedback(partition), verdict=Feedback.NO_CERTIFICATE, lyapunov=SQUARES, rate=None)
-            failure = replace(failure, witness=Witness(point, theta, "squares stall here"))
-            assert failure.check()
-            assert not replace(failure, none_serves=True).check()

@@ -17,19 +17,26 @@ from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contac
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.analysis.minimizers.float_loads import loads_at
+from nonsmooth.proofs.clauses.feedback.balanced_twists import (
+    BUDGET,
+    HALVES,
+    BalancedTwist,
+    ExclusionSearch,
+    balance_twist,
+    enclosure,
+    exclude_twist,
+    separates,
+)
 from nonsmooth.proofs.clauses.feedback.box_twists import BoxTwist, Drives, candidate_twists
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback, decide_driven_feedback
 from nonsmooth.proofs.clauses.feedback.driven_law import (
-    ImposedTwist,
     LawCone,
     best_three,
     certified_gain,
     gains,
     rim_speeds,
 )
-from nonsmooth.proofs.clauses.feedback.ellipse_twists import BalancedTwist, balance_twist, exclude_twist
-from nonsmooth.proofs.clauses.feedback.exclusion import BUDGET, HALVES, Divided, Excluded, ExclusionSearch, enclosure
-from nonsmooth.proofs.clauses.feedback.twist_candidates import candidates_of
+from nonsmooth.proofs.clauses.feedback.twist_candidates import ImposedTwist, candidates_of
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.verdicts import Feedback, Rotation, Theorem4, Translation
 from nonsmooth.symbolic.constraints import cross_product, independent, inner, side_row
@@ -315,7 +322,8 @@ def test_the_plane_of_twists_is_one_of_the_array_whatever_its_length(arrays: Arr
     assert one.obstruction[2]
     for feedback in (one, other):
         assert feedback.check()
-        assert not replace(feedback, length=Fraction(3)).check()
+        longer = replace(feedback.scene, check=replace(feedback.scene.check, length=Fraction(3)))
+        assert not replace(feedback, scene=longer).check()
     model, rng = contact_model(centred(aside, rule)), np.random.default_rng(2)
     assert other.witness is not None
     g = np.array([*map(float, other.witness.point), 1.4**2 * float(other.witness.value)])
@@ -331,19 +339,16 @@ def test_an_exclusion_is_verified_arc_by_arc(arrays: Arrays) -> None:
     excluded = exclude_twist(balance_twist(scene, region, (zero, one, zero)))
     assert excluded.is_excluded
     assert not excluded.is_unique
-    assert isinstance(excluded.exclusion, Divided)
     held = balance_twist(scene, region, (one, zero, zero))
     assert held.is_unique
-    assert exclude_twist(held).exclusion is None
-    for wrong in (
-        excluded.exclusion.lower,  # one half alone
-        Divided(excluded.exclusion.wheel, excluded.exclusion.lower, excluded.exclusion.lower),
-        Divided((excluded.exclusion.wheel + 1) % 2, excluded.exclusion.lower, excluded.exclusion.upper),
-        Excluded((Fraction(0), Fraction(1), Fraction(0))),
-        Excluded((Fraction(0),) * 3),
-    ):
-        assert not replace(excluded, exclusion=wrong).is_excluded
-    assert not replace(held, exclusion=excluded.exclusion).is_excluded
+    assert not exclude_twist(held).is_excluded
+    whole = [HALVES] * len(excluded.wheels)
+    for direction in ((0, 1, 0), (0, -1, 0), (0, 0, 0)):  # over whole half circles no direction separates
+        assert not separates([Fraction(x) for x in direction], excluded.wheels, whole)
+    search = ExclusionSearch(excluded.wheels)
+    assert search.excludes(whole)
+    assert search.left < BUDGET - 1  # arcs were halved
+    assert not ExclusionSearch(held.wheels).excludes([HALVES] * len(held.wheels))
 
 
 @pytest.mark.parametrize("side", [1, -1])
@@ -368,7 +373,7 @@ def test_an_exclusion_keeps_to_its_budget(arrays: Arrays, supports: int) -> None
     region = load_regions(scene, (zero, zero))[0]
     trial = balance_twist(scene, region, (zero, one, zero))
     search = ExclusionSearch(trial.wheels)
-    search.exclude([HALVES] * len(trial.wheels))
+    search.excludes([HALVES] * len(trial.wheels))
     assert 0 <= search.left < BUDGET
 
 

@@ -15,10 +15,10 @@ from nonsmooth.analysis.cells.loads import load_regions, value_at
 from nonsmooth.analysis.cells.slopes import Slopes
 from nonsmooth.analysis.minimizers.friction_search import RimDemand
 from nonsmooth.analysis.minimizers.many_forces import MANY, search_many_forces
+from nonsmooth.proofs.clauses.feedback.balanced_twists import wheel_forces
 from nonsmooth.proofs.clauses.feedback.box_twists import candidate_twists
 from nonsmooth.proofs.clauses.feedback.by_friction import decide_driven_feedback
-from nonsmooth.proofs.clauses.feedback.promising import PromisingTwists
-from nonsmooth.proofs.clauses.feedback.wheel_forces import wheel_forces
+from nonsmooth.proofs.clauses.feedback.twist_candidates import PromisingTwists
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.constraints import Triple, cross_product, inner
 from nonsmooth.symbolic.files.scene_file import load_scene

@@ -16,12 +16,17 @@ from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.minimizers.proved import proved
 from nonsmooth.proofs.certificate import CertificateError, build_certificate
 from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, Situation, ellipse_point
+from nonsmooth.proofs.clauses.feedback.balanced_twists import (
+    HALVES,
+    BalancedTwist,
+    balance_twist,
+    border_enclosure,
+    exclude_twist,
+    wheel_forces,
+)
 from nonsmooth.proofs.clauses.feedback.box_twists import BoxTwist, candidate_twists
 from nonsmooth.proofs.clauses.feedback.by_friction import decide_driven_feedback
 from nonsmooth.proofs.clauses.feedback.driven_law import between, rim_speeds
-from nonsmooth.proofs.clauses.feedback.ellipse_twists import BalancedTwist, balance_twist, exclude_twist
-from nonsmooth.proofs.clauses.feedback.exclusion import HALVES, border_enclosure
-from nonsmooth.proofs.clauses.feedback.wheel_forces import wheel_forces
 from nonsmooth.proofs.theorem4 import check_smooth
 from nonsmooth.proofs.verdicts import Equilibrium, Feedback, Translation
 from nonsmooth.symbolic.files.scene_file import load_scene

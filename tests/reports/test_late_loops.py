@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from nonsmooth.proofs.clauses.feedback.by_friction import decide_driven_feedback
-from nonsmooth.proofs.clauses.feedback.ultimate_bound import ultimate_bound
+from nonsmooth.proofs.clauses.feedback.loop_bounds import ultimate_bound
 from nonsmooth.proofs.verdicts import Certainty
 from nonsmooth.reports.driven_loop import DrivenLoop
 from nonsmooth.symbolic.files.scene_file import load_scene

@@ -30,7 +30,7 @@ from nonsmooth.proofs.clauses.feedback.by_friction import decide_driven_feedback
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.clauses.feedback.driven_law import rim_speeds
 from nonsmooth.proofs.clauses.feedback.gradient_law import LimitedRate
-from nonsmooth.proofs.clauses.feedback.limited_twists import limited_speed
+from nonsmooth.proofs.clauses.feedback.loop_bounds import limited_speed
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import BAD_INPUT, run
 from nonsmooth.reports.paths import ArrayPath, PathResult

@@ -21,7 +21,7 @@ from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.proofs.answers.best_point import at_best_point
 from nonsmooth.proofs.certificate import build_certificate, certificate_text
 from nonsmooth.proofs.certified_scene import find_difference
-from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback, decide_driven_feedback, is_driven_by
+from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback, decide_driven_feedback
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, decide_feedback
 from nonsmooth.proofs.theorem4 import check_cells, check_theorem4
 from nonsmooth.proofs.verdicts import Feedback
@@ -284,7 +284,8 @@ def test_every_result_is_verified_and_one_for_another_length_is_refused(name: st
     assert result.check()
     if isinstance(result.feedback, DrivenFeedback):
         assert result.feedback == decide_driven_feedback(scene)
-        assert not is_driven_by(replace(result.feedback, length=Fraction(1)), scene)
+        other = replace(scene, check=replace(scene.check, length=Fraction(1)))
+        assert not result.with_results(feedback=replace(result.feedback, scene=other)).check()
     elif result.feedback.lyapunov.length is not None:
         other_rows = replace(result.feedback, lyapunov=replace(result.feedback.lyapunov, weight=Fraction(1)))
         assert not other_rows.check()

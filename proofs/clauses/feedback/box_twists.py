@@ -15,12 +15,21 @@ the same property.)
 
 The condition is the one of :mod:`nonsmooth.analysis.cells.arrangement`: no slope of D is negative.  Slopes are
 affine in c.  Where all are positive at the equilibrium, they are near it: the twist is the only minimizer there.
+
+*Boxes inside cut friction sets.*  Let a cut friction set hold the box ``|f_R| <= rho N, |f_S| <= kappa beta N``, ``rho
+<= alpha sqrt(1 - kappa^2)``, that spans it across the rim.  Then D is at least that of the boxes for every twist, and
+equal where no rim slips along.  So a twist that is the only minimizer for boxes, at speeds at which no rim slips along,
+is the only minimizer under that rule too, at the same places c.  (Rule ``roller``: the rollers turn, ``rho <=
+sqrt(mu_R^2 - mu_S^2)``.)
+
+Of many wheels only the most promising candidates are looked at (module ``twist_candidates``).
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import combinations
 
@@ -30,6 +39,7 @@ from nonsmooth.analysis.cells.arrangement import Arrangement, Beside, order
 from nonsmooth.analysis.cells.loads import Affine, LoadRegion
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.slopes import Slopes
+from nonsmooth.analysis.contact_rule import smooth_rule_of
 from nonsmooth.symbolic.constraints import (
     RowKind,
     Triple,
@@ -40,10 +50,13 @@ from nonsmooth.symbolic.constraints import (
     scaled,
     side_row,
 )
-from nonsmooth.symbolic.numbers.number import sign
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.friction_set import FrictionSet
+from nonsmooth.symbolic.numbers.number import Number, sign
+from nonsmooth.symbolic.scene import Friction, Scene
 
 _DIGITS = 10  # binary: candidates have length one up to this
+_BITS = 20  # of the rational below sqrt(1 - kappa^2)
+_SMALLEST = 2.0**-10  # of sqrt(1 - kappa^2): below it a box holds next to nothing of the set
 
 
 @dataclass(frozen=True)
@@ -109,6 +122,9 @@ class Drives:
         return BoxTwist(twist, tuple(slope.form for slope in slopes), self.region, len(independent(tight)) == 3)
 
 
+# ---- candidates --------------------------------------------------------------------------
+
+
 def candidate_twists(scene: Scene) -> Iterator[Triple]:
     """The edges of the arrangement of side rows, each once (up to a factor), of length about one."""
     known: set[Triple] = set()
@@ -138,3 +154,34 @@ def _of_length_one(twist: Triple) -> Triple:
     unit = scaled(twist, max(abs(x) for x in twist).inverse())
     length = float(np.linalg.norm([float(x) for x in unit]))
     return scaled(unit, unit[0].field(Fraction(round(2**_DIGITS / length), 2**_DIGITS)))
+
+
+# ---- boxes inside cut friction sets ------------------------------------------------------
+
+
+def inscribed_boxes(scene: Scene) -> Scene | None:
+    """The array under rule ``box`` with boxes inside the friction sets; None where a set is not cut, or hardly not."""
+    rule, wheels = smooth_rule_of(scene), []
+    for wheel in scene.wheels:
+        limits = rule.friction_set(wheel.friction)
+        width = box_width(limits)
+        if width is None:
+            return None
+        wheels.append(replace(wheel, friction=Friction(limits.along * width, limits.across * limits.cut)))
+    return replace(scene.under("box"), wheels=tuple(wheels))
+
+
+def box_width(limits: FrictionSet) -> Fraction | None:
+    """A rational of at most ``sqrt(1 - kappa^2)``: one for a segment along the rim, None for a whole ellipse."""
+    if not limits.across:
+        return Fraction(1)
+    if not limits.is_cut:
+        return None
+    proposal = math.sqrt(1 - float(limits.cut) ** 2)
+    width = Fraction(math.floor(proposal * 2**_BITS) - 1, 2**_BITS)
+    return width if proposal > _SMALLEST and fits(limits.cut, width) else None
+
+
+def fits(cut: Number, width: Fraction) -> bool:
+    """Whether the corner (width, kappa) is in the unit disc, exactly."""
+    return bool(cut * cut + width * width <= 1)

@@ -4,14 +4,15 @@ With ``V = |c|^2 + l^2 theta^2`` one has ``V'/2 = g . xi``, ``g = (c, l^2 theta)
 kinematics.  The array is taken with l for its unit of length, where ``g = (c, theta)``: so all that follows is the same
 in every unit.  A twist ``(v, omega)`` there is ``(v, omega/l)`` in the scene's unit, imposed by the same speeds.
 
-- *Stabilizable.*  Let some speeds impose the twist ``xi_l``, as the only minimizer of D at c*, for three independent
-  ``xi_l`` (module ``box_twists``, module ``ellipse_twists``).  D is
-  homogeneous in twist and speeds together, so all multiples are imposed too.  The law takes the ``xi_l`` with the
-  largest ``|g . xi_l|`` and imposes ``-k (g . xi_l) xi_l``: ``V'/2 = -k (g . xi_l)^2 <= -k kappa |g|^2`` near c*, where
-  ``kappa |g|^2 < 1`` at the corners ``g . xi_l = +-1`` of a parallelepiped.  Where the law switches, each of the
-  velocities that meet satisfies this, hence all of their hull: V* < 0.  Under rule ``box`` it suffices that twists are
-  imposed in every open cone of a fan of directions of c, in each its own three: Filippov solutions do not see the rays
-  between.
+- *Stabilizable.* Let some speeds impose the twist ``xi_l``, as the only minimizer of D at c*, for three independent
+  ``xi_l`` (modules ``box_twists``, ``balanced_twists``). D is homogeneous in twist and speeds together, so all
+  multiples are imposed too. The law takes the ``xi_l`` with the largest ``|g . xi_l|`` and imposes ``-k (g . xi_l)
+  xi_l``: ``V'/2 = -k (g . xi_l)^2 <= -k kappa |g|^2`` near c* (module ``driven_law``). Where the law switches, each
+  of the velocities that meet satisfies this, hence all of their hull: V* < 0. Under rule ``box`` it suffices that
+  twists are imposed in every open cone of a fan of directions of c, in each its own three: Filippov solutions do not
+  see the rays between. A slope of D that vanishes at c* is linear in c beside it: between the rays on which one
+  vanishes, or the loads change their form, each twist is the only minimizer in all of the cone or nowhere in it.
+- *Boxes inside friction sets* may prove what forces leave open where the sets are cut (module ``box_twists``).
 - *Unknown loads.*  Where the loads are only known to lie in a set, other loads than those of level springs turn the
   motions away from the ``xi_l``; the law works under every load as long as they stay in pyramids about the ``xi_l``, at
   the rate ``(1 - eta) kappa`` (module ``every_load_law``).  A plane that no twist leaves on level springs refutes too.
@@ -25,7 +26,7 @@ under rules without cells twists that are neither proved nor excluded.  Two laws
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from itertools import pairwise
@@ -33,32 +34,36 @@ from typing import TYPE_CHECKING
 
 from nonsmooth.analysis.cells.fan import by_angle
 from nonsmooth.analysis.cells.loads import LoadRegion, load_regions
+from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.contact_rule import CellRule, rule_of
-from nonsmooth.proofs.clauses.feedback.box_twists import BoxTwist
-from nonsmooth.proofs.clauses.feedback.by_direction import drives_in, law_by_direction
+from nonsmooth.proofs.clauses.feedback.box_twists import BoxTwist, Drives, inscribed_boxes
 from nonsmooth.proofs.clauses.feedback.control_fields import askew_reason, side_friction_rules
 from nonsmooth.proofs.clauses.feedback.control_lyapunov import ControlLyapunov, sum_of_squares
 from nonsmooth.proofs.clauses.feedback.driven_law import (
-    ImposedTwist,
     LawCone,
     best_three,
+    between,
     certified_gain,
     gains,
     in_scene,
-    rank_of,
 )
-from nonsmooth.proofs.clauses.feedback.inscribed_box import inscribed_boxes
 from nonsmooth.proofs.clauses.feedback.obstruction import common_normal, obstruction_text
-from nonsmooth.proofs.clauses.feedback.twist_candidates import candidates_of, with_exclusions
+from nonsmooth.proofs.clauses.feedback.twist_candidates import (
+    ImposedTwist,
+    candidates_of,
+    rank_of,
+    unique_ones,
+    with_exclusions,
+)
 from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.constraints import Triple, inner
 from nonsmooth.symbolic.free_rollers import with_rims_along_axes
-from nonsmooth.symbolic.number_text import lower_text
+from nonsmooth.symbolic.number_text import brief_text, lower_text
 from nonsmooth.symbolic.numbers.lazy import Lazy, divided, quotient
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, work_limit
-from nonsmooth.symbolic.plane import around, cross
+from nonsmooth.symbolic.plane import around, cross, dot
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.similar_scenes import in_own_length
 from nonsmooth.symbolic.unknown_loads import UnknownLoads
@@ -70,6 +75,16 @@ if TYPE_CHECKING:
 LAW = "impose -k (g . xi_l) xi_l, g = (c, theta), with the xi_l of the largest |g . xi_l|"
 WEIGHED_LAW = "impose -k (g . xi_l) xi_l, g = (c, w theta), with the xi_l of the largest |g . xi_l|, w = {}"
 SAME_REACH = 2.0**-20  # relative: reaches as close as this are compared exactly
+THREE = "some speeds impose three independent twists at c*, each as the only minimizer of D"
+BY_DIRECTION = (
+    "frictions balance exactly at c*, but in each of {} cones of directions about it some speeds impose "
+    "three independent twists, each as the only minimizer of D (Filippov solutions do not see the rays between)"
+)
+MARGINAL = (
+    "exactly marginal: frictions balance at c* (a slope of D vanishes), and towards ({}, {}) speeds impose twists of "
+    "rank {} only, as the only minimizers"
+)
+IN_BOXES = "{}; no rim slips along, and rollers turn (boxes inside the friction sets)"
 FOR_EVERY_LOAD = (
     "some speeds impose three independent twists on level springs, and under every load motions so close to them that "
     "V falls (at {} times the rate on level springs)"
@@ -89,28 +104,32 @@ class DrivenFeedback:
     Attributes:
         verdict: see :class:`nonsmooth.proofs.verdicts.Feedback`.
         reason: one sentence for people.
+        scene: the array, centred.
         cones: the law, by direction of c, of the array with ``length`` for its unit (stabilizable).
         kappa: ``V' <= -2 k kappa V`` near c* (stabilizable), on level springs where loads are unknown.
         obstruction: the normal m of a plane that holds every twist inputs can impose (no certificate): no static
             feedback stabilizes.
-        candidates: all candidates in the unit ``length``, those off the plane with the proof that they are excluded
-            (no certificate).
+        candidates: all candidates in the unit ``length``, those off the plane excluded (no certificate).
         samples: two laws of the field, sampled, best first; empty where nobody asked.
-        length: l of ``V = |c|^2 + l^2 theta^2``.
         every_load: what is left of the rate under every load of a set (stabilizable, unknown loads).
         beyond: the same decision where Theorem 4 asks nothing of feedback (not applicable).
     """
 
     verdict: Feedback
     reason: str
+    scene: Scene
     cones: tuple[LawCone, ...] = ()
     kappa: Fraction | None = None
     obstruction: Triple | None = None
     candidates: tuple[ImposedTwist, ...] = ()
     samples: tuple[LoopSample, ...] = field(default=(), compare=False)
-    length: Fraction = Fraction(1)
     every_load: EveryLoadLaw | None = None
     beyond: DrivenFeedback | None = None
+
+    @property
+    def length(self) -> Fraction:
+        """The characteristic length l of ``V = |c|^2 + l^2 theta^2``."""
+        return self.scene.check.length
 
     @property
     def holding(self) -> DrivenFeedback:
@@ -123,9 +142,14 @@ class DrivenFeedback:
         return sum_of_squares(self.length)
 
     @property
+    def has_lyapunov(self) -> bool:
+        """Whether V certifies a law."""
+        return self.verdict is Feedback.STABILIZABLE
+
+    @property
     def law(self) -> str | None:
         """The stabilizing law, where there is one."""
-        if self.verdict is not Feedback.STABILIZABLE:
+        if not self.has_lyapunov:
             return None
         return LAW if self.length == 1 else WEIGHED_LAW.format(self.lyapunov.weight)
 
@@ -138,11 +162,6 @@ class DrivenFeedback:
     def certified_kappa(self) -> Fraction | None:
         """Kappa with ``V' <= -2 k kappa V`` near the equilibrium under every load that may be, k the gain."""
         return None if self.kappa is None else self.kappa * self.kept
-
-    @property
-    def has_lyapunov(self) -> bool:
-        """Whether V certifies a law."""
-        return self.verdict is Feedback.STABILIZABLE
 
     @property
     def kept(self) -> Fraction:
@@ -178,43 +197,39 @@ class DrivenFeedback:
         x, y, turn = self.obstruction
         return Witness((x, y), turn / self.lyapunov.weight, STALL)
 
+    def undecided(self, reason: str) -> DrivenFeedback:
+        """The same without a claim."""
+        return DrivenFeedback(Feedback.UNDECIDED, reason, self.scene, samples=self.samples)
+
     def check(self) -> bool:
-        """Re-verify the twists and the rate (stabilizable), or that all off the plane is excluded (no certificate)."""
-        normal = self.obstruction
-        if self.verdict is Feedback.NO_CERTIFICATE:
-            kept = normal is not None and all(
-                not inner(normal, in_scene(c.twist, self.length)) or c.is_excluded for c in self.candidates
-            )
-            return kept and not self.cones and normal is not None and any(normal)
-        if self.verdict is not Feedback.STABILIZABLE:
-            return not self.cones and normal is None and (self.beyond is None or self.beyond.check())
-        kappa = self.kappa
-        fast = kappa is not None and kappa > 0 and all(gains(cone.vectors, kappa) for cone in self.cones)
-        safe = self.every_load is None or all(map(self.every_load.check, self.cones))
-        return fast and safe and _go_around(self.cones) and all(cone.check() for cone in self.cones)
+        """Verify the twists and the rate (stabilizable), or that all off the plane is excluded (no certificate)."""
+        normal, kappa = self.obstruction, self.kappa
+        if self.verdict is Feedback.NO_CERTIFICATE and normal is not None:
+            off = [c for c in self.candidates if inner(normal, in_scene(c.twist, self.length))]
+            return any(normal) and all(candidate.is_excluded for candidate in off)
+        if self.verdict is Feedback.STABILIZABLE and kappa is not None:
+            fast = kappa > 0 and all(gains(cone.vectors, kappa) and cone.check() for cone in self.cones)
+            safe = self.every_load is None or all(map(self.every_load.check, self.cones))
+            return fast and safe and _go_around(self.cones)
+        claims = self.verdict in (Feedback.NO_CERTIFICATE, Feedback.STABILIZABLE)
+        return not claims and (self.beyond is None or self.beyond.check())
 
 
 def decide_driven_feedback(scene: Scene) -> DrivenFeedback:
     """Decide the feedback clause for a centred scene of a rule that minimizes the dissipation.
 
-    Where ``mu_S >= mu_R`` Theorem 4 asks nothing of feedback; whether a law holds the pose is decided all the same.
+    Where ``mu_S >= mu_R`` Theorem 4 asks nothing of feedback; whether a law holds the pose is decided all the same,
+    and undecided where that takes too much arithmetic.
     """
     blocked = side_friction_rules(scene.wheels)
-    if blocked is not None:
-        beyond = _decide_within_limit(scene)
-        return DrivenFeedback(Feedback.NOT_APPLICABLE, blocked, length=scene.check.length, beyond=beyond)
-    if with_rims_along_axes(scene) is None:
-        return DrivenFeedback(Feedback.UNDECIDED, askew_reason(scene.wheels), length=scene.check.length)
-    return decide_whatever_friction(scene)
-
-
-def _decide_within_limit(scene: Scene) -> DrivenFeedback:
-    """The decision, undecided where it takes too much arithmetic."""
+    if blocked is None:
+        return decide_whatever_friction(scene)
     try:
         with work_limit(scene.field, UNITS):
-            return decide_whatever_friction(scene)
+            beyond = decide_whatever_friction(scene)
     except WorkLimitError:
-        return DrivenFeedback(Feedback.UNDECIDED, TOO_LONG, length=scene.check.length)
+        beyond = DrivenFeedback(Feedback.UNDECIDED, TOO_LONG, scene)
+    return DrivenFeedback(Feedback.NOT_APPLICABLE, blocked, scene, beyond=beyond)
 
 
 def decide_whatever_friction(scene: Scene) -> DrivenFeedback:
@@ -224,16 +239,16 @@ def decide_whatever_friction(scene: Scene) -> DrivenFeedback:
     """
     plain = with_rims_along_axes(scene)
     if plain is None:
-        return DrivenFeedback(Feedback.UNDECIDED, askew_reason(scene.wheels), length=scene.check.length)
+        return DrivenFeedback(Feedback.UNDECIDED, askew_reason(scene.wheels), scene)
     decide = _decide_for_every_load if isinstance(scene.contact.loads, UnknownLoads) else _decide
-    return replace(decide(in_own_length(plain), scene.check.length), length=scene.check.length)
+    return replace(decide(in_own_length(plain), scene.check.length), scene=scene)
 
 
-def _decide_for_every_load(scene: Scene, length: Fraction) -> DrivenFeedback:
+def _decide_for_every_load(own: Scene, length: Fraction) -> DrivenFeedback:
     """One law for all loads; where even those of level springs leave a plane of twists only, none."""
     from nonsmooth.proofs.clauses.feedback.every_load_law import on_level_springs, search_law
 
-    level = on_level_springs(scene)
+    level = on_level_springs(own)
     unique = _imposed(level)
     if rank_of(unique) < 3:
         without = _decide(level, length)
@@ -241,110 +256,78 @@ def _decide_for_every_load(scene: Scene, length: Fraction) -> DrivenFeedback:
             return replace(without, reason=ON_LEVEL_SPRINGS.format(without.reason))
         why = without.reason
     else:
-        found = search_law(scene, unique)
+        found = search_law(own, unique)
         if found is not None:
             cone, law = found
             reason = FOR_EVERY_LOAD.format(lower_text(1 - law.slack, 3))
-            return replace(_stabilizable(reason, (cone,)), every_load=law)
+            return replace(_stabilizable(reason, own, (cone,)), every_load=law)
         why = "some speeds impose three independent twists"
-    return DrivenFeedback(Feedback.UNDECIDED, NOT_FOR_EVERY_LOAD.format(why))
+    return DrivenFeedback(Feedback.UNDECIDED, NOT_FOR_EVERY_LOAD.format(why), own)
 
 
-def _imposed(scene: Scene) -> list[ImposedTwist]:
+def _imposed(own: Scene) -> list[ImposedTwist]:
     """Twists that some speeds impose as the only minimizer, forces and boxes inside friction sets together."""
-    zero = scene.field.zero
-    boxed = None if isinstance(rule_of(scene), CellRule) else inscribed_boxes(scene)
+    boxed = None if isinstance(rule_of(own), CellRule) else inscribed_boxes(own)
     found = []
-    for each in (scene, boxed):
+    for each in (own, boxed):
         if each is not None:
-            candidates, _ = candidates_of(each, load_regions(each, (zero, zero))[0], ENOUGH_FOR_EVERY_LOAD)
-            found += [imposed for imposed in candidates if imposed.is_unique]
+            candidates, _ = candidates_of(each, _regions_at(each)[0], ENOUGH_FOR_EVERY_LOAD)
+            found += unique_ones(candidates)
     return found
 
 
-def _decide(scene: Scene, length: Fraction) -> DrivenFeedback:
+def _decide(own: Scene, length: Fraction) -> DrivenFeedback:
     """The decision for an array with l for its unit of length; a plane of twists is given in the unit before.
 
-    What forces leave open, boxes inside the friction sets may prove (module ``inscribed_box``).
+    What forces leave open, boxes inside the friction sets may prove.
     """
-    found = _decide_by_twists(scene, length)
-    if found.verdict is not Feedback.UNDECIDED or isinstance(rule_of(scene), CellRule):
+    found = _decide_by_twists(own, length)
+    boxed = None
+    if found.verdict is Feedback.UNDECIDED and not isinstance(rule_of(own), CellRule):
+        boxed = inscribed_boxes(own)
+    inside = found if boxed is None else _decide_by_twists(boxed, length)
+    if inside is found or inside.verdict is not Feedback.STABILIZABLE:
         return found
-    boxed = inscribed_boxes(scene)
-    inside = None if boxed is None else _decide_by_twists(boxed, length)
-    if inside is None or inside.verdict is not Feedback.STABILIZABLE:
-        return found
-    words = f"{inside.reason}; no rim slips along, and rollers turn (boxes inside the friction sets)"
-    return replace(inside, reason=words)
+    return replace(inside, reason=IN_BOXES.format(inside.reason))
 
 
-def _decide_by_twists(scene: Scene, length: Fraction) -> DrivenFeedback:
-    zero = scene.field.zero
-    regions = load_regions(scene, (zero, zero))
-    candidates, complete = candidates_of(scene, regions[0])
-    unique = [imposed for imposed in candidates if imposed.is_unique]
+def _decide_by_twists(own: Scene, length: Fraction) -> DrivenFeedback:
+    regions, has_cells = _regions_at(own), isinstance(rule_of(own), CellRule)
+    candidates, complete = candidates_of(own, regions[0])
+    unique = unique_ones(candidates)
     if rank_of(unique) == 3:
-        reason = "some speeds impose three independent twists at c*, each as the only minimizer of D"
-        three = best_three(scene, unique)
-        others = regions[1:] if isinstance(rule_of(scene), CellRule) else ()
-        elsewhere = tuple(drives.examine(one.twist) for drives in drives_in(scene, others) for one in three)
-        return _stabilizable(reason, (LawCone(None, three, elsewhere),))
+        three = best_three(own, unique)
+        others = [Drives(own, region) for region in regions[1:]] if has_cells else []
+        elsewhere = tuple(drives.examine(one.twist) for drives in others for one in three)
+        return _stabilizable(THREE, own, (LawCone(None, three, elsewhere),))
+    if complete:
+        candidates = with_exclusions(candidates)
+    possible = [candidate.twist for candidate in candidates if not candidate.is_excluded]
+    normal = common_normal([in_scene(twist, length) for twist in possible], own.field)
+    if complete and normal is not None:
+        reason, proofs = obstruction_text(normal), tuple(candidates)
+        return DrivenFeedback(Feedback.NO_CERTIFICATE, reason, own, obstruction=normal, candidates=proofs)
+    rank = rank_of(unique)
+    reason = f"twists of rank {rank} are proved to be imposed at c*; others are neither proved nor excluded"
     if not complete:
-        return _decide_by_ties(scene, regions, candidates)
-    candidates = with_exclusions(candidates)
-    possible = [candidate.twist for candidate in candidates if not candidate.is_excluded]
-    normal = common_normal([in_scene(twist, length) for twist in possible], scene.field)
-    if normal is not None:
-        reason = obstruction_text(normal)
-        return DrivenFeedback(Feedback.NO_CERTIFICATE, reason, obstruction=normal, candidates=tuple(candidates))
-    if isinstance(rule_of(scene), CellRule):
-        cones, why = law_by_direction(scene, regions, possible)
-        return _stabilizable(why, cones) if cones else DrivenFeedback(Feedback.UNDECIDED, why)
-    reason = f"twists of rank {rank_of(unique)} are proved to be imposed at c*; others are neither proved nor excluded"
-    return DrivenFeedback(Feedback.UNDECIDED, reason)
-
-
-def _decide_by_ties(scene: Scene, regions: Sequence[LoadRegion], candidates: Sequence[ImposedTwist]) -> DrivenFeedback:
-    """Of some candidates only: a law by directions of c where they give one, and otherwise nothing."""
-    possible = [candidate.twist for candidate in candidates if not candidate.is_excluded]
-    if isinstance(rule_of(scene), CellRule) and common_normal(possible, scene.field) is None:
-        cones, reason = law_by_direction(scene, regions, possible)
+        reason = f"the first {len(candidates)} candidates show twists of rank {rank}; more were not looked at"
+    if has_cells and normal is None:
+        cones, why = law_by_direction(own, regions, possible)
         if cones:
-            return _stabilizable(reason, cones)
-    rank = rank_of([candidate for candidate in candidates if candidate.is_unique])
-    reason = f"the first {len(candidates)} candidates show twists of rank {rank}; more were not looked at"
-    return DrivenFeedback(Feedback.UNDECIDED, reason)
+            return _stabilizable(why, own, cones)
+        reason = why if complete else reason
+    return DrivenFeedback(Feedback.UNDECIDED, reason, own)
 
 
-def is_driven_by(feedback: DrivenFeedback, scene: Scene) -> bool:
-    """Whether all that is imposed is imposed in a load region of the centred scene, or by its wheels."""
-    zero = scene.field.zero
-    if feedback.length != scene.check.length:
-        return False
-    if feedback.beyond is not None:
-        return is_driven_by(feedback.beyond, scene)
-    own = in_own_length(scene)
-    if feedback.every_load is not None:
-        plain = with_rims_along_axes(scene)
-        if plain is None or feedback.every_load.scene != in_own_length(plain):
-            return False
-    if isinstance(scene.contact.loads, UnknownLoads):
-        if feedback.cones and feedback.every_load is None:
-            return False
-        own = replace(own, contact=replace(own.contact, loads=None))
-    regions = load_regions(own, (zero, zero))
-    shown = [twist for cone in feedback.cones for twist in (*cone.twists, *cone.elsewhere)]
-    imposed = (*shown, *feedback.candidates)
-    numbers = {wheel.index for wheel in scene.wheels}
-    return all(
-        twist.region in regions if isinstance(twist, BoxTwist) else {w.index for w in twist.wheels} <= numbers
-        for twist in imposed
-    )
+def _regions_at(own: Scene) -> Sequence[LoadRegion]:
+    """The load regions that meet at the point."""
+    zero = own.field.zero
+    return load_regions(own, (zero, zero))
 
 
-def _stabilizable(reason: str, cones: tuple[LawCone, ...]) -> DrivenFeedback:
+def _stabilizable(reason: str, own: Scene, cones: tuple[LawCone, ...]) -> DrivenFeedback:
     kappa = min(certified_gain(cone.vectors) for cone in cones)
-    return DrivenFeedback(Feedback.STABILIZABLE, reason, cones, kappa)
+    return DrivenFeedback(Feedback.STABILIZABLE, reason, own, cones, kappa)
 
 
 def _go_around(cones: Sequence[LawCone]) -> bool:
@@ -355,3 +338,48 @@ def _go_around(cones: Sequence[LawCone]) -> bool:
     chained = all(before[1] == after[0] for before, after in around(rays))
     ordered = all(by_angle(a[0]) < by_angle(b[0]) for a, b in pairwise(rays))
     return chained and ordered and all(sign(cross(*pair)) > 0 for pair in rays)
+
+
+# ---- an exact balance of frictions: a law by directions of c -----------------------------
+
+
+def law_by_direction(
+    own: Scene, regions: Sequence[LoadRegion], twists: Sequence[Triple]
+) -> tuple[tuple[LawCone, ...], str]:
+    """The cones of a law and a sentence; no cones, and why, where some directions have no three twists."""
+    by_region = [[drives.examine(twist) for twist in twists] for drives in (Drives(own, r) for r in regions)]
+    cones: list[LawCone] = []
+    for start, end in _cones(own, regions, by_region):
+        middle = between(start, end)
+        here = next(twists for region, twists in zip(regions, by_region, strict=True) if _points_into(region, middle))
+        unique = [twist for twist in here if twist.is_unique_towards(middle)]
+        if rank_of(unique) < 3:
+            x, y = (brief_text(entry) for entry in middle)
+            return (), MARGINAL.format(x, y, rank_of(unique))
+        cones.append(LawCone((start, end), best_three(own, unique)))
+    return tuple(cones), BY_DIRECTION.format(len(cones))
+
+
+def _cones(
+    own: Scene, regions: Sequence[LoadRegion], by_region: Sequence[Sequence[BoxTwist]]
+) -> list[tuple[Point, Point]]:
+    """Cones of directions inside which no slope that vanishes at c* changes its sign, nor the loads their form."""
+    rays = sorted((ray for a, b in _lines(own, regions, by_region) for ray in ((-b, a), (b, -a))), key=by_angle)
+    rays = [rays[0], *(ray for last, ray in pairwise(rays) if cross(last, ray))]  # none is a half turn from the next
+    return around(rays)
+
+
+def _lines(own: Scene, regions: Sequence[LoadRegion], by_region: Sequence[Sequence[BoxTwist]]) -> Iterator[Point]:
+    """Normals of the lines through the point on which a slope vanishes or the loads change, and both axes."""
+    zero, one = own.field.zero, own.field.one
+    yield from ((one, zero), (zero, one))
+    for region in regions:
+        yield from (side.normal for side in region.polygon.sides if not sign(side.offset))
+    for twists in by_region:
+        yield from ((form[1], form[2]) for twist in twists for form in twist.ties if any(form))
+
+
+def _points_into(region: LoadRegion, direction: Point) -> bool:
+    """Whether a direction leads from the equilibrium into a load region that holds it."""
+    through = (side for side in region.polygon.sides if not sign(side.offset))
+    return all(sign(dot(side.normal, direction)) < 0 for side in through)

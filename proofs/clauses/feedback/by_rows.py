@@ -161,6 +161,10 @@ class FeedbackResult:
         signs = {wheel.index: s for wheel, s in zip(self.cascade.wheels, self.cascade.signs, strict=True)}
         return [signs[data.nearest.index] for data in self.inputs.local]
 
+    def undecided(self, reason: str) -> FeedbackResult:
+        """The same without a claim."""
+        return FeedbackResult(Feedback.UNDECIDED, reason, self.partition)
+
     def check(self) -> bool:
         """Whether deciding again gives the same; where nothing is claimed there is nothing to verify.
 

@@ -41,28 +41,24 @@ class FeedbackClause(Clause[AnyFeedback]):
 
     def undecided(self, result: AnyFeedback, reason: str) -> AnyFeedback:
         """Neither a law nor none, nor one beyond the theorem; where the clause does not apply, it still does not."""
-        if isinstance(result, FeedbackResult):
-            applies = result.verdict is not Feedback.NOT_APPLICABLE
-            return FeedbackResult(Feedback.UNDECIDED, reason, result.partition) if applies else result
-        if result.beyond is not None:
-            return replace(result, beyond=_without_law(result.beyond, reason))
-        return result if result.verdict is Feedback.NOT_APPLICABLE else _without_law(result, reason)
+        if result.verdict is Feedback.NOT_APPLICABLE:
+            beyond = getattr(result, "beyond", None)
+            return result if beyond is None else replace(result, beyond=beyond.undecided(reason))
+        return result.undecided(reason)
 
     def is_about(self, result: AnyFeedback, check: Theorem4Result) -> bool:
-        """Whether the law is about every cell of the array, or its twists about the array's load regions."""
-        if not isinstance(result, FeedbackResult):
-            from nonsmooth.proofs.clauses.feedback.by_friction import is_driven_by
-
-            return is_driven_by(result, check.scene.recentred())
-        return result.partition == check.partition
+        """Whether the law is about the cells of the array, or about its wheels."""
+        if isinstance(result, FeedbackResult):
+            return result.partition == check.partition
+        return result.scene == check.scene.recentred()
 
     def recompute(self, result: AnyFeedback, check: Theorem4Result) -> bool:
         """All of it: whether the clause applies, that no other V serves, the slopes of imposed twists."""
         if isinstance(result, FeedbackResult):
-            return True
+            return True  # its check decides again
         from nonsmooth.proofs.clauses.feedback.by_friction import decide_driven_feedback
 
-        return result == decide_driven_feedback(check.scene.recentred())
+        return result == decide_driven_feedback(result.scene)
 
     def settles(self, result: AnyFeedback) -> tuple[Theorem4, str] | None:
         """A plane of twists that no input leaves refutes every static feedback."""
@@ -86,20 +82,6 @@ class FeedbackClause(Clause[AnyFeedback]):
         if result.holding is not result:
             yield said(f"beyond the theorem: {result.holding.reason}")
         yield from feedback_facts(result.holding, check)
-
-
-def _without_law(result: DrivenFeedback, reason: str) -> DrivenFeedback:
-    """The decision about imposed twists without verdict and evidence."""
-    return replace(
-        result,
-        verdict=Feedback.UNDECIDED,
-        reason=reason,
-        cones=(),
-        kappa=None,
-        obstruction=None,
-        candidates=(),
-        every_load=None,
-    )
 
 
 def _driven(work: Workspace) -> DrivenFeedback:

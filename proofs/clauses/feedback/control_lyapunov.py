@@ -19,7 +19,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from math import isqrt
-from typing import Any, TypeAlias
+from typing import Any, SupportsFloat, TypeAlias
 
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, square
 from nonsmooth.proofs.clauses.feedback.rational_bounds import late
@@ -97,6 +97,12 @@ class ControlLyapunov:
         slope = self.slope(c)
         turning = theta * self.weight + dot(slope, turned(c))
         return tuple(slope[0] * x + slope[1] * y + turning * turn for x, y, turn in fields)
+
+    def value(self, pose: Sequence[SupportsFloat]) -> float:
+        """V at ``(x, y, theta)``, in floats."""
+        (e, f), w = (float(entry) for entry in self.shape), float(self.weight)
+        x, y, theta = map(float, pose)
+        return (1 + e) * x * x + 2 * f * x * y + (1 - e) * y * y + w * theta * theta
 
     def squared_norm(self, twist: Sequence[Any]) -> Any:
         """``v^T P v + w omega^2``: the square of a twist in the metric of V."""

@@ -1,8 +1,12 @@
-"""The law of :mod:`nonsmooth.proofs.clauses.feedback.by_friction`: its three twists, their speeds, and its rate."""
+"""The law of imposed twists (module ``by_friction``): its three twists, their speeds, and its rate.
+
+*Rate.*  For three independent twists ``max_l (g . xi_l)^2 > kappa |g|^2`` for all nonzero g iff ``kappa |g|^2 < 1``
+at the corners ``g . xi_l = +-1`` of a parallelepiped.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import combinations
@@ -13,20 +17,17 @@ from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.proofs.clauses.feedback.box_twists import BoxTwist
-from nonsmooth.proofs.clauses.feedback.ellipse_twists import BalancedTwist
-from nonsmooth.proofs.clauses.feedback.rational_bounds import rounded_down
+from nonsmooth.proofs.clauses.feedback.rational_bounds import MUCH_BELOW, confirmed, rounded_down
+from nonsmooth.proofs.clauses.feedback.twist_candidates import ImposedTwist, rank_of
 from nonsmooth.symbolic.constraints import Triple, cross_product, independent, inner, roll_row, scaled, side_row
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.scene import Scene, Wheel
-
-ImposedTwist: TypeAlias = BoxTwist | BalancedTwist
 
 Floats: TypeAlias = NDArray[np.float64]
 
 CHOICES = 64  # unique minimizers among which the best three are sought
 DIGITS = 8  # binary, of the lengths of twists
 CORNERS = ((1, 1, 1), (1, 1, -1), (1, -1, 1), (-1, 1, 1))  # up to the sense
-_SMALLER = Fraction(9, 10)  # next try where rounding made the proposed rate too large
 
 
 @dataclass(frozen=True)
@@ -77,11 +78,6 @@ def in_scene(twist: Triple, length: Fraction) -> Triple:
     return twist[0], twist[1], twist[2] / length
 
 
-def rank_of(imposed: Iterable[ImposedTwist]) -> int:
-    """How many of the twists are independent."""
-    return len(independent([entry.twist for entry in imposed]))
-
-
 def between(start: Point, end: Point) -> Point:
     """A direction inside a cone of less than a half turn."""
     return start[0] + end[0], start[1] + end[1]
@@ -130,19 +126,21 @@ def least_products(twists: Floats) -> Floats:
 
 
 def certified_gain(twists: Sequence[Triple]) -> Fraction:
-    """A rational kappa > 0 with ``max_l (g . xi_l)^2 > kappa |g|^2``, just below the largest."""
+    """A rational kappa > 0 with ``max_l (g . xi_l)^2 > kappa |g|^2``, just below the largest.
+
+    Raises:
+        ValueError: where rounding spoils what floats propose.
+    """
     volume, corners = _corners(twists)
-    kappa = rounded_down(float(volume) ** 2 / max(float(inner(corner, corner)) for corner in corners))
-    while not gains(twists, kappa):
-        kappa *= _SMALLER
+    proposal = rounded_down(float(volume) ** 2 / max(float(inner(corner, corner)) for corner in corners))
+    kappa = confirmed(proposal, lambda value: gains(twists, value), MUCH_BELOW)
+    if kappa is None:
+        raise ValueError("required twists whose determinant floats tell from zero")
     return kappa
 
 
 def gains(twists: Sequence[Triple], kappa: Fraction) -> bool:
-    """Whether three twists have ``max_l (g . xi_l)^2 > kappa |g|^2`` for all nonzero g.
-
-    It holds iff ``kappa |g|^2 < 1`` at the corners ``g . xi_l = +-1`` of a parallelepiped.
-    """
+    """Whether three twists have ``max_l (g . xi_l)^2 > kappa |g|^2`` for all nonzero g, by the corners."""
     if len(twists) != 3:
         return False
     volume, corners = _corners(twists)

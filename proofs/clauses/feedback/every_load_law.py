@@ -20,13 +20,8 @@ from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.proofs.clauses.every_load.float_loads import FloatLoads, Floats, float_loads
-from nonsmooth.proofs.clauses.feedback.driven_law import (
-    ImposedTwist,
-    LawCone,
-    least_products,
-    rank_of,
-    rim_speeds,
-)
+from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, least_products, rim_speeds
+from nonsmooth.proofs.clauses.feedback.twist_candidates import ImposedTwist, rank_of
 from nonsmooth.proofs.clauses.feedback.twist_pyramid import TwistPyramid, WheelForms, wheel_forms
 from nonsmooth.symbolic.scene import Scene
 

@@ -261,9 +261,7 @@ class LevelRegion:
 
     def value(self, pose: Sequence[float]) -> float:
         """V at ``(x, y, theta)``, c measured from the equilibrium, in floats."""
-        (e, f), w = (float(entry) for entry in self.lyapunov.shape), float(self.lyapunov.weight)
-        x, y, theta = pose
-        return (1 + e) * x * x + 2 * f * x * y + (1 - e) * y * y + w * theta * theta
+        return self.lyapunov.value(pose)
 
     def contains(self, pose: Sequence[float]) -> bool:
         """Whether a pose lies in the region, in floats."""

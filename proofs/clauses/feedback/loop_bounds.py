@@ -1,8 +1,21 @@
-"""What a law of imposed twists still does where the pose it acts on is late and wrong.
+"""What a certified law asks of the wheels, and what it withstands: speeds, limits of speed, late and wrong poses.
 
-The law acts on ``g~(t) = g(t - tau) + e``, ``|e| <= eps``, ``g = (c, theta)`` with l for the unit of length: it imposes
-``-k (g~ . xi) xi`` with the ``xi = xi_l`` of the largest ``|g~ . xi_l|``, for which ``(g~ . xi)^2 > kappa |g~|^2``.
-With ``d = g~ - g`` and M the length of the longest xi_l::
+*Speeds under the law of imposed twists.* ``-k (g . xi_l) xi_l`` is imposed by ``-k (g . xi_l) u_l``, and with l for
+the unit of length ``|g . xi_l| <= |xi_l| |g|``: no rim is faster than ``k max_l |xi_l| max_i |u_l,i| sqrt(V)``. The
+longest twist attains its bound, at the error g along it. Speeds and lengths change their unit alike.
+
+*Laws by rows* with ``V = c^T P c + w theta^2``.  Wheel i with the control field ``(f, t)`` runs at ``-k (f . P c + t w
+theta)`` to first order, so no faster than ``k sqrt(f^T P f + w t^2) sqrt(V)`` (Cauchy-Schwarz).
+
+*Limited speeds.*  The law imposes ``-sigma k (g . xi_l) xi_l`` with one factor ``sigma <= 1`` that keeps every speed
+within its limit m_i.  With ``q_l = min_i m_i/|u_l,i|``, a law at its limit has ``sigma k |g . xi_l| = q_l``.  So
+``V'/2 = -q_l |g . xi_l| <= -q_l sqrt(kappa V)`` where the rate is certified, and sqrt(V) falls at least with the
+speed ``min_l q_l sqrt(kappa)``; elsewhere at the certified rate.  Under unknown loads V' is at least ``1 - eta`` of
+that.
+
+*Poses that are late and wrong.*  The law acts on ``g~(t) = g(t - tau) + e``, ``|e| <= eps``, ``g = (c, theta)`` with
+l for the unit of length: it imposes ``-k (g~ . xi) xi`` with the ``xi = xi_l`` of the largest ``|g~ . xi_l|``, for
+which ``(g~ . xi)^2 > kappa |g~|^2``. With ``d = g~ - g`` and M the length of the longest xi_l::
 
     V'/2 = -k (g~ . xi) (g~ . xi - d . xi) < 0      where      |g| > b |d|,      b = 1 + M/sqrt(kappa),
 
@@ -13,7 +26,8 @@ largest ``|g|`` of the last 2 tau hence falls as long as it exceeds ::
     R = b eps (1 + a)/(1 - b a),
 
 and in the end ``|g| <= R`` (Razumikhin's argument).  It is assumed that the pose stood still before the start.  Where
-twists change, the velocities of their hull satisfy the same.  A factor below one, of speeds that end, changes nothing.
+twists change, the velocities of their hull satisfy the same.  A factor below one, of speeds that end, changes
+nothing.
 
 Where loads are unknown, motions are only near the xi_l, no longer than some M', and ``(g~ . xi_l) (g~ . xi)`` keeps
 ``1 - eta`` of its size (module ``twist_pyramid``): ``b = 1 + M'/((1 - eta) sqrt(kappa))``, and M M' stands for M^2.
@@ -22,19 +36,25 @@ Where loads are unknown, motions are only near the xi_l, no longer than some M',
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from nonsmooth.proofs.clauses.feedback.rational_bounds import rounded_down
+from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
+from nonsmooth.proofs.clauses.feedback.rational_bounds import confirmed, rounded_down, rounded_up
 from nonsmooth.proofs.verdicts import Certainty, Feedback
 from nonsmooth.symbolic.constraints import inner
 from nonsmooth.symbolic.loop_errors import LoopErrors
 from nonsmooth.symbolic.numbers.number import Number, sign
+from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.similar_scenes import in_own_length
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
+    from nonsmooth.proofs.clauses.feedback.clause import AnyFeedback
 
+FEW_ROUNDINGS = Fraction(1, 2**40)  # more than a few roundings of a quotient or product of floats
 PI = Fraction(355, 113)  # above pi
 HALVINGS = 6  # of the level from which bodies start: smaller ones move more slowly
 BY_CELLS = (
@@ -44,6 +64,39 @@ BY_CONES = "the law depends on the direction of c, and a misjudged one may belon
 NEAR_ONLY = "the law is certified near the point, and how near is not known: errors of the pose may be larger than that"
 TOO_LATE = "the pose is too old: with gain k = 1 the delay is certified below {:.4g}"
 TOO_WRONG = "the errors are too large for the disc in which the law is certified"
+
+
+def wheel_speed(feedback: AnyFeedback, scene: Scene) -> Fraction | None:
+    """The largest speed of a rim over sqrt(V), at gain one; None without a V that falls under the law."""
+    if not feedback.has_lyapunov:
+        return None
+    if isinstance(feedback, FeedbackResult):
+        fields = (field for data in feedback.cells for field in data.fields)
+        fastest = max(feedback.lyapunov.value(field) for field in fields) ** 0.5
+    else:
+        from nonsmooth.proofs.clauses.feedback.driven_law import effort
+
+        own = in_own_length(scene.recentred())
+        fastest = max(effort(own, imposed) for cone in feedback.cones for imposed in cone.twists)
+    return Fraction(fastest) * (1 + FEW_ROUNDINGS)
+
+
+def limited_speed(feedback: DrivenFeedback, scene: Scene) -> Fraction | None:
+    """Speed with which sqrt(V) falls at least while a wheel is at its limit; None without a law, or without limits."""
+    from nonsmooth.proofs.clauses.feedback.driven_law import rim_speeds
+
+    limits, own = scene.speed_limits, in_own_length(scene.recentred())
+    least: list[float] = []
+    for imposed in (imposed for cone in feedback.cones for imposed in cone.twists):
+        speeds = dict(zip((wheel.index for wheel in own.wheels), rim_speeds(own, imposed), strict=True))
+        least += [float(limit) / abs(speeds[wheel]) for wheel, limit in limits.items() if speeds[wheel]]
+    if not least or feedback.kappa is None:
+        return None
+    ratio = Fraction(min(least)) * (1 - FEW_ROUNDINGS)
+    return ratio * rounded_down(float(feedback.kappa) ** 0.5) * feedback.kept
+
+
+# ---- poses that are late and wrong -------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -94,7 +147,7 @@ def ultimate_bound(feedback: DrivenFeedback, errors: LoopErrors) -> UltimateBoun
         return _open(f"no law is certified even for an exact pose ({feedback.verdict})")
     if any(cone.rays is not None for cone in feedback.cones):
         return _open(BY_CONES)
-    law, delay = _law(feedback), _above(errors.delay)
+    law, delay = _law(feedback, feedback.kappa), _above(errors.delay)
     wrong = _above(errors.position) / feedback.length + PI * errors.heading
     level = _level(feedback)
     if level is None:
@@ -125,30 +178,20 @@ def _radius(law: _Law, delay: Fraction, wrong: Fraction, level: Fraction) -> Fra
     left = 1 - law.gain * lag
     if left <= 0 or not wrong:
         return None if left <= 0 else Fraction(0)
-    return -rounded_down(-float(law.gain * wrong * (1 + lag) / left))
+    return rounded_up(float(law.gain * wrong * (1 + lag) / left))
 
 
 def _open(reason: str) -> UltimateBound:
     return UltimateBound(Certainty.UNDECIDED, reason)
 
 
-def _law(feedback: DrivenFeedback) -> _Law:
+def _law(feedback: DrivenFeedback, kappa: Fraction) -> _Law:
     squares = [inner(twist, twist) for cone in feedback.cones for twist in cone.vectors]
-    size = _root_above(squares)
-    kappa = feedback.kappa or Fraction(0)
-    least = rounded_down(math.sqrt(kappa))
-    while least**2 > kappa:
-        least *= Fraction(99, 100)
+    longest = math.sqrt(max(map(float, squares)))
+    size = _bounded(rounded_up(longest), lambda size: all(sign(size**2 - x) >= 0 for x in squares), Fraction(101, 100))
+    least = _bounded(rounded_down(math.sqrt(kappa)), lambda root: root**2 <= kappa, Fraction(99, 100))
     fastest = size if feedback.every_load is None else size * feedback.every_load.largest
     return _Law(size, fastest, 1 + fastest / (least * feedback.kept))
-
-
-def _root_above(squares: list[Number]) -> Fraction:
-    """A rational of few digits whose square is at least each of these."""
-    root = -rounded_down(-math.sqrt(max(map(float, squares))))
-    while any(sign(root**2 - square) < 0 for square in squares):
-        root *= Fraction(101, 100)
-    return root
 
 
 def _above(number: Number) -> Fraction:
@@ -156,10 +199,7 @@ def _above(number: Number) -> Fraction:
     exact = number.as_rational()
     if exact is not None:
         return Fraction(int(exact.p), int(exact.q))
-    value = -rounded_down(-float(number))
-    while sign(value - number) < 0:
-        value *= Fraction(101, 100)
-    return value
+    return _bounded(rounded_up(float(number)), lambda value: sign(value - number) >= 0, Fraction(101, 100))
 
 
 def _level(feedback: DrivenFeedback) -> Fraction | None:
@@ -168,6 +208,16 @@ def _level(feedback: DrivenFeedback) -> Fraction | None:
     if not bounds or feedback.every_load is not None:
         return None
     value = rounded_down(min(float(slack) / float(fall) for slack, fall in bounds))
-    while any(sign(slack - value * fall) <= 0 for slack, fall in bounds):
-        value *= Fraction(99, 100)
-    return value
+    return confirmed(value, lambda r: all(sign(s - r * fall) > 0 for s, fall in bounds), Fraction(99, 100))
+
+
+def _bounded(proposal: Fraction, holds: Callable[[Fraction], bool], factor: Fraction) -> Fraction:
+    """The bound that is confirmed.
+
+    Raises:
+        ValueError: where rounding spoils what floats propose.
+    """
+    found = confirmed(proposal, holds, factor)
+    if found is None:
+        raise ValueError("required numbers within the precision of floats")
+    return found
