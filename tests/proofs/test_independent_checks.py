@@ -10,14 +10,13 @@ import pytest
 from nonsmooth.analysis.cells.full_turns import Growth
 from nonsmooth.analysis.cells.loads import load_regions
 from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, Situation, ellipse_point
-from nonsmooth.proofs.clauses.rotation.at_point import says_the_spin, spin_of
 from nonsmooth.proofs.clauses.translation import fan_stability as fans
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, Move, decide_cones, decide_fan
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.ray_moves import conic_germ
 from nonsmooth.proofs.systems.system_stability import PlanePoint
 from nonsmooth.proofs.theorem4 import check_cells
-from nonsmooth.proofs.verdicts import Rotation, Translation
+from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.files.system_file import load_system
@@ -119,14 +118,3 @@ def test_the_motion_at_the_point_verifies_by_forces_and_moments(name: str, monke
     forged += [replace(point, twist=Twist(one, zero, zero)), replace(point, twist=None)]
     forged += [replace(point, situation=s) for s in (Situation.CARRIED, Situation.STICKING) if s is not point.situation]
     assert not [k for k, other in enumerate(forged) if other.check() or verifies(other)]
-
-
-@pytest.mark.parametrize("name", POINTS)
-def test_the_spin_says_what_theta_does(name: str) -> None:
-    point = point_of(name)
-    result = spin_of(point)
-    assert result.check()
-    assert says_the_spin(result, point)
-    for verdict in {Rotation.UNSTABLE, Rotation.NEUTRAL} - {result.verdict}:
-        forged = replace(result, verdict=verdict)
-        assert not (forged.check() and says_the_spin(forged, point))

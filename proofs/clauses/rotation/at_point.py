@@ -34,19 +34,3 @@ def _turn_on_the_way(linear: Linearization) -> str:
         return "to first order the way home does not turn the body"
     total = " + ".join(f"({brief_text(entry)}) {name}" for entry, name in terms)
     return f"theta_inf - theta_0 = {total} to first order"
-
-
-def says_the_spin(result: RotationResult, point: EllipsePoint) -> bool:
-    """Whether a verdict that verifies follows from the twist at the point: what rests there, and how fast."""
-    twist, drift = point.twist, result.drift
-    if twist is None or any(twist.velocity) or drift is None:
-        return result.verdict is Rotation.UNDECIDED and drift is None
-    if drift.twists != (twist,) or result.fan is not None or result.rotation_per_distance is not None:
-        return False
-    if result.verdict is Rotation.UNDECIDED:
-        return not twist.omega
-    still = point.situation in (Situation.STICKING, Situation.CARRIED)
-    attracted = point.linearization is not None and point.translation is Translation.ASYMPTOTICALLY_STABLE
-    return result.verdict is (Rotation.UNSTABLE if twist.omega else Rotation.NEUTRAL) and (
-        bool(twist.omega) or still or attracted
-    )

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from nonsmooth.analysis.cells.filippov import filippov_twists
-from nonsmooth.proofs.clauses.clause import Clause
-from nonsmooth.proofs.clauses.rotation.at_point import says_the_spin, spin_of
+from nonsmooth.analysis.cells.partition import Partition
+from nonsmooth.proofs.clauses.clause import Clause, ClauseResult
+from nonsmooth.proofs.clauses.rotation.at_point import spin_of
 from nonsmooth.proofs.clauses.rotation.every_load import rotation_for_every_load
-from nonsmooth.proofs.clauses.rotation.on_cells import Drift, RotationResult, bounds_rotation, decide_rotation
+from nonsmooth.proofs.clauses.rotation.on_cells import Drift, RotationResult, decide_rotation
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
 from nonsmooth.proofs.clauses.translation.every_load import EveryLoadTranslation
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
@@ -30,37 +30,17 @@ class RotationClause(Clause[RotationResult]):
     def decide(self, work: Workspace) -> RotationResult:
         """By two linear programs on cells; by the spin at the point without."""
         translation = work.earlier["translation"]
-        if isinstance(translation, EveryLoadTranslation):
-            return rotation_for_every_load(translation)
-        if work.partition is None or not isinstance(translation, TranslationResult):
+        if isinstance(translation, EllipseTranslation):
             return spin_of(work.point)
-        return decide_rotation(work.partition, translation)
+        return _rotation(translation, work.partition)
 
     def undecided(self, result: RotationResult, reason: str) -> RotationResult:
         """Neither a drift nor none."""
         return RotationResult(Rotation.UNDECIDED, None, None, reason)
 
     def is_about(self, result: RotationResult, check: Theorem4Result) -> bool:
-        """Whether the drift is that of all twists that meet at the point."""
-        translation, partition = check.results["translation"], check.partition
-        if isinstance(translation, EllipseTranslation):
-            return says_the_spin(result, translation.point)
-        if isinstance(translation, EveryLoadTranslation):
-            return result == rotation_for_every_load(translation)
-        if partition is None or not isinstance(translation, TranslationResult):
-            return False
-        zero, bound = check.scene.field.zero, result.rotation_per_distance
-        here = filippov_twists(partition, (zero, zero))
-        return (
-            (result.drift is None or result.drift.twists == here)
-            and (bound is None or bounds_rotation(bound, partition, translation))
-            and (result.fan is None or result.fan == translation.fan)
-        )
-
-    def recompute(self, result: RotationResult, check: Theorem4Result) -> bool:
-        """The reason of a spin."""
-        translation = check.results["translation"]
-        return not isinstance(translation, EllipseTranslation) or result == spin_of(translation.point)
+        """Whether it follows from the twists that meet at the point and from the clause on translation."""
+        return result == _rotation(check.results["translation"], check.partition)
 
     def settles(self, result: RotationResult) -> tuple[Theorem4, str] | None:
         """The theorem says that theta is unstable."""
@@ -82,6 +62,17 @@ class RotationClause(Clause[RotationResult]):
         ends = tuple(map(float_text, drift.interval))
         yield Fact("drift", Quantity(drift.interval), "drift at rest: [{}, {}]", ends, explained=True)
         yield Fact("weights", _weights(drift))
+
+
+def _rotation(translation: ClauseResult, partition: Partition | None) -> RotationResult:
+    """The clause from that on translation, and the cells where there are any."""
+    if isinstance(translation, EllipseTranslation):
+        return spin_of(translation.point)
+    if isinstance(translation, EveryLoadTranslation):
+        return rotation_for_every_load(translation)
+    if partition is None or not isinstance(translation, TranslationResult):
+        raise TypeError("required cells for a clause on cells, received none")
+    return decide_rotation(partition, translation)
 
 
 def _weights(drift: Drift) -> Record:

@@ -157,20 +157,6 @@ def rotation_bound(partition: Partition, translation: TranslationResult) -> Numb
     return max(near) * translation.quadratic.arrival_per_distance  # from starts in its region
 
 
-def bounds_rotation(bound: Number, partition: Partition, translation: TranslationResult) -> bool:
-    """Whether a total rotation of ``bound |c_0|`` is enough, without taking roots."""
-    moving = _moving(translation)
-    if not moving or not partition.complete or bound.sign() < 0:
-        return False
-    fastest = _fastest(moving)
-    if not fastest or not bound:
-        return not fastest and translation.verdict in STABLE_TRANSLATIONS
-    slope = max(derivative.relative() for derivative in moving)
-    if slope.sign() < 0:
-        return slope.is_at_most(-2 * fastest / bound)
-    return bound == rotation_bound(partition, translation)
-
-
 def _moving(translation: TranslationResult) -> list[CellDerivative]:
     return [derivative for derivative in translation.derivatives if any(derivative.twist)]
 
