@@ -96,9 +96,9 @@ class Workspace:
             self.by_rounding.add(clause.name)
         return open_result
 
-    def _part(self, build: Callable[[], Part]) -> Part:
+    def _part(self, name: str, build: Callable[[], Part]) -> Part:
         """What the function gives, built once; what rounding decided of it counts at every use."""
-        field, name = self.scene.field, build.__name__
+        field = self.scene.field
         before = field.rounded_signs
         if name not in self._parts:
             self._parts[name] = build()
@@ -112,10 +112,7 @@ class Workspace:
     @property
     def lemma(self) -> CocircularArray | None:
         """The certificate of ``V* <= 0`` on the whole square, where the array meets its hypotheses."""
-        return self._part(self._build_lemma)
-
-    def _build_lemma(self) -> CocircularArray | None:
-        return cocircular_array(self.scene)
+        return self._part("lemma", lambda: cocircular_array(self.scene))
 
     @property
     def leaves_loads_open(self) -> bool:
@@ -129,10 +126,7 @@ class Workspace:
         Raises:
             nonsmooth.analysis.cells.loads.LoadError: where the loads do not exist.
         """
-        return self._part(self._build_every_load)
-
-    def _build_every_load(self) -> EveryLoadPoint:
-        return every_load_point(self.scene)
+        return self._part("every load", lambda: every_load_point(self.scene))
 
     @property
     def partition(self) -> Partition | None:
@@ -143,7 +137,7 @@ class Workspace:
         Raises:
             RefusalError: where the motion is not determined.
         """
-        return self._part(self._build_partition)
+        return self._part("partition", self._build_partition)
 
     def _build_partition(self) -> Partition | None:
         rule = self.rule
@@ -172,7 +166,7 @@ class Workspace:
         Raises:
             nonsmooth.analysis.cells.loads.LoadError: where the loads do not exist.
         """
-        return self._part(self._build_point)
+        return self._part("point", self._build_point)
 
     def _build_point(self) -> EllipsePoint:
         return ellipse_point(self.scene, load_regions(self.scene, self.scene.check.equilibrium))

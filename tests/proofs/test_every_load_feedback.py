@@ -17,8 +17,8 @@ from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
 from nonsmooth.proofs.clauses.every_load.float_loads import FloatLoads
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback, decide_driven_feedback
 from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, rim_speeds
+from nonsmooth.proofs.clauses.feedback.every_load_law import TwistPyramid, WheelForms
 from nonsmooth.proofs.clauses.feedback.loop_bounds import limited_speed, ultimate_bound
-from nonsmooth.proofs.clauses.feedback.twist_pyramid import TwistPyramid, WheelForms
 from nonsmooth.proofs.verdicts import Certainty, Feedback
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.friction_set import CutEllipse

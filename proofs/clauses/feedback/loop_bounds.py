@@ -30,7 +30,7 @@ twists change, the velocities of their hull satisfy the same.  A factor below on
 nothing.
 
 Where loads are unknown, motions are only near the xi_l, no longer than some M', and ``(g~ . xi_l) (g~ . xi)`` keeps
-``1 - eta`` of its size (module ``twist_pyramid``): ``b = 1 + M'/((1 - eta) sqrt(kappa))``, and M M' stands for M^2.
+``1 - eta`` of its size (module ``every_load_law``): ``b = 1 + M'/((1 - eta) sqrt(kappa))``, and M M' stands for M^2.
 """
 
 from __future__ import annotations

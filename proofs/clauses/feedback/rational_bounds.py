@@ -16,7 +16,6 @@ from nonsmooth.symbolic.numbers.number import Number
 
 DIGITS = 4  # significant ones of what is printed
 BELOW = 1 - Fraction(1, 10 ** (DIGITS - 1))  # next try where rounding made a proposal too large
-ABOVE = 1 / BELOW
 MUCH_BELOW = Fraction(9, 10)  # of proposals that more than rounding may have spoilt
 _TRIES = 40
 

@@ -13,7 +13,6 @@ from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint
 from nonsmooth.proofs.clauses.at_point.mass import MassLimit, decide_mass_limit, squared_radius_of_disc
 from nonsmooth.proofs.clauses.cocircular import CocircularArray
 from nonsmooth.proofs.clauses.translation.inward_slope import home_disc
-from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.number_text import Real, brief_text
 from nonsmooth.symbolic.numbers.number import Number
@@ -22,8 +21,41 @@ if TYPE_CHECKING:
     from nonsmooth.analysis.minimizers.sampling import SampledDerivative
 
 
+class WithoutCells:
+    """What a result of clause 2 without cells does not have, and what follows of the disc that it has."""
+
+    region_radius: Number | None
+
+    @property
+    def quadratic(self) -> None:
+        """No other Lyapunov function is looked for."""
+
+    @property
+    def witness(self) -> None:
+        """None: no single point refutes."""
+
+    @property
+    def support_note(self) -> str:
+        """Empty: a square that leaves the support polygon is refused under rules that need loads."""
+        return ""
+
+    @property
+    def arrival_per_distance(self) -> None:
+        """None: the point is approached, and not reached in finite time."""
+
+    @property
+    def home_radius(self) -> Number | None:
+        """Radius of a disc of starts that come home; None where only starts close by are known to."""
+        return self.region_radius
+
+    @property
+    def swing_radius(self) -> Number | None:
+        """Largest distance of bodies from within ``home_radius``: that radius, for the distance does not grow there."""
+        return self.home_radius
+
+
 @dataclass(frozen=True)
-class EllipseTranslation:
+class EllipseTranslation(WithoutCells):
     """Clause 2: stability of (x, y) by exact linearization, or by rest.
 
     Attributes:
@@ -39,7 +71,6 @@ class EllipseTranslation:
     lemma: CocircularArray | None
     sampled: SampledDerivative | None
     mass: MassLimit | None = None
-    witness: Witness | None = None
     region_radius: Number | None = None
 
     @property
@@ -51,29 +82,6 @@ class EllipseTranslation:
     def worst_rate(self) -> Number | None:
         """Supremum of ``V*/|c|`` over the square: zero by the lemma (the field vanishes at the equilibrium)."""
         return self.point.scene.field.zero if self.lemma is not None else None
-
-    @property
-    def quadratic(self) -> None:
-        """No other Lyapunov function is looked for."""
-
-    @property
-    def support_note(self) -> str:
-        """Empty: a square that leaves the support polygon is refused under rules that need loads."""
-        return ""
-
-    @property
-    def home_radius(self) -> Number | None:
-        """Radius of a disc of starts that come home; None where only starts close by are known to."""
-        return self.region_radius
-
-    @property
-    def swing_radius(self) -> Number | None:
-        """Largest distance of bodies from within ``home_radius``: that radius, for the distance does not grow there."""
-        return self.home_radius
-
-    @property
-    def arrival_per_distance(self) -> None:
-        """None: the point is approached, and not reached in finite time."""
 
     @property
     def exponential_rate(self) -> Real | None:

@@ -10,6 +10,7 @@ from nonsmooth.proofs.clauses.cocircular import CocircularArray
 from nonsmooth.proofs.clauses.every_load.decay import DecayUnderLoads
 from nonsmooth.proofs.clauses.every_load.point import EveryLoad, EveryLoadPoint, is_admissible, load_text
 from nonsmooth.proofs.clauses.every_load.wheel_pulls import wheel_slips
+from nonsmooth.proofs.clauses.translation.at_point import WithoutCells
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.plane import dot
@@ -23,7 +24,7 @@ LEMMA = "c . v <= 0 under every load, by the lemma on inward rims on one circle"
 
 
 @dataclass(frozen=True)
-class EveryLoadTranslation:
+class EveryLoadTranslation(WithoutCells):
     """Clause 2 with its evidence.
 
     Attributes:
@@ -57,30 +58,8 @@ class EveryLoadTranslation:
         return self.region_radius if self.comes_home else None
 
     @property
-    def swing_radius(self) -> Number | None:
-        """Largest distance of bodies from within ``home_radius``: that radius, for the distance does not grow there."""
-        return self.home_radius
-
-    @property
     def sampled(self) -> None:
         """Nothing is sampled."""
-
-    @property
-    def quadratic(self) -> None:
-        """No other Lyapunov function is looked for."""
-
-    @property
-    def witness(self) -> None:
-        """None: what fails is shown by a load."""
-
-    @property
-    def support_note(self) -> str:
-        """Empty: a square that leaves the support polygon is refused."""
-        return ""
-
-    @property
-    def arrival_per_distance(self) -> None:
-        """None: the point is approached, and not reached in finite time."""
 
     def check(self) -> bool:
         """Verify the forces of every wheel, the lemma, or what the witness does."""
