@@ -67,29 +67,6 @@ def build_fan(partition: Partition) -> tuple[CellCone, ...]:
     return tuple(replace(cone, end=following.start) for cone, following in around(cones))
 
 
-def is_fan_of(cones: Sequence[Cone], partition: Partition) -> bool:
-    """Whether cones are those of the cells that meet at the origin, once each, in a chain."""
-    own = [cone for cone in cones if isinstance(cone, CellCone)]
-    here = [cell for cell in partition.cells if all(sign(side.offset) >= 0 for side in cell.polygon.sides)]
-    used = [cone.cell for cone in own]
-    once = len(cones) == len(own) == len(here) and all(cell in used for cell in here)
-    chained = len(own) == 1 or all(a.end == b.start for a, b in around(own))
-    return once and chained and all(cone.twists == cone.cell.twists and _spans(cone) for cone in own)
-
-
-def _spans(cone: CellCone) -> bool:
-    """Whether the rays of a cone lie on the sides of its cell through the origin, one on each."""
-    sides = [side.normal for side in cone.cell.polygon.sides if not side.offset]
-    if not sides:
-        return is_plane(cone)
-    inside = all(sign(dot(normal, ray)) <= 0 for normal in sides for ray in (cone.start, cone.end))
-    if len(sides) > 1:
-        opened = sign(cross(cone.start, cone.end)) > 0
-    else:
-        opened = sign(dot(cone.start, cone.end)) < 0 and sign(cross(cone.start, sides[0])) < 0
-    return inside and opened and all(any(not dot(n, ray) for n in sides) for ray in (cone.start, cone.end))
-
-
 def _cone(cell: Cell) -> CellCone:
     """The cone of a cell at the origin, from its vertices."""
     vertices = cell.polygon.vertices

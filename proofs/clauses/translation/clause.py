@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, TypeAlias
 
-from nonsmooth.analysis.cells.fan import is_fan_of
 from nonsmooth.analysis.cells.support import limiting_support
 from nonsmooth.proofs.clauses.clause import Clause
 from nonsmooth.proofs.clauses.every_load.facts import witness_load
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation, decide_translation_at
 from nonsmooth.proofs.clauses.translation.every_load import EveryLoadTranslation, decide_for_every_load
+from nonsmooth.proofs.clauses.translation.fan_stability import decide_fan
 from nonsmooth.proofs.clauses.translation.mass_facts import mass_fact
 from nonsmooth.proofs.clauses.translation.on_cells import LYAPUNOV, TranslationResult, decide_translation
 from nonsmooth.proofs.clauses.witness import witness_record
@@ -64,17 +64,14 @@ class TranslationClause(Clause[AnyTranslation]):
             return False
         every = [(cell, twist) for cell in partition.cells for twist in cell.twists]
         whole = [(derivative.cell, derivative.twist) for derivative in result.derivatives] == every
-        around = result.fan is None or is_fan_of(result.fan.cones, partition)
-        return whole and around
+        same_fan = result.fan is None or result.fan == decide_fan(partition)
+        return whole and same_fan and result.support == limiting_support(partition)
 
     def recompute(self, result: AnyTranslation, check: Theorem4Result) -> bool:
-        """The fan's overshoot and the support polygon, or the situation at the point."""
-        if isinstance(result, EllipseTranslation):
-            return result.point.recompute()
+        """The situation at the point, and what follows from it."""
         if isinstance(result, EveryLoadTranslation):
             return result == decide_for_every_load(result.point, result.lemma)
-        supported = check.partition is not None and result.support == limiting_support(check.partition)
-        return supported and (result.fan is None or result.fan.recompute())
+        return not isinstance(result, EllipseTranslation) or result.point.recompute()
 
     def settles(self, result: AnyTranslation) -> tuple[Theorem4, str] | None:
         """A body that is thrown out refutes the theorem."""

@@ -141,10 +141,6 @@ class FanResult:
         found = checker.Fan(cones, rays).verdict()
         return found == (None if self.verdict is Translation.UNDECIDED else self.verdict)
 
-    def recompute(self) -> bool:
-        """Whether deciding again from the cones gives the same: moves, turns and the overshoot too."""
-        return self == decide_cones(self.cones)
-
 
 def decide_fan(partition: Partition) -> FanResult:
     """Decide stability of the equilibrium (the origin) of a centred partition."""
