@@ -273,7 +273,8 @@ class TurnRegion:
         top: ``x_0``.
         weight: q.
         level: at most ``x_0^2 (1 - x_0 C)^2``.
-        turn: the bounds of a turn.
+        mean: m, in floats.
+        constants: of chi in the cone of each nearest wheel, in floats.
     """
 
     cascade: CascadeLaw
@@ -281,7 +282,8 @@ class TurnRegion:
     top: Fraction
     weight: Fraction
     level: Fraction
-    turn: TurnBounds = field(compare=False, repr=False)
+    mean: float = field(compare=False)
+    constants: tuple[float, ...] = field(compare=False)
 
     def __str__(self) -> str:
         level, length = float_text(self.level, DIGITS), float_text(self.length)
@@ -308,8 +310,7 @@ class TurnRegion:
         if r <= 0:
             return float("inf"), 0.0, 0.0
         z = s / r
-        mean, constant = float(self.turn.mean.mid()), float(self.turn.constants[k].mid())
-        return r / float(self.length), z, constant + z**3 / 3 - mean * z
+        return r / float(self.length), z, self.constants[k] + z**3 / 3 - self.mean * z
 
     @cached_property
     def _tops(self) -> Floats:
@@ -330,7 +331,8 @@ def build_turn_region(cascade: CascadeLaw, inputs: RowInputs) -> TurnRegion | No
         reach = ball_of(length * length) * ball_of(top) ** 2 * (1 + turn.largest**2)
         below = level > 0 and ball_of(level) <= turn.level(top)
         if below and are_above(sides, SQUARES, -rational_below(-reach)):
-            return TurnRegion(cascade, length, top, weight, level, turn)
+            mean, *constants = (float(ball.mid()) for ball in (turn.mean, *turn.constants))
+            return TurnRegion(cascade, length, top, weight, level, mean, tuple(constants))
     return None
 
 

@@ -133,7 +133,7 @@ def certified_gain(twists: Sequence[Triple]) -> Fraction:
     """
     volume, corners = _corners(twists)
     proposal = rounded_down(float(volume) ** 2 / max(float(inner(corner, corner)) for corner in corners))
-    kappa = confirmed(proposal, lambda value: gains(twists, value), MUCH_BELOW)
+    kappa = confirmed(proposal, lambda value: gains(twists, value), MUCH_BELOW, tries=1000)
     if kappa is None:
         raise ValueError("required twists whose determinant floats tell from zero")
     return kappa

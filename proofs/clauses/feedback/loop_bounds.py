@@ -208,7 +208,7 @@ def _level(feedback: DrivenFeedback) -> Fraction | None:
     if not bounds or feedback.every_load is not None:
         return None
     value = rounded_down(min(float(slack) / float(fall) for slack, fall in bounds))
-    return confirmed(value, lambda r: all(sign(s - r * fall) > 0 for s, fall in bounds), Fraction(99, 100))
+    return confirmed(value, lambda r: all(sign(s - r * fall) > 0 for s, fall in bounds), Fraction(99, 100), tries=1000)
 
 
 def _bounded(proposal: Fraction, holds: Callable[[Fraction], bool], factor: Fraction) -> Fraction:
@@ -217,7 +217,7 @@ def _bounded(proposal: Fraction, holds: Callable[[Fraction], bool], factor: Frac
     Raises:
         ValueError: where rounding spoils what floats propose.
     """
-    found = confirmed(proposal, holds, factor)
+    found = confirmed(proposal, holds, factor, tries=1000)
     if found is None:
         raise ValueError("required numbers within the precision of floats")
     return found

@@ -17,12 +17,14 @@ from nonsmooth.symbolic.numbers.number import Number
 DIGITS = 4  # significant ones of what is printed
 BELOW = 1 - Fraction(1, 10 ** (DIGITS - 1))  # next try where rounding made a proposal too large
 MUCH_BELOW = Fraction(9, 10)  # of proposals that more than rounding may have spoilt
-_TRIES = 40
+TRIES = 40
 
 
-def confirmed(proposal: Fraction, holds: Callable[[Fraction], bool], factor: Fraction = BELOW) -> Fraction | None:
+def confirmed(
+    proposal: Fraction, holds: Callable[[Fraction], bool], factor: Fraction = BELOW, tries: int = TRIES
+) -> Fraction | None:
     """The first of a proposal and its multiples by a factor, its square, ... that is confirmed; None after some."""
-    for _ in range(_TRIES):
+    for _ in range(tries):
         if holds(proposal):
             return proposal
         proposal *= factor
