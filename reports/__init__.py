@@ -11,7 +11,7 @@ from nonsmooth.symbolic.notebook import on_demand
 if TYPE_CHECKING:
     from nonsmooth.reports.derivation import derive_report as derive_report
     from nonsmooth.reports.derivation import render_report as render_report
-    from nonsmooth.reports.figures.cell_map import cell_map as cell_map
+    from nonsmooth.reports.figures.cells import cell_map as cell_map
     from nonsmooth.reports.figures.path import trajectory_figure as trajectory_figure
 
 __getattr__ = on_demand(
@@ -19,7 +19,7 @@ __getattr__ = on_demand(
     {
         "derive_report": "derivation",
         "render_report": "derivation",
-        "cell_map": "figures.cell_map",
+        "cell_map": "figures.cells",
         "trajectory_figure": "figures.path",
     },
 )

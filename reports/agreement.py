@@ -9,9 +9,18 @@ from typing import TYPE_CHECKING, Any
 from nonsmooth.analysis.minimizers.agreement import Agreement, TwistDifference, compare_rules, intersect
 from nonsmooth.reports.document import Block, Paragraph, table
 from nonsmooth.reports.exact_record import with_exact
-from nonsmooth.reports.figures.cell_map import PICTURE, TINT, draw_hatch, require_drawable
-from nonsmooth.reports.figures.labels import centre_labels, wrapped
-from nonsmooth.reports.figures.wheels import INK
+from nonsmooth.reports.figures.cells import draw_hatch
+from nonsmooth.reports.figures.style import (
+    INK,
+    PICTURE,
+    TINT,
+    centre_labels,
+    corners_of,
+    legend_below,
+    new_figure,
+    require_drawable,
+    title_axes,
+)
 from nonsmooth.reports.result import DataTable, Record, Result
 from nonsmooth.reports.short_text import short_lines
 from nonsmooth.symbolic.number_text import float_text, place_text, short_text
@@ -86,15 +95,12 @@ class ComparisonResult(Result):
         Raises:
             SceneError: where the square is too large, too small or too far away to be drawn with floats.
         """
-        from matplotlib.figure import Figure
-
-        require_drawable(next(iter(self.agreement.partitions.values())))
+        require_drawable(next(iter(self.agreement.partitions.values())).scene)
         pairs = list(self.agreement.shared)
-        figure = Figure(figsize=(PICTURE * len(pairs), PICTURE + 0.4), layout="constrained")
+        figure = new_figure(PICTURE * len(pairs), PICTURE + 0.4)
         panels = [figure] if len(pairs) == 1 else list(figure.subfigures(1, len(pairs), squeeze=False)[0])
         for pair, panel in zip(pairs, panels, strict=True):
-            handles = _draw_pair(panel.subplots(), self.agreement, *pair)
-            panel.legend(handles=handles, loc="outside lower center", ncols=2, frameon=False)
+            legend_below(panel, _draw_pair(panel.subplots(), self.agreement, *pair))
         return figure
 
     def __repr__(self) -> str:
@@ -134,15 +140,15 @@ def _draw_pair(axes: Axes, agreement: Agreement, first: str, second: str) -> lis
             common = intersect(own.polygon, other.polygon)
             if common is not None:
                 same = frozenset(own.twists) == frozenset(other.twists)
-                xs, ys = zip(*((float(x), float(y)) for x, y in common.vertices), strict=True)
-                axes.fill(xs, ys, facecolor=AGREE if same else DIFFER, alpha=TINT, edgecolor="none")
-                axes.fill(xs, ys, facecolor="none", edgecolor="white", linewidth=1)
+                corners = corners_of(common.vertices)
+                axes.fill(*corners.T, facecolor=AGREE if same else DIFFER, alpha=TINT, edgecolor="none")
+                axes.fill(*corners.T, facecolor="none", edgecolor="white", linewidth=1)
                 if not same:
-                    draw_hatch(axes, xs, ys, HATCH)
+                    draw_hatch(axes, corners, HATCH)
     share = short_text(agreement.shared[first, second].share)
     units = agreement.partitions[first].scene.units
     axes.set(aspect="equal", **centre_labels(units))
-    axes.set_title(wrapped(f"{one_line(_scene_name(agreement))}: rules {first} and {second}"), parse_math=False)
+    title_axes(axes, f"{one_line(_scene_name(agreement))}: rules {first} and {second}")
     return [
         Patch(facecolor=AGREE, alpha=TINT, label=f"same motion: {share} of the area"),
         Patch(facecolor=to_rgba(DIFFER, TINT), hatch=HATCH, edgecolor=INK, linewidth=0, label="different motions"),

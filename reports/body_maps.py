@@ -131,15 +131,15 @@ class BodyMapResult(MapResult):
 
     def draw(self, ax: Axes) -> None:
         """Starts by where they end."""
-        from nonsmooth.reports.figures.body_map import draw_starts
+        from nonsmooth.reports.figures.grids import draw_destinations
 
-        draw_starts(ax, self)
+        draw_destinations(ax, self)
 
     def figure(self) -> Figure:
         """Starts by where they end, and the body at each destination."""
-        from nonsmooth.reports.figures.body_map import build_figure
+        from nonsmooth.reports.figures.grids import destinations_figure
 
-        return build_figure(self)
+        return destinations_figure(self)
 
     @property
     def parts(self) -> list[Part]:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.reports.choices import Drawing
 from nonsmooth.reports.document import Block, Paragraph
-from nonsmooth.reports.figures.cell_map import figure_bytes
+from nonsmooth.reports.figures.style import figure_bytes
 from nonsmooth.reports.result import DataTable, Record, Result
 from nonsmooth.reports.short_text import short_lines
 from nonsmooth.symbolic.number_text import brief_text
@@ -68,9 +68,9 @@ class CellsResult(Result):
 
     def draw(self, ax: Axes) -> None:
         """The cells with their motions."""
-        from nonsmooth.reports.figures.cell_map import draw_cell_map
+        from nonsmooth.reports.figures.cells import draw_cells
 
-        draw_cell_map(ax, self.partition)
+        draw_cells(ax, self.partition)
 
     def figure(self) -> Figure:
         """What it is to show."""
@@ -169,14 +169,10 @@ def figure_of(scene: Scene, show: Drawing, partition: Partition | None = None) -
         RefusalError: where the motion is not determined, and under a rule without cells.
     """
     if show is Drawing.ARRAY:
-        from nonsmooth.reports.figures.array import build_figure
+        from nonsmooth.reports.figures.wheels import array_figure
 
-        return build_figure(scene)
+        return array_figure(scene)
+    from nonsmooth.reports.figures.cells import cells_figure, rates_figure
+
     cells = build_partition(scene) if partition is None else partition
-    if show is Drawing.RATES:
-        from nonsmooth.reports.figures.rate_map import build_figure as build_rates
-
-        return build_rates(cells)
-    from nonsmooth.reports.figures.cell_map import build_figure as build_cells
-
-    return build_cells(cells)
+    return rates_figure(cells) if show is Drawing.RATES else cells_figure(cells)

@@ -99,7 +99,7 @@ class ArrayAnswers(Result):
 
     def draw(self, ax: Axes) -> None:
         """The wheels."""
-        from nonsmooth.reports.figures.array import draw_array
+        from nonsmooth.reports.figures.wheels import draw_array
 
         draw_array(ax, self.scene)
 

@@ -207,15 +207,15 @@ class SettleMapResult(MapResult):
 
     def draw(self, ax: Axes) -> None:
         """Where each start ends."""
-        from nonsmooth.reports.figures.settle_map import draw_ends
+        from nonsmooth.reports.figures.grids import draw_ends
 
         draw_ends(ax, self)
 
     def figure(self) -> Figure:
         """Where each start ends, when, and at which heading."""
-        from nonsmooth.reports.figures.settle_map import build_figure
+        from nonsmooth.reports.figures.grids import ends_figure
 
-        return build_figure(self)
+        return ends_figure(self)
 
 
 def build_settle_map(scene: Scene, options: SimulateOptions) -> SettleMapResult:

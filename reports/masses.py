@@ -219,7 +219,7 @@ class MassResult(Result):
 
     def draw(self, ax: Axes) -> None:
         """Distances over mass, both logarithmic: a curve per rule, and a line at a limit that is not zero."""
-        from nonsmooth.reports.figures.labels import length_label
+        from nonsmooth.reports.figures.style import length_label
 
         study, units = self.study, self.scene.units
         masses = [row.body.mass for row in study.rows]

@@ -86,9 +86,9 @@ class MeasurementResult(Result):
 
     def figure(self) -> Figure:
         """The errors: a panel for each study, or one for all cases."""
-        from nonsmooth.reports.figures.measurements import build_figure
+        from nonsmooth.reports.figures.measurements import measurements_figure
 
-        return build_figure(self.head, self.run, of_studies=isinstance(self, Precision))
+        return measurements_figure(self.head, self.run, of_studies=isinstance(self, Precision))
 
 
 def _plain(value: Any) -> Any:

@@ -374,8 +374,8 @@ class ArrayPath(PathResult):
 
     def _speed_curves(self) -> SpeedCurves | None:
         """The speeds over time; None in the open loop."""
-        from nonsmooth.reports.figures.labels import time_label
         from nonsmooth.reports.figures.path import SpeedCurves, dense_times
+        from nonsmooth.reports.figures.style import time_label
 
         if not isinstance(self.loop, FeedbackLoop):
             return None

@@ -111,9 +111,9 @@ class PhasePortrait(Result):
 
     def figure(self) -> Figure:
         """The same with a legend."""
-        from nonsmooth.reports.figures.phase_portrait import build_figure
+        from nonsmooth.reports.figures.phase_portrait import portrait_figure
 
-        return build_figure(self)
+        return portrait_figure(self)
 
 
 def _corners(cell: FieldCell) -> tuple[Point, ...]:

@@ -189,7 +189,7 @@ def _parquet(result: Result, ending: str) -> bytes:
 
 
 def _picture(result: Result, ending: str) -> bytes:
-    from nonsmooth.reports.figures.cell_map import figure_bytes
+    from nonsmooth.reports.figures.style import figure_bytes
 
     return figure_bytes(result.figure, ending)
 

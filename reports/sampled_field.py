@@ -50,15 +50,15 @@ class FieldResult(Result):
 
     def draw(self, ax: Axes) -> None:
         """Streamlines over V*."""
-        from nonsmooth.reports.figures.field_map import draw_field
+        from nonsmooth.reports.figures.cells import draw_field
 
         draw_field(ax, self.field)
 
     def figure(self) -> Figure:
         """The same with the scale of V*."""
-        from nonsmooth.reports.figures.field_map import build_figure
+        from nonsmooth.reports.figures.cells import field_figure
 
-        return build_figure(self.field)
+        return field_figure(self.field)
 
     def blocks(self) -> Sequence[Block]:
         """What the samples say."""

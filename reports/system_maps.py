@@ -165,15 +165,15 @@ class SystemMap(MapResult):
 
     def draw(self, ax: Axes) -> None:
         """How near every start has come, with the certified region of V."""
-        from nonsmooth.reports.figures.system_map import draw_map
+        from nonsmooth.reports.figures.grids import draw_ratios
 
-        draw_map(ax, self)
+        draw_ratios(ax, self)
 
     def figure(self) -> Figure:
         """The same with the scale of colors and a legend."""
-        from nonsmooth.reports.figures.system_map import build_figure
+        from nonsmooth.reports.figures.grids import ratios_figure
 
-        return build_figure(self)
+        return ratios_figure(self)
 
     @property
     def parts(self) -> list[Part]:

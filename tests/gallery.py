@@ -12,7 +12,7 @@ from pathlib import Path
 
 from nonsmooth.proofs.theorem4_result import CellCheck
 from nonsmooth.reports.derivation import ReportResult, derive_report, render_report
-from nonsmooth.reports.figures.cell_map import cell_map
+from nonsmooth.reports.figures.cells import cell_map
 from nonsmooth.reports.files import output_path, write_whole
 from nonsmooth.reports.progress import progress
 from nonsmooth.reports.subject import Invocation

@@ -14,7 +14,8 @@ from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.motion.frames import Frames, WheelContact, build_frames
 from nonsmooth.analysis.motion.twists import last_time, poses_at
 from nonsmooth.analysis.trajectories.result import Event, Trajectory
-from nonsmooth.reports.figures.outline import Floats, outline_of, placed
+from nonsmooth.reports.figures.style import Floats
+from nonsmooth.reports.figures.wheels import outline_of, placed
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import one_line
 

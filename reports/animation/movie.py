@@ -11,11 +11,9 @@ import numpy as np
 
 from nonsmooth.analysis.motion.frames import WheelContact
 from nonsmooth.reports.animation.film import RATE, Film
-from nonsmooth.reports.figures.cell_map import INKED, LABEL
-from nonsmooth.reports.figures.labels import length_label, wrapped
-from nonsmooth.reports.figures.outline import placed
 from nonsmooth.reports.figures.path import MARKERS, PATH, marked
-from nonsmooth.reports.figures.wheels import AXIS_COLOR, INK, draw_axis, floats
+from nonsmooth.reports.figures.style import INK, INKED, LABEL, floats, length_label, wrapped
+from nonsmooth.reports.figures.wheels import AXIS_COLOR, draw_axis, placed
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

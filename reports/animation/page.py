@@ -18,9 +18,8 @@ import numpy as np
 
 from nonsmooth.analysis.motion.frames import WheelContact
 from nonsmooth.reports.animation.film import LONGEST_ARROW, Film
-from nonsmooth.reports.figures.labels import length_label
-from nonsmooth.reports.figures.outline import Floats
 from nonsmooth.reports.figures.path import marked
+from nonsmooth.reports.figures.style import Floats, length_label
 from nonsmooth.reports.figures.wheels import AXIS
 from nonsmooth.symbolic.number_text import float_text
 

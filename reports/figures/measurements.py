@@ -12,13 +12,12 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from nonsmooth.analysis.measurements.harness import Measured, ResultRow, Run
-from nonsmooth.reports.figures.wheels import INK
+from nonsmooth.reports.figures.style import LINES, legend_below, line_entry, mark_entry, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-COLORS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#999999", "#222222")  # Okabe and Ito
 MARKERS = "osD^vP<>X"
 PANEL = (6.8, 3.6)  # inches, the legend beside it included
 COLUMNS = 2
@@ -29,16 +28,14 @@ CASE_HEIGHT = 0.24  # inches
 Points = list[tuple[float, float]]
 
 
-def build_figure(head: str, run: Run, *, of_studies: bool) -> Figure:
+def measurements_figure(head: str, run: Run, *, of_studies: bool) -> Figure:
     """The picture as a Matplotlib figure: one panel for each study, or one for all cases."""
-    from matplotlib.figure import Figure
-
     studies = [measured for measured in run.measured if any(row.setting is not None for row in measured.rows)]
     cases = list(dict.fromkeys(row.name for row in run.rows))
     panels = max(1, len(studies)) if of_studies else 1
     columns, rows = min(COLUMNS, panels), math.ceil(panels / COLUMNS)
     height = PANEL[1] if of_studies else 1.0 + CASE_HEIGHT * len(cases)
-    figure = Figure(figsize=(PANEL[0] * columns, height * rows + 0.8), layout="constrained")
+    figure = new_figure(PANEL[0] * columns, height * rows + 0.8)
     figure.suptitle(head, fontsize="large", parse_math=False)
     if not of_studies:
         draw_cases(figure.add_subplot(), run.rows)
@@ -64,7 +61,7 @@ def _draw_study(axes: Axes, measured: Measured, limit: float) -> None:
         if len(points) < len(own):
             x, y = points[-1] if points else (max(largest, floor), limit)
             without = [(x, limit)]
-            axes.plot([x, x], [y, limit], color=COLORS[k % len(COLORS)], linewidth=0.8, linestyle=":")
+            axes.plot([x, x], [y, limit], color=LINES[k % len(LINES)], linewidth=0.8, linestyle=":")
         _draw_series(axes, k, method, points, without, floor, "-")
     axes.axhline(limit, color="0.5", linewidth=0.8, linestyle="--", zorder=1)
     _finish(axes, floor)
@@ -85,7 +82,7 @@ def draw_cases(axes: Axes, rows: Sequence[ResultRow]) -> None:
 
 def _draw_series(axes: Axes, k: int, label: str, points: Points, without: Points, floor: float, linestyle: str) -> None:
     """Points of the k-th color and marker, stars on those at the floor, and open marks for results without an error."""
-    color, marker = COLORS[k % len(COLORS)], MARKERS[k % len(MARKERS)]
+    color, marker = LINES[k % len(LINES)], MARKERS[k % len(MARKERS)]
     style: dict[str, Any] = {"color": color, "marker": marker}
     axes.plot(*_columns(points), markersize=5, linewidth=1.2, linestyle=linestyle, label=label, **style)
     zero = [point for point in points if point[0] <= floor]
@@ -116,14 +113,12 @@ def _floor(measured: Measured) -> float:
 
 def _explain(figure: Figure, of_studies: bool) -> None:
     """What the marks mean that no panel explains."""
-    from matplotlib.lines import Line2D
-
     zero = "error 0, or below what is told from 0"
     without = "out of time or failed" if of_studies else "without an error, such as a refusal"
     entries = [
-        Line2D([], [], marker="*", color=INK, linestyle=":", markersize=10, label=zero),
-        Line2D([], [], marker="o", color=INK, linestyle="none", fillstyle="none", label=without),
+        mark_entry("*", zero, linestyle=":", markersize=10),
+        mark_entry("o", without, fillstyle="none"),
     ]
     if of_studies:
-        entries.append(Line2D([], [], color="0.5", linestyle="--", label="time limit"))
-    figure.legend(handles=entries, loc="outside lower center", ncols=len(entries), frameon=False)
+        entries.append(line_entry("time limit", color="0.5", linestyle="--"))
+    legend_below(figure, entries, len(entries))

@@ -1,7 +1,7 @@
-"""A path as a picture: the states over time, beside them the path in the plane, and below the speeds of a closed loop.
+"""Paths as pictures: the states over time, beside them the path in the plane, and below the speeds of a closed loop.
 
 What lies under the path is its ground: the cells of a contact rule, the wheels and the body, or the switching surfaces
-of a plain system.
+of a plain system.  Paths from many starts are one picture of marked pieces, of which a page shows one at a time.
 """
 
 from __future__ import annotations
@@ -17,10 +17,23 @@ from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
 from nonsmooth.analysis.fields.sign_field import SignField
 from nonsmooth.analysis.trajectories.result import Event, EventKind, Trajectory
-from nonsmooth.reports.figures.cell_map import TINT, figure_bytes, motion_colors, require_drawable
-from nonsmooth.reports.figures.labels import WIDE_TITLE, centre_labels, pose_labels, time_label, wrapped
-from nonsmooth.reports.figures.outline import outline_of, placed
-from nonsmooth.reports.figures.wheels import INK, draw_axis, floats
+from nonsmooth.reports.figures.cells import fill_cells, view_square
+from nonsmooth.reports.figures.style import (
+    INK,
+    LINES,
+    centre_labels,
+    drawn,
+    floats,
+    legend_below,
+    line_entry,
+    mark_entry,
+    new_figure,
+    pose_labels,
+    require_drawable,
+    time_label,
+    title_figure,
+)
+from nonsmooth.reports.figures.wheels import draw_axis, outline_of, placed
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import one_line
 from nonsmooth.symbolic.switched_system import SwitchedSystem
@@ -33,7 +46,6 @@ WIDE, ARRAY = 9.6, (8.0, 4.6)  # inches: width of a plain system's picture; size
 LEAST_HEIGHT, CURVE = 5.6, 1.5  # inches: of a plain system's picture at least, of one of its curves
 TALL = 7.0  # inches: height with the speeds of a closed loop
 PATH = "#0072B2"
-LINES = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#222222", "#999999")  # Okabe and Ito
 MOST_NAMED = 8  # wheels up to which the lines of their speeds are told apart
 MARKERS = {  # a form for every kind, so that color is not needed to tell them apart
     EventKind.CROSS: "|",
@@ -104,7 +116,7 @@ class PathPicture:
 
 def trajectory_figure(partition: Partition, trajectory: Trajectory, suffix: str, law: str = "") -> bytes:
     """The picture of a path over cells as the bytes of a file; ``law`` names that of a closed loop."""
-    return figure_bytes(lambda: path_figure(cells_picture(partition, trajectory, law)), suffix)
+    return drawn(path_figure, cells_picture(partition, trajectory, law))(suffix)
 
 
 def cells_picture(
@@ -115,8 +127,8 @@ def cells_picture(
     Raises:
         SceneError: where the square is too large, too small or too far away to be drawn with floats.
     """
-    require_drawable(partition)
     scene = partition.scene
+    require_drawable(scene)
     said = f"rule {partition.rule}, {trajectory.kinematics} kinematics, method {trajectory.method}"
     title = f"{one_line(scene.name)}: {said}" + (f"\n{law}" if law else "")
     return array_picture(scene, trajectory, title, lambda axes: draw_cells(axes, partition, trajectory), speeds)
@@ -164,11 +176,9 @@ def array_picture(
 
 def path_figure(picture: PathPicture) -> Figure:
     """The states over time, the path in the plane, and under both the speeds of a closed loop."""
-    from matplotlib.figure import Figure
-
     states, has_plane = len(picture.labels), picture.ground is not None
     size = ARRAY if picture.home else (WIDE, max(LEAST_HEIGHT, CURVE * states))
-    figure = Figure(figsize=size if picture.speeds is None else (size[0], TALL), layout="constrained")
+    figure = new_figure(size[0], size[1] if picture.speeds is None else TALL)
     rows = states if picture.speeds is None else states + 2
     shares = {"width_ratios": (1, 1.1)} if picture.home else {}
     grid = figure.add_gridspec(rows, 2 if has_plane else 1, **shares)
@@ -178,7 +188,7 @@ def path_figure(picture: PathPicture) -> Figure:
     _draw_curves(curves, picture)
     if has_plane:
         draw_plane(figure.add_subplot(grid[:states, 1]), picture)
-    figure.suptitle(wrapped(picture.title, WIDE_TITLE), fontsize="medium", parse_math=False)
+    title_figure(figure, picture.title)
     _explain(figure, picture)
     return figure
 
@@ -242,16 +252,13 @@ def _draw_speeds(axes: Axes, curves: SpeedCurves) -> None:
 
 def _explain(figure: Figure, picture: PathPicture) -> None:
     """The legend of what occurs."""
-    from matplotlib.lines import Line2D
-
-    entries = [Line2D([], [], label=name, **style) for name, style in picture.explained.items()]
+    entries = [line_entry(name, **style) for name, style in picture.explained.items()]
     if picture.beside is not None:
-        entries.append(Line2D([], [], label=picture.beside[1], **BESIDE))
-    entries.append(Line2D([], [], marker=">", color=PATH, linestyle="none", label="start"))
+        entries.append(line_entry(picture.beside[1], **BESIDE))
+    entries.append(mark_entry(">", "start", color=PATH))
     for kind in dict.fromkeys(event.kind for event in picture.trajectory.events):
-        marker = MARKERS[kind]
-        entries.append(Line2D([], [], label=str(kind), marker=marker, color=INK, fillstyle="none", linestyle="none"))
-    figure.legend(handles=entries, loc="outside lower center", ncols=len(entries), frameon=False)
+        entries.append(mark_entry(MARKERS[kind], str(kind), fillstyle="none"))
+    legend_below(figure, entries, len(entries))
 
 
 def marked(events: Sequence[Event]) -> Sequence[Event]:
@@ -302,14 +309,6 @@ def draw_cells(axes: Axes, partition: Partition, trajectory: Trajectory) -> None
     if 0 < extent < SMALL * float(partition.scene.check.radius):
         half = ENLARGED * extent
         axes.set(xlim=(centre[0] - half, centre[0] + half), ylim=(centre[1] - half, centre[1] + half))
-
-
-def fill_cells(axes: Axes, partition: Partition) -> None:
-    """The cells in light colors, one color per motion."""
-    for cell, color in zip(partition.cells, motion_colors(partition), strict=True):
-        xs, ys = zip(*((float(x), float(y)) for x, y in cell.polygon.vertices), strict=True)
-        axes.fill(xs, ys, facecolor=color, alpha=TINT / 2, edgecolor="none", zorder=1)
-        axes.fill(xs, ys, facecolor="none", edgecolor="white", linewidth=1.2, zorder=2)
 
 
 def draw_wheels(axes: Axes, scene: Scene, trajectory: Trajectory) -> None:
@@ -370,3 +369,56 @@ def _view(trajectory: Trajectory, radius: float) -> tuple[float, float, float, f
     half = float(np.ptp(states, axis=0).max()) * (0.5 + MARGIN) or radius
     x, y = (float(value) for value in centre)
     return x - half, x + half, y - half, y + half
+
+
+# ---- many starts ---------------------------------------------------------------------------------
+
+
+def start_mark(number: int) -> str:
+    """What is about the third start carries the mark ``start-3``."""
+    return f"start-{number}"
+
+
+def starts_figure(partition: Partition, paths: Sequence[Trajectory]) -> Figure:
+    """Paths from many starts: x, y and theta over time, and the paths over the cells."""
+    require_drawable(partition.scene)
+    figure = new_figure(*ARRAY)
+    grid = figure.add_gridspec(3, 2, width_ratios=(1, 1.1))
+    curves = [figure.add_subplot(grid[row, 0]) for row in range(3)]
+    plane = figure.add_subplot(grid[:, 1])
+    fill_cells(plane, partition)
+    view_square(plane, partition.scene)
+    last = max(float(path.times[-1]) for path in paths)
+    for number, path in enumerate(paths, 1):
+        _draw_curves_of(curves, path, start_mark(number), last)
+        _draw_path(plane, path, start_mark(number))
+    _label(curves, partition)
+    name = one_line(partition.scene.name)
+    title_figure(figure, f"{name}: rule {partition.rule}, {len(paths)} starts")
+    return figure
+
+
+def _draw_curves_of(curves: list[Axes], path: Trajectory, mark: str, last: float) -> None:
+    """x, y and theta of one path; where the body has come to rest it stays until the ``last`` time of all paths."""
+    times = np.array([float(t) for t in path.times])
+    states = path.array
+    if times[-1] < last:
+        times, states = np.append(times, last), np.vstack([states, states[-1:]])
+    for k, axes in enumerate(curves):
+        axes.plot(times, states[:, k], color=PATH, linewidth=1.6, gid=f"{mark}--{'xyt'[k]}")
+
+
+def _draw_path(axes: Axes, path: Trajectory, mark: str) -> None:
+    states = path.array
+    axes.plot(states[:, 0], states[:, 1], color=PATH, linewidth=1.8, zorder=3, gid=f"{mark}--path")
+    axes.plot(*states[0, :2], marker=">", color=PATH, markersize=8, zorder=4, gid=f"{mark}--start")
+    marked_events(axes, path, mark)
+
+
+def _label(curves: list[Axes], partition: Partition) -> None:
+    units, home = partition.scene.units, (*(float(x) for x in partition.scene.check.equilibrium), 0.0)
+    for k, axes in enumerate(curves):
+        axes.axhline(home[k], color="0.6", linewidth=0.6, zorder=0)
+        axes.set_ylabel(pose_labels(units)[k])
+        axes.tick_params(labelbottom=k == 2)
+    curves[2].set_xlabel(time_label("t", units))

@@ -12,8 +12,8 @@ import numpy as np
 
 from nonsmooth.analysis.fields.cell_values import inside, polynomial_values, rate_values
 from nonsmooth.proofs.systems.border_motion import BorderKind
-from nonsmooth.reports.figures.wheels import INK
-from nonsmooth.reports.phase_samples import Floats, sampled_potential, sampled_rates
+from nonsmooth.reports.figures.style import INK, Floats, legend_below, new_figure, title_figure
+from nonsmooth.reports.phase_samples import sampled_potential, sampled_rates
 from nonsmooth.symbolic.scene_error import one_line
 
 if TYPE_CHECKING:
@@ -35,15 +35,12 @@ BORDERS: dict[BorderKind, dict[str, Any]] = {
 }
 
 
-def build_figure(portrait: PhasePortrait) -> Figure:
-    """The picture as a Matplotlib figure."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(SIZE, SIZE * 1.12), layout="constrained")
+def portrait_figure(portrait: PhasePortrait) -> Figure:
+    """The portrait with a legend."""
+    figure = new_figure(SIZE, SIZE * 1.12)
     draw_portrait(figure.add_subplot(), portrait)
-    figure.legend(loc="outside lower center", ncols=3, fontsize="small", frameon=False)
-    verdict = f"{one_line(portrait.system.name)}: {portrait.stability.verdict}"
-    figure.suptitle(verdict, fontsize="medium", parse_math=False)
+    legend_below(figure, columns=3, fontsize="small")
+    title_figure(figure, f"{one_line(portrait.system.name)}: {portrait.stability.verdict}")
     return figure
 
 

@@ -8,16 +8,24 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from nonsmooth.analysis.plane_arrays import turned
-from nonsmooth.reports.figures.labels import length_label, wrapped
-from nonsmooth.reports.figures.measurements import COLORS
-from nonsmooth.reports.figures.wheels import INK, draw_wheel, floats
+from nonsmooth.reports.figures.style import (
+    INK,
+    LINES,
+    Floats,
+    corners_of,
+    floats,
+    legend_below,
+    length_label,
+    new_figure,
+    wrapped,
+)
+from nonsmooth.reports.figures.wheels import draw_wheel
 from nonsmooth.symbolic.scene_error import one_line
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from nonsmooth.analysis.fields.contact_model import Floats
     from nonsmooth.analysis.vehicles import CurvedMotion, VehicleMotion
 
 RIM = 0.05  # half of a rim's length, of the width of the view
@@ -27,11 +35,10 @@ ROUNDING = 1e-9  # slips beside the largest speed, and forces beside the weight,
 
 def vehicle_figure(motion: VehicleMotion, turns: Sequence[CurvedMotion]) -> Figure:
     """Wheels with slips and forces; beside them the instant centres, where there are turns."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(10 if turns else 5.5, 5.5), layout="constrained")
+    figure = new_figure(10 if turns else 5.5, 5.5)
     panels = figure.subplots(1, 2 if turns else 1, squeeze=False)[0]
     draw_vehicle(panels[0], motion)
+    legend_below(figure, panels[0].get_legend_handles_labels()[0], 4, fontsize="small")
     if turns:
         _draw_turns(panels[1], turns)
     return figure
@@ -40,24 +47,23 @@ def vehicle_figure(motion: VehicleMotion, turns: Sequence[CurvedMotion]) -> Figu
 def draw_vehicle(axes: Axes, motion: VehicleMotion) -> None:
     """Wheels with slips and forces, the centre of mass and the instant centre."""
     scene = motion.vehicle.scene
-    places = np.array([floats(wheel.position) for wheel in scene.wheels])
+    places = corners_of(wheel.position for wheel in scene.wheels)
     half = 0.75 * float(np.ptp(places, axis=0).max())
     x, y = (places.min(axis=0) + places.max(axis=0)) / 2
     for wheel in scene.wheels:
         draw_wheel(axes, wheel, 2 * half * RIM, named=len(scene.wheels) <= 12)
-    along = np.array([floats(wheel.unit_grip) for wheel in scene.wheels])
+    along = corners_of(wheel.unit_grip for wheel in scene.wheels)
     frames = np.stack([along, turned(along)], axis=1)
     fastest = max(abs(float(wheel.speed)) for wheel in scene.wheels)
-    _draw_arrows(axes, places, frames, motion.slips, fastest, 2 * half * REACH, COLORS[1], "slip over the ground")
-    _draw_arrows(axes, places, frames, motion.forces, 1.0, 2 * half * REACH, COLORS[0], "friction force")
+    _draw_arrows(axes, places, frames, motion.slips, fastest, 2 * half * REACH, LINES[1], "slip over the ground")
+    _draw_arrows(axes, places, frames, motion.forces, 1.0, 2 * half * REACH, LINES[0], "friction force")
     centre = floats(motion.vehicle.centre_of_mass)
     axes.plot(*centre, marker="+", color=INK, markersize=11, linestyle="none", label="centre of mass")
     if motion.icr is not None:
-        axes.plot(*motion.icr, "o", color=COLORS[2], fillstyle="none", label="instant centre")
+        axes.plot(*motion.icr, "o", color=LINES[2], fillstyle="none", label="instant centre")
     axes.set(xlim=(x - half, x + half), ylim=(y - half, y + half), aspect="equal")
     axes.set(xlabel=length_label("x (forward)", scene.units), ylabel=length_label("y (left)", scene.units))
     axes.set_title(wrapped(f"{one_line(scene.name)}, rule {motion.rule.name}"), parse_math=False, fontsize="medium")
-    axes.legend(loc="lower center", bbox_to_anchor=(0.5, -0.32), ncols=2, frameon=False, fontsize="small")
 
 
 def _draw_arrows(
@@ -82,7 +88,7 @@ def _draw_turns(axes: Axes, turns: Sequence[CurvedMotion]) -> None:
     reach = 4 * max(abs(turn.left_centre or 0) for turn in turns)
     own = [turn.icr[1] if turn.icr is not None and abs(turn.icr[1]) <= reach else None for turn in turns]
     treads = {"left tread": [turn.left_centre for turn in turns], "right tread": [turn.right_centre for turn in turns]}
-    for color, (label, centres) in zip(COLORS, (treads | {"vehicle": own}).items(), strict=False):
+    for color, (label, centres) in zip(LINES, (treads | {"vehicle": own}).items(), strict=False):
         points = [(x, y) for x, y in zip(share, centres, strict=True) if y is not None]
         if points:
             axes.plot(*zip(*points, strict=True), marker=".", color=color, label=label)

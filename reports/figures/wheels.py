@@ -1,28 +1,54 @@
-"""Wheels as figures show them: rim, sense and size of the surface speed, number, and a friction axis of its own."""
+"""Wheels, the outline of a body, and the picture of an array.
+
+A wheel is a rim with an arrow for its surface speed, a number, and a friction axis of its own where it has one.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, TypeAlias
 
-from nonsmooth.symbolic.scene import Wheel
+import numpy as np
+
+from nonsmooth.reports.figures.style import (
+    INK,
+    LABEL,
+    LEGEND_ROW,
+    PALETTE,
+    PICTURE,
+    TINT,
+    XY,
+    Floats,
+    corners_of,
+    draw_checked_point,
+    floats,
+    legend_below,
+    length_label,
+    line_entry,
+    mark_entry,
+    new_figure,
+    title_axes,
+)
+from nonsmooth.symbolic.contact_set import whole
+from nonsmooth.symbolic.continuum import Disc
+from nonsmooth.symbolic.free_rollers import askew_wheels
+from nonsmooth.symbolic.scene import Scene, Wheel
+from nonsmooth.symbolic.scene_error import one_line
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
-INK = "#222222"
 ARROW = {"arrowstyle": "-|>", "color": INK, "shrinkA": 0, "shrinkB": 0, "linewidth": 1.2}
 RIM_SHARE = 0.16  # half of a rim's length of the distance to the next wheel, so that arrows stay apart
 AXIS, AXIS_COLOR = 1.5, "#d95f02"  # half of a friction axis, in half-lengths of the rim
 TIP = 2.1  # where an arrowhead lies, in half-lengths of the rim
+IDLE = "0.7"  # color of wheels that do not carry the body
+CORNERS = 72  # of the polygon that a disc is drawn as: its sides leave the circle by less than 0.1 % of the radius
 
-XY: TypeAlias = tuple[float, float]
 Segment: TypeAlias = tuple[XY, XY]
 
-
-def floats(point: tuple[object, object]) -> XY:
-    """A point of exact numbers as one of floats."""
-    return float(point[0]), float(point[1])  # type: ignore[arg-type]
+# ---- wheels --------------------------------------------------------------------------------------
 
 
 def wheels_in_view(axes: Axes, wheels: Iterable[Wheel]) -> list[Wheel]:
@@ -40,6 +66,13 @@ def draw_axis(axes: Axes, place: XY, along: XY, half: float) -> None:
     )
 
 
+def draw_rim(axes: Axes, wheel: Wheel, half: float, color: str = INK) -> None:
+    """The rim as a thick line."""
+    (x, y), (dx, dy) = floats(wheel.position), floats(wheel.unit_direction)
+    rim = ([x - half * dx, x + half * dx], [y - half * dy, y + half * dy])
+    axes.plot(*rim, color=color, linewidth=5, solid_capstyle="butt", zorder=3)
+
+
 def draw_wheel(axes: Axes, wheel: Wheel, half: float, *, tip: float = TIP, named: bool = True) -> list[Segment]:
     """The rim as a thick line, its surface speed as an arrow, its number beside it; returns what they cover.
 
@@ -53,8 +86,7 @@ def draw_wheel(axes: Axes, wheel: Wheel, half: float, *, tip: float = TIP, named
         named: whether its number is written.
     """
     (x, y), (dx, dy) = floats(wheel.position), floats(wheel.unit_direction)
-    rim = ([x - half * dx, x + half * dx], [y - half * dy, y + half * dy])
-    axes.plot(*rim, color=INK, linewidth=5, solid_capstyle="butt", zorder=3)
+    draw_rim(axes, wheel, half)
     if wheel.axis is not None:
         draw_axis(axes, (x, y), floats(wheel.unit_grip), half)
     sense = wheel.speed.sign()
@@ -66,3 +98,96 @@ def draw_wheel(axes: Axes, wheel: Wheel, half: float, *, tip: float = TIP, named
         axes.text(*side, str(wheel.index), ha="center", va="center", color=INK, fontweight="bold", zorder=4)
     back = (x - half * (sense or 1) * dx, y - half * (sense or 1) * dy)
     return [(back, end), ((x, y), (x - 1.6 * half * dy, y + 1.6 * half * dx))]
+
+
+# ---- outlines ------------------------------------------------------------------------------------
+
+
+def outline_of(scene: Scene) -> Floats | None:
+    """Corners (m, 2) of the body at theta = 0, from its centre of mass (length); None where the scene names none."""
+    if scene.body is None:
+        return None
+    outline = scene.body.outline
+    if isinstance(outline, Disc):
+        angles = 2 * np.pi * np.arange(CORNERS) / CORNERS
+        middle = np.array([float(entry) for entry in scene.body.centroid])
+        return middle + float(outline.radius) * np.column_stack([np.cos(angles), np.sin(angles)])
+    return corners_of(scene.body.vertices)
+
+
+def placed(points: Floats, pose: Floats) -> Floats:
+    """Points of the body in the world, ``c + R(theta) p``."""
+    x, y, theta = pose
+    cos, sin = np.cos(theta), np.sin(theta)
+    return points @ np.array([[cos, sin], [-sin, cos]]) + np.array([x, y])
+
+
+# ---- the picture of an array ---------------------------------------------------------------------
+
+LARGEST_RIM = 0.035  # half of a rim's length, of the width of the view
+SLOWEST, FASTEST = 1.4, 2.6  # where the arrowheads of the slowest and fastest wheels lie, in half-lengths of the rim
+MOST_NAMES = 60  # wheels up to which each has its number
+
+
+def array_figure(scene: Scene) -> Figure:
+    """Every wheel with its rim and surface speed, the body, and the square that is checked, with a legend."""
+    from matplotlib.patches import Patch
+
+    figure = new_figure(PICTURE, PICTURE + 2 * LEGEND_ROW)
+    draw_array(figure.subplots(), scene)
+    entries = [
+        line_entry("wheel: rim and number", color=INK, linewidth=5),
+        mark_entry(r"$\rightarrow$", "surface speed (size)", markersize=9),
+        *[line_entry("friction axis", color=AXIS_COLOR, linewidth=1.2)] * bool(askew_wheels(scene)),
+        *[line_entry("outline of the body", color=INK, linewidth=1)] * (scene.body is not None),
+        *[line_entry("wheel that does not carry it", color=IDLE, linewidth=5)] * bool(scene.idle),
+        Patch(facecolor=PALETTE[0], alpha=TINT / 2, edgecolor=INK, linestyle="--", label="checked square"),
+        mark_entry("+", "checked point", markersize=9),
+    ]
+    legend_below(figure, entries, fontsize=LABEL - 1)
+    return figure
+
+
+def draw_array(axes: Axes, scene: Scene) -> None:
+    """Every wheel, the body at the checked point, and the checked square, on axes of equal scale."""
+    places = corners_of(wheel.position for wheel in whole(scene).wheels)
+    centre, radius = np.array(floats(scene.check.equilibrium)), float(scene.check.radius)
+    square = np.array([centre - radius, centre + radius])
+    outline = outline_of(scene)
+    body = np.empty((0, 2)) if outline is None else outline + centre
+    rim = _rim(places, np.concatenate([places, square, body]))
+    _set_view(axes, np.concatenate([places - 3 * rim, places + 3 * rim, square, body]))
+    _draw_square(axes, centre, radius)
+    draw_checked_point(axes, scene)
+    if len(body):
+        axes.fill(*body.T, fill=False, edgecolor=INK, linewidth=1, zorder=2)
+    for wheel in scene.idle:
+        draw_rim(axes, wheel, rim, IDLE)
+    largest = max(abs(float(wheel.speed)) for wheel in scene.wheels) or 1.0
+    for wheel in scene.wheels:
+        tip = SLOWEST + (FASTEST - SLOWEST) * abs(float(wheel.speed)) / largest
+        draw_wheel(axes, wheel, rim, tip=tip, named=len(scene.wheels) <= MOST_NAMES)
+    axes.set(xlabel=length_label("x", scene.units), ylabel=length_label("y", scene.units))
+    carried = f"{len(scene.wheels)} of {len(places)}" if scene.idle else f"{len(places)}"
+    title_axes(axes, f"{one_line(scene.name)}: {carried} wheels")
+
+
+def _rim(places: Floats, shown: Floats) -> float:
+    """Half of a rim's length: small beside the view and beside the distance of neighbours."""
+    width = float(np.ptp(shown, axis=0).max())
+    apart = np.hypot(*(places[:, None] - places[None, :]).transpose(2, 0, 1))
+    nearest = apart[apart > 0].min(initial=width)
+    return min(LARGEST_RIM * width, float(nearest) * RIM_SHARE)
+
+
+def _set_view(axes: Axes, shown: Floats) -> None:
+    low, high = shown.min(axis=0), shown.max(axis=0)
+    middle, half = (low + high) / 2, 0.53 * float((high - low).max())
+    axes.set(xlim=(middle[0] - half, middle[0] + half), ylim=(middle[1] - half, middle[1] + half), aspect="equal")
+
+
+def _draw_square(axes: Axes, centre: Floats, radius: float) -> None:
+    (x, y), r = centre, radius
+    corners = ([x - r, x + r, x + r, x - r], [y - r, y - r, y + r, y + r])
+    axes.fill(*corners, facecolor=PALETTE[0], alpha=TINT / 2, edgecolor="none", zorder=1)
+    axes.fill(*corners, facecolor="none", edgecolor=INK, linestyle="--", linewidth=0.8, zorder=1)

@@ -172,18 +172,19 @@ class Array(MadeArray):
             The axes.
         """
         from nonsmooth.reports.cells import drawing
-        from nonsmooth.reports.figures import array, cell_map, rate_map
+        from nonsmooth.reports.figures.cells import draw_cells, draw_rates, draw_scale
+        from nonsmooth.reports.figures.wheels import draw_array
         from nonsmooth.reports.result import own_axes
 
         chosen, axes = drawing(show), own_axes(ax)
         if chosen is Drawing.ARRAY:
-            array.draw_array(axes, self.scene)
+            draw_array(axes, self.scene)
         elif chosen is Drawing.CELLS:
-            cell_map.draw_cell_map(axes, self.partition)
+            draw_cells(axes, self.partition)
         else:
-            levels = rate_map.draw_rates(axes, self.partition)
+            levels = draw_rates(axes, self.partition)
             if ax is None:
-                rate_map.draw_scale(axes.figure, axes, self.partition, levels)
+                draw_scale(axes.figure, axes, self.scene, levels)
         return axes
 
     def cells(self) -> CellsResult:

@@ -95,23 +95,21 @@ class FilippovSet(Result):
 
     def draw(self, ax: Axes) -> None:
         """The velocities as arrows from zero, their hull, and the cell of each."""
-        from nonsmooth.reports.figures import cell_map, wheels
+        from nonsmooth.reports.figures.style import INK, PALETTE, TINT, floats
 
-        corners = [wheels.floats(velocity) for velocity in support_polygon(self.velocities) or self.velocities[:1]]
-        ax.fill(*zip(*corners, strict=True), facecolor=cell_map.PALETTE[0], alpha=cell_map.TINT)
-        ax.fill(*zip(*corners, strict=True), facecolor="none", edgecolor=cell_map.PALETTE[5], linewidth=2)
+        corners = [floats(velocity) for velocity in support_polygon(self.velocities) or self.velocities[:1]]
+        ax.fill(*zip(*corners, strict=True), facecolor=PALETTE[0], alpha=TINT)
+        ax.fill(*zip(*corners, strict=True), facecolor="none", edgecolor=PALETTE[5], linewidth=2)
         cells: dict[tuple[float, float], list[str]] = {}
         for (cell, _), velocity in zip(self.members, self.velocities, strict=True):
-            cells.setdefault(wheels.floats(velocity), []).append(str(cell))
+            cells.setdefault(floats(velocity), []).append(str(cell))
         for tip, indices in cells.items():
-            ax.annotate(
-                "", tip, (0, 0), arrowprops={"arrowstyle": "->", "color": wheels.INK, "shrinkA": 0, "shrinkB": 0}
-            )
+            ax.annotate("", tip, (0, 0), arrowprops={"arrowstyle": "->", "color": INK, "shrinkA": 0, "shrinkB": 0})
             label = f"cell{'s' if len(indices) > 1 else ''} {', '.join(indices)}"
             across, up = sign(tip[0]), sign(tip[1])
             beyond: dict[str, Any] = {"ha": ("center", "left", "right")[across], "va": ("center", "bottom", "top")[up]}
-            ax.annotate(label, tip, (4 * across, 4 * up), textcoords="offset points", color=wheels.INK, **beyond)
-        ax.plot([0], [0], marker="+", color=wheels.INK, markersize=11)
+            ax.annotate(label, tip, (4 * across, 4 * up), textcoords="offset points", color=INK, **beyond)
+        ax.plot([0], [0], marker="+", color=INK, markersize=11)
         x, y = (short_text(value) for value in self.point)
         ax.set(xlabel="x'", ylabel="y'", title=f"F({x}, {y})")
         ax.axis("equal")

@@ -163,6 +163,7 @@ class MadeArray(PythonScene):
         return f"Array {scene.name!r}: {len(scene.wheels)} wheels, rule {scene.contact.rule}, {square}"
 
     def _repr_html_(self) -> str:
-        from nonsmooth.reports.figures.array import array_figure
+        from nonsmooth.reports.figures.style import drawn
+        from nonsmooth.reports.figures.wheels import array_figure
 
-        return array_figure(self.scene, ".svg").decode()
+        return drawn(array_figure, self.scene)(".svg").decode()

@@ -10,6 +10,8 @@ from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.reports.choices import LawName
 from nonsmooth.reports.document import Block, Entry, Figure, Section, table
 from nonsmooth.reports.feedback_loop import GAIN, FeedbackLoop, build_loop
+from nonsmooth.reports.figures.path import cells_picture, path_figure
+from nonsmooth.reports.figures.style import drawn
 from nonsmooth.reports.papers.murphey_burdick_2001.paper import is_paper_array
 from nonsmooth.reports.paths import follow_cells
 from nonsmooth.reports.prose import paragraph, prose
@@ -145,13 +147,7 @@ def _row(loop: FeedbackLoop, path: _Path) -> tuple[Entry, ...]:
 
 
 def _figure(subject: ArraySubject, loop: FeedbackLoop, path: _Path) -> Figure:
-    partition = subject.cells.partition
     papers = "; the paper's Figure 5 is of its own law" if is_paper_array(subject.scene) else ""
-
-    def draw(suffix: str) -> bytes:
-        from nonsmooth.reports.figures.path import trajectory_figure
-
-        return trajectory_figure(partition, path.path, suffix, loop.title)
 
     start = typed_start(path.start, subject.scene)
     options = ("--from", start, "--until", f"{path.until:g}", "--feedback", "-o", "closed-loop.pdf")
@@ -164,5 +160,5 @@ def _figure(subject: ArraySubject, loop: FeedbackLoop, path: _Path) -> Figure:
         ),
         "Curves of x, y and theta over time under feedback, and the path over the cells.",
         subject.invocation.line("simulate", *options),
-        draw,
+        drawn(path_figure, cells_picture(subject.cells.partition, path.path, loop.title)),
     )

@@ -12,6 +12,8 @@ from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.reports.document import Block, Code, Entry, Figure, Math, Section, table
 from nonsmooth.reports.driven_loop import DrivenLoop
 from nonsmooth.reports.feedback_loop import GAIN
+from nonsmooth.reports.figures.path import centre_picture, path_figure
+from nonsmooth.reports.figures.style import drawn
 from nonsmooth.reports.prose import paragraph, prose
 from nonsmooth.reports.sections.starts import Start, start_text
 from nonsmooth.reports.subject import ArraySubject
@@ -102,17 +104,11 @@ def _row(loop: DrivenLoop, path: _Path) -> tuple[Entry, ...]:
 
 
 def _figure(subject: ArraySubject, loop: DrivenLoop, path: _Path) -> Figure:
-    def draw(suffix: str) -> bytes:
-        from nonsmooth.reports.figures.cell_map import figure_bytes
-        from nonsmooth.reports.figures.path import centre_picture, path_figure
-
-        picture = centre_picture(loop.scene, path.path, "certified law, measured from the checked point")
-        return figure_bytes(lambda: path_figure(picture), suffix)
-
+    picture = centre_picture(loop.scene, path.path, "certified law, measured from the checked point")
     return Figure(
         "closed-loop",
         prose("The closed loop of clause 4 from {}: x, y and `theta` over time, and the path.", start_text(path.start)),
         "Curves of x, y and theta over time under feedback, and the path.",
         subject.invocation.line("derive", "--only", "feedback", "-o", "closed-loop.html"),
-        draw,
+        drawn(path_figure, picture),
     )

@@ -5,10 +5,13 @@ from __future__ import annotations
 from nonsmooth.analysis.contact_rule import rule_of
 from nonsmooth.proofs.theorem4_result import Check
 from nonsmooth.reports.document import Bullets, Entry, Figure, Math, Paragraph, Section, number, point, table
+from nonsmooth.reports.figures import wheels
+from nonsmooth.reports.figures.style import drawn
 from nonsmooth.reports.prose import paragraph, prose, with_formulas
 from nonsmooth.reports.subject import ArraySubject
 from nonsmooth.symbolic.free_rollers import askew_wheels
 from nonsmooth.symbolic.numbers.measured_angles import angle_notes
+from nonsmooth.symbolic.rule import MIXED
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
@@ -45,6 +48,10 @@ def array_section(subject: ArraySubject) -> Section:
         header.append(prose("`a_i`"))
         rows = [(*row, point(wheel.unit_grip)) for row, wheel in zip(rows, scene.wheels, strict=True)]
         widths = (*widths, 5)
+    if scene.contact.rule == MIXED:
+        header.append("contact")
+        rows = [(*row, scene.rule_of_wheel(wheel)) for row, wheel in zip(rows, scene.wheels, strict=True)]
+        widths = (*widths, 2)
     intro = paragraph(
         "{} wheels: position `p_i`, rim direction `d_i`, surface speed `u_i` along the rim, friction "
         "coefficients `mu_R` along and `mu_S` across it.",
@@ -54,25 +61,19 @@ def array_section(subject: ArraySubject) -> Section:
     notes = [paragraph(axes)] * askew
     notes += [Paragraph((f"Note: {note}.",)) for note in angle_notes(scene.field)]
     listing = table(header, rows, widths)
-    drawn = () if ANSWERS in subject.parts else (array_figure(subject),)  # the first section shows it
-    return Section("The array", (intro, *notes, *drawn, listing))
+    picture = () if ANSWERS in subject.parts else (array_figure(subject),)  # the first section shows it
+    return Section("The array", (intro, *notes, *picture, listing))
 
 
 def array_figure(subject: ArraySubject) -> Figure:
     """The wheels from above."""
     scene = subject.scene
-
-    def draw(suffix: str) -> bytes:
-        from nonsmooth.reports.figures.array import array_figure
-
-        return array_figure(scene, suffix)
-
     return Figure(
         "array",
         prose("The wheels with their rims and surface speeds, and the square of centres of mass that is checked."),
         f"Plan of the {len(scene.wheels)} wheels with rims and speeds around the checked square.",
         subject.invocation.line("partition", "--show", "array", "-o", "array.pdf"),
-        draw,
+        drawn(wheels.array_figure, scene),
     )
 
 

@@ -11,6 +11,8 @@ from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.trajectories.result import EndReason, Trajectory, TrajectoryError
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.reports.document import Block, Entry, Figure, Frame, Math, Section, decimal, table
+from nonsmooth.reports.figures.path import start_mark, starts_figure
+from nonsmooth.reports.figures.style import drawn
 from nonsmooth.reports.papers.murphey_burdick_2001.paper import is_paper_array
 from nonsmooth.reports.paths import ArrayPath
 from nonsmooth.reports.prose import paragraph, prose
@@ -138,22 +140,13 @@ def _first_figure(subject: ArraySubject, start: Start, path: Trajectory) -> Figu
 
 
 def _starts_figure(subject: ArraySubject, places: list[Start], paths: list[Trajectory]) -> Figure:
-    from nonsmooth.reports.figures.starts import start_mark
-
-    partition = subject.cells.partition
-
-    def draw(suffix: str) -> bytes:
-        from nonsmooth.reports.figures.starts import starts_figure
-
-        return starts_figure(partition, paths, suffix)
-
     labels = [_label(k, start, path) for k, (start, path) in enumerate(zip(places, paths, strict=True), 1)]
     return Figure(
         "starts",
         prose("Paths from many starts, one at a time where they can be chosen; all are listed below."),
         "Path over the cells and curves over time from one of the starts.",
         subject.invocation.line("simulate", "--from", typed_start(places[0], subject.scene), "-o", "path.pdf"),
-        draw,
+        drawn(starts_figure, subject.cells.partition, paths),
         tuple(Frame(start_mark(k), label) for k, label in enumerate(labels, 1)),
     )
 
@@ -165,8 +158,6 @@ def _label(number: int, start: Start, path: Trajectory) -> str:
 
 
 def _starts_table(places: list[Start], paths: list[Trajectory]) -> Block:
-    from nonsmooth.reports.figures.starts import start_mark
-
     rows: list[tuple[Entry, ...]] = [
         (
             str(k),

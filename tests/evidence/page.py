@@ -16,9 +16,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from matplotlib.figure import Figure
 
-from nonsmooth.reports.figures.cell_map import figure_bytes
-from nonsmooth.reports.figures.measurements import COLORS
-from nonsmooth.reports.figures.wheels import INK
+from nonsmooth.reports.figures.style import INK, LINES, figure_bytes
 from nonsmooth.symbolic.number_text import float_text
 from tests.evidence.claims import claim_comparisons
 from tests.evidence.comparison import Comparison
@@ -103,7 +101,7 @@ def evidence_figure(evidence: Evidence) -> Figure:
 def draw_errors(axes: Axes, rows: Sequence[Comparison]) -> None:
     """Relative errors of the vehicles."""
     names = [row.claim.rpartition(", ")[2] for row in rows]
-    axes.barh(range(len(names)), [100 * (row.error or 0.0) for row in rows], color=COLORS[0])
+    axes.barh(range(len(names)), [100 * (row.error or 0.0) for row in rows], color=LINES[0])
     axes.set_yticks(range(len(names)), names, fontsize="small")
     axes.invert_yaxis()
     axes.axvline(0, color=INK, linewidth=0.8)
@@ -113,7 +111,7 @@ def draw_errors(axes: Axes, rows: Sequence[Comparison]) -> None:
 
 def draw_histogram(axes: Axes, ranking: Ranking) -> None:
     """Errors of the point contacts with nothing fitted, both ways, beside a guess."""
-    for color, direction in zip(COLORS, Direction, strict=False):
+    for color, direction in zip(LINES, Direction, strict=False):
         own = one_of(ranking, direction, "isotropic")
         axes.hist(own.errors, BINS, histtype="step", linewidth=1.6, color=color, label=direction.value)
     naive = one_of(ranking, Direction.WRENCH, "naive")
@@ -130,7 +128,7 @@ def draw_medians(axes: Axes, ranking: Ranking) -> None:
         places = [models.index(one.model) + 0.18 * (2 * k - 1) for one in ranked]
         medians = np.array([one.median for one in ranked])
         low, high = np.array([one.interval for one in ranked]).T
-        style: dict[str, Any] = {"color": COLORS[k], "capsize": 3, "linestyle": "none", "marker": "o"}
+        style: dict[str, Any] = {"color": LINES[k], "capsize": 3, "linestyle": "none", "marker": "o"}
         axes.errorbar(medians, places, xerr=[medians - low, high - medians], label=direction.value, **style)
     axes.set_yticks(range(len(models)), [f"{model.name} ({model.parameters} fitted)" for model in models])
     axes.invert_yaxis()
@@ -142,7 +140,7 @@ def draw_medians(axes: Axes, ranking: Ranking) -> None:
 def draw_verdicts(axes: Axes, rows: Sequence[Comparison]) -> None:
     """How many published claims agree, and how many are refuted."""
     counts = sorted(Counter(row.verdict.value for row in rows).items())
-    axes.bar([name for name, _ in counts], [count for _, count in counts], color=COLORS[: len(counts)])
+    axes.bar([name for name, _ in counts], [count for _, count in counts], color=LINES[: len(counts)])
     axes.set(ylabel="published claims")
     axes.set_title("published claims, as scenes", fontsize="medium")
 

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from scipy.integrate import dblquad
 
-from nonsmooth.reports.figures.cell_map import figure_bytes
+from nonsmooth.reports.figures.style import figure_bytes
 from nonsmooth.symbolic.number_text import float_text
 from tests.evidence.claims import TRIANGLE, claim_comparisons, linear_moment, stable_headings
 from tests.evidence.comparison import Comparison, Verdict, measured_verdict, published

@@ -12,7 +12,7 @@ import pytest
 
 import nonsmooth
 from nonsmooth.reports.body_maps import BodyMapResult
-from nonsmooth.reports.figures.body_map import build_figure
+from nonsmooth.reports.figures.grids import destinations_figure
 from nonsmooth.symbolic.scene_error import SceneError
 from tests.thorough import thorough
 
@@ -138,7 +138,7 @@ def test_the_parts_add_up_to_all_starts(carton: Path, invoke: Invoke) -> None:
     assert isinstance(array, nonsmooth.Array)
     shown = array.map(4, heading=0.3, until=0.5)
     assert isinstance(shown, BodyMapResult)
-    figure = build_figure(shown)
+    figure = destinations_figure(shown)
     assert f"{moving} still moving at the last time" in figure.get_suptitle()
     labels = [text.get_text() for text in figure.legends[0].get_texts()]
     assert sum(float(label.split(" %")[0]) for label in labels) == pytest.approx(100, abs=0.5)

@@ -21,7 +21,7 @@ from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.reports import progress as progress_module
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import run
-from nonsmooth.reports.figures.settle_map import build_figure
+from nonsmooth.reports.figures.grids import ends_figure
 from nonsmooth.reports.maps import SettleMapResult
 from nonsmooth.reports.progress import progress
 from tests.thorough import few, keep
@@ -90,7 +90,7 @@ def test_the_parts_of_a_map_add_up_to_all_starts(tmp_path: Path, capsys: pytest.
     assert isinstance(array, ns.Array)
     shown = array.map(10, until=0.4, kinematics="leading")
     assert isinstance(shown, SettleMapResult)
-    figure = build_figure(shown)
+    figure = ends_figure(shown)
     assert f"{late} the time is over" in figure.get_suptitle()
     shares = [text.get_text() for text in figure.legends[0].get_texts() if " %: " in text.get_text()]
     assert sum(float(label.split(" %")[0]) for label in shares) == pytest.approx(100, abs=0.1)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import pytest
 
-from nonsmooth.reports.figures.cell_map import figure_bytes
+from nonsmooth.reports.figures.style import figure_bytes
 from tests.thorough import keep
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ def test_the_layout_is_that_of_saving(suffix: str, monkeypatch: pytest.MonkeyPat
     ours = figure_bytes(lambda: crowded("constrained"), suffix)
     assert LAST[suffix] in ours[-40:]
     assert ours != figure_bytes(lambda: crowded(None), suffix)
-    monkeypatch.setattr("nonsmooth.reports.figures.cell_map.lay_out", lambda figure, suffix: None)
+    monkeypatch.setattr("nonsmooth.reports.figures.style.lay_out", lambda figure, suffix: None)
     assert ours == figure_bytes(lambda: crowded("constrained"), suffix)
 
 

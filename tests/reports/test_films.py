@@ -17,7 +17,7 @@ from nonsmooth.reports.animation import film as film_module
 from nonsmooth.reports.animation.film import MOST_FRAMES, RATE, build_film, frame_times
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import BAD_INPUT, run
-from nonsmooth.reports.figures.outline import outline_of, placed
+from nonsmooth.reports.figures.wheels import outline_of, placed
 from nonsmooth.reports.files import OutputError
 from tests.thorough import keep, thorough
 

@@ -30,7 +30,7 @@ from nonsmooth.proofs import measurements
 from nonsmooth.proofs.measurements import STUDIES
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import BAD_INPUT, INTERRUPTED, run
-from nonsmooth.reports.figures.measurements import build_figure
+from nonsmooth.reports.figures.measurements import measurements_figure
 from nonsmooth.reports.measurements import Precision
 from nonsmooth.reports.progress import silent
 from nonsmooth.symbolic.files.scene_file import load_scene
@@ -184,7 +184,7 @@ def test_scenes_of_rule_ellipse_leave_out_what_has_no_cells() -> None:
 
 
 def drawn(view: Precision) -> Figure:
-    return build_figure(view.head, view.run, of_studies=True)
+    return measurements_figure(view.head, view.run, of_studies=True)
 
 
 def figure() -> Figure:

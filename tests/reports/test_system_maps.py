@@ -15,7 +15,7 @@ from nonsmooth.analysis.fields.cell_values import potential_values
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.reports import system_maps
 from nonsmooth.reports.console import BAD_INPUT
-from nonsmooth.reports.figures.system_map import build_figure
+from nonsmooth.reports.figures.grids import ratios_figure
 from nonsmooth.reports.phase_portrait import PhasePortrait
 from nonsmooth.reports.system_maps import SystemMap, Whereabouts, mapped
 from nonsmooth.symbolic.files.system_file import load_system
@@ -54,7 +54,7 @@ def test_the_parts_add_up_to_all_starts(found: SystemMap) -> None:
     parts = {part["end"]: part["starts"] for part in found.facts()["parts"]}
     assert parts == counted
     assert sum(parts.values()) == 49
-    for text in (found.summary(), build_figure(found).get_suptitle()):
+    for text in (found.summary(), ratios_figure(found).get_suptitle()):
         assert all(f"{count} {kind}" in text.replace("\n", " ") for kind, count in counted.items())
 
 

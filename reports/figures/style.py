@@ -1,0 +1,229 @@
+"""The style of all pictures, stated once: colors, sizes, words with units, titles, legends, views, and their bytes.
+
+A picture is a function that builds a Matplotlib figure from what it shows; those that draw on axes take the axes first.
+Matplotlib is imported by the call that needs it.
+"""
+
+from __future__ import annotations
+
+import io
+import textwrap
+import warnings
+from collections.abc import Callable, Iterable, Sequence
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nonsmooth.symbolic.number_text import decimal_text
+from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.scene_error import SceneError, StatedFact
+from nonsmooth.symbolic.units import Units
+
+if TYPE_CHECKING:
+    from matplotlib.artist import Artist
+    from matplotlib.axes import Axes
+    from matplotlib.backend_bases import FigureCanvasBase
+    from matplotlib.figure import Figure
+    from matplotlib.image import AxesImage
+    from matplotlib.lines import Line2D
+
+XY: TypeAlias = tuple[float, float]
+Floats: TypeAlias = NDArray[np.float64]
+
+# ---- colors and sizes ----------------------------------------------------------------------------
+
+INK = "#222222"
+# Okabe and Ito's palette (safe for color-blind readers), drawn lightly; white gaps part equal neighbours.
+PALETTE = ("#56B4E9", "#E69F00", "#009E73", "#F0E442", "#CC79A7", "#0072B2", "#D55E00", "#999999")
+LINES = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#222222", "#999999")  # for thin lines
+TINT = 0.45  # opacity of an area
+INKED: Any = dict.fromkeys(
+    ("text.color", "axes.edgecolor", "axes.labelcolor", "axes.titlecolor", "xtick.color", "ytick.color"),
+    INK,
+)
+PICTURE = 5.2  # inches, both ways: readable in a column of a page and on a phone
+LEGEND_ROW = 0.2  # inches that a row of the legend needs below the picture
+POINTS_PER_INCH = 72
+DOTS = 150  # to an inch, of a picture of dots
+LABEL = 9  # points, the size of a label
+LARGEST, RESOLUTION = 1e100, 1e-9  # what Matplotlib draws faithfully with floats
+TITLE = 64  # characters of a line of a title over one picture
+WIDE_TITLE = 100  # over several side by side
+
+# ---- words ---------------------------------------------------------------------------------------
+
+
+def length_label(name: str, units: Units) -> str:
+    """``x [mm]``; where the scene states no unit, the kind of quantity."""
+    return f"{name} [{units.length or 'length'}]"
+
+
+def time_label(name: str, units: Units) -> str:
+    """``t [s]``."""
+    return f"{name} [{units.time or 'time'}]"
+
+
+def square_rate_label(name: str, units: Units) -> str:
+    """``V* [mm²/s]``."""
+    return f"{name} [{units.length or 'length'}²/{units.time or 'time'}]"
+
+
+def pose_labels(units: Units) -> tuple[str, str, str]:
+    """Of the position and the heading of a body."""
+    return length_label("x", units), length_label("y", units), "theta [rad]"
+
+
+def centre_labels(units: Units) -> dict[str, str]:
+    """Of the plane in which the centre of mass lies: keywords of ``Axes.set``."""
+    names = {"xlabel": "x of the centre of mass", "ylabel": "y of the centre of mass"}
+    return {key: length_label(name, units) for key, name in names.items()}
+
+
+def wrapped(title: str, width: int = TITLE) -> str:
+    """A title on as many lines as it needs."""
+    return "\n".join(textwrap.fill(line, width) for line in title.splitlines())
+
+
+# ---- figures, titles and legends -----------------------------------------------------------------
+
+
+def new_figure(width: float, height: float) -> Figure:
+    """An empty figure of a size in inches."""
+    from matplotlib.figure import Figure
+
+    return Figure(figsize=(width, height), layout="constrained")
+
+
+def title_axes(axes: Axes, title: str) -> None:
+    """A title over one picture, which may hold any name of a scene."""
+    axes.set_title(wrapped(title), parse_math=False)
+
+
+def title_figure(figure: Figure, title: str, width: int = WIDE_TITLE) -> None:
+    """A title over several pictures side by side."""
+    figure.suptitle(wrapped(title, width), fontsize="medium", parse_math=False)
+
+
+def legend_below(figure: Figure, entries: Sequence[Artist] | None = None, columns: int = 2, **style: Any) -> None:
+    """A legend below all axes, of these entries or of what the axes name themselves."""
+    handles = {} if entries is None else {"handles": entries}
+    figure.legend(loc="outside lower center", ncols=columns, frameon=False, **handles, **style)
+
+
+def mark_entry(marker: str, label: str, **style: Any) -> Line2D:
+    """An entry of a legend for a mark."""
+    from matplotlib.lines import Line2D
+
+    return Line2D([], [], **{"linestyle": "none", "color": INK, "marker": marker, "label": label, **style})
+
+
+def line_entry(label: str, **style: Any) -> Line2D:
+    """An entry of a legend for a line."""
+    from matplotlib.lines import Line2D
+
+    return Line2D([], [], label=label, **style)
+
+
+# ---- views ---------------------------------------------------------------------------------------
+
+
+def floats(point: tuple[object, object]) -> XY:
+    """A point of exact numbers as one of floats."""
+    return float(point[0]), float(point[1])  # type: ignore[arg-type]
+
+
+def corners_of(points: Iterable[tuple[object, object]]) -> Floats:
+    """Points of exact numbers as floats of shape (m, 2)."""
+    return np.array([floats(point) for point in points])
+
+
+def view_centre(axes: Axes, scene: Scene, half: float) -> None:
+    """Equal axes for the centre of mass, in a square of this half-width about the checked point."""
+    x, y = floats(scene.check.equilibrium)
+    axes.set(xlim=(x - half, x + half), ylim=(y - half, y + half), aspect="equal", **centre_labels(scene.units))
+
+
+def draw_checked_point(axes: Axes, scene: Scene) -> None:
+    """A cross."""
+    axes.plot(*floats(scene.check.equilibrium), marker="+", color=INK, markersize=11, markeredgewidth=1.6, zorder=5)
+
+
+def grid_extent(starts: Floats) -> tuple[float, float, float, float]:
+    """Left, right, low and high of the image of a square grid of points (m, 2): half a step beyond the outermost."""
+    count = grid_side(starts)
+    (left, low), (right, high) = starts.min(axis=0), starts.max(axis=0)
+    dx, dy = (right - left) / (count - 1) / 2, (high - low) / (count - 1) / 2
+    return float(left - dx), float(right + dx), float(low - dy), float(high + dy)
+
+
+def grid_side(starts: Floats) -> int:
+    """How many points of a square grid are in a row."""
+    return round(len(starts) ** 0.5)
+
+
+def draw_grid(axes: Axes, starts: Floats, values: Any, **colors: Any) -> AxesImage:
+    """An image with a pixel for each point of a square grid; ``values`` are numbers (m) or colors (m, 3 or 4)."""
+    count = grid_side(starts)
+    pixels = values.reshape(count, count, *values.shape[1:])
+    return axes.imshow(pixels, origin="lower", extent=grid_extent(starts), interpolation="nearest", **colors)
+
+
+def require_drawable(scene: Scene) -> None:
+    """Refuse squares that floats cannot draw faithfully.
+
+    Raises:
+        SceneError: where the square is too large, too small or too far away.
+    """
+    radius, far = abs(float(scene.check.radius)), max(abs(float(x)) for x in scene.check.equilibrium)
+    if not (1 / LARGEST <= radius <= LARGEST and far * RESOLUTION <= radius):
+        expected = f"for a picture, a radius of {1 / LARGEST:g} to {LARGEST:g}, and {RESOLUTION:g} of the coordinates"
+        raise SceneError(scene.origin, "check.radius", expected, StatedFact(decimal_text(scene.check.radius, 6)))
+
+
+# ---- bytes ---------------------------------------------------------------------------------------
+
+
+def drawn(build: Callable[..., Figure], *shown: Any) -> Callable[[str], bytes]:
+    """What draws a picture of something as the bytes of a file, by the ending of its name."""
+    return lambda suffix: figure_bytes(lambda: build(*shown), suffix)
+
+
+def figure_bytes(build: Callable[[], Figure], suffix: str) -> bytes:
+    """A figure as the bytes of a file; ``suffix`` is one of PICTURES.  Equal input gives equal bytes."""
+    import matplotlib as mpl
+
+    stamps = {".svg": {"Date": None}, ".png": {"Software": None}, ".pdf": {"CreationDate": None}}
+    stream = io.BytesIO()
+    with mpl.rc_context({"svg.hashsalt": "nonsmooth", "font.size": LABEL} | INKED), warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Glyph .* missing")  # a scene's name may use any script
+        figure = build()
+        lay_out(figure, suffix)
+        figure.savefig(stream, format=suffix[1:], dpi=DOTS, metadata=stamps[suffix])
+    return stream.getvalue()
+
+
+def lay_out(figure: Figure, suffix: str) -> None:
+    """Give axes and legends their room, as they will be in such a file, and keep it.
+
+    Matplotlib does so as it saves, and to do it draws the whole figure once more: a quarter of the time.
+    """
+    engine = figure.get_layout_engine()
+    if engine is None:
+        return
+    _canvas(suffix)(figure)
+    figure.set_dpi(DOTS if suffix == ".png" else POINTS_PER_INCH)
+    engine.execute(figure)
+    figure.set_layout_engine(None)
+
+
+def _canvas(suffix: str) -> type[FigureCanvasBase]:
+    """What measures text as it is drawn in such a file."""
+    if suffix == ".pdf":
+        from matplotlib.backends.backend_pdf import FigureCanvasPdf
+
+        return FigureCanvasPdf
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
+
+    return FigureCanvasAgg if suffix == ".png" else FigureCanvasSVG
