@@ -19,7 +19,7 @@ from nonsmooth.analysis.cells.loads import elastic_loads_at
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.contact_rule import CellRule, ContactRule, SmoothRule, all_rules, contact_rule
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contact_model
-from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
+from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.minimizers.proved import free_motions
 from nonsmooth.symbolic.constraints import Twist, cofactors, combine, inner, scaled, scene_rows, total, wheel_rows
@@ -325,4 +325,4 @@ def _twists(vehicle: Vehicle, model: ContactModel, left: Floats, right: Floats) 
     heads = np.array([wheel.direction[0].sign() for wheel in vehicle.scene.wheels])
     speeds = heads * np.where(is_left, left[:, None], right[:, None])
     loads = np.repeat(loads_at(model, _centre(vehicle)), len(left), axis=0)
-    return EllipseInterior().minimize(model.with_targets(model.targets_of(speeds)), loads).twists + 0.0
+    return EllipseMinimizer().minimize(model.with_targets(model.targets_of(speeds)), loads).twists + 0.0

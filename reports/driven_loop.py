@@ -20,7 +20,7 @@ from nonsmooth.analysis.dynamics.moving_loads import MovingLoads
 from nonsmooth.analysis.fields.contact_model import ContactModel
 from nonsmooth.analysis.fields.driven_field import ImposedMotions, Motion, driven_field
 from nonsmooth.analysis.fields.switched_field import Vector
-from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
+from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.proved import proved
 from nonsmooth.analysis.trajectories.held_law import HeldLaw, PoseErrors, follow_held
 from nonsmooth.analysis.trajectories.result import Trajectory, TrajectoryError
@@ -217,7 +217,7 @@ def _minimizing(model: ContactModel, speeds: Vector) -> Motion:
     """The motion at given speeds under a rule without cells, by the place."""
     targets = np.zeros(2 * model.wheels)
     targets[0::2] = speeds
-    driven, loads, minimizer = replace(model, targets=targets), MovingLoads(model, np.zeros(2)), EllipseInterior()
+    driven, loads, minimizer = replace(model, targets=targets), MovingLoads(model, np.zeros(2)), EllipseMinimizer()
 
     @lru_cache(maxsize=REMEMBERED)
     def motion_at(x: float, y: float) -> Vector:

@@ -27,13 +27,15 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import cached_property
-from typing import Any, Generic, TypeAlias, TypeVar
+from typing import Any, Generic, NamedTuple, TypeAlias, TypeVar
 
 import numpy as np
 from flint import arb
+from numpy.typing import NDArray
 
 from nonsmooth.symbolic.numbers.number import Number
 
+Floats: TypeAlias = NDArray[np.float64]
 X = TypeVar("X", bound=Any)  # numbers of one arithmetic
 
 
@@ -147,6 +149,85 @@ class CutEllipse(Generic[X]):
 
 
 FrictionSet: TypeAlias = CutEllipse[Number]
+
+
+class NearestForce(NamedTuple):
+    """The point of a plane convex set that is nearest to a given one, and how it moves with it; of arrays (...).
+
+    Its derivative is ``rate (1 - normal normal^T)``: the identity inside (no normal), along the border where that is
+    smooth, and nothing at a corner.
+
+    Attributes:
+        force: the point, shape (2, ...).
+        rate: shape (...).
+        normal: shape (2, ...).
+    """
+
+    force: Floats
+    rate: Floats
+    normal: Floats
+
+    @property
+    def rates(self) -> Floats:
+        """The derivative's entries ``(xx, yy, xy)``, shape (3, ...)."""
+        x, y = self.normal
+        return np.array([self.rate * (1 - x * x), self.rate * (1 - y * y), -self.rate * x * y])
+
+    def along(self, change: Floats) -> Floats:
+        """The derivative times a change of the given point, shape (2, ...)."""
+        x, y = self.normal
+        return np.asarray(self.rate * (change - self.normal * (x * change[0] + y * change[1])))
+
+
+class UnitDiscs:
+    """The sets of many wheels in units of their half-axes: discs of radius one that strips cut; floats of order one.
+
+    Attributes:
+        cuts: kappa, shape (n, 1), for points of shape (2, n, m).
+        whole: whether no strip takes anything away.
+    """
+
+    def __init__(self, cuts: Floats) -> None:
+        self.cuts, self.whole = cuts[:, None], bool((cuts == 1).all())
+        self._corner = np.sqrt((1 - self.cuts) * (1 + self.cuts))
+
+    def support(self, r: Floats, s: Floats) -> Floats:
+        """``max p . (r, s)`` over the set."""
+        arc = np.sqrt(r * r + s * s)
+        if self.whole:
+            return arc
+        r, s = np.abs(r), np.abs(s)
+        return np.where(self._corner * s > self.cuts * r, self._corner * r + self.cuts * s, arc)
+
+    def excess(self, x: Floats, y: Floats) -> Floats:
+        """How far beyond its set a force lies, in parts of it; at most 0 inside."""
+        sizes = np.sqrt(x * x + y * y)
+        return (sizes if self.whole else np.maximum(sizes, np.abs(y) / self.cuts)) - 1
+
+    def nearest(self, x: Floats, y: Floats) -> NearestForce:
+        """The nearest forces of the sets."""
+        rate = 1 / np.maximum(np.sqrt(x * x + y * y), 1.0)
+        force = np.array([x * rate, y * rate])
+        normal = np.where(rate < 1, force, 0.0)
+        if self.whole:
+            return NearestForce(force, rate, normal)
+        beyond = np.abs(y) > self.cuts
+        side = beyond & (np.abs(x) < self._corner)
+        corner = beyond & ~side & (self._corner * np.abs(y) > self.cuts * np.abs(x))
+        bound = side | corner
+        force[0] = np.where(side, x, np.where(corner, np.sign(x) * self._corner, force[0]))
+        force[1] = np.where(bound, np.sign(y) * self.cuts, force[1])
+        normal[0], normal[1] = np.where(bound, 0.0, normal[0]), np.where(bound, side, normal[1])
+        return NearestForce(force, np.where(bound, side, rate), normal)
+
+    def longest_step(self, force: Floats, change: Floats) -> Floats:
+        """The largest t at which ``force + t change`` lies in its set, for forces in it."""
+        (x, y), (dx, dy) = force, change
+        square, product, slack = dx * dx + dy * dy, x * dx + y * dy, np.maximum(1 - x * x - y * y, 0.0)
+        longest = np.where(square > 0, (np.sqrt(product * product + square * slack) - product) / square, np.inf)
+        if self.whole:
+            return longest
+        return np.where(dy == 0, longest, np.minimum(longest, (np.sign(dy) * self.cuts - y) / dy))
 
 
 def float_sets(sets: Iterable[FrictionSet]) -> CutEllipse[Any]:

@@ -20,7 +20,7 @@ import numpy as np
 
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
-from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
+from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 
 GRAVITY = 9.81
@@ -153,7 +153,7 @@ def relative_errors(wheels: ContactModel, start: Floats) -> Floats:
     """Of the twists of the rules ``roller``, ``ellipse`` and ``box``, relative to the engine's largest entry."""
     twist, centre = settled_twist(wheels, start)
     loads = loads_at(wheels, centre[None])
-    models = (EllipseInterior(), with_rollers(wheels)), (EllipseInterior(), wheels), (BoxHighs(), wheels)
+    models = (EllipseMinimizer(), with_rollers(wheels)), (EllipseMinimizer(), wheels), (BoxHighs(), wheels)
     errors = [np.abs(method.minimize(model, loads).twists[0] - twist).max() for method, model in models]
     return np.array(errors) / np.abs(twist).max()
 

@@ -39,12 +39,12 @@ class FrictionSetRule(SmoothRule):
         return with_friction_sets(contact_model(scene), [self.friction_set(wheel.friction) for wheel in scene.wheels])
 
     def minima(self, scene: Scene, points: Floats) -> Minima:
-        """By interior points, finished by Newton steps."""
-        from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
+        """By smoothing, finished by multipliers."""
+        from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
         from nonsmooth.analysis.minimizers.float_loads import loads_at
 
         model = self.contacts(scene)
-        return EllipseInterior().minimize(model, loads_at(model, points))
+        return EllipseMinimizer().minimize(model, loads_at(model, points))
 
     def path(self, scene: Scene, start: Sequence[float], until: float) -> Trajectory:
         """The minimizer of D, integrated; of a body with an outline from contact set to contact set."""

@@ -2,7 +2,7 @@
 
 ``c' = v + omega J c, theta' = omega`` with ``xi = (v, omega)`` the minimizer at the current loads.
 Newton steps from the last minimizer take a tenth of a millisecond.  Where they do not prove that theirs is the only
-minimizer, that of the interior point method is taken, which costs a millisecond or more.
+minimizer, that of the method of multipliers is taken, which costs a millisecond or more.
 
 Where friction sets have corners (rule ``roller``) D is linear in pieces, as under rule ``box``: at some loads its
 minimizers are a whole face, and beyond them the twist is another one.  Solutions slide along such places (Filippov),
@@ -21,7 +21,7 @@ from typing import TypeAlias
 import numpy as np
 
 from nonsmooth.analysis.fields.contact_model import ContactModel, ContactRows, Floats
-from nonsmooth.analysis.minimizers.ellipse_minimizer import WarmInterior
+from nonsmooth.analysis.minimizers.ellipse_minimizer import WarmMinimizer
 from nonsmooth.analysis.minimizers.minimum import Minima
 from nonsmooth.analysis.minimizers.proved import resists_every_motion
 from nonsmooth.analysis.minimizers.smooth_newton import SmoothNewton
@@ -36,7 +36,7 @@ DRAG = 1e-6  # of the friction of the whole weight
 def proved_twist(
     model: ContactModel, quick: SmoothNewton | None, minimize: Minimize, loads: Floats, pose: Floats
 ) -> Floats:
-    """The minimizer of D: by Newton steps from the last one, else by interior points.
+    """The minimizer of D: by Newton steps from the last one, else by multipliers.
 
     Args:
         model: the contacts.
@@ -70,7 +70,7 @@ def needs_drag(model: ContactModel) -> bool:
 def path_minimizer(model: ContactModel) -> Minimize:
     """The minimizer at loads (n,), one after the other along a path: of D, plus drag where the twist may jump."""
     if not needs_drag(model):
-        return WarmInterior(model).minimize
+        return WarmMinimizer(model).minimize
     # three contacts more: along x, along y and around, each with a slip g across that never vanishes
     size = float(np.hypot(*(model.positions - model.positions.mean(axis=0)).T).max())
     speed = float(np.abs(model.targets).max()) or 1.0
@@ -82,5 +82,5 @@ def path_minimizer(model: ContactModel) -> Minimize:
         np.concatenate([model.friction, np.full(6, model.friction.max())]),
         cuts=np.concatenate([model.cuts, np.ones(3)]),
     )
-    minimizer = WarmInterior(dragged)
+    minimizer = WarmMinimizer(dragged)
     return lambda loads: minimizer.minimize(np.concatenate([loads, np.full(3, DRAG * loads.sum())]))

@@ -38,7 +38,7 @@ from nonsmooth.analysis.measurements.reference_paths import (
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.choice import Minimizer
 from nonsmooth.analysis.minimizers.dissipation import dissipation
-from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
+from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import RESIDUAL, elastic_loads, loads_at
 from nonsmooth.analysis.minimizers.minimum import GAP
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory
@@ -72,7 +72,7 @@ RATIOS: dict[str, Fraction] = {  # mu_S/mu_R
     "1e6": Fraction(10**6),
     "1e12": 1 / TINY,
 }
-MINIMIZERS: tuple[Minimizer, ...] = (BoxHighs(), EllipseInterior())
+MINIMIZERS: tuple[Minimizer, ...] = (BoxHighs(), EllipseMinimizer())
 UNPROVEN = "its forces do not certify the minimum: they are so large that their rounding outweighs the gap"
 
 

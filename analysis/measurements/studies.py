@@ -28,7 +28,7 @@ from nonsmooth.analysis.measurements.harness import Assessment, Clock, LeftOut, 
 from nonsmooth.analysis.minimizers.box_minimizers import MAX_WHEELS, BoxEnumeration, BoxHighs
 from nonsmooth.analysis.minimizers.choice import Minimizer
 from nonsmooth.analysis.minimizers.dissipation import Functional, dissipation
-from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
+from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.minimizers.point_location import PointLocator
 from nonsmooth.analysis.minimizers.proved import proved
@@ -198,7 +198,7 @@ def ellipse_references(scene: Scene) -> tuple[ReferenceTwist, ...]:
     """
     model, points = contact_model(scene), list(_points(scene))
     loads = loads_at(model, points)
-    minima, regions = EllipseInterior().minimize(model, loads), load_regions(scene)
+    minima, regions = EllipseMinimizer().minimize(model, loads), load_regions(scene)
     slips = np.hypot(*np.moveaxis(model.slips(minima.twists), -1, 0))
     smooth = ((slips > STICKS * np.abs(model.targets).max()) | (loads == 0)).all(axis=1)
     found: list[ReferenceTwist] = []
@@ -304,7 +304,7 @@ def build_ellipse_minimizers(scene: Scene) -> StudyPlan:
     import scipy.optimize  # noqa: F401  # now, so that no measured time includes it
 
     model = contact_model(scene)
-    trials = [Trial("interior point", partial(_minimized, EllipseInterior(), model, points), judge)]
+    trials = [Trial("smoothing", partial(_minimized, EllipseMinimizer(), model, points), judge)]
     for tolerance in SOLVER_TOLERANCES:
         work = partial(_by_bfgs, model, points, tolerance)
         trials.append(Trial("BFGS", work, judge, "tolerance", tolerance))

@@ -3,7 +3,7 @@
 ====================  ==========  =====================================================================
 name                  functional  use
 ====================  ==========  =====================================================================
-``EllipseInterior``   ellipse     all points at once in NumPy, to rounding: the one to use
+``EllipseMinimizer``   ellipse     all points at once in NumPy, to rounding: the one to use
 ``BoxHighs``          box         dual linear program by HiGHS, point by point: the one to use in floats
 ``BoxEnumeration``    box         every regular triple of rows, the literal definition: small arrays
 ====================  ==========  =====================================================================
@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike
 from nonsmooth.analysis.fields.contact_model import ContactRows
 from nonsmooth.analysis.minimizers.box_minimizers import BoxEnumeration, BoxHighs
 from nonsmooth.analysis.minimizers.dissipation import Functional
-from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
+from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.minimum import Minima
 
 
@@ -40,7 +40,7 @@ class Minimizer(Protocol):
         """
 
 
-MINIMIZERS: tuple[Minimizer, ...] = (EllipseInterior(), BoxHighs(), BoxEnumeration())
+MINIMIZERS: tuple[Minimizer, ...] = (EllipseMinimizer(), BoxHighs(), BoxEnumeration())
 
 
 def minimizers_of(functional: Functional) -> tuple[Minimizer, ...]:

@@ -24,7 +24,7 @@ from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.choice import Minimizer
 from nonsmooth.analysis.minimizers.dissipation import Functional
-from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
+from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.minimizers.minimum import Minima
 from nonsmooth.analysis.minimizers.proved import minima_without_proof, proved
@@ -156,5 +156,5 @@ _LAWS = {SampledLaw.PAPER: paper_speeds, SampledLaw.TRACKING: tracking_speeds}
 
 def _minimizers(model: ContactModel, functional: Functional, points: Floats, speeds: Floats) -> Minima:
     """Minimizers at points with their own speeds."""
-    minimizer: Minimizer = BoxHighs() if functional is Functional.BOX else EllipseInterior()
+    minimizer: Minimizer = BoxHighs() if functional is Functional.BOX else EllipseMinimizer()
     return minimizer.minimize(model.with_targets(model.targets_of(speeds)), loads_at(model, points))

@@ -12,7 +12,7 @@ with ``sum over the others of N_i W_i^T e_i + sum_k N_k W_k^T f_k = 0``.  These 
 solution is a minimizer, and friction forces are ``-N_i (mu_R e_i1, mu_S e_i2)``.  It is the only one where the Hessian
 of the others is positive definite along the motions that leave the ``w_k`` (or their directions) as they are.  So
 nothing else has to be proved.  Where the steps do not settle, another method is needed
-(:class:`nonsmooth.analysis.minimizers.ellipse_minimizer.WarmInterior`).
+(:class:`nonsmooth.analysis.minimizers.ellipse_minimizer.WarmMinimizer`).
 
 Which contacts stick is a *regime*.  In it the unknowns follow the loads analytically, ``J unknowns' = -sum_i N_i' W_i^T
 e_i`` with J the Jacobian of Newton's method, also beyond the place where a force or a slip forbids it.

@@ -20,7 +20,7 @@ from nonsmooth.analysis.bodies.path import BodyPath
 from nonsmooth.analysis.bodies.set_motion import ContactSets
 from nonsmooth.analysis.contact_rule import SmoothRule, contact_rule
 from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
-from nonsmooth.analysis.minimizers.ellipse_minimizer import WarmInterior
+from nonsmooth.analysis.minimizers.ellipse_minimizer import WarmMinimizer
 from nonsmooth.analysis.trajectories.follow import DenseStep, Guards, first_event
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory
 from nonsmooth.symbolic.continuum import Disc
@@ -55,13 +55,13 @@ def path_of(scene: Scene, start: tuple[float, float, float], until: float) -> Tr
 
 
 class Motion(NamedTuple):
-    """The motion on any wheels of an array, from the interior point minimizer, kept for each set of wheels."""
+    """The motion on any wheels of an array, from the minimizer that begins anew, kept for each set of wheels."""
 
     positions: Floats
     rims: Floats
     speeds: Floats
     friction: Floats
-    minimizers: dict[frozenset[int], WarmInterior]
+    minimizers: dict[frozenset[int], WarmMinimizer]
 
     @classmethod
     def of(cls, scene: Scene) -> Motion:
@@ -89,7 +89,7 @@ class Motion(NamedTuple):
         wheels = sorted(carrying)
         if carrying not in self.minimizers:
             contacts = (self.positions[wheels], self.rims[wheels], self.speeds[wheels], self.friction[wheels])
-            self.minimizers[carrying] = WarmInterior(ContactModel.build(*contacts))
+            self.minimizers[carrying] = WarmMinimizer(ContactModel.build(*contacts))
         twist = self.minimizers[carrying].minimize(self.loads(wheels, pose[:2])).twists[0]
         v, omega = twist[:2], twist[2]
         return np.array([v[0] - omega * pose[1], v[1] + omega * pose[0], omega])

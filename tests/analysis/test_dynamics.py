@@ -18,7 +18,7 @@ from nonsmooth.analysis.dynamics.newton_euler import (
     disc,
 )
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contact_model
-from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
+from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.symbolic.files.scene_file import load_scene
@@ -91,7 +91,7 @@ def test_friction_balances_at_the_minimizer_of_the_dissipation() -> None:
         model = random_model(seed)
         points = np.random.default_rng(seed).uniform(-0.5, 0.5, size=(20, 2))
         loads = loads_at(model, points)
-        twists = EllipseInterior().minimize(model, loads).twists
+        twists = EllipseMinimizer().minimize(model, loads).twists
         sliding = (np.linalg.norm(model.slips(twists), axis=-1) > 1e-3).all(axis=1)
         friction = EllipseFriction(model, creep=1e-8)
         for point, load, (vx, vy, omega) in zip(points[sliding], loads[sliding], twists[sliding], strict=True):

@@ -26,7 +26,7 @@ from nonsmooth.analysis.bodies.mass_path import simulate_dynamics
 from nonsmooth.analysis.dynamics.newton_euler import RigidBody
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
-from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
+from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback, decide_driven_feedback
 from nonsmooth.proofs.clauses.feedback.driven_law import rim_speeds
@@ -165,7 +165,7 @@ def test_engines_settled_twist_is_that_of_rule_ellipse(
     plate.step(0.01)
     assert np.abs(plate.twist - before).max() < 1e-3 * np.abs(before).max()
     loads = loads_at(wheels, [plate.pose[:2]])
-    expected, other = (method.minimize(wheels, loads).twists[0] for method in (EllipseInterior(), BoxHighs()))
+    expected, other = (method.minimize(wheels, loads).twists[0] for method in (EllipseMinimizer(), BoxHighs()))
     error = relative_error(expected, plate.twist)
     assert error < TWIST
     assert error < relative_error(other, plate.twist) / 10

@@ -10,7 +10,7 @@ from nonsmooth.analysis.measurements.cases import RATIOS
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.choice import Minimizer
 from nonsmooth.analysis.minimizers.dissipation import Functional
-from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
+from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.minimizers.minimum import GAP
 from nonsmooth.symbolic.files.scene_file import load_scene
@@ -53,7 +53,7 @@ def test_certificates_at_extreme_friction_are_right(name: str) -> None:
     for ratio in RATIOS.values():
         model = contact_model(with_friction_ratio(scene, ratio))
         loads = loads_at(model, point)
-        for minimizer in (BoxHighs(), EllipseInterior()):
+        for minimizer in (BoxHighs(), EllipseMinimizer()):
             minima = minimizer.minimize(model, loads)
             problem = ReferenceMinimization(minimizer.functional, model, loads[0])
             error = abs(float(((problem.at(minima.twists[0]) - problem.least()) / problem.at(np.zeros(3))).mid()))

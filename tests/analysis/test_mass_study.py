@@ -13,7 +13,7 @@ from nonsmooth.analysis.bodies.path import ellipse_path
 from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.analysis.dynamics.newton_euler import RigidBody, disc
 from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
-from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
+from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.symbolic.files.scene_file import load_scene
@@ -120,7 +120,7 @@ def test_settled_twist_is_the_minimizer_at_its_own_pose(name: str) -> None:
         x, y, _, wx, wy, omega = simulate_dynamics(model, disc(model, mass), START, 0.1).states[-1]
         twist = np.array([wx + omega * y, wy - omega * x, omega])
         loads = loads_at(model, [[x, y]])
-        errors.append(np.abs(twist - EllipseInterior().minimize(model, loads).twists[0]).max())
+        errors.append(np.abs(twist - EllipseMinimizer().minimize(model, loads).twists[0]).max())
     assert errors[0] < 0.02
     assert errors[1] < errors[0] / 5
 
@@ -130,7 +130,7 @@ def test_ellipse_path_moves_with_the_minimizer_and_exact_kinematics() -> None:
     path, step = ellipse_path(model, START, 1.0), 1e-4
     for t in (0.1, 0.5, 0.9):
         x, y, _ = path.at(t)
-        ((vx, vy, omega),) = EllipseInterior().minimize(model, loads_at(model, [[x, y]])).twists
+        ((vx, vy, omega),) = EllipseMinimizer().minimize(model, loads_at(model, [[x, y]])).twists
         rate = (np.array(path.at(t + step)) - np.array(path.at(t - step))) / (2 * step)
         assert np.allclose(rate, [vx - omega * y, vy + omega * x, omega], atol=1e-5)
 

@@ -14,14 +14,15 @@ from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.box import build_box_partition
 from nonsmooth.analysis.fields.contact_model import ContactModel, ContactRows, contact_model
-from nonsmooth.analysis.minimizers import sum_of_norms
 from nonsmooth.analysis.minimizers.box_minimizers import BoxEnumeration, BoxHighs
 from nonsmooth.analysis.minimizers.choice import Minimizer
 from nonsmooth.analysis.minimizers.dissipation import Functional, dissipation
-from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
+from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import elastic_loads, loads_at
 from nonsmooth.analysis.minimizers.minimum import Minima, Minimum
+from nonsmooth.analysis.minimizers.sum_of_supports import SupportSums, by_multipliers
 from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.friction_set import UnitDiscs
 from nonsmooth.symbolic.similar_scenes import with_friction_ratio
 from tests.four_wheel import CORNERS
 from tests.oracles.cvxpy_programs import MINIMIZERS, CvxpyMinimizer, minimizers_of
@@ -33,7 +34,7 @@ FOUR = np.array(CORNERS, float)
 SAME_VALUE = 1e-9  # relative: what the least exact minimizer reaches
 SAME_TWIST = 1e-5  # relative to the speeds: the reference solvers know D to 1e-11, a twist to its square root
 ROUNDING = 1e-10  # of twists and forces of order 1 by the exact minimizers
-GAPS = {EllipseInterior: 1e-10, BoxHighs: 1e-10, BoxEnumeration: 1e-9, CvxpyMinimizer: 1e-7}  # relative
+GAPS = {EllipseMinimizer: 1e-10, BoxHighs: 1e-10, BoxEnumeration: 1e-9, CvxpyMinimizer: 1e-7}  # relative
 
 
 def label(minimizer: Minimizer) -> str:
@@ -411,7 +412,7 @@ RATIOS = pytest.mark.parametrize("ratio", [1e-3, 1e-2, 0.1, 0.5, 1, 2, 10, 1e2, 
 @few(1)
 @pytest.mark.parametrize("points", keep(1, [100, 1000]))
 @RATIOS
-def test_interior_on_rings_grids_and_random_arrays(ratio: float, points: int) -> None:
+def test_on_rings_grids_and_random_arrays(ratio: float, points: int) -> None:
     """Gap below 1e-10, and D no more than CVXPY's best plus 1e-9 of it."""
     models = [ring(count, (1, ratio)) for count in range(3, 9)] + [ring(6, (1, ratio), (1, 2))]
     models += [grid(2, 3, (1, ratio)), grid(4, 4, (1, ratio)), grid(6, 6, (1, ratio))]
@@ -419,7 +420,7 @@ def test_interior_on_rings_grids_and_random_arrays(ratio: float, points: int) ->
     reference = CvxpyMinimizer(Functional.ELLIPSE)
     for seed, model in enumerate(models):
         _, loads = at_random_points(model, points, seed)
-        minima = EllipseInterior().minimize(model, loads)
+        minima = EllipseMinimizer().minimize(model, loads)
         assert minima.check(1e-10).all()
         best = reference.minimize(model, loads[:2]).values
         assert (minima.values[:2] <= best * (1 + 1e-9)).all()
@@ -427,15 +428,15 @@ def test_interior_on_rings_grids_and_random_arrays(ratio: float, points: int) ->
 
 @few(2)
 @pytest.mark.parametrize("exponent", range(-12, 13, 3))
-def test_interior_at_extreme_friction(exponent: int) -> None:
+def test_at_extreme_friction(exponent: int) -> None:
     for seed in range(4):
         model, loads = at_random_points(random_array(seed, (1, 10.0**exponent)), 200, seed)
-        assert EllipseInterior().minimize(model, loads).check(1e-9).all()
+        assert EllipseMinimizer().minimize(model, loads).check(1e-9).all()
 
 
 @few(1)
 @pytest.mark.parametrize("seed", range(6))
-def test_interior_at_extreme_loads_places_and_speeds(seed: int) -> None:
+def test_at_extreme_loads_places_and_speeds(seed: int) -> None:
     """Loads over twelve decades, a wheel array far from the origin, thin, or with speeds over many decades."""
     rng, model = np.random.default_rng(seed), random_array(seed)
     surface, friction = model.targets.reshape(-1, 2), model.friction.reshape(-1, 2)
@@ -452,24 +453,23 @@ def test_interior_at_extreme_loads_places_and_speeds(seed: int) -> None:
         (moved(model.positions * [1, 1e-5]), even),
         (ContactModel.build(model.positions, model.rims, speeds, friction), even),
     ]:
-        assert EllipseInterior().minimize(other, loads).check(1e-9).all()
+        assert EllipseMinimizer().minimize(other, loads).check(1e-9).all()
 
 
-def test_interior_point_alone_reaches_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Without Newton's finish: the same values to its own gap, twists to the square root of it."""
-    cases = [at_random_points(random_array(seed), 100, seed) for seed in range(5)]
-    polished = [EllipseInterior().minimize(*case) for case in cases]
-
-    def never(*arguments: Floats) -> tuple[Floats, Floats, NDArray[np.bool_]]:
-        _, _, _, y, z = arguments
-        return y, z, np.zeros(y.shape[1], bool)
-
-    monkeypatch.setattr(sum_of_norms, "polish", never)
-    for case, reference in zip(cases, polished, strict=True):
-        alone = EllipseInterior().minimize(*case)
-        assert alone.check(1e-11).all()
-        np.testing.assert_allclose(alone.values, reference.values, rtol=1e-11)
-        np.testing.assert_allclose(alone.twists, reference.twists, atol=SAME_TWIST)
+@few(2)
+@pytest.mark.parametrize("seed", range(5))
+def test_multipliers_alone_reach_the_same(seed: int) -> None:
+    """From nothing, without the smoothing that starts them, and with the same proof."""
+    model, loads = at_random_points(random_array(seed), 100, seed)
+    minima = EllipseMinimizer().minimize(model, loads)
+    speed = np.abs(model.friction * model.targets).max()
+    maps = (model.friction[:, None] * model.rows).reshape(-1, 2, 3)
+    targets = (model.friction * model.targets / speed).reshape(-1, 2)
+    sums = SupportSums(loads.T, maps, targets.T[..., None], UnitDiscs(model.cuts))
+    start = np.zeros((3, len(loads))), np.zeros((2, model.wheels, len(loads))), np.full(len(loads), 10.0)
+    alone = by_multipliers(sums, *start)
+    assert alone.proved.all()
+    np.testing.assert_allclose(speed * alone.y.T, minima.twists, atol=1e-7)
 
 
 # ---- results -----------------------------------------------------------------------------------
@@ -477,7 +477,7 @@ def test_interior_point_alone_reaches_the_same(monkeypatch: pytest.MonkeyPatch) 
 
 @pytest.fixture
 def minimum() -> Minimum:
-    return EllipseInterior().minimize(four_wheels(), elastic_loads(four_wheels(), [(0.2, 0.1)]))[0]
+    return EllipseMinimizer().minimize(four_wheels(), elastic_loads(four_wheels(), [(0.2, 0.1)]))[0]
 
 
 @pytest.mark.parametrize(
@@ -502,7 +502,7 @@ def test_forged_results_fail(minimum: Minimum, forge: Callable[[Minimum], Minimu
 
 def test_many_results_are_a_sequence() -> None:
     model, loads = at_random_points(four_wheels(), 5)
-    minima = EllipseInterior().minimize(model, loads)
+    minima = EllipseMinimizer().minimize(model, loads)
     assert len(minima) == len(list(minima)) == 5
     np.testing.assert_array_equal(minima[-1].twist, minima.twists[4])
     np.testing.assert_allclose([m.value for m in minima], minima.values, rtol=1e-15)
@@ -515,15 +515,15 @@ def test_many_results_are_a_sequence() -> None:
 def test_points_do_not_depend_on_their_company(points: int) -> None:
     """Thousands of points go through several blocks; each result is that of the point alone."""
     model, loads = at_random_points(random_array(2), points)
-    together = EllipseInterior().minimize(model, loads)
+    together = EllipseMinimizer().minimize(model, loads)
     assert together.check(1e-10).all()
     for k in (0, points // 2, points - 1):
-        alone = EllipseInterior().minimize(model, loads[k])
+        alone = EllipseMinimizer().minimize(model, loads[k])
         np.testing.assert_allclose(together.twists[k], alone.twists[0], atol=ROUNDING)
 
 
 def test_no_points() -> None:
-    minima = EllipseInterior().minimize(four_wheels(), np.empty((0, 4)))
+    minima = EllipseMinimizer().minimize(four_wheels(), np.empty((0, 4)))
     assert len(minima) == 0
     assert minima.check().shape == (0,)
 
@@ -531,7 +531,7 @@ def test_no_points() -> None:
 def test_lighter_loads_dissipate_less() -> None:
     """D is linear in the loads."""
     model, loads = at_random_points(random_array(1), 1)
-    values = EllipseInterior().minimize(model, np.outer([1, 2, 3, 10], loads[0])).values
+    values = EllipseMinimizer().minimize(model, np.outer([1, 2, 3, 10], loads[0])).values
     assert all(a < b for a, b in pairwise(values))
     np.testing.assert_allclose(values, values[0] * np.array([1, 2, 3, 10]), rtol=1e-12)
 

@@ -9,11 +9,12 @@ from nonsmooth.analysis.bodies.path import BodyPath
 from nonsmooth.analysis.contact_rule import SmoothRule, contact_rule
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.minimizers import ellipse_minimizer
-from nonsmooth.analysis.minimizers.cut_norms import minimize_cut_norms
-from nonsmooth.analysis.minimizers.ellipse_minimizer import WarmInterior
+from nonsmooth.analysis.minimizers.ellipse_minimizer import WarmMinimizer
 from nonsmooth.analysis.minimizers.minimum import Minima
+from nonsmooth.analysis.minimizers.sum_of_supports import by_smoothing
 from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.friction_set import UnitDiscs
 
 
 def smooth(name: str) -> SmoothRule:
@@ -22,25 +23,25 @@ def smooth(name: str) -> SmoothRule:
     return rule
 
 
-def test_a_body_that_all_wheels_carry_along_hardly_needs_interior_points(monkeypatch: pytest.MonkeyPatch) -> None:
-    """On parallel rollers all contacts stick: Newton's method goes on from the last minimizer, with the same proof.
+def test_a_body_that_all_wheels_carry_along_hardly_begins_anew(monkeypatch: pytest.MonkeyPatch) -> None:
+    """On parallel rollers all contacts stick: multipliers go on from the last minimizer, with the same proof.
 
     The path is known by the definition: nothing slips.
     """
     asked: list[bool] = []
     begun: list[bool] = []
-    warm, cold = WarmInterior.minimize, minimize_cut_norms
+    warm, cold = WarmMinimizer.minimize, by_smoothing
 
-    def counted_warm(self: WarmInterior, loads: Floats) -> Minima:
+    def counted_warm(self: WarmMinimizer, loads: Floats) -> Minima:
         asked.append(True)
         return warm(self, loads)
 
-    def counted_cold(*arguments: Floats) -> tuple[Floats, Floats]:
+    def counted_cold(weights: Floats, maps: Floats, targets: Floats, sets: UnitDiscs) -> tuple[Floats, Floats]:
         begun.append(True)
-        return cold(*arguments)
+        return cold(weights, maps, targets, sets)
 
-    monkeypatch.setattr(WarmInterior, "minimize", counted_warm)
-    monkeypatch.setattr(ellipse_minimizer, "minimize_cut_norms", counted_cold)
+    monkeypatch.setattr(WarmMinimizer, "minimize", counted_warm)
+    monkeypatch.setattr(ellipse_minimizer, "by_smoothing", counted_cold)
     scene = load_scene("roller-bed")
     path = BodyPath(smooth("roller").contacts(scene), scene).follow((0.1, 0.05, 0.2), 0.1)
     assert path.end.state == pytest.approx((0.2, 0.05, 0.2), abs=1e-9)

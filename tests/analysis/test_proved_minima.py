@@ -20,7 +20,7 @@ from nonsmooth.analysis.fields.contact_model import ContactRows, contact_model
 from nonsmooth.analysis.measurements.studies import ellipse_references
 from nonsmooth.analysis.minimizers.agreement import compare_rules
 from nonsmooth.analysis.minimizers.dissipation import Functional, dissipation
-from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
+from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.minimizers.minimum import Minima
 from nonsmooth.analysis.minimizers.point_location import PointLocator
@@ -70,7 +70,7 @@ def test_every_minimum_is_proved_and_right(arrays: Arrays, build: object) -> Non
     scene = build(arrays)  # type: ignore[operator]
     model = contact_model(scene)
     points = np.random.default_rng(0).uniform(-0.1, 0.1, (300, 2))
-    minima = EllipseInterior().minimize(model, loads_at(model, points))
+    minima = EllipseMinimizer().minimize(model, loads_at(model, points))
     assert proved(minima).all()
     boxed = replace(scene, contact=Contact("box"))
     exact = PointLocator(build_box_partition(boxed)).twists(points)
@@ -117,15 +117,15 @@ def test_two_free_motions(arrays: Arrays) -> None:
 
 def test_minima_without_proof_do_not_count(arrays: Arrays, monkeypatch: pytest.MonkeyPatch) -> None:
     """Every other answer spoiled: half of them are left, and the sentence says so."""
-    honest = EllipseInterior.minimize
+    honest = EllipseMinimizer.minimize
 
-    def spoilt(self: EllipseInterior, model: ContactRows, loads: object) -> Minima:
+    def spoilt(self: EllipseMinimizer, model: ContactRows, loads: object) -> Minima:
         found = honest(self, model, loads)  # type: ignore[arg-type]
         twists = found.twists.copy()
         twists[::2] *= 1e200
         return replace(found, twists=twists)
 
-    monkeypatch.setattr(EllipseInterior, "minimize", spoilt)
+    monkeypatch.setattr(EllipseMinimizer, "minimize", spoilt)
     scene = under_ellipse(arrays.four_wheel())
     with np.errstate(over="ignore", invalid="ignore"):
         sampled = sample_smooth_derivative(scene, 100)
@@ -152,10 +152,10 @@ def test_own_speeds_at_every_point(arrays: Arrays) -> None:
     targets = np.zeros((20, 8))
     targets[:, ::2] = rng.uniform(-1, 1, (20, 4))
     loads = loads_at(model, points)
-    together = EllipseInterior().minimize(ContactRows(model.rows, targets, model.friction), loads)
+    together = EllipseMinimizer().minimize(ContactRows(model.rows, targets, model.friction), loads)
     assert proved(together).all()
     for k in range(20):
-        alone = EllipseInterior().minimize(replace(model, targets=targets[k]), loads[k])
+        alone = EllipseMinimizer().minimize(replace(model, targets=targets[k]), loads[k])
         assert together.twists[k] == pytest.approx(alone.twists[0], abs=1e-12)
         assert together[k].check()
     forged = replace(together, model=ContactRows(model.rows, targets[::-1], model.friction))

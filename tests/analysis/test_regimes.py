@@ -1,4 +1,4 @@
-"""Newton's method beside contacts that stick, against the interior point method; slopes of regimes as differences."""
+"""Newton's method beside contacts that stick, against the method of multipliers; slopes of regimes as differences."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from nonsmooth.analysis.fields.contact_model import ContactModel
-from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
+from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.smallest_forces import smallest_forces
 from nonsmooth.analysis.minimizers.smooth_newton import SmoothNewton
 from tests.thorough import few, keep
@@ -28,16 +28,16 @@ def model_of(seed: int, alike: int) -> ContactModel:
 @few(1)
 @pytest.mark.parametrize("models", keep(1, [2, 8]))
 @pytest.mark.parametrize("alike", [2, 0, 1, 3])
-def test_twists_are_those_of_the_interior_point_method(alike: int, models: int) -> None:
+def test_twists_are_those_of_the_method_of_multipliers(alike: int, models: int) -> None:
     found = stuck = 0
     for seed in range(models):
         model, rng = model_of(seed, alike), np.random.default_rng(seed + 100)
         ends = rng.dirichlet(np.ones(7), 2)
         newton = SmoothNewton(model)
-        newton.start_from(EllipseInterior().minimize(model, ends[:1]).twists[0])
+        newton.start_from(EllipseMinimizer().minimize(model, ends[:1]).twists[0])
         for share in np.linspace(0, 1, 21):
             loads = (1 - share) * ends[0] + share * ends[1]
-            (expected,) = EllipseInterior().minimize(model, loads[None]).twists
+            (expected,) = EllipseMinimizer().minimize(model, loads[None]).twists
             twist = newton.minimize(loads)
             if twist is None:
                 newton.start_from(expected)
@@ -56,7 +56,7 @@ def test_slopes_are_differences(alike: int) -> None:
         model, rng = model_of(seed, alike), np.random.default_rng(seed + 200)
         loads, others = rng.dirichlet(np.ones(7), 2)
         newton = SmoothNewton(model)
-        newton.start_from(EllipseInterior().minimize(model, loads[None]).twists[0])
+        newton.start_from(EllipseMinimizer().minimize(model, loads[None]).twists[0])
         if newton.minimize(loads) is None or newton.last is None:
             continue
         regime, unknowns = newton.last

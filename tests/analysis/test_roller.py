@@ -12,7 +12,7 @@ from scipy.optimize import minimize_scalar
 from nonsmooth.analysis.contact_rule import contact_rule, smooth_rule_of
 from nonsmooth.analysis.fields.contact_model import ContactModel, ContactRows, Floats
 from nonsmooth.analysis.minimizers.dissipation import Functional, dissipation, weighted_size
-from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
+from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import elastic_loads, loads_at
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.numbers.number_field import NumberField
@@ -73,7 +73,7 @@ def random_rollers(seed: int) -> tuple[ContactModel, Floats]:
 def test_forces_are_the_gradient_where_rims_slip(seed: int) -> None:
     """Minus the gradient of each wheel's term by its slips is its force, by differences."""
     wheels, loads = random_rollers(seed)
-    minima = EllipseInterior().minimize(wheels, loads)
+    minima = EllipseMinimizer().minimize(wheels, loads)
     slips, step = wheels.slips(minima.twists), 1e-7
     moved = (
         np.stack([slips + step * np.eye(2)[k] for k in range(2)]),
@@ -89,7 +89,7 @@ def test_forces_are_the_gradient_where_rims_slip(seed: int) -> None:
 @pytest.mark.parametrize("seed", range(6))
 def test_no_twist_dissipates_less(seed: int) -> None:
     wheels, loads = random_rollers(seed)
-    minima = EllipseInterior().minimize(wheels, loads)
+    minima = EllipseMinimizer().minimize(wheels, loads)
     assert minima.check(1e-12).all()
     near = minima.twists + 1e-3 * np.random.default_rng(seed).normal(size=(50, 1, 3))
     assert (dissipation(Functional.ELLIPSE, wheels, loads, near) >= minima.values * (1 - 1e-13)).all()
@@ -99,12 +99,12 @@ def test_no_twist_dissipates_less(seed: int) -> None:
 @pytest.mark.parametrize("seed", range(4))
 def test_mirrored_turned_and_faster_arrays_move_alike(seed: int) -> None:
     wheels, loads = random_rollers(seed)
-    twists = EllipseInterior().minimize(wheels, loads).twists
+    twists = EllipseMinimizer().minimize(wheels, loads).twists
     speeds = wheels.speeds
 
     def minimizers(positions: Floats, rims: Floats, surface: Floats) -> Floats:
         other = replace(ContactModel.build(positions, rims, surface, (1.0, 1.0)), cuts=wheels.cuts)
-        return EllipseInterior().minimize(other, loads).twists
+        return EllipseMinimizer().minimize(other, loads).twists
 
     turn = np.array([[0.6, -0.8], [0.8, 0.6]])
     turned = minimizers(wheels.positions @ turn.T, wheels.rims @ turn.T, speeds)
@@ -153,6 +153,6 @@ def test_a_path_has_the_twist_of_the_rule() -> None:
     model = rule.contacts(scene)
     for t in (0.05, 0.1, 0.15):
         before, here, after = path.sample(np.array([t - 1e-3, t, t + 1e-3]))
-        (twist,) = EllipseInterior().minimize(model, loads_at(model, here[None, :2])).twists
+        (twist,) = EllipseMinimizer().minimize(model, loads_at(model, here[None, :2])).twists
         rate = twist + twist[2] * np.array([-here[1], here[0], 0.0])
         np.testing.assert_allclose((after - before) / 2e-3, rate, atol=1e-4)

@@ -7,7 +7,7 @@ import pytest
 
 import nonsmooth as ns
 from nonsmooth.analysis.contact_rule import smooth_rule_of
-from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
+from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from tests.roller_engine import (
     SETTLING,
     creep_rates,
@@ -43,7 +43,7 @@ def test_rubber_beside_rollers_settles_as_the_mixed_rule_says(array: int) -> Non
     )
     scenes = made.scene, made.scene.under("ellipse")
     models = [smooth_rule_of(scene).contacts(scene) for scene in scenes]
-    mixed, alone = (EllipseInterior().minimize(model, plate.loads).twists[0] - plate.twist for model in models)
+    mixed, alone = (EllipseMinimizer().minimize(model, plate.loads).twists[0] - plate.twist for model in models)
     assert np.abs(mixed).max() < MIXED * np.abs(plate.twist).max()
     assert np.abs(mixed).max() < np.abs(alone).max()
 

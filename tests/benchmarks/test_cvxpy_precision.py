@@ -20,7 +20,7 @@ from nonsmooth.analysis.measurements.studies import box_references, ellipse_refe
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.choice import Minimizer
 from nonsmooth.analysis.minimizers.dissipation import Functional
-from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
+from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.oracles.cvxpy_programs import ConeSolver, CvxpyMinimizer, hull_upper_derivative_on
@@ -50,7 +50,7 @@ def twist_error(minimizer: Minimizer, stopwatch: Stopwatch) -> float:
     return error
 
 
-@pytest.mark.parametrize("minimizer", [BoxHighs(), EllipseInterior()], ids=lambda m: str(m.functional))
+@pytest.mark.parametrize("minimizer", [BoxHighs(), EllipseMinimizer()], ids=lambda m: str(m.functional))
 def test_the_programs_own_reach_rounding(minimizer: Minimizer, stopwatch: Stopwatch) -> None:
     assert twist_error(minimizer, stopwatch) < ROUNDING
 

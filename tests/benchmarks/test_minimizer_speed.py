@@ -11,7 +11,7 @@ from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.choice import Minimizer
 from nonsmooth.analysis.minimizers.dissipation import Functional
-from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
+from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.oracles.cvxpy_programs import CvxpyMinimizer
@@ -49,7 +49,7 @@ def times_per_point(
 @pytest.mark.parametrize("name", ["four-wheel", "ring-5", "ring-8", "grid-4x4"])
 def test_ellipse(name: str, stopwatch: Stopwatch) -> None:
     model = contact_model(load_scene(name))
-    interior = EllipseInterior()
+    interior = EllipseMinimizer()
     plain, compiled = (CvxpyMinimizer(Functional.ELLIPSE, compiled=c) for c in (False, True))
     minima, reference = (m.minimize(model, loads_of(model, FEW)) for m in (interior, compiled))
     assert minima.check(1e-10).all()

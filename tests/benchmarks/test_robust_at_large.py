@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
-from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
+from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.proofs.robust.box import BoxRingProof
 from nonsmooth.proofs.robust.nearest import inner_radius
@@ -66,7 +66,7 @@ def farthest_outward(scene: Scene, box: Tolerance, most: float) -> float:
     points = (sizes[:, None, None] * rays).reshape(-1, 2)
     for _ in range(SLOPE_ARRAYS):
         model = smooth_array(scene, box, rng, corner=True)
-        motions = EllipseInterior().minimize(model, loads_at(model, points)).twists
+        motions = EllipseMinimizer().minimize(model, loads_at(model, points)).twists
         outward = ((points * motions[:, :2]).sum(axis=1) >= 0).reshape(len(sizes), -1).any(axis=1)
         farthest = max(farthest, float(sizes[outward].max(initial=0.0)))
     return farthest

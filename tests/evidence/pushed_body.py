@@ -24,7 +24,7 @@ from typing import NamedTuple
 import numpy as np
 
 from nonsmooth.analysis.fields.contact_model import ContactRows, Floats
-from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
+from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.plane_arrays import turned
 
 GRIP = 1e3  # of a constraint, in units of the largest wrench that it can need
@@ -77,7 +77,7 @@ class Contacts:
         aims[: len(normals)], grip[: len(normals)] = targets / sizes, GRIP * np.linalg.norm(self.shape, 2)
         rows, count = self._rows(), 2 * len(self.points)
         model = ContactRows(np.vstack([rows, held]), np.append(np.zeros(count), aims), np.append(np.ones(count), grip))
-        found = EllipseInterior().minimize(model, np.append(self.loads, 1.0))[0]
+        found = EllipseMinimizer().minimize(model, np.append(self.loads, 1.0))[0]
         return found.twist, found.forces[-1, : len(normals)] / sizes
 
     def _rows(self) -> Floats:

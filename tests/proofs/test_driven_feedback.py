@@ -15,7 +15,7 @@ from nonsmooth.analysis.cells.loads import load_regions
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contact_model
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
-from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
+from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.proofs.clauses.feedback.balanced_twists import (
     BUDGET,
@@ -68,7 +68,7 @@ def minimizer(rule: str, model: ContactModel, c: Floats, speeds: Floats) -> Floa
     targets = np.zeros(2 * model.wheels)
     targets[0::2] = speeds * (axes * model.rims).sum(axis=1)  # the rim's velocity u_i d_i, along the friction axis
     targets[1::2] = speeds * (sides * model.rims).sum(axis=1)
-    solver = BoxHighs() if rule == "box" else EllipseInterior()
+    solver = BoxHighs() if rule == "box" else EllipseMinimizer()
     return solver.minimize(replace(model, targets=targets), loads_at(model, c[None])).twists[0]
 
 

@@ -18,7 +18,7 @@ from nonsmooth.analysis.contact_rule import smooth_rule_of
 from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.dissipation import Functional, dissipation
-from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
+from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.proofs.answers.answers import answers_of
 from nonsmooth.proofs.clauses.equilibrium.every_load import EveryLoadEquilibrium
 from nonsmooth.proofs.clauses.every_load.box_slopes import build_slopes
@@ -113,7 +113,7 @@ def test_omniwheels_carry_the_body_about_the_point_under_every_load(rule: str) -
     rng, model = np.random.default_rng(8), contact_model(scene)
     points = rng.uniform(-0.1, 0.1, (30, 2)) * float(scene.check.radius)
     loads = admissible_at(scene, points, rng)
-    minima = (BoxHighs() if rule == "box" else EllipseInterior()).minimize(model, loads)
+    minima = (BoxHighs() if rule == "box" else EllipseMinimizer()).minimize(model, loads)
     assert np.allclose(minima.twists, [0, 0, -1], atol=STILL)
     assert np.allclose(dissipation(Functional.BOX, model, loads, np.array([0, 0, -1.0])), 0, atol=1e-12)
 
@@ -201,7 +201,7 @@ def test_bodies_come_nearer_under_every_sampled_load(name: str, rule: str) -> No
     rng = np.random.default_rng(1)
     angles, reaches = rng.uniform(0, 2 * np.pi, 60), float(translation.home_radius) * rng.uniform(0.05, 1, 60)
     points = reaches[:, None] * np.column_stack([np.cos(angles), np.sin(angles)])
-    minima = EllipseInterior().minimize(smooth_rule_of(scene).contacts(scene), admissible_at(scene, points, rng))
+    minima = EllipseMinimizer().minimize(smooth_rule_of(scene).contacts(scene), admissible_at(scene, points, rng))
     assert ((points * minima.twists[:, :2]).sum(axis=1) < 0).all()
 
 
@@ -213,7 +213,7 @@ def test_the_rate_is_kept_near_the_point(name: str) -> None:
     assert translation.exponential_rate is not None
     rng = np.random.default_rng(2)
     points = 1e-3 * rng.normal(size=(60, 2))
-    minima = EllipseInterior().minimize(smooth_rule_of(scene).contacts(scene), admissible_at(scene, points, rng))
+    minima = EllipseMinimizer().minimize(smooth_rule_of(scene).contacts(scene), admissible_at(scene, points, rng))
     inward = -(points * minima.twists[:, :2]).sum(axis=1) / (points**2).sum(axis=1)
     assert (inward >= 0.99 * float(translation.exponential_rate)).all()
 

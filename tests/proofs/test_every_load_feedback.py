@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
 from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
-from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
+from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.proofs.clauses.every_load.float_loads import FloatLoads
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback, decide_driven_feedback
 from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, rim_speeds
@@ -105,7 +105,7 @@ def loop_of(scene: Scene, cone: LawCone) -> Loop:
     own, rng = in_own_length(scene), np.random.default_rng(5)
     loads, rule = sampled_loads(own, NEAR * rng.normal(size=2), rng), rule_of(own)
     model = rule.contacts(own) if isinstance(rule, SmoothRule) else contact_model(own)
-    minimizer = EllipseInterior() if isinstance(rule, SmoothRule) else BoxHighs()
+    minimizer = EllipseMinimizer() if isinstance(rule, SmoothRule) else BoxHighs()
     motions = []
     for imposed in cone.twists:
         targets = np.zeros(2 * model.wheels)

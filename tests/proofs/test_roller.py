@@ -11,7 +11,7 @@ import pytest
 
 from nonsmooth.analysis.cells.loads import load_regions
 from nonsmooth.analysis.contact_rule import smooth_rule_of
-from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
+from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.minimizers.proved import proved
 from nonsmooth.proofs.certificate import CertificateError, build_certificate
@@ -67,7 +67,7 @@ def twists_near(scene: Scene, points: np.ndarray, speeds: np.ndarray | None = No
         targets = np.zeros(2 * len(speeds))
         targets[::2] = speeds
         model = replace(model, targets=targets)
-    minima = EllipseInterior().minimize(model, loads_at(model, points))
+    minima = EllipseMinimizer().minimize(model, loads_at(model, points))
     assert proved(minima).all()
     assert not minima.faces
     return minima.twists

@@ -14,7 +14,7 @@ import pytest
 from nonsmooth.analysis.fields.contact_model import Floats, contact_model
 from nonsmooth.analysis.fields.driven_field import Motion
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
-from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
+from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.trajectories.held_law import follow_held
 from nonsmooth.analysis.trajectories.result import TrajectoryError
@@ -84,7 +84,7 @@ def stepped(scene: Scene, speeds: Speeds, start: Any, until: float, minimizer: A
 
 
 @few(1)
-@pytest.mark.parametrize(("rule", "minimizer"), [("box", BoxHighs()), ("ellipse", EllipseInterior())])
+@pytest.mark.parametrize(("rule", "minimizer"), [("box", BoxHighs()), ("ellipse", EllipseMinimizer())])
 @pytest.mark.parametrize(("name", "until"), keep(1, [("four-wheel", 0.2), ("four-wheel", 0.6), ("ring-5", 0.6)]))
 def test_small_steps_with_a_minimizer_lead_the_same_way(
     name: str, until: float, rule: str, minimizer: Any, tmp_path: Path

@@ -23,7 +23,7 @@ import nonsmooth as ns
 from nonsmooth.analysis.fields.contact_model import ContactRows, contact_model
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.choice import Minimizer
-from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
+from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.trajectories.result import EventKind
 from nonsmooth.proofs.clauses.feedback.by_friction import decide_driven_feedback
@@ -248,7 +248,7 @@ def test_minimizers_scale_with_all_speeds_together(rule: str) -> None:
     """D is homogeneous in twist and speeds together: what the laws of these rules rest on where speeds end."""
     rng = np.random.default_rng(4)
     model = contact_model(ARRAYS["random 2"].scene)
-    minimizer: Minimizer = BoxHighs() if rule == "box" else EllipseInterior()
+    minimizer: Minimizer = BoxHighs() if rule == "box" else EllipseMinimizer()
     loads = loads_at(model, rng.uniform(-0.2, 0.2, (5, 2)))
     for load in loads:
         targets = np.zeros(2 * model.wheels)
@@ -274,7 +274,7 @@ def test_the_error_falls_at_the_stated_speed_where_speeds_end(name: str, rule: s
     pose = array.check().pose
     assert pose["speed"] == speed
     model, rng = contact_model(scene), np.random.default_rng(9)
-    minimizer: Minimizer = BoxHighs() if rule == "box" else EllipseInterior()
+    minimizer: Minimizer = BoxHighs() if rule == "box" else EllipseMinimizer()
     reach, gain, ended = float(scene.check.radius) * 1e-4, 3e5, 0
     (cone,) = feedback.cones
     vectors = np.array([[float(x) for x in imposed.twist] for imposed in cone.twists])

@@ -16,7 +16,7 @@ import nonsmooth as ns
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
-from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
+from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.proofs.answers.best_point import at_best_point
 from nonsmooth.proofs.certificate import build_certificate, certificate_text
@@ -249,7 +249,7 @@ def test_the_law_of_imposed_twists_moves_the_body_and_lowers_v(rule: str) -> Non
     assert feedback["verdict"] == "stabilizable"
     length, kappa = float(scene.check.length), feedback["rate"] / 2
     model, rng = contact_model(scene), np.random.default_rng(1)
-    solver = BoxHighs() if rule == "box" else EllipseInterior()
+    solver = BoxHighs() if rule == "box" else EllipseMinimizer()
     lengths = np.array([1, 1, 1 / length])
     for _ in range(12):
         theta = rng.normal()

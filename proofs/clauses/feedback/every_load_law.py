@@ -43,7 +43,7 @@ from nonsmooth.analysis.cells.load_sets import load_set
 from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
 from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
-from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
+from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.proofs.clauses.every_load.float_loads import FloatLoads, Floats, float_loads
 from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, least_products, rim_speeds
 from nonsmooth.proofs.clauses.feedback.twist_candidates import ImposedTwist, rank_of
@@ -191,7 +191,7 @@ def _motions(scene: Scene, imposed: ImposedTwist, wheels: WheelForms, loads: Flo
     model = rule.contacts(scene) if isinstance(rule, SmoothRule) else contact_model(scene)
     targets = np.zeros(2 * model.wheels)
     targets[0::2] = speeds
-    minimizer = EllipseInterior() if is_smooth else BoxHighs()
+    minimizer = EllipseMinimizer() if is_smooth else BoxHighs()
     return minimizer.minimize(replace(model, targets=targets), samples).twists
 
 

@@ -22,7 +22,7 @@ from nonsmooth.analysis.cells.partition import Cell, Partition
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.fields.contact_model import ContactModel
 from nonsmooth.analysis.minimizers.agreement import shared_area
-from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
+from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.minimum import Minimum
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.clauses.feedback.control_fields import InputCell
@@ -582,7 +582,7 @@ def audit_uniqueness() -> AuditedClaim:
     cells = build_nearest_partition(_with_friction(load_scene("four-wheel"), 1)).cells
     tied = sum(len(cell.states) > 1 for cell in cells)
     two = ContactModel.build([[0, 0], [2, 1]], [[1, 0], [1, 0]], [[1, 0.3], [-0.2, 0.5]], [1, 1])
-    unequal, alike = EllipseInterior().minimize(two, np.array([[1.0, 2.0], [1.0, 1.0]]))
+    unequal, alike = EllipseMinimizer().minimize(two, np.array([[1.0, 2.0], [1.0, 1.0]]))
     circle_is_unique = unequal.face is None and alike.face is not None
     return AuditedClaim(
         8,

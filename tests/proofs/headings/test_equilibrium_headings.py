@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from nonsmooth.analysis.bodies.set_guesses import SetGuesses
 from nonsmooth.analysis.contact_rule import smooth_rule_of
 from nonsmooth.analysis.fields.contact_model import ContactModel
-from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
+from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.proofs.answers.answer import Heading, Position
 from nonsmooth.proofs.answers.headings import HeadingKind, HeadingsOfRest, headings_of_rest
 from nonsmooth.proofs.headings.set_motion import set_motion
@@ -80,7 +80,7 @@ class Oracle:
         self.rims = np.array([[float(x) for x in wheel.unit_direction] for wheel in wheels])
         self.speeds = np.array([float(wheel.speed) for wheel in wheels])
         self.friction = np.array([[float(wheel.friction.roll), float(wheel.friction.side)] for wheel in wheels])
-        self._known: dict[bytes, EllipseInterior] = {}
+        self._known: dict[bytes, EllipseMinimizer] = {}
 
     def under(self, pose: Floats) -> NDArray[np.bool_]:
         c, s = math.cos(pose[2]), math.sin(pose[2])
@@ -100,7 +100,7 @@ class Oracle:
                 model = ContactModel.build(
                     self.places[pressed], self.rims[pressed], self.speeds[pressed], self.friction[pressed]
                 )
-                vx, vy, omega = EllipseInterior().minimize(model, loads[None]).twists[0]
+                vx, vy, omega = EllipseMinimizer().minimize(model, loads[None]).twists[0]
                 return np.array([vx - omega * centre[1], vy + omega * centre[0], omega])
             pressed = np.delete(pressed, int(np.argmin(loads)))
         return None

@@ -11,7 +11,7 @@ import pytest
 
 from nonsmooth.analysis.fields.contact_model import ContactModel
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
-from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
+from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.feedback.driven_law import rim_speeds
@@ -118,7 +118,7 @@ def test_what_is_not_followed_is_said() -> None:
     ("name", "count"), keep(1, [("four-wheel", 10), ("four-wheel", 40), ("saddle", 40), ("spiral-30", 40)])
 )
 def test_no_array_of_the_box_is_slower_under_rules_with_friction_sets(name: str, count: int, rule: str) -> None:
-    """The speeds are those that the law states; minimizers by interior points, for corners of the box and others."""
+    """The speeds are those that the law states; minimizers in floats, for corners of the box and others."""
     scene = load_scene(name, rule=rule)
     feedback = cast("DrivenFeedback", check_smooth(scene).results["feedback"])
     box = box_of(scene, Fraction(1, 100))
@@ -140,7 +140,7 @@ def test_no_array_of_the_box_is_slower_under_rules_with_friction_sets(name: str,
         if rule == "roller":
             roll, side = model.friction.reshape(-1, 2).T
             model = replace(model, friction=np.repeat(roll, 2), cuts=np.minimum(side / roll, 1.0))
-        moved = EllipseInterior().minimize(model, loads_at(model, 1e-9 * g[None, :2])).twists[0]
+        moved = EllipseMinimizer().minimize(model, loads_at(model, 1e-9 * g[None, :2])).twists[0]
         assert g @ moved <= -float(loop.rate) * (g @ g) + 1e-6
 
 

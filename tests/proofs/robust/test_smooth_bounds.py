@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.optimize import root
 
 from nonsmooth.analysis.fields.contact_model import ContactModel, with_friction_sets
-from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
+from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.proofs.answers.robust import robust_facts
 from nonsmooth.proofs.robust.decide import Robust, decide_robust
@@ -62,7 +62,7 @@ def drawn(scene: Scene, box: Tolerance, rng: np.random.Generator, *, corner: boo
 
 
 def velocity(model: ContactModel, c: Floats) -> Floats:
-    vx, vy, omega = EllipseInterior().minimize(model, loads_at(model, c[None])).twists[0]
+    vx, vy, omega = EllipseMinimizer().minimize(model, loads_at(model, c[None])).twists[0]
     return np.array([vx - omega * c[1], vy + omega * c[0]])
 
 
@@ -85,7 +85,7 @@ def test_every_array_has_its_equilibrium_in_the_disc_and_it_attracts(name: str, 
         step = 1e-4
         columns = [velocity(model, place + step * e) - velocity(model, place - step * e) for e in np.eye(2)]
         assert np.linalg.eigvals(np.column_stack(columns) / (2 * step)).real.max() < 0
-        omega = EllipseInterior().minimize(model, loads_at(model, place[None])).twists[0, 2]
+        omega = EllipseMinimizer().minimize(model, loads_at(model, place[None])).twists[0, 2]
         assert abs(omega) <= float(found.drift) + 1e-5
 
 

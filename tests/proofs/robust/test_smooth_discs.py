@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from flint import arb
 
-from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseInterior
+from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.proofs.answers.robust import robust_facts
 from nonsmooth.proofs.robust.decide import Robust, decided_statement
@@ -105,7 +105,7 @@ def assert_nearer_outside(scene: Scene, disc: EndDisc) -> None:
         radii = np.r_[float(disc.radius), rng.uniform(float(disc.radius), float(disc.start), PLACES - 1)]
         angles = rng.uniform(0, 2 * np.pi, PLACES)
         places = radii[:, None] * np.column_stack([np.cos(angles), np.sin(angles)])
-        twists = EllipseInterior().minimize(model, loads_at(model, places)).twists
+        twists = EllipseMinimizer().minimize(model, loads_at(model, places)).twists
         rates = (places * twists[:, :2]).sum(axis=1) / radii
         assert rates.max() <= -float(disc.kappa) + SLACK
 
@@ -133,7 +133,7 @@ def test_the_disc_reaches_further_than_the_equilibrium() -> None:
         angles = rng.uniform(0, 2 * np.pi, PLACES)
         for radius in (0.05, 0.08):
             places = radius * np.column_stack([np.cos(angles), np.sin(angles)])
-            twists = EllipseInterior().minimize(model, loads_at(model, places)).twists
+            twists = EllipseMinimizer().minimize(model, loads_at(model, places)).twists
             if ((places * twists[:, :2]).sum(axis=1) > 0).any():
                 farthest = max(farthest, radius)
     assert 0 < farthest <= float(disc.radius)

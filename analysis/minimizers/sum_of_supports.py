@@ -1,0 +1,350 @@
+"""``min_y sum_i w_i h_i(E_i y - e_i)``: sums of support functions of plane convex sets, many problems at once.
+
+The unknowns are three; ``h_i(r) = max p . r over p in K_i`` with K_i a friction set in units of its half-axes.  The
+dual is ``max -sum w_i p_i . e_i`` over forces p_i in K_i that balance, ``sum w_i E_i^T p_i = 0``; unknowns and balanced
+forces in their sets with equal values prove each other (:meth:`SupportSums.judge`), however they were found.
+
+Two methods find it.
+
+- *Multipliers* (:func:`by_multipliers`), for any sets that know their nearest point.  With a stiffness c the forces are
+  ``p_i(y) = nearest point of K_i to p_i + c r_i(y)``; they are the derivative of a convex function of y that has a
+  continuous gradient, which Newton's method minimizes; then p takes their place.  Far from the solution that takes some
+  dozens of steps, beside it two or three, and there it ends with the rounding of doubles.
+- *Smoothing* (:func:`by_smoothing`), for cut discs.  Norms become ``sqrt(|r|^2 + g^2)``, and steps are Newton's on
+  ``sqrt(|r|^2 + g^2) p = r`` with p as an unknown of its own (Chan, Golub and Mulet): full steps of y settle from
+  anywhere while g falls tenfold with each.  After some seven steps multipliers finish most problems.
+
+Arrays have the shape (n, m): n sets, m problems, in blocks that fit the processor's cache.
+
+References: Rockafellar (1976), Math. Oper. Res. 1; Chan, Golub, Mulet (1999), SIAM J. Sci. Comput. 20; Li, Sun, Toh
+(2018), SIAM J. Optim. 28 (Newton's method within the method of multipliers).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nonsmooth.analysis.fields.contact_model import Floats
+from nonsmooth.symbolic.friction_set import NearestForce, UnitDiscs
+
+TINY = 1e-300  # keeps 0/0 at 0
+ROUNDING = 1e-16  # multiple of the identity beside a Hessian, of its trace: a singular one (a face) stays solvable
+REGULAR = 1e-14  # the same where nothing else keeps steps short
+CACHED = 16384  # sets handled together: their arrays fit the processor's cache
+SMALLEST_BLOCK = 256  # problems handled together at least: fewer would pay more for Python than for floats
+COMPACT = 0.8  # unsolved share of a block at which the solved problems are taken out
+
+# What proves a solution.
+GAP = 1e-13  # relative to the value: rounding of the sum
+GAP_FLOOR = 2e-18  # relative to the value at y = 0: below lies the rounding of the slips themselves
+EXCESS = 1e-15  # of a force over its set: rounding of a unit vector
+IMBALANCE = 4e-15  # relative to the sum of the weights: rounding of the sum
+
+
+class FrictionSets(Protocol):
+    """The sets of n contacts in units of their half-axes, arrays of shape (n, m) in and out."""
+
+    def support(self, r: Floats, s: Floats) -> Floats:
+        """``max p . (r, s)`` over the set."""
+
+    def nearest(self, x: Floats, y: Floats) -> NearestForce:
+        """The nearest points of the sets, and how they move."""
+
+    def excess(self, x: Floats, y: Floats) -> Floats:
+        """How far, in parts, a point must shrink towards zero to lie in the set; at most zero inside."""
+
+
+class SupportSums:
+    """Problems; weights are divided by their sums.
+
+    Args:
+        weights: w, shape (n, m).
+        maps: E_i, shape (n, 2, 3), columns of comparable size.
+        targets: e_i of order 1, shape (2, n, m), or (2, n, 1) for all problems alike.
+        sets: K_i.
+    """
+
+    def __init__(self, weights: Floats, maps: Floats, targets: Floats, sets: FrictionSets) -> None:
+        self.weights = weights / np.maximum(weights.sum(axis=0), TINY)
+        self.maps, self.targets, self.sets = maps, targets, sets
+        self._columns = maps.transpose(2, 1, 0).reshape(3, -1)
+        first, second = maps[:, 0], maps[:, 1]
+        pairs = [_products(first, first), _products(second, second), 2 * _products(first, second)]
+        self._pairs = np.concatenate(pairs).T
+        self.start = (self.weights * np.sqrt(np.square(targets).sum(axis=0))).sum(axis=0)
+
+    def take(self, chosen: NDArray[np.bool_] | NDArray[np.int_]) -> SupportSums:
+        """Only some problems."""
+        targets = self.targets if self.targets.shape[-1] == 1 else self.targets[..., chosen]
+        return SupportSums(self.weights[:, chosen], self.maps, targets, self.sets)
+
+    def moved(self, y: Floats) -> Floats:
+        """``E_i y``, shape (2, n, m), of y (3, m)."""
+        return np.asarray(self.maps.transpose(1, 0, 2) @ y)
+
+    def slips(self, y: Floats) -> Floats:
+        """``E_i y - e_i``."""
+        return self.moved(y) - self.targets
+
+    def total(self, forces: Floats) -> Floats:
+        """``sum_i w_i E_i^T p_i``, shape (3, m)."""
+        return np.asarray(self._columns @ np.concatenate(self.weights * forces))
+
+    def newton_step(self, total: Floats, rates: Floats, shift: Floats | float, rounding: float) -> Floats:
+        """``-(sum_i w_i E_i^T S_i E_i + shift)^-1 total`` with ``S_i = rates (xx, yy, xy)``, shape (3, n, m).
+
+        The shift is made larger by ``rounding`` of the trace.
+        """
+        matrix = self._pairs @ np.concatenate(self.weights * rates)
+        return -_solve(matrix, total, shift + rounding * (matrix[0] + matrix[3] + matrix[5]) + TINY)
+
+    def judge(self, slips: Floats, forces: Floats) -> Judgement:
+        """What slips and forces prove of each other."""
+        sizes, excess = self.sets.support(*slips), self.sets.excess(*forces)
+        values = (self.weights * sizes).sum(axis=0)
+        gap = np.abs((self.weights * (sizes - slips[0] * forces[0] - slips[1] * forces[1])).sum(axis=0))
+        beyond, imbalance = np.maximum(excess.max(axis=0), 0.0), np.abs(self.total(forces)).max(axis=0)
+        proved = (beyond <= EXCESS) & (imbalance <= IMBALANCE) & (gap <= GAP * values + GAP_FLOOR * self.start)
+        lacks = gap + beyond * values + imbalance  # of power, at speeds of order one
+        return Judgement(values, excess, np.where(np.isfinite(lacks), lacks, np.inf), proved)
+
+
+class Judgement(NamedTuple):
+    """Values (m,), by how much forces leave their sets (n, m), what lacks to a proof and whether it is one, (m,)."""
+
+    values: Floats
+    excess: Floats
+    lacks: Floats
+    proved: NDArray[np.bool_]
+
+
+class Solutions:
+    """The best unknowns (3, m) and forces (2, n, m) so far, what they lack, and whether they are proved, (m,)."""
+
+    def __init__(self, sets: int, problems: int) -> None:
+        self.y, self.forces = np.zeros((3, problems)), np.zeros((2, sets, problems))
+        self.lacks, self.proved = np.full(problems, np.inf), np.zeros(problems, bool)
+
+    def keep(self, at: NDArray[np.int_], y: Floats, forces: Floats, lacks: Floats, proved: NDArray[np.bool_]) -> None:
+        """Keep solutions of problems ``at`` that are proved, the last ones of them, or lack less than before."""
+        better = proved | (~self.proved[at] & (lacks < self.lacks[at]))
+        chosen = np.flatnonzero(better)
+        at = at[chosen]
+        self.y[:, at], self.forces[..., at] = y.take(chosen, axis=-1), forces.take(chosen, axis=-1)
+        self.lacks[at], self.proved[at] = lacks[chosen], proved[chosen]
+
+
+# ---- the method of multipliers -------------------------------------------------------------------
+
+STIFFNESS = 1e4  # c beside a solution, over the mean slip
+PUSH = 0.1  # c times the smoothing of the start at most: how far it may push forces of contacts that stick
+FIRST_STIFFNESS = 10.0  # from nothing
+STIFFER = 10.0  # factor of c after a multiplier step that lacks too much
+STIFFEST = 1e12
+LESS_STIFF = 1e8  # where loads differ by many orders of magnitude rounding of more hides the small ones
+FALL = 0.1  # what it should lack after a multiplier step, relative to before
+LOOSE = 0.1  # imbalance, times c, at which p takes the place of multipliers
+SLIP_NOISE = 1e-15  # of slips: imbalance, over c, that is rounding
+ANCHOR = 1e-3  # weight of the distance to the last y, over c: a curvature for all directions
+FLATTER = 0.5  # share of the first slope along a step up to which it may rise at its end
+PASSES = 300
+
+
+def by_multipliers(
+    sums: SupportSums,
+    y: Floats,
+    forces: Floats,
+    stiffness: Floats,
+    passes: int = PASSES,
+    stiffest: float = STIFFEST,
+) -> Solutions:
+    """Solutions from unknowns (3, m), forces (2, n, m) and stiffness (m,).
+
+    Each pass looks at one trial of each problem: a Newton step that ends on a rising slope is halved; where the forces
+    nearly balance they become the multipliers.
+    """
+    found = Solutions(*forces.shape[1:])
+    at, base, step, share = np.arange(y.shape[1]), y, np.zeros_like(y), np.ones(y.shape[1])
+    anchor, falls, last = y, np.full(y.shape[1], np.inf), np.full(y.shape[1], np.inf)
+    for _ in range(passes):
+        trial = base + share * step
+        slips = sums.slips(trial)
+        near = sums.sets.nearest(*(forces + stiffness * slips))
+        pull = ANCHOR / stiffness
+        slope = sums.total(near.force) + pull * (trial - anchor)
+        rise = (slope * step).sum(axis=0)
+        short = rise > FLATTER * falls
+        newton = sums.newton_step(slope, stiffness * near.rates, pull, ROUNDING)
+        linear = near.force + near.along(stiffness * sums.moved(newton))
+        values, excess, lacks, proved = sums.judge(slips, linear)
+        known = found.proved[at]
+        found.keep(at, trial, linear, lacks, proved)
+        going = ~(known & proved)  # once more after the first proof: it costs one step and squares the error
+        if not going.any():
+            break
+        balanced = ~short & (np.abs(slope).max(axis=0) <= np.maximum(LOOSE / (1 + stiffness), SLIP_NOISE * stiffness))
+        slow = balanced & ((stiffness * values < STIFFNESS) | (lacks > FALL * last))
+        forces = np.where(balanced, linear / np.maximum(1 + excess, 1.0), forces)
+        last, anchor = np.where(balanced, lacks, last), np.where(balanced, trial, anchor)
+        stiffness = np.where(slow, np.minimum(stiffness * STIFFER, stiffest), stiffness)
+        falls = np.where(short, falls, np.where(balanced, np.inf, -(slope * newton).sum(axis=0)))
+        base, step, share = np.where(short, base, trial), np.where(short, step, newton), np.where(short, share / 2, 1.0)
+        if np.count_nonzero(going) < COMPACT * len(at):
+            at, sums, forces = at[going], sums.take(going), forces[..., going]
+            base, step, anchor = base[:, going], step[:, going], anchor[:, going]
+            share, falls, last, stiffness = share[going], falls[going], last[going], stiffness[going]
+    return found
+
+
+def finished(
+    sums: SupportSums,
+    y: Floats,
+    forces: Floats,
+    smoothing: Floats | float,
+    passes: int,
+    stiffest: float = STIFFEST,
+) -> Solutions:
+    """Solutions by multipliers from unknowns and forces beside them, whose sticking contacts slip by ``smoothing``."""
+    mean_slip = sums.judge(sums.slips(y), forces).values
+    softness = np.maximum(mean_slip / STIFFNESS, np.maximum(smoothing / PUSH, 1 / stiffest))
+    return by_multipliers(sums, y, forces, 1 / softness, passes, stiffest)
+
+
+# ---- smoothing -----------------------------------------------------------------------------------
+
+SMOOTHER_STEPS = 50
+FASTEST = 0.1  # factor of g with a step
+BLOCKED = 0.2  # share of a step of the forces below which g rises
+RISE = 3.0  # factor of g then
+TO_BORDER = 0.95  # share of the way to the border of its set that a force takes
+FINISHES = (7, 9, 12, 16, 22, 30, 50)  # steps after which multipliers try to finish
+FINISH_PASSES = 8
+
+
+class Smoothed(NamedTuple):
+    """Iterates: unknowns (3, m), forces (2, n, m) inside their sets, speeds of rollers (n, m), and g (m,)."""
+
+    y: Floats
+    forces: Floats
+    turning: Floats
+    g: Floats
+
+    def take(self, chosen: NDArray[np.bool_]) -> Smoothed:
+        """Only some problems."""
+        return Smoothed(*(array[..., chosen] for array in self))
+
+
+def by_smoothing(weights: Floats, maps: Floats, targets: Floats, sets: UnitDiscs) -> tuple[Floats, Floats]:
+    """Minimizers y, shape (m, 3), and forces, shape (m, n, 2), with ``sum_i w_i E_i^T p_i = 0``.
+
+    Args:
+        weights: w, shape (m, n), at least 0.
+        maps: E_i, shape (n, 2, 3), columns of comparable size.
+        targets: e_i of order 1, shape (n, 2), or (m, n, 2) where every problem has its own.
+        sets: K_i.
+    """
+    size = max(SMALLEST_BLOCK, CACHED // weights.shape[1])
+    found = []
+    with np.errstate(all="ignore"):  # a problem at the limit of doubles may divide by 0; that step is not kept
+        for first in range(0, max(len(weights), 1), size):
+            block = slice(first, first + size)
+            own = targets[block] if targets.ndim == 3 else targets[None]
+            columns = np.ascontiguousarray(own.transpose(2, 1, 0))
+            found.append(_solved(SupportSums(np.ascontiguousarray(weights[block].T), maps, columns, sets), sets))
+    forces = [each.forces.transpose(2, 1, 0) for each in found]
+    return np.concatenate([each.y.T for each in found]), np.concatenate(forces)
+
+
+def _solved(sums: SupportSums, sets: UnitDiscs) -> Solutions:
+    """The problems of one block."""
+    n, m = sums.weights.shape
+    found, at = Solutions(n, m), np.arange(m)
+    first = np.broadcast_to(np.maximum(sums.start, TINY), m)
+    state = Smoothed(np.zeros((3, m)), np.zeros((2, n, m)), np.zeros((n, m)), first)
+    for count in range(1, SMOOTHER_STEPS + 1):
+        state = smoother_step(sums, sets, state)
+        if count in FINISHES:
+            _finish(found, at, sums, state, LESS_STIFF if FINISHES.index(count) % 2 == 0 else STIFFEST)
+            going = ~found.proved[at]
+            if not going.any():
+                return found
+            at, sums, state = at[going], sums.take(going), state.take(going)
+    rest = by_multipliers(sums, np.zeros((3, len(at))), np.zeros((2, n, len(at))), np.full(len(at), FIRST_STIFFNESS))
+    found.keep(at, rest.y, rest.forces, rest.lacks, rest.proved)
+    return found
+
+
+def _finish(found: Solutions, at: NDArray[np.int_], sums: SupportSums, state: Smoothed, stiffest: float) -> None:
+    """Keep what the iterates are worth, and what multipliers make of them."""
+    _, _, lacks, proved = sums.judge(sums.slips(state.y), state.forces)
+    found.keep(at, state.y, state.forces, lacks, proved)
+    better = finished(sums, state.y, state.forces, state.g, FINISH_PASSES, stiffest)
+    found.keep(at, better.y, better.forces, better.lacks, better.proved)
+
+
+def smoother_step(sums: SupportSums, sets: UnitDiscs, state: Smoothed) -> Smoothed:
+    """One step of y, forces and rollers, and the next g.
+
+    Of a disc that is cut at kappa the rollers turn at speed t: the contact slips with ``(x, s - t)``, and the force
+    across is that of the bearing, too, ``sqrt(t^2 + g^2) p_2 = kappa t``.  Linearized, the bearing gives
+    ``dt = a + b dp_2``, which is taken out.
+    """
+    y, (z0, z1), turning, g = state
+    slips = sums.slips(y)
+    across = slips[1] - turning
+    size = np.sqrt(np.square(slips[0]) + np.square(across) + np.square(g))
+    u0, u1 = slips[0] / size, across / size
+    # dp = d + A dr with A = (1 - p u^T)/size and d = u - p
+    a00, a01, a10, a11 = (1 - z0 * u0) / size, -z0 * u1 / size, -z1 * u0 / size, (1 - z1 * u1) / size
+    d0, d1 = u0 - z0, u1 - z1
+    cut = sets.cuts < 1
+    if not sets.whole:
+        bearing = np.sqrt(np.square(turning) + np.square(g))
+        room = np.where(cut, sets.cuts - z1 * turning / bearing, 1.0)
+        a = np.where(cut, (bearing * z1 - sets.cuts * turning) / room, 0.0)
+        b = np.where(cut, bearing / room, 0.0)
+        share = 1 / (1 + b * a11)
+        d1 = (d1 - a11 * a) * share
+        d0 = d0 - a01 * (a + b * d1)
+        a10, a11 = a10 * share, a11 * share
+        a00, a01 = a00 - b * a01 * a10, a01 - b * a01 * a11
+    total = sums.total(np.array([z0 + d0, z1 + d1]))
+    step = sums.newton_step(total, np.array([a00, a11, (a01 + a10) / 2]), 0.0, REGULAR)
+    r0, r1 = sums.moved(step)
+    change = np.array([d0 + a00 * r0 + a01 * r1, d1 + a10 * r0 + a11 * r1])
+    shares = np.minimum(1.0, TO_BORDER * sets.longest_step(state.forces, change).min(axis=0))
+    forces = state.forces + shares * change
+    turning = turning if sets.whole else turning + np.where(cut, a + b * change[1], 0.0)
+    after = Smoothed(y + step, forces, turning, g * np.where(shares < BLOCKED, RISE, np.maximum(FASTEST, 1 - shares)))
+    sound = np.isfinite(after.g) & np.isfinite(after.y).all(axis=0) & np.isfinite(forces).all(axis=(0, 1))
+    return Smoothed(*(np.where(sound, new, old) for new, old in zip(after, state._replace(g=RISE * g), strict=True)))
+
+
+# ---- three unknowns ------------------------------------------------------------------------------
+
+_ROW, _COLUMN = np.triu_indices(3)
+
+
+def _products(first: Floats, second: Floats) -> Floats:
+    """Upper triangles of the symmetric parts of ``first_i second_i^T``, shape (n, 6)."""
+    outer = np.einsum("ni,nj->nij", first, second)
+    return np.asarray(((outer + outer.transpose(0, 2, 1)) / 2)[:, _ROW, _COLUMN])
+
+
+def _solve(matrix: Floats, right: Floats, shift: Floats) -> Floats:
+    """Solve m systems with upper triangles (6, m) for right sides (3, m) by LDL^T in closed form."""
+    xx, xy, xz, yy, yz, zz = matrix
+    d0 = xx + shift
+    l10, l20 = xy / d0, xz / d0
+    d1 = yy + shift - l10 * xy
+    rest = yz - l10 * xz
+    l21 = rest / d1
+    d2 = zz + shift - l20 * xz - l21 * rest
+    x0, x1, x2 = right
+    x1 = x1 - l10 * x0
+    x2 = (x2 - l20 * x0 - l21 * x1) / d2
+    x1 = x1 / d1 - l21 * x2
+    return np.array([x0 / d0 - l10 * x1 - l20 * x2, x1, x2])
