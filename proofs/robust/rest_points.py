@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import pairwise
+from itertools import pairwise, product
 from typing import TypeAlias
 
 import numpy as np
@@ -48,8 +48,9 @@ NEWTON_STEPS = 6
 INFLATIONS = 10
 GROWTH = 1.25  # of the image of a box, which is the next one
 LEAST = 2.0**-100  # of its half-widths, beside one
-DISCS = tuple(8.0**-k for k in range(1, 7))  # of the accuracy: where the field is taken for nearly linear
-WIDTHS = (1.0, 0.5, 2.0)  # b of the cones that are tried
+PARTS = 6  # of each side of the square in which the field is differentiated
+DISCS = tuple(8.0**-k for k in range(1, 6))  # of the accuracy: where the field is taken for nearly linear
+WIDTHS = (1.0, 0.5)  # b of the cones that are tried
 NO_FARTHER = Fraction(1, 2**24)
 
 
@@ -248,26 +249,40 @@ def _rises_close_by(
 
 
 def _slope_over(gradient: _Gradient, rest: EnclosedRest, reach: arb) -> arb_mat | None:
-    """A over the square about the origin with that half-width, for a place of rest within it."""
-    place = [reach * UNIT, reach * UNIT]
+    """The hull of A over the square about the origin with that half-width, part by part, for a place of rest in it."""
+    (x, y), omega = rest.place, rest.spin
+    twist, half, found = arb_mat([[omega * y], [-omega * x], [omega]]).mid(), reach / PARTS, None
+    middles = [half * (2 * k + 1 - PARTS) for k in range(PARTS)]
     try:
-        omega = rest.spin.mid()
-        x, y = (entry.mid() for entry in rest.place)
-        start = arb_mat([[omega * y], [-omega * x], [omega]])
-        _, bend, _ = gradient.at(start, [x, y])
-        inverse = bend.mid().inv().mid()
-        value, _, _ = gradient.at(start, place)
-        shift = inverse * value * arb(-1)
-        sizes = [GROWTH * abs(entry).upper() + LEAST for entry in shift.entries()]
-        for _ in range(INFLATIONS):
-            about = arb_mat([[size * UNIT] for size in sizes])
-            _, bend, by_place = gradient.at(start + about, place)
-            image = shift + (_identity(3) - inverse * bend) * about
-            if all(abs(entry) < size for entry, size in zip(image.entries(), sizes, strict=True)):
-                return _linear(bend, by_place, place, (start + about)[2, 0])
-            sizes = [GROWTH * abs(entry).upper() + LEAST for entry in image.entries()]
+        for place in product(middles, middles):
+            part = _slope_over_part(gradient, twist, place, half)
+            if part is None:
+                return None
+            pairs = part.entries() if found is None else map(arb.union, found, part.entries())
+            found = list(pairs)
     except (UndecidedMotionError, ZeroDivisionError):
         return None
+    return None if found is None else arb_mat(2, 2, found)
+
+
+def _slope_over_part(gradient: _Gradient, near: arb_mat, middle: tuple[arb, arb], half: arb) -> arb_mat | None:
+    """The same over a square about another point; Krawczyk's operator encloses the twist all over it."""
+    start = near
+    for _ in range(NEWTON_STEPS):
+        value, bend, _ = gradient.at(start, middle)
+        start = (start - bend.mid().solve(value.mid())).mid()
+    place = [entry + half * UNIT for entry in middle]
+    inverse = bend.mid().inv().mid()
+    value, _, _ = gradient.at(start, place)
+    shift = inverse * value * arb(-1)
+    sizes = [GROWTH * abs(entry).upper() + LEAST for entry in shift.entries()]
+    for _ in range(INFLATIONS):
+        about = arb_mat([[size * UNIT] for size in sizes])
+        _, bend, by_place = gradient.at(start + about, place)
+        image = shift + (_identity(3) - inverse * bend) * about
+        if all(abs(entry) < size for entry, size in zip(image.entries(), sizes, strict=True)):
+            return _linear(bend, by_place, place, (start + about)[2, 0])
+        sizes = [GROWTH * abs(entry).upper() + LEAST for entry in image.entries()]
     return None
 
 

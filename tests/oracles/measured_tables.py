@@ -51,6 +51,22 @@ class MeasuredTable:
             rows.append((x, y, heading, round(100 * (1 + rng.uniform(-0.02, 0.02)), 1)))
         return cls(tuple(rows), 0.8, rng.choice([0.2, 0.4, 0.5, 0.7]), rule)
 
+    @classmethod
+    def symmetric(cls, seed: int, rule: str) -> MeasuredTable:
+        """4 to 12 wheels in pairs opposite each other, in every second one roughly inward: a half turn changes nothing.
+
+        So D at the middle is the same for v and -v, and bodies rest there, turning at a rate that is no number of the
+        scene; whether they come or go is open.
+        """
+        rng = random.Random(seed)
+        rows: list[tuple[int, int, int, float]] = []
+        for _ in range(rng.randint(2, 6)):
+            x, y = rng.randint(-300, 300), rng.randint(-300, 300)
+            inward = round(math.degrees(math.atan2(-y, -x))) + rng.randint(-40, 40)
+            heading, speed = (inward if seed % 2 else rng.randint(0, 359)), rng.randint(50, 150)
+            rows += [(x, y, heading, speed), (-x, -y, heading + 180, speed)]
+        return cls(tuple(rows), 0.8, rng.choice([0.2, 0.4, 0.5, 0.7]), rule)
+
     @property
     def toml(self) -> str:
         """The scene file."""

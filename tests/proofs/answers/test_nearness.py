@@ -18,6 +18,7 @@ from nonsmooth.proofs.robust.balanced_forces import BalancedForces
 from nonsmooth.proofs.robust.drift import driven_out
 from nonsmooth.proofs.robust.ends import Ends, decide_ends
 from nonsmooth.proofs.robust.level_sets import Distance, LevelFunction, Polygon, shapes_about, short_levels
+from nonsmooth.proofs.robust.rest_points import _rising, enclosed_rest, is_carried_away
 from nonsmooth.proofs.robust.touching_rings import TouchingRings, ring_rates, rings_about
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.reports.cli import app
@@ -168,6 +169,53 @@ def test_ellipses_hold_the_discs_that_they_name() -> None:
 def test_ellipses_are_asked_for_where_motions_attract() -> None:
     assert len(list(shapes_about(np.array([[-1.0, 8.0], [0.0, -1.1]])))) >= 2
     assert [type(shape) for shape in shapes_about(np.diag([1.0, -1.0]))] == [Distance]
+
+
+# ---- rest points that are enclosed ---------------------------------------------------------------
+
+
+@pytest.mark.parametrize("rule", ["ellipse", "roller"])
+@pytest.mark.parametrize("seed", range(8))
+def test_symmetric_arrays_turn_at_the_enclosed_rate(seed: int, rule: str, tmp_path: Path) -> None:
+    table = MeasuredTable.symmetric(seed, rule)
+    rest = enclosed_rest(measured(tmp_path, table).recentred())
+    if rest is None:  # wheels that stick, or rollers about to turn
+        return
+    assert rest.distance < Fraction(1, 10**9)
+    body = SmallSteps(table)
+    body.velocity(np.zeros(2))
+    assert body._twist[2] / body.length == pytest.approx(float(rest.spin), abs=1e-4)
+    step, slope = 1e-3, np.array([float(entry) for entry in rest.slope.entries()]).reshape(2, 2)
+    for axis in np.eye(2):
+        moved = (body.velocity(step * axis) - body.velocity(-step * axis)) / (2 * step)
+        assert moved == pytest.approx(slope @ axis, rel=0.02, abs=0.02 * np.abs(slope).max())
+
+
+@pytest.mark.parametrize("seed", range(0, 16, 2))
+def test_bodies_beside_a_rest_that_repels_are_carried_away(seed: int, tmp_path: Path) -> None:
+    table = MeasuredTable.symmetric(seed, "ellipse")
+    scene = measured(tmp_path, table).recentred()
+    rest, accuracy = enclosed_rest(scene), float(scene.accuracy)
+    if rest is None or not is_carried_away(scene, scene.accuracy, rest.distance):
+        return
+    body = SmallSteps(table)
+    ends = [body.end(accuracy / 100 * np.array([math.cos(k), math.sin(k)]), 60.0, accuracy)[1] for k in range(0, 6, 2)]
+    assert max(ends) > accuracy
+
+
+def test_bodies_are_carried_away_by_outward_rims_and_by_no_inward_ones() -> None:
+    outward, inward = (load_scene(name, rule="ellipse").recentred() for name in ("outward", "four-wheel"))
+    assert is_carried_away(outward, outward.accuracy, Fraction(0))
+    assert not is_carried_away(inward, inward.accuracy, Fraction(0))
+
+
+def test_what_rises_along_a_saddle_is_positive_in_a_cone_about_its_way_out() -> None:
+    slope = np.array([[2.0, 1.0], [0.0, -1.0]])
+    for shape in _rising(slope):
+        for k in shape.sectors:
+            first, second = shape.vertices[k], shape.vertices[(k + 1) % len(shape.vertices)]
+            gradient = np.linalg.solve(np.stack([first, second]), shape.values[[k, (k + 1) % len(shape.vertices)]])
+            assert min(gradient @ slope @ first, gradient @ slope @ second) > 0
 
 
 @pytest.mark.parametrize("rule", ["ellipse", "roller"])
