@@ -37,7 +37,7 @@ LONGEST = 40.0  # half-axis of an ellipse, over the other one
 
 
 @dataclass(frozen=True)
-class Pieces:
+class RingPieces:
     """Quadrangles that cover rings, the pieces of one ring after the other, and the slope of V on them.
 
     Attributes:
@@ -65,16 +65,16 @@ class Pieces:
         return np.stack([slope.middle.mean(axis=1) for slope in self.slopes], axis=1)
 
     @property
-    def turned(self) -> Pieces:
+    def turned(self) -> RingPieces:
         """The same for -V."""
         x, y = self.slopes
-        return Pieces(self.corners, (-x, -y), -self.moments, self.sizes, self.per_ring)
+        return RingPieces(self.corners, (-x, -y), -self.moments, self.sizes, self.per_ring)
 
-    def at(self, chosen: NDArray[np.intp]) -> Pieces:
+    def at(self, chosen: NDArray[np.intp]) -> RingPieces:
         """Some of them."""
         x, y = self.slopes
         slopes = x[chosen], y[chosen]
-        return Pieces(self.corners[chosen], slopes, self.moments[chosen], self.sizes[chosen], self.per_ring)
+        return RingPieces(self.corners[chosen], slopes, self.moments[chosen], self.sizes[chosen], self.per_ring)
 
 
 class LevelFunction(ABC):
@@ -84,7 +84,7 @@ class LevelFunction(ABC):
     outside: float
 
     @abstractmethod
-    def pieces(self, inner: Floats, outer: Floats, parts: int = 1) -> Pieces:
+    def pieces(self, inner: Floats, outer: Floats, parts: int = 1) -> RingPieces:
         """Of the rings between levels, (rings) each; the sectors divided into parts, a power of two."""
 
 
@@ -93,7 +93,7 @@ class Distance(LevelFunction):
 
     inside = outside = 1.0
 
-    def pieces(self, inner: Floats, outer: Floats, parts: int = 1) -> Pieces:
+    def pieces(self, inner: Floats, outer: Floats, parts: int = 1) -> RingPieces:
         """Neighbours share their corners to the last bit, so that no gap is between them."""
         count = SECTORS * parts
         angles = 2 * math.pi * np.arange(count) / count
@@ -102,11 +102,11 @@ class Distance(LevelFunction):
         corners = _quadrangles(rays, inner * (1 - MARGIN), far)
         x, y = (Intervals.of(corners[:, :, k]) for k in range(2))
         sizes = (x.square + y.square).root.high
-        return Pieces(corners, (x, y), Intervals.of(np.zeros_like(sizes)), sizes, count)
+        return RingPieces(corners, (x, y), Intervals.of(np.zeros_like(sizes)), sizes, count)
 
 
 @dataclass(frozen=True)
-class Polygon(LevelFunction):
+class SectorFunction(LevelFunction):
     """Linear on the sectors between the rays through the vertices.
 
     Attributes:
@@ -118,7 +118,7 @@ class Polygon(LevelFunction):
     values: Floats
 
     @classmethod
-    def of_ellipse(cls, matrix: Floats) -> Polygon:
+    def of_ellipse(cls, matrix: Floats) -> SectorFunction:
         """Inscribed in the ellipse ``c . P c = 1``, made as large as holds the unit disc, for a definite P (2 x 2)."""
         angles = 2 * math.pi * np.arange(VERTICES) / VERTICES
         circle = np.stack([np.cos(angles), np.sin(angles)])
@@ -146,7 +146,7 @@ class Polygon(LevelFunction):
     @cached_property
     def inside(self) -> float:  # type: ignore[override]
         """Of the polygon: with all ``h_k = 1`` no slope is longer than one over it."""
-        x, y = Polygon(self.vertices, np.ones(len(self.vertices))).slopes
+        x, y = SectorFunction(self.vertices, np.ones(len(self.vertices))).slopes
         return float(1 / (x.square + y.square).root.high.max()) * (1 - 2.0**-40)
 
     @cached_property
@@ -159,7 +159,7 @@ class Polygon(LevelFunction):
         """Where V is positive somewhere, (m,)."""
         return np.flatnonzero(np.maximum(self.values, self._next(self.values)) > 0)
 
-    def pieces(self, inner: Floats, outer: Floats, parts: int = 1) -> Pieces:
+    def pieces(self, inner: Floats, outer: Floats, parts: int = 1) -> RingPieces:
         """Of the sectors where V is positive somewhere; levels must have no more than 24 bits."""
         shares = (np.arange(parts) / parts)[None, :, None]
         ahead = self._next(self.vertices)[:, None] - self.vertices[:, None]
@@ -167,7 +167,7 @@ class Polygon(LevelFunction):
         corners = every.reshape(len(inner), len(self.vertices), parts, 4, 2)[:, self.sectors].reshape(-1, 4, 2)
         x, y = (_repeated(slope[self.sectors], parts, len(inner)) for slope in self.slopes)
         moments = y * Intervals.of(corners[:, :, 0]) - x * Intervals.of(corners[:, :, 1])
-        return Pieces(corners, (x, y), moments, np.ones(corners.shape[:2]), len(self.sectors) * parts)
+        return RingPieces(corners, (x, y), moments, np.ones(corners.shape[:2]), len(self.sectors) * parts)
 
     @staticmethod
     def _next(entries: Floats) -> Floats:
@@ -191,7 +191,7 @@ def shapes_about(slope: Floats) -> Iterator[LevelFunction]:
     for matrix in found:
         low, high = np.linalg.eigvalsh(matrix)
         if high < LONGEST**2 * low:
-            yield Polygon.of_ellipse(matrix)
+            yield SectorFunction.of_ellipse(matrix)
 
 
 def short_levels(levels: Floats) -> Floats:

@@ -31,7 +31,7 @@ from nonsmooth.proofs.clauses.at_point.linearization import slip_at_rest
 from nonsmooth.proofs.enclosures import UNIT, linear_stability, pose_rate_slope
 from nonsmooth.proofs.headings.set_motion import UndecidedMotionError
 from nonsmooth.proofs.robust.balanced_forces import BalancedForces
-from nonsmooth.proofs.robust.level_sets import VERTICES, Polygon, short_levels, short_vertices
+from nonsmooth.proofs.robust.level_sets import VERTICES, SectorFunction, short_levels, short_vertices
 from nonsmooth.proofs.robust.load_box import LoadBox, load_box
 from nonsmooth.proofs.robust.touching_rings import RATIO, finer_rate, ring_rates
 from nonsmooth.proofs.robust.ultimate_bound import root_above
@@ -205,7 +205,7 @@ def is_carried_away(scene: Scene, accuracy: Fraction, beside: Fraction) -> bool:
     return False
 
 
-def _rising(slope: Floats) -> Iterator[Polygon]:
+def _rising(slope: Floats) -> Iterator[SectorFunction]:
     """Functions that rise along ``c' = A c`` where they are positive, for an unstable A.
 
     With coordinates along the modes ``x - b |y|`` does, b > 0, where the root of x is the larger one; it is positive in
@@ -213,7 +213,7 @@ def _rising(slope: Floats) -> Iterator[Polygon]:
     """
     roots, modes = np.linalg.eig(slope)
     if (roots.real > 0).all():
-        yield Polygon.of_ellipse(solve_continuous_lyapunov(-slope.T, -np.eye(2)))
+        yield SectorFunction.of_ellipse(solve_continuous_lyapunov(-slope.T, -np.eye(2)))
     if not np.isreal(roots).all():
         return
     first, second = (modes[:, k].real for k in (int(roots.argmax()), int(roots.argmin())))
@@ -225,11 +225,11 @@ def _rising(slope: Floats) -> Iterator[Polygon]:
         vertices = short_vertices(x[:, None] * first + y[:, None] * second)
         for width in WIDTHS:
             for side in (1, -1):
-                yield Polygon(vertices, short_vertices(side * x - width * np.abs(y)))
+                yield SectorFunction(vertices, short_vertices(side * x - width * np.abs(y)))
 
 
 def _rises_close_by(
-    gradient: _Gradient, rest: EnclosedRest, shape: Polygon, level: float, beside: Fraction, start: Fraction
+    gradient: _Gradient, rest: EnclosedRest, shape: SectorFunction, level: float, beside: Fraction, start: Fraction
 ) -> bool:
     """Whether V rises in the polygon of a level; beside a place of rest but for the polygon of the level ``start``."""
     reach = arb(level * shape.outside)
@@ -286,7 +286,7 @@ def _slope_over_part(gradient: _Gradient, near: arb_mat, middle: tuple[arb, arb]
     return None
 
 
-def _rises_around(scene: Scene, shape: Polygon, level: float, accuracy: Fraction) -> bool:
+def _rises_around(scene: Scene, shape: SectorFunction, level: float, accuracy: Fraction) -> bool:
     """Whether V rises on rings from a level outward, until a polygon holds the disc of the accuracy."""
     try:
         forces = BalancedForces(scene)

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from nonsmooth.proofs.robust.balanced_forces import BalancedForces
 from nonsmooth.proofs.robust.intervals import Intervals
-from nonsmooth.proofs.robust.level_sets import Distance, LevelFunction, Pieces, short_levels
+from nonsmooth.proofs.robust.level_sets import Distance, LevelFunction, RingPieces, short_levels
 from nonsmooth.proofs.robust.nearest import bounded_cells, why_not_nearest
 from nonsmooth.proofs.robust.ultimate_bound import root_above, squared_radius
 from nonsmooth.symbolic.scene import Scene
@@ -203,7 +203,7 @@ def _joined(shape: LevelFunction, edges: Floats, rates: dict[int, float], first:
     )
 
 
-def ring_rates(forces: BalancedForces, pieces: Pieces) -> list[float]:
+def ring_rates(forces: BalancedForces, pieces: RingPieces) -> list[float]:
     """For each ring a kappa with ``V' <= -kappa`` on it; zero where none is shown, minus infinity where V rises."""
     free = forces.minimizers(pieces.middles, np.zeros((len(pieces.corners), 3)))
     slopes, places = pieces.middle_slopes, pieces.middles
@@ -221,7 +221,7 @@ def ring_rates(forces: BalancedForces, pieces: Pieces) -> list[float]:
     return shown.reshape(-1, pieces.per_ring).min(axis=1).tolist()
 
 
-def piece_rates(forces: BalancedForces, pieces: Pieces, free: Floats, seen: Floats) -> Floats:
+def piece_rates(forces: BalancedForces, pieces: RingPieces, free: Floats, seen: Floats) -> Floats:
     """A kappa that pulls of several strengths show on each quadrangle; minus infinity where none does.
 
     Args:
@@ -249,7 +249,7 @@ def piece_rates(forces: BalancedForces, pieces: Pieces, free: Floats, seen: Floa
     return best
 
 
-def _strengths(forces: BalancedForces, pieces: Pieces) -> Sequence[Floats]:
+def _strengths(forces: BalancedForces, pieces: RingPieces) -> Sequence[Floats]:
     """Values of lambda for each quadrangle."""
     slopes = pieces.middle_slopes
     loads = forces.float_loads(pieces.middles)

@@ -17,7 +17,7 @@ from nonsmooth.proofs.answers.answers import answers_of
 from nonsmooth.proofs.robust.balanced_forces import BalancedForces
 from nonsmooth.proofs.robust.drift import driven_out
 from nonsmooth.proofs.robust.ends import Ends, decide_ends
-from nonsmooth.proofs.robust.level_sets import Distance, LevelFunction, Polygon, shapes_about, short_levels
+from nonsmooth.proofs.robust.level_sets import Distance, LevelFunction, SectorFunction, shapes_about, short_levels
 from nonsmooth.proofs.robust.rest_points import _rising, enclosed_rest, is_carried_away
 from nonsmooth.proofs.robust.touching_rings import TouchingRings, ring_rates, rings_about
 from nonsmooth.proofs.theorem4 import check_theorem4
@@ -108,12 +108,12 @@ def test_few_of_many_measured_tables_are_left_open(tmp_path: Path) -> None:
 
 
 ELLIPSE = np.array([[2.0, 0.5], [0.5, 1.0]])
-SHAPES = {"distance": Distance(), "polygon": Polygon.of_ellipse(ELLIPSE)}
+SHAPES = {"distance": Distance(), "polygon": SectorFunction.of_ellipse(ELLIPSE)}
 
 
 def level(shape: LevelFunction, place: np.ndarray) -> float:
     """V: the distance, or by the two vertices between whose rays a place lies."""
-    if not isinstance(shape, Polygon):
+    if not isinstance(shape, SectorFunction):
         return float(np.hypot(*place))
     for first, second in zip(shape.vertices, np.roll(shape.vertices, -1, axis=0), strict=True):
         shares = np.linalg.solve(np.column_stack([first, second]), place)
