@@ -27,7 +27,6 @@ from nonsmooth.reports.sections.cells import cells_section
 from nonsmooth.reports.sections.closing import references_section, reproduction_section
 from nonsmooth.reports.sections.contact import constraining_wheels, constraints_section, contact_states_section
 from nonsmooth.reports.sections.ellipse import ellipse_derivative_section, situation_section
-from nonsmooth.reports.sections.law import law_section, without_law
 from nonsmooth.reports.sections.measurements import precision_section, stress_section, without_precision
 from nonsmooth.reports.sections.opening import array_section, conventions_section, verdict_section
 from nonsmooth.reports.sections.rules import rules_section, without_rules
@@ -37,7 +36,7 @@ from nonsmooth.reports.sections.stability import (
     lyapunov_section,
     theorem_section,
 )
-from nonsmooth.reports.sections.trajectories import trajectories_section
+from nonsmooth.reports.sections.trajectories import law_section, trajectories_section, without_law
 from nonsmooth.reports.subject import ArraySubject, Subject, SystemSubject
 from nonsmooth.symbolic.unknown_loads import UnknownLoads
 

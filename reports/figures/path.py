@@ -202,11 +202,22 @@ def draw_plane(axes: Axes, picture: PathPicture) -> None:
         return
     if picture.beside is not None:
         axes.plot(*_dense(picture.beside[0])[1][:, :2].T, **BESIDE, zorder=3)
-    _, path = _dense(picture.trajectory)
-    axes.plot(path[:, 0], path[:, 1], color=PATH, linewidth=1.8, zorder=3)
-    axes.plot(*path[0, :2], marker=">", color=PATH, markersize=8, zorder=4)
-    marked_events(axes, picture.trajectory)
+    _draw_path(axes, picture.trajectory, _dense(picture.trajectory)[1])
     picture.ground(axes)
+
+
+def _draw_path(axes: Axes, path: Trajectory, states: NDArray[np.float64], mark: str | None = None) -> None:
+    """The path with its start and its events; its pieces carry the mark, if there is one."""
+
+    def named(piece: str) -> str | None:
+        return None if mark is None else f"{mark}--{piece}"
+
+    axes.plot(states[:, 0], states[:, 1], color=PATH, linewidth=1.8, zorder=3, gid=named("path"))
+    axes.plot(*states[0, :2], marker=">", color=PATH, markersize=8, zorder=4, gid=named("start"))
+    for number, event in enumerate(marked(path.events), 1):
+        place = [[float(event.state[0])], [float(event.state[1])]]
+        style: dict[str, Any] = {"marker": MARKERS[event.kind], "color": INK, "markersize": 6, "fillstyle": "none"}
+        axes.plot(*place, **style, zorder=4, gid=named(f"event-{number}"))
 
 
 def _draw_curves(curves: Sequence[Axes], picture: PathPicture) -> None:
@@ -266,14 +277,6 @@ def marked(events: Sequence[Event]) -> Sequence[Event]:
     if len(events) <= MOST_MARKS:
         return events
     return [events[round(k * (len(events) - 1) / (MOST_MARKS - 1))] for k in range(MOST_MARKS)]
-
-
-def marked_events(axes: Axes, trajectory: Trajectory, mark: str | None = None) -> None:
-    """The events at their places, each kind with its form; their pieces carry the mark, if there is one."""
-    for number, event in enumerate(marked(trajectory.events), 1):
-        place = [[float(event.state[0])], [float(event.state[1])]]
-        gid = None if mark is None else f"{mark}--event-{number}"
-        axes.plot(*place, marker=MARKERS[event.kind], color=INK, markersize=6, fillstyle="none", zorder=4, gid=gid)
 
 
 def dense_times(trajectory: Trajectory) -> NDArray[np.float64]:
@@ -391,7 +394,7 @@ def starts_figure(partition: Partition, paths: Sequence[Trajectory]) -> Figure:
     last = max(float(path.times[-1]) for path in paths)
     for number, path in enumerate(paths, 1):
         _draw_curves_of(curves, path, start_mark(number), last)
-        _draw_path(plane, path, start_mark(number))
+        _draw_path(plane, path, path.array, start_mark(number))
     _label(curves, partition)
     name = one_line(partition.scene.name)
     title_figure(figure, f"{name}: rule {partition.rule}, {len(paths)} starts")
@@ -406,13 +409,6 @@ def _draw_curves_of(curves: list[Axes], path: Trajectory, mark: str, last: float
         times, states = np.append(times, last), np.vstack([states, states[-1:]])
     for k, axes in enumerate(curves):
         axes.plot(times, states[:, k], color=PATH, linewidth=1.6, gid=f"{mark}--{'xyt'[k]}")
-
-
-def _draw_path(axes: Axes, path: Trajectory, mark: str) -> None:
-    states = path.array
-    axes.plot(states[:, 0], states[:, 1], color=PATH, linewidth=1.8, zorder=3, gid=f"{mark}--path")
-    axes.plot(*states[0, :2], marker=">", color=PATH, markersize=8, zorder=4, gid=f"{mark}--start")
-    marked_events(axes, path, mark)
 
 
 def _label(curves: list[Axes], partition: Partition) -> None:
