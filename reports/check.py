@@ -261,8 +261,6 @@ def _predictions(scene: Scene) -> tuple[Prediction, ...]:
 
 def _with_files(result: CheckResult, options: CheckOptions) -> CheckResult:
     """The result, compared with its certificate; the files that were asked for, unless it contradicts itself."""
-    from nonsmooth.reports.law_table import NoLawError
-
     if options.certificate is None and options.law is None:
         return result
     _ = result.answers  # all of them: they may contradict what would be written
@@ -284,6 +282,8 @@ def _with_files(result: CheckResult, options: CheckOptions) -> CheckResult:
     if options.certificate is not None and certificate is not None:
         _write_certificate(certificate, result, options.certificate)
     if options.law is not None:
+        from nonsmooth.reports.law_table import NoLawError
+
         try:
             result.law().save(options.law)
         except NoLawError as error:
