@@ -344,7 +344,9 @@ def test_an_accuracy_is_for_arrays(capsys: pytest.CaptureFixture[str]) -> None:
 def test_an_accuracy_that_is_asked_for_replaces_the_scene_s(capsys: pytest.CaptureFixture[str]) -> None:
     status, found = record(capsys, "check", "four-wheel", "--accuracy", "1/8", "--require", "position")
     assert (status, found["answers"]["position"]["accuracy"]) == (0, 0.125)
-    assert ns.load("four-wheel").check(accuracy="1/8").position["accuracy"] == Fraction(1, 8)
+    array = ns.load("four-wheel")
+    assert isinstance(array, ns.Array)
+    assert array.check(accuracy="1/8").position["accuracy"] == Fraction(1, 8)
 
 
 def test_an_exact_array_still_comes_home() -> None:
