@@ -3,7 +3,7 @@
 ====================  ==========  =====================================================================
 name                  functional  use
 ====================  ==========  =====================================================================
-``EllipseMinimizer``   ellipse     all points at once in NumPy, to rounding: the one to use
+``EllipseMinimizer``  ellipse     all points at once in NumPy, to rounding: the one to use
 ``BoxHighs``          box         dual linear program by HiGHS, point by point: the one to use in floats
 ``BoxEnumeration``    box         every regular triple of rows, the literal definition: small arrays
 ====================  ==========  =====================================================================

@@ -29,7 +29,7 @@ WARM_PASSES = 10  # of the method of multipliers from the last minimizer
 class EllipseMinimizer:
     """All points at once in NumPy; twist, forces and gap to rounding.
 
-    A thousand points of four wheels take some ten milliseconds; a single point two.
+    A thousand points of four wheels take some fifteen milliseconds; a single point two.
     """
 
     @property

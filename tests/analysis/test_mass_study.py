@@ -97,7 +97,7 @@ def test_paths_that_break_off_are_compared_while_they_last() -> None:
     assert distance.until == pytest.approx(float(path.end.t))
     assert distance.until < float(other.end.t) < UNTIL
     apart = np.array(path.at(distance.until), float) - np.array(other.at(distance.until))
-    assert distance.position >= np.hypot(*apart[:2]) > 0
+    assert distance.position >= np.hypot(*apart[:2]) * (1 - 1e-12) > 0  # the same place, reached by other sums
 
 
 def test_distance_is_that_of_known_motions() -> None:
