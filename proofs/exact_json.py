@@ -16,11 +16,10 @@ from typing import Any, TypeAlias
 
 from flint import fmpq, fmpz
 
-from nonsmooth.symbolic.numbers.coefficients import Coefficient
+from nonsmooth.symbolic.numbers.coefficients import Coefficient, bits
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
-from nonsmooth.symbolic.numbers.root_masks import bits
 
 Record: TypeAlias = dict[str, Any]
 

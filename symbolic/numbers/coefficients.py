@@ -6,7 +6,7 @@ import math
 from fractions import Fraction
 from typing import Any, TypeAlias
 
-from flint import fmpq, fmpq_poly
+from flint import arb, fmpq, fmpq_poly
 
 Coefficient: TypeAlias = Any  # fmpq over Q, fmpq_poly reduced by the base modulus otherwise
 Rational: TypeAlias = int | Fraction | fmpq
@@ -30,6 +30,17 @@ def fmpq_to_float(value: fmpq) -> float:
         return int(value.p) / int(value.q)
     except OverflowError:
         return math.inf if value > 0 else -math.inf
+
+
+def exactly(ball: arb) -> Fraction:
+    """The number that an exact ball is, such as an end or the middle of another."""
+    mantissa, exponent = (int(part) for part in ball.man_exp())
+    return Fraction(mantissa) * Fraction(2) ** exponent
+
+
+def bits(mask: int) -> list[int]:
+    """Indices of the set bits of a mask, ascending: bit i stands for the root ``sqrt(g_i)`` of a field."""
+    return [i for i in range(mask.bit_length()) if mask >> i & 1]
 
 
 def height(coefficient: Coefficient) -> int:

@@ -6,6 +6,7 @@ from fractions import Fraction
 
 from flint import arb, ctx
 
+from nonsmooth.symbolic.numbers.coefficients import exactly
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.square_roots import NestingError
@@ -47,5 +48,4 @@ def _rooted(ball: arb) -> arb:
 
 def rational_below(ball: arb) -> Fraction:
     """The lower end of a ball."""
-    mantissa, exponent = (int(part) for part in ball.lower().man_exp())
-    return Fraction(mantissa) * Fraction(2) ** exponent
+    return exactly(ball.lower())

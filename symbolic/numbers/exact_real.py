@@ -30,6 +30,16 @@ class ExactRing:
     def __rmul__(self, value: Any) -> Self:
         return self * value
 
+    def __pow__(self, exponent: int) -> Self:
+        if not isinstance(exponent, int):
+            return NotImplemented
+        result, base, power = self * 0 + 1, self, exponent
+        while power > 0:
+            result = result * base if power & 1 else result
+            power >>= 1
+            base = base * base if power else base
+        return result
+
     def __pos__(self) -> Self:
         return self
 

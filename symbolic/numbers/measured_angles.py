@@ -21,6 +21,7 @@ from functools import cache
 
 from flint import arb, ctx, fmpq, fmpz
 
+from nonsmooth.symbolic.numbers.coefficients import exactly
 from nonsmooth.symbolic.numbers.number_field import NumberField, base_order
 from nonsmooth.symbolic.numbers.rational_directions import CLOSENESS
 
@@ -80,9 +81,7 @@ def turn_of_radians(value: Fraction) -> tuple[Fraction, bool]:
     if not value:
         return Fraction(0), False
     with ctx.workprec(_PRECISION + int(abs(value)).bit_length()):
-        middle = (arb(fmpq(value.numerator, value.denominator)) / arb.pi()).mid()
-        mantissa, exponent = (int(part) for part in middle.man_exp())
-    turn = Fraction(mantissa) * Fraction(2) ** exponent
+        turn = exactly((arb(fmpq(value.numerator, value.denominator)) / arb.pi()).mid())
     near = turn.limit_denominator(SHORT)
     is_near = 4 * abs(near - turn) < ROUNDING  # pi < 4
     return (near, True) if is_near else (turn, False)

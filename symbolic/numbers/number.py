@@ -17,6 +17,7 @@ from flint import arb, ctx, fmpq, fmpz
 from nonsmooth.symbolic.numbers.coefficients import (
     Coefficient,
     base_inverse,
+    bits,
     fmpq_to_float,
     height,
     is_rational,
@@ -25,7 +26,6 @@ from nonsmooth.symbolic.numbers.coefficients import (
 )
 from nonsmooth.symbolic.numbers.exact_real import ExactReal
 from nonsmooth.symbolic.numbers.printing import latex_sum, number_summands, number_to_sympy, plain_sum
-from nonsmooth.symbolic.numbers.root_masks import bits
 
 if TYPE_CHECKING:
     import sympy
@@ -150,16 +150,7 @@ class Number(ExactReal):
         return Number(self.field, {mask: c * factor for mask, c in many.terms.items()})
 
     def __pow__(self, exponent: int) -> Number:
-        if not isinstance(exponent, int):
-            return NotImplemented
-        base = self if exponent >= 0 else self.inverse()
-        result, power = self.field.one, abs(exponent)
-        while power:
-            if power & 1:
-                result = result * base
-            power >>= 1
-            base = base * base if power else base
-        return result
+        return super().__pow__(exponent) if exponent >= 0 else self.inverse() ** -exponent
 
     def inverse(self) -> Number:
         """Multiplicative inverse, by conjugating the highest square root away.

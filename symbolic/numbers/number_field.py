@@ -19,10 +19,9 @@ from fractions import Fraction
 
 from flint import arb, ctx, fmpq, fmpq_poly, fmpz_poly
 
-from nonsmooth.symbolic.numbers.coefficients import Coefficient, Rational, as_fmpq
+from nonsmooth.symbolic.numbers.coefficients import Coefficient, Rational, as_fmpq, bits
 from nonsmooth.symbolic.numbers.number import HUGE, Number
 from nonsmooth.symbolic.numbers.rational_directions import direction_beside, rational_direction
-from nonsmooth.symbolic.numbers.root_masks import bits
 from nonsmooth.symbolic.numbers.rounded import rounded
 from nonsmooth.symbolic.numbers.square_roots import square_root
 from nonsmooth.symbolic.numbers.work_limit import WorkMeter

@@ -135,15 +135,6 @@ class Polynomial(ExactRing):
         other = self._operand(value)
         return NotImplemented if other is None else self._with(multiply_terms(self.terms, other.terms))
 
-    def __pow__(self, exponent: int) -> Polynomial:
-        result, base = Polynomial.constant(self.field, self.variables, 1), self
-        while exponent:
-            if exponent & 1:
-                result = result * base
-            exponent >>= 1
-            base = base * base if exponent else base
-        return result
-
     def __bool__(self) -> bool:
         return bool(self.terms)
 
@@ -190,13 +181,7 @@ class Polynomial(ExactRing):
 
     def composed(self, values: Sequence[Polynomial]) -> Polynomial:
         """The polynomial with each variable replaced by a polynomial (all in the same new variables)."""
-        total = Polynomial.constant(self.field, values[0].variables, 0)
-        for exponents, coefficient in self.terms.items():
-            term = Polynomial.constant(self.field, values[0].variables, coefficient)
-            for value, exponent in zip(values, exponents, strict=True):
-                term = term * value**exponent if exponent else term
-            total = total + term
-        return total
+        return Polynomial.constant(self.field, values[0].variables, 0) + self(values)
 
     def __str__(self) -> str:
         order = sorted(self.terms, key=lambda e: (-sum(e), tuple(-k for k in e)))

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from flint import fmpq
 
-from nonsmooth.symbolic.numbers.root_masks import bits
+from nonsmooth.symbolic.numbers.coefficients import bits
 
 if TYPE_CHECKING:
     import sympy

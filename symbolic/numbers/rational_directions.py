@@ -14,6 +14,8 @@ from random import Random
 
 from flint import arb, ctx, fmpq
 
+from nonsmooth.symbolic.numbers.coefficients import exactly
+
 CLOSENESS = Fraction(1, 10**15)  # radians between an angle and its direction
 _PRECISION = 128  # bits of the half tangent's ball: its radius is far below the closeness
 
@@ -64,8 +66,7 @@ def _half_tangent(turn: Fraction) -> Fraction:
         return Fraction(0)
     with ctx.workprec(_PRECISION):
         sine, cosine = arb.sin_cos_pi_fmpq(fmpq(turn.numerator, 2 * turn.denominator))
-        mantissa, exponent = (int(part) for part in (sine / cosine).mid().man_exp())
-    middle = Fraction(mantissa) * Fraction(2) ** exponent
+        middle = exactly((sine / cosine).mid())
     return simplest_between(middle - CLOSENESS / 4, middle + CLOSENESS / 4)
 
 

@@ -16,11 +16,10 @@ from collections.abc import Iterable, Iterator
 from itertools import count
 from typing import TYPE_CHECKING
 
-from flint import fmpq, fmpq_mat, fmpq_poly, fmpz, fmpz_mod_ctx, fmpz_mod_poly_ctx
+from flint import fmpq, fmpq_mat, fmpq_poly, fmpz, fmpz_mod_ctx, fmpz_mod_poly_ctx, nmod_mat
 
-from nonsmooth.symbolic.numbers.coefficients import as_fmpq
+from nonsmooth.symbolic.numbers.coefficients import as_fmpq, bits
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.numbers.root_masks import bits
 
 if TYPE_CHECKING:
     from nonsmooth.symbolic.numbers.number_field import NumberField
@@ -228,20 +227,10 @@ class _ResidueMap:
 
 def _solve_mod_2(rows: list[list[int]], unknowns: int) -> list[int] | None:
     """A subset S with ``sum_{k in S} row[k] = row[-1]`` modulo 2 in every row, or None."""
-    pivots: dict[int, int] = {}
-    for row in rows:
-        packed = sum(bit << k for k, bit in enumerate(row))
-        for column, pivot in pivots.items():
-            if packed >> column & 1:
-                packed ^= pivot
-        left = packed & ((1 << unknowns) - 1)
-        if left:
-            column = left.bit_length() - 1
-            pivots = {other: pivot ^ packed if pivot >> column & 1 else pivot for other, pivot in pivots.items()}
-            pivots[column] = packed
-        elif packed:
-            return None
-    return [column for column, pivot in pivots.items() if pivot >> unknowns & 1]
+    kernel, nullity = nmod_mat(rows, 2).nullspace()
+    solutions = [[int(kernel[k, j]) for k in range(unknowns + 1)] for j in range(nullity)]
+    found = next((solution for solution in solutions if solution[-1]), None)
+    return None if found is None else [k for k in range(unknowns) if found[k]]
 
 
 def _exact_root(field: NumberField, value: Number, inner: list[int]) -> Number | None:

@@ -15,9 +15,9 @@ from hypothesis import strategies as st
 from mpmath import mp, mpf
 
 from nonsmooth.symbolic.numbers import square_roots
+from nonsmooth.symbolic.numbers.coefficients import bits
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField, base_order
-from nonsmooth.symbolic.numbers.root_masks import bits
 from nonsmooth.symbolic.numbers.square_roots import NestingError
 from tests.thorough import few, keep
 
