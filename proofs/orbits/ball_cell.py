@@ -53,7 +53,7 @@ def along(field: Sequence[Polynomial], guard: Polynomial) -> Polynomial:
 
 
 @dataclass(frozen=True)
-class End:
+class EndFunction:
     """A function g of the state, with its slope along the field and its gradient; at an arrival it falls to zero."""
 
     value: BallFunction
@@ -62,7 +62,7 @@ class End:
 
 
 @dataclass(frozen=True)
-class BallGuard(End):
+class BallGuard(EndFunction):
     """A polynomial g of a cell, with the slope of its slope."""
 
     bend: BallFunction

@@ -15,7 +15,7 @@ from typing import TypeAlias
 from flint import arb
 
 from nonsmooth.proofs.enclosures import UNIT, holds_on
-from nonsmooth.proofs.orbits.ball_cell import BallCell, End, applied, dot
+from nonsmooth.proofs.orbits.ball_cell import BallCell, EndFunction, applied, dot
 from nonsmooth.proofs.orbits.ball_steps import Ball, Box, EnclosedStep, Expansion, UnprovedError
 
 MOST_STEPS = 400  # through one cell
@@ -64,7 +64,7 @@ Passage: TypeAlias = tuple[Family, Ball, Ball]  # at the arrival, each at its ow
 def pass_cell(
     cell: BallCell,
     family: Family,
-    end: End,
+    end: EndFunction,
     lasts: Ball,
     *,
     entry: int | None = None,
@@ -156,7 +156,7 @@ class _Crossing:
         if not holds_on(is_positive, arb(0), until, PARTS):
             raise UnprovedError("the path comes too near to a switching surface between its crossings")
 
-    def arrive(self, thin: EnclosedStep, wide: EnclosedStep, end: End, leaves: int | None) -> Passage | None:
+    def arrive(self, thin: EnclosedStep, wide: EnclosedStep, end: EndFunction, leaves: int | None) -> Passage | None:
         """End at ``end = 0`` within a step, if that is clear."""
         late = wide.at(wide.span)[:2]
         if not (end.value(self.family.box) > 0 and end.value(late) < 0 and end.slope(wide.hull[:2]) < 0):
@@ -174,7 +174,7 @@ class _Crossing:
         return family, self.time + when, self.time + centre_when
 
 
-def _falls_at(step: EnclosedStep, end: End) -> Ball:
+def _falls_at(step: EnclosedStep, end: EndFunction) -> Ball:
     """A ball of the times in a step at which a falling function is zero, by the interval Newton method."""
     when = arb(0).union(step.span)
     for _ in range(NEWTON):

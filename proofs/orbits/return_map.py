@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from flint import arb
 
 from nonsmooth.proofs.enclosures import UNIT
-from nonsmooth.proofs.orbits.ball_cell import BallCell, BallFunction, End, dot
+from nonsmooth.proofs.orbits.ball_cell import BallCell, BallFunction, EndFunction, dot
 from nonsmooth.proofs.orbits.ball_steps import Ball, Box, UnprovedError
 from nonsmooth.proofs.orbits.cell_passage import Family, pass_cell
 
@@ -158,7 +158,11 @@ def return_map(legs: Sequence[CrossedLeg], lasts: Sequence[Ball], point: Box, di
 
 
 def fly(
-    legs: Sequence[CrossedLeg], lasts: Sequence[Ball], family: Family, last: End | None, tangent: int | None = None
+    legs: Sequence[CrossedLeg],
+    lasts: Sequence[Ball],
+    family: Family,
+    last: EndFunction | None,
+    tangent: int | None = None,
 ) -> tuple[Family, Ball, tuple[Ball, ...]]:
     """Take a family along some legs: where and when it arrives, and how long each takes from the centre.
 
@@ -189,12 +193,12 @@ def fly(
     return family, time, tuple(times)
 
 
-def section(cell: BallCell, point: Box, direction: Box) -> End:
+def section(cell: BallCell, point: Box, direction: Box) -> EndFunction:
     """The segment's line as an end: falling along the flow."""
     normal = [direction[1], -direction[0]]
     if dot(normal, cell.rates(point)) > 0:
         normal = [-n for n in normal]
-    return End(
+    return EndFunction(
         lambda box: dot(normal, [x - p for x, p in zip(box, point, strict=True)]),
         lambda box: dot(normal, cell.rates(box)),
         [_constant(n) for n in normal],
