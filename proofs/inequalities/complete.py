@@ -29,7 +29,7 @@ from nonsmooth.proofs.inequalities.effort import effort_left, take_effort
 from nonsmooth.proofs.inequalities.forms import (
     LONG_BITS,
     NEARBY_STEPS,
-    Pieces,
+    ConeForm,
     Problem,
     Role,
     SubCone,
@@ -116,7 +116,7 @@ def line_of(problem: Problem) -> Coefficients:
     return edge_line(problem, problem.pieces(exact), (0, 1))
 
 
-def edge_line(problem: Problem, pieces: Pieces, edge: tuple[int, int]) -> Coefficients:
+def edge_line(problem: Problem, pieces: ConeForm, edge: tuple[int, int]) -> Coefficients:
     """The form of a part along an edge by powers of ``t = lambda_second/lambda_first``, ascending."""
     field, degree = problem.form.field, problem.form.degree
     first, second = edge

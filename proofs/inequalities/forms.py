@@ -180,19 +180,19 @@ class Problem:
         return faces
 
     @cached_property
-    def coefficients(self) -> Pieces:
+    def coefficients(self) -> ConeForm:
         """The form and the guards, in the generators."""
         return self.pieces(self.generators)
 
-    def pieces(self, generators: Sequence[Vector]) -> Pieces:
+    def pieces(self, generators: Sequence[Vector]) -> ConeForm:
         """The form and the guards in the generators of a part of the cone, straight from the definition."""
         light = [tuple(simplest(x) for x in g) for g in generators]
         form, *guards = (
             in_generators({e: simplest(c) for e, c in part.terms.items()}, light) for part in (self.form, *self.guards)
         )
-        return Pieces(form, tuple(guards))
+        return ConeForm(form, tuple(guards))
 
-    def settles(self, generators: Sequence[Vector], pieces: Pieces) -> bool:
+    def settles(self, generators: Sequence[Vector], pieces: ConeForm) -> bool:
         """Whether the coefficients prove the claim on a part of the cone."""
         faces = self.strict_faces(generators, except_origin=self.except_origin) if self.strict else []
         if is_nonnegative(pieces.form) and all(has_positive(pieces.form, face) for face in faces):
@@ -215,7 +215,7 @@ class Problem:
         here = sign(self.form(point))
         return here < 0 or (self.strict and here == 0)
 
-    def _is_outside(self, generators: Sequence[Vector], pieces: Pieces, guard: Terms) -> bool:
+    def _is_outside(self, generators: Sequence[Vector], pieces: ConeForm, guard: Terms) -> bool:
         """Whether a guard shows that the part meets the cell at most in corners, where the claim is tested."""
         negative = {e: -c for e, c in guard.items()}
         roles = [self.role(g) for g in generators]
@@ -229,7 +229,7 @@ class Problem:
 
 
 @dataclass(frozen=True)
-class Pieces:
+class ConeForm:
     """Coefficients in the generators of a part of the cone."""
 
     form: Terms
@@ -240,9 +240,9 @@ class Pieces:
         """What it costs to look at this part and cut it in two, in products of short rational coefficients."""
         return sum(_work_of(c) for terms in (self.form, *self.guards) for c in terms.values())
 
-    def mapped(self, change: Callable[[Terms], Terms]) -> Pieces:
+    def mapped(self, change: Callable[[Terms], Terms]) -> ConeForm:
         """Every part changed in the same way."""
-        return Pieces(change(self.form), tuple(change(guard) for guard in self.guards))
+        return ConeForm(change(self.form), tuple(change(guard) for guard in self.guards))
 
 
 def _work_of(coefficient: Any) -> int:
@@ -309,7 +309,7 @@ def multiplier(form: Terms, taken: Terms, *, signed: bool = True) -> Any:
     return (least + most) / 2 if least <= most else None
 
 
-def raised(terms: Terms, pieces: Pieces, generators: Sequence[Vector]) -> Terms:
+def raised(terms: Terms, pieces: ConeForm, generators: Sequence[Vector]) -> Terms:
     """A form of a part times a power of w, so that it has the largest degree of the forms of the part."""
     top = max(sum(e) for own in (pieces.form, *pieces.guards) for e in own)
     weight = in_generators({(1,): 1}, [(g[-1],) for g in generators])
@@ -323,7 +323,7 @@ def has_one_sign(terms: Terms, face: int) -> bool:
     return {sign(c) for e, c in terms.items() if not support(e) & ~face} in ({1}, {-1})
 
 
-def face_sign(pieces: Pieces, face: int) -> int:
+def face_sign(pieces: ConeForm, face: int) -> int:
     """Sign of the form at the sum of a face's generators."""
     return sign(sum((c for e, c in pieces.form.items() if not support(e) & ~face), fmpq(0)))
 
@@ -385,7 +385,9 @@ class SubCone:
 
     __slots__ = ("depth", "generators", "parts", "pieces", "places", "split")
 
-    def __init__(self, generators: tuple[Vector, ...], places: tuple[Vector, ...], pieces: Pieces, depth: int) -> None:
+    def __init__(
+        self, generators: tuple[Vector, ...], places: tuple[Vector, ...], pieces: ConeForm, depth: int
+    ) -> None:
         self.generators, self.places, self.pieces, self.depth = generators, places, pieces, depth
         self.split: tuple[int, int, Any] | None = None
         self.parts: tuple[SubCone, SubCone] | None = None
