@@ -174,13 +174,11 @@ def test_ellipses_are_asked_for_where_motions_attract() -> None:
 # ---- rest points that are enclosed ---------------------------------------------------------------
 
 
-@pytest.mark.parametrize("rule", ["ellipse", "roller"])
-@pytest.mark.parametrize("seed", range(8))
-def test_symmetric_arrays_turn_at_the_enclosed_rate(seed: int, rule: str, tmp_path: Path) -> None:
-    table = MeasuredTable.symmetric(seed, rule)
+@pytest.mark.parametrize("seed", range(4))
+def test_symmetric_arrays_turn_at_the_enclosed_rate(seed: int, tmp_path: Path) -> None:
+    table = MeasuredTable.symmetric(seed, "ellipse")
     rest = enclosed_rest(measured(tmp_path, table).recentred())
-    if rest is None:  # wheels that stick, or rollers about to turn
-        return
+    assert rest is not None
     assert rest.distance < Fraction(1, 10**9)
     body = SmallSteps(table)
     body.velocity(np.zeros(2))
@@ -191,16 +189,15 @@ def test_symmetric_arrays_turn_at_the_enclosed_rate(seed: int, rule: str, tmp_pa
         assert moved == pytest.approx(slope @ axis, rel=0.02, abs=0.02 * np.abs(slope).max())
 
 
-@pytest.mark.parametrize("seed", range(0, 16, 2))
-def test_bodies_beside_a_rest_that_repels_are_carried_away(seed: int, tmp_path: Path) -> None:
-    table = MeasuredTable.symmetric(seed, "ellipse")
+def test_bodies_beside_a_rest_that_repels_are_carried_away(tmp_path: Path) -> None:
+    table = MeasuredTable.symmetric(0, "ellipse")
     scene = measured(tmp_path, table).recentred()
     rest, accuracy = enclosed_rest(scene), float(scene.accuracy)
-    if rest is None or not is_carried_away(scene, scene.accuracy, rest.distance):
-        return
-    body = SmallSteps(table)
-    ends = [body.end(accuracy / 100 * np.array([math.cos(k), math.sin(k)]), 60.0, accuracy)[1] for k in range(0, 6, 2)]
-    assert max(ends) > accuracy
+    assert rest is not None
+    assert is_carried_away(scene, scene.accuracy, rest.distance)
+    body, angles = SmallSteps(table), (0.0, 2.0, 4.0)
+    starts = [accuracy / 100 * np.array([math.cos(angle), math.sin(angle)]) for angle in angles]
+    assert max(body.end(start, 60.0, accuracy)[1] for start in starts) > accuracy
 
 
 def test_bodies_are_carried_away_by_outward_rims_and_by_no_inward_ones() -> None:
