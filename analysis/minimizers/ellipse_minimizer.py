@@ -89,7 +89,9 @@ class WarmMinimizer:
         with np.errstate(all="ignore"):  # a step out of the range of floats is not accepted
             sums = SupportSums(loads[:, None], scaled.maps, scaled.targets.T[..., None], scaled.sets)
             found = finished(sums, y, forces, 0.0, WARM_PASSES)
-        if not (found.proved | (found.lacks <= SLIP_ROUNDING * sums.start))[0]:
+            rounding, values = SLIP_ROUNDING * sums.start, sums.judge(sums.slips(found.y), found.forces).values
+        carried = (found.lacks <= rounding) & (values <= rounding)  # nothing slips: the twist is right to rounding
+        if not (found.proved | carried)[0]:
             return None
         self._last = found.y, found.forces
         return scaled.certified(loads[None], found.y.T, found.forces.transpose(2, 1, 0))

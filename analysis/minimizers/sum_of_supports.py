@@ -151,6 +151,7 @@ SLIP_NOISE = 1e-15  # of slips: imbalance, over c, that is rounding
 ANCHOR = 1e-3  # weight of the distance to the last y, over c: a curvature for all directions
 FLATTER = 0.5  # share of the first slope along a step up to which it may rise at its end
 PASSES = 300
+SETTLED = 1e-12  # step, relative to the unknowns, after which no other is needed
 
 
 def by_multipliers(
@@ -182,7 +183,8 @@ def by_multipliers(
         values, excess, lacks, proved = sums.judge(slips, linear)
         known = found.proved[at]
         found.keep(at, trial, linear, lacks, proved)
-        going = ~(known & proved)  # once more after the first proof: it costs one step and squares the error
+        # a gap grows as the square of the error: a proof alone does not say that the unknowns are right to rounding
+        going = ~(known & proved & (np.abs(newton).max(axis=0) <= SETTLED * np.abs(trial).max(axis=0)))
         if not going.any():
             break
         balanced = ~short & (np.abs(slope).max(axis=0) <= np.maximum(LOOSE / (1 + stiffness), SLIP_NOISE * stiffness))
