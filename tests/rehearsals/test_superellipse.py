@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from nonsmooth.analysis.minimizers.sum_of_supports import Floats, SupportSums, by_multipliers
+from nonsmooth.analysis.fields.contact_model import Floats
+from nonsmooth.analysis.minimizers.sum_of_supports import SupportSums, by_multipliers
 from nonsmooth.symbolic.friction_set import NearestForce
 
 HALVINGS = 50
