@@ -5,7 +5,8 @@ the question is asked with a length a, the accuracy:
 
 - *comes near*: every body from within R is within r of the point after a time T, with ``r <= a`` and ``R >= 2 max(r,
   a)``.  Without that inequality it would say little: a body that stays where it is put ends within a of the point too.
-- *leaves*: as near to the point as one likes there are starts whose bodies end, or are carried, farther away than a.
+- *leaves*: as near to the point as one likes there are starts whose bodies end, or are carried, farther away than a;
+  beside a place of rest that only rounding tells from the point, within a distance that is said.
   That the point itself is no place of rest does not suffice.
 """
 
@@ -22,7 +23,7 @@ from nonsmooth.proofs.clauses.translation.clause import AnyTranslation
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, Move, MoveEvidence
 from nonsmooth.proofs.robust.drift import driven_out
 from nonsmooth.proofs.robust.ends import Ends, decide_ends, why_not_followed
-from nonsmooth.proofs.robust.rest_points import EnclosedRest, enclosed_rest, is_carried_away
+from nonsmooth.proofs.robust.rest_points import NO_FARTHER, EnclosedRest, enclosed_rest, is_carried_away
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.numbers.number import sign
@@ -40,7 +41,9 @@ class Nearness:
     Attributes:
         ends: the disc or the place in which they end; None where none is shown.
         out_after: the time after which every body has left the disc of the accuracy; None where that is not shown.
-        is_thrown_out: whether bodies from as near as one likes are carried out of that disc.
+        thrown_out_from: some bodies from within this distance of the point are carried out of that disc: zero for as
+            near as one likes, and more beside a place of rest that only rounding tells from the point; None where that
+            is not shown.
         rests_within: a distance from the point, no more than rounding, within which all members of what was rounded
             have one place of rest each, which attracts; None where that is not shown.
         why_not: why nothing was looked for; empty where something was.
@@ -48,7 +51,7 @@ class Nearness:
 
     ends: Ends | None = None
     out_after: Fraction | None = None
-    is_thrown_out: bool = False
+    thrown_out_from: Fraction | None = None
     rests_within: Fraction | None = None
     why_not: str = ""
 
@@ -61,7 +64,7 @@ class Nearness:
     def leaves(self) -> bool:
         """Whether some end, or are carried, farther away."""
         ends_away = self.ends is not None and not self.ends.is_near
-        return ends_away or self.out_after is not None or self.is_thrown_out
+        return ends_away or self.out_after is not None or self.thrown_out_from is not None
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,7 +114,8 @@ def _decided(asked: _Asked) -> Nearness:
             return Nearness(ends)
         if holds:
             carried_away = asked.translation is Translation.UNSTABLE and is_carried_away(centred, accuracy, Fraction(0))
-            return Nearness(is_thrown_out=carried_away or _is_surely_out(asked, accuracy))
+            is_out = carried_away or _is_surely_out(asked, accuracy)
+            return Nearness(thrown_out_from=Fraction(0) if is_out else None)
         return Nearness(out_after=driven_out(centred, accuracy))
 
 
@@ -124,7 +128,8 @@ def _beside_a_rest(scene: Scene, accuracy: Fraction, ends: Ends | None) -> Nearn
     if rest is not None and rest.stability is Translation.ASYMPTOTICALLY_STABLE:
         return Nearness(ends, rests_within=rest.distance)
     if ends is None and rest is not None and rest.stability is Translation.UNSTABLE:
-        return Nearness(is_thrown_out=is_carried_away(scene, accuracy, rest.distance))
+        is_out = is_carried_away(scene, accuracy, rest.distance)
+        return Nearness(thrown_out_from=NO_FARTHER * accuracy if is_out else None)
     return Nearness(ends)
 
 

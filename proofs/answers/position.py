@@ -158,7 +158,8 @@ def _away(scene: Scene, looked: Nearness, unit: str) -> str:
         return f"{place}, {distance}, after at most {at_most(ends.after)} s; {accuracy}"
     if looked.out_after is not None:
         return f"it is driven farther away than the accuracy in at most {at_most(looked.out_after)} s; {accuracy}"
-    return f"some starts as near as one likes go farther away than the accuracy; {accuracy}"
+    near = f"within {at_most(looked.thrown_out_from)}{unit} of it" if looked.thrown_out_from else "as near as one likes"
+    return f"some starts {near} go farther away than the accuracy; {accuracy}"
 
 
 def _plainly(scene: Scene, verdict: Position, results: Results, unit: str) -> str:

@@ -51,7 +51,7 @@ LEAST = 2.0**-100  # of its half-widths, beside one
 PARTS = 6  # of each side of the square in which the field is differentiated
 DISCS = tuple(8.0**-k for k in range(1, 6))  # of the accuracy: where the field is taken for nearly linear
 WIDTHS = (1.0, 0.5)  # b of the cones that are tried
-NO_FARTHER = Fraction(1, 2**24)
+NO_FARTHER = Fraction(1, 2**24)  # of the accuracy: where starts beside an enclosed place of rest are
 
 
 @dataclass(frozen=True)
@@ -196,9 +196,10 @@ def is_carried_away(scene: Scene, accuracy: Fraction, beside: Fraction) -> bool:
     middle = np.array([float(entry) for entry in rest.slope.entries()]).reshape(2, 2)
     with ctx.workprec(PRECISION):
         for shape in _rising(middle):
+            start = NO_FARTHER * accuracy / Fraction(shape.outside)
             for share in DISCS:
                 level = float(short_levels(np.array([share * float(accuracy)]))[0])
-                if _rises_close_by(gradient, rest, shape, level, beside, NO_FARTHER * accuracy):
+                if _rises_close_by(gradient, rest, shape, level, beside, start):
                     if _rises_around(scene, shape, level, accuracy):
                         return True
                     break
