@@ -1,9 +1,9 @@
 """Certificates of plain systems: for each verdict the theorem that shows it, with evidence for the checker.
 
 A theorem's hypotheses are taken from the result of a check: the function V that decided, its domain, what was proved of
-regions and rates.  Evidence that the check has found is written as it is, what is missing is searched
-(:mod:`nonsmooth.proofs.kernel.search`); so a verdict may have a certificate however it was decided.  What is written
-has passed the checker.
+regions and rates.  In three states and more the check itself has found evidence, which is written as it is; all other
+is searched (:mod:`nonsmooth.proofs.kernel.search`), so a verdict may have a certificate however it was decided.  What
+is written has passed the checker.
 """
 
 from __future__ import annotations

@@ -59,7 +59,7 @@ class SystemAnswer(NamedTuple):
     sentence: str
 
 
-class Findings(Result):
+class FactResult(Result):
     """A headline, and what was found by its names."""
 
     @property
@@ -90,7 +90,7 @@ class Findings(Result):
 
 
 @dataclass(frozen=True, repr=False)
-class SystemCheckResult(Findings):
+class SystemCheckResult(FactResult):
     """What a check of a plain system found: the V that proves it, or what the scene's V shows, and the derivatives.
 
     Attributes:
@@ -124,7 +124,7 @@ class SystemCheckResult(Findings):
 
     @property
     def found(self) -> Sequence[Fact]:
-        """See :class:`Findings`."""
+        """See :class:`FactResult`."""
         return tuple(system_facts(self.evidence))
 
     def facts(self) -> Record:
@@ -164,7 +164,7 @@ class SystemCheckResult(Findings):
 
 
 @dataclass(frozen=True, repr=False)
-class AuditedFunction(Findings):
+class AuditedFunction(FactResult):
     """The verdict on somebody's Lyapunov function.
 
     Attributes:
@@ -185,7 +185,7 @@ class AuditedFunction(Findings):
 
     @property
     def found(self) -> Sequence[Fact]:
-        """See :class:`Findings`."""
+        """See :class:`FactResult`."""
         return tuple(audit_facts(self.evidence))
 
     def facts(self) -> Record:

@@ -50,7 +50,7 @@ def gallery_page(reports: dict[str, ReportResult]) -> str:
             f"## {name}\n",
             f"{descriptions[name]}\n",
             f"Theorem 4: **{report.result.verdict}**. {_sentence(report.result.reason)}\n",
-            f"[ReportResult of {name}]({FOLDER}/{name}.html)\n",
+            f"[Report of {name}]({FOLDER}/{name}.html)\n",
             f"![the cells of {name}]({FOLDER}/{name}.svg)\n",
         ]
     return "\n".join(parts)

@@ -10,6 +10,8 @@ from nonsmooth.symbolic.scene import Scene
 def build_partition(scene: Scene, *, prune: bool = True) -> Partition:
     """Cells of the scene's contact rule in the checked square, in the scene's own coordinates.
 
+    A check asks the partition of its workspace (:mod:`nonsmooth.proofs.clauses.workspace`), about the checked point.
+
     Raises:
         RefusalError: for a rule without cells, and where the motion is not determined.
     """

@@ -16,7 +16,7 @@ from nonsmooth.analysis.fields.contact_model import ContactRows, Floats
 from nonsmooth.analysis.minimizers.dissipation import Functional
 from nonsmooth.analysis.minimizers.minimum import Minima
 from nonsmooth.analysis.minimizers.optimal_face import row_frame
-from nonsmooth.analysis.minimizers.sum_of_supports import SupportSums, by_smoothing, finished
+from nonsmooth.analysis.minimizers.sum_of_supports import SETTLED, SupportSums, by_smoothing, finished
 from nonsmooth.symbolic.friction_set import UnitDiscs
 
 # Relative to the value at rest: the gap that rounding makes of the slips of wheels that stick.  A result with such a
@@ -89,8 +89,8 @@ class WarmMinimizer:
         with np.errstate(all="ignore"):  # a step out of the range of floats is not accepted
             sums = SupportSums(loads[:, None], scaled.maps, scaled.targets.T[..., None], scaled.sets)
             found = finished(sums, y, forces, 0.0, WARM_PASSES)
-            rounding, values = SLIP_ROUNDING * sums.start, sums.judge(sums.slips(found.y), found.forces).values
-        carried = (found.lacks <= rounding) & (values <= rounding)  # nothing slips: the twist is right to rounding
+        # Where hardly anything slips the gap is that of rounding; the next step says how near the twist is.
+        carried = (found.lacks <= SLIP_ROUNDING * sums.start) & (found.steps <= SETTLED)
         if not (found.proved | carried)[0]:
             return None
         self._last = found.y, found.forces

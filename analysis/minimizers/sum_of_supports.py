@@ -122,11 +122,15 @@ class Judgement(NamedTuple):
 
 
 class Solutions:
-    """The best unknowns (3, m) and forces (2, n, m) so far, what they lack, and whether they are proved, (m,)."""
+    """The best unknowns (3, m) and forces (2, n, m) so far, what they lack, and whether they are proved, (m,).
+
+    By multipliers, also the Newton steps that come next, relative to the unknowns, (m,).
+    """
 
     def __init__(self, sets: int, problems: int) -> None:
         self.y, self.forces = np.zeros((3, problems)), np.zeros((2, sets, problems))
         self.lacks, self.proved = np.full(problems, np.inf), np.zeros(problems, bool)
+        self.steps = np.full(problems, np.inf)
 
     def keep(self, at: NDArray[np.int_], y: Floats, forces: Floats, lacks: Floats, proved: NDArray[np.bool_]) -> None:
         """Keep solutions of problems ``at`` that are proved, the last ones of them, or lack less than before."""
@@ -151,7 +155,7 @@ SLIP_NOISE = 1e-15  # of slips: imbalance, over c, that is rounding
 ANCHOR = 1e-3  # weight of the distance to the last y, over c: a curvature for all directions
 FLATTER = 0.5  # share of the first slope along a step up to which it may rise at its end
 PASSES = 300
-SETTLED = 1e-12  # step, relative to the unknowns, after which no other is needed
+SETTLED = 1e-13  # step, relative to the unknowns, after which no other is needed
 
 
 def by_multipliers(
@@ -183,8 +187,10 @@ def by_multipliers(
         values, excess, lacks, proved = sums.judge(slips, linear)
         known = found.proved[at]
         found.keep(at, trial, linear, lacks, proved)
+        moved = np.abs(newton).max(axis=0) / np.maximum(np.abs(trial).max(axis=0), TINY)
+        found.steps[at] = moved
         # a gap grows as the square of the error: a proof alone does not say that the unknowns are right to rounding
-        going = ~(known & proved & (np.abs(newton).max(axis=0) <= SETTLED * np.abs(trial).max(axis=0)))
+        going = ~(known & proved & (moved <= SETTLED))
         if not going.any():
             break
         balanced = ~short & (np.abs(slope).max(axis=0) <= np.maximum(LOOSE / (1 + stiffness), SLIP_NOISE * stiffness))

@@ -1,1 +1,1 @@
-"""The kernel of proofs: claims of theorems, the search for their evidence, and certificates."""
+"""The search for evidence of what the checker asks.  Nothing here is trusted; :mod:`nonsmooth.proofs.checker` is."""

@@ -23,7 +23,6 @@ from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import solve_continuous_lyapunov
 
 from nonsmooth.proofs.robust.intervals import Intervals
 
@@ -184,6 +183,8 @@ def shapes_about(slope: Floats) -> Iterator[LevelFunction]:
     roots, modes = np.linalg.eig(slope)
     if not (roots.real < 0).all():
         return
+    from scipy.linalg import solve_continuous_lyapunov
+
     found = [solve_continuous_lyapunov(slope.T, -np.eye(2))]
     if abs(np.linalg.det(modes)) > 1 / LONGEST:
         inverse = np.linalg.inv(modes)

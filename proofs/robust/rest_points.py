@@ -24,7 +24,6 @@ from typing import TypeAlias
 import numpy as np
 from flint import arb, arb_mat, ctx
 from numpy.typing import NDArray
-from scipy.linalg import solve_continuous_lyapunov
 
 from nonsmooth.analysis.contact_rule import SmoothRule, rule_of, smooth_rule_of
 from nonsmooth.proofs.clauses.at_point.linearization import slip_at_rest
@@ -214,6 +213,8 @@ def _rising(slope: Floats) -> Iterator[SectorFunction]:
     """
     roots, modes = np.linalg.eig(slope)
     if (roots.real > 0).all():
+        from scipy.linalg import solve_continuous_lyapunov
+
         yield SectorFunction.of_ellipse(solve_continuous_lyapunov(-slope.T, -np.eye(2)))
     if not np.isreal(roots).all():
         return

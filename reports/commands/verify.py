@@ -24,7 +24,7 @@ def verify(
         str | None,
         typer.Argument(
             metavar="[SCENE]",
-            help="The array that the certificate must be about: a scene file or a built-in name.",
+            help="What the certificate must be about: a scene file or a built-in name.",
             autocompletion=complete_scene,
         ),
     ] = None,
@@ -34,9 +34,9 @@ def verify(
 ) -> int:
     """Re-check a certificate with the stand-alone checker, which trusts nothing else of this program.
 
-    Prints the array and the verdicts that are shown. With a scene, the certificate must be about the same wheels,
-    contact rule, point and square; a certificate of a plain system is proved anew from its formulas. Exit status: 0
-    accepted, 1 rejected, 2 no certificate.
+    Prints its subject, and what is shown of it. With a scene, the certificate must be about the same wheels, contact
+    rule, point and square; a certificate of a plain system is proved anew from its formulas. Exit status: 0 accepted,
+    1 rejected, 2 no certificate.
     """
     from nonsmooth.proofs.checker import check_file
 

@@ -176,7 +176,7 @@ def test_events_and_end_on_a_terminal(capsys: pytest.CaptureFixture[str]) -> Non
         (["flower"], "2 numbers x,y"),
         (["flower", "--from", "1,0", "--feedback"], "--feedback"),
         (["flower", "--from", "1,0", "--kinematics", "leading"], "--kinematics"),
-        (["flower", "--from", "1,0", "--rule", "box"], "--rule"),
+        (["flower", "--from", "1,0", "--rule", "box"], "contact.rule: required no contact rule"),
         (["flower", "--from", "1,0", "--at", "0,0"], "--at"),
         (["flower", "--grid", "1"], "--grid"),
         (["flower", "--from", "1,0", "--width", "0"], "--width"),

@@ -342,7 +342,13 @@ def test_a_phase_portrait_is_drawn(tmp_path: Path, invoke: Invoke) -> None:
     assert (tmp_path / "portrait.svg").read_text(encoding="utf-8").startswith("<?xml")
 
 
-@pytest.mark.parametrize("option", [["--rule", "box"], ["--compare"], ["--show", "rates"]])
+def test_a_contact_rule_is_refused_for_portraits(tmp_path: Path, invoke: Invoke) -> None:
+    outcome = invoke("partition", portrayed(tmp_path, *PORTRAIT), "--rule", "box")
+    assert outcome.status == BAD_INPUT
+    assert "contact.rule: required no contact rule for a plain switched system, received 'box'" in outcome.err
+
+
+@pytest.mark.parametrize("option", [["--compare"], ["--show", "rates"]])
 def test_options_of_arrays_are_refused_for_portraits(tmp_path: Path, invoke: Invoke, option: list[str]) -> None:
     outcome = invoke("partition", portrayed(tmp_path, *PORTRAIT), *option)
     assert outcome.status == BAD_INPUT

@@ -79,7 +79,8 @@ def test_the_command_writes_and_refuses(invoke: Invoke, tmp_path: Path) -> None:
     outcome = invoke("derive", "eq-4", "--only", "verdict,portrait", "-o", str(page))
     assert (outcome.status, outcome.out) == (0, f"{page}: asymptotically stable\n")
     assert "<svg" in page.read_text(encoding="utf-8")
-    for options, named in [(("--rule", "box"), "--rule"), (("--only", "wheels"), "required names among verdict")]:
+    rule, section = ("--rule", "box"), ("--only", "wheels")
+    for options, named in [(rule, "required no contact rule"), (section, "required names among verdict")]:
         refused = invoke("derive", "eq-4", *options)
         assert refused.status == BAD_INPUT
         assert named in refused.err

@@ -155,10 +155,14 @@ def test_rest_ends_where_the_theory_says() -> None:
     assert [outcome["equilibrium"] for outcome in found.outcomes] == ["fails", "fails"]
     assert found.borders == ()  # both ends answer alike: what lies between them is not looked for
     found = swept("four-wheel", {**vary, "equilibrium.x": "0:3/5:2"}, Means(borders=True), rule="box", radius="1/20")
-    (border,) = found.borders or ()
+    border, farther = found.borders or ()
     assert values(border) == ["2/5", "1/10", "1/2"]
     assert border.before[0] == border.there[0] == "stays near"
     assert border.after[0] == "undecided"  # from just outside bodies go to the edge, which is within any accuracy
+    assert (farther.before[0], farther.after[0]) == ("undecided", "leaves")
+    away = float(Fraction(values(farther)[0]))
+    accuracy = 0.03 * math.sqrt(2 + away**2 + 0.01)  # of the distances of the wheels
+    assert (away - 0.4) / math.sqrt(2) > accuracy  # so far away is the edge
 
 
 def answered(law: Any, point: Point) -> Outcome:
