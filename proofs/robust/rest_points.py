@@ -15,7 +15,7 @@ of radius a.  Then each body that starts where V is positive, as near as one lik
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise, product
@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 
 from nonsmooth.analysis.contact_rule import SmoothRule, rule_of, smooth_rule_of
 from nonsmooth.proofs.clauses.at_point.linearization import slip_at_rest
-from nonsmooth.proofs.enclosures import UNIT, linear_stability, pose_rate_slope
+from nonsmooth.proofs.enclosures import UNIT, krawczyk, lies_inside, linear_stability, pose_rate_slope
 from nonsmooth.proofs.headings.set_motion import UndecidedMotionError
 from nonsmooth.proofs.robust.balanced_forces import BalancedForces
 from nonsmooth.proofs.robust.level_sets import VERTICES, SectorFunction, short_levels, short_vertices
@@ -154,27 +154,38 @@ def _krawczyk(gradient: _Gradient, z: arb_mat) -> EnclosedRest | None:
         value, slope, _, _ = _equations(gradient, z)
         z = (z - slope.mid().solve(value.mid())).mid()
     value, slope, _, _ = _equations(gradient, z)
-    inverse = slope.mid().inv().mid()
-    shift = inverse * value * arb(-1)
-    sizes = [GROWTH * abs(entry).upper() + LEAST for entry in shift.entries()]
+    about = _contracted(value, slope, lambda box: _equations(gradient, z + box)[1])
+    if about is None:
+        return None
+    box, image = about
+    _, _, bend, by_place = _equations(gradient, z + box)
+    x, y, omega = (z + image).entries()
+    return EnclosedRest((x, y), omega, _linear(bend, by_place, (x, y), omega))
+
+
+def _contracted(
+    value: arb_mat, slope: arb_mat, slope_over: Callable[[arb_mat], arb_mat]
+) -> tuple[arb_mat, arb_mat] | None:
+    """A box about an approximate zero that Krawczyk's operator takes into its interior, and where; about zero.
+
+    Args:
+        value: of the map at that point, (3, 1).
+        slope: about its Jacobian there, (3, 3).
+        slope_over: its Jacobian over a box.
+    """
+    inverse, centre = slope.mid().inv().mid(), arb_mat(3, 1)
+    image = inverse * value * arb(-1)
     for _ in range(INFLATIONS):
-        about = arb_mat([[size * UNIT] for size in sizes])
-        _, slope, bend, by_place = _equations(gradient, z + about)
-        image = shift + (_identity(3) - inverse * slope) * about
-        if all(abs(entry) < size for entry, size in zip(image.entries(), sizes, strict=True)):
-            x, y, omega = (z + image).entries()
-            return EnclosedRest((x, y), omega, _linear(bend, by_place, (x, y), omega))
-        sizes = [GROWTH * abs(entry).upper() + LEAST for entry in image.entries()]
+        box = arb_mat([[(GROWTH * abs(entry).upper() + LEAST) * UNIT] for entry in image.entries()])
+        image = krawczyk(centre, value, inverse, slope_over(box), box)
+        if lies_inside(image, box):
+            return box, image
     return None
 
 
 def _linear(bend: arb_mat, by_place: arb_mat, place: Sequence[arb], omega: arb) -> arb_mat:
     """A, from the derivatives of G."""
     return pose_rate_slope(arb_mat([[entry] for entry in place]), omega, bend.solve(by_place * arb(-1)))
-
-
-def _identity(size: int) -> arb_mat:
-    return arb_mat([[arb(int(k == j)) for j in range(size)] for k in range(size)])
 
 
 # ---- carried away --------------------------------------------------------------------------------
@@ -274,18 +285,13 @@ def _slope_over_part(gradient: _Gradient, near: arb_mat, middle: tuple[arb, arb]
         value, bend, _ = gradient.at(start, middle)
         start = (start - bend.mid().solve(value.mid())).mid()
     place = [entry + half * UNIT for entry in middle]
-    inverse = bend.mid().inv().mid()
     value, _, _ = gradient.at(start, place)
-    shift = inverse * value * arb(-1)
-    sizes = [GROWTH * abs(entry).upper() + LEAST for entry in shift.entries()]
-    for _ in range(INFLATIONS):
-        about = arb_mat([[size * UNIT] for size in sizes])
-        _, bend, by_place = gradient.at(start + about, place)
-        image = shift + (_identity(3) - inverse * bend) * about
-        if all(abs(entry) < size for entry, size in zip(image.entries(), sizes, strict=True)):
-            return _linear(bend, by_place, place, (start + about)[2, 0])
-        sizes = [GROWTH * abs(entry).upper() + LEAST for entry in image.entries()]
-    return None
+    about = _contracted(value, bend, lambda box: gradient.at(start + box, place)[1])
+    if about is None:
+        return None
+    twist = start + about[0]
+    _, bend, by_place = gradient.at(twist, place)
+    return _linear(bend, by_place, place, twist[2, 0])
 
 
 def _rises_around(scene: Scene, shape: SectorFunction, level: float, accuracy: Fraction) -> bool:
