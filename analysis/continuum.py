@@ -35,7 +35,7 @@ from nonsmooth.symbolic.files.body_table import rectangle
 from nonsmooth.symbolic.files.velocity_fields import LINEAR_KINDS
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.plane import around
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.scene import Scene, Wheel
 
 DIGITS = 3  # of the radius of the disc that covers the wheels, rounded up
 STEEPEST = 1e6  # ratio of the largest to the smallest pull of a field of constant size: below, closed forms keep digits
@@ -127,7 +127,7 @@ def idealization(scene: Scene) -> ContinuousField:
     if field.speed is not None and np.linalg.cond(_directions(field)) > STEEPEST:
         raise NoIdealizationError(f"field: required pulls in a ratio of at most {STEEPEST:g}, received a larger one")
     for wheel in scene.wheels:
-        if not field.is_followed_by(wheel):
+        if not _follows(wheel, field):
             raise NoIdealizationError(
                 f"wheel[{wheel.index}]: required wheels that all follow one {field.kind} field for a continuous field, "
                 "received another heading or speed"
@@ -157,6 +157,19 @@ def footprints(scene: Scene) -> tuple[Footprint, ...]:
 def _require_float(length: float) -> None:
     if not 1 / LARGEST <= length <= LARGEST:
         raise NoIdealizationError(f"body: required a length from {1 / LARGEST:g} to {LARGEST:g}, received {length:g}")
+
+
+def _follows(wheel: Wheel, field: ContinuousField) -> bool:
+    """Whether a wheel points along the field at its place, runs at the field's speed, and grips along its rim."""
+    if field.matrix is None or wheel.axis is not None:
+        return False
+    x, y = (p - c for p, c in zip(wheel.position, field.centre, strict=True))
+    fx, fy = (row[0] * x + row[1] * y for row in field.matrix)
+    dx, dy = wheel.direction
+    along = (fx * dy - fy * dx).sign() == 0 and (fx * dx + fy * dy).sign() > 0
+    if field.speed is not None:
+        return along and wheel.speed == field.speed
+    return along and wheel.speed.sign() > 0 and wheel.speed * wheel.speed == fx * fx + fy * fy
 
 
 def _is_regular(field: ContinuousField) -> bool:

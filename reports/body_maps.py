@@ -15,6 +15,21 @@ from nonsmooth.analysis.contact_rule import CellRule, SmoothRule, rule_of
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.reports.document import Block, Paragraph, findings
+from nonsmooth.reports.figures.style import (
+    INK,
+    LEGEND_LINE,
+    TOLD_APART,
+    centre_labels,
+    corners_of,
+    draw_grid,
+    grid_extent,
+    grid_side,
+    legend_below,
+    new_figure,
+    start_labels,
+    title_figure,
+)
+from nonsmooth.reports.figures.wheels import outline_of, placed
 from nonsmooth.reports.maps import MapResult, Part, grid_of, parts_record
 from nonsmooth.reports.progress import progress
 from nonsmooth.reports.result import DataTable, Record
@@ -27,10 +42,20 @@ from nonsmooth.symbolic.scene_error import SceneError, StatedFact, one_line
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from matplotlib.patches import Patch
 
 SCHEMA = "nonsmooth-body-map/1"
 OPEN_HEADING = "rests: the place does; the rate of theta there is open under this rule, and the steps pick one"
 SHOWN = 12  # destinations listed on a terminal
+
+# the picture
+SIZE = (12.0, 6.0)  # inches, without the legend
+OTHER_PLACES = "#BBBBBB"  # places of rest beyond the palette
+TIPS = "#FFFFFF"  # under a hatch
+MOVING = "#666666"
+HATCH = "xxxx"
+PIXEL = 0.9  # of the distance between starts: side of a hatched mark
+NEAR = 1.3  # the destinations' view, in sizes of the body around them
 
 
 def pose_starts(scene: Scene, count: int, heading: float) -> Floats:
@@ -131,14 +156,10 @@ class BodyMapResult(MapResult):
 
     def draw(self, ax: Axes) -> None:
         """Starts by where they end."""
-        from nonsmooth.reports.figures.grids import draw_destinations
-
         draw_destinations(ax, self)
 
     def figure(self) -> Figure:
         """Starts by where they end, and the body at each destination."""
-        from nonsmooth.reports.figures.grids import destinations_figure
-
         return destinations_figure(self)
 
     @property
@@ -183,3 +204,98 @@ def _end(pose: list[float], found: BodyEnds, k: int) -> dict[str, Any]:
     over = [int(wheel) for wheel in found.over[k] if wheel]
     reason = ENDS[found.reasons[k]].value
     return {"x": x, "y": y, "theta": theta, "t": float(found.times[k]), "reason": reason, "tips_over": over or None}
+
+
+# ---- the picture -----------------------------------------------------------------------------------
+
+
+def destinations_figure(shown: BodyMapResult) -> Figure:
+    """Starts by where they end, and the body at each destination."""
+    entries = _destinations_legend(shown.destinations)
+    figure = new_figure(SIZE[0], SIZE[1] + LEGEND_LINE * -(-len(entries) // 2))
+    figure.set_layout_engine("compressed")
+    starts, ends = figure.subplots(1, 2)
+    draw_destinations(starts, shown)
+    _draw_bodies(ends, shown)
+    _draw_contacts(starts, shown)
+    _draw_contacts(ends, shown)
+    starts.set(**start_labels(shown.scene.units))
+    ends.set(**centre_labels(shown.scene.units))
+    head = f"{shown.title}: {shown.head} at theta = {shown.options.heading:.6g}, sampled"
+    title_figure(figure, f"{head}\n{shown.summary()}")
+    legend_below(figure, entries)
+    return figure
+
+
+def _colors(found: list[PathEnd]) -> list[str]:
+    """One for each destination."""
+    colors = []
+    for k, one in enumerate(found):
+        if one.reason is BodyEnd.REST:
+            colors.append(TOLD_APART[k] if k < len(TOLD_APART) else OTHER_PLACES)
+        else:
+            colors.append(TIPS if one.reason in {BodyEnd.TIPS, BodyEnd.LEAVES} else MOVING)
+    return colors
+
+
+def draw_destinations(axes: Axes, shown: BodyMapResult) -> None:
+    """Starts by color; those that tip are hatched."""
+    from matplotlib.colors import to_rgb
+    from matplotlib.patches import Rectangle
+
+    points = shown.found.starts[:, :2]
+    steps = np.ptp(points, axis=0) / (grid_side(points) - 1)
+    table = np.array([to_rgb(color) for color in _colors(shown.destinations)])
+    draw_grid(axes, points, table[shown.destination_of], zorder=0)
+    fallen = shown.found.by(BodyEnd.TIPS) | shown.found.by(BodyEnd.LEAVES)
+    for x, y in points[fallen] - PIXEL * steps / 2:
+        axes.add_patch(Rectangle((x, y), *(PIXEL * steps), fill=False, hatch=HATCH, edgecolor=INK, linewidth=0.0))
+    left, right, low, high = grid_extent(points)
+    axes.set(xlim=(left, right), ylim=(low, high), aspect="equal", title="where a start ends")
+
+
+def _draw_bodies(axes: Axes, shown: BodyMapResult) -> None:
+    """The outline at each destination: at the middle heading, and faintly at the outermost ones."""
+    outline = outline_of(shown.scene)
+    axes.set(aspect="equal", title="the body at its destinations")
+    resting = [(one, color) for one, color in zip(shown.destinations, _colors(shown.destinations), strict=True)]
+    resting = [(one, color) for one, color in resting if one.pose is not None][: len(TOLD_APART)]
+    if outline is None or not resting:
+        return
+    reach = float(np.hypot(*outline.T).max())
+    for one, color in resting:
+        x, y, theta = one.pose or (0.0, 0.0, 0.0)
+        for heading in one.headings or ():
+            axes.fill(*placed(outline, np.array([x, y, heading])).T, fill=False, edgecolor=color, alpha=0.5, zorder=2)
+        axes.fill(*placed(outline, np.array([x, y, theta])).T, fill=False, edgecolor=color, linewidth=2.0, zorder=3)
+        nose = np.array([x, y]) + 0.5 * reach * np.array([np.cos(theta), np.sin(theta)])
+        arrow = axes.annotate("", xy=tuple(nose), xytext=(x, y), arrowprops={"arrowstyle": "-|>", "color": color})
+        arrow.set_in_layout(False)
+    centres = np.array([one.pose[:2] for one, _ in resting if one.pose is not None])
+    low, high = centres.min(axis=0) - NEAR * reach, centres.max(axis=0) + NEAR * reach
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
+
+
+def _draw_contacts(axes: Axes, shown: BodyMapResult) -> None:
+    """Wheels as dots; the view stays."""
+    limits = {"xlim": axes.get_xlim(), "ylim": axes.get_ylim()}
+    places = corners_of(wheel.position for wheel in shown.scene.wheels)
+    axes.plot(*places.T, linestyle="none", marker=".", markersize=3, color=INK, zorder=5)
+    axes.set(**limits)
+
+
+def _destinations_legend(found: list[PathEnd]) -> list[Patch]:
+    """An entry for each color."""
+    from matplotlib.patches import Patch
+
+    entries, others = [], list[PathEnd]()
+    for k, (one, color) in enumerate(zip(found, _colors(found), strict=True)):
+        if one.reason is BodyEnd.REST and k >= len(TOLD_APART):
+            others.append(one)
+            continue
+        hatch = HATCH if color == TIPS else None
+        entries.append(Patch(facecolor=color, edgecolor=INK, hatch=hatch, label=f"{100 * one.share:.3g} %: {one.text}"))
+    if others:
+        share = 100 * sum(one.share for one in others)
+        entries.append(Patch(facecolor=OTHER_PLACES, label=f"{share:.3g} %: {len(others)} other places of rest"))
+    return entries

@@ -22,6 +22,22 @@ from nonsmooth.analysis.fields.constant_field import array_field
 from nonsmooth.analysis.trajectories.maps import SettleMap, grid_starts, settle_map
 from nonsmooth.analysis.trajectories.result import EndReason, TrajectoryError
 from nonsmooth.reports.document import Block, Paragraph, findings
+from nonsmooth.reports.figures.style import (
+    INK,
+    LEGEND_LINE,
+    TIMES,
+    TOLD_APART,
+    Floats,
+    corners_of,
+    draw_grid,
+    grid_extent,
+    legend_below,
+    new_figure,
+    require_drawable,
+    start_labels,
+    time_label,
+    title_figure,
+)
 from nonsmooth.reports.progress import progress
 from nonsmooth.reports.refusals import OptionError
 from nonsmooth.reports.result import DataTable, Record, Result
@@ -34,11 +50,21 @@ from nonsmooth.symbolic.scene_error import one_line
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from matplotlib.patches import Patch
 
 SCHEMA = "nonsmooth-map/1"
 SHOWN = 12  # ends listed on a terminal
 MAX_GRID = 500  # starts in a row: a quarter of a million paths, some 40 MB of JSON
 PLACED = (EndReason.REST, EndReason.TURNING, EndReason.APPROACH)  # ends whose place is where the body stays
+
+# the picture
+SIZE = (12.6, 6.0)  # inches, without the legend
+SCALE = 0.05  # height of a color scale, relative to its map
+HEADINGS = "PuOr"  # map of colors that is safe for color-blind readers
+OTHER_ENDS = "#F2F2F2"  # color of all ends beyond the palette
+SHADE = 0.45  # opacity of the dark veil over starts with several solutions
+NOTHING: dict[str, Any] = {"facecolor": "0.85", "edgecolor": "0.6", "hatch": "///", "linewidth": 0.0}
+NO_NUMBER = "no limit of theta, or no arrival"
 
 
 def grid_of(options: SimulateOptions) -> int:
@@ -207,14 +233,10 @@ class SettleMapResult(MapResult):
 
     def draw(self, ax: Axes) -> None:
         """Where each start ends."""
-        from nonsmooth.reports.figures.grids import draw_ends
-
         draw_ends(ax, self)
 
     def figure(self) -> Figure:
         """Where each start ends, when, and at which heading."""
-        from nonsmooth.reports.figures.grids import ends_figure
-
         return ends_figure(self)
 
 
@@ -246,3 +268,111 @@ def settled(partition: Partition, count: int, options: SimulateOptions) -> Settl
 
 def _range(values: Any) -> list[float] | None:
     return [float(values.min()), float(values.max())] if len(values) else None
+
+
+# ---- the picture -----------------------------------------------------------------------------------
+
+
+def ends_figure(result: SettleMapResult) -> Figure:
+    """Where each start ends, when, and at which heading.
+
+    Raises:
+        SceneError: where the square is too large, too small or too far away to be drawn with floats.
+    """
+    scene = result.partition.scene
+    require_drawable(scene)
+    entries = _ends_legend(result)
+    figure = new_figure(SIZE[0], SIZE[1] + LEGEND_LINE * -(-len(entries) // 2))
+    rows = figure.add_gridspec(2, 3, height_ratios=(1, SCALE))
+    heading, arrival, ends = (figure.add_subplot(rows[0, k]) for k in range(3))
+    _draw_heading(heading, figure.add_subplot(rows[1, 0]), result)
+    _draw_arrival(arrival, figure.add_subplot(rows[1, 1]), result)
+    draw_ends(ends, result)
+    for axes in (heading, arrival):
+        _draw_cell_borders(axes, result.partition)
+        axes.set(**start_labels(scene.units), aspect="equal")
+    for axes in (arrival, ends):
+        axes.set_ylabel("")
+        axes.tick_params(labelleft=False)
+    title_figure(figure, f"{result.head}\n{result.summary()}")
+    legend_below(figure, entries)
+    return figure
+
+
+def _draw_heading(axes: Axes, scale: Axes, result: SettleMapResult) -> None:
+    from matplotlib.colors import CenteredNorm
+
+    found, start = result.found, result.options.heading
+    values = np.where(found.settled, found.theta, np.nan)
+    turned = np.abs(values[found.settled] - start)
+    norm = CenteredNorm(start, float(turned.max(initial=0.0)) or 1.0)
+    axes.set_title(f"heading at rest (theta = {start:.6g} at the start)")
+    _draw_numbers(axes, scale, found.starts, values, "theta_inf [rad]", cmap=HEADINGS, norm=norm)
+
+
+def _draw_arrival(axes: Axes, scale: Axes, result: SettleMapResult) -> None:
+    found, label = result.found, time_label("t", result.partition.scene.units)
+    values = np.where(found.arrived, found.arrival, np.nan)
+    latest = float(values[found.arrived].max(initial=0.0)) or 1.0
+    axes.set_title("time of arrival")
+    _draw_numbers(axes, scale, found.starts, values, label, cmap=TIMES, vmin=0.0, vmax=latest)
+
+
+def _draw_numbers(axes: Axes, scale: Axes, starts: Floats, values: Floats, label: str, **colors: Any) -> None:
+    """One number per start, with its scale; a hatched ground shows where there is none."""
+    from matplotlib.patches import Rectangle
+
+    left, right, low, high = grid_extent(starts)
+    axes.add_patch(Rectangle((left, low), right - left, high - low, zorder=0, **NOTHING))
+    axes.set(xlim=(left, right), ylim=(low, high))
+    if np.isnan(values).all():
+        scale.set_axis_off()
+        return
+    image = draw_grid(axes, starts, np.ma.masked_invalid(values), zorder=1, **colors)
+    axes.figure.colorbar(image, cax=scale, label=label, orientation="horizontal")
+
+
+def draw_ends(axes: Axes, result: SettleMapResult) -> None:
+    """Ends by color, over the cells; what is not unique is darker."""
+    from matplotlib.colors import to_rgb, to_rgba
+
+    found = result.found
+    colors = np.zeros((len(found.ends), 3))
+    for basin, color in _colored(result):
+        colors[list(basin.kinds)] = to_rgb(color)
+    axes.set_title("end")
+    draw_grid(axes, found.starts, colors[found.basin])
+    veil = np.zeros((len(found.starts), 4))
+    veil[~found.unique] = to_rgba(INK, SHADE)
+    draw_grid(axes, found.starts, veil)
+    _draw_cell_borders(axes, result.partition)
+    axes.set(**start_labels(result.partition.scene.units), aspect="equal")
+
+
+def _colored(result: SettleMapResult) -> list[tuple[Basin, str]]:
+    return [(basin, TOLD_APART[k] if k < len(TOLD_APART) else OTHER_ENDS) for k, basin in enumerate(result.basins)]
+
+
+def _ends_legend(result: SettleMapResult) -> list[Patch]:
+    """An entry for each color, and for what else occurs."""
+    from matplotlib.patches import Patch
+
+    found, colored = result.found, _colored(result)
+    entries = [
+        Patch(facecolor=color, label=f"{percent_text(basin.share)}: {basin.text}")
+        for basin, color in colored[: len(TOLD_APART)]
+    ]
+    if others := colored[len(TOLD_APART) :]:
+        label = f"{percent_text(sum(basin.share for basin, _ in others))}: {len(others)} other ends"
+        entries.append(Patch(facecolor=OTHER_ENDS, edgecolor="0.6", label=label))
+    if not found.unique.all():
+        entries.append(Patch(facecolor=INK, alpha=SHADE, label="darker: several solutions, one of them is drawn"))
+    if not (found.settled & found.arrived).all():
+        entries.append(Patch(label=NO_NUMBER, **NOTHING))
+    return entries
+
+
+def _draw_cell_borders(axes: Axes, partition: Partition) -> None:
+    for cell in partition.cells:
+        corners = corners_of(cell.polygon.vertices)
+        axes.fill(*corners.T, facecolor="none", edgecolor=INK, alpha=0.4, linewidth=0.5, zorder=2)

@@ -26,8 +26,9 @@ from nonsmooth.proofs.theorem4_result import Contradiction
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.reports.answers import contradiction_lines
 from nonsmooth.reports.document import Block, Paragraph, findings
+from nonsmooth.reports.figures.style import INK, TIMES, TITLE, draw_grid, legend_below, new_figure, title_figure
 from nonsmooth.reports.maps import MapResult, Part, grid_of, parts_record
-from nonsmooth.reports.phase_portrait import PhasePortrait
+from nonsmooth.reports.phase_portrait import PhasePortrait, draw_borders, draw_potential
 from nonsmooth.reports.progress import ProgressCall, progress
 from nonsmooth.reports.records import contradictions_record
 from nonsmooth.reports.result import DataTable, Record
@@ -41,6 +42,7 @@ from nonsmooth.symbolic.switched_system import SwitchedSystem
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from matplotlib.image import AxesImage
 
 Floats: TypeAlias = NDArray[np.float64]
 
@@ -48,6 +50,11 @@ SCHEMA = "nonsmooth-system-map/1"
 UNTIL = 10.0  # last time of the paths, where none is given
 WORK_OF_A_START = 2_000  # evaluations of fields: usual paths take some hundred
 ARRIVED = 1e-9  # of the half-width: a path that is this near has arrived, as far as the integrator can tell
+
+# the picture
+SIZE = (7.4, 6.6)  # inches
+NEAREST, FARTHEST = 1e-6, 10.0  # ratios of distances at the ends of the color scale
+LOST = "0.85"
 
 
 class Whereabouts(StrEnum):
@@ -165,14 +172,10 @@ class SystemMap(MapResult):
 
     def draw(self, ax: Axes) -> None:
         """How near every start has come, with the certified region of V."""
-        from nonsmooth.reports.figures.grids import draw_ratios
-
         draw_ratios(ax, self)
 
     def figure(self) -> Figure:
         """The same with the scale of colors and a legend."""
-        from nonsmooth.reports.figures.grids import ratios_figure
-
         return ratios_figure(self)
 
     @property
@@ -240,3 +243,36 @@ def _followed(portrait: PhasePortrait, starts: Floats, until: float, report: Pro
             continue
         is_cut_short = end.reason in (EndReason.STEPS, EndReason.EVENTS)
         yield np.full(2, np.nan) if is_cut_short else np.array([float(v) for v in end.state])
+
+
+# ---- the picture -----------------------------------------------------------------------------------
+
+
+def ratios_figure(found: SystemMap) -> Figure:
+    """Every start by how near it has come, with a scale."""
+    figure = new_figure(*SIZE)
+    axes = figure.add_subplot()
+    image = draw_ratios(axes, found)
+    figure.colorbar(image, ax=axes, shrink=0.8, label="distance from the point: at the end by at the start")
+    legend_below(figure, columns=3, fontsize="small")
+    system, verdict = one_line(found.portrait.system.name), found.verdict
+    title = f"{system}: {found.count} x {found.count} starts at t = {found.until:g}; proved: {verdict}"
+    title_figure(figure, f"{title}\n{found.summary()}", TITLE)
+    return figure
+
+
+def draw_ratios(axes: Axes, found: SystemMap) -> AxesImage:
+    """Every start as a square in the color of its ratio, with the borders of the cells and the region of V."""
+    from matplotlib.colors import LogNorm
+
+    ratios = np.where(np.isfinite(found.ends).all(axis=1), np.clip(found.ratios, NEAREST, FARTHEST), np.nan)
+    axes.set_facecolor(LOST)
+    image = draw_grid(axes, found.starts, ratios, cmap=TIMES, norm=LogNorm(NEAREST, FARTHEST), zorder=0)
+    draw_borders(axes, found.portrait)
+    draw_potential(axes, found.portrait)
+    axes.plot([0], [0], "o", color=INK, markersize=5, zorder=6)
+    half = float(found.portrait.system.check.radius)
+    x, y = found.portrait.system.states
+    axes.set(xlim=(-half, half), ylim=(-half, half), xlabel=f"{x} at the start", ylabel=f"{y} at the start")
+    axes.set_aspect("equal")
+    return image

@@ -14,7 +14,6 @@ from nonsmooth.symbolic.numbers.number import Number
 
 if TYPE_CHECKING:
     from nonsmooth.symbolic.plane import Vector
-    from nonsmooth.symbolic.scene import Wheel
 
 
 @dataclass(frozen=True)
@@ -57,15 +56,3 @@ class ContinuousField:
     matrix: tuple[Vector, Vector] | None
     speed: Number | None
     centre: Vector
-
-    def is_followed_by(self, wheel: Wheel) -> bool:
-        """Whether a wheel points along the field at its place, runs at the field's speed, and grips along its rim."""
-        if self.matrix is None or wheel.axis is not None:
-            return False
-        x, y = (p - c for p, c in zip(wheel.position, self.centre, strict=True))
-        fx, fy = (row[0] * x + row[1] * y for row in self.matrix)
-        dx, dy = wheel.direction
-        along = (fx * dy - fy * dx).sign() == 0 and (fx * dx + fy * dy).sign() > 0
-        if self.speed is not None:
-            return along and wheel.speed == self.speed
-        return along and wheel.speed.sign() > 0 and wheel.speed * wheel.speed == fx * fx + fy * fy

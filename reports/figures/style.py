@@ -38,11 +38,14 @@ INK = "#222222"
 PALETTE = ("#56B4E9", "#E69F00", "#009E73", "#F0E442", "#CC79A7", "#0072B2", "#D55E00", "#999999")
 LINES = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#222222", "#999999")  # for thin lines
 TINT = 0.45  # opacity of an area
+TOLD_APART = PALETTE[:-1]  # grey is for what is not told apart
+TIMES = "cividis"  # map of colors of times, safe for color-blind readers
 INKED: Any = dict.fromkeys(
     ("text.color", "axes.edgecolor", "axes.labelcolor", "axes.titlecolor", "xtick.color", "ytick.color"),
     INK,
 )
 PICTURE = 5.2  # inches, both ways: readable in a column of a page and on a phone
+LEGEND_LINE = 0.22  # inches for each line of a legend in two columns
 LEGEND_ROW = 0.2  # inches that a row of the legend needs below the picture
 POINTS_PER_INCH = 72
 DOTS = 150  # to an inch, of a picture of dots
@@ -52,6 +55,11 @@ TITLE = 64  # characters of a line of a title over one picture
 WIDE_TITLE = 100  # over several side by side
 
 # ---- words ---------------------------------------------------------------------------------------
+
+
+def start_labels(units: Units) -> dict[str, str]:
+    """Of the plane of starts: keywords of ``Axes.set``."""
+    return {"xlabel": length_label("x at the start", units), "ylabel": length_label("y at the start", units)}
 
 
 def length_label(name: str, units: Units) -> str:

@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 import nonsmooth
-from nonsmooth.reports.body_maps import BodyMapResult
-from nonsmooth.reports.figures.grids import destinations_figure
+from nonsmooth.reports.body_maps import BodyMapResult, destinations_figure
 from nonsmooth.symbolic.scene_error import SceneError
 from tests.thorough import thorough
 

@@ -21,8 +21,7 @@ from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.reports import progress as progress_module
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import run
-from nonsmooth.reports.figures.grids import ends_figure
-from nonsmooth.reports.maps import SettleMapResult
+from nonsmooth.reports.maps import SettleMapResult, ends_figure
 from nonsmooth.reports.progress import progress
 from tests.thorough import few, keep
 

@@ -15,9 +15,8 @@ from nonsmooth.analysis.fields.cell_values import potential_values
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.reports import system_maps
 from nonsmooth.reports.console import BAD_INPUT
-from nonsmooth.reports.figures.grids import ratios_figure
 from nonsmooth.reports.phase_portrait import PhasePortrait
-from nonsmooth.reports.system_maps import SystemMap, Whereabouts, mapped
+from nonsmooth.reports.system_maps import SystemMap, Whereabouts, mapped, ratios_figure
 from nonsmooth.symbolic.files.system_file import load_system
 from tests.proofs.forged import with_deciding, with_reach
 from tests.thorough import keep
