@@ -142,22 +142,25 @@ def _place_of_simplices(claim: Claim) -> int | None:
     return None if claim.count > MOST_BY_SIMPLICES else 1 if claim.count <= FLAT else 3
 
 
+SQUARES = Kind(lambda claim, work: squares.search(claim), lambda claim: 2)
+
 # A new kind of evidence is a line here, and one of KINDS in the checker.
 KINDS = [
     Kind(lambda claim, work: search_mixture(claim), _place_of_mixtures),
     Kind(simplices.search, _place_of_simplices),
-    Kind(lambda claim, work: squares.search(claim), lambda claim: 2),
+    SQUARES,
 ]
 
 
-def prove(claim: Claim, work: int = WORK) -> dict[str, Any] | None:
+def prove(claim: Claim, work: int = WORK, *, but: Kind | None = None) -> dict[str, Any] | None:
     """Evidence of a claim by the first kind that shows it; None where none does, which refutes nothing.
 
     Args:
         claim: as a theorem states it.
         work: coefficients that the search for simplices may look at.
+        but: a kind that is not asked, because it was.
     """
-    places = [(kind.place(claim), kind) for kind in KINDS]
+    places = [(kind.place(claim), kind) for kind in KINDS if kind is not but]
     for _, kind in sorted(((place, kind) for place, kind in places if place is not None), key=lambda own: own[0]):
         found = kind.search(claim, work)
         if found is not None:

@@ -27,18 +27,18 @@ Shape = tuple[int, Exponents]  # a monomial of the function mu with a number
 
 
 @dataclass(frozen=True)
-class Squares:
+class Shown:
     """Evidence that was found.
 
     Attributes:
-        evidence: as a certificate holds it.
+        evidence: as a certificate holds it, of any kind.
         strict: whether it shows ``> 0`` off the origin (or everywhere, as the claim asks).
-        mu: the coefficients of the functions mu.
+        mu: of squares, the coefficients of the functions mu; None of another kind.
     """
 
     evidence: dict[str, Any]
     strict: bool
-    mu: tuple[fmpq, ...]
+    mu: tuple[fmpq, ...] | None = None
 
 
 def search(claim: Claim) -> dict[str, Any] | None:
@@ -47,7 +47,7 @@ def search(claim: Claim) -> dict[str, Any] | None:
     return None if found is None else found.evidence
 
 
-def find(claim: Claim, effort: Effort, mu: tuple[fmpq, ...] | None = None) -> Squares | None:
+def find(claim: Claim, effort: Effort, mu: tuple[fmpq, ...] | None = None) -> Shown | None:
     """The same, and whether they show that the inequalities are strict.
 
     Args:
@@ -65,7 +65,7 @@ def find(claim: Claim, effort: Effort, mu: tuple[fmpq, ...] | None = None) -> Sq
             evidence: dict[str, Any] = {"squares": found[0]}
             if shapes:
                 evidence["mu"] = _written_mu(claim, shapes, values)
-            return Squares(evidence, found[1], values)
+            return Shown(evidence, found[1], values)
     return None
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import Any
 
@@ -20,9 +20,9 @@ from nonsmooth.proofs.kernel.cells import (
     surfaces_of,
 )
 from nonsmooth.proofs.kernel.claims import Functions
-from nonsmooth.proofs.kernel.search import stability_hypotheses
+from nonsmooth.proofs.kernel.search import SQUARES, prove, stability_hypotheses
 from nonsmooth.proofs.kernel.second_function import find_attraction
-from nonsmooth.proofs.kernel.squares import Squares, condition_of, find
+from nonsmooth.proofs.kernel.squares import Shown, condition_of, find
 from nonsmooth.proofs.kernel.subject import NoCertificateError, about
 from nonsmooth.proofs.many_states.witnesses import Point, as_fractions, exact_value, refuting_point, rising_slide
 from nonsmooth.proofs.sums_of_squares.prove import Effort
@@ -36,6 +36,8 @@ from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 RISES = "V increases"
 SLIDES_UP = "V increases along a solution that slides on a face"
+WORK = 4_000  # coefficients looked at for one claim beside sums of squares: a second or less
+SENSES = {Effort.HASTY: (), Effort.STRICT: (True,), Effort.FULL: (True, False)}  # in which they are asked
 POSITIVE, CELL, FACE = "V", "cell", "face"  # what names of claims begin with
 
 
@@ -53,7 +55,7 @@ class Asked:
     """
 
     claim: Claim
-    found: Squares | None
+    found: Shown | None
 
     @property
     def is_about_fall(self) -> bool:
@@ -188,9 +190,18 @@ def functions_on(system: SwitchedSystem, stated: StatedCells, texts: Sequence[st
 
 
 def answer(claim: Claim, effort: Effort) -> Asked:
-    """A proof of a claim, as far as one is found; V itself must be positive."""
-    positive = claim.name.split()[0] == POSITIVE
-    return Asked(claim, find(claim, Effort.STRICT if effort is Effort.FULL and positive else effort))
+    """A proof of a claim by any kind of evidence, as far as one is found; V itself must be positive.
+
+    Sums of squares come first: their functions mu serve for rates, too.
+    """
+    if effort is Effort.FULL and claim.name.split()[0] == POSITIVE:
+        effort = Effort.STRICT
+    found = find(claim, effort)
+    for strict in SENSES[effort]:
+        if found is None:
+            evidence = prove(replace(claim, strict=strict), WORK, but=SQUARES)
+            found = None if evidence is None else Shown(evidence, strict)
+    return Asked(claim, found)
 
 
 def find_failure(cells: SignCells, claims: Sequence[Claim]) -> FailurePoint | None:
@@ -241,9 +252,9 @@ def _conclude(asked: Sequence[Asked]) -> tuple[Decrease, str]:
 
 def _open_words(own: Asked) -> str:
     if own.claim.name.split()[0] == FACE:
-        return "no sum of squares shows that V falls where it bends"
+        return "no proof was found that V falls where it bends"
     sense = "V' < 0" if own.is_about_fall else "V > 0"
-    return f"no sum of squares shows {sense} on a cell, and no point refutes it"
+    return f"no proof was found of {sense} on a cell, and no point refutes it"
 
 
 PROVES = {Decrease.STRICT: Translation.ASYMPTOTICALLY_STABLE, Decrease.WEAK: Translation.STABLE}

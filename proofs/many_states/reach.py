@@ -19,7 +19,8 @@ import numpy as np
 from nonsmooth.proofs.checker.positivity import Claim
 from nonsmooth.proofs.checker.theorems import show_rate
 from nonsmooth.proofs.kernel.claims import Collected
-from nonsmooth.proofs.kernel.squares import condition_of, find, mu_shapes, terms_of, with_values
+from nonsmooth.proofs.kernel.search import SQUARES, prove
+from nonsmooth.proofs.kernel.squares import Shown, condition_of, find, mu_shapes, terms_of, with_values
 from nonsmooth.proofs.many_states.examination import Asked, Examination, are_about_forms
 from nonsmooth.proofs.many_states.witnesses import values_at
 from nonsmooth.proofs.sums_of_squares.ansatz import Condition
@@ -119,19 +120,26 @@ def _proofs(examination: Examination, falling: list[Asked], decay: DecayKind, ka
     proofs = {}
     for own, claim in zip(falling, rate_claims(examination, decay, kappa), strict=True):
         at_origin = decay is DecayKind.FINITE or claim.at_origin
-        asked = replace(claim, strict=True, at_origin=at_origin)
-        found = None if own.found is None else find(asked, Effort.HASTY, own.found.mu)
-        if found is None:
+        evidence = _evidence(replace(claim, strict=True, at_origin=at_origin), own.found)
+        if evidence is None:
             return None
-        proofs[claim.name] = found.evidence
+        proofs[claim.name] = evidence
     return proofs
+
+
+def _evidence(claim: Claim, known: Shown | None) -> dict[str, Any] | None:
+    """Of a claim with kappa, by the kind that showed the one without."""
+    if known is None or known.mu is None:
+        return None if known is None else prove(claim, but=SQUARES)
+    found = find(claim, Effort.HASTY, known.mu)
+    return None if found is None else found.evidence
 
 
 def _ratio(own: Asked, unit: Claim) -> float:
     """The least value of -V' over 1 or V at many points.
 
     Args:
-        own: the claim that V falls, with its functions mu.
+        own: the claim that V falls; with functions mu, unless they are known in every part of a face only.
         unit: the same with ``kappa = 1``.
     """
     return min(_ratios(own, unit), default=float("inf"))
@@ -139,7 +147,9 @@ def _ratio(own: Asked, unit: Claim) -> float:
 
 def _ratios(own: Asked, unit: Claim) -> Iterator[float]:
     shapes = mu_shapes([own.claim])
-    mu = () if own.found is None else own.found.mu
+    mu = () if own.found is None or own.found.mu is None else own.found.mu
+    if len(mu) < len(shapes):
+        return
     for inequality, other in zip(own.claim.inequalities, unit.inequalities, strict=True):
         if not own.claim.count:
             continue

@@ -69,6 +69,8 @@ def built(rhs: list[Any], parameters: dict[str, Any] | None = None, **check: Any
         (["-x", "-y", "-z + 3*Abs(x*y - z)"], SQUARES, {INVALID, OPEN}),  # a curved surface
         (["-x", "-y", "-z + Abs(x*y - z)/2"], SQUARES, {VALID}),
         (["-x", "-y", "-z"], "x**2 + y**2 + z**2 + Abs(x*y - z) - Abs(z)", {VALID}),  # bends on a curve
+        # on faces functions mu that are affine on parts, which no sum of squares shows
+        (["-x + y*z", "-y - x*z + sat(x, -1/2, 1/2)/2", "-z + Abs(x)/2"], "Abs(x) + Abs(y) + Abs(z)", {VALID}),
     ],
 )
 def test_audits(rhs: list[str], lyapunov: str, verdicts: set[AuditVerdict]) -> None:
