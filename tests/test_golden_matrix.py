@@ -17,6 +17,7 @@ from tests.golden.expectations import Change, accept, accounted, digest, expecta
 from tests.golden.matrix import Record, Row, rows, run_row
 
 TESTED = [row for row in rows() if row.tested]
+LONGEST_LINE = 500  # characters of a refusal; the longest lists ten keys
 
 
 @cache
@@ -56,6 +57,23 @@ def test_the_matrix_is_as_large_as_it_should_be() -> None:
     assert count["refusals"] >= 150
     assert count["python"] >= 75
     assert len(rows()) - count["python"] >= 450
+
+
+@pytest.mark.parametrize("section", ["refusals", "refused-options"])
+def test_a_refusal_is_one_line_with_status_2_and_nothing_else(section: str) -> None:
+    """No output, no file; the line is short, printable, and says what was required and what was received."""
+    for row in (row for row in rows() if row.section == section):
+        record = expected()[row.line]
+        *before, step = record["steps"]
+        assert [step["status"], list(step)] == [2, ["status", "err"]], row.line
+        (line,) = step["err"]
+        assert line.startswith("nonsmooth: "), row.line
+        assert line.isprintable(), row.line
+        assert len(line) <= LONGEST_LINE, row.line
+        assert "files" not in record or before, row.line
+        if "check refused-" in row.line:
+            assert ": required " in line, row.line
+            assert ", received " in line, row.line
 
 
 # ---- planted changes -----------------------------------------------------------------------------

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from nonsmooth.reports.agreement import compare_scene
-from nonsmooth.reports.console import BAD_INPUT
 from nonsmooth.symbolic.files.scene_file import load_scene
 
 if TYPE_CHECKING:
@@ -38,11 +37,3 @@ def test_the_command_prints_the_table_and_writes_the_picture(invoke: Invoke, tmp
     assert "share of 0 of the area (exact)" in " ".join(shown.out.replace("│", " ").split())  # 1 - 2 mu_S/mu_R
     assert invoke("partition", "four-wheel", "--compare", "-o", "agreement.png").status == 0
     assert (tmp_path / "agreement.png").read_bytes().startswith(b"\x89PNG")
-
-
-def test_a_body_that_tips_is_refused_in_one_line(invoke: Invoke, tmp_path: Path) -> None:
-    refused = invoke("partition", "four-wheel", "--radius", "2", "--compare", "-o", "agreement.svg")
-    assert (refused.status, refused.out, refused.err.count("\n")) == (BAD_INPUT, "", 1)
-    assert "check.radius: required at most 1 " in refused.err
-    assert "support polygon" in refused.err
-    assert not list(tmp_path.iterdir())

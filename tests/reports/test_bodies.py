@@ -110,30 +110,11 @@ def test_tipping_in_python(carton: str) -> None:
     assert array.check().contact_set.wheels == (15, 16, 21, 22)
 
 
-@pytest.mark.parametrize("command", ["check", "partition", "derive"])
-def test_a_wheel_under_the_edge_is_refused(command: str, carton: str, invoke: Invoke) -> None:
-    done = invoke(command, carton, "--at", "1/5,0")
-    assert done.status == 2
-    assert "received wheel 17 under its edge" in done.err
-
-
 def test_certificates_speak_of_the_wheels_that_carry(carton: str, invoke: Invoke, tmp_path: Path) -> None:
     file = str(tmp_path / "c.json")
     assert invoke("check", carton, "--certificate", file).status == 0
     assert invoke("verify", file, carton).status == 0
     assert invoke("verify", file, carton, "--at", "1/10,0").status == 1
-
-
-@pytest.mark.parametrize(
-    "options",
-    [
-        ("--rule", "nearest", "--kinematics", "leading"),
-        ("--rule", "box", "--method", "hysteresis"),
-        ("--rule", "nearest", "--feedback", "--method", "hysteresis"),
-    ],
-)
-def test_simulations_that_follow_no_edge_are_refused(options: tuple[str, ...], carton: str, invoke: Invoke) -> None:
-    assert invoke("simulate", carton, "--from", "0.1,0,0", *options).status == 2
 
 
 @pytest.mark.parametrize(

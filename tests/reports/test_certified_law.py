@@ -231,22 +231,6 @@ def test_a_law_by_name_is_labelled(invoke: Invoke) -> None:
         assert ("not certified" in " ".join(invoke(*common).out.split())) == (not certified)
 
 
-@pytest.mark.parametrize(
-    ("arguments", "line"),
-    [
-        (("off-center",), "the feedback clause says no certificate"),
-        (("differential-drive",), "no static feedback stabilizes"),
-        (("four-wheel-side",), "mu_side < mu_roll is required"),
-        (("conveyor-3", "--kinematics", "leading"), "the law of slow turns needs exact kinematics"),
-    ],
-)
-def test_without_a_certified_law_one_line_says_why(invoke: Invoke, arguments: tuple[str, ...], line: str) -> None:
-    outcome = invoke("simulate", *arguments, "--from", "0.1,0.05,0.1", "--feedback")
-    assert (outcome.status, outcome.out) == (2, "")
-    assert line in outcome.err
-    assert outcome.err.count("\n") == 1
-
-
 @thorough
 def test_only_the_papers_array_is_compared_with_its_figures() -> None:
     for name, its_own in (("four-wheel", True), ("outward", False)):

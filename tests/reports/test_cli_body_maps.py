@@ -92,19 +92,6 @@ def test_a_picture_is_drawn(carton: Path, invoke: Invoke) -> None:
     assert (carton.parent / "map.svg").read_text().startswith("<?xml")
 
 
-@pytest.mark.parametrize(
-    ("options", "received"),
-    [
-        (("--kinematics", "leading"), "received leading"),
-    ],
-)
-def test_refused_in_one_line(options: tuple[str, ...], received: str, carton: Path, invoke: Invoke) -> None:
-    done = invoke("simulate", carton.name, "--grid", "4", *options)
-    assert (done.status, done.out) == (2, "")
-    assert done.err.count("\n") == 1
-    assert received in done.err
-
-
 @thorough  # the small one: test_json_and_table_are_the_same_numbers
 def test_python_gives_the_same_map(carton: Path, invoke: Invoke) -> None:
     array = nonsmooth.load(carton)

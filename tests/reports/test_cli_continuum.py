@@ -107,25 +107,3 @@ def test_no_section_without_a_field(tmp_path: Path) -> None:
     ]
     assert "The continuous idealization" not in titles
     assert "What was left out, and why" in titles
-
-
-@pytest.mark.parametrize(
-    ("scene", "named"),
-    [
-        ('[grid]\nrows = 2\ncolumns = 2\n[field]\nkind = "squeeze"\n', "field.kind"),
-        ("[[wheel]]\nposition = [1, 0]\n[[wheel]]\nposition = [0, 1]\nspeed = 2\n", "wheel[2]"),
-        (None, "required an array of wheels for --continuum"),
-    ],
-)
-def test_no_field_is_one_line(
-    scene: str | None, named: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    name = "flower"
-    if scene is not None:
-        file = tmp_path / "my.toml"
-        file.write_text(f'[friction]\nmu_roll = 1\nmu_side = "1/2"\n{scene}')
-        name = str(file)
-    assert run(app, ["check", name, "--continuum"]) == 2
-    captured = capsys.readouterr()
-    assert (captured.err.count("\n"), captured.out) == (1, "")
-    assert named in captured.err

@@ -32,7 +32,7 @@ KEYS = [
 ]  # fmt: skip
 
 if TYPE_CHECKING:
-    from tests.reports.conftest import Invoke
+    pass
 
 
 def printed(capsys: pytest.CaptureFixture[str], *arguments: str) -> Any:
@@ -133,29 +133,6 @@ def test_the_summary_on_a_terminal(capsys: pytest.CaptureFixture[str]) -> None:
     for said in ("6 x 6 starts", "theta_inf", "-0.15 to 0.15", "latest arrival", "t = 0.7071067812", "never arrive"):
         assert said in out
     assert "33.33 %" in out.splitlines()[-2]  # 12 of the 36 starts lie on a diagonal, where both axes can be reached
-
-
-@pytest.mark.parametrize(
-    ("arguments", "named"),
-    [
-        (["--grid", "1"], "2 to 500"),
-        (["--grid", "501"], "2 to 500"),
-        (["--grid", "5", "--from", "0,0,0"], "--from"),
-        (["--grid", "5", "--feedback"], "--feedback"),
-        (["--grid", "5", "--method", "hysteresis"], "--method"),
-        (["--grid", "5", "--heading", "inf"], "--heading"),
-        (["--grid", "5", "--until", "0"], "--until"),
-        (["--grid", "5", "--rule", "ellipse"], "contact.rule"),
-        (["--grid", "5", "-o", "map.txt"], ".csv, .json, .parquet, .svg, .png or .pdf"),
-        (["--from", "0,0,0", "--heading", "1"], "--grid"),
-        ([], "--from"),
-    ],
-)
-def test_bad_input_ends_in_one_line(arguments: list[str], named: str, tmp_path: Path, invoke: Invoke) -> None:
-    outcome = invoke("simulate", "four-wheel", *arguments)
-    assert (outcome.status, outcome.out, outcome.err.count("\n")) == (2, "", 1)
-    assert named in outcome.err
-    assert not list(tmp_path.iterdir())
 
 
 class Terminal(io.StringIO):

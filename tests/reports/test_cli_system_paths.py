@@ -36,7 +36,7 @@ EQ_4 = (
 )
 
 if TYPE_CHECKING:
-    from tests.reports.conftest import Invoke
+    pass
 
 
 def write_system(folder: Path, states: list[str], rhs: list[str]) -> str:
@@ -162,46 +162,3 @@ def test_events_and_end_on_a_terminal(capsys: pytest.CaptureFixture[str]) -> Non
     out = capsys.readouterr().out
     for said in ("plain switched system in x, y", "cross at x = 1.5, y = 0", "x = 0, y = -1.5", "unique"):
         assert said in out
-
-
-@pytest.mark.parametrize(
-    ("arguments", "named"),
-    [
-        (["flower", "--from", "1,0,0"], "2 numbers x,y"),
-        (["flower", "--from", "1,nan"], "--from: y: required a finite number, received 'nan'"),
-        (
-            ["flower", "--from", "1,pi/6"],
-            "--from: y: required pi only inside sin and cos or in an angle, received 'pi/6'",
-        ),
-        (["flower"], "2 numbers x,y"),
-        (["flower", "--from", "1,0", "--feedback"], "--feedback"),
-        (["flower", "--from", "1,0", "--kinematics", "leading"], "--kinematics"),
-        (["flower", "--from", "1,0", "--rule", "box"], "contact.rule: required no contact rule"),
-        (["flower", "--from", "1,0", "--at", "0,0"], "--at"),
-        (["flower", "--grid", "1"], "--grid"),
-        (["flower", "--from", "1,0", "--width", "0"], "--width"),
-        (["no-such-scene", "--from", "1,0"], "no-such-scene"),
-    ],
-)
-def test_bad_input_ends_in_one_line(arguments: list[str], named: str, invoke: Invoke) -> None:
-    outcome = invoke("simulate", *arguments)
-    assert (outcome.status, outcome.out, outcome.err.count("\n")) == (2, "", 1)
-    assert named in outcome.err
-
-
-@pytest.mark.parametrize(
-    ("states", "rhs", "start", "named"),
-    [
-        (["x"], ["x**2"], "1", "t = 1"),
-        (["x", "y", "z"], ["sign(y**2 - 2*x**2)", "0", "0"], "0,0,0", "nonzero gradient"),
-        (["x"], ["1/x"], "1", "system.rhs[1]"),
-    ],
-)
-def test_systems_that_cannot_be_followed(
-    states: list[str], rhs: list[str], start: str, named: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """A solution that escapes in finite time, a surface without a gradient, a formula that is no polynomial."""
-    assert run(app, ["simulate", write_system(tmp_path, states, rhs), "--from", start]) == 2
-    err = capsys.readouterr().err
-    assert err.count("\n") == 1
-    assert named in err

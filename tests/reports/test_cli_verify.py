@@ -31,13 +31,6 @@ def test_it_prints_the_array_and_every_verdict(invoke: Invoke) -> None:
     )
 
 
-@pytest.mark.parametrize("scene", ["four-wheel", "flower", "no-such-scene"])
-def test_a_missing_certificate_is_what_is_missing(invoke: Invoke, scene: str) -> None:
-    status, out, err = invoke("verify", "missing.json", scene)
-    assert (status, out) == (2, "")
-    assert err.startswith("nonsmooth: missing.json: required a certificate, received a file that is unreadable")
-
-
 @few(2)
 @pytest.mark.parametrize(
     ("name", "options"),

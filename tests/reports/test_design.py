@@ -142,27 +142,6 @@ def test_nothing_is_written_where_nothing_is_found(invoke: Invoke, tmp_path: Pat
     assert not (tmp_path / "none.toml").exists()
 
 
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        (("--free", "colours"), "--free: required names among headings, speeds, positions"),
-        (("--require", "luck"), "--require: required names among position, heading, pose"),
-        (("--maximize", "rate,gain"), "--maximize: required one name"),
-        (("--maximize", "tolerance"), "tolerance: required a [tolerance] table"),
-        (("--checks", "0"), "--checks: required a number from 1"),
-        (("--seed", "-1"), "--seed: required a number of at least 0"),
-        (("--move", "far"), "--move: required a positive rational number"),
-        (("--symmetry", "3"), "--symmetry: required one of 4, 2, 1"),
-        (("-o", "x.json"), ".toml"),
-    ],
-)
-def test_bad_input_is_one_line(invoke: Invoke, options: tuple[str, ...], said: str) -> None:
-    outcome = invoke("design", "four-wheel", *options)
-    assert outcome.status == 2
-    assert said in outcome.err
-    assert len(outcome.err.strip().splitlines()) == 1
-
-
 @thorough  # the small one: test_a_saddle_becomes_an_array_that_brings_bodies_home
 def test_python_finds_what_the_command_finds(invoke: Invoke, tmp_path: Path) -> None:
     saddle = ns.load("saddle")
@@ -235,17 +214,3 @@ def test_a_report_of_the_winner(invoke: Invoke, tmp_path: Path, monkeypatch: pyt
     report = (tmp_path / "won.md").read_text(encoding="utf-8")
     assert report.startswith("# Derivation report: rectangle-designed")
     assert "`nonsmooth partition rectangle-designed.toml --show array" in report  # no path of this machine
-
-
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        (("--free", "wheels,speeds"), "--free: required wheels alone"),
-        (("--report", "a.txt"), "a.txt"),
-    ],
-)
-def test_bad_files_are_one_line(invoke: Invoke, options: tuple[str, ...], said: str) -> None:
-    outcome = invoke("design", "four-wheel", *options)
-    assert outcome.status == 2
-    assert said in outcome.err
-    assert len(outcome.err.strip().splitlines()) == 1

@@ -10,8 +10,6 @@ from rich.console import Console
 from nonsmooth.reports.answers import answers_view
 from nonsmooth.reports.check import check_scene
 from nonsmooth.reports.check_results import CheckResult
-from nonsmooth.reports.cli import app
-from nonsmooth.reports.console import run
 from nonsmooth.reports.document import Document, Section
 from nonsmooth.reports.formats.markdown import render_markdown
 from nonsmooth.reports.sections.answers import _headings
@@ -74,11 +72,6 @@ def result_page(result: CheckResult) -> str:
     """The section of the report as Markdown."""
     section = Section("Answers", tuple(_headings(result.answers.headings)))
     return render_markdown(Document("swirl", (section,)))
-
-
-def test_a_search_is_for_one_array(capsys: pytest.CaptureFixture[str]) -> None:
-    assert run(app, ["check", "four-wheel", "ring-3", "--headings"]) == 2
-    assert "--headings" in capsys.readouterr().err
 
 
 def test_python_offers_the_list(result: CheckResult) -> None:

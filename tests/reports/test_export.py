@@ -75,40 +75,6 @@ def test_the_comment_is_safe_for_any_name(invoke: Invoke, tmp_path: Path) -> Non
     assert error(invoke("export", "odd.toml").out) < SHARP
 
 
-@pytest.mark.parametrize(
-    ("arguments", "line"),
-    [
-        (("four-wheel", "--from", "5,5"), "four-wheel: required centres of mass inside the support polygon"),
-        (("four-wheel", "-o", "x.txt"), "required a file name that ends in .xml"),
-        (("four-wheel", "--from", "a"), "check.equilibrium: required two numbers"),
-        (("eq-3",), "eq-3: system: required an array of wheels"),
-        (("husky-a200", "--from", "0,0"), "--from: required none for a vehicle"),
-    ],
-)
-def test_bad_input_is_one_line(invoke: Invoke, tmp_path: Path, arguments: tuple[str, ...], line: str) -> None:
-    done = invoke("export", *arguments)
-    assert done.status == 2
-    assert line in done.err
-    assert done.err.count("\n") == 1
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_loads_of_a_table_are_refused(invoke: Invoke, tmp_path: Path) -> None:
-    text = "[friction]\nmu_roll = 1\nmu_side = 1\n[ring]\ncount = 4\n[contact]\n"
-    table = "loads = [[0.25, 0, 0], [0.25, 0, 0], [0.25, 0, 0], [0.25, 0, 0]]\n"
-    (tmp_path / "table.toml").write_text(text + table, encoding="utf-8")
-    done = invoke("export", "table.toml")
-    assert (done.status, "contact.loads: required elastic loads" in done.err) == (2, True)
-
-
-def test_rollers_are_refused(invoke: Invoke, tmp_path: Path) -> None:
-    (tmp_path / "omni.toml").write_text(RING + 'rule = "roller"\n', encoding="utf-8")
-    done = invoke("export", "omni.toml", "-o", "omni.xml")
-    assert (done.status, done.err.count("\n")) == (2, 1)
-    assert "contact.rule: required a rule of wheels without rollers" in done.err
-    assert not (tmp_path / "omni.xml").exists()
-
-
 def test_what_the_file_holds_otherwise_is_said(invoke: Invoke, tmp_path: Path) -> None:
     """Rule, place, wheels, and all else that the scene states and the engine is not told."""
     rest = (

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import pytest
-
 from tests.thorough import thorough
 
 if TYPE_CHECKING:
@@ -36,17 +34,3 @@ def test_a_sweep_has_the_failures_of_every_scene(invoke: Invoke) -> None:
     out = invoke(*command).out
     assert "worst failure" in out
     assert out.count("tips") == 2
-
-
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (("check", "four-wheel", "--fail", "2"), "--fail: required 1, the number of wheels that fail, received 2"),
-        (("check", "four-wheel", "ring-6", "--fail", "1"), "--fail: required one scene, received 2"),
-        (("check", "eq-3", "--fail", "1"), "required an array of wheels for --fail"),
-    ],
-)
-def test_what_cannot_be_asked_is_refused(invoke: Invoke, arguments: tuple[str, ...], said: str) -> None:
-    done = invoke(*arguments)
-    assert (done.status, done.out) == (2, "")
-    assert said in done.err

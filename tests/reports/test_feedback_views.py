@@ -57,21 +57,6 @@ def test_the_cascade_is_followed(invoke: Invoke) -> None:
     assert abs(stuck["end"]["state"][0]) > 0.1
 
 
-@pytest.mark.parametrize(
-    ("arguments", "line"),
-    [
-        (("off-center", "--law", "cascade"), "--law cascade: required an array with a law that takes theta first"),
-        (("differential-drive", "--rule", "box"), "--feedback: required, under rule box, a certified law"),
-        (("conveyor-3", "--rule", "box", "--law", "cascade"), "rule box, the certified law, received --law cascade"),
-    ],
-)
-def test_laws_that_do_not_apply_are_refused_in_one_line(invoke: Invoke, arguments: tuple[str, ...], line: str) -> None:
-    outcome = invoke("simulate", *arguments, *START, "--feedback")
-    assert outcome.status == 2
-    assert line in outcome.err
-    assert outcome.err.count("\n") == 1
-
-
 # ---- JSON ----------------------------------------------------------------------------------------
 
 

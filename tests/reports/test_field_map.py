@@ -73,14 +73,3 @@ def test_pictures_records_and_views(rule: str, invoke: Invoke) -> None:
     assert again.save("again.svg").read_bytes() == Path("f.svg").read_bytes()
     assert record == again.to_dict()
     assert len(repr(again).splitlines()) <= 12
-
-
-def test_a_motion_without_friction_is_named(invoke: Invoke, tmp_path: Path) -> None:
-    file = tmp_path / "free.toml"
-    corners = ((1, 1), (-1, 1), (-1, -1), (1, -1))
-    wheels = "".join(f"[[wheel]]\nposition = [{x}, {y}]\nheading = [1, 0]\n" for x, y in corners)
-    file.write_text(f'[friction]\nmu_roll = 1\nmu_side = 0\n[contact]\nrule = "ellipse"\n{wheels}')
-    refused = invoke("partition", str(file))
-    assert refused.status == 2
-    assert "required friction against every motion" in refused.err
-    assert refused.out == ""

@@ -66,26 +66,6 @@ def test_equal_input_gives_equal_films(tmp_path: Path) -> None:
     assert first == again
 
 
-OTHERS = "a file name that ends in .csv, .json, .parquet, .svg, .png or .pdf, received '.html'"
-
-
-@pytest.mark.parametrize(
-    ("arguments", "required"),
-    [
-        (("four-wheel", "--grid", "5"), OTHERS),
-        (("four-wheel", *START, "--method", "dynamics", "--compare-masses"), OTHERS),
-        (("eq-3", "--from", "0.2,0.4"), "an array of wheels for .html, received a plain switched system"),
-    ],
-)
-def test_only_one_path_of_an_array_moves(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], arguments: tuple[str, ...], required: str
-) -> None:
-    file = tmp_path / "path.html"
-    assert run(app, ("simulate", *arguments, "-o", str(file))) == BAD_INPUT
-    assert capsys.readouterr().err == f"nonsmooth: {file}: required {required}\n"
-    assert not file.exists()
-
-
 def test_python_refuses_other_files_and_systems(tmp_path: Path) -> None:
     path = ns.load("four-wheel").simulate((0.2, 0.4, 0))
     with pytest.raises(OutputError, match=r"\.gif or \.html"):

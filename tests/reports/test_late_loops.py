@@ -117,25 +117,6 @@ def test_what_is_open_says_why(rule: str, errors: str, reason: str, invoke: Invo
     assert loop["ends_within"] is None
 
 
-@pytest.mark.parametrize(
-    ("errors", "line"),
-    [
-        ("delay = -1", "feedback.delay: required a number of at least 0, received -1"),
-        ("position_error = -0.1", "feedback.position_error: required a number of at least 0"),
-        ('heading_error = "-1 deg"', "feedback.heading_error: required an angle of at least 0, below half a turn"),
-        ('heading_error = "180 deg"', "feedback.heading_error: required an angle of at least 0, below half a turn"),
-        ("delay = 0", "feedback: required an entry that is not zero"),
-        ('delay = "soon"', "feedback.delay: required"),
-        ("lag = 1", "feedback"),
-    ],
-)
-def test_bad_values_end_in_one_line(errors: str, line: str, invoke: Invoke, tmp_path: Path) -> None:
-    found = invoke("check", write(tmp_path, "box", errors))
-    assert (found.status, found.out) == (2, "")
-    assert line in found.err
-    assert len(found.err.splitlines()) == 1
-
-
 @thorough  # the small one: test_an_exact_pose_that_is_only_late_comes_home
 def test_closed_loops_of_imposed_twists_through_the_command(invoke: Invoke, tmp_path: Path) -> None:
     """Their speeds are those of the exported law; films and other laws are refused in one line."""

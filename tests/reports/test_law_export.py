@@ -222,20 +222,3 @@ def test_the_command_writes_table_and_program(invoke: Invoke, tmp_path: Path) ->
     outcome = invoke("check", "four-wheel", "--rule", "box", "--law", "law.py", "--json")
     assert outcome.record["feedback"]["verdict"] == "stabilizable"
     assert runpy.run_path("law.py")["speeds"](0.0, 0.0, 0.0) == {1: 0.0, 2: 0.0, 3: 0.0, 4: 0.0}
-
-
-@pytest.mark.parametrize(
-    ("arguments", "line"),
-    [
-        (("off-center",), "off-center: --law: required a certified feedback law; the feedback clause says no cert"),
-        (("ring-3", "--rule", "all"), "--law: required one contact rule, received all"),
-        (("ring-3", "ring-5"), "--law: required one scene, received 2"),
-        (("flower",), "required an array of wheels for --law"),
-    ],
-)
-def test_without_a_law_one_line_says_why(invoke: Invoke, arguments: tuple[str, ...], line: str) -> None:
-    outcome = invoke("check", *arguments, "--law", "law.py")
-    assert (outcome.status, outcome.out) == (2, "")
-    assert line in outcome.err
-    assert outcome.err.count("\n") == 1
-    assert not Path("law.py").exists()

@@ -32,7 +32,7 @@ from nonsmooth.proofs.clauses.feedback.driven_law import rim_speeds
 from nonsmooth.proofs.clauses.feedback.gradient_law import LimitedRate
 from nonsmooth.proofs.clauses.feedback.loop_bounds import limited_speed
 from nonsmooth.reports.cli import app
-from nonsmooth.reports.console import BAD_INPUT, run
+from nonsmooth.reports.console import run
 from nonsmooth.reports.paths import ArrayPath, PathResult
 from nonsmooth.symbolic.similar_scenes import in_own_length
 from tests.thorough import few, keep, thorough
@@ -333,26 +333,6 @@ def test_speeds_are_drawn_alike_twice(tmp_path: Path) -> None:
         loop = ("simulate", "four-wheel", "--from", "0.1,0.15,0.3", "--feedback", "--gain", "3", "--until", "4")
         assert run(app, (*loop, "-o", str(picture))) == 0
     assert first.read_bytes() == again.read_bytes()
-
-
-@pytest.mark.parametrize(
-    ("arguments", "line"),
-    [
-        (("--gain", "2"), "--gain: required --feedback, received none"),
-        (("--feedback", "--gain", "0"), "--gain: required a positive number, received 0.0"),
-        (("--feedback", "--gain", "-1"), "--gain: required a positive number, received -1.0"),
-        (("--feedback", "--gain", "nan"), "--gain: required a positive number, received nan"),
-        (("--feedback", "--gain", "inf"), "--gain: required a positive number, received inf"),
-    ],
-)
-def test_gains_are_positive_and_of_a_law(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], arguments: tuple[str, ...], line: str
-) -> None:
-    output = tmp_path / "path.csv"
-    given = ("simulate", "four-wheel", "--from", "0.1,0.2,0", "-o", str(output), *arguments)
-    assert run(app, given) == BAD_INPUT
-    assert capsys.readouterr().err == f"nonsmooth: {line}\n"
-    assert not output.exists()
 
 
 def test_what_is_said_of_limited_speeds(tmp_path: Path) -> None:

@@ -258,12 +258,6 @@ def test_paths_sweeps_and_reports_take_it(invoke: Invoke, tmp_path: Path) -> Non
     assert "of wheels 1, 3 roller" in text
 
 
-def test_rollers_are_not_exported_as_rubber(invoke: Invoke, tmp_path: Path) -> None:
-    refused = invoke("export", scene_file(tmp_path, ROLLERS_AND_RUBBER), "-o", str(tmp_path / "a.xml"))
-    assert refused.status == 2
-    assert "wheels without rollers" in refused.err
-
-
 def test_a_vehicle_may_have_both(tmp_path: Path) -> None:
     """Two driven wheels of rubber and two omniwheels: in place it turns without slip of the rubber along its axle."""
     wheels = [(0.5, 0.2, "roller"), (0.5, -0.2, "roller"), (0, 0.2, None), (0, -0.2, None)]

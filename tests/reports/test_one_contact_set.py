@@ -100,10 +100,3 @@ def test_the_command_says_for_which_wheels(invoke: Invoke, tmp_path: Path) -> No
 
 def test_every_event_has_a_mark() -> None:
     assert set(MARKERS) == set(EventKind)
-
-
-def test_a_start_on_other_wheels_is_refused(invoke: Invoke) -> None:
-    done = invoke("simulate", "carton-on-6x6", "--rule", "nearest", "--from", "0.15,0.1,0.08", "--feedback")
-    assert done.status == 2
-    assert "required a start on wheels 15, 16, 21, 22" in done.err
-    assert "received one on wheels 15-17, 21, 22" in done.err

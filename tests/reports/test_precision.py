@@ -28,8 +28,7 @@ from nonsmooth.analysis.measurements.harness import (
 )
 from nonsmooth.proofs import measurements
 from nonsmooth.proofs.measurements import STUDIES
-from nonsmooth.reports.cli import app
-from nonsmooth.reports.console import BAD_INPUT, INTERRUPTED, run
+from nonsmooth.reports.console import INTERRUPTED
 from nonsmooth.reports.figures.measurements import measurements_figure
 from nonsmooth.reports.measurements import Precision
 from nonsmooth.reports.progress import silent
@@ -117,24 +116,6 @@ def test_a_table_shows_errors_times_and_slopes(invoke: Invoke) -> None:
     assert status == 0
     for words in ("twist error [length/time, rad/time]", "NumPy, floats", "balls: slope"):
         assert words in out
-
-
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (["--study", "speed"], "--study: required one of trajectories"),
-        (["--runs", "0"], "--runs: required at least 1, received 0"),
-        (["--time-limit", "-1"], "--time-limit: required a positive number"),
-        (["--time-limit", "nan"], "--time-limit: required a positive number"),
-        (["-o", "rows.txt"], "required a file name that ends in .csv, .json, .parquet, .svg"),
-    ],
-)
-def test_bad_input_is_one_line(arguments: list[str], words: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert run(app, ["precision", "four-wheel", *arguments]) == BAD_INPUT
-    captured = capsys.readouterr()
-    assert words in captured.err
-    assert captured.err.count("\n") == 1
-    assert captured.out == ""
 
 
 # ---- interrupts and what is left out -------------------------------------------------------------
@@ -265,24 +246,3 @@ def test_the_page_keeps_its_text_and_measures_the_rest_anew() -> None:
         line for line in old.splitlines() if line.startswith("## ")
     ]
     assert page_text(new, shown, []) == new
-
-
-@pytest.mark.parametrize(
-    ("rhs", "states"),
-    [
-        ('["-sqrt(Abs(x))*sgn(x)", "-y"]', '["x", "y"]'),
-        ('[["-x", "-y"], ["-y", "-x"]]', '["x", "y"]'),
-        ('["-x"]', '["x"]'),
-    ],
-)
-def test_systems_without_a_study_are_refused_in_one_line(invoke: Invoke, tmp_path: Path, rhs: str, states: str) -> None:
-    file = tmp_path / "s.toml"
-    file.write_text(f"[system]\nstates = {states}\nrhs = {rhs}\n")
-    done = invoke("precision", str(file))
-    assert (done.status, done.out, done.err.count("\n")) == (2, "", 1)
-
-
-def test_studies_of_arrays_are_refused_for_a_system(invoke: Invoke) -> None:
-    done = invoke("precision", "relay-oscillator", "--study", "derivation")
-    assert (done.status, done.out) == (2, "")
-    assert "--study: required one of paths" in done.err

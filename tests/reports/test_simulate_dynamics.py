@@ -15,7 +15,7 @@ from nonsmooth.analysis.bodies.mass_path import simulate_dynamics
 from nonsmooth.analysis.dynamics.newton_euler import RigidBody
 from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.reports.cli import app
-from nonsmooth.reports.console import BAD_INPUT, run
+from nonsmooth.reports.console import run
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.thorough import thorough
 
@@ -147,30 +147,3 @@ def test_files_of_masses(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> 
     first = picture.read_bytes()
     invoke(capsys, *arguments, str(picture))
     assert picture.read_bytes() == first
-
-
-@pytest.mark.parametrize(
-    ("arguments", "line"),
-    [
-        (("--mass", "1"), "--mass: required --method dynamics, received --method events"),
-        (("--inertia", "1", "--method", "hysteresis"), "--inertia: required --method dynamics, received --method hyst"),
-        (("--compare-masses",), "--compare-masses: required --method dynamics, received --method events"),
-        (("--method", "dynamics", "--mass", "0"), "--mass: required a positive number"),
-        (("--method", "dynamics", "--inertia", "nan"), "--inertia: required a positive number"),
-        (("--method", "dynamics", "--mass", "1e-99", "--compare-masses"), "--mass: required a positive number"),
-        (("--method", "dynamics", "--mass", "1e-99"), "four-wheel: the integrator stopped"),
-        (("--method", "dynamics", "--feedback"), "--feedback: required --method events, hysteresis or smoothed"),
-        (("--method", "dynamics", "--kinematics", "leading"), "--kinematics: required exact with --method dynamics"),
-        (("--method", "dynamics", "--from", "3,0,0"), "four-wheel: required centres of mass inside the support"),
-        (("--method", "dynamics", "--from", "3,0,0", "--compare-masses"), "four-wheel: required centres of mass"),
-    ],
-)
-def test_refused_in_one_line(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path, arguments: tuple[str, ...], line: str
-) -> None:
-    file = tmp_path / "path.csv"
-    assert run(app, ("simulate", "four-wheel", "--from", "0.2,0.4,0", "-o", str(file), *arguments)) == BAD_INPUT
-    out, err = capsys.readouterr()
-    assert (out, err.count("\n")) == ("", 1)
-    assert err.startswith(f"nonsmooth: {line}")
-    assert not file.exists()

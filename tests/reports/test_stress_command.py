@@ -92,11 +92,6 @@ def test_an_interrupt_keeps_what_is_finished(
     assert "interrupted, later cases are missing" in " ".join(capsys.readouterr().out.split())
 
 
-def test_a_format_that_is_not_offered_is_refused_before_the_work(capsys: pytest.CaptureFixture[str]) -> None:
-    assert run(app, ["stress", "four-wheel", "-o", "stress.xls"]) == 2
-    assert "required a file name that ends in .csv, .json, .parquet, .svg, .png or .pdf" in capsys.readouterr().err
-
-
 def test_a_number_that_is_none_is_null(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     with_rows(monkeypatch, judged("spirals", "loss 1e-3", "1e5 switches", math.nan, 1.0, why="rounding"))
     assert run(app, ["stress", "four-wheel", "--json"]) == 1

@@ -85,22 +85,3 @@ def test_a_refused_scene_stops_no_other(capsys: pytest.CaptureFixture[str], tmp_
     assert records[1]["refused"] in alone[2]
     assert "support polygon" in records[1]["refused"]
     assert "refused" in check(capsys, "outward", str(tipping))[1]
-
-
-def test_a_file_that_cannot_be_read_stops_all_before_the_work(capsys: pytest.CaptureFixture[str]) -> None:
-    status, out, err = check(capsys, "outward", "nowhere")
-    assert (status, out) == (2, "")
-    assert err.startswith("nonsmooth: nowhere: required a scene file or a built-in scene")
-    assert err.count("\n") == 1
-
-
-@pytest.mark.parametrize("option", [["--certificate", "c.json"], ["--continuum"]])
-def test_what_is_made_for_one_scene_is_refused_for_many(capsys: pytest.CaptureFixture[str], option: list[str]) -> None:
-    status, out, err = check(capsys, "four-wheel", "ring-3", *option)
-    assert (status, out, err) == (2, "", f"nonsmooth: {option[0]}: required one scene, received 2\n")
-
-
-def test_a_plain_system_has_no_contact_rule(capsys: pytest.CaptureFixture[str]) -> None:
-    status, out, err = check(capsys, "eq-3", "--rule", "box")
-    expected = "nonsmooth: eq-3: contact.rule: required no contact rule for a plain switched system, received 'box'\n"
-    assert (status, out, err) == (2, "", expected)

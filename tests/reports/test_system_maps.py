@@ -14,7 +14,6 @@ import nonsmooth as ns
 from nonsmooth.analysis.fields.cell_values import potential_values
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.reports import system_maps
-from nonsmooth.reports.console import BAD_INPUT
 from nonsmooth.reports.phase_portrait import PhasePortrait
 from nonsmooth.reports.system_maps import SystemMap, Whereabouts, mapped, ratios_figure
 from nonsmooth.symbolic.files.system_file import load_system
@@ -108,23 +107,6 @@ def test_the_command_writes_every_form(invoke: Invoke, tmp_path: Path) -> None:
     header, *rows = csv.reader((tmp_path / "map.csv").read_text(encoding="utf-8").splitlines())
     assert header == ["x", "y", "x_end", "y_end", "whereabouts"]
     assert len(rows) == 4
-
-
-@pytest.mark.parametrize(
-    ("options", "named"),
-    [(("--from", "0,0"), "--from"), (("--feedback",), "--feedback"), (("--heading", "1"), "--heading")],
-)
-def test_options_of_others_are_refused(invoke: Invoke, options: tuple[str, ...], named: str) -> None:
-    outcome = invoke("simulate", "eq-4", "--grid", "3", *options)
-    assert outcome.status == BAD_INPUT
-    assert named in outcome.err
-
-
-def test_too_many_starts_and_three_states_are_refused(invoke: Invoke, tmp_path: Path) -> None:
-    assert "required 2 to 500 starts" in invoke("simulate", "eq-4", "--grid", "501").err
-    file = tmp_path / "three.toml"
-    file.write_text('[system]\nstates = ["x", "y", "z"]\nrhs = ["-x", "-y", "-sign(z)"]\n', encoding="utf-8")
-    assert "required two states" in invoke("simulate", str(file), "--grid", "3").err
 
 
 def test_paths_of_a_map_that_end_early_are_not_said_to_be_anywhere(monkeypatch: pytest.MonkeyPatch) -> None:

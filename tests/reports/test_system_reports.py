@@ -84,11 +84,3 @@ def test_the_command_writes_and_refuses(invoke: Invoke, tmp_path: Path) -> None:
         refused = invoke("derive", "eq-4", *options)
         assert refused.status == BAD_INPUT
         assert named in refused.err
-
-
-def test_three_states_are_refused_in_one_line(invoke: Invoke, tmp_path: Path) -> None:
-    file = tmp_path / "three.toml"
-    file.write_text('[system]\nstates = ["x", "y", "z"]\nrhs = ["-x", "-y", "-sign(z)"]\n', encoding="utf-8")
-    outcome = invoke("derive", str(file))
-    assert outcome.status == BAD_INPUT
-    assert "required two states" in outcome.err

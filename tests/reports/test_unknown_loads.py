@@ -26,31 +26,6 @@ def scene(tmp_path: Path, rule: str, loads: str) -> str:
     return str(path)
 
 
-@few(8)
-@pytest.mark.parametrize("rule", ["ellipse", "box"])
-@pytest.mark.parametrize(
-    "command",
-    [
-        "simulate {} --from 0.1,0,0",
-        "simulate {} --from 0.1,0,0 --method dynamics",
-        "precision {}",
-        "stress {}",
-        "check {} --certificate {}.json",
-    ],
-)
-def test_what_needs_one_load_is_refused_in_one_line(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], loads: str, rule: str, command: str
-) -> None:
-    file = scene(tmp_path, rule, loads)
-    assert run(app, command.replace("{}", file).split()) == 2
-    said = capsys.readouterr()
-    (line,) = said.err.splitlines()
-    assert "known" in line
-    assert "loads" in line
-    assert not said.out
-    assert [path.name for path in tmp_path.iterdir()] == ["ring.toml"]
-
-
 @few(1)
 @pytest.mark.parametrize("rule", ["ellipse", "box", "roller", "nearest"])
 def test_json_says_which_loads_are_meant(

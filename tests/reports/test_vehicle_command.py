@@ -76,44 +76,6 @@ def test_parameters_of_the_controller(invoke: Invoke, tmp_path: Path) -> None:
     ]
 
 
-@pytest.mark.parametrize(
-    ("arguments", "line"),
-    [
-        (("four-wheel",), "four-wheel: vehicle: required a vehicle on its own wheels"),
-        (("none",), "required a scene file or a built-in scene"),
-        (("jackal", "--spin", "0"), "--spin: required a finite rate other than 0, received 0.0"),
-        (("jackal", "--spin", "nan"), "--spin: required a finite rate"),
-        (("swerve-base", "--spin", "1"), "swerve-base: vehicle: required a track and two sides that run at different"),
-        (("jackal", "-o", "x.txt"), "required a file name that ends in"),
-        (("swerve-base", "-o", "x.yaml"), "swerve-base: required a vehicle with a track"),
-    ],
-)
-def test_bad_input_is_one_line(invoke: Invoke, tmp_path: Path, arguments: tuple[str, ...], line: str) -> None:
-    done = invoke("vehicle", *arguments)
-    assert done.status == 2
-    assert line in done.err
-    assert done.err.count("\n") == 1
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_a_vehicle_that_tips_over_is_refused(invoke: Invoke, tmp_path: Path) -> None:
-    text = "[vehicle]\ntrack = 1\nwheel_base = 1\ncentre_of_mass = [1, 0]\n[friction]\nmu_roll = 1\nmu_side = 1\n"
-    (tmp_path / "tips.toml").write_text(text, encoding="utf-8")
-    done = invoke("vehicle", "tips.toml")
-    assert done.status == 2
-    assert "tips.toml: required centres of mass inside the support polygon" in done.err
-
-
-@pytest.mark.parametrize("rule", ["nearest", "box", "ellipse", "roller"])
-def test_a_free_motion_is_refused(invoke: Invoke, tmp_path: Path, rule: str) -> None:
-    text = "[vehicle]\ntrack = 1\nwheel_base = 1\n[friction]\nmu_roll = 0\nmu_side = 1\n"
-    (tmp_path / "ice.toml").write_text(text, encoding="utf-8")
-    for command in (("vehicle", "ice.toml", "--rule", rule), ("export", "ice.toml")):
-        done = invoke(*command)
-        assert (done.status, done.err.count("\n")) == (2, 1)
-        assert "ice.toml: friction: required" in done.err
-
-
 def test_rules_that_say_nothing_are_named_in_the_record(invoke: Invoke, tmp_path: Path) -> None:
     """Rims in three directions with friction across them only: a disc of radius zero grips nothing."""
     wheels = "".join(

@@ -110,25 +110,6 @@ def test_the_picture_leaves_white_what_is_not_certified(invoke: Invoke, tmp_path
     assert "#009e73" in (tmp_path / "cells.svg").read_text(encoding="utf-8").lower()
 
 
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        (("--vary", "radius=0.1:0.2", "--random", "3"), "--certify: required a grid of scenes"),
-        (("--vary", "radius=0.1:0.2:3"), "--certify: required numbers that tolerances follow"),
-        (("--vary", "mu_side=0.5,0.4"), "--certify: required two or more rational values"),
-        (("--vary", "wheel.1.speed=-1:1:2"), "--certify: required speed of one sign"),
-        (("--vary", "wheel.1.heading=3 rad:4 rad:2"), "--certify: required headings in degrees"),
-    ],
-)
-def test_what_is_no_box_of_tolerances_is_refused(
-    invoke: Invoke, tmp_path: Path, options: tuple[str, ...], said: str
-) -> None:
-    outcome = invoke("sweep", str(written(tmp_path)), *options, "--certify")
-    assert outcome.status == 2
-    assert said in outcome.err
-    assert len(outcome.err.strip().splitlines()) == 1
-
-
 def test_results_of_cells_are_kept(invoke: Invoke, tmp_path: Path) -> None:
     vary = ("--vary", f"{PATHS['mu_side']}=0.5,0.8", "--certify", "--workers", "1", "--store", "runs.sqlite", "--json")
     first, again = (invoke("sweep", str(written(tmp_path)), *vary).record for _ in range(2))

@@ -268,52 +268,11 @@ def test_parquet_without_its_library_is_refused(invoke: Invoke, monkeypatch: pyt
     assert "required the package pyarrow" in done.err
 
 
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        ((), "--vary: required a number to vary"),
-        (("--vary", "mu_side"), "--vary: required KEY=VALUES"),
-        (("--vary", "mu_side=1:1:3"), "--vary mu_side: required start < stop"),
-        (("--vary", "mu_side=0:1:0"), "--vary mu_side: required a count of 2 to"),
-        (("--vary", "mu_side=0:1"), "required start:stop:count, or random draws"),
-        (("--vary", "mu_side=1", "--vary", "mu_side=2"), "required each number once"),
-        (("--vary", "mu_side=1", "--vary", "friction.mu_side=2"), "required each number once"),
-        (
-            ("--vary", "mu_side=-2,-1", "--workers", "1"),
-            "required a scene that can be checked, received friction.mu_side: required",
-        ),
-        (("--vary", "mu_side=0:1", "--random", "0"), "--random: required 1 to"),
-        (("--vary", "mu_side=0:1:2", "--random", "3"), "required start:stop for random draws"),
-        (("--vary", "mu_side=0:1", "--random", "3", "--borders"), "--borders: required a grid"),
-        (("--vary", "mu_side=0:1", "--random", "3", "-o", "x.svg"), "for random draws, received a picture"),
-        (("--vary", "mu_side=1,1/2", "-o", "x.svg"), "values that ascend for a picture"),
-        (("--vary", "mu_side=0:1:2", "--workers", "0"), "--workers: required 1 to"),
-        (("--vary", "mu_side=0:1:2", "--fail", "2"), "--fail: required 1"),
-        (("--vary", "mu_side=0:1:2", "-o", "x.txt"), "x.txt: required a file name that ends in"),
-        (("--vary", "mu_sid=0:1:2"), "such as mu_side or"),
-    ],
-)
-def test_bad_input_is_one_line_and_nothing_is_written(
-    invoke: Invoke, tmp_path: Path, options: tuple[str, ...], said: str
-) -> None:
-    done = invoke("sweep", "four-wheel", *options)
-    assert (done.status, done.out) == (2, "")
-    assert said in done.err
-    assert done.err.count("\n") == 1
-    assert list(tmp_path.iterdir()) == []
-
-
 def test_large_plans_ask_first_and_say_how_long(invoke: Invoke) -> None:
     done = invoke("sweep", "four-wheel", "--vary", "mu_side=0:1:1000000", "--vary", "mu_roll=1:2:1000000")
     assert done.status == 2
     assert f"--yes: required for more than {LARGE} scenes, received 1000000000000: about" in done.err
     assert "years" in done.err
-
-
-def test_a_plain_system_has_no_wheels_to_vary(invoke: Invoke) -> None:
-    done = invoke("sweep", "eq-3", "--vary", "mu_side=0:1:2")
-    assert (done.status, done.out) == (2, "")
-    assert "required the key path of a number, such as check.radius" in done.err
 
 
 def test_a_record_may_be_made_twice() -> None:

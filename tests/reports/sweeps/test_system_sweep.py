@@ -84,25 +84,6 @@ def test_a_store_knows_what_was_checked(tmp_path: Path) -> None:
     assert first.outcomes == second.outcomes
 
 
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        (["--vary", "k=-1:5:3", "--fail", "1"], "--fail: required an array of wheels"),
-        (["--vary", "k=-1:5:3", "--certify"], "--certify: required an array of wheels"),
-        (["--vary", "q=-1:5:3"], "required the key path of a number, such as system.parameters.k"),
-        (["--vary", "k=1:2:2", "--rule", "box"], "required no contact rule for a plain switched system"),
-        (["--vary", "radius=-1,0"], "required a scene that can be checked"),
-    ],
-)
-def test_what_cannot_be_swept_is_refused_in_one_line(
-    invoke: Invoke, tmp_path: Path, options: list[str], said: str
-) -> None:
-    done = invoke("sweep", written(tmp_path, INTERVAL), *options, "--workers", "1")
-    assert (done.status, done.out) == (2, "")
-    assert said in done.err
-    assert done.err.count("\n") == 1
-
-
 def test_files_of_all_kinds(invoke: Invoke, tmp_path: Path) -> None:
     file = written(tmp_path, INTERVAL)
     done = invoke("sweep", file, "--vary", "k=-1:5:3", "--workers", "1", "-o", str(tmp_path / "rows.csv"))
