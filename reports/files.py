@@ -41,7 +41,8 @@ def output_path(text: str, suffixes: Collection[str]) -> Path:
     if ending not in suffixes:
         gone = f", which was removed: {removed.ENDINGS[ending]}" if ending in removed.ENDINGS else ""
         received = repr(path.suffix or path.name) + gone
-        raise OutputError(path, f"a file name that ends in {_either(suffixes)}", received)
+        instead = " (pdflatex makes a .pdf of a .tex)" if ending == ".pdf" and ".tex" in suffixes else ""
+        raise OutputError(path, f"a file name that ends in {_either(suffixes)}{instead}", received)
     _require_library(path, ending)
     try:
         target = path.resolve()

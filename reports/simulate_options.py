@@ -41,7 +41,13 @@ class SimulateOptions(Options):
     until: float | None = option(
         None, "Last time; 2 unless given, with --grid until all have ended.", float | None, metavar="T"
     )
-    heading: float = option(0.0, "Heading of all starts in radians, with --grid.", float, heading=MAP, metavar="THETA")
+    heading: float = option(
+        0.0,
+        "Heading of all starts in radians, or such as 30deg, with --grid.",
+        str,
+        heading=MAP,
+        metavar="THETA",
+    )
     kinematics: Kinematics = option(Kinematics.EXACT, "Exact pose, or leading order as in the paper.", Kinematics)
     method: PathMethod = option(
         PathMethod.EVENTS, "Events, the paper's hysteresis, smoothing, or full dynamics.", PathMethod, heading=PATH
@@ -87,10 +93,16 @@ class SimulateOptions(Options):
     )
 
     def __post_init__(self) -> None:
-        """In Python ``feedback`` may name a law."""
+        """In Python ``feedback`` may name a law; a heading may be typed with its unit.
+
+        Raises:
+            OptionError: for a heading that is no angle.
+        """
         if isinstance(self.feedback, str):
             object.__setattr__(self, "law", self.feedback)
             object.__setattr__(self, "feedback", True)
+        if isinstance(self.heading, str):
+            object.__setattr__(self, "heading", _value("--heading", self.heading, is_angle=True))
         super().__post_init__()
 
     @property
@@ -132,7 +144,7 @@ class SimulateOptions(Options):
             received = repr(self.start[:60]) if isinstance(self.start, str) else len(parts)
             raise OptionError(f"{required}, received {received}")
         return tuple(
-            _start_value(name, part, is_angle=name == angle) if isinstance(part, str) else float(part)
+            _value(f"--from: {name}", part, is_angle=name == angle) if isinstance(part, str) else float(part)
             for name, part in zip(states, parts, strict=True)
         )
 
@@ -147,7 +159,12 @@ class SimulateOptions(Options):
                 raise OptionError(f"{flag}: required a positive number, received {value}")
 
 
-def _start_value(name: str, text: str, *, is_angle: bool) -> float:
+def _value(where: str, text: str, *, is_angle: bool) -> float:
+    """A number as typed, or an angle (radian), with or without its unit.
+
+    Raises:
+        OptionError: for anything else.
+    """
     from nonsmooth.symbolic.files.start_values import read_start_angle, read_start_value
     from nonsmooth.symbolic.scene_error import requirement, shown
 
@@ -156,7 +173,7 @@ def _start_value(name: str, text: str, *, is_angle: bool) -> float:
     except OverflowError:
         value = math.inf
     except ValueError as error:
-        raise OptionError(f"--from: {name}: required {requirement(error)}, received {shown(text)}") from None
+        raise OptionError(f"{where}: required {requirement(error)}, received {shown(text)}") from None
     if not math.isfinite(value):
-        raise OptionError(f"--from: {name}: required a number within the range of floats, received {shown(text)}")
+        raise OptionError(f"{where}: required a number within the range of floats, received {shown(text)}")
     return value

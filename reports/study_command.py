@@ -20,6 +20,7 @@ from nonsmooth.reports.study import (
     options_of,
     types_of,
 )
+from nonsmooth.symbolic.suggestions import is_meant
 
 
 def command(study: SceneStudy[Any], name: str, words: str, scene: Any = shared.SceneText) -> Callable[..., int]:
@@ -110,7 +111,8 @@ def _among(names: Callable[[], Collection[str]]) -> dict[str, Any]:
 
     def read(text: str) -> str:
         if text not in names():
-            raise typer.BadParameter(f"{text!r} is not one of {', '.join(map(repr, names()))}.")
+            known = names()
+            raise typer.BadParameter(f"{text!r} is not one of {', '.join(map(repr, known))}{is_meant(text, known)}.")
         return text
 
     def begun(incomplete: str) -> list[str]:

@@ -12,6 +12,8 @@ ones.  Such an array has the rule :data:`MIXED`, which nobody names.
 
 from __future__ import annotations
 
+from nonsmooth.symbolic.suggestions import is_meant
+
 DEFAULT_RULE = "nearest"
 MIXED = "mixed"
 
@@ -32,7 +34,7 @@ def read_rule(value: object) -> str:
         ValueError: for anything else.
     """
     if not isinstance(value, str) or value not in CONTACT_RULES:
-        raise ValueError(f"required {required_rule()}")
+        raise ValueError(f"required {required_rule()}{is_meant(value, CONTACT_RULES)}")
     return value
 
 

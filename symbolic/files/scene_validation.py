@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from typing import Any, TypeVar, get_args
 
@@ -10,7 +11,9 @@ from pydantic import ValidationError
 from nonsmooth.symbolic import removed
 from nonsmooth.symbolic.files.scene_values import AngleUnit, TomlTable, keys_of
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact, requirement
+from nonsmooth.symbolic.suggestions import is_meant
 
+QUOTED = re.compile("'([^']+)'")  # a name among those that pydantic expects
 Model = TypeVar("Model", bound=TomlTable)
 
 
@@ -81,12 +84,15 @@ def _expected(model: type[TomlTable], detail: Any) -> str:
     if isinstance(context.get("error"), ValueError):
         return requirement(context["error"])
     if detail["type"] == "extra_forbidden":
-        return f"one of the keys {', '.join(_keys(model, detail['loc']))}"
+        keys = _keys(model, detail["loc"])
+        return f"one of the keys {', '.join(keys)}{is_meant(detail['loc'][-1], keys)}"
     if detail["type"] in _NO_KIND:
         kinds = (t.model_fields["kind"].default for t in _tables(model.model_fields["field"].annotation))
         return f"one of {', '.join(kinds)}"
     known = _EXPECTED.get(detail["type"])
-    return detail["msg"] if known is None else known.format(**context)
+    if known is None:
+        return str(detail["msg"])
+    return known.format(**context) + is_meant(detail["input"], QUOTED.findall(context.get("expected", "")))
 
 
 def _keys(model: type[TomlTable], location: tuple[int | str, ...]) -> list[str]:

@@ -29,7 +29,7 @@ from nonsmooth.symbolic.scene_error import SceneError, StatedFact, requirement, 
 PLANE = ("x", "y")  # the variables of a formula in the plane
 MAX_ROOTS = 64  # independent square roots in one file: each is proved new against all earlier ones,
 MAX_ROOT_WORK = 2_048  # in a time that grows with their number times the degree of the base field
-_WITH_UNIT = re.compile(r"(.*\S)\s*(deg|rad)", re.DOTALL)
+WITH_UNIT = re.compile(r"(.*\S)\s*(deg|rad)", re.DOTALL)
 _PLAIN_DECIMAL = re.compile(r"[+-]?([0-9]{1,60}(\.[0-9]{0,60})?([eE][+-]?[0-9]{1,3})?|nan|inf(inity)?)", re.I)
 
 Exact: TypeAlias = Expression | Fraction
@@ -90,7 +90,7 @@ def read_angle(value: object, unit: AngleUnit | None = None) -> Angle:
     Raises:
         ExpressionError: for any other value.
     """
-    named = _WITH_UNIT.fullmatch(value.strip()) if isinstance(value, str) else None
+    named = WITH_UNIT.fullmatch(value.strip()) if isinstance(value, str) else None
     number = read_exact(value if named is None else named[1])
     constant, multiple = (number, Fraction(0)) if isinstance(number, Fraction) else number.parts_in_pi()
     stated = unit if named is None else AngleUnit(named[2])

@@ -11,7 +11,6 @@ import csv
 import io
 import re
 from collections.abc import Iterator
-from difflib import get_close_matches
 from fractions import Fraction
 from typing import Any, NamedTuple
 
@@ -20,11 +19,11 @@ from nonsmooth.symbolic.files.scene_values import AngleUnit, Exact, Numbers, ang
 from nonsmooth.symbolic.files.velocity_fields import Heading, read_heading
 from nonsmooth.symbolic.rule import read_rule
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact, requirement
+from nonsmooth.symbolic.suggestions import is_meant
 
 COLUMNS = ("x", "y", "heading", "speed", "mu_roll", "mu_side", "speed_limit", "axis", "contact")
 DIRECTIONS = ("heading", "axis")
 SEPARATORS = (",", ";", "\t")
-LIKENESS = 0.7  # of an unknown column to a missing one, above which it is taken for misspelt (difflib)
 MOST_SHOWN = 4  # columns that a note lists
 MAX_COLUMNS = 200
 MAX_NAME = 30  # characters of a column's name that a message shows
@@ -185,9 +184,9 @@ def _columns(header: list[str], key: str, file: str) -> list[str | None]:
     if required:
         raise SceneError(file, key, "a header with x and y", StatedFact(f"one without {required}"))
     for name in _unread(header, columns):
-        meant = get_close_matches(_plain(name), missing, 1, LIKENESS)
+        meant = is_meant(name, missing)
         if meant:
-            raise SceneError(file, key, f"a header out of {','.join(COLUMNS)} (is {meant[0]} meant?)", name)
+            raise SceneError(file, key, f"a header out of {','.join(COLUMNS)}{meant}", name)
     return columns
 
 
