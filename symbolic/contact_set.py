@@ -64,6 +64,19 @@ class ContactSet:
         inverse = 1 / self.margin if self.angle is None else 1 / self.margin + turn_per_distance / self.angle
         return 1 / inverse
 
+    def keeps(self, reach: Fraction, turn: Fraction | None) -> bool:
+        """Whether no wheel enters or leaves on a way.
+
+        Args:
+            reach: its largest distance from the point.
+            turn: a bound of what the body turns on it (radian); None where none is known.
+        """
+        if self.margin is None:
+            return True
+        if self.angle is None:
+            return reach < self.margin
+        return turn is not None and reach / self.margin + turn / self.angle < 1
+
 
 def contact_set(scene: Scene) -> ContactSet:
     """The wheels that carry at the checked pose; all of them without a body."""

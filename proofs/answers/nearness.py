@@ -8,6 +8,10 @@ the question is asked with a length a, the accuracy:
 - *leaves*: as near to the point as one likes there are starts whose bodies end, or are carried, farther away than a;
   beside a place of rest that only rounding tells from the point, within a distance that is said.
   That the point itself is no place of rest does not suffice.
+
+A body with an outline is followed as one without on the wheels that carry it, as far as it is shown that no other wheel
+comes under it before it is where it is said.  Where loads are not known, *leaves* is shown under one of them: beside a
+load of the set springs change it with the place as those that are equal do.
 """
 
 from __future__ import annotations
@@ -17,20 +21,28 @@ from fractions import Fraction
 from functools import lru_cache
 
 from nonsmooth.analysis.cells.fan import CellCone, rays_of
+from nonsmooth.analysis.cells.load_sets import Loads
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.cells.polygon import Point
-from nonsmooth.proofs.clauses.translation.clause import AnyTranslation
+from nonsmooth.proofs.answers.answer import Results
+from nonsmooth.proofs.clauses.equilibrium.every_load import EveryLoadEquilibrium
+from nonsmooth.proofs.clauses.translation.every_load import EveryLoadTranslation
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, Move, MoveEvidence
-from nonsmooth.proofs.robust.drift import driven_out
-from nonsmooth.proofs.robust.ends import Ends, decide_ends, why_not_followed
+from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
+from nonsmooth.proofs.robust.drift import driven_out, largest_spin
+from nonsmooth.proofs.robust.ends import MOST_WHEELS, Ends, decide_ends
 from nonsmooth.proofs.robust.rest_points import NO_FARTHER, EnclosedRest, enclosed_rest, is_carried_away
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.constraints import Twist
+from nonsmooth.symbolic.contact_set import ContactSet, alone, contact_set
+from nonsmooth.symbolic.measured_loads import NoSpringsError, spring_forms
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.rounded import either_way
 from nonsmooth.symbolic.plane import cross, dot
-from nonsmooth.symbolic.scene import Scene, Wheel
+from nonsmooth.symbolic.scene import LoadTable, Scene, Wheel
+from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
+LOAD_SHARES = (Fraction(1), Fraction(7, 8), Fraction(1, 2))  # of the way from the load of equal springs to another one
 ROUNDING = Fraction(1, 10**11)  # of the accuracy: a place of rest so near is the point, to all printed digits
 
 
@@ -46,13 +58,15 @@ class Nearness:
             is not shown.
         rests_within: a distance from the point, no more than rounding, within which all members of what was rounded
             have one place of rest each, which attracts; None where that is not shown.
-        why_not: why nothing was looked for; empty where something was.
+        is_of_one_load: whether this is shown under one of the loads that a scene leaves open.
+        why_not: what stands in the way of following bodies farther; empty where nothing does.
     """
 
     ends: Ends | None = None
     out_after: Fraction | None = None
     thrown_out_from: Fraction | None = None
     rests_within: Fraction | None = None
+    is_of_one_load: bool = False
     why_not: str = ""
 
     @property
@@ -75,6 +89,7 @@ class _Asked:
     equilibrium: Equilibrium
     translation: Translation
     fan: FanResult | None
+    load: Loads | None
 
     def __hash__(self) -> int:
         return hash((id(self.scene), self.equilibrium, self.translation))
@@ -87,39 +102,94 @@ class _Asked:
         )
 
 
-def nearness(scene: Scene, equilibrium: Equilibrium, translation: AnyTranslation) -> Nearness:
+def nearness(scene: Scene, results: Results) -> Nearness:
     """Where bodies near the checked point end; what the clauses say of it may spare the search.
 
     Args:
         scene: the array.
-        equilibrium: whether the point is a place of rest.
-        translation: what bodies beside it do.
+        results: the clauses on the equilibrium and on (x, y).
     """
-    return _decided(_Asked(scene, equilibrium, translation.verdict, getattr(translation, "fan", None)))
+    rest, translation = results["equilibrium"], results["translation"]
+    load = rest.point.witness if isinstance(rest, EveryLoadEquilibrium) else None
+    if isinstance(translation, EveryLoadTranslation) and load is None:
+        load = translation.load
+    fan = translation.fan if isinstance(translation, TranslationResult) else None
+    verdicts = Equilibrium(rest.verdict), Translation(translation.verdict)
+    return _decided(_Asked(scene, *verdicts, fan, load))
 
 
 @lru_cache(maxsize=16)  # an answer is asked for several times
 def _decided(asked: _Asked) -> Nearness:
     scene, accuracy = asked.scene, asked.scene.accuracy
-    centred = scene.recentred()
-    why_not = why_not_followed(centred)
-    if why_not:
-        return Nearness(why_not=why_not)
-    holds = asked.equilibrium is Equilibrium.HOLDS
+    kept, array = contact_set(scene), alone(scene).recentred()
     with either_way(scene.field):  # what is shown holds for every member of what was rounded
-        ends = decide_ends(centred, accuracy, rests=holds and asked.translation is Translation.STABLE)
-        if asked.equilibrium is Equilibrium.UNDECIDED:
-            return _beside_a_rest(centred, accuracy, ends)
-        if ends is not None or (holds and asked.translation is Translation.STABLE):
-            return Nearness(ends)
-        if holds:
-            carried_away = asked.translation is Translation.UNSTABLE and is_carried_away(centred, accuracy, Fraction(0))
-            is_out = carried_away or _is_surely_out(asked, accuracy)
-            return Nearness(thrown_out_from=Fraction(0) if is_out else None)
-        return Nearness(out_after=driven_out(centred, accuracy))
+        if array.contact.rule != "nearest" and isinstance(array.contact.loads, UnknownLoads):
+            found = _under_a_load(asked, array, kept)
+        else:
+            found = _under_known_loads(asked, array, kept)
+    return found if found.leaves or found.comes_near else replace(found, why_not=_why_not(array, accuracy, kept))
 
 
-def _beside_a_rest(scene: Scene, accuracy: Fraction, ends: Ends | None) -> Nearness:
+def _why_not(scene: Scene, accuracy: Fraction, kept: ContactSet) -> str:
+    """What may stand in the way of following bodies, in words."""
+    if scene.contact.rule != "nearest" and isinstance(scene.contact.loads, UnknownLoads):
+        return "under every load bodies are not followed"
+    if kept.margin is not None and kept.margin <= accuracy:
+        return "within the accuracy other wheels come under it"
+    if kept.angle is not None:
+        return "it may turn until other wheels come under it"
+    if len(scene.wheels) > MOST_WHEELS:
+        return f"bodies are followed on up to {MOST_WHEELS} wheels"
+    return ""
+
+
+def _under_known_loads(asked: _Asked, array: Scene, kept: ContactSet) -> Nearness:
+    """On a centred array of the wheels that carry."""
+    accuracy, holds = asked.scene.accuracy, asked.equilibrium is Equilibrium.HOLDS
+    rests = holds and asked.translation is Translation.STABLE
+    ends = decide_ends(array, accuracy, rests=rests, kept=kept)
+    if asked.equilibrium is Equilibrium.UNDECIDED:
+        return _beside_a_rest(array, accuracy, ends, kept)
+    if ends is not None or rests:
+        return Nearness(ends)
+    if holds:
+        is_out = kept.keeps(accuracy, None) and _is_thrown_out(asked, array)
+        return Nearness(thrown_out_from=Fraction(0) if is_out else None)
+    return Nearness(out_after=_driven_out(array, accuracy, kept))
+
+
+def _driven_out(array: Scene, accuracy: Fraction, kept: ContactSet) -> Fraction | None:
+    """When every body has left the disc of the accuracy, if no wheel enters or leaves before."""
+    after = driven_out(array, accuracy)
+    if after is None or kept.margin is None:
+        return after
+    spin = None if kept.angle is None else largest_spin(array, accuracy)
+    return after if kept.keeps(accuracy, None if spin is None else spin * after) else None
+
+
+def _under_a_load(asked: _Asked, array: Scene, kept: ContactSet) -> Nearness:
+    """Under the load that moves or throws out the body at the point, or one between it and that of equal springs."""
+    unknown, accuracy = array.contact.loads, asked.scene.accuracy
+    scatter = unknown.scatter if isinstance(unknown, UnknownLoads) else None
+    if asked.load is None or (scatter is not None and scatter.stiffness):
+        return Nearness()
+    try:
+        forms = spring_forms([wheel.position for wheel in array.wheels])
+    except NoSpringsError:
+        return Nearness()
+    for share in LOAD_SHARES:
+        rows = [(a + share * (load - a), b, c) for (a, b, c), load in zip(forms, asked.load, strict=True)]
+        loaded = replace(array, contact=replace(array.contact, loads=LoadTable(tuple(rows))))
+        out_after = _driven_out(loaded, accuracy, kept)
+        if out_after is not None:
+            return Nearness(out_after=out_after, is_of_one_load=True)
+        may_be_thrown = asked.translation is Translation.UNSTABLE and kept.keeps(accuracy, None)
+        if may_be_thrown and is_carried_away(loaded, accuracy, Fraction(0)):
+            return Nearness(thrown_out_from=Fraction(0), is_of_one_load=True)
+    return Nearness()
+
+
+def _beside_a_rest(scene: Scene, accuracy: Fraction, ends: Ends | None, kept: ContactSet) -> Nearness:
     """Where a place of rest that only rounding tells from the point of a centred scene attracts bodies, or repels them.
 
     So it is too where its rotation rate is not a number of the scene, as of arrays that are symmetric about the point.
@@ -128,7 +198,7 @@ def _beside_a_rest(scene: Scene, accuracy: Fraction, ends: Ends | None) -> Nearn
     if rest is not None and rest.stability is Translation.ASYMPTOTICALLY_STABLE:
         return Nearness(ends, rests_within=rest.distance)
     if ends is None and rest is not None and rest.stability is Translation.UNSTABLE:
-        is_out = is_carried_away(scene, accuracy, rest.distance)
+        is_out = kept.keeps(accuracy, None) and is_carried_away(scene, accuracy, rest.distance)
         return Nearness(thrown_out_from=NO_FARTHER * accuracy if is_out else None)
     return Nearness(ends)
 
@@ -139,12 +209,13 @@ def rest_beside(scene: Scene) -> EnclosedRest | None:
     return rest if rest is not None and rest.distance <= ROUNDING * scene.accuracy else None
 
 
-def _is_surely_out(asked: _Asked, accuracy: Fraction) -> bool:
-    """Whether bodies are carried out of the disc of the accuracy, by signs that are those of every member."""
-    field, fan = asked.scene.field, asked.fan
-    before = field.rounded_signs
+def _is_thrown_out(asked: _Asked, array: Scene) -> bool:
+    """Whether some bodies from as near as one likes are carried out of the disc of the accuracy, for every member."""
+    accuracy, fan, before = asked.scene.accuracy, asked.fan, array.field.rounded_signs
+    if asked.translation is Translation.UNSTABLE and is_carried_away(array, accuracy, Fraction(0)):
+        return True
     out = fan is not None and any(_is_carried_out(move, fan, accuracy) for move in fan.evidence)
-    return (out or _is_thrown_out(asked.scene, accuracy)) and field.rounded_signs == before
+    return (out or _comes_home_reversed(array, accuracy)) and array.field.rounded_signs == before
 
 
 def _is_carried_out(move: MoveEvidence, fan: FanResult, accuracy: Fraction) -> bool:
@@ -180,7 +251,7 @@ def _slides_outward(ray: Point, twists: tuple[Twist, ...], most: Fraction) -> bo
     return speeds[0] >= 0 and speeds[1] > 0
 
 
-def _is_thrown_out(scene: Scene, accuracy: Fraction) -> bool:
+def _comes_home_reversed(scene: Scene, accuracy: Fraction) -> bool:
     """Whether, with all rims reversed, every body from within the accuracy comes home to the point.
 
     D does not change where all speeds and the twist change their signs: motions of the reversed array are those of the

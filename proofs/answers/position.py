@@ -39,8 +39,9 @@ def position_answer(scene: Scene, results: Results, *, may_look: bool = True) ->
     """
     verdict = _by_clauses(results)
     if verdict is Position.COMES_HOME or not may_look:
+        verdict = Position.UNDECIDED if verdict is Position.LEAVES else verdict
         return Answer("position", verdict, tuple(_facts(scene, results, verdict, None)))
-    found = nearness(scene, Equilibrium(results["equilibrium"].verdict), _translation(results))
+    found = nearness(scene, results)
     verdict = _to_the_accuracy(verdict, found)
     return Answer("position", verdict, tuple(_facts(scene, results, verdict, found)))
 
@@ -56,12 +57,12 @@ def _by_clauses(results: Results) -> Position:
 
 
 def _to_the_accuracy(by_clauses: Position, found: Nearness) -> Position:
-    """The verdict with what is shown of the ends; where bodies cannot be followed the clauses alone speak."""
+    """The verdict with what is shown of the ends: that a body leaves the point itself is not enough for "leaves"."""
     if found.rests_within is not None:
         return Position.COMES_HOME
     if found.comes_near:
         return Position.COMES_NEAR
-    if by_clauses is Position.STAYS_NEAR or found.why_not:
+    if by_clauses is Position.STAYS_NEAR:
         return by_clauses
     return Position.LEAVES if found.leaves else Position.UNDECIDED
 
@@ -100,7 +101,7 @@ def _facts(scene: Scene, results: Results, verdict: Position, looked: Nearness |
     elif verdict is Position.LEAVES and looked is not None and looked.leaves:
         yield said(_away(scene, looked, unit))
     else:
-        yield said(_plainly(scene, verdict, results, unit))
+        yield said(_plainly(scene, verdict, results, unit, looked))
     yield said(found.support_note)
 
 
@@ -122,7 +123,8 @@ def _coming_near(scene: Scene, ends: Ends, unit: str) -> Iterator[Fact]:
     yield from _place(scene, Quantity(Fraction(ends_within)), ends.at)
     yield Fact("within", Quantity(Fraction(within)))
     yield Fact("after", Quantity(Fraction(after)))
-    yield said(f"within {ends_within}{unit}, from anywhere within {within}{unit}, in at most {after} s")
+    kept = "" if scene.body is None else ", while the same wheels carry it"
+    yield said(f"within {ends_within}{unit}, from anywhere within {within}{unit}, in at most {after} s{kept}")
     if any(ends.at):
         yield said(f"it ends within {at_most(ends.about)}{unit} of {_point(scene, ends)}")
     yield said(f"the accuracy is {float_text(float(scene.accuracy), DIGITS)}{unit}")
@@ -150,6 +152,10 @@ def _point(scene: Scene, ends: Ends) -> str:
 
 def _away(scene: Scene, looked: Nearness, unit: str) -> str:
     """Where bodies go that leave."""
+    return f"{'under one of the loads ' if looked.is_of_one_load else ''}{_where_to(scene, looked, unit)}"
+
+
+def _where_to(scene: Scene, looked: Nearness, unit: str) -> str:
     accuracy = f"the accuracy is {float_text(float(scene.accuracy), DIGITS)}{unit}"
     if looked.ends is not None:
         ends = looked.ends
@@ -162,19 +168,18 @@ def _away(scene: Scene, looked: Nearness, unit: str) -> str:
     return f"some starts {near} go farther away than the accuracy; {accuracy}"
 
 
-def _plainly(scene: Scene, verdict: Position, results: Results, unit: str) -> str:
+def _plainly(scene: Scene, verdict: Position, results: Results, unit: str, looked: Nearness | None) -> str:
     """The sentence where there is no number to say."""
-    rests = results["equilibrium"].verdict is Equilibrium.HOLDS
     if verdict is Position.UNDECIDED and is_by_rounding(results, "equilibrium", "translation"):
         return "rounding decides; why: below"
-    if verdict is Position.LEAVES:
-        return "some starts as near as one likes go away" if rests else "the body is driven away from the point itself"
     if verdict is Position.STAYS_NEAR:
         return "a body that starts close by stays close by"
     if _by_clauses(results) is Position.LEAVES:
         accuracy = f"{float_text(float(scene.accuracy), DIGITS)}{unit}"
+        rests = results["equilibrium"].verdict is Equilibrium.HOLDS
         gone = "some starts as near as one likes go away" if rests else "the body is driven away from the point itself"
-        return f"{gone}; whether farther than the accuracy, {accuracy}, is not decided"
+        why = f": {looked.why_not}" if looked is not None and looked.why_not else ""
+        return f"{gone}; whether farther than the accuracy, {accuracy}, is not decided{why}"
     return "what happens near the point is not decided; why: below"
 
 

@@ -107,8 +107,9 @@ class FrictionShape:
             return by_r, by_s, both
         edge, most = self.strip
         turns = self.rolls & (np.abs(a * s / size) > edge)
-        straight = most * width**2 / np.hypot(r, width) ** 3
-        return np.where(turns, straight, by_r), np.where(turns, 0.0, by_s), np.where(turns, 0.0, both)
+        straight, turning = (size * width**2 / np.hypot(q, width) ** 3 for size, q in ((most, r), (edge, s)))
+        # where rollers turn D is straight in s, but Newton's method must not lose where that begins
+        return np.where(turns, straight, by_r), np.where(turns, turning, by_s), np.where(turns, 0.0, both)
 
     def support(self, r: Intervals, s: Intervals, roll: Intervals, side: Intervals) -> Intervals:
         """``max f . (r, s)`` over the friction set, per unit of load, for coefficients in intervals."""

@@ -1,8 +1,11 @@
-"""Whether every body is driven out of a disc about the checked point, whatever is inside.
+"""How every body of a disc about the checked point is driven: along one direction, and how fast it turns at most.
 
 Let ``m . c' >= delta > 0`` for one direction m, every place of the disc of radius a and every velocity that is possible
 there.  Then no body stays in the disc for longer than ``2 a/delta``: none comes to rest there, and none ends there,
 for whenever it came back it would be driven out again.
+
+Bounds are those of cells with one motion each where the rule has cells, else of forces that balance a pull
+(:mod:`nonsmooth.proofs.robust.balanced_forces`), on squares that cover the disc.
 """
 
 from __future__ import annotations
@@ -15,58 +18,101 @@ import numpy as np
 from flint import arb, ctx, fmpq
 from numpy.typing import NDArray
 
+from nonsmooth.analysis.cells.contact_partition import build_partition
+from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.proofs.robust.balanced_forces import BalancedForces
 from nonsmooth.proofs.robust.intervals import Intervals
 from nonsmooth.proofs.robust.nearest import PRECISION, moving_cells, why_not_nearest
 from nonsmooth.proofs.robust.touching_rings import no_tolerance
 from nonsmooth.symbolic.numbers.enclosures import rational_below
+from nonsmooth.symbolic.numbers.lazy import Lazy
+from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import Scene
 
 Floats: TypeAlias = NDArray[np.float64]
+Triple: TypeAlias = tuple[Intervals, Intervals, Intervals]
+Corners: TypeAlias = list[tuple[arb, arb]]
+Motion: TypeAlias = tuple[arb, arb, arb]  # (v_x, v_y, omega)
 
 DIRECTIONS = 64  # that are tried
 PARTS = 8  # of each side of the square about the disc
-SHARES = (0.25, 0.6, 0.1)  # of the friction of all wheels, by which bodies are pulled back
+SHARES = (0.25, 0.6, 0.1)  # of the friction of all wheels, by which bodies are pulled
 
 
 def driven_out(scene: Scene, accuracy: Fraction) -> Fraction | None:
     """The time after which every body has left the disc of that radius about a centred scene's point; None if unknown.
 
     Args:
-        scene: centred; with loads that are known where its rule needs them.
+        scene: centred, without an outline; with loads that are known where its rule needs them.
         accuracy: the radius.
     """
-    speed = _of_cells(scene, accuracy) if scene.contact.rule == "nearest" else _of_forces(scene, accuracy)
+    speed = _slowest_of_cells(scene, accuracy) if scene.contact.rule == "nearest" else _slowest(scene, accuracy)
     return None if speed is None or speed <= 0 else 2 * accuracy / speed
 
 
-def _of_cells(scene: Scene, accuracy: Fraction) -> Fraction | None:
-    """Delta under rule ``nearest``: ``m . (v + omega J c)`` is affine on each cell."""
+def largest_spin(scene: Scene, radius: Fraction) -> Fraction | None:
+    """A bound of ``|omega|`` over the disc of that radius, of the same scenes; None where none is known."""
+    if scene.contact.rule == "nearest":
+        with ctx.workprec(PRECISION):
+            found = _cell_motions(scene, radius)
+            return None if found is None else max(-rational_below(-abs(motion[2])) for _, motion in found)
+    forces = _forces(scene)
+    if forces is None:
+        return None
+    corners = _squares(float(radius))
+    zero, one = (Intervals.of(np.full(corners.shape[:2], entry)) for entry in (0.0, 1.0))
+    most = max(_largest(forces, corners, (zero, zero, turn)) for turn in (one, -one))
+    return Fraction(most) / Fraction(forces.length) if math.isfinite(most) else None
+
+
+# ---- rule nearest --------------------------------------------------------------------------------
+
+
+def _cell_motions(scene: Scene, radius: Fraction) -> list[tuple[Corners, Motion]] | None:
+    """The corners of all cells of a square about the point, with each motion that is possible on the cell."""
     if why_not_nearest(scene):
+        return _partition_motions(scene, radius)
+    found = []
+    for moving in moving_cells(scene, no_tolerance(scene), fmpq(radius.numerator, radius.denominator)):
+        if moving.motion is None:
+            return None
+        corners = [(arb(x), arb(y)) for x, y in moving.cell.polygon.vertices]
+        found.append((corners, (moving.motion.vx, moving.motion.vy, moving.motion.omega)))
+    return found
+
+
+def _partition_motions(scene: Scene, radius: Fraction) -> list[tuple[Corners, Motion]] | None:
+    """The same by the exact cells, where wheels have friction axes of their own; None where rounding decides them."""
+    before = scene.field.rounded_signs
+    try:
+        partition = build_partition(scene.checked_at(scene.check.equilibrium, scene.field.rational(radius)))
+    except RefusalError:
         return None
-    cells = moving_cells(scene, no_tolerance(scene), fmpq(accuracy.numerator, accuracy.denominator))
-    motions = [(cell.cell.polygon.vertices, cell.motion) for cell in cells]
-    if any(motion is None for _, motion in motions):
+    if scene.field.rounded_signs != before:
         return None
-    velocities = np.array(
-        [
-            (float(m.vx) - float(m.omega) * float(y), float(m.vy) + float(m.omega) * float(x))
-            for vertices, m in motions
-            if m is not None
-            for x, y in vertices
-        ]
-    )
-    direction = _direction(velocities)
-    if direction is None:
-        return None
-    a, b = (arb(entry) for entry in direction)
+    return [
+        ([(_ball(x), _ball(y)) for x, y in cell.polygon.vertices], (vx.ball(), vy.ball(), omega.ball()))
+        for cell in partition.cells
+        for vx, vy, omega in cell.twists
+    ]
+
+
+def _ball(entry: Number | Lazy) -> arb:
+    return entry.ball if isinstance(entry, Lazy) else entry.ball()
+
+
+def _slowest_of_cells(scene: Scene, accuracy: Fraction) -> Fraction | None:
+    """Delta: ``m . (v + omega J c)`` is affine on each cell."""
     with ctx.workprec(PRECISION):
-        return min(
-            rational_below(a * (m.vx - m.omega * arb(y)) + b * (m.vy + m.omega * arb(x)))
-            for vertices, m in motions
-            if m is not None
-            for x, y in vertices
-        )
+        found = _cell_motions(scene, accuracy) or []
+        velocities = [(vx - omega * y, vy + omega * x) for corners, (vx, vy, omega) in found for x, y in corners]
+        if not velocities:
+            return None
+        direction = _direction(np.array([(float(x), float(y)) for x, y in velocities]))
+        if direction is None:
+            return None
+        a, b = (arb(entry) for entry in direction)
+        return min(rational_below(a * x + b * y) for x, y in velocities)
 
 
 def _direction(velocities: Floats) -> tuple[float, float] | None:
@@ -78,11 +124,20 @@ def _direction(velocities: Floats) -> tuple[float, float] | None:
     return (float(rays[best, 0]), float(rays[best, 1])) if least[best] > 0 else None
 
 
-def _of_forces(scene: Scene, accuracy: Fraction) -> Fraction | None:
-    """Delta by forces that balance a pull back, ``G . xi = -lambda m . c'``, on squares that cover the disc."""
+# ---- rules with loads ----------------------------------------------------------------------------
+
+
+def _forces(scene: Scene) -> BalancedForces | None:
     try:
-        forces = BalancedForces(scene)
+        return BalancedForces(scene)
     except ArithmeticError:
+        return None
+
+
+def _slowest(scene: Scene, accuracy: Fraction) -> Fraction | None:
+    """Delta by forces that balance a pull back, ``G . xi = -lambda m . c'``."""
+    forces = _forces(scene)
+    if forces is None:
         return None
     corners = _squares(float(accuracy))
     places = corners.reshape(-1, 2)
@@ -92,18 +147,27 @@ def _of_forces(scene: Scene, accuracy: Fraction) -> Fraction | None:
     direction = _direction(twists[:, :2] + omega * turned)
     if direction is None:
         return None
+    a, b = (Intervals.of(np.full(corners.shape[:2], -entry)) for entry in direction)
+    x, y = (Intervals.of(corners[:, :, k]) for k in range(2))
+    back = a, b, (b * x - a * y) * Intervals.of(np.array(1 / forces.length)).widened
+    most = _largest(forces, corners, back)
+    return Fraction(-most) if math.isfinite(most) else None
+
+
+def _largest(forces: BalancedForces, corners: Floats, covector: Triple) -> float:
+    """An upper bound of ``g . xi`` for every motion over squares; g is affine on each, and about as long as one."""
     free = forces.minimizers(corners.mean(axis=1), np.zeros((len(corners), 3)))
-    best = np.full(len(corners), -np.inf)
+    best = np.full(len(corners), np.inf)
     total = float(forces.float_loads(np.zeros((1, 2))).sum() * max(forces.shape.roll.max(), forces.shape.side.max()))
     for share in SHARES:
-        strength = share * total
-        pulls = _pulls(corners, direction, strength, forces.length)
+        strength = Intervals.of(np.array(share * total))
+        pulls = strength * covector[0], strength * covector[1], strength * covector[2]
         middle = np.stack([pull.middle for pull in pulls], axis=-1).reshape(-1, 3)
-        pushed = forces.minimizers(places, middle, np.repeat(free, 4, axis=0)).reshape(-1, 4, 3)
-        shown = -forces.powers(corners, pulls, pushed, free) / strength * (1 - 2.0**-40)
-        best = np.fmax(best, np.where(np.isfinite(shown).all(axis=1), shown.min(axis=1), -np.inf))
-    least = float(best.min())
-    return Fraction(least) if least > 0 else None
+        pushed = forces.minimizers(corners.reshape(-1, 2), middle, np.repeat(free, 4, axis=0)).reshape(-1, 4, 3)
+        shown = forces.powers(corners, pulls, pushed, free) / (share * total)
+        shown = shown + 2.0**-40 * np.abs(shown)
+        best = np.fmin(best, np.where(np.isfinite(shown).all(axis=1), shown.max(axis=1), np.inf))
+    return float(best.max())
 
 
 def _squares(half: float) -> Floats:
@@ -116,14 +180,3 @@ def _squares(half: float) -> Floats:
         [np.stack(pair, axis=1) for pair in ((x0, y0), (x1, y0), (x1, y1), (x0, y1))],
         axis=1,
     )
-
-
-def _pulls(
-    corners: Floats, direction: tuple[float, float], strength: float, length: float
-) -> tuple[Intervals, Intervals, Intervals]:
-    """``-lambda (m, m . J c)`` by ``(v, length omega)``, (pieces, 4) each."""
-    a, b = (Intervals.of(np.array(-strength)) * Intervals.of(np.array(entry)) for entry in direction)
-    x, y = (Intervals.of(corners[:, :, k]) for k in range(2))
-    zero = Intervals.of(np.zeros(corners.shape[:2]))
-    inverse = Intervals.of(np.array(1 / length)).widened
-    return a + zero, b + zero, (b * x - a * y) * inverse

@@ -20,24 +20,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.proofs.robust.balanced_forces import BalancedForces
+from nonsmooth.proofs.robust.drift import largest_spin
 from nonsmooth.proofs.robust.level_sets import Distance, LevelFunction, shapes_about
-from nonsmooth.proofs.robust.touching_rings import rings_about
+from nonsmooth.proofs.robust.touching_rings import TouchingRings, rings_about
 from nonsmooth.proofs.robust.ultimate_bound import root_above
-from nonsmooth.symbolic.rule import MIXED
+from nonsmooth.symbolic.contact_set import ContactSet
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.support_polygon import outer_positions, support_polygon
 from nonsmooth.symbolic.tolerances import Tolerance
-from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
 Floats: TypeAlias = NDArray[np.float64]
 Place: TypeAlias = tuple[Fraction, Fraction]
 Velocity: TypeAlias = Callable[[Floats], Floats]
 
-MOST_WHEELS = {"nearest": 400, "box": 30, "ellipse": 400, "roller": 400, MIXED: 400}
+MOST_WHEELS = 400  # some ten seconds
 WIDE = 5  # accuracies: the least radius of the largest disc of starts that is looked for
 CLOSE = Fraction(1, 256)  # of the accuracy: a smaller disc about a place of rest is not worth the time
 NEAR_REST = Fraction(1, 8)  # of its distance from the point: nor is one that small
 BEYOND = 1.05  # of that distance: the disc of starts that is needed where bodies end away from the point
+STARTS = (Fraction(1), Fraction(3, 4), Fraction(1, 2), Fraction(1, 4), Fraction(0))  # of a disc of starts
 DIGITS = 5  # decimals of a centre, below those of the accuracy
 DRIFT_STEPS = 160
 FEW_STEPS = 40  # the same under rule box, where each takes longer
@@ -74,41 +75,37 @@ class Ends:
         return math.hypot(*(float(entry) for entry in self.at))
 
 
-def decide_ends(scene: Scene, accuracy: Fraction, box: Tolerance | None = None, *, rests: bool = False) -> Ends | None:
+def decide_ends(
+    scene: Scene,
+    accuracy: Fraction,
+    box: Tolerance | None = None,
+    *,
+    rests: bool = False,
+    kept: ContactSet | None = None,
+) -> Ends | None:
     """Where bodies end that start near the point of a centred scene; None where that is not shown.
 
     Args:
-        scene: centred, without an outline, with loads that are known where its rule needs them.
+        scene: centred, of the wheels that carry, with loads that are known where its rule needs them.
         accuracy: a length.
         box: tolerances, followed under rule ``nearest``.
         rests: whether a body at the point is known to stay there, so that no other place is looked for.
+        kept: how far a body with an outline may move and turn on the same wheels.
     """
-    if why_not_followed(scene):
+    if len(scene.wheels) > MOST_WHEELS:
         return None
     velocity, away = _velocity(scene), None
     if velocity is None:
         return None
     for centre in [(Fraction(0), Fraction(0))] if rests else _centres(scene, velocity, accuracy):
         for shape in _shapes(scene, velocity, centre):
-            found = _about(scene, centre, shape, accuracy, box)
+            found = _about(scene, centre, shape, accuracy, box, kept or ContactSet(()))
             if found is not None and found.is_near:
                 return found
             away = away or found
             if found is not None:
                 break
     return away
-
-
-def why_not_followed(scene: Scene) -> str:
-    """Why nothing is looked for; empty where something is."""
-    if scene.body is not None:
-        return "on its way a body may turn, and other wheels come under it"
-    most = MOST_WHEELS.get(scene.contact.rule, 0)
-    if len(scene.wheels) > most:
-        return f"under rule {scene.contact.rule} arrays of up to {most} wheels are followed"
-    if scene.contact.rule != "nearest" and isinstance(scene.contact.loads, UnknownLoads):
-        return "the loads are not known"
-    return ""
 
 
 def _shapes(scene: Scene, velocity: Velocity, centre: Place) -> Iterator[LevelFunction]:
@@ -121,7 +118,14 @@ def _shapes(scene: Scene, velocity: Velocity, centre: Place) -> Iterator[LevelFu
     yield from shapes_about(slope) if np.isfinite(slope).all() else (Distance(),)
 
 
-def _about(scene: Scene, centre: Place, shape: LevelFunction, accuracy: Fraction, box: Tolerance | None) -> Ends | None:
+def _about(
+    scene: Scene,
+    centre: Place,
+    shape: LevelFunction,
+    accuracy: Fraction,
+    box: Tolerance | None,
+    kept: ContactSet,
+) -> Ends | None:
     """What rings about a centre show."""
     x, y = (scene.field.rational(entry) for entry in centre)
     distance = root_above(centre[0] ** 2 + centre[1] ** 2)
@@ -129,6 +133,9 @@ def _about(scene: Scene, centre: Place, shape: LevelFunction, accuracy: Fraction
     most = min(
         max(float(scene.check.radius) - float(distance), float(WIDE * accuracy + 2 * distance)), _standing(there)
     )
+    if kept.margin is not None:
+        free = max(float(kept.margin - distance), 0.0) * (1 - 2.0**-20)
+        most = min(most, free * shape.inside / shape.outside)
     # to come near they must come from twice the accuracy; to end farther away they need only come from the point
     through = 2 * float(accuracy) + float(distance) if distance < accuracy else float(distance) * BEYOND
     if most <= through:
@@ -137,16 +144,57 @@ def _about(scene: Scene, centre: Place, shape: LevelFunction, accuracy: Fraction
     rings = rings_about(there, box, most, through, float(wanted) / 2, shape)
     if rings is None or rings.start <= distance:
         return None
-    start = rings.start - distance
     # bodies arrive in the smallest disc in a finite time where cells end at the place of rest, and slow down elsewhere
     soon = rings.radius if scene.contact.rule == "nearest" else min(wanted, accuracy - distance)
     near = max(rings.radius, soon)
-    if distance + rings.radius <= accuracy and start >= 2 * accuracy:
-        return Ends(True, distance + near, start, rings.time_to(near), centre, near)
+    if distance + near <= accuracy and rings.start >= 2 * accuracy + distance:
+        within = _kept_start(there, rings, kept, distance, 2 * accuracy + distance, near)
+        if within is None:
+            return None
+        return Ends(True, distance + near, within - distance, rings.time_to(near, within), centre, near)
     left = max(rings.radius, min(wanted, CLOSE * accuracy))
     if distance * (1 - Fraction(1, 2**20)) - left > accuracy:
-        return Ends(False, None, start, rings.time_to(left), centre, left)
+        within = _kept_start(there, rings, kept, distance, distance * Fraction(BEYOND), left)
+        if within is not None:
+            return Ends(False, None, within - distance, rings.time_to(left, within), centre, left)
     return None
+
+
+def _kept_start(
+    scene: Scene, rings: TouchingRings, kept: ContactSet, distance: Fraction, least: Fraction, near: Fraction
+) -> Fraction | None:
+    """Radius of a disc of starts about a centre from which no wheel enters or leaves on the way; None below ``least``.
+
+    Args:
+        scene: recentred about the centre.
+        rings: about it.
+        kept: how far the body may move from the checked point, and turn.
+        distance: of the centre from the checked point.
+        least: the least radius that is of use.
+        near: radius of the disc at which the way ends.
+    """
+    if kept.margin is None:
+        return rings.start
+    spread = rings.outside / rings.inside
+    for share in STARTS:
+        start = min(max(share * rings.start, least), rings.start)
+        turn = Fraction(0) if kept.angle is None else _turn(scene, rings, start, near)
+        if kept.keeps(distance + start * spread, turn):
+            return start
+    return None
+
+
+def _turn(scene: Scene, rings: TouchingRings, start: Fraction, near: Fraction) -> Fraction | None:
+    """A bound of how far bodies turn on their way inward; None where none is known."""
+    radius, total = start, Fraction(0)
+    while radius > near:
+        inner = max(radius / 2, near)
+        spin = largest_spin(scene, radius * rings.outside / rings.inside)
+        if spin is None:
+            return None
+        total += spin * rings.time_to(inner, radius)
+        radius = inner
+    return total
 
 
 def _standing(scene: Scene) -> float:

@@ -1,0 +1,129 @@
+"""What ``leaves`` means: bodies end, or are carried, farther than the accuracy; with outlines, and loads left open."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import nonsmooth as ns
+from nonsmooth.proofs.answers.answer import Position
+from nonsmooth.proofs.answers.answers import answers_of
+from nonsmooth.proofs.robust.drift import driven_out, largest_spin
+from nonsmooth.proofs.robust.ends import decide_ends
+from nonsmooth.proofs.theorem4 import check_theorem4
+from nonsmooth.symbolic.contact_set import ContactSet
+from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.scene import Scene
+from tests.oracles.measured_tables import MeasuredTable, SmallSteps
+
+LARGE = '[body]\nshape = "rectangle"\nwidth = 900\nheight = 700\n'
+ROUND = '[body]\nshape = "disc"\nradius = 400\n'
+
+
+def scene_of(folder: Path, text: str) -> Scene:
+    file = folder / "table.toml"
+    file.write_text(text, encoding="utf-8")
+    return load_scene(str(file))
+
+
+def position_of(scene: Scene) -> Any:
+    return answers_of(check_theorem4(scene, beside=False))[0]
+
+
+@pytest.mark.parametrize("body", [LARGE, ROUND])
+@pytest.mark.parametrize("rule", ["nearest", "ellipse"])
+def test_under_an_outline_that_covers_all_wheels_bodies_are_followed_as_without(
+    rule: str, body: str, tmp_path: Path
+) -> None:
+    table = MeasuredTable.random(3, rule, off=3.0)
+    plain, outlined = (position_of(scene_of(tmp_path, table.toml + more)) for more in ("", body))
+    assert (plain.verdict, outlined.verdict) == (Position.COMES_NEAR, Position.COMES_NEAR)
+    assert outlined["ends_within"] == plain["ends_within"]
+    assert 2 * outlined["accuracy"] <= outlined["within"] <= plain["within"]
+    assert "while the same wheels carry it" in outlined.sentence
+
+
+def test_a_narrow_outline_makes_the_disc_smaller_until_nothing_is_said(tmp_path: Path) -> None:
+    table = MeasuredTable.random(3, "ellipse", off=3.0)
+    scene = scene_of(tmp_path, table.toml).recentred()
+    accuracy, found = scene.accuracy, []
+    for angle in (None, Fraction(2), Fraction(1, 1000)):
+        found.append(decide_ends(scene, accuracy, kept=ContactSet((), Fraction(26), angle)))
+    assert [ends is None for ends in found] == [False, False, True]
+    assert all(ends is None or 2 * accuracy <= ends.within < 26 for ends in found)
+    assert decide_ends(scene, accuracy, kept=ContactSet((), 2 * accuracy)) is None
+
+
+@pytest.mark.parametrize("rule", ["nearest", "box", "ellipse", "roller"])
+def test_a_carton_that_rollers_carry_along_leaves(rule: str) -> None:
+    answer = position_of(load_scene("roller-bed", rule=rule))
+    assert answer.verdict is Position.LEAVES
+    assert answer["after"] >= answer["accuracy"]  # the rollers run at one
+
+
+@pytest.mark.parametrize("rule", ["nearest", "ellipse"])
+def test_a_carton_beside_the_middle_is_out_in_time(rule: str) -> None:
+    array = ns.load("carton-on-6x6")
+    assert isinstance(array, ns.Array)
+    found = array.check(rule=rule, at=("1/10", 0)).position
+    assert found.verdict == "leaves"
+    path = array.simulate((0.1, 0, 0), float(found["after"]), rule=rule)
+    away = [math.hypot(row["x"] - 0.1, row["y"]) for row in path.rows()]
+    assert max(away) > found["accuracy"]
+
+
+def test_where_other_wheels_come_under_a_body_within_the_accuracy_nothing_is_said() -> None:
+    array = ns.load("carton-on-6x6")
+    assert isinstance(array, ns.Array)
+    found = array.check(at=("1/10", 0), accuracy="1/8").position
+    assert found.verdict == "undecided"
+    assert "within the accuracy other wheels come under it" in found.sentence
+
+
+def loads_open(table: MeasuredTable) -> str:
+    return table.toml.replace(f'rule = "{table.rule}"', f'rule = "{table.rule}", loads = "any"')
+
+
+def three_wheels(off: float) -> MeasuredTable:
+    """Three wheels leave no load open, so that the oracle for equal springs knows it."""
+    rows = []
+    for angle, turn in ((0, off), (120, 0.0), (240, -off / 2)):
+        x, y = round(100 * math.cos(math.radians(angle))), round(100 * math.sin(math.radians(angle)))
+        rows.append((x, y, round(angle + 180 + turn), 100.0))
+    return MeasuredTable(tuple(rows), 0.8, 0.4, "ellipse")
+
+
+def test_where_loads_are_open_a_body_must_be_carried_farther_than_the_accuracy(tmp_path: Path) -> None:
+    near, far = three_wheels(1.0), three_wheels(60.0)
+    answers = [position_of(scene_of(tmp_path, loads_open(table))) for table in (near, far)]
+    assert [answer.verdict for answer in answers] == [Position.UNDECIDED, Position.LEAVES]
+    assert "driven away from the point itself; whether farther than the accuracy" in answers[0].sentence
+    assert "under one of the loads" in answers[1].sentence
+    accuracy, after = float(answers[1]["accuracy"]), float(answers[1]["after"])
+    assert SmallSteps(near).end(np.zeros(2), 5.0, accuracy)[1] < accuracy
+    assert SmallSteps(far).end(np.zeros(2), after, accuracy)[1] >= accuracy * (1 - 1e-6)
+
+
+@pytest.mark.parametrize("rule", ["nearest", "ellipse", "roller"])
+def test_no_sampled_motion_turns_faster_than_the_bound(rule: str, tmp_path: Path) -> None:
+    table = MeasuredTable.random(5, rule, off=9.0)
+    scene = scene_of(tmp_path, table.toml).recentred()
+    bound, body, rng = largest_spin(scene, Fraction(20)), SmallSteps(table), np.random.default_rng(0)
+    assert bound is not None
+    seen = []
+    for angle in rng.uniform(0, 2 * math.pi, 30):
+        place = 20 * rng.uniform(0.3, 1) * np.array([math.cos(angle), math.sin(angle)])
+        twist = body._nearest(place) if rule == "nearest" else body._least(place)
+        seen.append(abs(twist[2] / body.length))
+    assert 0.2 * bound <= max(seen) <= bound
+
+
+def test_friction_axes_of_their_own_are_followed_by_the_exact_cells() -> None:
+    scene = load_scene("omni-3")
+    assert driven_out(scene.recentred(), scene.accuracy) is None
+    assert largest_spin(scene.recentred(), scene.accuracy) is not None
