@@ -15,6 +15,7 @@ from nonsmooth.reports.console import run
 from tests.browser import chromium
 
 Record: TypeAlias = dict[str, Any]
+DESTINATIONS = "nonsmooth.proofs.answers.answers._destinations_of"
 
 
 class Outcome(NamedTuple):
@@ -45,6 +46,12 @@ def invoke(capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pyte
         return Outcome(status, *capsys.readouterr())
 
     return call
+
+
+@pytest.fixture
+def without_paths(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Checks without the paths that count where bodies go: they are sampled, and take seconds."""
+    monkeypatch.setattr(DESTINATIONS, lambda check: None)
 
 
 @pytest.fixture(scope="package")

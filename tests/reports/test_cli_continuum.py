@@ -24,30 +24,6 @@ def printed(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, A
     return status, json.loads(capsys.readouterr().out)
 
 
-def test_the_elliptic_scene(capsys: pytest.CaptureFixture[str]) -> None:
-    """The long side turns to the x axis, where the pull is weaker; the array may spin there instead."""
-    status, record = printed(capsys, "elliptic", "--continuum")
-    beside = record["continuum"]
-    assert (status, beside["proved"], beside["given"]) == (0, False, False)
-    assert beside["field"]["kind"] == "elliptic"
-    assert beside["field"]["exact"] == {"speed": "1", "centre": ["0", "0"]}
-    box, disc = beside["objects"]
-    assert (box["shape"], box["attracts"], box["offset"], box["rotation"]) == (
-        "rectangle",
-        True,
-        0,
-        "turns to certain headings",
-    )
-    assert [heading["theta"] for heading in box["headings"]] == pytest.approx([0, math.pi / 2], abs=HEADING)
-    assert [heading["stable"] for heading in box["headings"]] == [True, False]
-    assert (disc["shape"], disc["rotation"], disc["headings"]) == ("disc", "keeps every heading", [])
-    array = beside["array"]
-    assert array["drift"] == record["rotation"]["drift"]
-    assert [array[key] for key in ("equilibrium", "translation", "rotation")] == [
-        record[key]["verdict"] for key in ("equilibrium", "translation", "rotation")
-    ]
-
-
 def test_verdicts_do_not_depend_on_it(capsys: pytest.CaptureFixture[str]) -> None:
     with_it, without = printed(capsys, "four-wheel", "--continuum"), printed(capsys, "four-wheel")
     assert with_it[0] == without[0]
@@ -97,6 +73,7 @@ def test_the_derivation_has_a_section(extent: str, suffix: str) -> None:
     assert "turns to certain headings" in text
 
 
+@pytest.mark.usefixtures("without_paths")
 def test_no_section_without_a_field(tmp_path: Path) -> None:
     file = tmp_path / "my.toml"
     file.write_text(

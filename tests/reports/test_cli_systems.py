@@ -21,42 +21,6 @@ from tests.thorough import few, keep
 if TYPE_CHECKING:
     from tests.reports.conftest import Invoke
 
-VERDICTS = {
-    "relay-oscillator": ("stable", 0),
-    "relay-oscillator-damped": ("asymptotically stable", 0),
-    "flower": ("asymptotically stable", 0),
-    "escaping-slide": ("unstable", 1),
-    "line-of-equilibria": ("stable", 0),
-    "eq-3": ("stable", 0),
-    "eq-4": ("asymptotically stable", 0),
-}
-MANY = {"relay-chain": ("asymptotically stable", 0)}
-
-
-@few(4)
-@pytest.mark.parametrize("name", [*VERDICTS, *MANY])
-def test_built_in_systems(invoke: Invoke, name: str) -> None:
-    verdict, expected = {**VERDICTS, **MANY}[name]
-    outcome = invoke("check", name, "--json")
-    record = outcome.record
-    assert (record["translation"]["verdict"], outcome.status) == (verdict, expected)
-    ladder = {"naive", "shevitz_paden", "bacciotti_ceragioli"} if name in VERDICTS else {"proves"}
-    assert {"V", *ladder, "verdict", "witness"} <= set(record["lyapunov"])
-    shown = invoke("check", name)
-    assert shown.status == expected
-    assert verdict in " ".join(shown.out.replace("│", " ").split())
-
-
-def test_the_ladder_of_the_relay_oscillator(invoke: Invoke) -> None:
-    """Undamped: 2 / 0 / 0 as suprema; damped: 5/2 / -1/2 / -1/2."""
-    suprema = {}
-    for name in ("relay-oscillator", "relay-oscillator-damped"):
-        record = invoke("check", name, "--json").record
-        suprema[name] = [
-            record["lyapunov"][key]["exact"]["value"] for key in ("naive", "shevitz_paden", "bacciotti_ceragioli")
-        ]
-    assert suprema == {"relay-oscillator": ["2", "0", "0"], "relay-oscillator-damped": ["5/2", "-1/2", "-1/2"]}
-
 
 @pytest.mark.parametrize(
     ("scene", "function", "verdict", "expected"),
@@ -319,24 +283,3 @@ def test_a_point_that_no_certificate_names_is_one_line(invoke: Invoke, tmp_path:
     refused = invoke("verify", str(file), "flower", "--at", "sqrt(2),0")
     assert refused.status == BAD_INPUT
     assert "needs rational numbers" in refused.err
-
-
-def test_certificates_of_the_papers_equations(tmp_path: Path, invoke: Invoke) -> None:
-    """Their speeds hold the square root of two, which lies between rational numbers."""
-    for name in ("eq-3", "eq-4"):
-        file = str(tmp_path / f"{name}.json")
-        assert invoke("check", name, "--certificate", file).status == 0
-        accepted = invoke("verify", file, name)
-        assert (accepted.status, accepted.out.splitlines()[0]) == (0, "valid")
-    assert invoke("verify", file, "eq-3").status == 1
-    noted = json.loads(Path(file).read_text(encoding="utf-8"))["notes"]
-    assert noted["right-hand sides"] == "irrational numbers lie between rational ones: between 4 right-hand sides."
-
-
-def test_a_fan_is_certified_and_verified(tmp_path: Path, invoke: Invoke) -> None:
-    file = tmp_path / "fan.json"
-    assert invoke("check", "relay-oscillator", "--certificate", str(file)).status == 0
-    accepted = invoke("verify", str(file), "relay-oscillator")
-    assert accepted.status == 0
-    assert accepted.out.splitlines()[1] == "system in x, y at (0, 0): stable"
-    assert invoke("verify", str(file), "escaping-slide").status == 1

@@ -17,7 +17,7 @@ from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.proofs.theorem4_result import CellCheck
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.reports.derivation import REPORT_FORMATS, ReportResult, derive_report, render_report
-from nonsmooth.reports.document import Bullets, Code, Display, Document, Math, Paragraph, Section, Text, number, table
+from nonsmooth.reports.document import Bullets, Display, Document, Math, Paragraph, Section, Text, number, table
 from nonsmooth.reports.formats.latex import render_latex
 from nonsmooth.reports.formats.markdown import render_markdown
 from nonsmooth.reports.parts import PART_NAMES
@@ -115,23 +115,6 @@ def test_the_clauses_state_their_verdicts(report: ReportResult) -> None:
         f"Clause 4, feedback: {result.feedback.verdict}",
         f"Conclusion: {result.verdict}",
     ]
-
-
-def test_four_wheel_census(four_wheel: ReportResult) -> None:
-    census = section(four_wheel.document, "Contact states").blocks[0]
-    assert isinstance(census, Bullets)
-    assert [plain(item) for item in census.items] == [
-        "possible: 56 triples of the 8 rows",
-        "singular: 16 triples of dependent rows",
-        "regular: 40, with 13 distinct twists",
-        "minimizing: 8 own a cell of the checked square",
-    ]
-
-
-def test_the_command_that_reproduces_the_report_is_named(four_wheel: ReportResult) -> None:
-    (versions,) = four_wheel.document.sections[-1].blocks
-    assert isinstance(versions, Paragraph)
-    assert Code("nonsmooth derive four-wheel") in versions.text
 
 
 def test_coordinates_are_stated_away_from_the_origin() -> None:
@@ -298,17 +281,3 @@ def test_long_numbers_are_shown_in_decimals() -> None:
     assert number(long).plain == f"~ {sum(math.sqrt(p) for p in primes):.10g}"
     assert number(long * 10**400).latex == r"\approx 1.907336535 \cdot 10^{401}"
     assert number(long / 10**400).plain == "~ 1.907336535e-399"
-
-
-def test_the_report_of_the_paper_array_says_what_eq_4_says(four_wheel: ReportResult) -> None:
-    """By hand: c' is (0, -sqrt2 sgn y) or (-sqrt2 sgn x, 0), and omega = +-1/sqrt2 on either side of each line."""
-    document = four_wheel.document
-    assert [part.title for part in section(document, "Theorem 4, clause").subsections] == [
-        "Clause 1, equilibrium: holds",
-        "Clause 2, translation: asymptotically stable",
-        "Clause 3, rotation: unstable",
-        "Clause 4, feedback: stabilizable",
-        "Conclusion: holds",
-    ]
-    text = render_report(four_wheel, ".md")
-    assert r"\omega \in \left[-\frac{\sqrt{2}}{2},\ \frac{\sqrt{2}}{2}\right]" in text

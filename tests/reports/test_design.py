@@ -127,14 +127,6 @@ def angle_of(wheel: Wheel) -> float:
     return float(np.arctan2(float(wheel.direction[1]), float(wheel.direction[0])))
 
 
-def test_what_nobody_can_reach_is_said_first(invoke: Invoke) -> None:
-    """An axle pushes along its wheels alone, whatever their speeds: proved before any search."""
-    record = invoke("design", "differential-drive", "--free", "speeds", "--require", "pose", "--json").record
-    assert record["checks"] == 0
-    assert not record["found"]
-    assert record["impossible"]
-
-
 def test_nothing_is_written_where_nothing_is_found(invoke: Invoke, tmp_path: Path) -> None:
     outcome = invoke("design", "outward", "--free", "speeds", "--checks", "5", "-o", "none.toml")
     assert outcome.status == 1

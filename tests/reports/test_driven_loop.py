@@ -122,7 +122,7 @@ def test_a_path_beyond_the_reach_is_refused() -> None:
 # ---- in the report -------------------------------------------------------------------------------
 
 
-@thorough  # the small one: test_the_report_says_why_it_draws_none
+@thorough  # the small one: derive differential-drive of the golden matrix
 @pytest.mark.parametrize(("rule", "rows"), keep(1, [("box", 4), ("ellipse", 1)]))
 def test_the_report_tabulates_and_draws_the_closed_loop(invoke: Invoke, rule: str, rows: int) -> None:
     out = invoke("derive", "ring-3", "--rule", rule, "--only", "feedback").out
@@ -161,8 +161,3 @@ def test_a_sampled_path_falls_at_the_certified_rate(direction: tuple[float, floa
     bound = values[0] * np.exp(-2 * float(loop.feedback.kappa or 0) * np.array(path.times, dtype=float))
     assert path.method == "sampled"
     assert (values <= bound * (1 + INTEGRATION)).all()
-
-
-def test_the_report_says_why_it_draws_none(invoke: Invoke) -> None:
-    refused = invoke("derive", "differential-drive", "--rule", "box", "--only", "feedback,left-out").out
-    assert "feedback: the feedback clause says: no certificate" in refused.replace("`", "")

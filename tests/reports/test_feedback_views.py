@@ -9,7 +9,7 @@ import pytest
 
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.number_text import lower_text
-from tests.thorough import few, keep
+from tests.thorough import few
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -55,38 +55,6 @@ def test_the_cascade_is_followed(invoke: Invoke) -> None:
     assert max(map(abs, slow["end"]["state"])) < 0.02
     stuck = invoke(*common, "--law", "gradient").record
     assert abs(stuck["end"]["state"][0]) > 0.1
-
-
-# ---- JSON ----------------------------------------------------------------------------------------
-
-
-def test_the_cascade_in_json(invoke: Invoke) -> None:
-    record = invoke("check", "conveyor-3", "--json").record["feedback"]
-    assert record["verdict"] == "stabilizable"
-    assert record["lyapunov"] is None
-    assert record["none_serves"] is True
-    assert record["cascade"]["exact"]["gain"] == "1"
-    assert sorted(entry["wheel"] for entry in record["cascade"]["signs"]) == [1, 2, 3]
-    assert invoke("check", "four-wheel", "--json").record["feedback"]["cascade"] is None
-
-
-@few(1)
-@pytest.mark.parametrize("rule", keep(2, ["nearest", "ellipse", "box", "roller"]))
-def test_an_obstruction_in_json(invoke: Invoke, rule: str) -> None:
-    outcome = invoke("check", "differential-drive", "--rule", rule, "--json")
-    record = outcome.record
-    assert outcome.status == 1
-    assert record["feedback"]["obstruction"]["exact"]["normal"] == ["0", "1", "0"]
-    assert record["feedback"]["witness"] is not None
-    assert record["theorem4"]["verdict"] == "fails"
-    assert "no static feedback stabilizes" in record["theorem4"]["reason"]
-
-
-def test_twists_and_speeds_in_json(invoke: Invoke) -> None:
-    (cone,) = invoke("check", "spiral-30", "--rule", "ellipse", "--json").record["feedback"]["cones"]
-    assert (cone["from"], cone["to"]) == (None, None)
-    assert [len(entry["twist"]) for entry in cone["twists"]] == [3] * 3
-    assert [len(entry["speeds"]) for entry in cone["twists"]] == [4] * 3
 
 
 # ---- reports -------------------------------------------------------------------------------------

@@ -19,6 +19,7 @@ from tests.thorough import few, keep
 LONGEST = 10  # seconds of processor time
 
 
+@few(3)
 @pytest.mark.parametrize("rule", ["nearest", "box", "ellipse"])
 @pytest.mark.parametrize("kind", keep(2, Kind))
 @pytest.mark.parametrize("seed", keep(1, [4, 1]))

@@ -28,7 +28,7 @@ COMMANDS = {
 def scene(tmp_path: Path) -> str:
     (tmp_path / "folder").mkdir()
     (tmp_path / "folder" / "my.toml").write_text(SCENE, encoding="utf-8")
-    (tmp_path / "table.csv").write_text("x,y\n1,0\n-1,1\n-1,-1\n", encoding="utf-8")
+    (tmp_path / "table.csv").write_text("x,y\n1,1\n-1,1\n-1,-1\n1,-1\n", encoding="utf-8")
     return "folder/my.toml"
 
 

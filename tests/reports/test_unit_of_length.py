@@ -114,12 +114,6 @@ def test_the_tables_have_laws_of_every_kind() -> None:
     assert 1 not in lengths
 
 
-@pytest.fixture
-def without_paths(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Without the paths that count where bodies go: they are sampled, take seconds, and are not compared here."""
-    monkeypatch.setattr("nonsmooth.proofs.answers.answers._destinations_of", lambda check: None)
-
-
 @few(1)
 @pytest.mark.usefixtures("without_paths")
 @pytest.mark.parametrize(("name", "rule"), [*KEPT, *keep(0, [case for case in CASES if case not in KEPT])])

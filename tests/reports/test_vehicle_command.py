@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import pytest
 
@@ -13,21 +13,6 @@ from tests.thorough import few
 
 if TYPE_CHECKING:
     from tests.reports.conftest import Invoke
-
-
-def test_the_record_of_a_vehicle(invoke: Invoke) -> None:
-    record: dict[str, Any] = invoke("vehicle", "husky-a200", "--spin", "2", "--json").record
-    assert record["exact"]["multiplier"] == "570169/308025"
-    assert record["multiplier"] == pytest.approx(570169 / 308025, rel=1e-15)
-    assert record["formula"] == "1 + (mu_S/mu_R)^2 (L/W)^2"
-    assert record["twist"][:2] == record["icr"] == [0, 0]
-    assert [len(record[key]) for key in ("slips", "forces", "speeds", "rules")] == [4, 4, 4, 4]
-    assert record["measured"]["error"] == pytest.approx(-0.0128, abs=1e-4)
-    assert record["spin"]["multiplier"] == pytest.approx(2 / (2 * 0.555))
-    assert record["diff_drive_controller"] == {"wheel_separation": 0.555, "wheel_separation_multiplier": 1.85105}
-    by_rule = {rule["rule"]: rule for rule in record["rules"]}
-    assert by_rule["nearest"]["twist"] is None
-    assert by_rule["box"]["exact"]["multiplier"] == "1"
 
 
 @pytest.mark.parametrize("arguments", [("husky-a200",), ("tracked-base", "--rule", "nearest"), ("swerve-base",)])
@@ -64,16 +49,6 @@ def test_a_vehicle_that_never_turns_has_a_picture(invoke: Invoke, tmp_path: Path
     (tmp_path / "uneven.toml").write_text(text, encoding="utf-8")
     assert invoke("vehicle", "uneven.toml", "-o", "uneven.svg").status == 0
     assert "instant centres of rotation" in (tmp_path / "uneven.svg").read_text(encoding="utf-8")
-
-
-def test_parameters_of_the_controller(invoke: Invoke, tmp_path: Path) -> None:
-    assert invoke("vehicle", "jackal", "-o", "j.yaml").status == 0
-    assert (tmp_path / "j.yaml").read_text(encoding="utf-8").splitlines() == [
-        "diff_drive_controller:",
-        "  ros__parameters:",
-        "    wheel_separation: 0.3756",
-        "    wheel_separation_multiplier: 1.48658",
-    ]
 
 
 def test_rules_that_say_nothing_are_named_in_the_record(invoke: Invoke, tmp_path: Path) -> None:

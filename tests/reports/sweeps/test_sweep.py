@@ -49,6 +49,7 @@ def values(border: Border) -> list[Any]:
 
 
 @few(1)
+@pytest.mark.usefixtures("without_paths")
 @pytest.mark.parametrize("rule", ["nearest", "box", "ellipse"])
 def test_a_grid_answers_as_checks_one_by_one(rule: str) -> None:
     found = swept("four-wheel", {"mu_side": "1/2,3/2", "equilibrium.x": "0:1/4:2"}, rule=rule)
@@ -148,6 +149,7 @@ def test_answers_change_where_friction_is_equal(rule: str, question: str) -> Non
         assert border.below.constant <= 2 <= border.above.constant
 
 
+@thorough  # the small one: test_answers_change_where_friction_is_equal
 def test_rest_ends_where_the_theory_says() -> None:
     """Rule box: the point (x, y) is an equilibrium iff ``|x| + |y| <= mu_S/mu_R``."""
     vary = {"equilibrium.x": "-7/10:3/5:2", "equilibrium.y": "1/10", "mu_side": "1/2"}
