@@ -19,26 +19,30 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from typing import Any, TypeAlias
+from typing import Any, Protocol, TypeAlias
 
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.loads import load_regions
 from nonsmooth.analysis.cells.partition import Cell, Partition
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.contact_rule import contact_rule, rule_of
-from nonsmooth.proofs.checker.statements import VERSION, refusal
+from nonsmooth.proofs.checker.statements import VERSION, show_entry
 from nonsmooth.proofs.checker.theorem4 import CLAUSES
+from nonsmooth.proofs.checker.wheels import read_array
+from nonsmooth.proofs.checker.work import BUDGET, RejectedError
 from nonsmooth.proofs.clauses.equilibrium.on_cells import decide_equilibrium
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.clauses.feedback.clause import AnyFeedback
 from nonsmooth.proofs.clauses.feedback.driven_law import in_scene
+from nonsmooth.proofs.clauses.registry import conclude, decide_clauses
 from nonsmooth.proofs.clauses.rotation.on_cells import drift_at_rest
 from nonsmooth.proofs.clauses.translation.certified_disc import CertifiedDisc, certified_disc
+from nonsmooth.proofs.clauses.workspace import Workspace
 from nonsmooth.proofs.exact_json import encode, homogeneous
+from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.robust.nearest import certified_bounds
-from nonsmooth.proofs.theorem4 import check_cells
-from nonsmooth.proofs.theorem4_result import CellCheck, SmoothCheck
 from nonsmooth.proofs.verdicts import Equilibrium, Feedback
+from nonsmooth.proofs.verified import verified
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.contact_set import alone
 from nonsmooth.symbolic.number_text import brief_text
@@ -54,36 +58,46 @@ UNDECIDED = "undecided"
 FOLLOWED = ("nearest", "box")  # the rules that the stand-alone checker knows, written there once more on purpose
 
 
-class CertificateError(ValueError):
-    """A verdict for which there is no certificate; the message says why."""
+class DecidedArray(Protocol):
+    """What is certified of an array: the results of the clauses by name, on its cells about the checked point."""
+
+    @property
+    def scene(self) -> Scene:
+        """The array as it was given."""
+
+    @property
+    def partition(self) -> Partition | None:
+        """The cells; None under a rule without."""
+
+    @property
+    def results(self) -> Mapping[str, Any]:
+        """What the clauses say."""
 
 
-def build_certificate(result: CellCheck | SmoothCheck) -> Record:
+def build_certificate(decided: DecidedArray) -> Record:
     """The certificate of a check, as data for JSON; it has passed the checker.
 
+    Clauses that are not decided, and those that the checker's theorem leaves open, are not stated.
+
     Raises:
-        CertificateError: for rule ``ellipse``, and where the checker does not follow the verdict.
+        NoCertificateError: for rules without cells, for loads that are not known, where nothing is decided, and beyond
+            the limits of the checker.
+        UnverifiedError: where the checker rejects what is claimed.
     """
-    rule = result.scene.contact.rule
-    _loads(result.scene)
-    if isinstance(result, SmoothCheck) or rule not in FOLLOWED:
+    scene, partition, results = decided.scene, decided.partition, decided.results
+    rule = scene.contact.rule
+    _loads(scene)
+    if partition is None or rule not in FOLLOWED:
         names, why = " or ".join(f'"{name}"' for name in FOLLOWED), "follows cells, and this rule has none"
-        if isinstance(result, CellCheck):
+        if partition is not None:
             why = "knows no other rule"
-        raise CertificateError(
+        raise NoCertificateError(
             f'certificate: required contact.rule {names}, received "{rule}": the stand-alone checker {why}'
         )
-    if result.scene.body is not None:  # a certificate knows no outline: it speaks of the wheels under it
-        result = check_cells(alone(result.scene))
-    certificate, claim = _with_tolerances(result, _document(result))
-    if claim:
-        raise CertificateError(f"certificate: required a verdict that the checker follows; it does not show: {claim}")
-    return certificate
-
-
-def claim_not_shown(certificate: Record) -> str:
-    """The claim of a certificate that the checker does not show; empty where it is valid."""
-    return refusal(certificate, len(json.dumps(certificate)))
+    if scene.body is not None:  # a certificate knows no outline: it speaks of the wheels under it
+        work = Workspace(alone(scene))
+        scene, partition, results = work.given, work.partition or partition, decide_clauses(work)
+    return verified(_with_tolerances(scene, _document(scene, partition, results)), certificate_text)
 
 
 def stated_words(certificate: Mapping[str, Any]) -> dict[str, str]:
@@ -95,18 +109,26 @@ def stated_words(certificate: Mapping[str, Any]) -> dict[str, str]:
     return words
 
 
-def _with_tolerances(result: CellCheck, document: Record) -> tuple[Record, str]:
-    """The document as data with the strongest claim about tolerances that the checker shows; and what it does not."""
+def _with_tolerances(scene: Scene, document: Record) -> Record:
+    """The document as data, with the strongest claim about tolerances that the checker shows."""
     statement, evidence = document["statement"], document["evidence"]
-    for bound in certified_bounds(result.scene):
-        about = {**statement["subject"], "tolerances": tolerance_record(result.scene)}
+    for bound in certified_bounds(scene):
+        about = {**statement["subject"], "tolerances": tolerance_record(scene)}
         own = {"subject": about, "claims": [*statement["claims"], {"tolerances": vars(bound)}]}
         entry = {"theorem": "tolerances", "hypotheses": vars(bound), "proofs": {}}
         certificate = encode({**document, "statement": own, "evidence": [*evidence, entry]})
-        if not claim_not_shown(certificate):
-            return certificate, ""
-    certificate = encode(document)
-    return certificate, claim_not_shown(certificate)
+        if _shows_the_last(certificate):
+            return certificate
+    return encode(document)
+
+
+def _shows_the_last(certificate: Record) -> bool:
+    """Whether the checker shows the last theorem of a certificate, which is a proposal."""
+    try:
+        with BUDGET.granted(len(certificate_text(certificate))):
+            return bool(show_entry(read_array(certificate["statement"]["subject"]), certificate["evidence"][-1]))
+    except RejectedError:
+        return False
 
 
 def tolerance_record(scene: Scene) -> Record | None:
@@ -137,15 +159,14 @@ def _lines(value: Any, levels: int) -> str:
 # ---- the document: numbers are still those of the scene's field --------------------------
 
 
-def _document(result: CellCheck) -> Record:
-    scene, partition = result.scene, result.partition
+def _document(scene: Scene, partition: Partition, results: Mapping[str, Any]) -> Record:
     if not partition.complete:
         partition = build_partition(scene.recentred())
     points, chains = _corners(partition)
-    disc = CertifiedDisc(None, {}) if result.translation.region_radius is None else _disc(partition)
+    disc = CertifiedDisc(None, {}) if results["translation"].region_radius is None else _disc(partition)
     zero = scene.field.zero
     here = [twist for cell in partition.cells_at((zero, zero)) for twist in cell.twists]
-    of_feedback, law = _feedback(result.feedback)
+    of_feedback, law = _feedback(results["feedback"])
     hypotheses = {
         "points": [homogeneous(point) for point in points],
         "cells": _cells(partition, chains),
@@ -158,9 +179,9 @@ def _document(result: CellCheck) -> Record:
     }
     return {
         "version": VERSION,
-        "statement": {"subject": _subject(scene), "claims": _claims(result, of_feedback, disc)},
+        "statement": {"subject": _subject(scene), "claims": _claims(results, of_feedback, disc)},
         "evidence": [{"theorem": "theorem 4", "hypotheses": hypotheses, "proofs": proofs}],
-        "notes": _notes(result),
+        "notes": _notes(scene, results),
     }
 
 
@@ -168,7 +189,7 @@ def scene_record(scene: Scene) -> Record:
     """The subject of a certificate about a scene, with all its tolerances.
 
     Raises:
-        CertificateError: where the length of a rim direction lies in no field that a certificate can name.
+        NoCertificateError: where the length of a rim direction lies in no field that a certificate can name.
     """
     return encode({**_subject(scene), "tolerances": tolerance_record(scene)})
 
@@ -184,20 +205,21 @@ def _subject(scene: Scene) -> Record:
     }
 
 
-def _claims(result: CellCheck, of_feedback: Sequence[Record], disc: CertifiedDisc) -> list[Record]:
+def _claims(results: Mapping[str, Any], of_feedback: Sequence[Record], disc: CertifiedDisc) -> list[Record]:
     """Every clause that is decided, the disc, and the conclusion."""
+    verdicts = {name: result.verdict for name, result in results.items()} | {"theorem 4": conclude(results)[0]}
     claims: list[Record] = []
-    if result.equilibrium.verdict is not Equilibrium.UNDECIDED:
-        claims.append({"equilibrium": result.equilibrium.verdict is Equilibrium.HOLDS})
-    for name, verdict in (("translation", result.translation.verdict), ("rotation", result.rotation.verdict)):
-        claims += [] if verdict == UNDECIDED else [{name: str(verdict)}]
+    if verdicts["equilibrium"] is not Equilibrium.UNDECIDED:
+        claims.append({"equilibrium": verdicts["equilibrium"] is Equilibrium.HOLDS})
+    for name in ("translation", "rotation"):
+        claims += [] if verdicts[name] == UNDECIDED else [{name: str(verdicts[name])}]
     claims += of_feedback
     if disc.squared_radius is not None:
         sign = "strictly" if disc.strictly else "weakly"
         claims.append({"disc": {"squared_radius": disc.squared_radius, "decreases": sign}})
-    claims += [] if result.verdict == UNDECIDED else [{"theorem 4": str(result.verdict)}]
+    claims += [] if verdicts["theorem 4"] == UNDECIDED else [{"theorem 4": str(verdicts["theorem 4"])}]
     if not claims:
-        raise CertificateError("certificate: required a clause that is decided, received none")
+        raise NoCertificateError("certificate: required a clause that is decided, received none")
     return claims
 
 
@@ -205,7 +227,7 @@ def _disc(partition: Partition) -> CertifiedDisc:
     try:
         return certified_disc(partition)
     except OverflowError as error:
-        raise CertificateError(f"certificate: {error}") from None
+        raise NoCertificateError(f"certificate: {error}") from None
 
 
 def _loads(scene: Scene) -> Any:
@@ -213,7 +235,7 @@ def _loads(scene: Scene) -> Any:
         return None
     loads = scene.contact.loads
     if isinstance(loads, UnknownLoads):
-        raise CertificateError(f"certificate: required loads that are known, received {loads.words}")
+        raise NoCertificateError(f"certificate: required loads that are known, received {loads.words}")
     return "elastic" if loads is None else loads.rows
 
 
@@ -221,7 +243,7 @@ def _wheel(wheel: Wheel) -> Record:
     try:
         direction, speed, _ = wheel.unit_direction, wheel.speed, wheel.unit_grip
     except NestingError as error:
-        raise CertificateError(
+        raise NoCertificateError(
             f"certificate: the length of the rim direction or of the axis of wheel {wheel.index}: {error}"
         ) from None
     friction = wheel.friction.roll, wheel.friction.side
@@ -292,19 +314,17 @@ def _feedback(feedback: AnyFeedback) -> tuple[list[Record], Record]:
         return claims, {}
     if isinstance(feedback, FeedbackResult):
         return claims, {"feedback": {"signs": feedback.rim_signs}}
-    (first, *others) = feedback.cones
-    if others:
+    if len(feedback.cones) != 1:
         return [], {}
-    return claims, {"feedback": {"twists": [in_scene(twist, feedback.length) for twist in first.vectors]}}
+    return claims, {"feedback": {"twists": [in_scene(twist, feedback.length) for twist in feedback.cones[0].vectors]}}
 
 
-def _notes(result: CellCheck) -> Record:
-    clauses = ("equilibrium", "translation", "rotation", "feedback")
-    witness = result.feedback.witness
+def _notes(scene: Scene, results: Mapping[str, Any]) -> Record:
+    witness, drift = results["feedback"].witness, results["rotation"].drift
     return {
-        "scene": result.scene.name,
-        "reasons": {name: getattr(result, name).reason for name in clauses} | {"theorem4": result.reason},
-        "drift": None if result.rotation.drift is None else [brief_text(end) for end in result.rotation.drift.interval],
+        "scene": scene.name,
+        "reasons": {name: result.reason for name, result in results.items()} | {"theorem4": conclude(results)[1]},
+        "drift": None if drift is None else [brief_text(end) for end in drift.interval],
         "feedback_witness": None if witness is None else [brief_text(x) for x in (*witness.point, witness.value)],
         "check_with": "python -I -S proofs/checker FILE",
     }

@@ -35,7 +35,8 @@ from nonsmooth.analysis.measurements.cases import (
 from nonsmooth.analysis.measurements.harness import Assessment, Case, Clock, ResultRow, Rows, Study, StudyPlan, Trial
 from nonsmooth.analysis.measurements.path_studies import MASS, SYSTEM_PATHS, TRAJECTORIES
 from nonsmooth.analysis.measurements.studies import BOX_MINIMIZERS, DERIVATION, ELLIPSE_MINIMIZERS, UPPER_DERIVATIVE
-from nonsmooth.proofs.certificate import CertificateError, build_certificate
+from nonsmooth.proofs.certificate import build_certificate
+from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.theorem4_result import CellCheck, Check, SmoothCheck
@@ -166,7 +167,7 @@ def _is_certified(result: CellCheck | SmoothCheck) -> bool:
     """Whether there is a certificate that the stand-alone checker accepts."""
     try:
         build_certificate(result)
-    except CertificateError:
+    except NoCertificateError:
         return False
     return True
 

@@ -24,7 +24,7 @@ from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE, STABLE
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.kernel.search import stability_hypotheses
 from nonsmooth.proofs.kernel.subject import NoCertificateError
-from nonsmooth.proofs.system_decision import StabilityResult
+from nonsmooth.proofs.systems.findings import DecidedSystem
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.numbers.number import Number
 
@@ -35,7 +35,7 @@ Pattern: TypeAlias = tuple[int, ...]
 Theorem: TypeAlias = tuple[str, dict[str, Any]]  # its name, and its hypotheses
 
 
-def scalar_theorem(result: StabilityResult, system: System) -> Theorem:
+def scalar_theorem(result: DecidedSystem, system: System) -> Theorem:
     """The theorem that shows a verdict in one state, with its hypotheses.
 
     Args:
@@ -62,7 +62,7 @@ def scalar_theorem(result: StabilityResult, system: System) -> Theorem:
 # ---- theorems and their functions V ------------------------------------------------------------
 
 
-def _attraction(result: StabilityResult, system: System) -> Theorem:
+def _attraction(result: DecidedSystem, system: System) -> Theorem:
     """``V < 1`` exactly on the interval of starts that reach the point."""
     (name,) = system.coordinates
     sides = result.deciding.proofs

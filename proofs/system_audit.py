@@ -31,7 +31,7 @@ from nonsmooth.proofs.kernel.cells import BeyondReachError
 from nonsmooth.proofs.many_states import examination as many
 from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, FailurePoint, NotZeroError
 from nonsmooth.proofs.systems.denominators import require_denominators
-from nonsmooth.proofs.systems.derivatives import RISES, Decrease, Refutation, examine, inhabited, refutations
+from nonsmooth.proofs.systems.derivatives import RISES, Decrease, Refutation, examine, refutations
 from nonsmooth.proofs.systems.domain import Domain, domain_regions, domains, plane_cells
 from nonsmooth.proofs.systems.invariance import Staying, decide_staying
 from nonsmooth.proofs.systems.search import PlaneFunction
@@ -193,11 +193,11 @@ class AuditResult(ShortRepr):
         return html_table(f"{self.scene.name}: audit of V", ("V", "verdict", "proves", "reason"), rows)
 
     def check(self) -> bool:
-        """Verify that the conditions are about V and the system, that they hold, and what follows."""
-        if self.function is None:
-            return audit(self.scene, self.lyapunov) == self
-        holds = _holds_in_space if _is_in_space(self.scene) else _holds_in_the_plane
-        return holds(self) and self == _result(self.scene, self.lyapunov, self.function)
+        """Whether deciding again gives the same: that refuses what was changed since, and repeats an error.
+
+        A verdict on somebody's V has no certificate; that of a check, with this V in the file, has one.
+        """
+        return audit(self.scene, self.lyapunov) == self
 
 
 def audit(scene: Scene | SwitchedSystem, lyapunov: str) -> AuditResult:
@@ -310,17 +310,6 @@ def _named(witness: Refutation | None) -> Refutation | None:
     return Refutation((x, y), value, witness.meaning)
 
 
-def _holds_in_the_plane(result: AuditResult) -> bool:
-    """Whether the inequalities are about V on the system's cells, and hold."""
-    function: Any = result.function
-    found = audited_cells(result.scene, result.lyapunov)
-    if found is None or any(cell.potential.field is not result.scene.field for cell in function.result.cells):
-        return False
-    _, domain, cells = found
-    about_them = function.result.cells == inhabited(cells) and function.domain == domain
-    return about_them and bool(function.result.check())
-
-
 # ---- in three states and more ----------------------------------------------------------------------
 
 
@@ -365,10 +354,3 @@ def _stated_failure(system: SwitchedSystem, formula: PiecewiseExpression, found:
     rational = () if place is None else tuple(c.as_rational() for c in place)
     known = tuple(Fraction(int(c.p), int(c.q)) for c in rational if c is not None)
     return FailurePoint(known, None, many.RISES) if known and len(known) == len(rational) else None
-
-
-def _holds_in_space(result: AuditResult) -> bool:
-    """Whether the checker accepts what is said of V."""
-    function: Any = result.function
-    stated = parse_lyapunov(result.lyapunov, _states(result.scene), result.scene.origin, KEY).text
-    return bool(stated == function.formula.text and function.check(result.scene))

@@ -20,14 +20,13 @@ from typing import Any, TypeAlias
 from nonsmooth.proofs.checker.cells import System
 from nonsmooth.proofs.checker.files import read
 from nonsmooth.proofs.checker.roots import read_subject
-from nonsmooth.proofs.checker.statements import VERSION, refusal
+from nonsmooth.proofs.checker.statements import VERSION
 from nonsmooth.proofs.checker.theorems import Statement
 from nonsmooth.proofs.kernel.cells import BeyondReachError, IrrationalError, StatedCells, stated_cells, surfaces_of
 from nonsmooth.proofs.kernel.search import NotShownError, Search, stability_hypotheses
 from nonsmooth.proofs.kernel.second_function import find_second
 from nonsmooth.proofs.kernel.subject import NoCertificateError, about, exact_text
 from nonsmooth.proofs.scalar_theorems import scalar_theorem
-from nonsmooth.proofs.system_decision import StabilityResult
 from nonsmooth.proofs.system_facts import (
     gain_words,
     rate_words,
@@ -36,9 +35,10 @@ from nonsmooth.proofs.system_facts import (
     rewriting_words,
 )
 from nonsmooth.proofs.systems.derivatives import Decrease
-from nonsmooth.proofs.systems.findings import ExaminedFunction, Method, PotentialPiece
+from nonsmooth.proofs.systems.findings import DecidedSystem, ExaminedFunction, Method, PotentialPiece
 from nonsmooth.proofs.theorem_searches import show_verdict
 from nonsmooth.proofs.verdicts import Translation
+from nonsmooth.proofs.verified import verified
 from nonsmooth.symbolic.enclosed_numbers import NoEnclosureError, enclose_numbers
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
@@ -86,7 +86,7 @@ class Candidate:
     needs_second: bool = False
 
 
-def certificate_of(result: StabilityResult) -> Record:
+def certificate_of(result: DecidedSystem) -> Record:
     """The certificate of a verdict on a plain system; it has passed the checker.
 
     Raises:
@@ -201,7 +201,8 @@ def _checked(system: SwitchedSystem, subject: Record, draft: Draft) -> Record:
     """A certificate that the checker accepts.
 
     Raises:
-        NoCertificateError: where it does not, within its limits of work.
+        NoCertificateError: beyond its limits of work.
+        UnverifiedError: where it rejects what its own theorems showed while evidence was searched.
     """
     noted = {**notes(system), LEFT_OUT: draft.left_out} if draft.left_out else notes(system)
     certificate = {
@@ -210,18 +211,15 @@ def _checked(system: SwitchedSystem, subject: Record, draft: Draft) -> Record:
         "evidence": draft.evidence,
         "notes": noted,
     }
-    refused = refusal(certificate, len(certificate_text(certificate)))
-    if refused:
-        raise NoCertificateError(f"{UNSHOWN}: required {refused}")
-    return certificate
+    return verified(certificate, certificate_text)
 
 
 # ---- theorems that may show a verdict ----------------------------------------------------------
 
 
-def _ways(result: StabilityResult, system: System) -> Iterator[Callable[[], Draft]]:
+def _ways(result: DecidedSystem, system: System) -> Iterator[Callable[[], Draft]]:
     """Ways to show a verdict, in the order in which they are tried."""
-    if result.method is Method.SIGNS:
+    if result.deciding.theorem is Method.SIGNS:
         yield partial(_shown, system, Candidate(*scalar_theorem(result, system)))
         return
     for candidate in _candidates(result):
@@ -229,13 +227,13 @@ def _ways(result: StabilityResult, system: System) -> Iterator[Callable[[], Draf
     yield partial(_by_searches, result)
 
 
-def _by_searches(result: StabilityResult) -> Draft:
+def _by_searches(result: DecidedSystem) -> Draft:
     """By what shows the verdict near the point, or a function that is searched now."""
     entry, statements = show_verdict(result.scene, str(result.verdict))
     return Draft([entry], statements, [])
 
 
-def _candidates(result: StabilityResult) -> Iterator[Candidate]:
+def _candidates(result: DecidedSystem) -> Iterator[Candidate]:
     """The theorem that decided, with the V that did."""
     entry, function = result.deciding.entry, result.function
     if entry is not None:
@@ -254,7 +252,7 @@ def _by_growth(system: SwitchedSystem, function: ExaminedFunction) -> Candidate:
     return Candidate("instability", {**hypotheses, "direction": _open_direction(system, cells.surfaces)})
 
 
-def _by_function(result: StabilityResult, function: ExaminedFunction) -> Candidate:
+def _by_function(result: DecidedSystem, function: ExaminedFunction) -> Candidate:
     """A V that falls, on its domain, with its region, its rate and its gain."""
     system, reach, verdict = result.scene, result.reach, str(result.verdict)
     states, known = system.states, function.known_entry(reach)
@@ -275,7 +273,7 @@ def _by_function(result: StabilityResult, function: ExaminedFunction) -> Candida
         if reach.gain is not None and reach.gain.rate == reach.rate:
             gain = {"rate": rate, "gain": exact_text(reach.gain.gamma)}
             options.append(Option(gain, gain_words(reach, states)))
-    weak = result.method is Method.INVARIANCE
+    weak = result.deciding.theorem is Method.INVARIANCE
     return Candidate("lyapunov", hypotheses, tuple(options), proofs, needs_second=weak)
 
 
@@ -283,7 +281,7 @@ def _whole(system: SwitchedSystem) -> str:
     return "the plane" if len(system.states) == len(PLANE) else "the space"
 
 
-def _by_stated_function(result: StabilityResult) -> Iterator[Candidate]:
+def _by_stated_function(result: DecidedSystem) -> Iterator[Candidate]:
     """The scene's own V and LaSalle's principle, for a searched V that falls, of higher degree, and is not shown."""
     system, given = result.scene, result.given
     if len(system.states) != len(PLANE) or given is None or result.function.formula == given.formula:
@@ -356,7 +354,7 @@ def _varies(surface: Polynomial, direction: Sequence[int]) -> bool:
     return any(by_degree.values())
 
 
-def _further(result: StabilityResult) -> Iterator[Option]:
+def _further(result: DecidedSystem) -> Iterator[Option]:
     """A region that reaches beyond the square on which V falls everywhere, and the rate there: asked below a level."""
     system, reach, function = result.scene, result.reach, result.function
     region, far = reach.region, reach.region_rate
@@ -373,7 +371,7 @@ def _further(result: StabilityResult) -> Iterator[Option]:
 # ---- what a certificate does not hold ----------------------------------------------------------
 
 
-def _beyond_words(result: StabilityResult, draft: Draft) -> Iterator[str]:
+def _beyond_words(result: DecidedSystem, draft: Draft) -> Iterator[str]:
     """What a check says that the certificate has no words for, or no theorem."""
     reach, states = result.reach, result.scene.states
     kinds = {kind for statement in draft.statements for kind in statement}

@@ -10,12 +10,12 @@ from typing import Any
 
 from nonsmooth.proofs.facts import Fact, Quantity, row_fact, text_fact, unsaid
 from nonsmooth.proofs.system_audit import AuditResult
-from nonsmooth.proofs.system_decision import StabilityResult
 from nonsmooth.proofs.systems.decay_rate import DecayKind
 from nonsmooth.proofs.systems.derivatives import Supremum
 from nonsmooth.proofs.systems.domain import Domain, cube_text
 from nonsmooth.proofs.systems.findings import (
     DERIVATIVES,
+    DecidedSystem,
     ExaminedFunction,
     Method,
     PotentialPiece,
@@ -31,7 +31,7 @@ from nonsmooth.symbolic.signed_roots import SignedRoots
 from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
 
 
-def system_facts(result: StabilityResult) -> Iterator[Fact]:
+def system_facts(result: DecidedSystem) -> Iterator[Fact]:
     """Stability of a plain system; points are measured from the equilibrium."""
     function, given, scene = result.function, result.given, result.scene
     check, states = scene.check, scene.states
@@ -66,7 +66,7 @@ def _named(function: ExaminedFunction, states: Sequence[str]) -> tuple[Fact, Fac
     return row_fact("with", f"V = {function.text}"), row_fact("on", function.domain.text(states))
 
 
-def _stability(result: StabilityResult) -> Iterator[Fact]:
+def _stability(result: DecidedSystem) -> Iterator[Fact]:
     """The verdict, what decided, whether it is about all starts, and why."""
     yield text_fact("verdict", str(result.verdict), "stability")
     yield Fact("method", str(result.method))
@@ -84,7 +84,7 @@ def displacement_facts(scene: SwitchedSystem) -> Iterator[Fact]:
         yield row_fact("measured from", words, *point)
 
 
-def _roots(result: StabilityResult, roots: SignedRoots) -> Fact:
+def _roots(result: DecidedSystem, roots: SignedRoots) -> Fact:
     """Which states are seen by signed roots, in which time, and whether solutions arrive in finite time."""
     in_time = result.reach.in_finite_time
     record = {
@@ -115,7 +115,7 @@ def rewriting_words(system: SwitchedSystem) -> str:
     return f"{'; '.join(said)}."
 
 
-def _potential(result: StabilityResult) -> Iterator[Fact]:
+def _potential(result: DecidedSystem) -> Iterator[Fact]:
     """The V that proves the verdict, with the scene's V under ``tried`` where that is another; else the scene's V."""
     function, given, reach, states = result.function, result.given, result.reach, result.scene.states
     if len(states) == 1:

@@ -17,7 +17,7 @@ from nonsmooth.proofs.clauses import registry
 from nonsmooth.proofs.clauses.feedback.authority import roll_authority
 from nonsmooth.proofs.clauses.workspace import Announce, Workspace, unheard
 from nonsmooth.proofs.judged_equilibria import JudgedEquilibrium, judge_equilibria
-from nonsmooth.proofs.theorem4_result import CellCheck, Check, SmoothCheck, conclude
+from nonsmooth.proofs.theorem4_result import CellCheck, Check, SmoothCheck
 from nonsmooth.symbolic.contact_set import standing
 from nonsmooth.symbolic.contact_states import ContactCensus, possible_triples, take_census, triples_with_friction
 from nonsmooth.symbolic.numbers.rounded import ROUNDING_DECIDES
@@ -93,11 +93,9 @@ def _check(work: Workspace, *, beside: bool) -> Check:
         census = _census(work) if beside else ContactCensus(triples_with_friction(work.scene))
     with work.timed("other equilibria"):
         others = _equilibria(work) if beside else None
-    for clause in registry.CLAUSES:
-        with work.timed(clause.name):
-            work.earlier[clause.name] = work.decided(clause)
-    verdict, reason = conclude(work.earlier)
-    common = (verdict, reason, work.given, work.earlier, census, roll_authority(work.given))
+    results = registry.decide_clauses(work)
+    verdict, reason = registry.conclude(results)
+    common = (verdict, reason, work.given, results, census, roll_authority(work.given))
     by_rounding = frozenset(work.by_rounding)
     if partition is None:
         return SmoothCheck(*common, tuple(work.skipped), work.seconds, by_rounding)

@@ -175,7 +175,7 @@ def check_scene(  # one keyword for each choice
     announce: Announce | None = None,
     built: Partition | None = None,
 ) -> CheckResult:
-    """Check an array; its evidence is verified before it is handed out.
+    """Check an array.
 
     Args:
         scene: the array.
@@ -194,7 +194,6 @@ def check_scene(  # one keyword for each choice
     """
     from nonsmooth.proofs.clauses.workspace import unheard
     from nonsmooth.proofs.theorem4 import check_theorem4
-    from nonsmooth.proofs.verified import verified
     from nonsmooth.reports.check_results import CheckResult
 
     announce, rest_points = announce or unheard, None
@@ -206,8 +205,7 @@ def check_scene(  # one keyword for each choice
         chosen = best_point(standing(scene))
         scene, rest_points = chosen.scene, chosen.found
     found = check_theorem4(scene, prune=prune, beside=beside, announce=announce, built=built)
-    announce("verification of the evidence")
-    return CheckResult(verified(found), ask_others, around, rest_points)
+    return CheckResult(found, ask_others, around, rest_points)
 
 
 def _check_array(scenes: Sequence[Scene], options: CheckOptions) -> Result:
@@ -267,9 +265,10 @@ def _with_files(result: CheckResult, options: CheckOptions) -> CheckResult:
     certificate = None
     if options.certificate is not None:
         from nonsmooth.proofs.answers.contradictions import contradictions_of_certificate
-        from nonsmooth.proofs.certificate import CertificateError, build_certificate
+        from nonsmooth.proofs.certificate import build_certificate
+        from nonsmooth.proofs.kernel.subject import NoCertificateError
 
-        with bad_input(result.scene, CertificateError):
+        with bad_input(result.scene, NoCertificateError):
             certificate = build_certificate(result.evidence)
         found = tuple(contradictions_of_certificate(certificate, result.evidence))
         if found:
@@ -309,15 +308,12 @@ def _notice(file: str, text: str) -> None:
 
 
 def check_system(system: SwitchedSystem) -> SystemCheckResult:
-    """Check a plain system; its evidence is verified before it is handed out."""
+    """Check a plain system."""
     from nonsmooth.proofs.system_decision import decide_system
-    from nonsmooth.proofs.verified import verified
     from nonsmooth.reports.system_results import SystemCheckResult
 
-    with steps("stability") as announce:
-        result = decide_system(system)
-        announce("verification of the evidence")
-        return SystemCheckResult(verified(result))
+    with steps("stability"):
+        return SystemCheckResult(decide_system(system))
 
 
 def _check_system(system: Any, options: CheckOptions) -> SystemCheckResult:

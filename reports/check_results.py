@@ -173,7 +173,7 @@ class CheckResult(ArrayAnswers):
 
     @property
     def evidence(self) -> Check:
-        """Every clause with its evidence; ``evidence.check()`` verifies it again."""
+        """Every clause with its evidence; ``evidence.check()`` asks the stand-alone checker."""
         return self._known[0]
 
     @property

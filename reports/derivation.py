@@ -152,7 +152,6 @@ def derive_report(
     Raises:
         RefusalError: where the motion is not determined.
         SceneError: for a plain system in another number of states.
-        RuntimeError: if the evidence of a verdict does not verify.
     """
     kind = SUBJECTS[scene.kind]
     chosen = names_of(kind) if parts is None else parts

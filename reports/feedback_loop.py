@@ -34,7 +34,6 @@ from nonsmooth.proofs.clauses.feedback.cascade_law import CascadeLaw, Descent, T
 from nonsmooth.proofs.clauses.feedback.gradient_law import LevelRegion
 from nonsmooth.proofs.own_paths import ContradictionError
 from nonsmooth.proofs.verdicts import Feedback
-from nonsmooth.proofs.verified import verified
 from nonsmooth.reports.choices import LawName
 from nonsmooth.symbolic.contact_states import ContactState
 
@@ -287,7 +286,7 @@ def build_loop(
         raise ValueError(f"--feedback: required rule nearest, received {partition.rule}")
     scene = partition.scene
     centred = partition if scene.recentred() == scene else build_partition(scene.recentred())
-    feedback = verified(decide_feedback(centred)) if feedback is None else feedback
+    feedback = decide_feedback(centred) if feedback is None else feedback
     own = certified_law(feedback)
     if law is not LawName.CERTIFIED:
         return FeedbackLoop(centred, feedback, law, kinematics, gain)

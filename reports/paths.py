@@ -31,7 +31,6 @@ from nonsmooth.analysis.trajectories.result import Trajectory
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.verdicts import Feedback
-from nonsmooth.proofs.verified import verified
 from nonsmooth.reports.choices import LawName, PathMethod
 from nonsmooth.reports.document import Block, Paragraph, findings
 from nonsmooth.reports.feedback_loop import FeedbackLoop, build_loop
@@ -529,7 +528,7 @@ def _follow_driven(scene: Scene, options: SimulateOptions) -> DrivenPath:
     if method is not PathMethod.EVENTS or kinematics is not Kinematics.EXACT:
         raise OptionError(f"{required} --method events and exact kinematics, received {method}, {kinematics}")
     centred = standing(scene).recentred()
-    feedback = verified(decide_driven_feedback(centred)).holding
+    feedback = decide_driven_feedback(centred).holding
     if feedback.verdict is not Feedback.STABILIZABLE:
         said = f"the feedback clause says {feedback.verdict}: {feedback.reason}"
         raise OptionError(f"{required} a certified law; {said}")

@@ -15,7 +15,6 @@ from nonsmooth.analysis.fields.cell_values import inside, polynomial_values, rat
 from nonsmooth.analysis.fields.stated_field import StatedField, stated_fields
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.proofs.systems.border_motion import BorderKind, BorderPart, border_parts, wave_border_parts
-from nonsmooth.proofs.verified import verified
 from nonsmooth.reports.document import Block, Paragraph, table
 from nonsmooth.reports.exact_record import with_exact
 from nonsmooth.reports.figures.style import INK, Floats, legend_below, new_figure, title_figure
@@ -82,7 +81,7 @@ class PhasePortrait(Result):
     @cached_property
     def stability(self) -> StabilityResult:
         """The verdict on the checked point."""
-        return verified(decide_system(self.system))
+        return decide_system(self.system)
 
     def facts(self) -> Record:
         """The JSON record."""

@@ -94,7 +94,7 @@ class SystemCheckResult(FactResult):
     """What a check of a plain system found: the V that proves it, or what the scene's V shows, and the derivatives.
 
     Attributes:
-        evidence: everything that was proved; ``evidence.check()`` verifies it again.
+        evidence: everything that was proved; ``evidence.check()`` asks the stand-alone checker.
         shows_evidence: whether a terminal shows all of it.
     """
 

@@ -55,7 +55,7 @@ def said_of_ring(folder: Path, count: int, turn: int, rule: str) -> list[Said]:
     found = []
     for source in notations(folder, count, turn):
         check = check_theorem4(load_scene(source, rule=rule), beside=False)
-        if not check.evidence_holds():
+        if not check.check():
             raise AssertionError(f"{count} wheels turned by {turn} degrees, rule {rule}: evidence does not verify")
         position, equilibrium = answers_of(check)[0], check.results["equilibrium"].verdict
         is_there = position.verdict == "comes near" and position["ends_within"] < ROUNDING

@@ -17,7 +17,6 @@ from nonsmooth.proofs.answers.answers import answers_of
 from nonsmooth.proofs.answers.contradictions import reconciled
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.verdicts import Theorem4
-from nonsmooth.proofs.verified import with_evidence
 from nonsmooth.symbolic.contact_set import TipsError, require_standing, standing, whole
 from nonsmooth.symbolic.scene import LoadTable, Scene, Wheel
 from nonsmooth.symbolic.scene_error import SceneError
@@ -138,7 +137,7 @@ def _lifted(scene: Scene, failed: Wheel) -> Scene:
 def _decided(scene: Scene, number: int, kind: FailureKind) -> Failure:
     """The answers about what is left; where they are refused, undecided and why."""
     try:
-        check, _ = reconciled(with_evidence(check_theorem4(scene, beside=False)))
+        check, _ = reconciled(check_theorem4(scene, beside=False))
     except (RefusalError, SceneError) as error:
         return _undecided(number, kind, str(error))
     found = {answer.name: answer.verdict for answer in answers_of(check)}

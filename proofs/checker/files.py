@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from .statements import VERSION, describe, is_of_array, refusal
-from .work import MALFORMED, MAX_BYTES, require, take_once
+from .work import MALFORMED, MAX_BYTES, limit, take_once
 
 EARLIER = {  # versions that are written no more, with what the subject of one is called on the command line
     "nonsmooth-certificate/1": "ARRAY",
@@ -45,8 +45,16 @@ def read(path: str) -> tuple[Any, int]:
         OSError, ValueError, RecursionError: where it cannot be read, is no JSON document, or names a key twice.
     """
     with open(path, "rb") as file:
-        content = file.read(MAX_BYTES + 1)
-    require(len(content) <= MAX_BYTES, f"at most {MAX_BYTES} bytes")
+        return parse(file.read(MAX_BYTES + 1))
+
+
+def parse(content: bytes) -> tuple[Any, int]:
+    """The JSON document that some bytes hold, and their number.
+
+    Raises:
+        ValueError, RecursionError: where they are too many, are no JSON document, or name a key twice.
+    """
+    limit(len(content) <= MAX_BYTES, f"at most {MAX_BYTES} bytes")
     # Numbers are texts in a certificate: floats are kept as texts, and are no exponents of anything.
     return json.loads(content, parse_float=str, parse_constant=str, object_pairs_hook=take_once), len(content)
 

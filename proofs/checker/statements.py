@@ -58,23 +58,34 @@ def show_claims(data: Any, size: int) -> list[Statement]:
     Raises:
         RejectedError: for a claim that is not shown.
     """
-    with BUDGET.granted(size):
-        return _shown(data)
-
-
-def _shown(data: Any) -> list[Statement]:
-    version, statement, evidence, _ = take(data, "version statement evidence", "notes")
-    require(version == VERSION, f"the version {VERSION}")
-    data, claims = take(statement, "subject claims")
-    subject = read_array(data) if is_of_array(data) else read_subject(data)
-    shown: list[Statement] = []
-    for entry in items(evidence, most=MAX_THEOREMS):
-        shown += show_entry(subject, entry)
-    texts = {json.dumps(own, sort_keys=True) for own in shown}  # which tell truth values from numbers
-    for claim in items(claims):
-        require(json.dumps(claim, sort_keys=True) in texts, f"evidence of the claim {json.dumps(claim)[:200]}")
+    claims, shown = show_evidence(data, size)
+    for claim in not_among(shown, claims):
+        require(False, f"evidence of the claim {json.dumps(claim)[:200]}")
     require(claims, "a claim")
-    return list(claims)
+    return claims
+
+
+def show_evidence(data: Any, size: int) -> tuple[list[Statement], list[Statement]]:
+    """What a certificate claims, and what its evidence shows of its subject, whatever it claims.
+
+    Raises:
+        RejectedError: for a hypothesis that is not shown.
+    """
+    with BUDGET.granted(size):
+        version, statement, evidence, _ = take(data, "version statement evidence", "notes")
+        require(version == VERSION, f"the version {VERSION}")
+        about, claims = take(statement, "subject claims")
+        subject = read_array(about) if is_of_array(about) else read_subject(about)
+        shown: list[Statement] = []
+        for entry in items(evidence, most=MAX_THEOREMS):
+            shown += show_entry(subject, entry)
+        return items(claims), shown
+
+
+def not_among(shown: list[Statement], claims: list[Statement]) -> list[Statement]:
+    """The claims that are not among what was shown."""
+    texts = {json.dumps(own, sort_keys=True) for own in shown}  # which tell truth values from numbers
+    return [claim for claim in claims if json.dumps(claim, sort_keys=True) not in texts]
 
 
 def show_entry(subject: System | Array, entry: Any) -> list[Statement]:

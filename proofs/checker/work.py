@@ -39,6 +39,20 @@ class RejectedError(ValueError):
     """A claim that does not hold, is not shown, or is shown by too much work."""
 
 
+class LimitError(RejectedError):
+    """A certificate that asks for more than the checker looks at; what it says may be true."""
+
+
+def limit(within: object, claim: str) -> None:
+    """Reject the certificate unless it keeps to a limit.
+
+    Raises:
+        LimitError: with the limit.
+    """
+    if not within:
+        raise LimitError(claim)
+
+
 def require(holds: object, claim: str) -> None:
     """Reject the certificate unless something holds.
 
@@ -68,10 +82,10 @@ class Budget:
         """Charge some units.
 
         Raises:
-            RejectedError: where fewer are left.
+            LimitError: where fewer are left.
         """
         self.left -= units
-        require(self.left >= 0, "a certificate that is checked within the limits of work")
+        limit(self.left >= 0, "a certificate that is checked within the limits of work")
 
 
 BUDGET = Budget()
@@ -130,7 +144,7 @@ def items(data: Any, count: int | None = None, *, most: int | None = None) -> li
         RejectedError: for anything else.
     """
     require(type(data) is list and count in (None, len(data)), f"a list of {'some' if count is None else count} items")
-    require(most is None or len(data) <= most, f"a list of at most {most} items")
+    limit(most is None or len(data) <= most, f"a list of at most {most} items")
     return list(data)
 
 
@@ -140,7 +154,8 @@ def text(data: Any, most: int = 4_000) -> str:
     Raises:
         RejectedError: for anything else.
     """
-    require(type(data) is str and len(data) <= most, f"a text of at most {most} characters")
+    require(type(data) is str, "a text")
+    limit(len(data) <= most, f"a text of at most {most} characters")
     return str(data)
 
 
@@ -160,6 +175,8 @@ def rational(data: Any) -> Fraction:
     Raises:
         RejectedError: for anything else.
     """
-    require(type(data) is str and RATIONAL.fullmatch(data), "rational numbers as texts such as '-3/4'")
+    known = type(data) is str and RATIONAL.fullmatch(data)
+    limit(known or type(data) is not str or len(data) <= MAX_DIGITS, f"numbers of at most {MAX_DIGITS} digits")
+    require(known, "rational numbers as texts such as '-3/4'")
     BUDGET.spend(1 + len(data) ** 2 // 4096)
     return Fraction(data)

@@ -34,10 +34,6 @@ class ClauseResult(Protocol):
         """Why, in one sentence for people."""
         ...
 
-    def check(self) -> bool:
-        """Whether the evidence verifies, by other means than found it; evidence that is missing does not."""
-        ...
-
 
 Result = TypeVar("Result", bound=ClauseResult)
 
@@ -62,14 +58,6 @@ class Clause(ABC, Generic[Result]):
     @abstractmethod
     def undecided(self, result: Result, reason: str) -> Result:
         """A result in place of the given one that claims nothing, for a reason."""
-
-    def is_about(self, result: Result, check: Theorem4Result) -> bool:
-        """Whether the evidence is about the array of a check, and all of it: compared with its wheels and cells."""
-        return True
-
-    def recompute(self, result: Result, check: Theorem4Result) -> bool:
-        """Whether deciding again gives the same, where ``result.check()`` does not verify all that is said."""
-        return True
 
     def settles(self, result: Result) -> tuple[Theorem4, str] | None:
         """The theorem's verdict and its reason where this clause decides it alone, whatever the later ones say."""

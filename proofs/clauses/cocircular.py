@@ -29,10 +29,6 @@ class CocircularArray:
 
     scene: Scene
 
-    def check(self) -> bool:
-        """Re-verify every hypothesis."""
-        return not failed_hypotheses(self.scene)
-
 
 def cocircular_array(scene: Scene) -> CocircularArray | None:
     """The lemma's certificate for a centred array, or None where a hypothesis fails."""

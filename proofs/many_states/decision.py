@@ -40,7 +40,7 @@ from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.denominators import require_denominators
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.domain import Domain
-from nonsmooth.proofs.systems.findings import CheckedPoint, Finding, Known, Method, Reach, is_shown
+from nonsmooth.proofs.systems.findings import CheckedPoint, Finding, Known, Method, Reach
 from nonsmooth.proofs.systems.invariance import Staying
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.enclosed_numbers import NoEnclosureError, enclose_numbers
@@ -128,17 +128,6 @@ class SpacePoint(CheckedPoint):
         # a scaled field has another rate
         rate = None if self.system.scale else decay_rate(function.examination)
         return Reach(everywhere, region, region, rate, self._rate_domain(found, rate))
-
-    def verifies(self, reach: Reach, found: Finding) -> bool:
-        """Whether the checker accepts the V of a finding, with its region and its rate."""
-        function, region, rate = found.function, reach.region, reach.rate
-        if reach != Reach(self._holds_everywhere(found), region, region, rate, self._rate_domain(found, rate)):
-            return False
-        if region is None and rate is None:
-            return function is None or bool(function.check(self.system))
-        if function is None or function.decrease is not Decrease.STRICT or (rate and self.system.scale):
-            return False
-        return is_shown(self.system, function.known_entry(reach), found.verdict)
 
     def _holds_everywhere(self, found: Finding) -> bool:
         """Whether every start of the space reaches the point."""
@@ -316,28 +305,3 @@ def conclude_attraction(function: ExaminedLyapunov, entry: dict[str, Any]) -> Fi
     """What LaSalle's principle shows, of a V and the theorem with its evidence as a certificate holds it."""
     reason = f"{function.reason}, and {Staying.NONE}"
     return Finding(Method.INVARIANCE, Translation.ASYMPTOTICALLY_STABLE, reason, function, entry=entry)
-
-
-# ---- findings of searches, verified ----------------------------------------------------------------
-
-
-def verify_function(point: SpacePoint, known: Known, claimed: Finding) -> Finding | None:
-    """What follows from a V."""
-    return None if claimed.function is None else conclude_function(known, claimed.function)
-
-
-def verify_growth(point: SpacePoint, known: Known, claimed: Finding) -> Finding | None:
-    """What follows from a V that shows instability, if the checker accepts it."""
-    growth = claimed.proofs
-    if claimed.theorem is not Method.INSTABILITY or not is_shown(point.system, growth.entry, Translation.UNSTABLE):
-        return None
-    return conclude_growth(point, growth)
-
-
-def verify_attraction(point: SpacePoint, known: Known, claimed: Finding) -> Finding | None:
-    """What follows from LaSalle's principle, if the checker accepts it of this V."""
-    entry, function = claimed.entry, claimed.function
-    if entry is None or function is None or entry["hypotheses"]["function"] != function.formula.text:
-        return None
-    shown = is_shown(point.system, entry, Translation.ASYMPTOTICALLY_STABLE)
-    return conclude_attraction(function, entry) if shown else None

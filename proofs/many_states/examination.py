@@ -28,7 +28,7 @@ from nonsmooth.proofs.many_states.witnesses import Point, as_fractions, exact_va
 from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.domain import Domain
-from nonsmooth.proofs.systems.findings import ExaminedFunction, Reach, is_shown
+from nonsmooth.proofs.systems.findings import ExaminedFunction, Reach
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.piecewise import PiecewiseExpression
@@ -293,14 +293,6 @@ class ExaminedLyapunov(ExaminedFunction):
     def witness(self) -> FailurePoint | None:
         """Where one of them fails."""
         return self.examination.failure
-
-    def check(self, system: SwitchedSystem) -> bool:
-        """Whether the checker accepts what is said of V; a V that fails is looked at again."""
-        verdict = PROVES.get(self.examination.verdict)
-        if verdict is not None:
-            return is_shown(system, self.known_entry(Reach()), verdict)
-        undecided = self.examination.verdict is Decrease.UNDECIDED
-        return undecided or examine(system, self.formula, self.radius) == self.examination
 
     def attraction(self, system: SwitchedSystem) -> dict[str, Any] | None:
         """LaSalle's principle with its evidence, for a V that does not rise; None where that is not found.

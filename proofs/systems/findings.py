@@ -124,10 +124,6 @@ class ExaminedFunction(ABC):
         """The theorem with its reach, as a certificate holds it; None where evidence is missing."""
         return None
 
-    @abstractmethod
-    def check(self, system: SwitchedSystem) -> bool:
-        """Whether the conditions are those of the system, and what is said of them verifies."""
-
 
 @dataclass(frozen=True)
 class Finding:
@@ -207,6 +203,57 @@ class Reach:
     in_finite_time: bool = False
 
 
+@dataclass(frozen=True)
+class DecidedSystem:
+    """The stability of the checked point: every finding, and how far it carries.
+
+    Attributes:
+        scene: the system; one that encloses its numbers where that is looked at in its place.
+        equilibrium: whether 0 is in F.
+        findings: in the order in which they were made; where nothing decides the last one says so.
+        given: the scene's V on the first domain that was looked at, likewise; None where none was.
+        reach: how far and how fast solutions come to the point.
+    """
+
+    scene: SwitchedSystem
+    equilibrium: Equilibrium
+    findings: tuple[Finding, ...]
+    given: Any
+    reach: Reach
+
+    @property
+    def deciding(self) -> Finding:
+        """The finding that decides."""
+        standing = Known(self.findings).standing
+        if standing is None:
+            raise ValueError("required a result with findings")
+        return standing
+
+    @property
+    def verdict(self) -> Translation:
+        """Strong stability."""
+        return self.deciding.verdict
+
+    @property
+    def reason(self) -> str:
+        """Why, in one sentence for people."""
+        return self.deciding.reason
+
+    @property
+    def method(self) -> str:
+        """The theorem that decides."""
+        return self.deciding.theorem
+
+    @property
+    def function(self) -> Any:
+        """The V that shows the verdict, an :class:`ExaminedFunction`; None where something else decides alone."""
+        return self.deciding.function
+
+    def by(self, theorem: str) -> Finding | None:
+        """What a theorem shows; None where it shows nothing, or was not asked."""
+        return next((own for own in self.findings if own.theorem is theorem), None)
+
+
 class CheckedPoint(ABC):
     """The checked point of a system with what its strategies share; built anew for each decision.
 
@@ -235,10 +282,6 @@ class CheckedPoint(ABC):
         """How far and how fast a finding carries."""
         return Reach()
 
-    def verifies(self, reach: Reach, found: Finding) -> bool:
-        """Whether the V of a finding, and how far it carries, verify."""
-        return reach == self.reach(found)
-
 
 @dataclass(frozen=True)
 class Strategy:
@@ -248,14 +291,11 @@ class Strategy:
         name: for people.
         states: how many they have.
         decide: what it finds at a point, beside what is known; None where that is nothing, or nothing more.
-        verify: of a strategy that searches: the finding that follows from the evidence of one, where that verifies.
-            The others decide again where a result is checked.
     """
 
     name: str
     states: range
     decide: Callable[[Any, Known], Finding | None]
-    verify: Callable[[Any, Known, Finding], Finding | None] | None = None
 
 
 def is_shown(system: SwitchedSystem, entry: dict[str, Any], verdict: Translation) -> bool:

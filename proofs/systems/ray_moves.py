@@ -235,10 +235,6 @@ class ConstantFan:
     reason: str
     fan: FanResult
 
-    def check(self) -> bool:
-        """Verify the fan, and what it says of fields without terms of higher order."""
-        return self.fan.check() and _with_closed_orbits(self.fan) == (self.verdict, self.reason)
-
 
 def decide_constant_fan(cells: Sequence[FieldCell]) -> ConstantFan | None:
     """Decide by the fan; None where a field near the equilibrium is not constant."""

@@ -103,18 +103,6 @@ def _region(scene: SwitchedSystem, sides: ScalarSides) -> Fact:
     return Fact("region", record, words, row="region")
 
 
-def verify_signs(point: LinePoint, known: Known, claimed: Finding) -> Finding | None:
-    """The same; besides, the fields are evaluated between the point and the ends of the region."""
-    sides = ((point.sides.right, 1), (point.sides.left, -1))
-    inward = all(
-        _leads_inward(point.system, side, side.reach * Fraction(k, 8), turn)
-        for side, turn in sides
-        if side.reach is not None
-        for k in range(1, 8)
-    )
-    return show_by_signs(point, known) if inward else None
-
-
 def _equilibrium(right: Side, left: Side) -> Equilibrium:
     """Whether 0 lies between the limits; those on the left are measured to the left."""
     signs = {v.sign() for v in right.values} | {-v.sign() for v in left.values}
@@ -216,15 +204,6 @@ def _sign_at(place: Fraction) -> SignOf:
 
 def _value(polynomial: Polynomial, place: Number | Fraction) -> Number:
     return polynomial.field(polynomial((place,))) if polynomial else polynomial.field.zero
-
-
-def _leads_inward(scene: SwitchedSystem, side: Side, place: Number | Fraction, turn: int) -> bool:
-    """Whether every member leads inward at a distance, or it lies on a surface."""
-    try:
-        fields = [_outward(member, turn, lambda p: _known(p, place)) for member in scene.members]
-    except ZeroDivisionError:
-        return True
-    return all(_value(f, place).sign() < 0 for f in fields)
 
 
 def _known(polynomial: Polynomial, place: Number | Fraction) -> int:

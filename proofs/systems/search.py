@@ -28,18 +28,16 @@ from nonsmooth.analysis.cells.region import Region, cone_region
 from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell, PlaneField
 from nonsmooth.analysis.minimizers.cvxpy_import import load_cvxpy
 from nonsmooth.proofs.inequalities.forms import directions
-from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, Refutation, Supremum, examine, inhabited
-from nonsmooth.proofs.systems.domain import SHRINKING, Domain, domains, given_cells, plane_cells
+from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, Refutation, Supremum, examine
+from nonsmooth.proofs.systems.domain import SHRINKING, Domain
 from nonsmooth.proofs.systems.findings import DERIVATIVES, ExaminedFunction, PotentialPiece
 from nonsmooth.proofs.systems.lyapunov_rows import BEYOND_FLOATS
 from nonsmooth.proofs.systems.lyapunov_search import (
     ENLARGING_WORK,
     Budget,
-    Turn,
     find_lyapunov,
     find_weak_lyapunov,
     largest_square,
-    searched_cells,
     square_cells,
 )
 from nonsmooth.proofs.systems.ray_moves import are_cones, conic_germ
@@ -316,35 +314,6 @@ class PlaneFunction(ExaminedFunction):
     def suprema(self) -> dict[str, Supremum]:
         """The largest values of the derivatives."""
         return {name: self.result.supremum(name) for name in DERIVATIVES}
-
-    def check(self, system: SwitchedSystem) -> bool:
-        """Verify the conditions, and that they are about the system, or the reversed one, on the domain."""
-        return self._speaks_of(system) and self.result.check()
-
-    def _speaks_of(self, system: SwitchedSystem) -> bool:
-        """Whether the cells are those of the system, or of the reversed one, on the domain that is named."""
-        cells, radius = self.result.cells, self.domain.radius
-        if self.is_given:
-            own = domains(system, system.check.lyapunov, plane_cells(system))
-            return self.domain in own and cells == inhabited(given_cells(system, self.domain))
-        turn = reversed_cells if self.grows else tuple
-        if self.formula is not None:
-            return radius is not None and cells == searched_cells(system, self.formula, radius, turn)
-        known = [(cell.region, cell.velocities) for cell in cells]
-        return any(
-            known == [(cell.region, cell.velocities) for cell in own] for own in _cut_by_cones(system, radius, turn)
-        )
-
-
-def _cut_by_cones(system: SwitchedSystem, radius: Number | None, turn: Turn) -> Iterator[Sequence[LyapunovCell]]:
-    """The cells, without V, that a V of pieces on cones may have: the cones, or those of a square cut along them."""
-    cells = turn(plane_cells(system))
-    near = cells if radius is None else conic_germ(cells)
-    linear = near if radius is None or near is None else linear_parts(near)
-    for halvings in HALVINGS if linear is not None else ():
-        rays, cones = linear_cones(linear or (), halvings)
-        pieces = build_potential(rays, cones, [Fraction(0)] * len(rays), [Fraction(0)] * len(cones))
-        yield pieces if radius is None else inhabited(restricted(pieces, square_cells(system, radius, turn)))
 
 
 def search_lyapunov(system: SwitchedSystem, cells: Sequence[FieldCell], *, grows: bool = False) -> PlaneFunction | None:

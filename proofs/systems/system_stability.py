@@ -31,7 +31,7 @@ from nonsmooth.proofs.systems.decay_rate import decay_rate, disturbance_gain, re
 from nonsmooth.proofs.systems.denominators import require_denominators
 from nonsmooth.proofs.systems.derivatives import EFFORT, Decrease, examine, inhabited
 from nonsmooth.proofs.systems.domain import SHRINKING, Domain, domains, given_cells, plane_cells, scene_cells
-from nonsmooth.proofs.systems.findings import CheckedPoint, Finding, Known, Method, Reach, is_shown
+from nonsmooth.proofs.systems.findings import CheckedPoint, Finding, Known, Method, Reach
 from nonsmooth.proofs.systems.invariance import Staying, resting_place
 from nonsmooth.proofs.systems.leading_terms import LeadingTerms, decide_leading_terms
 from nonsmooth.proofs.systems.lyapunov_search import has_curves, searched_cells
@@ -236,34 +236,6 @@ class PlanePoint(CheckedPoint):
         proved = Reach() if found.function is None else certified_reach(self.system, found.function)
         return self._extended(proved, found)
 
-    def verifies(self, reach: Reach, found: Finding) -> bool:
-        """Whether V, and the regions, the rates and the gain that are told of it, verify."""
-        function, near, far = found.function, reach.near, reach.region
-        if function is not None and not function.check(self.system):
-            return False
-        if found.verdict is not Translation.ASYMPTOTICALLY_STABLE:
-            return reach == Reach()
-        bare = self._extended(Reach(), found)
-        if reach == bare:
-            return True
-        if function is None or (reach.everywhere, reach.in_finite_time) != (bare.everywhere, bare.in_finite_time):
-            return False
-        cells, domain = function.result.cells, function.domain
-        if near is not None and not (near.falls and near.radius == domain.radius and near.check(cells)):
-            return False
-        if reach.rate is not None and not (reach.rate_domain == domain and reach.rate.check(cells)):
-            return False
-        gain, level = reach.gain, None if near is None else near.level
-        if gain is not None and not (
-            (gain.rate, gain.level) == (reach.rate, level) and gain.check(cells, domain.radius)
-        ):
-            return False
-        if far is None or far == near:
-            return reach.region_rate is None and far == near
-        square = cells_of_checked_square(self.system, function)
-        own = bool(square) and not far.falls and far.radius == self.system.check.radius
-        return own and far.check(square) and (reach.region_rate is None or reach.region_rate.check(square, far))
-
     def _extended(self, reach: Reach, found: Finding) -> Reach:
         """With what holds beyond the domain of V."""
         everywhere = holds_everywhere(self.system, found.verdict, self.cells)
@@ -292,7 +264,7 @@ def leave_uncovered(point: PlanePoint, known: Known) -> Finding | None:
 def show_by_fan(point: PlanePoint, known: Known) -> Finding | None:
     """The fan of constant fields; a V may show more of one that attracts."""
     fan = point.fan
-    if fan is None or fan.verdict is Translation.UNDECIDED or not fan.check():
+    if fan is None or fan.verdict is Translation.UNDECIDED:
         return None
     final = fan.verdict is not Translation.ASYMPTOTICALLY_STABLE
     return Finding(Method.FAN, fan.verdict, fan.reason, proofs=fan, is_final=final)
@@ -403,25 +375,3 @@ def conclude_attraction(function: PlaneFunction, entry: dict[str, Any]) -> Findi
     """What LaSalle's principle shows, of a V and the theorem with its evidence."""
     reason = f"{function.reason}, and {Staying.NONE}"
     return Finding(Method.INVARIANCE, Translation.ASYMPTOTICALLY_STABLE, reason, function, proofs=entry)
-
-
-# ---- findings of searches, verified ----------------------------------------------------------------
-
-
-def verify_function(point: PlanePoint, known: Known, claimed: Finding) -> Finding | None:
-    """What follows from a V alone."""
-    return None if claimed.function is None else conclude_function(point, claimed.function)
-
-
-def verify_attraction(point: PlanePoint, known: Known, claimed: Finding) -> Finding | None:
-    """What follows from a V, and from LaSalle's principle, if the checker accepts it of this V."""
-    function, entry = claimed.function, claimed.proofs
-    if function is None or claimed.is_weak:
-        return verify_function(point, known, claimed)
-    if entry is None or function.formula is None:
-        return None
-    about = entry["hypotheses"]["function"], entry["hypotheses"]["cells"]["within"]
-    if about != (function.formula.text, str(point.radius_of(function))):
-        return None
-    shown = is_shown(enclose_numbers(point.system), entry, Translation.ASYMPTOTICALLY_STABLE)
-    return conclude_attraction(function, entry) if shown else None

@@ -30,14 +30,13 @@ class Audit(SceneStudy[AuditOptions]):
     def run(self, scene: Any, options: AuditOptions) -> Result:
         """Decide it, and verify the evidence."""
         from nonsmooth.proofs.system_audit import audit
-        from nonsmooth.proofs.verified import verified
         from nonsmooth.reports.system_results import AuditedFunction
 
         function = scene.check.named_lyapunov if options.lyapunov is None else options.lyapunov
         if function is None:
             raise RefusedError(f"{scene.source}: required V as --lyapunov or as check.lyapunov, received neither")
         with refusals_named(scene):
-            return AuditedFunction(verified(audit(scene, function)))
+            return AuditedFunction(audit(scene, function))
 
 
 audit = command(

@@ -126,11 +126,11 @@ def _refuse_without_scene(rule: Any, radius: str | None, at: str | None) -> None
 
 
 def _difference(file: str, scene: Scene) -> str:
-    from nonsmooth.proofs.certificate import CertificateError
     from nonsmooth.proofs.certified_scene import find_difference
     from nonsmooth.proofs.checker.files import read
+    from nonsmooth.proofs.kernel.subject import NoCertificateError
 
     try:
         return find_difference(read(file)[0], scene)
-    except CertificateError as error:
+    except NoCertificateError as error:
         raise RefusedError(f"{scene.origin}: {error}") from None

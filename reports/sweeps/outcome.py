@@ -15,7 +15,6 @@ from nonsmooth.proofs.facts import Fact, Quantity
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.theorem4_result import CellCheck, Check
 from nonsmooth.proofs.verdicts import Theorem4
-from nonsmooth.proofs.verified import with_evidence
 from nonsmooth.reports.exact_record import exact_texts, floats
 from nonsmooth.reports.records import failure_records
 from nonsmooth.reports.sweeps.base import Base
@@ -89,7 +88,7 @@ def questions_of(outcome: Outcome) -> tuple[str, ...]:
 
 
 def _checked(scene: Scene) -> Outcome:
-    check, _ = reconciled(with_evidence(check_theorem4(scene, beside=False)))
+    check, _ = reconciled(check_theorem4(scene, beside=False))
     answers = {answer.name: answer for answer in answers_of(check)}
     robust = robust_answer(check.scene, check.results)
     if robust is not None:

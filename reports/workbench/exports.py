@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 from nonsmooth.proofs import system_certificates
-from nonsmooth.proofs.certificate import CertificateError, build_certificate, certificate_text
+from nonsmooth.proofs.certificate import build_certificate, certificate_text
 from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.reports.cells import drawn
 from nonsmooth.reports.console import json_text
@@ -76,7 +76,7 @@ def _certificate(document: Mapping[str, Any], made: Array | System) -> File:
     del document
     try:
         text = _system_text(made) if isinstance(made, System) else _array_text(made)
-    except (CertificateError, NoCertificateError) as error:
+    except NoCertificateError as error:
         raise RequestError(f"certificate: {error}") from None
     return File(".json", "application/json", text.encode())
 

@@ -19,6 +19,7 @@ from nonsmooth.proofs.clauses.translation.on_cells import decide_translation
 from tests.conftest import Arrays
 from tests.oracles.agreement import box_contradiction, contradiction
 from tests.oracles.box_paths import observe_box
+from tests.oracles.clause_evidence import evidence_holds
 from tests.oracles.nearest_paths import observe
 from tests.oracles.tied_arrays import tied_array, turning_pool, untied_array
 from tests.oracles.tied_box_arrays import tied_box
@@ -42,7 +43,7 @@ def judged(first: int, tied: bool) -> tuple[Counter[str], list[int]]:
         wheels = tied_array(seed)[0] if tied else untied_array(seed)
         result = decide_translation(build_nearest_partition(scene_of(Arrays(), wheels)))
         seen[str(result.verdict)] += 1
-        if not result.check() or contradiction(result, observe(wheels, seed=seed, starts=6)):
+        if not evidence_holds(result) or contradiction(result, observe(wheels, seed=seed, starts=6)):
             wrong.append(seed)
     return seen, wrong
 

@@ -18,7 +18,6 @@ from nonsmooth.analysis.continuum import PolygonOnField, predict
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.proofs.answers.answers import full_answers
 from nonsmooth.proofs.theorem4 import check_theorem4
-from nonsmooth.proofs.verified import verified
 from nonsmooth.reports.equilibrium_headings import headings_record
 from nonsmooth.reports.records import check_record
 from nonsmooth.symbolic.continuum import ContinuousField, PolygonShape
@@ -166,7 +165,7 @@ ELLIPTIC_BED: dict[str, Any] = {
 
 def _discrete_wheels() -> Iterator[Comparison]:
     scene = build_scene(ELLIPTIC_BED, str(ELLIPTIC_BED["name"]), Path("elliptic-bed.toml"))
-    headings = full_answers(verified(check_theorem4(scene)), ask_others=False).headings
+    headings = full_answers(check_theorem4(scene), ask_others=False).headings
     found = [] if headings is None else headings_record(headings)["found"]
     home = sum(row["position"] == "comes home" for row in found)
     claim = "discrete wheels position a box stably: share of its rest headings at which the position attracts"
@@ -183,8 +182,7 @@ def _discrete_wheels() -> Iterator[Comparison]:
 
 def _distributed_manipulation() -> Iterator[Comparison]:
     held, odd, drive = (
-        check_record(verified(check_theorem4(load_scene(name))))
-        for name in ("four-wheel", "off-center", "differential-drive")
+        check_record(check_theorem4(load_scene(name))) for name in ("four-wheel", "off-center", "differential-drive")
     )
     claim = "Theorem 4 on its own array (four-wheel): 1 where it holds"
     witness = f"V* <= -{float_text(-float(held['translation']['worst_rate']))} |c|, proved"

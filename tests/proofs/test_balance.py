@@ -130,12 +130,10 @@ def test_torque_authority_is_the_rank_of_the_roll_rows(arrays: Arrays) -> None:
     inward = roll_authority(scene)
     zero, one = scene.field.zero, scene.field.one
     assert (inward.rank, inward.missing) == (2, ((zero, zero, one),))
-    assert inward.check(scene)
     tangential = arrays.four_wheel(turn=(0, 1))
     assert roll_authority(tangential).rank == 3
     parallel = arrays.scene([w._replace(direction=(1, 0)) for w in arrays.inward([(1, 0), (-1, 0), (2, 0)])])
     assert roll_authority(parallel).rank == 1
-    assert roll_authority(parallel).check(parallel)
 
 
 def test_rims_on_one_line_through_the_point_leave_two_twists_missing(arrays: Arrays) -> None:
@@ -144,7 +142,6 @@ def test_rims_on_one_line_through_the_point_leave_two_twists_missing(arrays: Arr
     authority = roll_authority(scene)
     assert authority.rank == 1
     assert np.linalg.matrix_rank(np.array([[float(x) for x in twist] for twist in authority.missing])) == 2
-    assert authority.check(scene)
     assert check_theorem4(scene).check()
 
 
@@ -157,7 +154,6 @@ def test_torque_authority_against_numerical_rank(arrays: Arrays, seed: int) -> N
         rows.append([*d, d[1] * p[0] - d[0] * p[1]])
     authority = roll_authority(scene)
     assert authority.rank == np.linalg.matrix_rank(np.array(rows))
-    assert authority.check(scene)
 
 
 def many_wheels(arrays: Arrays, rows: int) -> Scene:

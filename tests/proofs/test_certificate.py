@@ -12,13 +12,15 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import pytest
 
-from nonsmooth.proofs.certificate import CertificateError, build_certificate, certificate_text, stated_words
+from nonsmooth.proofs.certificate import build_certificate, certificate_text, stated_words
 from nonsmooth.proofs.checker.files import check_file
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.translation.certified_disc import certified_disc
+from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.theorem4 import check_cells, check_smooth
 from nonsmooth.proofs.theorem4_result import CellCheck
 from nonsmooth.proofs.verdicts import Rotation, Translation
+from nonsmooth.proofs.verified import UnverifiedError
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
 from nonsmooth.symbolic.scene import Contact, LoadTable, Scene
 from tests.array_certificates import check_certificate, claim_disc, evidence, proofs, said, subject
@@ -93,14 +95,14 @@ def test_one_wheel_point_or_cell_to_a_line(arrays: Arrays) -> None:
 
 
 def test_rule_ellipse_has_no_certificate() -> None:
-    with pytest.raises(CertificateError, match='"nearest" or "box", received "ellipse"'):
+    with pytest.raises(NoCertificateError, match='"nearest" or "box", received "ellipse"'):
         build_certificate(check_smooth(load_scene("four-wheel-side", rule="ellipse")))
 
 
-def test_a_verdict_that_the_checker_cannot_follow_is_refused(arrays: Arrays) -> None:
+def test_a_verdict_of_which_the_checker_shows_another_is_a_fault(arrays: Arrays) -> None:
     result = check_cells(arrays.four_wheel())
     forged = result.with_results(rotation=replace(result.rotation, verdict=Rotation.NEUTRAL))
-    with pytest.raises(CertificateError, match=r'evidence of the claim .*"stable, not attractive"'):
+    with pytest.raises(UnverifiedError, match=r"evidence of the claim .*'stable, not attractive'"):
         build_certificate(forged)
 
 

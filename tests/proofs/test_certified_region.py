@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from fractions import Fraction
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -76,7 +75,6 @@ def test_the_level_is_what_border_and_stalling_cells_leave(name: str, radius: st
     scene = load_scene(name, rule="nearest", radius=radius).recentred()
     feedback = decide_feedback(build_nearest_partition(scene))
     assert isinstance(feedback.region, LevelRegion)
-    assert feedback.check()
     least = sampled_level(feedback, scene)
     assert least * (1 - 2e-3) <= float(feedback.region.level) <= least * (1 + 1e-6)
 
@@ -88,8 +86,6 @@ def test_a_level_ends_at_a_cell_that_stalls(arrays: Arrays) -> None:
     feedback = decide_feedback(build_nearest_partition(scene))
     assert isinstance(feedback.region, LevelRegion)
     assert feedback.region.level == 1
-    assert feedback.check()
-    assert not replace(feedback, region=replace(feedback.region, level=Fraction(101, 100))).check()
     assert sampled_level(feedback, scene) == pytest.approx(1)
 
 
@@ -103,19 +99,6 @@ def test_levels_of_random_arrays_verify(arrays: Arrays, seed: int) -> None:
         assert isinstance(feedback.region, LevelRegion)
         least = sampled_level(feedback, scene)
         assert least * (1 - 2e-3) <= float(feedback.region.level) <= least * (1 + 1e-6)
-
-
-def test_a_forged_level_is_refused() -> None:
-    feedback = decided("four-wheel")
-    region = feedback.region
-    assert isinstance(region, LevelRegion)
-    assert region.level == Fraction(1, 4)
-    for forged in (
-        replace(region, level=Fraction(2501, 10_000)),
-        replace(region, level=Fraction(0)),
-        replace(region, lyapunov=replace(region.lyapunov, weight=Fraction(2))),
-    ):
-        assert not replace(feedback, region=forged).check()
 
 
 # ---- slow turns ----------------------------------------------------------------------------------
@@ -173,14 +156,12 @@ def region_of(arrays: Arrays, array: str | int) -> TurnRegion:
     if isinstance(array, str):
         return slow_turns(array)[1]
     feedback = decide_feedback(build_nearest_partition(arrays.cocircular(array, ROLL).recentred()))
-    assert feedback.check()
     assert isinstance(feedback.region, TurnRegion)
     return feedback.region
 
 
 def test_no_region_of_slow_turns_is_claimed_where_the_square_leaves_the_support_polygon(arrays: Arrays) -> None:
     feedback = decide_feedback(build_nearest_partition(arrays.cocircular(135, ROLL).recentred()))
-    assert feedback.check()
     assert feedback.verdict is Feedback.STABILIZABLE
     assert feedback.region is None
 
@@ -223,16 +204,3 @@ def test_the_region_lies_in_the_square_and_on_its_border_w_is_not_below(name: st
         assert np.abs(c).max() <= loop.length
         headings = np.linspace(-0.5, 0.5, 101)
         assert min(loop.w(np.array([*c, theta])) for theta in headings) >= float(region.level)
-
-
-def test_forged_bounds_of_slow_turns_are_refused() -> None:
-    feedback, region = slow_turns("saddle")
-    for forged in (
-        replace(region, level=region.level * 2),
-        replace(region, top=region.top * 2),
-        replace(region, weight=region.weight / 100),
-        replace(region, weight=region.weight * 100),
-        replace(region, length=region.length * 2),
-        LevelRegion(feedback.lyapunov, Fraction(1, 100)),
-    ):
-        assert not replace(feedback, region=forged).check()

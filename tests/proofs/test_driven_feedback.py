@@ -45,6 +45,7 @@ from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.scene import LoadTable, Scene, Wheel
 from tests.conftest import WheelData
+from tests.oracles.clause_evidence import evidence_holds
 from tests.ruled import centred
 from tests.thorough import few, keep
 
@@ -93,7 +94,7 @@ def test_under_box_the_law_imposes_its_motion_within_the_reach(name: str) -> Non
     scene = centred(load_scene(name), "box")
     feedback = decide_driven_feedback(scene)
     assert feedback.verdict is Feedback.STABILIZABLE
-    assert feedback.check()
+    assert evidence_holds(feedback)
     assert feedback.kappa is not None
     assert feedback.reach is not None
     model, reach, rng = contact_model(scene), float(feedback.reach), np.random.default_rng(0)
@@ -115,7 +116,7 @@ def test_under_ellipse_the_speeds_impose_their_twist_at_the_equilibrium(name: st
     scene = centred(load_scene(name), "ellipse")
     feedback = decide_driven_feedback(scene)
     assert feedback.verdict is Feedback.STABILIZABLE
-    assert feedback.check()
+    assert evidence_holds(feedback)
     model = contact_model(scene)
     (cone,) = feedback.cones
     assert feedback.kappa is not None
@@ -207,7 +208,7 @@ def test_three_orthogonal_twists_give_a_third(arrays: Arrays) -> None:
         replace(feedback, cones=(LawCone(None, feedback.cones[0].twists[:1] * 3),)),
         replace(feedback, verdict=Feedback.NO_CERTIFICATE),
     ):
-        assert not wrong.check()
+        assert not evidence_holds(wrong)
 
 
 # ---- which twists are realizable ------------------------------------------------------------------------
@@ -279,8 +280,8 @@ def test_two_drive_wheels_and_slippery_supports_are_a_unicycle(arrays: Arrays) -
     feedback = decide_driven_feedback(scene)
     assert feedback.verdict is Feedback.NO_CERTIFICATE
     assert [str(x) for x in feedback.obstruction or ()] == ["0", "1", "0"]
-    assert feedback.check()
-    assert not replace(feedback, obstruction=None).check()
+    assert evidence_holds(feedback)
+    assert not evidence_holds(replace(feedback, obstruction=None))
     model, rng = contact_model(scene), np.random.default_rng(1)
     for _ in range(40):
         c = rng.uniform(-0.02, 0.02, 2)
@@ -321,9 +322,9 @@ def test_the_plane_of_twists_is_one_of_the_array_whatever_its_length(arrays: Arr
     assert all(outer_entry == 0 for outer_entry in cross_product(one.obstruction, other.obstruction))
     assert one.obstruction[2]
     for feedback in (one, other):
-        assert feedback.check()
+        assert evidence_holds(feedback)
         longer = replace(feedback.scene, check=replace(feedback.scene.check, length=Fraction(3)))
-        assert not replace(feedback, scene=longer).check()
+        assert not evidence_holds(replace(feedback, scene=longer))
     model, rng = contact_model(centred(aside, rule)), np.random.default_rng(2)
     assert other.witness is not None
     g = np.array([*map(float, other.witness.point), 1.4**2 * float(other.witness.value)])
@@ -385,7 +386,7 @@ def test_no_array_is_both_stabilizable_and_obstructed(arrays: Arrays, seed: int)
     loads = [scene_load(base, int(k)) for k in rng.integers(1, 30, len(base.wheels))]
     scene = centred(replace(base, contact=replace(base.contact, loads=LoadTable(tuple(loads)))), "box")
     feedback = decide_driven_feedback(scene)
-    assert feedback.check()
+    assert evidence_holds(feedback)
     if feedback.obstruction is None:
         return
     model, normal = contact_model(scene), np.array([float(x) for x in feedback.obstruction])
@@ -408,9 +409,9 @@ def test_opposite_inward_rims_balance_exactly_and_turn_by_their_loads(arrays: Ar
     assert len(feedback.cones) > 1
     assert "balance exactly" in feedback.reason
     for cone in feedback.cones:
-        assert cone.check()
+        assert evidence_holds(cone)
         assert not all(held.is_unique for held in cone.twists)
-        assert not replace(cone, rays=None).check()
+        assert not evidence_holds(replace(cone, rays=None))
         assert any(twist[2] for twist in cone.vectors)
 
 
@@ -421,7 +422,7 @@ def test_a_balance_that_no_shift_of_the_load_resolves_is_named(arrays: Arrays) -
     table = LoadTable(((share, zero, zero),) * 4)
     feedback = decide_driven_feedback(centred(replace(scene, contact=replace(scene.contact, loads=table)), "box"))
     assert feedback.verdict is Feedback.UNDECIDED
-    assert feedback.check()
+    assert evidence_holds(feedback)
     assert "exactly marginal: frictions balance at c*" in feedback.reason
 
 
@@ -450,7 +451,7 @@ def test_where_load_regions_meet_the_reach_counts_all_of_them(arrays: Arrays) ->
     assert len(load_regions(scene, (zero, zero))) > 1
     feedback = decide_driven_feedback(scene)
     assert feedback.verdict is Feedback.STABILIZABLE
-    assert feedback.check()
+    assert evidence_holds(feedback)
     assert feedback.kappa is not None
     assert feedback.reach is not None
     (cone,) = feedback.cones
@@ -474,7 +475,7 @@ def test_the_verdict_does_not_depend_on_the_unit_of_length(arrays: Arrays, rule:
     wheels = [WheelData((x * unit, y * unit), rim, unit) for (x, y), rim in zip(places, rims, strict=True)]
     feedback = decide_driven_feedback(centred(arrays.scene(wheels, radius=unit / 10), rule))
     assert feedback.verdict is Feedback.STABILIZABLE
-    assert feedback.check()
+    assert evidence_holds(feedback)
     drive = arrays.differential_drive()
     drive = replace(drive, wheels=scaled_wheels(drive, unit), check=replace(drive.check, radius=drive.field(unit / 4)))
     assert decide_driven_feedback(centred(drive, rule)).obstruction is not None
@@ -509,6 +510,6 @@ def test_loads_that_leave_a_motion_free_stabilize_nothing(arrays: Arrays, loads:
 def test_cones_that_do_not_go_around_are_refused(arrays: Arrays) -> None:
     feedback = decide_driven_feedback(centred(arrays.four_wheel(), "box"))
     cones = feedback.cones
-    assert feedback.check()
+    assert evidence_holds(feedback)
     for wrong in (cones[:1], cones[1:], cones[::-1], (*cones, cones[0]), (cones[0], replace(cones[1], rays=None))):
-        assert not replace(feedback, cones=wrong).check()
+        assert not evidence_holds(replace(feedback, cones=wrong))

@@ -16,6 +16,7 @@ from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
 from tests.four_wheel import CORNERS
+from tests.oracles.clause_evidence import evidence_holds
 from tests.proofs.forces_oracle import solves, verifies
 from tests.ruled import ruled
 from tests.thorough import few, thorough
@@ -31,7 +32,7 @@ OPEN = [9, 15]
 def point_of(scene: Scene, rule: str = "ellipse") -> EllipsePoint:
     scene = ruled(scene, rule)
     point = ellipse_point(scene, load_regions(scene))
-    assert point.check()
+    assert evidence_holds(point)
     assert verifies(point)
     return point
 
@@ -99,7 +100,7 @@ def test_a_linearization_of_another_array_is_refused() -> None:
     assert solves(inward.linearization)
     forged = replace(outward, linearization=inward.linearization)
     assert forged.translation is not outward.translation
-    assert not forged.check()
+    assert not evidence_holds(forged)
 
 
 def test_outward_rims_are_unstable() -> None:

@@ -20,6 +20,7 @@ from nonsmooth.symbolic.plane import Vector, dot, separating_direction
 from nonsmooth.symbolic.scene import Scene
 from tests.four_wheel import ROLL, SIDE
 from tests.hulls import hull_holds_zero
+from tests.oracles.clause_evidence import evidence_holds
 from tests.thorough import few, thorough
 
 if TYPE_CHECKING:
@@ -44,7 +45,7 @@ def test_verdicts_agree_with_highs_on_random_arrays(arrays: Arrays, seed: int) -
         partition = build_nearest_partition(scene.recentred())
         result = decide_equilibrium(partition)
         assert (result.verdict is Equilibrium.HOLDS) == holds_by_highs(partition)
-        assert result.check()
+        assert evidence_holds(result)
 
 
 @thorough  # about all random cases, which `make bench` runs
@@ -73,7 +74,7 @@ def test_off_the_centre_one_twist_drives_the_body(arrays: Arrays) -> None:
     assert result.verdict is Equilibrium.FAILS
     assert result.separator is not None
     assert all(dot(result.separator, twist.velocity) > 0 for twist in result.twists)
-    assert result.check()
+    assert evidence_holds(result)
 
 
 @pytest.mark.parametrize(
@@ -112,7 +113,7 @@ def test_a_near_miss_is_a_miss(arrays: Arrays) -> None:
     for point, expected in (((zero, zero), Equilibrium.HOLDS), ((tiny, zero), Equilibrium.FAILS)):
         result = decide(replace(scene, check=replace(scene.check, equilibrium=point)))
         assert result.verdict is expected
-        assert result.check()
+        assert evidence_holds(result)
 
 
 # ---- evidence ------------------------------------------------------------------------------------
@@ -130,7 +131,7 @@ def test_tampered_weights_are_refused(arrays: Arrays, seed: int) -> None:
         replace(result, verdict=Equilibrium.FAILS),
         replace(result, verdict=Equilibrium.FAILS, separator=result.twists[0].velocity),
     ]
-    assert not any(wrong.check() for wrong in tampered)
+    assert not any(evidence_holds(wrong) for wrong in tampered)
 
 
 @pytest.mark.parametrize(
@@ -148,19 +149,19 @@ def test_weights_must_be_convex_and_rest_in_both_directions(
     field = NumberField()
     twists = tuple(Twist(field(x), field(y), field.one) for x, y in velocities)
     mixture = {k: field(w) for k, w in enumerate(weights)}
-    assert not EquilibriumResult(Equilibrium.HOLDS, twists, mixture, None).check()
+    assert not evidence_holds(EquilibriumResult(Equilibrium.HOLDS, twists, mixture, None))
 
 
 def test_a_tampered_separator_is_refused(arrays: Arrays) -> None:
     result = next(r for seed in range(30) if (r := decide(arrays.random(seed, 4))).verdict is Equilibrium.FAILS)
     assert result.separator is not None
     x, y = result.separator
-    assert result.check()
-    assert not replace(result, separator=(-x, -y)).check()
-    assert not replace(result, separator=(x * 0, y * 0)).check()
-    assert not replace(result, separator=None).check()
-    assert not replace(result, twists=()).check()
-    assert not replace(result, verdict=Equilibrium.HOLDS).check()
+    assert evidence_holds(result)
+    assert not evidence_holds(replace(result, separator=(-x, -y)))
+    assert not evidence_holds(replace(result, separator=(x * 0, y * 0)))
+    assert not evidence_holds(replace(result, separator=None))
+    assert not evidence_holds(replace(result, twists=()))
+    assert not evidence_holds(replace(result, verdict=Equilibrium.HOLDS))
 
 
 @pytest.mark.parametrize("seed", range(40))

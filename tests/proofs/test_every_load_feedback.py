@@ -27,6 +27,7 @@ from nonsmooth.symbolic.scene import Contact, Scene
 from nonsmooth.symbolic.similar_scenes import in_own_length
 from nonsmooth.symbolic.unknown_loads import LoadScatter, UnknownLoads
 from tests.measured_arrays import Kind, measured_array
+from tests.oracles.clause_evidence import evidence_holds
 from tests.thorough import few
 
 if TYPE_CHECKING:
@@ -118,7 +119,7 @@ def certified(scene: Scene) -> DrivenFeedback:
     """The law for every load, with its evidence verified."""
     feedback = decide_driven_feedback(scene)
     assert feedback.verdict is Feedback.STABILIZABLE
-    assert feedback.check()
+    assert evidence_holds(feedback)
     assert feedback.scene is scene
     return feedback
 
@@ -162,8 +163,8 @@ def test_a_law_is_no_law_for_other_loads_or_a_better_rate(tmp_path: Path) -> Non
     assert law is not None
     other = replace(scene, contact=Contact("ellipse", UnknownLoads()))
     for slack in (law.slack / 8, Fraction(0), Fraction(1)):
-        assert not replace(feedback, every_load=replace(law, slack=slack)).check()
-    assert not replace(feedback, every_load=replace(law, scene=in_own_length(other))).check()
+        assert not evidence_holds(replace(feedback, every_load=replace(law, slack=slack)))
+    assert not evidence_holds(replace(feedback, every_load=replace(law, scene=in_own_length(other))))
 
 
 def test_loads_that_balance_in_one_way_only_leave_the_rate(tmp_path: Path) -> None:
@@ -179,7 +180,7 @@ def test_what_no_law_holds_on_level_springs_no_law_holds_for_every_load(tmp_path
     feedback = decide_driven_feedback(array("differential-drive", "ellipse", UNEVEN, tmp_path))
     assert feedback.verdict is Feedback.NO_CERTIFICATE
     assert feedback.reason.startswith("on level springs, which are among the loads: ")
-    assert feedback.check()
+    assert evidence_holds(feedback)
 
 
 def test_late_poses_and_ends_of_speeds_take_the_rest_of_the_rate(tmp_path: Path) -> None:

@@ -16,6 +16,7 @@ from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, Move, 
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.numbers.number_field import NumberField
+from tests.oracles.clause_evidence import evidence_holds
 from tests.thorough import keep, thorough
 
 if TYPE_CHECKING:
@@ -38,13 +39,13 @@ def fan_of(rays: list[Vector], motions: list[tuple[int | Fraction, ...]]) -> lis
 
 def decide(rays: list[Vector], motions: list[tuple[int | Fraction, ...]]) -> FanResult:
     result = decide_cones(fan_of(rays, motions))
-    assert result.check()
+    assert evidence_holds(result)
     return result
 
 
 def test_a_forged_verdict_is_refused() -> None:
     result = decide([(1, 0), (-1, 0)], [(0, -1), (0, 1)])
-    assert not replace(result, verdict=Translation.ASYMPTOTICALLY_STABLE).check()
+    assert not evidence_holds(replace(result, verdict=Translation.ASYMPTOTICALLY_STABLE))
 
 
 AXES: list[Vector] = [(1, 0), (0, 1), (-1, 0), (0, -1)]

@@ -63,7 +63,6 @@ def test_random_arrays_have_a_rate_iff_the_law_stabilizes(arrays: Arrays) -> Non
         if feedback.has_lyapunov:
             with_rate += 1
             assert feedback.rate is not None, seed
-            assert feedback.check(), seed
         elif feedback.cells and all(data.lever is not None for data in feedback.cells):
             without += 1
             assert feedback.rate is None, seed

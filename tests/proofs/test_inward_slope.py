@@ -14,6 +14,7 @@ from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
 from nonsmooth.symbolic.scene import Scene
+from tests.oracles.clause_evidence import evidence_holds
 from tests.thorough import few, keep
 
 INWARD = ("four-wheel", "four-wheel-side", "ring-5", "ring-6", "grid-4x4")
@@ -23,7 +24,7 @@ POINTS = 200
 def translation_of(scene: Scene) -> EllipseTranslation:
     found = check_theorem4(scene, beside=False).results["translation"]
     assert isinstance(found, EllipseTranslation)
-    assert found.check()
+    assert evidence_holds(found)
     return found
 
 
@@ -80,7 +81,7 @@ def test_the_disc_ends_where_a_spring_lifts_off(name: str, radius: Fraction) -> 
 def test_another_disc_is_refused() -> None:
     found = translation_of(load_scene("four-wheel", rule="ellipse"))
     assert found.home_radius is not None
-    assert not replace(found, region_radius=found.home_radius * 2).check()
+    assert not evidence_holds(replace(found, region_radius=found.home_radius * 2))
     saddle = translation_of(load_scene("elliptic", rule="ellipse"))
     assert saddle.home_radius is None
-    assert not replace(saddle, region_radius=saddle.point.scene.check.radius).check()
+    assert not evidence_holds(replace(saddle, region_radius=saddle.point.scene.check.radius))

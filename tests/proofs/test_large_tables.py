@@ -11,7 +11,6 @@ from nonsmooth.analysis.cells.equilibria import find_equilibria
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.proofs import judged_equilibria
-from nonsmooth.proofs.clauses.feedback.authority import roll_authority
 from nonsmooth.symbolic.constraints import Triple, independent
 from nonsmooth.symbolic.files import scene_values
 from nonsmooth.symbolic.files.wheel_csv import parse_wheels
@@ -65,4 +64,3 @@ def test_rows_are_looked_at_until_three_are_independent(arrays: Arrays) -> None:
     scene = arrays.four_wheel()
     assert independent(rows()) == (1, 3, 4)
     assert looked_at == [0, 1, 2, 3, 4]
-    assert roll_authority(scene).check(scene)

@@ -233,8 +233,6 @@ def test_a_v_of_pieces_is_proved_on_a_larger_square(load: Load) -> None:
     assert found.domain.radius is not None
     assert small < found.domain.radius < whole
     assert found.result.verdict is Decrease.STRICT
-    assert found.check(system)
-    assert not replace(found, on=Domain(whole)).check(system)
 
 
 def test_regions_of_v_that_bends_need_a_v_that_falls(load: Load) -> None:

@@ -22,6 +22,7 @@ from nonsmooth.proofs.clauses.at_point.mass import MassLimit
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation, decide_translation_at
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
+from tests.oracles.clause_evidence import evidence_holds
 from tests.thorough import few, keep
 
 SPIRAL = ns.Array.ring(
@@ -139,7 +140,7 @@ def test_forged_limits_are_refused() -> None:
     limit = limit_of(SPIRAL.scene)
     assert limit is not None
     assert limit.unstable_at is not None
-    assert limit.check()
+    assert evidence_holds(limit)
     forged: list[dict[str, Any]] = [
         {"stable_to": limit.unstable_at},
         {"unstable_at": limit.stable_to},
@@ -148,16 +149,16 @@ def test_forged_limits_are_refused() -> None:
         {"stable_to": -limit.stable_to},
     ]
     for change in forged:
-        assert not replace(limit, **change).check()
+        assert not evidence_holds(replace(limit, **change))
 
 
 def test_limits_of_another_array_are_refused() -> None:
     """The same numbers, with another radius: true by chance, as the spin decouples, and not of this array."""
     found = translation_of(SPIRAL.scene)
     assert found.mass is not None
-    assert found.check()
+    assert evidence_holds(found)
     other = replace(found.mass, squared_radius=found.mass.squared_radius * 2)
-    assert not replace(found, mass=other).check()
+    assert not evidence_holds(replace(found, mass=other))
 
 
 @few(2)

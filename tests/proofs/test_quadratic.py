@@ -19,6 +19,7 @@ from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult, dec
 from nonsmooth.proofs.clauses.translation.quadratic import QuadraticCertificate, find_quadratic
 from nonsmooth.proofs.verdicts import Rotation, Translation
 from tests.four_wheel import SIDE
+from tests.oracles.clause_evidence import evidence_holds
 
 if TYPE_CHECKING:
     from tests.conftest import Arrays
@@ -38,8 +39,8 @@ def decided(arrays: Arrays, seed: int) -> tuple[TranslationResult, QuadraticCert
 def test_v_falls_in_its_region_at_the_stated_rate(arrays: Arrays, seed: int) -> None:
     partition = build_nearest_partition(arrays.cocircular(seed))
     result, found = decided(arrays, seed)
-    assert result.check()
-    assert found.check()
+    assert evidence_holds(result)
+    assert evidence_holds(found)
     (a, b), level = (float(x) for x in found.shape), float(found.level)
     p = np.array([[1 + a, b], [b, 1 - a]])
     assert np.linalg.eigvalsh(p).min() > 0
@@ -63,10 +64,10 @@ def test_v_falls_in_its_region_at_the_stated_rate(arrays: Arrays, seed: int) -> 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_forged_certificates_are_refused(arrays: Arrays, seed: int) -> None:
     result, found = decided(arrays, seed)
-    assert not replace(found, decay=found.decay * 64).check()
-    assert not replace(found, shape=(Fraction(2), Fraction(0))).check()
-    assert not replace(found, level=found.level * 1000).check()
-    assert not replace(result, quadratic=replace(found, cones=found.cones[:1])).check()
+    assert not evidence_holds(replace(found, decay=found.decay * 64))
+    assert not evidence_holds(replace(found, shape=(Fraction(2), Fraction(0))))
+    assert not evidence_holds(replace(found, level=found.level * 1000))
+    assert not evidence_holds(replace(result, quadratic=replace(found, cones=found.cones[:1])))
 
 
 def test_no_p_is_found_for_a_fan_that_rests_or_escapes(arrays: Arrays) -> None:
@@ -102,8 +103,8 @@ def test_the_time_of_arrival_is_bounded_and_not_by_much_more_than_the_longest_pa
 def test_a_forged_time_of_arrival_is_refused(arrays: Arrays, seed: int) -> None:
     _, found = decided(arrays, seed)
     swift = found.swift or found.descent
-    assert not replace(found, swift=replace(swift, decay=swift.decay * 2)).check()
-    assert not replace(found, swift=replace(swift, shape=(Fraction(1), Fraction(0)))).check()
+    assert not evidence_holds(replace(found, swift=replace(swift, decay=swift.decay * 2)))
+    assert not evidence_holds(replace(found, swift=replace(swift, shape=(Fraction(1), Fraction(0)))))
 
 
 @pytest.mark.parametrize("seed", SEEDS)

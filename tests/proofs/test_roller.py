@@ -14,7 +14,7 @@ from nonsmooth.analysis.contact_rule import smooth_rule_of
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.minimizers.proved import proved
-from nonsmooth.proofs.certificate import CertificateError, build_certificate
+from nonsmooth.proofs.certificate import build_certificate
 from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, Situation, ellipse_point
 from nonsmooth.proofs.clauses.feedback.balanced_twists import (
     HALVES,
@@ -27,11 +27,13 @@ from nonsmooth.proofs.clauses.feedback.balanced_twists import (
 from nonsmooth.proofs.clauses.feedback.box_twists import BoxTwist, candidate_twists
 from nonsmooth.proofs.clauses.feedback.by_friction import decide_driven_feedback
 from nonsmooth.proofs.clauses.feedback.driven_law import between, rim_speeds
+from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.theorem4 import check_smooth
 from nonsmooth.proofs.verdicts import Equilibrium, Feedback, Translation
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Friction, Scene
 from nonsmooth.symbolic.similar_scenes import with_friction_ratio
+from tests.oracles.clause_evidence import evidence_holds
 from tests.proofs.forces_oracle import verifies
 from tests.ruled import centred
 from tests.thorough import few
@@ -55,9 +57,8 @@ def without_bearing_friction(scene: Scene) -> Scene:
 
 def point_of(scene: Scene) -> EllipsePoint:
     point = ellipse_point(scene, load_regions(scene, scene.check.equilibrium))
-    assert point.check()
+    assert evidence_holds(point)
     assert verifies(point)
-    assert point.recompute()
     return point
 
 
@@ -151,7 +152,7 @@ def test_speeds_impose_their_twists(name: str, ratio: Fraction) -> None:
     scene = scene_of(name, ratio)
     feedback = decide_driven_feedback(scene)
     assert feedback.verdict is Feedback.STABILIZABLE
-    assert feedback.check()
+    assert evidence_holds(feedback)
     for cone in feedback.cones:
         towards = (0.0, 0.0) if cone.rays is None else tuple(float(x) for x in between(*cone.rays))
         for imposed in cone.twists:
@@ -200,10 +201,10 @@ def test_a_unicycle_stays_one(arrays: Arrays) -> None:
     scene = centred(arrays.differential_drive(), "roller")
     feedback = decide_driven_feedback(scene)
     assert feedback.verdict is Feedback.NO_CERTIFICATE
-    assert feedback.check()
+    assert evidence_holds(feedback)
     assert all(isinstance(candidate, BalancedTwist) for candidate in feedback.candidates)
 
 
 def test_there_is_no_certificate_file() -> None:
-    with pytest.raises(CertificateError, match='"nearest" or "box", received "roller"'):
+    with pytest.raises(NoCertificateError, match='"nearest" or "box", received "roller"'):
         build_certificate(check_smooth(load_scene("four-wheel", rule="roller")))

@@ -21,6 +21,7 @@ from nonsmooth.symbolic.contact_states import ContactState
 from nonsmooth.symbolic.scene import Scene
 from tests.conftest import WheelData
 from tests.four_wheel import ROLL, SIDE
+from tests.oracles.clause_evidence import evidence_holds
 from tests.thorough import few
 
 if TYPE_CHECKING:
@@ -47,7 +48,7 @@ def test_drift_of_rings_is_the_closed_form(arrays: Arrays, n: int) -> None:
         assert result.verdict is Rotation.UNSTABLE
         assert result.drift is not None
         assert result.drift.interval == (-top, top)
-        assert result.check()
+        assert evidence_holds(result)
 
 
 def test_drift_of_the_four_wheel_array(arrays: Arrays) -> None:
@@ -95,7 +96,7 @@ def test_no_equilibrium_no_statement(arrays: Arrays) -> None:
     result = decide(replace(scene, check=replace(scene.check, equilibrium=off)))
     assert result.verdict is Rotation.UNDECIDED
     assert result.drift is None
-    assert result.check()
+    assert evidence_holds(result)
 
 
 def test_a_body_that_no_cell_turns_keeps_its_heading(arrays: Arrays) -> None:
@@ -103,7 +104,7 @@ def test_a_body_that_no_cell_turns_keeps_its_heading(arrays: Arrays) -> None:
     result = decide(arrays.scene(arrays.inward([(1, 0), (-1, 0)])))
     assert result.verdict is Rotation.NEUTRAL
     assert result.rotation_per_distance == 0
-    assert result.check()
+    assert evidence_holds(result)
     assert result.drift is not None
     assert not any(result.drift.interval)
 
@@ -147,7 +148,7 @@ def test_total_rotation_stays_within_the_bound(arrays: Arrays) -> None:
     assert result.drift is not None
     assert not any(result.drift.interval)
     assert result.rotation_per_distance == 2
-    assert result.check()
+    assert evidence_holds(result)
     for a in range(-5, 6):
         for b in range(-5, 6):
             if a and b:
@@ -164,7 +165,7 @@ def test_a_drift_of_one_sense_is_drift(arrays: Arrays, rate: int, ends: tuple[in
     assert result.verdict is Rotation.UNSTABLE
     assert result.drift is not None
     assert [float(w) for w in result.drift.interval] == list(ends)
-    assert result.check()
+    assert evidence_holds(result)
 
 
 # ---- evidence ------------------------------------------------------------------------------------
@@ -175,7 +176,7 @@ def test_tampered_drifts_are_refused(arrays: Arrays, seed: int) -> None:
     result = decide(arrays.cocircular(seed))
     assert result.drift is not None
     high, low = result.drift.highest, result.drift.lowest
-    assert result.check()
+    assert evidence_holds(result)
     wrong = [
         replace(result, drift=replace(result.drift, highest=replace(high, value=high.value + 1))),
         replace(result, drift=replace(result.drift, highest=replace(high, weights={}))),
@@ -184,15 +185,15 @@ def test_tampered_drifts_are_refused(arrays: Arrays, seed: int) -> None:
     ]
     wrong += [replace(result, drift=None)] * (result.verdict is Rotation.UNSTABLE)
     wrong += [replace(result, verdict=Rotation.UNSTABLE)] * (result.verdict is Rotation.UNDECIDED)
-    assert not any(r.check() for r in wrong)
+    assert not any(evidence_holds(r) for r in wrong)
 
 
 def test_a_claim_of_stability_needs_its_bound_and_a_claim_of_spin_its_drift(arrays: Arrays) -> None:
     partition = quadrant_system(arrays)
     result = decide_rotation(partition, decide_translation(partition))
-    assert not replace(result, rotation_per_distance=None).check()
-    assert not replace(result, verdict=Rotation.UNSTABLE).check()
-    assert not replace(result, drift=None).check()
+    assert not evidence_holds(replace(result, rotation_per_distance=None))
+    assert not evidence_holds(replace(result, verdict=Rotation.UNSTABLE))
+    assert not evidence_holds(replace(result, drift=None))
 
 
 def test_a_body_that_leaves_the_square_may_turn_beyond_it(arrays: Arrays) -> None:
@@ -205,7 +206,7 @@ def test_a_body_that_leaves_the_square_may_turn_beyond_it(arrays: Arrays) -> Non
     assert turned_from(scene, (1e-4, 0.0), until=3.0) > 1.0
     result = decide(scene)
     assert result.verdict is Rotation.UNDECIDED
-    assert result.check()
+    assert evidence_holds(result)
 
 
 def turned_from(scene: Scene, start: tuple[float, float], until: float) -> float:

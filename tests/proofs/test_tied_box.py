@@ -10,6 +10,7 @@ from nonsmooth.proofs.clauses.translation.on_cells import decide_translation
 from nonsmooth.proofs.verdicts import Translation
 from tests.oracles.agreement import box_contradiction
 from tests.oracles.box_paths import observe_box
+from tests.oracles.clause_evidence import evidence_holds
 from tests.oracles.tied_box_arrays import tied_box
 
 if TYPE_CHECKING:
@@ -24,7 +25,7 @@ def test_verdicts_at_corners_of_cells_agree_with_paths(arrays: Arrays, block: in
     for seed in range(size * block, size * (block + 1)):
         wheels, at, partition = tied_box(arrays, seed)
         result = decide_translation(partition)
-        assert result.check()
+        assert evidence_holds(result)
         found = box_contradiction(result, observe_box(wheels, at))
         assert not found, f"seed {seed}: {found}; at {at}, {wheels}"
 

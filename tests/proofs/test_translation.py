@@ -22,6 +22,7 @@ from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.plane import dot
 from nonsmooth.symbolic.scene import Scene
 from tests.four_wheel import CORNERS, ROLL, SIDE
+from tests.oracles.clause_evidence import evidence_holds
 from tests.thorough import few, keep, thorough
 
 if TYPE_CHECKING:
@@ -86,7 +87,7 @@ def test_rings_with_roll_rows_attract_in_finite_time(arrays: Arrays, n: int) -> 
     assert result.worst_rate == -2
     assert result.decay_rate == 2
     assert result.region_radius == scene.field.cos_pi(Fraction(1, n))  # beyond, the body tips between two wheels
-    assert result.check()
+    assert evidence_holds(result)
 
 
 @few(3)
@@ -99,7 +100,7 @@ def test_rings_with_side_rows_have_rays_of_equilibria(arrays: Arrays, n: int) ->
     assert result.decay_rate is None
     assert result.region_radius == scene.field.cos_pi(Fraction(1, n))
     assert result.witness is not None
-    assert result.check()
+    assert evidence_holds(result)
 
 
 def test_the_four_wheel_array_as_in_the_paper(arrays: Arrays) -> None:
@@ -125,7 +126,7 @@ def test_pushing_arrays_have_a_witness_that_the_literal_rule_confirms(arrays: Ar
     assert result.region_radius is None
     assert result.witness is not None
     assert result.witness.value > 0
-    assert result.check()
+    assert evidence_holds(result)
     x, y = result.witness.point
     beside = [(x + a, y + b) for a in (-BESIDE, BESIDE) for b in (-BESIDE, BESIDE)]
     rates = [2 * dot((x, y), state.twist.velocity) for p in beside for state in nearest_states(scene, p)]
@@ -248,8 +249,8 @@ def test_the_region_ends_where_v_stops_falling(arrays: Arrays) -> None:
     assert result.verdict is Translation.ASYMPTOTICALLY_STABLE
     assert result.worst_rate == 0
     assert result.region_radius == 4
-    assert result.check()
-    assert not replace(result, region_radius=result.region_radius + 1).check()
+    assert evidence_holds(result)
+    assert not evidence_holds(replace(result, region_radius=result.region_radius + 1))
 
 
 # ---- equilibria beside the equilibrium -----------------------------------------------------------
@@ -323,16 +324,16 @@ def wrong_versions(result: TranslationResult) -> list[TranslationResult]:
 @pytest.mark.parametrize("seed", SEEDS)
 def test_tampered_results_are_refused(arrays: Arrays, seed: int) -> None:
     result = decide(arrays.cocircular(seed))
-    assert result.check()
-    assert [k for k, wrong in enumerate(wrong_versions(result)) if wrong.check()] == []
+    assert evidence_holds(result)
+    assert [k for k, wrong in enumerate(wrong_versions(result)) if evidence_holds(wrong)] == []
 
 
 @pytest.mark.parametrize("seed", BOUNDED_SEEDS)
 def test_a_region_that_is_too_large_is_refused_and_a_smaller_one_is_true(arrays: Arrays, seed: int) -> None:
     result = decide(arrays.cocircular(seed))
     assert result.region_radius is not None
-    assert not replace(result, region_radius=result.region_radius * Fraction(1001, 1000)).check()
-    assert replace(result, region_radius=result.region_radius * Fraction(999, 1000)).check()
+    assert not evidence_holds(replace(result, region_radius=result.region_radius * Fraction(1001, 1000)))
+    assert evidence_holds(replace(result, region_radius=result.region_radius * Fraction(999, 1000)))
 
 
 def test_a_ray_that_does_not_rest_is_refused(arrays: Arrays) -> None:
@@ -340,7 +341,7 @@ def test_a_ray_that_does_not_rest_is_refused(arrays: Arrays) -> None:
     assert result.witness is not None
     field = result.worst.velocity[0].field
     diagonal = replace(result.witness, point=(field.one, field.one))
-    assert not replace(result, witness=diagonal).check()
+    assert not evidence_holds(replace(result, witness=diagonal))
 
 
 def test_a_removed_cell_is_noticed_by_the_area(arrays: Arrays) -> None:
@@ -356,13 +357,13 @@ def test_the_region_ends_where_the_body_tips(arrays: Arrays) -> None:
     result = decide_translation(build_nearest_partition(arrays.scene(arrays.inward(corners))))
     assert result.worst_rate < 0
     assert result.region_radius == Fraction(1, 10)
-    assert result.check()
-    assert not replace(result, region_radius=result.region_radius * 2).check()
+    assert evidence_holds(result)
+    assert not evidence_holds(replace(result, region_radius=result.region_radius * 2))
     assert "tips" in result.support_note
 
 
 def test_there_is_no_region_where_the_body_tips_at_the_point(arrays: Arrays) -> None:
     result = decide_translation(build_nearest_partition(arrays.scene(arrays.inward([(1, 0), (-1, 0)]))))
     assert result.region_radius is None
-    assert result.check()
+    assert evidence_holds(result)
     assert "tips at c*" in result.support_note

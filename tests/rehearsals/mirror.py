@@ -39,10 +39,6 @@ class MirrorResult:
         """How many are alone."""
         return f"{len(self.alone)} wheels have no counterpart across the point"
 
-    def check(self) -> bool:
-        """Look again."""
-        return self == find_mirror(self.scene)
-
 
 def find_mirror(scene: Scene) -> MirrorResult:
     """Look for a wheel at the opposite place of every wheel of a centred scene."""

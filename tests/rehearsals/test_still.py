@@ -66,5 +66,5 @@ def test_a_strategy_decides(monkeypatch: pytest.MonkeyPatch) -> None:
     assert (str(result.verdict), result.method) == ("stable", "no motion")
     assert certificate_of(result)["evidence"][0]["theorem"] == "still"
     assert decide_system(built(["-x", "-y", "-z"])).method == Method.LYAPUNOV
-    claimed = replace(result, scene=built(["-x", "-y", "-z"]))
+    claimed = replace(result, scene=built(["x", "y", "z"]))
     assert not claimed.check()

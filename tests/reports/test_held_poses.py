@@ -30,6 +30,7 @@ from nonsmooth.reports.paths import follow_array
 from nonsmooth.reports.simulate_options import SimulateOptions
 from nonsmooth.symbolic.scene import Scene
 from tests.conftest import WheelData
+from tests.oracles.clause_evidence import evidence_holds
 from tests.ruled import ruled
 from tests.thorough import keep
 
@@ -140,7 +141,7 @@ def test_where_a_pose_is_held_there_is_a_law(arrays: Arrays, rule: str, number: 
     if numbers["verdict"] is not Pose.CAN_BE_HELD:
         assert not check.feedback.holding.cones
         return
-    assert check.evidence_holds()
+    assert evidence_holds(check.feedback)
     law = certified_law_of(check)
     assert law.rows()
     law.save(tmp_path / "law.csv")

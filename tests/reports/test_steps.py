@@ -109,7 +109,7 @@ def test_only_the_innermost_listener_hears() -> None:
 @pytest.mark.parametrize(
     ("arguments", "named"),
     [
-        (["check", "four-wheel", "--rule", "box"], ["feedback (", "verification of the evidence ("]),
+        (["check", "four-wheel", "--rule", "box"], ["feedback ("]),
         (["check", "four-wheel", "--rule", "all"], ["rule box: feedback (", "rule ellipse: feedback ("]),
         (["partition", "four-wheel", "--rule", "box"], ["cells of rule box ("]),
         (["derive", "four-wheel", "--only", "theorem"], ["feedback ("]),

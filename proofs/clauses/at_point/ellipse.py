@@ -21,7 +21,7 @@ from enum import StrEnum
 
 from flint import arb, ctx, fmpq
 
-from nonsmooth.analysis.cells.loads import LoadRegion, load_regions
+from nonsmooth.analysis.cells.loads import LoadRegion
 from nonsmooth.analysis.contact_rule import smooth_rule_of
 from nonsmooth.proofs.clauses.at_point.balance import RestBalance, rest_balance
 from nonsmooth.proofs.clauses.at_point.linearization import (
@@ -101,25 +101,6 @@ class EllipsePoint:
     def undecided(self, reason: str) -> EllipsePoint:
         """The same point without a claim."""
         return replace(self, situation=Situation.OPEN, twist=None, linearization=None, reason=reason)
-
-    def check(self) -> bool:
-        """Whether the twist that is named is such a motion, with that linearization; not that the body is driven away.
-
-        Nothing is searched for.
-        """
-        zero = self.scene.field.zero
-        if not self.region.polygon.contains((zero, zero)):
-            return False
-        if self.twist is None:
-            return self.linearization is None and self.situation in (Situation.MOVED, Situation.OPEN)
-        found = motion_with(self.scene, self.region, rest_balance(self.scene, self.region), self.twist)
-        if found is None or (found.situation, found.balance) != (self.situation, self.balance):
-            return False
-        return self.linearization in (None, found.linearization)
-
-    def recompute(self) -> bool:
-        """Whether deciding again gives the same."""
-        return self == ellipse_point(self.scene, load_regions(self.scene, self.scene.check.equilibrium))
 
 
 def ellipse_point(scene: Scene, regions: tuple[LoadRegion, ...]) -> EllipsePoint:

@@ -61,16 +61,6 @@ class MassLimit:
     stable_to: Fraction
     unstable_at: Fraction | None
 
-    def check(self) -> bool:
-        """Verify both masses from H, G and the radius."""
-        with ctx.workprec(PRECISION):
-            determinant = hurwitz_determinant(self.linearization, self.squared_radius)
-            if self.stable_to <= 0 or not _is_positive_to(determinant, self.stable_to):
-                return False
-            if self.unstable_at is None:
-                return True
-            return self.unstable_at > self.stable_to and bool(determinant(_ball(self.unstable_at)) < 0)
-
 
 def squared_radius_of_disc(scene: Scene) -> Number:
     """``rho^2`` of a uniform disc as large as the array.
@@ -103,7 +93,17 @@ def decide_mass_limit(linearization: Linearization, squared_radius: Number) -> M
     else:
         low, high = (Fraction(text(Fraction(root), DIGITS)) for text in (lower_text, upper_text))
         found = MassLimit(linearization, squared_radius, low, high)
-    return found if found.check() else None
+    return found if _is_confirmed(found, determinant) else None
+
+
+def _is_confirmed(found: MassLimit, determinant: arb_poly) -> bool:
+    """Whether the determinant is positive up to the lower mass, and negative at the upper one, in balls."""
+    with ctx.workprec(PRECISION):
+        if found.stable_to <= 0 or not _is_positive_to(determinant, found.stable_to):
+            return False
+        if found.unstable_at is None:
+            return True
+        return found.unstable_at > found.stable_to and bool(determinant(_ball(found.unstable_at)) < 0)
 
 
 def hurwitz_determinant(linear: Linearization, squared_radius: Number) -> arb_poly:

@@ -27,7 +27,3 @@ class EllipseEquilibrium:
         if self.point.situation is Situation.OPEN and twist is not None:
             return f"the twist (0, 0, {brief_text(twist.omega)}) minimizes D"
         return self.point.summary
-
-    def check(self) -> bool:
-        """Re-decide the situation."""
-        return self.point.check()

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, TypeAlias
 
-from nonsmooth.analysis.cells.filippov import filippov_twists
-from nonsmooth.analysis.cells.loads import load_regions
 from nonsmooth.proofs.clauses.clause import Clause
 from nonsmooth.proofs.clauses.equilibrium.at_point import EllipseEquilibrium
 from nonsmooth.proofs.clauses.equilibrium.every_load import EveryLoadEquilibrium
@@ -43,21 +41,6 @@ class EquilibriumClause(Clause[AnyEquilibrium]):
         if isinstance(result, EllipseEquilibrium):
             return EllipseEquilibrium(result.point.undecided(reason))
         return EveryLoadEquilibrium(result.point.undecided(reason))
-
-    def is_about(self, result: AnyEquilibrium, check: Theorem4Result) -> bool:
-        """Whether all twists that meet at the point of the array were looked at."""
-        scene = check.scene.recentred()
-        if isinstance(result, EveryLoadEquilibrium):
-            return result.point.scene == scene
-        if isinstance(result, EllipseEquilibrium):
-            regions = load_regions(scene, scene.check.equilibrium)
-            return result.point.scene == scene and result.point.region in regions
-        zero = scene.field.zero
-        return check.partition is not None and result.twists == filippov_twists(check.partition, (zero, zero))
-
-    def recompute(self, result: AnyEquilibrium, check: Theorem4Result) -> bool:
-        """What every load of a set does."""
-        return not isinstance(result, EveryLoadEquilibrium) or result.point.recompute()
 
     def settles(self, result: AnyEquilibrium) -> tuple[Theorem4, str] | None:
         """Without an equilibrium nothing is said of its stability."""

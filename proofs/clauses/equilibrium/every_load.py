@@ -26,7 +26,3 @@ class EveryLoadEquilibrium:
         plain = point.situation in (EveryLoad.OPEN, EveryLoad.MOVED)
         said = point.reason if plain else f"{point.situation}: {point.reason}"
         return f"{said} ({point.loads.remark})" if point.loads.remark else said
-
-    def check(self) -> bool:
-        """Verify the situation."""
-        return self.point.check()

@@ -39,19 +39,6 @@ class EquilibriumResult:
     separator: Vector | None
     open: str = ""
 
-    def check(self) -> bool:
-        """Re-verify the evidence from the definition."""
-        if self.verdict is Equilibrium.UNDECIDED:
-            return not self.weights and self.separator is None  # nothing is claimed
-        if self.verdict is Equilibrium.HOLDS:
-            total = sum(self.weights.values())
-            x = sum(w * self.twists[k].vx for k, w in self.weights.items())
-            y = sum(w * self.twists[k].vy for k, w in self.weights.items())
-            return bool(total == 1 and x == 0 and y == 0 and all(w >= 0 for w in self.weights.values()))
-        if self.separator is None or not self.twists:
-            return False
-        return all(dot(self.separator, t.velocity).sign() > 0 for t in self.twists)
-
     @property
     def reason(self) -> str:
         """One sentence for people."""
@@ -91,10 +78,11 @@ def decide_equilibrium(partition: Partition) -> EquilibriumResult:
         return EquilibriumResult(Equilibrium.HOLDS, twists, certain, None)
     if mixture is not None:
         return EquilibriumResult(Equilibrium.HOLDS, twists, mixture.weights, None)
-    found = EquilibriumResult(Equilibrium.FAILS, twists, {}, separating_direction(velocities))
-    if zero.field.measured:
-        found.check()  # counts where the rounded velocities alone point to one side
-    return found
+    separator = separating_direction(velocities)
+    if separator is not None and zero.field.measured:
+        for velocity in velocities:
+            dot(separator, velocity).sign()  # counts where the rounded velocities alone point to one side
+    return EquilibriumResult(Equilibrium.FAILS, twists, {}, separator)
 
 
 def _certain_weights(velocities: Sequence[Vector]) -> dict[int, Number] | None:

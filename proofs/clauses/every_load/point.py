@@ -19,7 +19,7 @@ from nonsmooth.proofs.clauses.at_point.ellipse import common_twist, ellipse_poin
 from nonsmooth.proofs.clauses.at_point.linearization import Slope, spin_candidates
 from nonsmooth.proofs.clauses.cocircular import cocircular_array
 from nonsmooth.proofs.clauses.every_load.box_slopes import build_slopes, is_driven_away, moving_loads
-from nonsmooth.proofs.clauses.every_load.wheel_pulls import common_slope, has_slope, under_load, wheel_slips
+from nonsmooth.proofs.clauses.every_load.wheel_pulls import common_slope, under_load, wheel_slips
 from nonsmooth.proofs.verdicts import Equilibrium
 from nonsmooth.symbolic.constraints import Twist, rows_with_friction, scene_rows
 from nonsmooth.symbolic.number_text import brief_text
@@ -75,31 +75,6 @@ class EveryLoadPoint:
     def undecided(self, reason: str) -> EveryLoadPoint:
         """The same point without a claim."""
         return replace(self, situation=EveryLoad.OPEN, twist=None, slope=None, witness=None, reason=reason)
-
-    def check(self) -> bool:
-        """Verify the witness by the decision for known loads, the slopes wheel by wheel, rest corner by corner."""
-        match self.situation:
-            case EveryLoad.OPEN:
-                return self.twist is None and self.witness is None
-            case EveryLoad.MOVED:
-                return self.witness is not None and is_admissible(self.scene, self.witness) and self._moves()
-            case EveryLoad.CARRIED:
-                region = under_load(self.scene, self.loads.reached.middle)
-                return self.twist is not None and is_carried(self.scene, region, self.twist)
-            case EveryLoad.SMOOTH:
-                slips = None if self.twist is None else wheel_slips(self.scene, self.twist.omega)
-                return slips is not None and self.slope is not None and has_slope(slips, self.slope)
-            case EveryLoad.TIED:
-                return self.twist is not None and (_rolls(self.scene, self.twist) or bool(cocircular_array(self.scene)))
-            case _:
-                return self.twist is not None
-
-    def _moves(self) -> bool:
-        return self.witness is not None and _is_refuted(self.scene, self.witness)
-
-    def recompute(self) -> bool:
-        """Whether deciding again gives the same."""
-        return self == every_load_point(self.scene)
 
 
 def is_admissible(scene: Scene, loads: Loads) -> bool:
@@ -200,7 +175,9 @@ def mixed(first: Loads, second: Loads) -> Loads:
 
 
 def _is_refuted(scene: Scene, load: Loads) -> bool:
-    """Whether the point is no equilibrium under one load, decided as for loads that are known."""
+    """Whether the point is no equilibrium under one load that may be, decided as for loads that are known."""
+    if not is_admissible(scene, load):
+        return False
     if isinstance(rule_of(scene), CellRule):
         return is_driven_away(scene, load)
     return ellipse_point(scene, (under_load(scene, load),)).equilibrium is Equilibrium.FAILS

@@ -31,10 +31,6 @@ class Authority:
     basis: tuple[int, ...]
     missing: tuple[Triple, ...]
 
-    def check(self, scene: Scene) -> bool:
-        """Whether deciding again gives the same."""
-        return self == roll_authority(scene)
-
 
 def roll_authority(scene: Scene) -> Authority:
     """Exact rank of the roll rows about the checked equilibrium."""

@@ -44,7 +44,6 @@ from nonsmooth.proofs.clauses.feedback.driven_law import (
     best_three,
     between,
     certified_gain,
-    gains,
     in_scene,
 )
 from nonsmooth.proofs.clauses.feedback.obstruction import common_normal, obstruction_text
@@ -57,7 +56,7 @@ from nonsmooth.proofs.clauses.feedback.twist_candidates import (
 )
 from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.verdicts import Feedback
-from nonsmooth.symbolic.constraints import Triple, inner
+from nonsmooth.symbolic.constraints import Triple
 from nonsmooth.symbolic.free_rollers import with_rims_along_axes
 from nonsmooth.symbolic.number_text import brief_text, lower_text
 from nonsmooth.symbolic.numbers.lazy import Lazy, divided, quotient
@@ -201,19 +200,6 @@ class DrivenFeedback:
         """The same without a claim."""
         return DrivenFeedback(Feedback.UNDECIDED, reason, self.scene, samples=self.samples)
 
-    def check(self) -> bool:
-        """Verify the twists and the rate (stabilizable), or that all off the plane is excluded (no certificate)."""
-        normal, kappa = self.obstruction, self.kappa
-        if self.verdict is Feedback.NO_CERTIFICATE and normal is not None:
-            off = [c for c in self.candidates if inner(normal, in_scene(c.twist, self.length))]
-            return any(normal) and all(candidate.is_excluded for candidate in off)
-        if self.verdict is Feedback.STABILIZABLE and kappa is not None:
-            fast = kappa > 0 and all(gains(cone.vectors, kappa) and cone.check() for cone in self.cones)
-            safe = self.every_load is None or all(map(self.every_load.check, self.cones))
-            return fast and safe and _go_around(self.cones)
-        claims = self.verdict in (Feedback.NO_CERTIFICATE, Feedback.STABILIZABLE)
-        return not claims and (self.beyond is None or self.beyond.check())
-
 
 def decide_driven_feedback(scene: Scene) -> DrivenFeedback:
     """Decide the feedback clause for a centred scene of a rule that minimizes the dissipation.
@@ -299,7 +285,8 @@ def _decide_by_twists(own: Scene, length: Fraction) -> DrivenFeedback:
         three = best_three(own, unique)
         others = [Drives(own, region) for region in regions[1:]] if has_cells else []
         elsewhere = tuple(drives.examine(one.twist) for drives in others for one in three)
-        return _stabilizable(THREE, own, (LawCone(None, three, elsewhere),))
+        if all(one.is_unique for one in elsewhere):
+            return _stabilizable(THREE, own, (LawCone(None, three, elsewhere),))
     if complete:
         candidates = with_exclusions(candidates)
     possible = [candidate.twist for candidate in candidates if not candidate.is_excluded]
@@ -328,16 +315,6 @@ def _regions_at(own: Scene) -> Sequence[LoadRegion]:
 def _stabilizable(reason: str, own: Scene, cones: tuple[LawCone, ...]) -> DrivenFeedback:
     kappa = min(certified_gain(cone.vectors) for cone in cones)
     return DrivenFeedback(Feedback.STABILIZABLE, reason, own, cones, kappa)
-
-
-def _go_around(cones: Sequence[LawCone]) -> bool:
-    """Whether cones cover all directions of c: one all around, or each from the last ray of the one before it."""
-    rays = [cone.rays for cone in cones if cone.rays is not None]
-    if len(rays) != len(cones) or not rays:
-        return len(cones) == 1
-    chained = all(before[1] == after[0] for before, after in around(rays))
-    ordered = all(by_angle(a[0]) < by_angle(b[0]) for a, b in pairwise(rays))
-    return chained and ordered and all(sign(cross(*pair)) > 0 for pair in rays)
 
 
 # ---- an exact balance of frictions: a law by directions of c -----------------------------

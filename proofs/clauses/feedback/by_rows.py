@@ -165,14 +165,6 @@ class FeedbackResult:
         """The same without a claim."""
         return FeedbackResult(Feedback.UNDECIDED, reason, self.partition)
 
-    def check(self) -> bool:
-        """Whether deciding again gives the same; where nothing is claimed there is nothing to verify.
-
-        Every number was confirmed exactly when it was found; by other means the checker of certificates verifies the
-        verdict.
-        """
-        return self.verdict is Feedback.UNDECIDED or self == decide_feedback(self.partition)
-
 
 def decide_feedback(partition: Partition) -> FeedbackResult:
     """Decide the feedback clause for a centred partition of rule ``nearest``."""

@@ -46,20 +46,6 @@ class FeedbackClause(Clause[AnyFeedback]):
             return result if beyond is None else replace(result, beyond=beyond.undecided(reason))
         return result.undecided(reason)
 
-    def is_about(self, result: AnyFeedback, check: Theorem4Result) -> bool:
-        """Whether the law is about the cells of the array, or about its wheels."""
-        if isinstance(result, FeedbackResult):
-            return result.partition == check.partition
-        return result.scene == check.scene.recentred()
-
-    def recompute(self, result: AnyFeedback, check: Theorem4Result) -> bool:
-        """All of it: whether the clause applies, that no other V serves, the slopes of imposed twists."""
-        if isinstance(result, FeedbackResult):
-            return True  # its check decides again
-        from nonsmooth.proofs.clauses.feedback.by_friction import decide_driven_feedback
-
-        return result == decide_driven_feedback(result.scene)
-
     def settles(self, result: AnyFeedback) -> tuple[Theorem4, str] | None:
         """A plane of twists that no input leaves refutes every static feedback."""
         if result.obstruction is not None:

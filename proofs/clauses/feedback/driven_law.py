@@ -63,15 +63,6 @@ class LawCone:
                     if sign(constant) > 0 and sign(size):
                         yield constant, size
 
-    def check(self) -> bool:
-        """Re-verify that the twists are independent, each the only minimizer."""
-        return rank_of(self.twists) == 3 and all(map(self._is_unique, (*self.twists, *self.elsewhere)))
-
-    def _is_unique(self, imposed: ImposedTwist) -> bool:
-        if self.rays is None:
-            return imposed.is_unique
-        return isinstance(imposed, BoxTwist) and imposed.is_unique_towards(between(*self.rays))
-
 
 def in_scene(twist: Triple, length: Fraction) -> Triple:
     """``(v, omega/l)``: a twist of the array with l for its unit of length, in the scene's own; the same speeds."""

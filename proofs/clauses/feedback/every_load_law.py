@@ -46,7 +46,7 @@ from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.proofs.clauses.every_load.float_loads import FloatLoads, Floats, float_loads
 from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, least_products, rim_speeds
-from nonsmooth.proofs.clauses.feedback.twist_candidates import ImposedTwist, rank_of
+from nonsmooth.proofs.clauses.feedback.twist_candidates import ImposedTwist
 from nonsmooth.symbolic.constraints import roll_row, side_row
 from nonsmooth.symbolic.friction_set import CutEllipse, float_sets
 from nonsmooth.symbolic.scene import Scene
@@ -90,13 +90,6 @@ class EveryLoadLaw:
     def largest(self) -> Fraction:
         """No motion is longer than so many times the longest twist: ``1 + h + (h + eta)``."""
         return 1 + 2 * self.height + self.slack
-
-    def check(self, cone: LawCone) -> bool:
-        """Enclose the motions of every load of the set again."""
-        if not 0 < self.slack < 1 or cone.rays is not None or rank_of(cone.twists) != 3:
-            return False
-        loads = float_loads(load_set(self.scene).bound)
-        return self.holds(cone.twists, wheel_forms(self.scene), loads)
 
     def holds(self, three: Sequence[ImposedTwist], wheels: WheelForms, loads: FloatLoads) -> bool:
         """Whether three pyramids hold all motions."""

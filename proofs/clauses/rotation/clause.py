@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from nonsmooth.analysis.cells.partition import Partition
@@ -38,18 +37,6 @@ class RotationClause(Clause[RotationResult]):
     def undecided(self, result: RotationResult, reason: str) -> RotationResult:
         """Neither a drift nor none."""
         return RotationResult(Rotation.UNDECIDED, None, None, reason)
-
-    def is_about(self, result: RotationResult, check: Theorem4Result) -> bool:
-        """Whether it follows from the twists that meet at the point and from the clause on translation.
-
-        Ends of the drift may be attained by several weights; those of the result are verified by themselves.
-        """
-        again = _rotation(check.results["translation"], check.partition)
-        if result.drift is None or again.drift is None:
-            return result == again
-        if (result.drift.twists, result.drift.interval) != (again.drift.twists, again.drift.interval):
-            return False
-        return replace(result, drift=again.drift) == again
 
     def settles(self, result: RotationResult) -> tuple[Theorem4, str] | None:
         """The theorem says that theta is unstable."""

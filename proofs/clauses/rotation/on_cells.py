@@ -60,20 +60,6 @@ class RotationResult:
     reason: str
     fan: FanResult | None = None
 
-    def check(self) -> bool:
-        """Re-verify the evidence behind the verdict."""
-        if self.drift is not None and not self.drift.check():
-            return False
-        if self.verdict is Rotation.UNDECIDED:
-            return True
-        if self.drift is None:
-            return False
-        spins = any(self.drift.interval)
-        if self.verdict is Rotation.UNSTABLE:
-            return spins
-        bounded = self.rotation_per_distance is not None or not any(map(any, self.drift.twists))
-        return not spins and (bounded or (self.fan is not None and _has_short_paths(self.fan) and self.fan.check()))
-
 
 def drift_at_rest(twists: tuple[Twist, ...]) -> Drift | None:
     """The drift of a hull of twists; None where the hull holds no zero velocity."""

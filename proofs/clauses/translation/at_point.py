@@ -6,7 +6,7 @@ minimizer and said to be sampled.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint
@@ -69,7 +69,7 @@ class EllipseTranslation(WithoutCells):
 
     point: EllipsePoint
     lemma: CocircularArray | None
-    sampled: SampledDerivative | None
+    sampled: SampledDerivative | None = field(compare=False)
     mass: MassLimit | None = None
     region_radius: Number | None = None
 
@@ -98,22 +98,6 @@ class EllipseTranslation(WithoutCells):
             return self.point.summary
         abscissa = linear.spectral_abscissa
         return f"c' = A c to first order, and the eigenvalues of A have real parts up to {brief_text(abscissa)}"
-
-    def check(self) -> bool:
-        """Re-verify the situation, the lemma and the masses."""
-        if self.mass is not None and not self._is_about_mass(self.mass):
-            return False
-        if self.region_radius is not None and self.region_radius != self._home_disc():
-            return False
-        return self.point.check() and (self.lemma is None or self.lemma.check())
-
-    def _home_disc(self) -> Number | None:
-        return home_disc(self.point.scene, self.point.region, self.point.linearization)
-
-    def _is_about_mass(self, mass: MassLimit) -> bool:
-        """Whether the limit verifies, and speaks of this array."""
-        own = mass.linearization == self.point.linearization
-        return own and mass.squared_radius == squared_radius_of_disc(self.point.scene) and mass.check()
 
 
 def decide_translation_at(

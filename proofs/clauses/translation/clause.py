@@ -5,12 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, TypeAlias
 
-from nonsmooth.analysis.cells.support import limiting_support
 from nonsmooth.proofs.clauses.clause import Clause
 from nonsmooth.proofs.clauses.every_load.facts import witness_load
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation, decide_translation_at
 from nonsmooth.proofs.clauses.translation.every_load import EveryLoadTranslation, decide_for_every_load
-from nonsmooth.proofs.clauses.translation.fan_stability import decide_fan
 from nonsmooth.proofs.clauses.translation.mass_facts import mass_fact
 from nonsmooth.proofs.clauses.translation.on_cells import LYAPUNOV, TranslationResult, decide_translation
 from nonsmooth.proofs.clauses.witness import witness_record
@@ -54,24 +52,6 @@ class TranslationClause(Clause[AnyTranslation]):
         if isinstance(result, EveryLoadTranslation):
             return EveryLoadTranslation(result.point.undecided(reason), Translation.UNDECIDED, reason)
         return EllipseTranslation(result.point.undecided(reason), None, result.sampled)
-
-    def is_about(self, result: AnyTranslation, check: Theorem4Result) -> bool:
-        """Whether V* was looked at on every cell of the array."""
-        scene, partition = check.scene.recentred(), check.partition
-        if isinstance(result, EllipseTranslation | EveryLoadTranslation):
-            return result.point.scene == scene and (result.lemma is None or result.lemma.scene == scene)
-        if partition is None or not (partition.tiles if partition.complete else result.lemma is not None):
-            return False
-        every = [(cell, twist) for cell in partition.cells for twist in cell.twists]
-        whole = [(derivative.cell, derivative.twist) for derivative in result.derivatives] == every
-        same_fan = result.fan is None or result.fan == decide_fan(partition)
-        return whole and same_fan and result.support == limiting_support(partition)
-
-    def recompute(self, result: AnyTranslation, check: Theorem4Result) -> bool:
-        """The situation at the point, and what follows from it."""
-        if isinstance(result, EveryLoadTranslation):
-            return result == decide_for_every_load(result.point, result.lemma)
-        return not isinstance(result, EllipseTranslation) or result.point.recompute()
 
     def settles(self, result: AnyTranslation) -> tuple[Theorem4, str] | None:
         """A body that is thrown out refutes the theorem."""

@@ -61,18 +61,6 @@ class EveryLoadTranslation(WithoutCells):
     def sampled(self) -> None:
         """Nothing is sampled."""
 
-    def check(self) -> bool:
-        """Verify the forces of every wheel, the lemma, or what the witness does."""
-        if not self.point.check() or not (self.lemma is None or self.lemma.check()):
-            return False
-        if self.verdict is Translation.UNSTABLE:
-            decay = _decay(self.point)
-            admissible = self.load is not None and is_admissible(self.point.scene, self.load)
-            return decay is not None and self.load is not None and admissible and decay.throws_out(self.load)
-        if self.comes_home:
-            return self.point.slope is not None and inward_pull(self.point.slope) is not None
-        return self.load is None
-
 
 def decide_for_every_load(point: EveryLoadPoint, lemma: CocircularArray | None) -> EveryLoadTranslation:
     """Decide the clause from the situation at the point."""
@@ -136,7 +124,7 @@ def _by_linearization(point: EveryLoadPoint, lemma: CocircularArray | None) -> E
     if decay.is_hurwitz_for_all():
         return EveryLoadTranslation(point, Translation.ASYMPTOTICALLY_STABLE, HURWITZ, lemma)
     load = decay.throwing_load()
-    if load is not None:
+    if load is not None and is_admissible(point.scene, load):
         reason = f"under the load {load_text(load)} the linearization has an eigenvalue with a positive real part"
         return EveryLoadTranslation(point, Translation.UNSTABLE, reason, lemma, load)
     return EveryLoadTranslation(point, Translation.UNDECIDED, _why_open(decay), lemma)

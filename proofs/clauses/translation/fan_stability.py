@@ -35,14 +35,13 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from itertools import product
-from typing import Any, cast
+from typing import Any
 
 from nonsmooth.analysis.cells.fan import Cone, build_fan, is_plane, rays_of
 from nonsmooth.analysis.cells.full_turns import FullTurn, Growth, full_turns
 from nonsmooth.analysis.cells.moves import departure_sign, slide_speed
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.cells.polygon import Point
-from nonsmooth.proofs.checker import fan as checker
 from nonsmooth.proofs.clauses.translation.overshoot import leaves_at_a_root, squared_overshoot
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.constraints import Twist
@@ -130,16 +129,6 @@ class FanResult:
         reason = "no velocity escapes, every slide leads inward" + (f"; {turns}" if turns else ", no full turn exists")
         far = "; a start at distance eps may first move away to the order of eps^(1/2)"
         return reason + (far if self.grows_to_a_root else "")
-
-    def check(self) -> bool:
-        """Whether the stand-alone checker says the same of these cones; it decides by code of its own."""
-        rays: list[Any] = [(*cone.start, 1) for cone in self.cones]
-        cones = []
-        for k, cone in enumerate(self.cones):
-            ends = (-1, -1) if is_plane(cone) else (k, (k + 1) % len(rays))
-            cones.append(checker.Cone(*ends, cast("tuple[Any, ...]", cone.twists)))
-        found = checker.Fan(cones, rays).verdict()
-        return found == (None if self.verdict is Translation.UNDECIDED else self.verdict)
 
 
 def decide_fan(partition: Partition) -> FanResult:

@@ -24,13 +24,13 @@ from fractions import Fraction
 
 from flint import arb
 
-from nonsmooth.analysis.cells.fan import CellCone, build_fan
+from nonsmooth.analysis.cells.fan import build_fan
 from nonsmooth.analysis.cells.filippov import CellDerivative, RelativeRate, cell_derivatives
 from nonsmooth.analysis.cells.partition import Cell, Partition
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.support import Support, limiting_support
 from nonsmooth.proofs.clauses.cocircular import CocircularArray
-from nonsmooth.proofs.clauses.translation.decrease_region import region_radius, squared_reach
+from nonsmooth.proofs.clauses.translation.decrease_region import region_radius
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, decide_fan
 from nonsmooth.proofs.clauses.translation.quadratic import QuadraticCertificate, find_quadratic
 from nonsmooth.proofs.clauses.witness import Witness
@@ -138,70 +138,6 @@ class TranslationResult:
     @property
     def exponential_rate(self) -> None:
         """None: with constant velocities a body arrives, or not; it does not approach exponentially."""
-
-    def check(self) -> bool:
-        """Re-verify the verdict from the twists and vertices; that the cells are all is for the partition to show."""
-        rates = list(_local_rates(self.derivatives))
-        exact = all(
-            rate == 2 * dot(d.twist.velocity, vertex)
-            for d in self.derivatives
-            for rate, vertex in zip(d.rates, d.cell.polygon.vertices, strict=True)
-        )
-        slopes = [d.relative() for d in self.derivatives]
-        bounded = not any(self.worst < s for s in slopes) and any(not s < self.worst for s in slopes)
-        if not rates or not exact or not bounded:
-            return False
-        if self.lemma is not None and not self.lemma.check():
-            return False
-        if self.quadratic is not None and not (self.fan and self.quadratic.cones == self.fan.cones):
-            return False
-        if self.quadratic is not None and not (self.quadratic.check() and self._stays_supported(self.quadratic)):
-            return False
-        highest = max(rate.sign() for _, rate in rates)
-        if self.verdict is Translation.UNDECIDED and self.fan is None:
-            return self.region_radius is None and self.quadratic is None  # nothing is claimed
-        if highest > 0:  # V is refuted and the fan decides alone
-            attained = self.witness is not None and self._is_attained(self.witness)
-            return attained and self._fan_says(self.verdict)
-        if self.fan is not None and self.fan.verdict is Translation.UNSTABLE:
-            return False  # V* <= 0 shows stability: one of the two is wrong
-        strict = highest < 0
-        rest = self.witness is None or _rests_on_ray(self.derivatives, self.witness.point)
-        decided = self.verdict is (Translation.ASYMPTOTICALLY_STABLE if strict else Translation.STABLE)
-        return rest and self._region_holds(strict=strict) and (decided or self._fan_says(self.verdict))
-
-    def _fan_says(self, verdict: Translation) -> bool:
-        """Whether the fan of these cells gives the verdict."""
-        if self.fan is None or not self.fan.check() or self.fan.verdict is not verdict:
-            return False
-        local = {d.cell.index for d in local_derivatives(self.derivatives)}
-        return {cone.cell.index for cone in self.fan.cones if isinstance(cone, CellCone)} == local
-
-    def _region_holds(self, *, strict: bool) -> bool:
-        """Whether no violation comes nearer to the equilibrium than the region's radius."""
-        radius = self.region_radius
-        if self.support is not None and not self.support.stands:
-            return radius is None
-        if radius is None or radius.sign() <= 0:
-            return False
-        if self.support is not None and radius * radius > self.support.squared_distance:
-            return False
-        return squared_reach(self.derivatives, strict=strict, within=radius) >= radius * radius
-
-    def _stays_supported(self, quadratic: QuadraticCertificate) -> bool:
-        """Whether the region of another V keeps to the support polygon."""
-        if self.support is not None and not self.support.stands:
-            return False
-        sides = () if self.support is None else self.support.sides
-        return all(quadratic.level <= quadratic.least_on(p, q) for p, q in sides)
-
-    def _is_attained(self, witness: Witness) -> bool:
-        """Whether the positive value is V* of some cell near the equilibrium whose closure holds the point."""
-        return witness.value.sign() > 0 and any(
-            witness.value == 2 * dot(d.twist.velocity, witness.point)
-            for d in local_derivatives(self.derivatives)
-            if d.cell.polygon.contains(witness.point)
-        )
 
 
 def decide_translation(partition: Partition, lemma: CocircularArray | None = None) -> TranslationResult:

@@ -59,15 +59,6 @@ class QuadraticDecrease:
         a, b = self.shape
         return root_above(a * a + b * b)
 
-    def holds(self, cones: Sequence[CellCone]) -> bool:
-        """Verify it on every ray."""
-        a, b = self.shape
-        return (
-            a * a + b * b < 1
-            and self.decay > 0
-            and all(_falls(self.shape, ray, v, self.decay) for ray, v in _pairs(cones))
-        )
-
 
 @dataclass(frozen=True)
 class QuadraticCertificate:
@@ -141,12 +132,6 @@ class QuadraticCertificate:
         """``c^T P c``."""
         return dot(c, shaped(self.shape, c))
 
-    def check(self) -> bool:
-        """Re-verify that each P is positive definite, the decay on every ray, and that the region stays in the fan."""
-        swift = self.swift or self.descent
-        falling = self.descent.holds(self.cones) and swift.holds(self.cones) and self.speed(swift) > 0
-        return falling and sign(self.level) > 0 and self.level <= self.largest_level()
-
     def largest_level(self) -> Number:
         """Level of the largest region: inside the fan's cells, and where turning leaves the decay.
 
@@ -191,14 +176,17 @@ def find_quadratic(
     swifter = replace(found, swift=swift)
     if swift is not None and swifter.speed(swift) > 0:
         found = min(found, swifter, key=lambda own: own.arrival_per_distance)
-    return found if found.check() else None
+    falls = found.speed(found.swift or found.descent) > 0
+    return found if falls and sign(found.level) > 0 else None
 
 
 def _descent(cones: Sequence[CellCone], proposal: tuple[float, float] | None) -> QuadraticDecrease | None:
-    """A proposed P, rounded, with the least steepness of all cones; None where that is not positive."""
+    """A proposed P, rounded, with the least steepness of all cones; None unless that and P are positive."""
     if proposal is None:
         return None
     shape = (_rounded(proposal[0]), _rounded(proposal[1]))
+    if not shape[0] ** 2 + shape[1] ** 2 < 1:
+        return None
     decay = min(steepness(shape, cone, twist) for cone, twist in _motions(cones))
     return QuadraticDecrease(shape, decay) if decay > 0 else None
 
@@ -296,12 +284,6 @@ def _direction(vector: Point) -> NDArray[np.float64] | None:
     """A vector in floats of order one, whatever its unit; None for zero."""
     largest = max(abs(vector[0]), abs(vector[1]))
     return np.array([float(x / largest) for x in vector]) if largest else None
-
-
-def _falls(shape: tuple[Fraction, Fraction], ray: Point, velocity: Vector, decay: Fraction) -> bool:
-    """``r^T P v <= -m |r|`` and negative, without taking the root."""
-    slope = dot(ray, shaped(shape, velocity))
-    return sign(slope) < 0 and sign(slope * slope - decay * decay * dot(ray, ray)) >= 0
 
 
 def _motions(cones: Sequence[CellCone]) -> Iterator[tuple[CellCone, Twist]]:

@@ -289,7 +289,7 @@ def rests(partition: Partition, place: Point) -> bool:
 
 def audit_rotation(roll: CellCheck, side: CellCheck) -> AuditedClaim:
     """Theta, by the convex combinations of motions at the origin."""
-    unstable = all(r.rotation.verdict is Rotation.UNSTABLE and r.rotation.check() for r in (roll, side))
+    unstable = all(r.rotation.verdict is Rotation.UNSTABLE for r in (roll, side))
     rows: list[tuple[Entry, ...]] = []
     for equation, drift in (("(3)", side.rotation.drift), ("(4)", roll.rotation.drift)):
         if drift is None:
