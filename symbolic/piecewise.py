@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property, reduce
 from typing import TypeAlias
@@ -39,7 +39,7 @@ class PiecewiseExpression:
     """A checked formula in named states."""
 
     text: str
-    tree: ast.expr
+    tree: ast.expr = field(compare=False)  # of the text
     states: frozenset[str]
 
     def polynomial(self, values: Mapping[str, Polynomial], sign_of: SignOf) -> Polynomial:

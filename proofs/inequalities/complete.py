@@ -19,7 +19,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 from itertools import combinations
 from typing import Any, TypeAlias
 
@@ -32,6 +31,7 @@ from nonsmooth.proofs.inequalities.forms import (
     ConeForm,
     Problem,
     Role,
+    Stuck,
     SubCone,
     Vector,
     Violation,
@@ -39,12 +39,10 @@ from nonsmooth.proofs.inequalities.forms import (
 from nonsmooth.proofs.inequalities.real_roots import (
     Coefficients,
     RealRoot,
-    Sturm,
     positive_roots,
     samples_between,
     trimmed,
     value,
-    without_zeros,
 )
 from nonsmooth.symbolic.constraints import cofactors
 from nonsmooth.symbolic.numbers.coefficients import height
@@ -54,37 +52,19 @@ from nonsmooth.symbolic.numbers.polynomial import Terms
 
 
 @dataclass(frozen=True)
-class RootEvidence:
-    """All roots at which the form could change: between them one point each shows the sign."""
-
-    roots: tuple[RealRoot, ...]
-
-    def check(self, problem: Problem) -> bool:
-        """Re-verify that these are all roots, and the signs between, at and beside them."""
-        line = line_of(problem)
-        curve = tuple(without_zeros(trimmed(line)))
-        if not curve:
-            return not problem.strict
-        genuine = all(root.coefficients == curve and root.low > 0 and root.check() for root in self.roots)
-        apart = all(a.high <= b.low for a, b in zip(self.roots, self.roots[1:], strict=False))
-        complete = Sturm(curve).count(Fraction(0), None) == len(self.roots)
-        return genuine and apart and complete and _failure(line, self.roots, problem.strict) is None
-
-
-@dataclass(frozen=True)
 class Zero:
     """A strict claim fails at ``g_1 + t g_2`` for the one t at a root that has no name in the field."""
 
     root: RealRoot
 
 
-def decide_binary(problem: Problem) -> RootEvidence | Violation | Zero:
-    """Decide the claim: its evidence, or where it fails."""
+def decide_binary(problem: Problem) -> Violation | Zero | None:
+    """Decide the claim: where it fails; None where it holds."""
     line = line_of(problem)
     roots = tuple(positive_roots(line)) if any(line) else ()
     failure = _failure(line, roots, problem.strict)
     if failure is None:
-        return RootEvidence(roots)
+        return None
     if isinstance(failure, RealRoot):
         exact = failure.exact()
         if exact is None:
@@ -127,17 +107,11 @@ def edge_line(problem: Problem, pieces: ConeForm, edge: tuple[int, int]) -> Coef
 Matrix: TypeAlias = list[list[Any]]
 
 
-@dataclass(frozen=True)
-class QuadraticEvidence:
-    """No principal submatrix refutes the claim; re-verified by trying all of them again."""
+def decide_quadratic(problem: Problem) -> Violation | Stuck | None:
+    """Decide the claim for a form of degree two without guards: where it fails; None where it holds.
 
-    def check(self, problem: Problem) -> bool:
-        """Decide again from the definition."""
-        return isinstance(decide_quadratic(problem), QuadraticEvidence)
-
-
-def decide_quadratic(problem: Problem) -> QuadraticEvidence | Violation | None:
-    """Decide the claim for a form of degree two without guards; None where a refutation has no point."""
+    Stuck where it is false and no point of the cell was found that shows it.
+    """
     matrix = gram_matrix(problem)
     count = len(matrix)
     zeros: list[list[Any]] = []
@@ -148,7 +122,8 @@ def decide_quadratic(problem: Problem) -> QuadraticEvidence | Violation | None:
             determinant = sum((minor[0][k] * adjugate[k][0] for k in range(size)), 0 * matrix[0][0])
             entries = [entry for row in adjugate for entry in row]
             if sign(determinant) < 0 and all(sign(entry) >= 0 for entry in entries):
-                return _violation(problem, _spread([sum(row[1:], row[0]) for row in adjugate], face, count))
+                weights = _spread([sum(row[1:], row[0]) for row in adjugate], face, count)
+                return _violation(problem, weights) or Stuck(problem.generators)
             kernel = next(([row[k] for row in adjugate] for k in range(size) if any(row[k] for row in adjugate)), None)
             if not determinant and kernel is not None and len({sign(x) for x in kernel} | {0}) == 2 and all(kernel):
                 zeros.append(_spread([abs(x) for x in kernel], face, count))
@@ -157,7 +132,7 @@ def decide_quadratic(problem: Problem) -> QuadraticEvidence | Violation | None:
             point = _point(problem, weights)
             if problem.is_violated_at(point):
                 return Violation(point)
-    return QuadraticEvidence()
+    return None
 
 
 def gram_matrix(problem: Problem) -> Matrix:

@@ -338,28 +338,6 @@ NEARBY_STEPS = 40  # distances 4^-k tried beside a corner that is no point of th
 
 
 @dataclass(frozen=True)
-class Leaf:
-    """A part of the cone on which the coefficients show the claim."""
-
-
-@dataclass(frozen=True)
-class Split:
-    """Generators ``first`` and ``second`` with ``m = (1 - weight) g_first + weight g_second`` between them.
-
-    The part ``near`` has m in place of ``second``, the part ``far`` in place of ``first``.
-    """
-
-    first: int
-    second: int
-    weight: Any
-    near: Tree
-    far: Tree
-
-
-Tree: TypeAlias = Leaf | Split
-
-
-@dataclass(frozen=True)
 class Stuck:
     """Generators of a part of the cone on which the sign was not found."""
 
@@ -383,27 +361,19 @@ class SubCone:
         depth: number of cuts above it.
     """
 
-    __slots__ = ("depth", "generators", "parts", "pieces", "places", "split")
+    __slots__ = ("depth", "generators", "pieces", "places")
 
     def __init__(
         self, generators: tuple[Vector, ...], places: tuple[Vector, ...], pieces: ConeForm, depth: int
     ) -> None:
         self.generators, self.places, self.pieces, self.depth = generators, places, pieces, depth
-        self.split: tuple[int, int, Any] | None = None
-        self.parts: tuple[SubCone, SubCone] | None = None
-
-    def tree(self) -> Tree:
-        """The cuts below, without coefficients."""
-        if self.split is None or self.parts is None:
-            return Leaf()
-        return Split(*self.split, self.parts[0].tree(), self.parts[1].tree())
 
 
 Cut: TypeAlias = Callable[["SubCone"], "tuple[int, int, Any] | Violation | None"]
 
 
-def subdivide(problem: Problem, budget: int, cut: Cut | None = None) -> Tree | Violation | Stuck:
-    """Prove by coefficients, breadth first, within a budget.
+def subdivide(problem: Problem, budget: int, cut: Cut | None = None) -> Violation | Stuck | None:
+    """Prove by coefficients, breadth first, within a budget; None where the claim is proved.
 
     Args:
         problem: the claim.
@@ -412,8 +382,7 @@ def subdivide(problem: Problem, budget: int, cut: Cut | None = None) -> Tree | V
     """
     count = len(problem.generators)
     places = tuple(tuple(Fraction(int(i == k)) for i in range(count)) for k in range(count))
-    root = SubCone(problem.generators, places, problem.coefficients, 0)
-    waiting = deque([root])
+    waiting = deque([SubCone(problem.generators, places, problem.coefficients, 0)])
     while waiting and budget > 0:
         node = waiting.popleft()
         budget -= node.pieces.work
@@ -426,28 +395,8 @@ def subdivide(problem: Problem, budget: int, cut: Cut | None = None) -> Tree | V
         split = cut(node) if cut is not None else None
         if isinstance(split, Violation):
             return split
-        node.split = split or (*_edge_to_halve(node), fmpq(1, 2))
-        node.parts = _halves(node, *node.split)
-        waiting.extend(node.parts)
-    return Stuck(waiting[0].generators) if waiting else root.tree()
-
-
-def verify(problem: Problem, tree: Tree) -> bool:
-    """Re-verify a tree: the parts cover the cone because each is cut in two, and each leaf's coefficients are
-    computed anew from the form.
-    """
-    waiting: list[tuple[tuple[Vector, ...], Tree]] = [(problem.generators, tree)]
-    while waiting:
-        generators, part = waiting.pop()
-        if isinstance(part, Split):
-            if not sign(part.weight) > 0 or not sign(1 - part.weight) > 0:
-                return False
-            middle = _mixture(generators, part.first, part.second, part.weight)
-            waiting.append((_replaced(generators, part.second, middle), part.near))
-            waiting.append((_replaced(generators, part.first, middle), part.far))
-        elif not problem.settles(generators, problem.pieces(generators)):
-            return False
-    return True
+        waiting.extend(_halves(node, *(split or (*_edge_to_halve(node), fmpq(1, 2)))))
+    return Stuck(waiting[0].generators) if waiting else None
 
 
 def _mixture(vectors: Sequence[Vector], first: int, second: int, weight: Any) -> Vector:

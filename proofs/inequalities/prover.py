@@ -29,29 +29,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.region import Region, Triple
-from nonsmooth.proofs.inequalities.complete import (
-    QuadraticEvidence,
-    RootEvidence,
-    Zero,
-    decide_binary,
-    decide_quadratic,
-    line_of,
-    zero_cut,
-)
+from nonsmooth.proofs.inequalities.complete import Zero, decide_binary, decide_quadratic, zero_cut
 from nonsmooth.proofs.inequalities.effort import effort_left
 from nonsmooth.proofs.inequalities.forms import (
     PLANE,
     CellClaim,
-    Leaf,
     Problem,
-    Split,
     Stuck,
     Violation,
     build_parts,
     place_of,
     subdivide,
     triangles,
-    verify,
 )
 from nonsmooth.symbolic.number_text import place_text
 from nonsmooth.symbolic.numbers.number import Number
@@ -124,8 +113,6 @@ LITTLE_WORK = 500  # coefficients of parts looked at before the complete ways ar
 MUCH_WORK = 50_000  # about a second
 MAX_EXACT_ROOTS = 6  # square roots in the field up to which quotients of two generators are carried out
 
-Evidence: TypeAlias = "RootEvidence | QuadraticEvidence | SquareEvidence | Leaf | Split"
-
 
 class Sense(StrEnum):
     """What is claimed of the polynomial."""
@@ -163,25 +150,9 @@ class Question:
 
 @dataclass(frozen=True)
 class Proof:
-    """The claim holds; one piece of evidence per simplicial part of the cell.
-
-    Attributes:
-        question: the claim.
-        evidence: of each part.
-    """
+    """The claim holds."""
 
     question: Question
-    evidence: tuple[Evidence, ...]
-
-    def check(self) -> bool:
-        """Rebuild the parts from the question and re-verify the evidence of each from the definitions."""
-        claim = self.question.claim
-        if claim.fails_at(_origin(claim)):
-            return False
-        parts = list(build_parts(claim))
-        return len(parts) == len(self.evidence) and all(
-            confirms(evidence, part) for evidence, part in zip(self.evidence, parts, strict=True)
-        )
 
 
 @dataclass(frozen=True)
@@ -197,10 +168,6 @@ class Counterexample:
     question: Question
     point: tuple[Any, ...]
     value: Any
-
-    def check(self) -> bool:
-        """Evaluate again."""
-        return self.question.claim.fails_at(self.point) and not self.value - self.question.polynomial(self.point)
 
 
 @dataclass(frozen=True)
@@ -223,11 +190,6 @@ class ZeroBetween:
         first, second = self.part.generators
         near = tuple(a + b * self.zero.root.low for a, b in zip(first, second, strict=True))
         return place_of(near, self.part, self.question.claim)
-
-    def check(self) -> bool:
-        """Re-verify that a root lies between the bounds and the form vanishes there."""
-        genuine = self.part in build_parts(self.question.claim) and self.zero.root.check()
-        return self.question.sense.strict and genuine and not self.zero.root.sign_of(line_of(self.part))
 
 
 @dataclass(frozen=True)
@@ -273,7 +235,6 @@ def prove(sense: Sense | str, polynomial: Polynomial, region: Region, *, except_
     refuting = counterexample(claim) if region.guards else None
     if refuting is not None:
         return _witness(question, refuting)
-    evidence: list[Evidence] = []
     stuck: Undecided | None = None
     for part in build_parts(claim):
         found = decide(part)
@@ -283,62 +244,39 @@ def prove(sense: Sense | str, polynomial: Polynomial, region: Region, *, except_
             return ZeroBetween(question, part, found)
         if isinstance(found, Stuck):
             stuck = stuck or Undecided(question, tuple(place_of(g, part, claim) for g in found.generators))
-        else:
-            evidence.append(found)
     if stuck is not None and not region.guards and (refuting := counterexample(claim)) is not None:
         return _witness(question, refuting)
-    return stuck or Proof(question, tuple(evidence))
+    return stuck or Proof(question)
 
 
-def decide(problem: Problem) -> Evidence | Violation | Zero | Stuck:
-    """Decide one simplicial part."""
+def decide(problem: Problem) -> Violation | Zero | Stuck | None:
+    """Decide one simplicial part: what refutes it, or where the search ended; None where it is proved."""
     found = subdivide(problem, LITTLE_WORK)
     if not isinstance(found, Stuck):
         return found
     if len(problem.generators) == 2 and len(problem.form.field.radicands) <= MAX_EXACT_ROOTS:
         return decide_binary(problem)
     if not problem.guards and problem.form.degree == 2:
-        return decide_quadratic(problem) or found
+        quadratic = decide_quadratic(problem)
+        return found if isinstance(quadratic, Stuck) else quadratic
     if not problem.guards and not problem.strict:
-        shown = _without_square(problem)
-        if shown is not None:
-            return shown
+        rest = _without_square(problem)
+        of_rest = found if rest is None else decide(rest)
+        if of_rest is None or (isinstance(of_rest, Violation) and problem.is_violated_at(of_rest.point)):
+            return of_rest
     work = min(MUCH_WORK, effort_left())
     return subdivide(problem, work, lambda node: zero_cut(problem, node)) if work else found
 
 
-@dataclass(frozen=True)
-class SquareEvidence:
-    """``form = root**2 * rest``, and the rest is not negative."""
-
-    root: Polynomial
-    rest: Polynomial
-    evidence: Evidence
-
-    def check(self, problem: Problem) -> bool:
-        """Multiply out, and re-verify the evidence of the rest."""
-        whole = not self.root * self.root * self.rest - problem.form
-        return whole and not problem.strict and confirms(self.evidence, replace(problem, form=self.rest))
-
-
-def _without_square(problem: Problem) -> SquareEvidence | Violation | None:
-    """Decide ``>= 0`` of what is left of a form without the largest square that divides it; None where that is all."""
+def _without_square(problem: Problem) -> Problem | None:
+    """``>= 0`` of what is left of a form without the largest square that divides it; None where that is all."""
     factored = factorize(problem.form)
     if factored is None or all(exponent == 1 for _, exponent in factored[1]):
         return None
     rest = Polynomial.constant(problem.form.field, problem.form.variables, factored[0])
-    root = Polynomial.constant(problem.form.field, problem.form.variables, 1)
     for factor, exponent in factored[1]:
-        root, rest = root * factor ** (exponent // 2), rest * factor ** (exponent % 2)
-    found = decide(replace(problem, form=rest))
-    if isinstance(found, Violation):
-        return found if problem.is_violated_at(found.point) else None
-    return None if isinstance(found, Stuck | Zero) else SquareEvidence(root, rest, found)
-
-
-def confirms(evidence: Evidence, problem: Problem) -> bool:
-    """Re-verify evidence from the definition of the problem."""
-    return verify(problem, evidence) if isinstance(evidence, Leaf | Split) else evidence.check(problem)
+        rest *= factor ** (exponent % 2)
+    return replace(problem, form=rest)
 
 
 def _origin(claim: CellClaim) -> tuple[Number, ...]:

@@ -205,11 +205,6 @@ class RealRoot:
         """The polynomial's chain."""
         return Sturm(self.coefficients)
 
-    def check(self) -> bool:
-        """Whether there is exactly one root between the bounds."""
-        ends = self.sturm.sign_at(self.low) and self.sturm.sign_at(self.high)
-        return bool(ends) and self.low < self.high and self.sturm.count(self.low, self.high) == 1
-
     def halved(self) -> RealRoot:
         """The same root between closer bounds."""
         middle = _regular_point(self.sturm, self.low, self.high)

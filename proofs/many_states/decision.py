@@ -33,7 +33,7 @@ from nonsmooth.proofs.many_states.first_terms import (
     quadratic_text,
     unstable_mixture,
 )
-from nonsmooth.proofs.many_states.lyapunov_search import SCALES, GrowthEvidence, find_growth, find_lyapunov
+from nonsmooth.proofs.many_states.lyapunov_search import SCALES, find_growth, find_lyapunov
 from nonsmooth.proofs.many_states.reach import decay_rate, largest_sublevel, rate_scales
 from nonsmooth.proofs.many_states.relay_degree import high_degree_relay
 from nonsmooth.proofs.sums_of_squares.prove import Effort
@@ -202,7 +202,7 @@ def show_escape(point: SpacePoint, known: Known) -> Finding | None:
 def show_relay(point: SpacePoint, known: Known) -> Finding | None:
     """A switching surface that shows instability by its relative degree."""
     relay = high_degree_relay(point.system, point.cells)
-    if relay is None or not relay.check(point.cells):
+    if relay is None:
         return None
     order = f"derivative {relay.degree} of the switching function is the first that depends on its sign"
     reason = f"{order}, and a function of the others never falls"
@@ -284,11 +284,8 @@ def conclude_function(known: Known, function: ExaminedLyapunov) -> Finding | Non
 def search_growth(point: SpacePoint, known: Known) -> Finding | None:
     """A V that shows instability, unless the point is known to be stable."""
     growth = find_growth(point.system) if known.standing is None else None
-    return None if growth is None else conclude_growth(point, growth)
-
-
-def conclude_growth(point: SpacePoint, growth: GrowthEvidence) -> Finding:
-    """What such a V shows."""
+    if growth is None:
+        return None
     reason = "V falls along every solution, from negative values at all distances"
     facts = growth.facts(point.system.states)
     return Finding(Method.INSTABILITY, Translation.UNSTABLE, reason, proofs=growth, entry=growth.entry, facts=facts)
@@ -298,10 +295,7 @@ def show_attraction(point: SpacePoint, known: Known) -> Finding | None:
     """Whether solutions leave where the V that shows stability does not fall."""
     function = known.function
     entry = function.attraction(point.system) if known.attraction_is_open and function is not None else None
-    return None if entry is None else conclude_attraction(function, entry)
-
-
-def conclude_attraction(function: ExaminedLyapunov, entry: dict[str, Any]) -> Finding:
-    """What LaSalle's principle shows, of a V and the theorem with its evidence as a certificate holds it."""
+    if entry is None:
+        return None
     reason = f"{function.reason}, and {Staying.NONE}"
     return Finding(Method.INVARIANCE, Translation.ASYMPTOTICALLY_STABLE, reason, function, entry=entry)

@@ -25,7 +25,6 @@ from itertools import pairwise
 
 from flint import fmpq, fmpq_mat
 
-from nonsmooth.proofs.checker.lyapunov import sign_along
 from nonsmooth.proofs.checker.polynomials import Polynomial, constant, lie_derivative
 from nonsmooth.proofs.kernel.bounds import formula
 from nonsmooth.proofs.kernel.cells import SignCells, adjoining, rational_terms, started, stated_cells
@@ -53,21 +52,6 @@ class RelayDegree:
     degree: int
     rising: Polynomial
     direction: tuple[Fraction, ...]
-
-    def check(self, cells: SignCells) -> bool:
-        """Verify from W itself: its derivative on every cell, and its sign in the direction."""
-        ladder = _ladder(cells, self.surface)
-        if len(ladder) != self.degree or sign_along(self.rising, self.direction) <= 0:
-            return False
-        middle = ladder[self.degree // 2]
-        square = middle * middle if self.degree % 2 == 0 else constant(middle.count, 0)
-        for sign, field in _fields(cells, self.surface):
-            last = lie_derivative(ladder[-1], field)
-            pushed = ladder[0] * last
-            rest = lie_derivative(self.rising, field) + (-pushed if sign * last.at_origin > 0 else pushed)
-            if not last.at_origin or rest != square:
-                return False
-        return True
 
 
 def high_degree_relay(system: SwitchedSystem, cells: SignCells) -> RelayDegree | None:

@@ -83,10 +83,6 @@ class DecayRate:
     def __str__(self) -> str:
         return self.decay.value.format(self.kappa)
 
-    def check(self, cells: Sequence[LyapunovCell]) -> bool:
-        """Verify every inequality again."""
-        return self.kappa > 0 and _rate_holds(cells, self.decay, self.kappa)
-
 
 def decay_rate(cells: Sequence[LyapunovCell]) -> DecayRate | None:
     """A rate of a V that is proved to fall on cells of a square; None where none is proved, or curves cut the cells."""
@@ -115,11 +111,6 @@ class RegionRate:
 
     def __str__(self) -> str:
         return DecayKind.EXPONENTIAL.value.format(self.kappa)
-
-    def check(self, cells: Sequence[LyapunovCell], region: SublevelRegion) -> bool:
-        """Verify the inequality again on cells of the region's square."""
-        inside = 0 < self.level <= region.level
-        return inside and self.kappa > 0 and _falls_below(cells, self.kappa, self.level)
 
 
 def region_rate(cells: Sequence[LyapunovCell], region: SublevelRegion) -> RegionRate | None:
@@ -230,10 +221,6 @@ class DisturbanceGain:
         else:
             ends = f"ends in V <= {self.ultimate} delta"
         return f"where abs(d) <= delta < {self.largest} every start with V < {self.level} there {ends}"
-
-    def check(self, cells: Sequence[LyapunovCell], radius: Number) -> bool:
-        """Verify every inequality again."""
-        return self.gamma > 0 and self.rate.check(cells) and _gain_holds(cells, self.rate, self.gamma, radius)
 
 
 def disturbance_gain(

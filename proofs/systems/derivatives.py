@@ -43,7 +43,7 @@ from nonsmooth.analysis.cells.region import Region, common_edges
 from nonsmooth.analysis.cells.switched_cells import LyapunovCell, distinct, gradients_at, velocities_at
 from nonsmooth.proofs.inequalities.curved_regions import Adherence, adherence, is_empty
 from nonsmooth.proofs.inequalities.effort import effort_of_its_own, shared_effort
-from nonsmooth.proofs.inequalities.forms import CellClaim, Leaf, Split, build_parts, subdivide
+from nonsmooth.proofs.inequalities.forms import CellClaim, build_parts, subdivide
 from nonsmooth.proofs.inequalities.kinks import Interval, Kink, Ladder, Trend, Trends, ladder_at, worst
 from nonsmooth.proofs.inequalities.prover import Counterexample, Outcome, Proof, Sense, Undecided, ZeroBetween, prove
 from nonsmooth.proofs.inequalities.real_roots import RealRoot
@@ -130,7 +130,7 @@ def is_seen_empty(region: Region, like: Polynomial, work: int, *, except_origin:
     """
     minus_one = Polynomial.constant(like.field, like.variables, -1)
     parts = build_parts(CellClaim(minus_one, region, strict=True, except_origin=except_origin))
-    return all(isinstance(subdivide(part, work), Leaf | Split) for part in parts)
+    return all(subdivide(part, work) is None for part in parts)
 
 
 BEND_EFFORT = 100_000  # for all edges on which V bends: a few seconds
@@ -425,34 +425,6 @@ class LyapunovResult(ShortRepr):
             if interval is not None and (best is None or best.high < interval.high):
                 best, point = interval, stratum.sample
         return Supremum(trend, best.high if best is not None and exact else None, point)
-
-    def check(self) -> bool:
-        """Verify every inequality from its polynomials, and the conclusion; recompute the edges and corners."""
-        if len(self.definite) != len(self.cells):
-            return False
-        for cell, outcome in zip(self.cells, self.definite, strict=True):
-            asked = outcome.question
-            about_this = asked.region == cell.region and not asked.polynomial - cell.potential
-            if not about_this or not _still_true(outcome):
-                return False
-        evidence = [o for s in self.strata if isinstance(s.evidence, tuple) for o in s.evidence]
-        rates = [(cell.region, rate) for cell in self.cells for rate in cell.rates]
-        if len(evidence) != len(rates) or any(
-            o.question.region != region or o.question.polynomial - rate or not _still_true(o)
-            for o, (region, rate) in zip(evidence, rates, strict=True)
-        ):
-            return False
-        concluded = conclude(self.cells, self.definite, self.strata)
-        return concluded == (self.verdict, self.witness, self.reason) and self.recompute()
-
-    def recompute(self) -> bool:
-        """Whether the same parts follow from the evidence, and from the edges and corners where V bends."""
-        claimed = [s.evidence for s in self.strata if s.part is StratumPart.CELL and isinstance(s.evidence, tuple)]
-        return self.strata == (*map(stratum_of, self.cells, claimed), *bend_strata(self.cells))
-
-
-def _still_true(outcome: Outcome) -> bool:
-    return isinstance(outcome, Undecided) or outcome.check()
 
 
 @shared_effort(EFFORT)

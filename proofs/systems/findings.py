@@ -13,11 +13,7 @@ from enum import StrEnum
 from typing import Any
 
 from nonsmooth.analysis.cells.polygon import Point
-from nonsmooth.proofs.checker.roots import read_subject
-from nonsmooth.proofs.checker.statements import show_entry
-from nonsmooth.proofs.checker.work import BUDGET, MALFORMED, MAX_BYTES, RejectedError
 from nonsmooth.proofs.facts import Fact
-from nonsmooth.proofs.kernel.subject import about
 from nonsmooth.proofs.systems.decay_rate import DecayRate, DisturbanceGain, RegionRate
 from nonsmooth.proofs.systems.derivatives import Decrease, Supremum
 from nonsmooth.proofs.systems.domain import Domain
@@ -296,12 +292,3 @@ class Strategy:
     name: str
     states: range
     decide: Callable[[Any, Known], Finding | None]
-
-
-def is_shown(system: SwitchedSystem, entry: dict[str, Any], verdict: Translation) -> bool:
-    """Whether the checker accepts a theorem about a system, and the theorem shows a verdict."""
-    try:
-        with BUDGET.granted(MAX_BYTES):
-            return {"stability": str(verdict)} in show_entry(read_subject(about(system)), entry)
-    except (*MALFORMED, RejectedError):
-        return False

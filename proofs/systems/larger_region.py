@@ -72,13 +72,6 @@ class LargerRegion:
         rows = [(one_line(self.formula.text), self._starts)]
         return html_table("certified region", ("V", "every start there reaches the point"), rows)
 
-    def check(self, system: SwitchedSystem) -> bool:
-        """Verify V on the square of the system, and the level, anew."""
-        if self.region.radius.field is not system.field or self.region.radius != system.check.radius:
-            return False
-        cells = _judged(system, self.formula)
-        return _is_definite(cells) and self.region.check(cells)
-
 
 def find_larger_region(system: SwitchedSystem, degree: int = 4) -> LargerRegion | None:
     """Search a V of a degree whose certified region in the checked square is large; None where none is certified.

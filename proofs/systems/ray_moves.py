@@ -42,7 +42,7 @@ from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.number_text import place_text
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.plane import around, cross, dot, hull_holds_zero, turned
+from nonsmooth.symbolic.plane import around, dot, hull_holds_zero, turned
 
 
 def decide_equilibrium(cells: Sequence[FieldCell]) -> Equilibrium:
@@ -103,20 +103,6 @@ class RayMove:
 
     def __str__(self) -> str:
         return self.kind.value.format(f"the ray through {place_text(self.ray)}")
-
-    def check(self, cells: Sequence[FieldCell]) -> bool:
-        """Verify in a system of cones that F on the ray holds zero, or an outward vector; a ray without name passes.
-
-        A mixture of two velocities beside a ray points outward along it iff they turn about it from right to left.
-        """
-        if self.value is None or not cells or not are_cones(cells):
-            return True
-        found = velocities_at(cells, self.ray)
-        if self.kind is RayKind.REST:
-            return hull_holds_zero(found)
-        straight = any(not cross(self.ray, f) and sign(dot(self.ray, f)) > 0 for f in found)
-        beside = [(f, g) for f in found for g in found if sign(cross(self.ray, f)) < 0 < sign(cross(self.ray, g))]
-        return straight or any(sign(cross(f, g)) > 0 for f, g in beside)
 
 
 def are_cones(cells: Sequence[FieldCell | LyapunovCell]) -> bool:

@@ -206,13 +206,6 @@ def _value(polynomial: Polynomial, place: Number | Fraction) -> Number:
     return polynomial.field(polynomial((place,))) if polynomial else polynomial.field.zero
 
 
-def _known(polynomial: Polynomial, place: Number | Fraction) -> int:
-    found = _value(polynomial, place).sign()
-    if not found:
-        raise ZeroDivisionError
-    return found
-
-
 def _is_positive(scene: SwitchedSystem, formula: PiecewiseExpression, turn: int) -> bool:
     """Whether a denominator is positive from the point to the end of the checked interval."""
     blank = (formula,)

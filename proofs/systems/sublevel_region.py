@@ -64,21 +64,6 @@ class SublevelRegion:
     def __str__(self) -> str:
         return f"V < {self.level}"
 
-    def check(self, cells: Sequence[LyapunovCell]) -> bool:
-        """Verify the level again on cells of the square, and the point by evaluation."""
-        if not self.falls and _bends(cells):
-            return False
-        return self._is_refuted(cells) and _violation(cells, self.radius, self.level, falls=self.falls) is None
-
-    def _is_refuted(self, cells: Sequence[LyapunovCell]) -> bool:
-        point = self.point
-        if point is None:
-            return True
-        here = [cell for cell in cells if cell.region.contains(point)]
-        low = any(not sign(cell.potential(point) - self.refuted) > 0 for cell in here)
-        rises = any(sign(rate(point)) >= 0 for cell in here for rate in cell.rates)
-        return low and (rises or max(abs(x) for x in point) == self.radius)
-
 
 @dataclass(frozen=True)
 class LevelViolation:

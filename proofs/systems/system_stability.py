@@ -280,7 +280,7 @@ def show_by_leading_terms(point: PlanePoint, known: Known) -> Finding | None:
 
 def show_ray(point: PlanePoint, known: Known) -> Finding | None:
     """A ray along which a solution leaves, in a system of cones that the fan leaves open."""
-    escapes = [ray for ray in point.rays if ray.kind is RayKind.ESCAPE and ray.check(conic_germ(point.cells) or ())]
+    escapes = [ray for ray in point.rays if ray.kind is RayKind.ESCAPE]
     if not escapes or (point.fan is not None and point.fan.verdict is not Translation.UNDECIDED):
         return None
     return Finding(Method.RAY, Translation.UNSTABLE, str(escapes[0]), proofs=escapes[0])
@@ -368,10 +368,7 @@ def search_attraction(point: PlanePoint, known: Known) -> Finding | None:
 def show_attraction(point: PlanePoint, function: PlaneFunction) -> Finding | None:
     """Whether nothing but the point stays where V, which does not increase, is kept."""
     entry = point.attraction(function) if function.decrease is Decrease.WEAK else None
-    return None if entry is None else conclude_attraction(function, entry)
-
-
-def conclude_attraction(function: PlaneFunction, entry: dict[str, Any]) -> Finding:
-    """What LaSalle's principle shows, of a V and the theorem with its evidence."""
+    if entry is None:
+        return None
     reason = f"{function.reason}, and {Staying.NONE}"
     return Finding(Method.INVARIANCE, Translation.ASYMPTOTICALLY_STABLE, reason, function, proofs=entry)

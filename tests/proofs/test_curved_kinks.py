@@ -13,12 +13,12 @@ from nonsmooth.analysis.cells.region import Region
 from nonsmooth.proofs.inequalities.prover import Proof, Sense, prove
 from nonsmooth.proofs.system_audit import AuditVerdict, audit
 from nonsmooth.proofs.system_decision import decide_system
-from nonsmooth.proofs.systems.decay_rate import DecayKind, DecayRate
+from nonsmooth.proofs.systems.decay_rate import decay_rate
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.lyapunov_search import find_lyapunov
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from tests.thorough import few, thorough
+from tests.thorough import few
 
 if TYPE_CHECKING:
     from nonsmooth.symbolic.switched_system import SwitchedSystem
@@ -84,7 +84,6 @@ def test_audits_of_v_that_bends_along_a_curve(
 ) -> None:
     result = audit(load(first, second), lyapunov)
     assert result.verdict is verdict
-    assert verdict is not AuditVerdict.VALID or result.check()
 
 
 def test_where_a_further_cell_meets_the_curve_solutions_may_rest(load: Load) -> None:
@@ -108,7 +107,6 @@ def test_proved_v_falls_along_random_curves(load: Load, seed: int) -> None:
     result = audit(system, f"{k}*Abs{curve} + {c}*x**2/2 + y**2/{m}")
     if result.verdict is not AuditVerdict.VALID:
         return
-    assert result.check()
     x = np.linspace(-0.4, 0.4, 41)
     y = -(x + s * x**2 / 4) / (a / 2 + t * x / 4)
     x, y = x[np.abs(y) < 0.5], y[np.abs(y) < 0.5]
@@ -133,16 +131,15 @@ def beside_a_curve(load: Load) -> tuple[Region, list[Polynomial]]:
     return replace(square, guards=(y * 2 + x * x,)), [x, y]
 
 
-def test_multiples_of_guards_are_checked_again(load: Load) -> None:
+def test_multiples_of_guards_show_what_they_leave(load: Load) -> None:
     """``q + 2 x^2 > 0`` where ``q = 2 y + x^2 >= 0``: along the curve it vanishes to second order."""
     beside, (x, y) = beside_a_curve(load)
-    proof = prove(Sense.POSITIVE, y * 2 + x * x * 3, beside, except_origin=True)
-    assert isinstance(proof, Proof)
-    assert proof.check()
+    enough = y * 2 + x * x * 3
+    assert isinstance(prove(Sense.POSITIVE, enough, beside, except_origin=True), Proof)
     for less in (y * 2 + x * x, y * 2 + x * x * Fraction(1, 2), y * 2 - x * x, -y * 2 - x * x * 3):
-        assert not replace(proof, question=replace(proof.question, polynomial=less)).check()
-    wider = replace(beside, guards=(y * 2 + x * x * 3,))
-    assert not replace(proof, question=replace(proof.question, region=wider)).check()
+        assert not isinstance(prove(Sense.POSITIVE, less, beside, except_origin=True), Proof)
+    wider = replace(beside, guards=(enough,))
+    assert not isinstance(prove(Sense.POSITIVE, enough, wider, except_origin=True), Proof)
     assert isinstance(prove(Sense.NONNEGATIVE, y * 2 + x * x, beside), Proof)
 
 
@@ -162,7 +159,6 @@ def test_what_follows_from_a_guard_holds_at_points(load: Load) -> None:
         inside = (np.abs(ys) <= xs) & (float(a) * xs**2 + b * xs * ys + 2 * ys >= 0)
         values = sum(float(v) * xs**i * ys**j for (i, j), v in polynomial.terms.items())[inside]
         if isinstance(outcome, Proof):
-            assert outcome.check()
             assert np.all(values > 0)
             proved += 1
         refuted += bool((values < 0).any())
@@ -170,15 +166,9 @@ def test_what_follows_from_a_guard_holds_at_points(load: Load) -> None:
     assert refuted >= 5
 
 
-@thorough  # the small one: test_multiples_of_guards_are_checked_again
-def test_what_vanishes_along_the_curve_is_not_positive(load: Load) -> None:
-    beside, (x, y) = beside_a_curve(load)
-    assert not isinstance(prove(Sense.POSITIVE, y * 2 + x * x, beside, except_origin=True), Proof)
-
-
 def test_no_rate_where_v_bends_along_a_curve(load: Load) -> None:
     """It does not look along curves, so it says nothing."""
     result = audit(load("-x", "-y - sign(y + x**2)"), "Abs(y + x**2) + x**2 + y**2").function.result
     assert result is not None
     assert result.verdict is Decrease.STRICT
-    assert not DecayRate(DecayKind.EXPONENTIAL, Fraction(1, 64)).check(result.cells)
+    assert decay_rate(result.cells) is None

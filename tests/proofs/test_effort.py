@@ -30,7 +30,6 @@ def test_an_audit_ends_after_the_work_of_all_its_inequalities(frequency: int) ->
         spent = 10**9 - effort_left()
     assert spent < 2 * EFFORT
     assert found.verdict is AuditVerdict.UNDECIDED
-    assert found.check()
 
 
 def test_without_effort_easy_inequalities_are_decided_and_hard_ones_are_left_open() -> None:

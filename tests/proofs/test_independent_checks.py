@@ -13,7 +13,6 @@ from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, Situation, e
 from nonsmooth.proofs.clauses.translation import fan_stability as fans
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, Move, decide_fan
 from nonsmooth.proofs.system_decision import decide_system
-from nonsmooth.proofs.systems.ray_moves import conic_germ
 from nonsmooth.proofs.systems.system_stability import PlanePoint
 from nonsmooth.proofs.theorem4 import check_cells
 from nonsmooth.proofs.verdicts import Translation
@@ -72,18 +71,6 @@ def test_a_fan_of_a_plain_system_with_turns() -> None:
     assert evidence_holds(fan.fan)
     forged = [other for other in forged_fans(fan.fan) if other.verdict is not fan.fan.verdict]
     assert not [other for other in forged if evidence_holds(other)]
-
-
-def test_a_ray_that_no_solution_leaves_along_is_refused() -> None:
-    result = decide_system(load_system("escaping-slide"))
-    point = PlanePoint(result.scene)
-    rays = [ray for ray in point.rays if ray.value is not None]
-    assert rays
-    assert result.check()
-    for ray in rays:
-        x, y = ray.ray
-        turned = replace(ray, ray=(x - 2 * y, y + 3 * x))
-        assert not turned.check(conic_germ(point.cells) or ())
 
 
 def point_of(name: str) -> EllipsePoint:

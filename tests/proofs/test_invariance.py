@@ -99,7 +99,6 @@ def test_an_energy_is_found(load: Load, first: str, second: str) -> None:
     assert result.function is not None
     judged = audit(load(first, second), result.function.text)
     assert (judged.verdict, judged.proves) == (AuditVerdict.VALID, Translation.ASYMPTOTICALLY_STABLE)
-    assert judged.check()
 
 
 def test_a_named_energy_decides_with_its_region(load: Load) -> None:

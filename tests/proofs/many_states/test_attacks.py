@@ -75,7 +75,6 @@ def built(rhs: list[Any], parameters: dict[str, Any] | None = None, **check: Any
 def test_audits(rhs: list[str], lyapunov: str, verdicts: set[AuditVerdict]) -> None:
     result = audit(built(rhs), lyapunov)
     assert result.verdict in verdicts
-    assert result.check()
     assert (result.proves is not None) == (result.verdict is VALID)
 
 

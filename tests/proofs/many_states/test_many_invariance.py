@@ -52,7 +52,6 @@ def built(rhs: Any, states: str = "x y z", **check: str) -> SwitchedSystem:
 def test_what_a_function_proves(rhs: list[str], lyapunov: str, proves: Translation) -> None:
     audited = audit(built(rhs), lyapunov)
     assert (audited.verdict, audited.proves) == (AuditVerdict.VALID, proves)
-    assert audited.check()
 
 
 def test_a_held_relay_keeps_its_oscillation() -> None:
