@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,6 +11,7 @@ import sympy as sp
 from numpy.typing import NDArray
 
 import nonsmooth as ns
+from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.many_states.decision import first_cells
 from nonsmooth.proofs.many_states.relay_degree import high_degree_relay
 from nonsmooth.proofs.system_certificates import certificate_of
@@ -89,16 +89,19 @@ def test_other_relays_are_left_to_others(rhs: list[str], whole: bool) -> None:
     assert found is None
 
 
-def test_forged_evidence_is_refused() -> None:
-    result = decided(["y", "z", "-sgn(x) - z"])
-    relay = result.deciding.proofs
-    for forged in (
-        replace(relay, degree=4),
-        replace(relay, rising=-relay.rising),
-        replace(relay, rising=relay.rising - relay.rising),
-        replace(relay, direction=tuple(-2 * d for d in relay.direction[:1]) + relay.direction[1:]),
-    ):
-        assert not forged.check(first_cells(result.scene))
+def test_the_function_of_a_relay_never_falls_near_the_point() -> None:
+    """W along the field at random points, and on the way from the point in its direction."""
+    relay = decided(["y", "z", "-sgn(x) - z"]).deciding.proofs
+
+    def value(polynomial: Polynomial, place: Floats) -> float:
+        return sum(float(c) * float(np.prod(place ** np.array(e))) for e, c in polynomial.terms.items())
+
+    slopes = [relay.rising.derivative(k) for k in range(3)]
+    for x, y, z in np.random.default_rng(0).uniform(-1 / 8, 1 / 8, (400, 3)):
+        rate = (y, z, -np.sign(x) - z)
+        assert sum(value(slope, np.array([x, y, z])) * v for slope, v in zip(slopes, rate, strict=True)) >= -1e-12
+    direction = np.array([float(d) for d in relay.direction])
+    assert all(value(relay.rising, direction * 0.5**k) > 0 for k in range(4, 20))
 
 
 # ---- against paths -------------------------------------------------------------------------------
