@@ -40,8 +40,9 @@ STARTS = 12  # on the border of a disc
 LONG, LONGEST = 12.0, 60.0  # seconds, after which bodies are taken to be where they end
 LATER = (1.0, 1.2, 1.6, 2.4)  # of a time after which bodies are said to be somewhere, and to stay
 CLOSE = 0.01  # accuracies: starts that are close by
-STEPS = 1.02  # of a distance: what small steps across a line where the field jumps may leave of it
-FINER = 10.0  # times as small are steps where coarser ones do not confirm an answer
+# of a distance: steps across lines where the field jumps are a 25th of it, and bodies go to and fro over such a line
+STEPS = {"nearest": 1.1, "box": 1.1, "ellipse": 1.001, "roller": 1.001}
+FINER = 4.0  # times as small are steps where coarser ones do not confirm an answer
 NUMBERS = ("accuracy", "ends_within", "within", "after", "stays_within")
 
 Record = dict[str, Any]
@@ -170,18 +171,18 @@ def judged(answer: Record, bodies: Bodies) -> str:
 
 def _confirms(answer: Record, bodies: Bodies, finer: float) -> bool:
     """Whether bodies do what an answer says of them, with steps so much smaller."""
-    accuracy = answer["accuracy"]
+    accuracy, most = answer["accuracy"], STEPS[bodies.question.rule]
     match answer["verdict"]:
         case "comes near":
             near, times = answer["ends_within"], tuple(answer["after"] * later for later in LATER)
-            return bodies.from_border(answer["within"], times, near / finer)[0] <= STEPS * near
+            return bodies.from_border(answer["within"], times, near / finer)[0] <= most * near
         case "leaves":
             if bodies.from_border(CLOSE * accuracy, (LONG,), accuracy / finer)[1] > accuracy:
                 return True
             return bodies.from_border(CLOSE * accuracy, (LONGEST,), accuracy / finer)[1] > accuracy
         case "stays near":
             stays = answer["stays_within"]
-            return stays is None or bodies.from_border(stays, (LONG,), stays / finer)[1] <= STEPS * stays
+            return stays is None or bodies.from_border(stays, (LONG,), stays / finer)[1] <= most * stays
         case "comes home":
             return bodies.from_border(CLOSE * accuracy, (LONG,), accuracy / finer)[0] <= accuracy
     raise ValueError(answer["verdict"])
