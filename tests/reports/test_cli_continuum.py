@@ -2,58 +2,48 @@
 
 from __future__ import annotations
 
-import json
 import math
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import pytest
 
-from nonsmooth.reports.cli import app
-from nonsmooth.reports.console import run
 from nonsmooth.reports.derivation import REPORT_FORMATS, derive_report, render_report
 from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.rule import CONTACT_RULES
 from tests.reports.derived import derived
 from tests.thorough import keep
+
+if TYPE_CHECKING:
+    from tests.reports.conftest import Invoke
 
 HEADING = 1e-12
 
 
-def printed(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, Any]:
-    status = run(app, ["check", *arguments, "--json"])
-    return status, json.loads(capsys.readouterr().out)
-
-
-def test_verdicts_do_not_depend_on_it(capsys: pytest.CaptureFixture[str]) -> None:
-    with_it, without = printed(capsys, "four-wheel", "--continuum"), printed(capsys, "four-wheel")
-    assert with_it[0] == without[0]
-    assert without[1]["continuum"] is None
-    for record in (with_it[1], without[1]):
+def test_verdicts_do_not_depend_on_it(invoke: Invoke) -> None:
+    done = [invoke("check", "four-wheel", "--json", *option) for option in (("--continuum",), ())]
+    with_it, without = (outcome.record for outcome in done)
+    assert without["continuum"] is None
+    for record in (with_it, without):
         del record["continuum"], record["seconds"]
-    assert with_it[1] == without[1]
+    assert (done[0].status, with_it) == (done[1].status, without)
 
 
-def test_every_rule_has_its_row(capsys: pytest.CaptureFixture[str]) -> None:
-    _, record = printed(capsys, "four-wheel", "--rule", "all", "--continuum")
-    assert [check["continuum"]["array"]["rule"] for check in record["checks"]] == [
-        "nearest",
-        "box",
-        "ellipse",
-        "roller",
-    ]
-    run(app, ["check", "four-wheel", "--rule", "all", "--continuum"])
-    out = capsys.readouterr().out
+def test_every_rule_has_its_row(invoke: Invoke) -> None:
+    asked = ("check", "four-wheel", "--rule", "all", "--continuum")
+    record, out = invoke(*asked, "--json").record, invoke(*asked).out
+    assert [check["continuum"]["array"]["rule"] for check in record["checks"]] == list(CONTACT_RULES)
     assert out.count("continuous idealization") == 1
-    assert [out.count(f"the array, rule {rule}") for rule in ("nearest", "box", "ellipse", "roller")] == [1, 1, 1, 1]
+    assert [out.count(f"the array, rule {rule}") for rule in CONTACT_RULES] == [1, 1, 1, 1]
     assert "not in the verdict" in out
 
 
-def test_an_object_of_the_scene(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_object_of_the_scene(tmp_path: Path, invoke: Invoke) -> None:
     file = tmp_path / "my.toml"
     wheels = '[friction]\nmu_roll = 1\nmu_side = "1/2"\n[grid]\nrows = 2\ncolumns = 2\n'
     law = '[field]\nkind = "elliptic"\na = 2\nb = 1\nspeed = "magnitude"\n'
     file.write_text(f'{wheels}{law}[body]\nshape = "polygon"\nvertices = [[0, 0], [30, 0], [0, 10]]\n')
-    _, record = printed(capsys, str(file), "--continuum")
+    record = invoke("check", str(file), "--continuum", "--json").record
     (triangle,) = record["continuum"]["objects"]
     assert record["continuum"]["given"] is True
     assert triangle["exact"]["vertices"][0] == ["-10", "-10/3"]

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
 
-from nonsmooth.reports.cli import app
-from nonsmooth.reports.console import run
 from tests.thorough import few
+
+if TYPE_CHECKING:
+    from tests.reports.conftest import Invoke
 
 TIPPING = """
 [check]
@@ -25,12 +27,6 @@ radius = 1
 """
 
 
-def check(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str, str]:
-    capsys.readouterr()
-    status = run(app, ["check", *arguments])
-    return status, *capsys.readouterr()
-
-
 @few(1)
 @pytest.mark.parametrize(
     ("scenes", "worst"),
@@ -41,31 +37,29 @@ def check(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str
         (["four-wheel", "off-center"], 1),
     ],
 )
-def test_every_scene_has_its_line_and_the_worst_status_counts(
-    capsys: pytest.CaptureFixture[str], scenes: list[str], worst: int
-) -> None:
-    single = [check(capsys, scene)[0] for scene in scenes]
-    status, out, err = check(capsys, *scenes)
+def test_every_scene_has_its_line_and_the_worst_status_counts(invoke: Invoke, scenes: list[str], worst: int) -> None:
+    single = [invoke("check", scene)[0] for scene in scenes]
+    status, out, err = invoke("check", *scenes)
     assert (status, err) == (worst, "")
     assert status == max(single)
     lines = [line.split("│")[1].strip() for line in out.splitlines() if line.startswith("│")]
     assert [name for name in lines[1:] if name] == scenes
 
 
-def test_records_are_those_of_the_single_checks(capsys: pytest.CaptureFixture[str]) -> None:
+def test_records_are_those_of_the_single_checks(invoke: Invoke) -> None:
     scenes = ["four-wheel", "eq-4", "outward"]
-    status, out, _ = check(capsys, *scenes, "--json")
+    status, out, _ = invoke("check", *scenes, "--json")
     found = json.loads(out)
     assert (status, found["schema"]) == (1, "nonsmooth-checks/1")
     for record, scene in zip(found["checks"], scenes, strict=True):
-        alone = json.loads(check(capsys, scene, "--json")[1])
+        alone = json.loads(invoke("check", scene, "--json")[1])
         alone.pop("seconds", None)
         record.pop("seconds", None)
         assert record == alone
 
 
-def test_every_rule_of_every_scene(capsys: pytest.CaptureFixture[str]) -> None:
-    status, out, _ = check(capsys, "four-wheel-side", "ring-3", "--rule", "all", "--json")
+def test_every_rule_of_every_scene(invoke: Invoke) -> None:
+    status, out, _ = invoke("check", "four-wheel-side", "ring-3", "--rule", "all", "--json")
     records = json.loads(out)["checks"]
     found = [(record["scene"], record["rule"]) for record in records]
     assert found == [
@@ -74,14 +68,14 @@ def test_every_rule_of_every_scene(capsys: pytest.CaptureFixture[str]) -> None:
     assert status in (1, 3)
 
 
-def test_a_refused_scene_stops_no_other(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_a_refused_scene_stops_no_other(invoke: Invoke, tmp_path: Path) -> None:
     tipping = tmp_path / "tipping.toml"
     tipping.write_text(TIPPING, encoding="utf-8")
-    alone = check(capsys, str(tipping))
-    status, out, err = check(capsys, "outward", str(tipping), "four-wheel", "--json")
+    alone = invoke("check", str(tipping))
+    status, out, err = invoke("check", "outward", str(tipping), "four-wheel", "--json")
     records = json.loads(out)["checks"]
     assert (status, err) == (2, "")
     assert [record.get("theorem4", {}).get("verdict") for record in records] == ["fails", None, "holds"]
     assert records[1]["refused"] in alone[2]
     assert "support polygon" in records[1]["refused"]
-    assert "refused" in check(capsys, "outward", str(tipping))[1]
+    assert "refused" in invoke("check", "outward", str(tipping))[1]

@@ -119,6 +119,7 @@ def test_a_wheel_under_the_edge_is_named_with_the_way_out(tmp_path: Path) -> Non
         ("3,0", "wheels 18 and 24 alone under it"),
         ("5,5", "no wheel under it"),
         ("2.6,0.05", "line through wheels 18 and 24"),
+        ("2.5,0.05", "line through wheels 18 and 24"),  # on that line
     ],
 )
 def test_bodies_that_tip(at: str, why: str, tmp_path: Path) -> None:
