@@ -45,6 +45,7 @@ def test_ends_are_those_of_an_integrator(found: SystemMap) -> None:
         expected = solve_ivp(rate, (0, 6.0), start, rtol=1e-10, atol=1e-12, max_step=0.05).y[:, -1]
         assert end == pytest.approx(expected, rel=1e-4, abs=1e-6)
     assert {Whereabouts.NEARER, Whereabouts.OUTSIDE, Whereabouts.ARRIVED} <= set(found.whereabouts)
+    assert found.ratios[24] == 0  # of the point itself, in the middle of 7 x 7
 
 
 def test_the_parts_add_up_to_all_starts(found: SystemMap) -> None:
