@@ -292,10 +292,15 @@ def _with_files(result: CheckResult, options: CheckOptions) -> CheckResult:
 
 def _write_certificate(certificate: dict[str, Any], result: CheckResult, file: str) -> None:
     from nonsmooth.proofs.certificate import certificate_text, stated_words
+    from nonsmooth.proofs.checker.theorem4 import CLAUSES
 
     write_whole(Path(file), certificate_text(certificate).encode())
-    if stated_words(certificate).get("feedback", "undecided") != result.evidence.feedback.verdict:
-        _notice(file, "feedback stands as undecided: the checker follows no law by directions of c")
+    check, stated = result.evidence, stated_words(certificate)
+    said = {**{name: own.verdict for name, own in check.results.items()}, "theorem 4": check.verdict}
+    for name in CLAUSES:
+        if stated.get(name, "undecided") != said[name]:
+            why = "follows no law by directions of c" if name == "feedback" else "leaves it open"
+            _notice(file, f"{name} stands as undecided: the checker {why}")
 
 
 def _notice(file: str, text: str) -> None:

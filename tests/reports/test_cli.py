@@ -21,6 +21,7 @@ from hypothesis import strategies as st
 
 from nonsmooth.analysis.trajectories.lyapunov_watch import LyapunovViolationError
 from nonsmooth.analysis.trajectories.result import TrajectoryError
+from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import BAD_INPUT, run
 from nonsmooth.symbolic.expression import parse
@@ -337,11 +338,18 @@ def test_an_interrupt_ends_quietly(monkeypatch: pytest.MonkeyPatch, invoke: Invo
     assert invoke("check", "four-wheel") == (130, "", "")
 
 
-def test_a_fault_of_the_program_is_no_verdict(monkeypatch: pytest.MonkeyPatch, invoke: Invoke) -> None:
-    monkeypatch.setattr("nonsmooth.proofs.theorem4.CellCheck.check", lambda self: False)
-    outcome = invoke("check", "four-wheel")
-    assert (outcome.status, outcome.out) == (70, "")
-    assert "please report this" in outcome.err
+def test_a_verdict_that_the_checker_rejects_is_a_fault_and_not_printed(
+    monkeypatch: pytest.MonkeyPatch, invoke: Invoke, tmp_path: Path
+) -> None:
+    def reject(*_: object) -> None:
+        raise RejectedError("weights and multipliers of the lowest rate at rest")
+
+    monkeypatch.setattr("nonsmooth.proofs.verified.show_evidence", reject)
+    for scene in ("four-wheel", "relay-oscillator-damped"):
+        outcome = invoke("check", scene, "--certificate", str(tmp_path / "c.json"))
+        assert (outcome.status, outcome.out) == (70, "")
+        assert "please report this" in outcome.err
+        assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize(
