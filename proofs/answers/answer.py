@@ -13,7 +13,7 @@ from typing import Any, TypeAlias
 from nonsmooth.proofs.clauses.clause import ClauseResult
 from nonsmooth.proofs.facts import Fact, Quantity
 from nonsmooth.proofs.verdicts import Certainty
-from nonsmooth.symbolic.numbers.rounded import ROUNDING_DECIDES
+from nonsmooth.symbolic.numbers.rounded import BY_ROUNDING
 from nonsmooth.symbolic.scene import Scene
 
 UNDECIDED = "undecided"
@@ -106,4 +106,4 @@ Question: TypeAlias = Callable[[Scene, Results], Answer]
 
 def is_by_rounding(results: Results, *names: str) -> bool:
     """Whether rounding would decide one of these clauses."""
-    return any(ROUNDING_DECIDES in results[name].reason for name in names)
+    return any(BY_ROUNDING in results[name].reason for name in names)

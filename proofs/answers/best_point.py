@@ -22,15 +22,17 @@ from nonsmooth.proofs.clauses.translation.clause import AnyTranslation
 from nonsmooth.proofs.clauses.translation.on_cells import decide_translation
 from nonsmooth.proofs.clauses.workspace import Workspace
 from nonsmooth.proofs.judged_equilibria import JudgedEquilibrium, judge_equilibria
+from nonsmooth.proofs.robust.rest_points import enclosed_rest
 from nonsmooth.proofs.theorem4 import CHECK_UNITS
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
-from nonsmooth.symbolic.contact_set import standing
+from nonsmooth.symbolic.contact_set import alone, standing
 from nonsmooth.symbolic.number_text import place_text
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.numbers.rounded import plain
+from nonsmooth.symbolic.numbers.rounded import either_way, enclosed, plain
 from nonsmooth.symbolic.plane import Vector
 from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.scene_error import SceneError
 from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
 _RANK: dict[Position | None, int] = {
@@ -44,6 +46,8 @@ _RANK: dict[Position | None, int] = {
 DENOMINATORS = (1, 10, 100, 1_000)  # of the coordinates that are tried under a rule without cells
 SHORT_BITS = 256  # of a coordinate; the numbers of measured tables have about fifty
 MIDDLE_DIGITS = (2, 4, 8)  # of the middle of an area, below the half side of the square; tried in turn
+OTHER_MEMBERS = (0.7390851, -0.5671433)  # of the two coordinates of an enclosed point
+NEAR_SAMPLE = Fraction(1)  # of the accuracy: an enclosed point farther from the sampled place is another one
 _HALVINGS = 6  # of the square about a point near the border of the support polygon
 _NONE_FOUND = "--at auto: required a rest point in the checked square, found none"
 
@@ -88,7 +92,8 @@ def best_point(scene: Scene) -> BestPoint:
     judge, it is halved until it does not.
 
     Under a rule without cells rest points are only sampled: those with simple coordinates are taken that are proved to
-    be equilibria.
+    be equilibria, and of the others those that Krawczyk's operator encloses; their coordinates are decimal numbers that
+    stand for the enclosures.
 
     Raises:
         RefusalError: where no point is known, and where the exact arithmetic would take too long.
@@ -194,7 +199,7 @@ def _best_proved_point(scene: Scene) -> BestPoint:
     proved: list[tuple[RestPoint, Scene]] = []
     open_places: list[RestPoint] = []
     for points in places:
-        found = _proved_near(scene, points[0])
+        found = _proved_near(scene, points[0]) or _enclosed_near(scene, points[0])
         if found is None:
             open_places.append(RestPoint(points))
         elif all(found[0].points != other.points for other, _ in proved):
@@ -220,11 +225,28 @@ def _proved_near(scene: Scene, place: Point) -> tuple[RestPoint, Scene] | None:
     return None
 
 
+def _enclosed_near(scene: Scene, place: Point) -> tuple[RestPoint, Scene] | None:
+    """The rest point that is enclosed near a sampled place, and the array checked there."""
+    x, y = (scene.field.rational(Fraction(float(value)).limit_denominator(DENOMINATORS[-1])) for value in place)
+    with either_way(scene.field):  # the enclosure holds for every member of what was rounded
+        try:
+            array = alone(scene.checked_at((x, y), scene.check.radius)).recentred()
+        except SceneError:
+            return None
+        rest = enclosed_rest(array)
+    if rest is None or rest.distance > NEAR_SAMPLE * scene.accuracy:
+        return None
+    offsets = zip((x, y), rest.place, OTHER_MEMBERS, strict=True)
+    at_x, at_y = (enclosed(scene.field, start.ball() + offset, share) for start, offset, share in offsets)
+    there, _ = _in_a_square_that_fits(scene, (at_x, at_y), _loads_exist)
+    return RestPoint(((at_x, at_y),), OF_TRANSLATION[rest.stability]), there
+
+
 def _no_exact_point(scene: Scene, places: list[tuple[Point, ...]]) -> str:
     """That the rest points are no exact numbers, and where they are about."""
     seen = f", with rest at about {', '.join(place_text(place[0]) for place in places)}" if places else ""
     name = scene.contact.rule
-    wanted = f"required a rest point with simple coordinates under rule {name}, which has no cells"
+    wanted = f"required a rest point that is simple or can be enclosed under rule {name}, which has no cells"
     return f"--at auto: {wanted}, found none{seen}"
 
 

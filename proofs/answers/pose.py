@@ -14,7 +14,7 @@ from nonsmooth.proofs.clauses.feedback.loop_bounds import wheel_speed
 from nonsmooth.proofs.facts import Fact, Quantity, said
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.number_text import float_text, lower_text, upper_text
-from nonsmooth.symbolic.numbers.rounded import ROUNDING_DECIDES
+from nonsmooth.symbolic.numbers.rounded import BY_ROUNDING
 from nonsmooth.symbolic.scene import Scene
 
 if TYPE_CHECKING:
@@ -102,7 +102,7 @@ def _wheel_speed(found: AnyFeedback, scene: Scene) -> Fact:
 def _why_not(found: AnyFeedback) -> str:
     if found.verdict is Feedback.NOT_APPLICABLE:
         return f"not examined: {found.reason}"
-    if ROUNDING_DECIDES in found.reason:
+    if BY_ROUNDING in found.reason:
         return "rounding decides; why: below"
     if found.obstruction is None:
         return "no law was found, and none is excluded; why: below"

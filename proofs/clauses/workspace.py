@@ -15,7 +15,7 @@ from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, ellipse_poin
 from nonsmooth.proofs.clauses.clause import Clause, ClauseResult
 from nonsmooth.proofs.clauses.cocircular import CocircularArray, cocircular_array
 from nonsmooth.proofs.clauses.every_load.point import EveryLoadPoint, every_load_point
-from nonsmooth.symbolic.numbers.rounded import ROUNDING_DECIDES
+from nonsmooth.symbolic.numbers.rounded import PLACE_DECIDES, ROUNDING_DECIDES, Rounded
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
@@ -91,10 +91,15 @@ class Workspace:
         if field.rounded_signs == before:
             return result
         self._rounded_parts |= self._parts.keys()
-        open_result = clause.undecided(result, ROUNDING_DECIDES)
+        open_result = clause.undecided(result, self._what_rounding_decides)
         if open_result is not result:
             self.by_rounding.add(clause.name)
         return open_result
+
+    @property
+    def _what_rounding_decides(self) -> str:
+        """Of the angles of the array, or of the place at which it is checked."""
+        return PLACE_DECIDES if isinstance(self.given.check.equilibrium[0], Rounded) else ROUNDING_DECIDES
 
     def _part(self, name: str, build: Callable[[], Part]) -> Part:
         """What the function gives, built once; what rounding decided of it counts at every use."""

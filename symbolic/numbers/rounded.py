@@ -20,6 +20,7 @@ seventy digits as well (an identity test at a random point, after Schwartz and Z
 
 from __future__ import annotations
 
+import math
 import operator
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -34,12 +35,21 @@ from nonsmooth.symbolic.numbers.rational_directions import CLOSENESS
 if TYPE_CHECKING:
     from nonsmooth.symbolic.numbers.number_field import NumberField
 
+BY_ROUNDING = "rounding decides: "  # how all reasons of the kind begin
 ROUNDING_DECIDES = (
-    f"rounding decides: of the arrays whose measured angles lie within {float(CLOSENESS):.0e} of the stated ones, "
+    f"{BY_ROUNDING}of the arrays whose measured angles lie within {float(CLOSENESS):.0e} of the stated ones, "
     "it may be true of some and not of others"
 )
 
+PLACE_DECIDES = (
+    f"{BY_ROUNDING}the point is a place of rest that is enclosed, and it may be true of some points so close and not "
+    "of others"
+)
+
 _PRECISION = 256  # bits of the box and of the other member
+_DECIMALS = 50  # of the middle of an enclosure, before it is rounded
+_LEAST_RADIUS = 2.0**-100  # of an enclosure: a smaller one is printed with too many digits
+_FAR, _FARTHER = 2.0**30, 2.0**-20  # of the radius, and at least: where the other member of an enclosed number is
 _CONSTANT = 2.0**-40  # of the box's radius: what differs less at the other member, a billion radii away, is the same
 
 
@@ -192,3 +202,19 @@ def rounded(exact: Number, away: Fraction) -> Rounded:
     radius = arb(fmpq(CLOSENESS.numerator, CLOSENESS.denominator))
     with ctx.workprec(_PRECISION):
         return Rounded(exact, exact.ball() + radius * arb(0, 1), arb(fmpq(away.numerator, away.denominator)))
+
+
+def enclosed(field: NumberField, box: arb, share: float) -> Rounded:
+    """A number of which only an enclosure is known; a decimal number in its middle stands for it.
+
+    Args:
+        field: of the number.
+        box: the enclosure, finite.
+        share: how far away the other member is, between one half and one; another one for each number, so that no sum
+            of several vanishes at both members by chance.
+    """
+    with ctx.workprec(_PRECISION):
+        radius = max(float(box.rad()), _LEAST_RADIUS)
+        middle = field.rational(round(Fraction(box.mid().str(_DECIMALS, radius=False)), math.ceil(-math.log10(radius))))
+        around = (box + arb(0, _LEAST_RADIUS)).union(middle.ball())
+        return Rounded(middle, around, around.mid() + max(_FAR * radius, _FARTHER) * share)
