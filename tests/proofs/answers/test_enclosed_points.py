@@ -41,8 +41,7 @@ def test_a_measured_table_is_checked_where_bodies_come_to_rest(
         start = place + 15 * np.array([math.cos(angle), math.sin(angle)])
         end, _ = body.end(start, 20.0, 0.02)
         assert np.hypot(*(end - place)) < 0.03
-    body.velocity(place)
-    assert abs(body._twist[2] / body.length) == pytest.approx(heading["largest_rate"], rel=1e-3)
+    assert abs(body.twists(place[None])[0, 2] / body.length) == pytest.approx(heading["largest_rate"], rel=1e-3)
 
 
 def test_python_takes_an_enclosed_point_too(tmp_path: Path) -> None:
