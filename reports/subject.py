@@ -73,7 +73,7 @@ class Subject(ABC):
     @property
     @abstractmethod
     def result(self) -> Any:
-        """The verdict, its evidence verified once more."""
+        """The verdict with its evidence."""
 
     @property
     @abstractmethod
@@ -103,7 +103,7 @@ class ArraySubject(Subject):
 
     @cached_property
     def _checked(self) -> tuple[Check, Answers]:
-        """The check, its evidence verified once more, with the answers; compared with each other."""
+        """The check with the answers, compared with each other."""
         result = check_theorem4(self.scene, announce=self.announce)
         return reconciled(result, full_answers(result))
 

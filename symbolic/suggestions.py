@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection
 from difflib import get_close_matches
 
+SHORTEST = 4  # letters of a name that is taken for misspelt
 LIKENESS = 0.7  # of a name to a known one, above which it is taken for misspelt (difflib)
 MAX_READ = 60  # characters of what was given
 # What others call the contact rules.
@@ -29,7 +30,7 @@ def is_meant(given: object, known: Collection[str]) -> str:
     if not isinstance(given, str):
         return ""
     plain = given[:MAX_READ].strip().lower()
-    likeliest = get_close_matches(plain, known, 1, LIKENESS)
+    likeliest = get_close_matches(plain, [name for name in known if len(name) >= SHORTEST], 1, LIKENESS)
     alias = RULES.get(plain.replace("-", "").replace(" ", "").removesuffix("s"), "")
     found = likeliest[0] if likeliest else alias if alias in known else ""
     return f" (is {found} meant?)" if found else ""

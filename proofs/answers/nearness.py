@@ -39,9 +39,11 @@ from nonsmooth.symbolic.measured_loads import NoSpringsError, spring_forms
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.rounded import either_way
 from nonsmooth.symbolic.plane import cross, dot
+from nonsmooth.symbolic.rule import MIXED
 from nonsmooth.symbolic.scene import LoadTable, Scene, Wheel
 from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
+FOLLOWED = {"nearest", "box", "ellipse", "roller", MIXED}  # rules whose motions are enclosed
 LOAD_SHARES = (Fraction(1), Fraction(7, 8), Fraction(1, 2))  # of the way from the load of equal springs to another one
 ROUNDING = Fraction(1, 10**11)  # of the accuracy: a place of rest so near is the point, to all printed digits
 
@@ -121,6 +123,8 @@ def nearness(scene: Scene, results: Results) -> Nearness:
 @lru_cache(maxsize=16)  # an answer is asked for several times
 def _decided(asked: _Asked) -> Nearness:
     scene, accuracy = asked.scene, asked.scene.accuracy
+    if scene.contact.rule not in FOLLOWED:
+        return Nearness(why_not=f"under rule {scene.contact.rule} bodies are not followed")
     kept, array = contact_set(scene), alone(scene).recentred()
     with either_way(scene.field):  # what is shown holds for every member of what was rounded
         if array.contact.rule != "nearest" and isinstance(array.contact.loads, UnknownLoads):

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 import nonsmooth as ns
-from nonsmooth.proofs import verified as verified_module
+from nonsmooth.proofs import theorem4
 from nonsmooth.proofs.theorem4_result import CellCheck, Check
 from nonsmooth.proofs.verdicts import Theorem4, Translation
 from nonsmooth.reports import subject
@@ -45,8 +45,9 @@ def wrong(check: Check) -> Check:
 @pytest.fixture
 def planted(monkeypatch: pytest.MonkeyPatch) -> None:
     """Such a fault behind every command."""
-    for module in (verified_module, subject):
-        monkeypatch.setattr(module, "verified", wrong)
+    truly = theorem4.check_theorem4
+    for module in (theorem4, subject):
+        monkeypatch.setattr(module, "check_theorem4", lambda *given, **how: wrong(truly(*given, **how)))
 
 
 @pytest.mark.usefixtures("planted")
