@@ -167,30 +167,16 @@ class NearestForce(NamedTuple):
     rate: Floats
     normal: Floats
 
-    def rates(self, first: Floats | None = None) -> Floats:
-        """The entries ``(xx, yy, xy)`` of the derivative's symmetric part, shape (3, ...).
+    @property
+    def rates(self) -> Floats:
+        """The derivative's entries ``(xx, yy, xy)``, shape (3, ...)."""
+        x, y = self.normal
+        return np.array([self.rate * (1 - x * x), self.rate * (1 - y * y), -self.rate * x * y])
 
-        Args:
-            first: what stands for the first of both normals, see :meth:`normal_from`; the normal itself unless given.
-        """
-        (x, y), (u, v) = self.normal if first is None else first, self.normal
-        return np.array([self.rate * (1 - x * u), self.rate * (1 - y * v), self.rate * (x * v + y * u) / -2])
-
-    def along(self, change: Floats, first: Floats | None = None) -> Floats:
+    def along(self, change: Floats) -> Floats:
         """The derivative times a change of the given point, shape (2, ...)."""
         x, y = self.normal
-        return np.asarray(
-            self.rate * (change - (self.normal if first is None else first) * (x * change[0] + y * change[1]))
-        )
-
-    def normal_from(self, force: Floats) -> Floats:
-        """The normal, but where the border is curved the force before this one in its place, shape (2, ...).
-
-        On a disc that linearizes ``|z| p = z`` with p as an unknown of its own, ``|z| dp = dz - p (z/|z| . dz)``: steps
-        of Newton's method are shorter where a force turns around, and as good where it hardly turns (Chan, Golub and
-        Mulet 1999).
-        """
-        return np.asarray(self.normal + np.where(self.rate < 1, force - self.force, 0.0))
+        return np.asarray(self.rate * (change - self.normal * (x * change[0] + y * change[1])))
 
 
 class UnitDiscs:

@@ -172,7 +172,7 @@ class MassPath(CarriedBody):
         turning = ((ahead - behind) / (2 * step)) @ velocity
         taken = 2 * damping * (edges @ velocity) + damping**2 * self.outline.depths(pose)[held]
         accelerations = rates[:, 3:] @ edges.T + turning + taken
-        return rates, balancing_weights(accelerations, len(held))
+        return rates, balancing_weights(accelerations, len(held), np.full(len(held), 0.5))
 
     def _gradients(self, held: Sequence[int], pose: Floats) -> Floats:
         """``dg_i/d(x, y, theta)`` of held wheels, (k, 3)."""

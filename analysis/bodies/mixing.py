@@ -32,9 +32,9 @@ def mixed_of(corners: Floats, weights: Floats) -> Floats:
     return np.asarray(_shares(weights) @ corners)
 
 
-def balancing_weights(rates: Floats, count: int) -> Floats | None:
+def balancing_weights(rates: Floats, count: int, start: Floats) -> Floats | None:
     """Weights with which the rates (2^k, k) of the depths vanish, by Newton's method; None where it does not end."""
-    weights = np.full(count, 0.5)
+    weights = np.clip(start, 0.0, 1.0) if start.shape == (count,) else np.full(count, 0.5)
     scale = np.abs(rates).max() or 1.0
     for _ in range(STEPS):
         here = mixed_of(rates, weights)

@@ -5,8 +5,8 @@ edge of an outline, Filippov's construction says how the body goes on (:mod:`non
 Events: ``enter``, ``leave``, ``slide``.  The path ends in time or where the body tips; with an outline also at rest, or
 after so much work.
 
-A plain array is a body that covers all its wheels.  Between events the field is continuous and has few kinks, so LSODA
-follows it, which turns implicit where that pays (near an equilibrium it decays like ``(mu_R/mu_S)^2``), and backward
+A plain array is a body that covers all its wheels.  Its field is continuous and has few kinks, so LSODA follows it,
+which turns implicit where that pays (near an equilibrium it decays like ``(mu_R/mu_S)^2``), and backward
 differentiation formulas where drag stands in for jumps of the twist.
 """
 
@@ -16,6 +16,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from nonsmooth.analysis.bodies.regimes import Regimes, SupportRate
 from nonsmooth.analysis.bodies.set_motion import ContactSets, TippedError, Wheels
 from nonsmooth.analysis.bodies.supports import CarriedBody, CarryingWheels, SupportMode, finite_start
 from nonsmooth.analysis.bodies.switching import Switching
@@ -23,19 +24,17 @@ from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.trajectories.follow import DenseStep, Mode, Path, Stepper, Stretch, follow
 from nonsmooth.analysis.trajectories.result import EndReason, Trajectory
-from nonsmooth.analysis.trajectories.steppers import Integrator, Relief
+from nonsmooth.analysis.trajectories.steppers import Integrator
 from nonsmooth.symbolic.scene import Scene
 
 MOST_EVENTS = 2_000  # stretches between events; a path that needs more may switch for ever
-# Evaluations of pose rates along a path: twenty seconds; with drag each takes ten times longer.
+# Evaluations of pose rates along a path, a step counted as some: twenty seconds; with drag each takes ten times longer.
 MOST_RATES, MOST_DRAGGED = 50_000, 6_000
+OF_A_STEP = 12  # stages of a Runge-Kutta step, which follow regimes without asking for rates
 RESTS = 1e-10  # speed relative to the fastest wheel's below which the body rests
 RELATIVE_TOLERANCE = 1e-9  # per step of a plain array's path; the minimizer itself is right to about 1e-12
 ABSOLUTE_TOLERANCE = 1e-11  # length and radians
-FINER = 1e-3  # of both with an outline, whose events are right to 1e-10
-# Of both with drag, which moves a path by more, and turns rounding of forces into 1e-9 of a twist; and after so many
-# steps from one event to the next, as where the slip of a wheel passes through zero: there LSODA sees but rounding.
-LOOSER, MANY_STEPS = 100.0, 1_000
+LOOSER = 100.0  # of both with drag, which moves a path by more, and turns rounding of forces into 1e-9 of a twist
 
 
 def ellipse_path(model: ContactModel, start: Sequence[float], until: float) -> Trajectory:
@@ -66,7 +65,9 @@ class BodyPath(CarriedBody):
         self._switching = Switching(self._sets, self.outline)
         fastest = float(np.abs(model.speeds).max())
         self._slow = RESTS * fastest
+        self._scale = self.outline.size / (fastest or 1.0)
         self._support: CarryingWheels | None = None
+        self._steps = 0
 
     def follow(self, start: Sequence[float], until: float) -> Trajectory:
         """The path from ``(x, y, theta)``, theta measured from the checked heading.
@@ -78,16 +79,15 @@ class BodyPath(CarriedBody):
             TrajectoryError: where the path cannot be followed.
         """
         pose, self._support = finite_start(start, until), None
-        self._sets.evaluations = 0
+        self._steps = self._sets.evaluations = 0
         return follow(self, (0.0, pose), until, self._stepper()).trajectory(Kinematics.EXACT.value, self.method)
 
     def _stepper(self) -> Stepper:
-        finer = 1.0 if self.scene is None else FINER
-        rough = Integrator("BDF", LOOSER * finer * RELATIVE_TOLERANCE, LOOSER * finer * ABSOLUTE_TOLERANCE)
-        if self._sets.is_stiff:
-            return rough
-        lsoda = Integrator("LSODA", finer * RELATIVE_TOLERANCE, finer * ABSOLUTE_TOLERANCE)
-        return lsoda if self.scene is None else Relief(lsoda, MANY_STEPS, rough)
+        if self.scene is not None:
+            return Regimes(self._scale, self.outline.size)
+        looser = LOOSER if self._sets.is_stiff else 1.0
+        tolerances = looser * RELATIVE_TOLERANCE, looser * ABSOLUTE_TOLERANCE
+        return Integrator("BDF" if self._sets.is_stiff else "LSODA", *tolerances, exact_slopes=False)
 
     # ---- supports ----------------------------------------------------------------------------------
 
@@ -106,8 +106,9 @@ class BodyPath(CarriedBody):
             self.tell_changes(path, before, support, "" if support.unique else "other choices go on too")
         path.unique = bool(path.unique and support.unique)
         self._support = support
-        mode = SupportMode(self, support, _SupportRate(self._switching, support))
-        if self.scene is not None and self._is_slow(mode.rate(path.time, path.state), 1.0):
+        rate = SupportRate(self._switching, support, path.state, self.outline.size)
+        mode = SupportMode(self, support, rate)
+        if self.scene is not None and self._is_slow(rate(path.time, path.state), 1.0):
             path.pieces.append(mode.piece(Stretch([path.time], [path.state], [])))
             return EndReason.REST
         return mode
@@ -144,7 +145,7 @@ class BodyPath(CarriedBody):
 
     def weights(self, support: CarryingWheels, state: Floats) -> Floats:
         """See :class:`nonsmooth.analysis.bodies.supports.CarriedBody`."""
-        return self._switching.rate(support, state)[1]
+        return self._switching.rate(support, state, np.full(len(support.sliding), 0.5))[1]
 
     def margins(self, carrying: Wheels, states: Floats) -> Floats:
         """See :class:`nonsmooth.analysis.bodies.supports.CarriedBody`."""
@@ -156,23 +157,9 @@ class BodyPath(CarriedBody):
             return None
         if self._is_slow(step.last - step.first, step.end - step.start):
             return EndReason.REST
-        most = MOST_DRAGGED if self._sets.is_stiff else MOST_RATES
-        return EndReason.STEPS if self._sets.evaluations >= most else None
-
-
-class _SupportRate:
-    """The pose rate on one support, as a function of time and pose.
-
-    Attributes:
-        jacobian: its slopes for implicit methods; None where drag makes them as rough as differences.
-    """
-
-    def __init__(self, switching: Switching, support: CarryingWheels) -> None:
-        self._switching, self._support = switching, support
-        self.jacobian = None if switching.is_stiff else self._slopes
-
-    def __call__(self, time: float, pose: Floats) -> Floats:
-        return self._switching.rate(self._support, pose)[0]
-
-    def _slopes(self, time: float, pose: Floats) -> Floats:
-        return self._switching.jacobian(self._support, pose)
+        self._steps += 1
+        if self._sets.is_stiff:
+            is_spent = self._sets.evaluations >= MOST_DRAGGED
+        else:
+            is_spent = self._sets.evaluations + OF_A_STEP * self._steps >= MOST_RATES
+        return EndReason.STEPS if is_spent else None

@@ -1,4 +1,11 @@
-"""The motion of a body on each set of wheels that may carry it: the least dissipation, as rates of its pose."""
+"""The motion of a body on each set of wheels that may carry it, and the regime in which it is smooth.
+
+Between changes of the contact set the motion still has kinks: where a spring comes free or a contact begins or ends to
+stick.  Beside them it is analytic, and each of its pieces goes on analytically beyond the kink.  So a regime (which
+wheels are loaded, which contacts stick) can be held while an integrator makes its step: its unknowns, the twist and
+forces, follow their derivatives (:meth:`SetMotion.slope`) beside the pose, and :meth:`SetMotion.validities` says
+afterwards where the regime ended.
+"""
 
 from __future__ import annotations
 
@@ -6,18 +13,20 @@ import numpy as np
 
 from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.analysis.dynamics.moving_loads import MovingLoads
+from nonsmooth.analysis.dynamics.path_minimizer import needs_drag, path_minimizer, proved_twist
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
-from nonsmooth.analysis.minimizers.ellipse_minimizer import PathMinimizer, needs_drag
-from nonsmooth.analysis.trajectories.result import TrajectoryError
-from nonsmooth.symbolic.number_text import place_text
+from nonsmooth.analysis.minimizers.regime import NOBODY
+from nonsmooth.analysis.minimizers.smooth_newton import SmoothNewton
 
 Wheels = frozenset[int]  # places in the scene's list of wheels
 
-TURN = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]])  # J, of poses
-
 
 class SetMotion:
-    """Pose rates ``(c', theta')`` on one set of wheels."""
+    """Pose rates ``(c', theta')`` on one set of wheels.
+
+    Attributes:
+        model: the contacts of these wheels.
+    """
 
     def __init__(self, model: ContactModel, pose: Floats) -> None:
         """For the contacts of the set, and a pose at which they carry the body.
@@ -25,36 +34,85 @@ class SetMotion:
         Raises:
             nonsmooth.analysis.cells.loads.LoadError: where they do not.
         """
-        self._loads, self._minimizer = MovingLoads(model, pose[:2]), PathMinimizer(model)
+        self.model, self._loads = model, MovingLoads(model, pose[:2])
+        self._minimize = path_minimizer(model)
+        self._quick = None if needs_drag(model) else SmoothNewton(model)
+        self._regime = NOBODY
 
     def margins(self, poses: Floats) -> Floats:
         """Distance of the centre of mass from the border of the support polygon, negative outside; poses (m, 3)."""
         return self._loads.margins(poses[:, :2])
 
+    def guess(self, twist: Floats) -> None:
+        """Begin Newton's method at a twist, the first time."""
+        if self._quick is not None and self._quick.last is None:
+            self._quick.start_from(twist)
+
     def rate(self, pose: Floats) -> Floats:
-        """``c' = v + omega J c, theta' = omega``; a little beyond the support polygon it is continued.
+        """``(c', theta')`` with exact kinematics; a little beyond the support polygon it is continued.
 
         Raises:
             TrajectoryError: where the minimizer is not proved to be the motion.
         """
-        twist = self._minimizer.twist(self._loads.at(pose[:2])[0])
-        if twist is None:
-            place = place_text((float(pose[0]), float(pose[1])))
-            raise TrajectoryError(f"required a certified motion, received a minimum without proof at {place}")
-        return twist + twist[2] * np.array([-pose[1], pose[0], 0.0])
+        loads = self._loads.at(pose[:2])[0]
+        return with_kinematics(proved_twist(self.model, self._quick, self._minimize, loads, pose), pose)
+
+    @property
+    def _newton(self) -> SmoothNewton:
+        """What holds regimes."""
+        if self._quick is None:
+            raise ValueError("required whole friction ellipses, received some that are cut")
+        return self._quick
+
+    # ---- regimes ---------------------------------------------------------------------------------
+
+    def hold(self, ahead: Floats, pose: Floats) -> Floats | None:
+        """Hold the regime of a pose a little ahead; its unknowns at the pose itself, None where it has none."""
+        self.rate(ahead)
+        if self._quick is None or self._quick.last is None or self.margins(ahead[None])[0] <= 0:
+            return None
+        self._regime, unknowns = self._quick.last
+        return self.settled(pose, unknowns)
+
+    def settled(self, pose: Floats, unknowns: Floats) -> Floats | None:
+        """The unknowns at a pose, proved to be those of the only minimizer while the regime holds; None without."""
+        return self._newton.settled(self._regime, unknowns, self._loads.continued(pose[:2])[0])
+
+    def slope(self, pose: Floats, rate: Floats, unknowns: Floats) -> Floats:
+        """How fast the unknowns change while the pose does; not a number where they cannot be continued."""
+        loads, slopes = self._loads.continued(pose[:2])
+        return self._newton.slope(self._regime, unknowns, loads, slopes @ rate[:2])
 
     def jacobian(self, pose: Floats) -> Floats | None:
-        """Slopes of :meth:`rate` by the pose (3 x 3); None where they are not known.
+        """Slopes of :meth:`rate` by the pose (3 x 3); None where the pose has no regime, or that cannot be continued.
 
         Differences would not do: beside a place where the slip of a wheel vanishes, slopes change within distances at
         which differences are lost in rounding.
         """
-        omega = self.rate(pose)[2]
-        slopes = self._minimizer.slopes(*self._loads.at(pose[:2]))
-        if slopes is None or not np.isfinite(slopes).all():
+        self.rate(pose)
+        if self._quick is None or self._quick.last is None:
             return None
-        vx, vy, turning = np.column_stack([slopes, np.zeros(3)])
-        return np.array([vx - turning * pose[1], vy + turning * pose[0], turning]) + omega * TURN
+        self._regime, unknowns = self._quick.last
+        columns = []
+        for step in np.eye(3):
+            twist = self.slope(pose, step, unknowns)[:3]
+            columns.append(with_kinematics(twist, pose) + unknowns[2] * np.array([-step[1], step[0], 0.0]))
+        found = np.column_stack(columns)
+        return found if np.isfinite(found).all() else None
+
+    def is_near_rest(self, pose: Floats, unknowns: Floats) -> bool:
+        """Whether a contact nearly sticks by now that the regime does not know."""
+        return self._newton.is_near_rest(self._regime, unknowns, self._loads.continued(pose[:2])[0])
+
+    def validities(self, poses: Floats, unknowns: Floats) -> Floats:
+        """Negative where the regime held has ended, at poses (m, 3) with unknowns (m, k); shape (m,)."""
+        lacks = self._regime.lacks(unknowns).min(axis=1, initial=np.inf)
+        return np.minimum(lacks, self._loads.validities(poses[:, :2]))
+
+
+def with_kinematics(twist: Floats, pose: Floats) -> Floats:
+    """``(c', theta')`` of a spatial twist."""
+    return twist + twist[2] * np.array([-pose[1], pose[0], 0.0])
 
 
 # ---- one set after the other -----------------------------------------------------------------------
@@ -72,6 +130,7 @@ class ContactSets:
         self._model = model
         self._motions: dict[Wheels, SetMotion] = {}
         self.evaluations = 0  # of rates so far: what a path costs
+        self._last = np.zeros(3)  # twist of any set: where Newton's method begins on a new one
 
     @property
     def is_stiff(self) -> bool:
@@ -86,7 +145,12 @@ class ContactSets:
             TrajectoryError: where the minimizer is not proved to be the motion.
         """
         self.evaluations += 1
-        return self.motion(wheels, pose).rate(pose)
+        motion = self.motion(wheels, pose)
+        if self._last.any():
+            motion.guess(self._last)
+        rate = motion.rate(pose)
+        self._last = rate - rate[2] * np.array([-pose[1], pose[0], 0.0])
+        return rate
 
     def carries(self, wheels: Wheels, pose: Floats) -> bool:
         """Whether the body stands on the wheels there."""

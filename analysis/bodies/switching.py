@@ -17,12 +17,11 @@ import numpy as np
 
 from nonsmooth.analysis.bodies.mixing import balancing_weights, mixed_of, subsets_of
 from nonsmooth.analysis.bodies.moving_outline import MovingOutline
-from nonsmooth.analysis.bodies.set_motion import ContactSets, TippedError, Wheels
+from nonsmooth.analysis.bodies.set_motion import ContactSets, SetMotion, TippedError, Wheels
 from nonsmooth.analysis.bodies.supports import CarryingWheels
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 
-DIFFERENCE = 1e-7  # of the body's size: for slopes of the field
 MOST_AT_ONCE = 6  # wheels under the edge at one pose: 64 subsets
 
 
@@ -56,26 +55,29 @@ class Switching:
             raise TippedError
         raise TrajectoryError("required a way to go on from wheels under the edge, received none that was found")
 
-    def rate(self, support: CarryingWheels, pose: Floats) -> tuple[Floats, Floats]:
-        """The pose rate on a support, and the weights of its sliding wheels."""
+    def rate(self, support: CarryingWheels, pose: Floats, weights: Floats) -> tuple[Floats, Floats]:
+        """The pose rate on a support, and the weights of its sliding wheels; the given ones are where Newton starts."""
         if not support.sliding:
-            return self._sets.rate(support.carrying, pose), np.zeros(0)
+            return self._sets.rate(support.carrying, pose), weights
         corners = [self._sets.rate(support.carrying | subset, pose) for subset in subsets_of(support.sliding)]
+        return self.mixed(support, pose, corners, weights)
+
+    def mixed(
+        self, support: CarryingWheels, pose: Floats, corners: list[Floats], weights: Floats
+    ) -> tuple[Floats, Floats]:
+        """:meth:`rate` from the rates of :meth:`motions`."""
+        if not support.sliding:
+            return corners[0], weights
         wheels = list(support.sliding)
         depths = [self._outline.rates(pose, corner, wheels) for corner in corners]
-        found = balancing_weights(np.array(depths), len(wheels))
+        found = balancing_weights(np.array(depths), len(wheels), weights)
         if found is None:
             raise TrajectoryError("required weights that keep the wheels under the edge, received none")
         return mixed_of(np.array(corners), found), found
 
-    def jacobian(self, support: CarryingWheels, pose: Floats) -> Floats:
-        """Slopes of :meth:`rate` by the pose (3 x 3): exact where one motion acts, else by differences."""
-        exact = None if support.sliding else self._sets.motion(support.carrying, pose).jacobian(pose)
-        if exact is not None:
-            return exact
-        step = DIFFERENCE * self._outline.size
-        ahead, behind = ([self.rate(support, pose + way)[0] for way in sign * step * np.eye(3)] for sign in (1, -1))
-        return np.column_stack([a - b for a, b in zip(ahead, behind, strict=True)]) / (2 * step)
+    def motions(self, support: CarryingWheels, pose: Floats) -> list[SetMotion]:
+        """The motions that :meth:`rate` mixes."""
+        return [self._sets.motion(support.carrying | subset, pose) for subset in subsets_of(support.sliding)]
 
     def _motions(self, pose: Floats, carrying: Wheels, edge: Sequence[int]) -> dict[Wheels, Floats]:
         """The rates of the depths of the edge's wheels, by the subset that carries; without those that tip."""
@@ -109,7 +111,7 @@ class Switching:
             if any(rates is None for rates in chosen):
                 continue
             corners = np.array(chosen)
-            weights = balancing_weights(corners[:, places], len(sliding))
+            weights = balancing_weights(corners[:, places], len(sliding), np.full(len(sliding), 0.5))
             if weights is None or not ((weights > 0) & (weights < 1)).all():
                 continue
             mixed = dict(zip(edge, mixed_of(corners, weights), strict=True))

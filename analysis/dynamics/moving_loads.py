@@ -41,10 +41,18 @@ class MovingLoads:
 
     def at(self, centre: Floats) -> tuple[Floats, Floats]:
         """Loads (n,) and their slope with respect to the centre (n, 2); continued beyond the border."""
-        if self.margin(centre) >= 0 and _least(self._valid, centre[None])[0] < -LIFTED:
+        if self.margin(centre) >= 0 and self.validities(centre[None])[0] < 0:
             self._table, self._valid = self._tables(centre)
         loads = self._table @ np.array([1.0, *centre])
         return np.maximum(loads, 0.0), np.where(loads[:, None] > 0, self._table[:, 1:], 0.0)
+
+    def continued(self, centre: Floats) -> tuple[Floats, Floats]:
+        """Loads (n,) and slopes (n, 2) with the table of the last point, wherever it leads."""
+        return self._table[:, 0] + self._table[:, 1:] @ centre, self._table[:, 1:]
+
+    def validities(self, centres: Floats) -> Floats:
+        """Negative where that table no longer holds, at centres (m, 2)."""
+        return _least(self._valid, centres) + LIFTED
 
     def margins(self, centres: Floats) -> Floats:
         """How far the loads exist around centres (m, 2): distance to the support's border, or the least table load."""

@@ -4,7 +4,7 @@ The unknowns are three; ``h_i(r) = max p . r over p in K_i`` with K_i a friction
 dual is ``max -sum w_i p_i . e_i`` over forces p_i in K_i that balance, ``sum w_i E_i^T p_i = 0``; unknowns and balanced
 forces in their sets with equal values prove each other (:meth:`SupportSums.judge`), however they were found.
 
-Three methods find it.
+Two methods find it.
 
 - *Multipliers* (:func:`by_multipliers`), for any sets that know their nearest point.  With a stiffness c the forces are
   ``p_i(y) = nearest point of K_i to p_i + c r_i(y)``; they are the derivative of a convex function of y that has a
@@ -13,8 +13,6 @@ Three methods find it.
 - *Smoothing* (:func:`by_smoothing`), for cut discs.  Norms become ``sqrt(|r|^2 + g^2)``, and steps are Newton's on
   ``sqrt(|r|^2 + g^2) p = r`` with p as an unknown of its own (Chan, Golub and Mulet): full steps of y settle from
   anywhere while g falls tenfold with each.  After some seven steps multipliers finish most problems.
-- *Tracking* (:func:`tracked`), for one problem beside another whose solution is known: multipliers without any choice
-  of steps, whose forces are unknowns of their own, too.  Two to four steps, some hundred microseconds.
 
 Arrays have the shape (n, m): n sets, m problems, in blocks that fit the processor's cache.
 
@@ -24,8 +22,7 @@ References: Rockafellar (1976), Math. Oper. Res. 1; Chan, Golub, Mulet (1999), S
 
 from __future__ import annotations
 
-from copy import copy
-from typing import Generic, NamedTuple, Protocol, TypeVar
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,10 +57,7 @@ class FrictionSets(Protocol):
         """How far, in parts, a point must shrink towards zero to lie in the set; at most zero inside."""
 
 
-Sets = TypeVar("Sets", bound=FrictionSets)
-
-
-class SupportSums(Generic[Sets]):
+class SupportSums:
     """Problems; weights are divided by their sums.
 
     Args:
@@ -73,31 +67,19 @@ class SupportSums(Generic[Sets]):
         sets: K_i.
     """
 
-    def __init__(self, weights: Floats, maps: Floats, targets: Floats, sets: Sets) -> None:
+    def __init__(self, weights: Floats, maps: Floats, targets: Floats, sets: FrictionSets) -> None:
         self.weights = weights / np.maximum(weights.sum(axis=0), TINY)
         self.maps, self.targets, self.sets = maps, targets, sets
-        self.columns = maps.transpose(2, 1, 0).reshape(3, -1)
+        self._columns = maps.transpose(2, 1, 0).reshape(3, -1)
         first, second = maps[:, 0], maps[:, 1]
         pairs = [_products(first, first), _products(second, second), 2 * _products(first, second)]
         self._pairs = np.concatenate(pairs).T
+        self.start = (self.weights * np.sqrt(np.square(targets).sum(axis=0))).sum(axis=0)
 
-    @property
-    def start(self) -> Floats:
-        """An upper bound of the values at y = 0, (m,)."""
-        return np.asarray((self.weights * np.sqrt(np.square(self.targets).sum(axis=0))).sum(axis=0))
-
-    def weighted(self, weights: Floats) -> SupportSums[Sets]:
-        """The same sets under weights (n, m)."""
-        other = copy(self)
-        other.weights = weights / np.maximum(weights.sum(axis=0), TINY)
-        return other
-
-    def take(self, chosen: NDArray[np.bool_] | NDArray[np.int_]) -> SupportSums[Sets]:
+    def take(self, chosen: NDArray[np.bool_] | NDArray[np.int_]) -> SupportSums:
         """Only some problems."""
-        other = copy(self)
-        other.weights = self.weights[:, chosen]
-        other.targets = self.targets if self.targets.shape[-1] == 1 else self.targets[..., chosen]
-        return other
+        targets = self.targets if self.targets.shape[-1] == 1 else self.targets[..., chosen]
+        return SupportSums(self.weights[:, chosen], self.maps, targets, self.sets)
 
     def moved(self, y: Floats) -> Floats:
         """``E_i y``, shape (2, n, m), of y (3, m)."""
@@ -109,7 +91,7 @@ class SupportSums(Generic[Sets]):
 
     def total(self, forces: Floats) -> Floats:
         """``sum_i w_i E_i^T p_i``, shape (3, m)."""
-        return np.asarray(self.columns @ np.concatenate(self.weights * forces))
+        return np.asarray(self._columns @ np.concatenate(self.weights * forces))
 
     def newton_step(self, total: Floats, rates: Floats, shift: Floats | float, rounding: float) -> Floats:
         """``-(sum_i w_i E_i^T S_i E_i + shift)^-1 total`` with ``S_i = rates (xx, yy, xy)``, shape (3, n, m).
@@ -177,7 +159,7 @@ SETTLED = 1e-13  # step, relative to the unknowns, after which no other is neede
 
 
 def by_multipliers(
-    sums: SupportSums[Sets],
+    sums: SupportSums,
     y: Floats,
     forces: Floats,
     stiffness: Floats,
@@ -200,7 +182,7 @@ def by_multipliers(
         slope = sums.total(near.force) + pull * (trial - anchor)
         rise = (slope * step).sum(axis=0)
         short = rise > FLATTER * falls
-        newton = sums.newton_step(slope, stiffness * near.rates(), pull, ROUNDING)
+        newton = sums.newton_step(slope, stiffness * near.rates, pull, ROUNDING)
         linear = near.force + near.along(stiffness * sums.moved(newton))
         values, excess, lacks, proved = sums.judge(slips, linear)
         known = found.proved[at]
@@ -226,7 +208,7 @@ def by_multipliers(
 
 
 def finished(
-    sums: SupportSums[Sets],
+    sums: SupportSums,
     y: Floats,
     forces: Floats,
     smoothing: Floats | float,
@@ -237,43 +219,6 @@ def finished(
     mean_slip = sums.judge(sums.slips(y), forces).values
     softness = np.maximum(mean_slip / STIFFNESS, np.maximum(smoothing / PUSH, 1 / stiffest))
     return by_multipliers(sums, y, forces, 1 / softness, passes, stiffest)
-
-
-# ---- tracking ------------------------------------------------------------------------------------
-
-TRACKING_STIFFNESS = 1e5  # c, over the mean slip: what multipliers lag behind falls by as much with each step
-TRACKING_STEPS = 10
-STICKING = 1e10  # stiffness at which slopes are those of contacts that stick, to some digits
-TRACKED = 1e-10  # step, at targets of order one, after which what is left is its square and its part by c
-
-
-def tracked(sums: SupportSums[Sets], y: Floats, forces: Floats) -> tuple[Floats, Floats] | None:
-    """Unknowns (3, 1) and forces (2, n, 1) of one problem from those of one beside it.
-
-    None where the steps do not settle, or do not prove what they settle at.
-    """
-    value = float((sums.weights * sums.sets.support(*sums.slips(y))).sum())
-    stiffness = TRACKING_STIFFNESS / max(value, TRACKING_STIFFNESS / STIFFEST)
-    for _ in range(TRACKING_STEPS):
-        near = sums.sets.nearest(*(forces + stiffness * sums.slips(y)))
-        normal = near.normal_from(forces)
-        step = sums.newton_step(sums.total(near.force), stiffness * near.rates(normal), 0.0, ROUNDING)
-        forces = near.force + near.along(stiffness * sums.moved(step), normal)
-        forces = forces / np.maximum(1 + sums.sets.excess(*forces), 1.0)
-        y = y + step
-        if np.abs(step).max() <= TRACKED and sums.judge(sums.slips(y), forces).proved[0]:
-            return y, forces
-    return None
-
-
-def sensitivity(sums: SupportSums[Sets], y: Floats, forces: Floats, changes: Floats) -> Floats:
-    """How fast the unknowns (3, 1) of one solution change, (3, k), with weights that change along columns (n, k).
-
-    ``sum_i dw_i E_i^T p_i + sum_i w_i E_i^T dp_i = 0``, with forces that follow y so stiffly that contacts stick.
-    """
-    near = sums.sets.nearest(*(forces + STICKING * sums.slips(y)))
-    total = sums.columns @ np.concatenate(changes * forces)
-    return sums.newton_step(total, STICKING * near.rates(), 0.0, ROUNDING)
 
 
 # ---- smoothing -----------------------------------------------------------------------------------
@@ -316,19 +261,19 @@ def by_smoothing(weights: Floats, maps: Floats, targets: Floats, sets: UnitDiscs
             block = slice(first, first + size)
             own = targets[block] if targets.ndim == 3 else targets[None]
             columns = np.ascontiguousarray(own.transpose(2, 1, 0))
-            found.append(_solved(SupportSums(np.ascontiguousarray(weights[block].T), maps, columns, sets)))
+            found.append(_solved(SupportSums(np.ascontiguousarray(weights[block].T), maps, columns, sets), sets))
     forces = [each.forces.transpose(2, 1, 0) for each in found]
     return np.concatenate([each.y.T for each in found]), np.concatenate(forces)
 
 
-def _solved(sums: SupportSums[UnitDiscs]) -> Solutions:
+def _solved(sums: SupportSums, sets: UnitDiscs) -> Solutions:
     """The problems of one block."""
     n, m = sums.weights.shape
     found, at = Solutions(n, m), np.arange(m)
     first = np.broadcast_to(np.maximum(sums.start, TINY), m)
     state = Smoothed(np.zeros((3, m)), np.zeros((2, n, m)), np.zeros((n, m)), first)
     for count in range(1, SMOOTHER_STEPS + 1):
-        state = smoother_step(sums, state)
+        state = smoother_step(sums, sets, state)
         if count in FINISHES:
             _finish(found, at, sums, state, LESS_STIFF if FINISHES.index(count) % 2 == 0 else STIFFEST)
             going = ~found.proved[at]
@@ -337,17 +282,10 @@ def _solved(sums: SupportSums[UnitDiscs]) -> Solutions:
             at, sums, state = at[going], sums.take(going), state.take(going)
     rest = by_multipliers(sums, np.zeros((3, len(at))), np.zeros((2, n, len(at))), np.full(len(at), FIRST_STIFFNESS))
     found.keep(at, rest.y, rest.forces, rest.lacks, rest.proved)
-    left = ~found.proved[at]
-    if left.any():
-        at, sums = at[left], sums.take(left)
-        rest = finished(sums, found.y[:, at], found.forces[..., at], 0.0, PASSES)
-        found.keep(at, rest.y, rest.forces, rest.lacks, rest.proved)
     return found
 
 
-def _finish(
-    found: Solutions, at: NDArray[np.int_], sums: SupportSums[UnitDiscs], state: Smoothed, stiffest: float
-) -> None:
+def _finish(found: Solutions, at: NDArray[np.int_], sums: SupportSums, state: Smoothed, stiffest: float) -> None:
     """Keep what the iterates are worth, and what multipliers make of them."""
     _, _, lacks, proved = sums.judge(sums.slips(state.y), state.forces)
     found.keep(at, state.y, state.forces, lacks, proved)
@@ -355,7 +293,7 @@ def _finish(
     found.keep(at, better.y, better.forces, better.lacks, better.proved)
 
 
-def smoother_step(sums: SupportSums[UnitDiscs], state: Smoothed) -> Smoothed:
+def smoother_step(sums: SupportSums, sets: UnitDiscs, state: Smoothed) -> Smoothed:
     """One step of y, forces and rollers, and the next g.
 
     Of a disc that is cut at kappa the rollers turn at speed t: the contact slips with ``(x, s - t)``, and the force
@@ -363,7 +301,7 @@ def smoother_step(sums: SupportSums[UnitDiscs], state: Smoothed) -> Smoothed:
     ``dt = a + b dp_2``, which is taken out.
     """
     y, (z0, z1), turning, g = state
-    slips, sets = sums.slips(y), sums.sets
+    slips = sums.slips(y)
     across = slips[1] - turning
     size = np.sqrt(np.square(slips[0]) + np.square(across) + np.square(g))
     u0, u1 = slips[0] / size, across / size

@@ -15,13 +15,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from functools import partial
-from itertools import islice
 from typing import Any
 
 import numpy as np
 
 from nonsmooth.analysis.fields.switched_field import Vector
-from nonsmooth.analysis.trajectories.follow import DenseStep, Interpolant, Rate, Stepper
+from nonsmooth.analysis.trajectories.follow import DenseStep, Interpolant, Rate
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 
 # Growth of the step that DOP853 proposes: its error was some (0.9/4)^8 of the tolerance, a millionth.
@@ -58,16 +57,17 @@ class Integrator:
     Args:
         method: its name in :mod:`scipy.integrate`.
         rtol, atol: tolerances per step, relative and absolute.
+        exact_slopes: whether an implicit method takes the ``jacobian`` of a rate that has one; else differences.
     """
 
-    def __init__(self, method: str, rtol: float, atol: float | Vector) -> None:
-        self._method, self._tolerances = method, {"rtol": rtol, "atol": atol}
+    def __init__(self, method: str, rtol: float, atol: float | Vector, *, exact_slopes: bool = True) -> None:
+        self._method, self._tolerances, self._exact_slopes = method, {"rtol": rtol, "atol": atol}, exact_slopes
 
     def steps(self, rate: Any, t: float, x: Vector, until: float) -> Iterator[DenseStep]:
-        """Steps up to the last time; an implicit method takes the ``jacobian`` of a rate that has one."""
+        """Steps up to the last time."""
         from scipy import integrate
 
-        jacobian = getattr(rate, "jacobian", None)
+        jacobian = getattr(rate, "jacobian", None) if self._exact_slopes else None
         options = {} if jacobian is None else {"jac": jacobian}
         solver = getattr(integrate, self._method)(rate, t, x, until, **self._tolerances, **options)
         begun = solver.nfev
@@ -75,27 +75,6 @@ class Integrator:
             step = stepped(solver)
             step.work, begun = step.work + begun, 0
             yield step
-
-
-class Relief:
-    """One method for some steps of a mode, and another one for the rest, as where rounding is all that the first sees.
-
-    Args:
-        first: the method to begin with.
-        most: steps that it takes at most.
-        other: what goes on then.
-    """
-
-    def __init__(self, first: Stepper, most: int, other: Stepper) -> None:
-        self._first, self._most, self._other = first, most, other
-
-    def steps(self, rate: Any, t: Any, x: Any, until: Any) -> Iterator[DenseStep]:
-        """Steps up to the last time."""
-        for step in islice(self._first.steps(rate, t, x, until), self._most):
-            t, x = step.end, step.last
-            yield step
-        if t < until:
-            yield from self._other.steps(rate, t, x, until)
 
 
 class FixedSteps:

@@ -20,7 +20,7 @@ from nonsmooth.analysis.bodies.path import BodyPath
 from nonsmooth.analysis.bodies.set_motion import ContactSets
 from nonsmooth.analysis.contact_rule import SmoothRule, contact_rule
 from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
-from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
+from nonsmooth.analysis.minimizers.ellipse_minimizer import WarmMinimizer
 from nonsmooth.analysis.trajectories.follow import DenseStep, Guards, first_event
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory
 from nonsmooth.symbolic.continuum import Disc
@@ -55,13 +55,13 @@ def path_of(scene: Scene, start: tuple[float, float, float], until: float) -> Tr
 
 
 class Motion(NamedTuple):
-    """The motion on any wheels of an array, from the minimizer that begins anew."""
+    """The motion on any wheels of an array, from the minimizer that begins anew, kept for each set of wheels."""
 
     positions: Floats
     rims: Floats
     speeds: Floats
     friction: Floats
-    models: dict[frozenset[int], ContactModel]
+    minimizers: dict[frozenset[int], WarmMinimizer]
 
     @classmethod
     def of(cls, scene: Scene) -> Motion:
@@ -87,10 +87,10 @@ class Motion(NamedTuple):
     def rate(self, carrying: frozenset[int], pose: Floats) -> Floats:
         """``(c', theta')``."""
         wheels = sorted(carrying)
-        if carrying not in self.models:
+        if carrying not in self.minimizers:
             contacts = (self.positions[wheels], self.rims[wheels], self.speeds[wheels], self.friction[wheels])
-            self.models[carrying] = ContactModel.build(*contacts)
-        (twist,) = EllipseMinimizer().minimize(self.models[carrying], self.loads(wheels, pose[:2])[None]).twists
+            self.minimizers[carrying] = WarmMinimizer(ContactModel.build(*contacts))
+        twist = self.minimizers[carrying].minimize(self.loads(wheels, pose[:2])).twists[0]
         v, omega = twist[:2], twist[2]
         return np.array([v[0] - omega * pose[1], v[1] + omega * pose[0], omega])
 
@@ -287,7 +287,9 @@ def test_contacts_of_some_wheels_are_those_of_the_array_of_these_wheels() -> Non
     """With friction axes that are not the rims: the model built anew, entry by entry."""
     scene = load_scene("roller-bed", rule="ellipse")
     wheels = [3, 7, 8, 20]
-    found = ellipse().contacts(scene).on(wheels)
+    sets = ContactSets(ellipse().contacts(scene))
+    pose = np.array([float(sum(x)) / 4 for x in zip(*(scene.wheels[k].position for k in wheels), strict=True)] + [0.0])
+    found = sets.motion(frozenset(wheels), pose).model
     expected = contact_model(replace(scene, wheels=tuple(scene.wheels[k] for k in wheels)))
     for entry in fields(ContactModel):
         assert np.array_equal(getattr(found, entry.name), getattr(expected, entry.name)), entry.name

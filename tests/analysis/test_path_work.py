@@ -9,7 +9,8 @@ from nonsmooth.analysis.bodies.path import BodyPath
 from nonsmooth.analysis.contact_rule import SmoothRule, contact_rule
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.minimizers import ellipse_minimizer
-from nonsmooth.analysis.minimizers.ellipse_minimizer import PathMinimizer
+from nonsmooth.analysis.minimizers.ellipse_minimizer import WarmMinimizer
+from nonsmooth.analysis.minimizers.minimum import Minima
 from nonsmooth.analysis.minimizers.sum_of_supports import by_smoothing
 from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.symbolic.files.scene_file import load_scene
@@ -29,9 +30,9 @@ def test_a_body_that_all_wheels_carry_along_hardly_begins_anew(monkeypatch: pyte
     """
     asked: list[bool] = []
     begun: list[bool] = []
-    warm, cold = PathMinimizer.twist, by_smoothing
+    warm, cold = WarmMinimizer.minimize, by_smoothing
 
-    def counted_warm(self: PathMinimizer, loads: Floats) -> Floats | None:
+    def counted_warm(self: WarmMinimizer, loads: Floats) -> Minima:
         asked.append(True)
         return warm(self, loads)
 
@@ -39,7 +40,7 @@ def test_a_body_that_all_wheels_carry_along_hardly_begins_anew(monkeypatch: pyte
         begun.append(True)
         return cold(weights, maps, targets, sets)
 
-    monkeypatch.setattr(PathMinimizer, "twist", counted_warm)
+    monkeypatch.setattr(WarmMinimizer, "minimize", counted_warm)
     monkeypatch.setattr(ellipse_minimizer, "by_smoothing", counted_cold)
     scene = load_scene("roller-bed")
     path = BodyPath(smooth("roller").contacts(scene), scene).follow((0.1, 0.05, 0.2), 0.1)
