@@ -163,15 +163,7 @@ class Theorem4Result(ShortRepr):
             return True
         work = Workspace(self.scene, sample=False)
         _ = work.partition  # before the clauses, as at first: what rounding decides of it counts for all of them
-        again = replace(self, results=registry.decide_clauses(work))
-        return again._words() == self._words()
-
-    def _words(self) -> list[tuple[Any, ...]]:
-        """What every clause says: its verdict, why, and its facts."""
-        return [
-            (clause.name, result.verdict, result.reason, [(fact.key, fact.words) for fact in self.facts(clause)])
-            for clause, result in self.clauses
-        ]
+        return registry.decide_clauses(work) == self.results
 
     def _repr_html_(self) -> str:
         """The verdicts with their reasons, for a notebook."""
