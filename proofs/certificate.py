@@ -32,8 +32,8 @@ from nonsmooth.proofs.checker.wheels import read_array
 from nonsmooth.proofs.checker.work import BUDGET, RejectedError
 from nonsmooth.proofs.clauses.equilibrium.on_cells import decide_equilibrium
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
-from nonsmooth.proofs.clauses.feedback.clause import AnyFeedback
 from nonsmooth.proofs.clauses.feedback.driven_law import in_scene
+from nonsmooth.proofs.clauses.feedback.facts import AnyFeedback
 from nonsmooth.proofs.clauses.registry import conclude, decide_clauses
 from nonsmooth.proofs.clauses.rotation.on_cells import drift_at_rest
 from nonsmooth.proofs.clauses.translation.certified_disc import CertifiedDisc, certified_disc

@@ -15,7 +15,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
-from flint import arb, arb_mat
+from flint import arb, arb_mat, fmpq
 
 from nonsmooth.proofs.verdicts import Translation
 
@@ -23,6 +23,7 @@ from nonsmooth.proofs.verdicts import Translation
 Map: TypeAlias = Callable[[arb_mat], tuple[arb_mat, arb_mat] | None]
 
 UNIT = arb(0, 1)  # the ball [-1, 1]
+DOUBLINGS = 80  # of the bracket in which a zero is looked for
 
 
 def is_positive_definite(rows: Sequence[Sequence[Any]]) -> bool:
@@ -53,6 +54,21 @@ def holds_on(is_true: Callable[[arb], bool], low: arb, high: arb, halvings: int)
         middle = ((low + high) / 2).mid()
         waiting += [(middle, high, left - 1), (low, middle, left - 1)]
     return True
+
+
+def zero_of_rising(function: Callable[[fmpq], arb], halvings: int) -> tuple[fmpq, fmpq] | None:
+    """Rational bracket of the zero of a rising function; None where its signs are not certain."""
+    bounds = (fmpq(2) ** k for k in range(DOUBLINGS))
+    bound = next((bound for bound in bounds if function(-bound) < 0 < function(bound)), None)
+    if bound is None:
+        return None
+    lower, upper = -bound, bound
+    for _ in range(halvings):
+        for share in (fmpq(3, 8), fmpq(1, 2), fmpq(5, 8)):  # a zero at the middle leaves its sign open
+            rate = lower + (upper - lower) * share
+            value = function(rate)
+            lower, upper = (rate, upper) if value < 0 else (lower, rate) if value > 0 else (lower, upper)
+    return lower, upper
 
 
 def approximate_inverse(matrix: arb_mat) -> arb_mat | None:

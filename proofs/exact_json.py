@@ -18,8 +18,7 @@ from flint import fmpq, fmpz
 
 from nonsmooth.symbolic.numbers.coefficients import Coefficient, bits
 from nonsmooth.symbolic.numbers.lazy import Lazy
-from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.numbers.number_field import NumberField
+from nonsmooth.symbolic.numbers.number import Number, Tower
 
 Record: TypeAlias = dict[str, Any]
 
@@ -54,7 +53,7 @@ class _Generators:
     """Which generators a document needs, and its numbers in terms of them."""
 
     def __init__(self, document: Record) -> None:
-        self.field: NumberField | None = None
+        self.field: Tower | None = None
         masks, self.base = 0, False
         for number in _numbers(document):
             self.field = number.field
@@ -74,7 +73,7 @@ class _Generators:
         """A value with its numbers as text or lists."""
         if isinstance(value, Number):
             return self._number(value)
-        if isinstance(value, NumberField):
+        if isinstance(value, Tower):
             return self._generators(value)
         if isinstance(value, Fraction):
             return str(value)
@@ -97,7 +96,7 @@ class _Generators:
             if q
         ]
 
-    def _generators(self, field: NumberField) -> list[Record]:
+    def _generators(self, field: Tower) -> list[Record]:
         base = [_base_generator(field)] if self.base else []
         return base + [
             {"polynomial": [self._number(-field.radicands[i]), "0", "1"], "above": "0"} for i in self.numbering
@@ -117,7 +116,7 @@ def _coefficients(c: Coefficient) -> list[fmpq]:
     return [c] if isinstance(c, fmpq) else c.coeffs()
 
 
-def _base_generator(field: NumberField) -> Record:
+def _base_generator(field: Tower) -> Record:
     """``2 cos(2 pi/N)``: a bound just below it, above which the minimal polynomial increases."""
     if field.modulus is None:
         raise ValueError("required a field with a cyclotomic base")

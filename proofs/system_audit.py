@@ -29,12 +29,12 @@ from nonsmooth.analysis.cells.switched_cells import LyapunovCell, lyapunov_cells
 from nonsmooth.analysis.contact_rule import CellRule, rule_of
 from nonsmooth.proofs.kernel.cells import BeyondReachError
 from nonsmooth.proofs.many_states import examination as many
-from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, FailurePoint, NotZeroError
+from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, NotZeroError
 from nonsmooth.proofs.systems.denominators import require_denominators
 from nonsmooth.proofs.systems.derivatives import RISES, Decrease, Refutation, examine, refutations
 from nonsmooth.proofs.systems.domain import Domain, domain_regions, domains, plane_cells
 from nonsmooth.proofs.systems.invariance import Staying, decide_staying
-from nonsmooth.proofs.systems.search import PlaneFunction
+from nonsmooth.proofs.systems.plane_function import PlaneFunction
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.enclosed_numbers import NoEnclosureError, enclose_numbers
 from nonsmooth.symbolic.expression import ExpressionError
@@ -320,7 +320,7 @@ def _audit_in_space(scene: SwitchedSystem, lyapunov: str) -> AuditResult:
     with suppress(NoEnclosureError):
         scene = enclose_numbers(scene)
     try:
-        function = ExaminedLyapunov(formula, radius, many.examine(scene, formula, radius))
+        function = many.examine(scene, formula, radius)
     except BeyondReachError as error:
         verdict = AuditVerdict.INVALID if isinstance(error, NotZeroError) else AuditVerdict.UNDECIDED
         return AuditResult(scene, lyapunov, verdict, None, str(error), None, None)
@@ -344,7 +344,7 @@ def _judged_in_space(scene: SwitchedSystem, function: ExaminedLyapunov) -> Judge
     return verdict, proves, reason, witness
 
 
-def _stated_failure(system: SwitchedSystem, formula: PiecewiseExpression, found: FailurePoint) -> FailurePoint | None:
+def _stated_failure(system: SwitchedSystem, formula: PiecewiseExpression, found: Refutation) -> Refutation | None:
     """What refutes V for the stated field, where right-hand sides only enclose it; None where nothing does."""
     if found.meaning != many.RISES:
         return found
@@ -353,4 +353,4 @@ def _stated_failure(system: SwitchedSystem, formula: PiecewiseExpression, found:
     place = rising_place(system, formula, found.point)
     rational = () if place is None else tuple(c.as_rational() for c in place)
     known = tuple(Fraction(int(c.p), int(c.q)) for c in rational if c is not None)
-    return FailurePoint(known, None, many.RISES) if known and len(known) == len(rational) else None
+    return Refutation(known, None, many.RISES) if known and len(known) == len(rational) else None

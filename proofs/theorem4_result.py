@@ -13,15 +13,15 @@ from typing import TYPE_CHECKING, Any, Self, TypeAlias, cast
 
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.proofs.clauses import registry
-from nonsmooth.proofs.clauses.clause import Clause, ClauseResult
+from nonsmooth.proofs.clauses.clause import Clause
 from nonsmooth.proofs.clauses.equilibrium.at_point import EllipseEquilibrium
 from nonsmooth.proofs.clauses.equilibrium.on_cells import EquilibriumResult
 from nonsmooth.proofs.clauses.feedback.authority import Authority
-from nonsmooth.proofs.clauses.feedback.clause import AnyFeedback
+from nonsmooth.proofs.clauses.feedback.facts import AnyFeedback
 from nonsmooth.proofs.clauses.rotation.on_cells import RotationResult, rotation_bound
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
-from nonsmooth.proofs.clauses.workspace import Skipped, Workspace
+from nonsmooth.proofs.clauses.workspace import ClauseResult, Skipped, Workspace
 from nonsmooth.proofs.facts import Fact
 from nonsmooth.proofs.judged_equilibria import JudgedEquilibrium
 from nonsmooth.proofs.verdicts import Theorem4

@@ -47,10 +47,10 @@ def find_weak_growth(system: SwitchedSystem, search: Search | None = None) -> di
     """
     proofs = Search() if search is None else search
     found = find_weak_lyapunov(reversed_system(system))
-    if found is None:
+    if found is None or found.formula is None or found.domain.radius is None:
         return None
     function, subject = f"-({found.formula.text})", read_system(about(system))
-    cells = stated_cells(system, found.radius, surfaces_of(system, found.formula)).record
+    cells = stated_cells(system, found.domain.radius, surfaces_of(system, found.formula)).record
     second = find_second(subject, cells, function, proofs)
     if second is None:
         return None

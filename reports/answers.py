@@ -18,10 +18,11 @@ from nonsmooth.proofs.answers.other_rules import OtherRule
 from nonsmooth.proofs.answers.units import of_length
 from nonsmooth.proofs.facts import Quantity
 from nonsmooth.proofs.theorem4_result import Check, Contradiction
-from nonsmooth.reports.equilibrium_headings import headings_record, headings_view
+from nonsmooth.reports.document import Table, table
+from nonsmooth.reports.equilibrium_headings import headings_blocks, headings_record
 from nonsmooth.reports.exact_record import Record
 from nonsmooth.reports.facts import as_record, fact_record
-from nonsmooth.reports.terminal import answers_table, header_table, verdict_text
+from nonsmooth.reports.terminal import answers_table, blocks_view, verdict_text
 from nonsmooth.symbolic.number_text import float_text, place_text
 from nonsmooth.symbolic.scene_error import one_line
 
@@ -30,24 +31,27 @@ if TYPE_CHECKING:
     from nonsmooth.proofs.answers.destinations import Destination, Destinations
     from nonsmooth.symbolic.scene import Scene
 
-MOST_SHOWN = 8  # destinations on a terminal
+MOST_SHOWN = 8  # destinations on a terminal and in a report
+GOES = ("the body ...", "starts", "near there", "heading")
 PLACE_DIGITS = 4
 THEOREM = "the position is stable, the heading is not, feedback holds both where mu_side < mu_roll"
 
 
 def answers_view(result: Check, answers: Answers) -> RenderableType:
     """Three answers, where bodies go otherwise, the contact rule, the other rules, and the theorem in one line."""
-    table = answers_table(map(_row, [*answers.answers, *([answers.robust] if answers.robust else [])]))
+    said = answers_table(map(_row, [*answers.answers, *([answers.robust] if answers.robust else [])]))
     contact = "; ".join(fact.words for fact in contact_facts(result) if fact.words)
-    parts: list[RenderableType] = [Text(contact), table]
+    parts: list[RenderableType] = [Text(contact), said]
     if answers.rest_points is not None:
         parts.append(Text(_rest_points_text(answers.rest_points, of_length(result.scene))))
     for one in result.contradictions:
         parts += [Text(line, "bold red") for line in contradiction_lines(one)]
     if answers.destinations is not None:
-        parts.append(_destinations_table(answers.destinations))
+        starts = answers.destinations.starts
+        parts.append(Text(f"where bodies go that start in the square (shares sampled from {starts} starts):"))
+        parts.append(blocks_view([destinations_table(answers.destinations, GOES)]))
     if answers.headings is not None:
-        parts.append(headings_view(answers.headings))
+        parts.append(blocks_view(headings_blocks(answers.headings)))
     rule = rule_of(result.scene)
     parts.append(Text(f"rule {rule.name}: {rule.summary}"))
     parts += [Text(f"note: {note}", "yellow") for note in rule_notes(result.scene)]
@@ -154,18 +158,19 @@ def _in_short(other: OtherRule) -> str:
     return f"{other.name}: {said or f'no answer (--rule {other.name} says why)'}"
 
 
-def _destinations_table(destinations: Destinations) -> RenderableType:
-    """The places with the largest shares of the starts."""
-    table = header_table("the body ...", "starts", "near there", "heading", widest="the body ...")
-    rows = merged_rows(destinations)
-    shown, more = rows[:MOST_SHOWN], rows[MOST_SHOWN:]
-    for found in shown:
-        words = ("" if word is None else str(word) for word in (found.position, found.heading))
-        table.add_row(goal_text(found), share_text(found.share), *words)
+def destinations_table(destinations: Destinations, header: Sequence[str]) -> Table:
+    """The places with the largest shares of the starts; how many others there are, with their share."""
+    found = merged_rows(destinations)
+    rows = [(goal_text(one), share_text(one.share), _word(one.position), _word(one.heading)) for one in found]
+    more = rows[MOST_SHOWN:]
     if more:
-        table.add_row(f"{len(more)} more (--json lists them)", share_text(sum(d.share for d in more)), "", "")
-    title = f"where bodies go that start in the square (shares sampled from {destinations.starts} starts):"
-    return Group(Text(title), table)
+        share = share_text(sum(one.share for one in found[MOST_SHOWN:]))
+        rows[MOST_SHOWN:] = [(f"{len(more)} more (--json lists them)", share, "", "")]
+    return table(header, rows, (5, 2, 2, 2))
+
+
+def _word(verdict: object) -> str:
+    return "" if verdict is None else str(verdict)
 
 
 def merged_rows(destinations: Destinations) -> list[Destination]:

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 from nonsmooth.reports.files import output_path, write_whole
 from nonsmooth.reports.progress import end_progress, progress, steps
 from nonsmooth.reports.refusals import RefusedError, bad_input, refusals_named
-from nonsmooth.reports.study import Options, SceneStudy, StudyRequest, option
+from nonsmooth.reports.study import SceneStudy, StudyRequest
+from nonsmooth.reports.study_options import FAIL, Options, option
 from nonsmooth.symbolic.rule import CONTACT_RULES, MIXED
 from nonsmooth.symbolic.scene_error import SceneError, one_line
 from nonsmooth.symbolic.scene_kind import SceneKind
@@ -34,7 +35,6 @@ THEOREM = "theorem4"
 # The questions, and the theorem; tests hold them to the registry.
 REQUIRABLE = ("position", "heading", "pose", "tolerances", THEOREM)
 CERTIFICATES, LAWS = (".json",), (".py", ".csv")  # what these files may end in
-FAIL = "Also with any one wheel failed: stopped (its friction stays) or lifted; the worst is named."
 OF_ONE_ARRAY = ("law", "continuum", "headings", "fail")
 OF_ONE_SCENE = ("certificate", "evidence", *OF_ONE_ARRAY)
 
@@ -88,17 +88,6 @@ class CheckOptions(Options):
         return names
 
 
-def asks_for_failures(fail: int | None) -> bool:
-    """Whether ``--fail`` is given.
-
-    Raises:
-        RefusedError: for another number of wheels than one.
-    """
-    if fail not in (None, 1):
-        raise RefusedError(f"--fail: required 1, the number of wheels that fail, received {fail}")
-    return fail is not None
-
-
 class CheckStudy(SceneStudy[CheckOptions]):
     """A check of one scene or of many."""
 
@@ -114,7 +103,9 @@ class CheckStudy(SceneStudy[CheckOptions]):
     def refuse(self, asked: StudyRequest[CheckOptions], path: Path | None) -> None:
         """Refuse what cannot be asked of these scenes."""
         options, scenes = asked.options, _listed(asked.scene)
-        _ = options.required, asks_for_failures(options.fail)
+        _ = options.required
+        if options.fail not in (None, 1):
+            raise RefusedError(f"--fail: required 1, the number of wheels that fail, received {options.fail}")
         for flag, file, endings in (("--certificate", options.certificate, CERTIFICATES), ("--law", options.law, LAWS)):
             if file is not None:
                 if options.rule == ALL_RULES:
@@ -264,16 +255,10 @@ def _with_files(result: CheckResult, options: CheckOptions) -> CheckResult:
     _ = result.answers  # all of them: they may contradict what would be written
     certificate = None
     if options.certificate is not None:
-        from nonsmooth.proofs.answers.contradictions import contradictions_of_certificate
-        from nonsmooth.proofs.certificate import build_certificate
         from nonsmooth.proofs.kernel.subject import NoCertificateError
 
         with bad_input(result.scene, NoCertificateError):
-            certificate = build_certificate(result.evidence)
-        found = tuple(contradictions_of_certificate(certificate, result.evidence))
-        if found:
-            result = replace(result, elsewhere=(*result.elsewhere, *found))
-            _ = result.answers
+            result, certificate = result.certified()
     if result.contradictions:
         for path in filter(None, (options.certificate, options.law)):
             _notice(path, "not written: what the check says contradicts itself")
@@ -326,10 +311,10 @@ def _check_system(system: Any, options: CheckOptions) -> SystemCheckResult:
     result = replace(check_system(system), shows_evidence=options.evidence)
     if options.certificate is not None:
         from nonsmooth.proofs.kernel.subject import NoCertificateError
-        from nonsmooth.proofs.system_certificates import certificate_of, certificate_text, left_out
+        from nonsmooth.proofs.system_certificates import certificate_text, left_out
 
         with bad_input(system, NoCertificateError):
-            certificate = certificate_of(result.evidence)
+            certificate = result.certificate()
         write_whole(Path(options.certificate), certificate_text(certificate).encode())
         for line in left_out(certificate):
             _notice(options.certificate, f"left out: {line}")

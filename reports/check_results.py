@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, NamedTuple, Self, TypeAlias
 
 from nonsmooth.proofs.answers.answer import Answer, Heading, Pose, Position
 from nonsmooth.proofs.answers.answers import THEOREM, Answers, exit_status, full_answers
@@ -235,6 +235,32 @@ class CheckResult(ArrayAnswers):
         from nonsmooth.reports.law_program import certified_law_of
 
         return certified_law_of(self.evidence)
+
+    def certificate(self) -> Record:
+        """What ``--certificate`` writes; see :meth:`Result.certificate`."""
+        from nonsmooth.proofs.kernel.subject import NoCertificateError
+
+        compared, certificate = self.certified()
+        if compared.contradictions:
+            raise NoCertificateError("certificate: required a check that does not contradict itself, received one")
+        return certificate
+
+    def certified(self) -> tuple[Self, Record]:
+        """The result compared with its certificate, with which it may contradict itself, and the certificate.
+
+        Raises:
+            NoCertificateError: where there is none.
+            UnverifiedError: where the stand-alone checker rejects it.
+        """
+        from nonsmooth.proofs.answers.contradictions import contradictions_of_certificate
+        from nonsmooth.proofs.certificate import build_certificate
+
+        _ = self.answers  # all of them: they may contradict what is certified
+        certificate = build_certificate(self.evidence)
+        found = tuple(contradictions_of_certificate(certificate, self.evidence))
+        compared = replace(self, elsewhere=(*self.elsewhere, *found)) if found else self
+        _ = compared.answers
+        return compared, certificate
 
     @property
     def exit_status(self) -> int:

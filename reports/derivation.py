@@ -24,7 +24,8 @@ from nonsmooth.reports.progress import steps
 from nonsmooth.reports.refusals import option_named, refusals_named
 from nonsmooth.reports.result import DataTable, Record, Result
 from nonsmooth.reports.short_text import short_lines
-from nonsmooth.reports.study import Options, SceneStudy, StudyRequest, option
+from nonsmooth.reports.study import SceneStudy, StudyRequest
+from nonsmooth.reports.study_options import Options, option
 from nonsmooth.reports.subject import ArraySubject, Invocation, Subject, SystemSubject
 from nonsmooth.symbolic.scene_error import one_line
 from nonsmooth.symbolic.scene_kind import SceneKind

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, NamedTuple, TypeVar
 
 from nonsmooth.reports.designs.toml_text import toml_text
 from nonsmooth.reports.document import Block, Paragraph, table
@@ -16,7 +16,8 @@ from nonsmooth.reports.progress import progress
 from nonsmooth.reports.refusals import option_named
 from nonsmooth.reports.result import DataTable, Result
 from nonsmooth.reports.short_text import short_lines
-from nonsmooth.reports.study import Options, SceneStudy, StudyRequest, option
+from nonsmooth.reports.study import SceneStudy, StudyRequest
+from nonsmooth.reports.study_options import Options, option
 from nonsmooth.symbolic.files.scene_file import build_scene, deep_nesting_refused, read_document
 from nonsmooth.symbolic.number_text import float_text
 from nonsmooth.symbolic.scene_error import one_line
@@ -26,8 +27,9 @@ if TYPE_CHECKING:
 
     from nonsmooth.reports.designs.objective import Evaluation
     from nonsmooth.reports.designs.search import Design, Fewest, Wish
-    from nonsmooth.reports.interface.array import Array
     from nonsmooth.symbolic.scene import Scene
+
+Held = TypeVar("Held")  # what Python holds of a scene: a :class:`nonsmooth.Array`
 
 SCHEMA = "nonsmooth-design/1"
 SCENES = (".toml",)
@@ -74,7 +76,7 @@ class GivenArray(NamedTuple):
 
 
 @dataclass(frozen=True, repr=False)
-class DesignResult(Result):
+class DesignResult(Result, Generic[Held]):
     """What a search for a better array found.
 
     Attributes:
@@ -86,7 +88,7 @@ class DesignResult(Result):
 
     design: Design
     wish: Wish
-    array: Array | None = None
+    array: Held | None = None
 
     formats: ClassVar[Mapping[str, Callable[[Any, str], bytes]]] = {
         ".toml": lambda found, ending: toml_text(found.design.document).encode()
@@ -205,7 +207,7 @@ class DesignStudy(SceneStudy[DesignOptions]):
             if file is not None:
                 output_path(file, endings)
 
-    def run(self, scene: GivenArray, options: DesignOptions) -> DesignResult:
+    def run(self, scene: GivenArray, options: DesignOptions) -> DesignResult[Any]:
         """Search, and write what was found."""
         from nonsmooth.reports.designs.named import find_named
         from nonsmooth.reports.designs.request import DesignError, read_freedom, read_wish
@@ -214,7 +216,7 @@ class DesignStudy(SceneStudy[DesignOptions]):
             wish = read_wish(scene.scene, options.require, options.maximize, options.checks, options.seed)
             freedom = read_freedom(scene.scene, options.free, options.move, options.symmetry)
         with progress("checked") as told:
-            result = DesignResult(find_named(*scene, freedom, wish, told), wish)
+            result: DesignResult[Any] = DesignResult(find_named(*scene, freedom, wish, told), wish)
         if result.is_found and options.output is not None:
             result.save(options.output)
         if result.is_found and options.report is not None:

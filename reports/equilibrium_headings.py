@@ -4,13 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from rich.console import Group, RenderableType
-from rich.text import Text
-
 from nonsmooth.proofs.facts import Quantity
+from nonsmooth.reports.document import Block, Paragraph, Table, table
 from nonsmooth.reports.exact_record import Record
 from nonsmooth.reports.facts import as_record
-from nonsmooth.reports.terminal import header_table
 from nonsmooth.symbolic.number_text import float_text, lower_text, numbers_text, place_text, upper_text
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 
@@ -28,15 +25,16 @@ MOST_SHOWN = 10  # entries on a terminal and in a report
 HEADER = ("theta", "at", "wheels", "near there", "heading", "status")
 
 
-def headings_view(headings: HeadingsOfRest) -> RenderableType:
-    """A table of the entries that attract first, and what is not known."""
-    said = [Text(note) for note in notes(headings)]
-    if not headings.found:
-        return Group(Text(title(headings)), *said)
-    table = header_table(*HEADER, widest="wheels")
-    for entry in headings.found[:MOST_SHOWN]:
-        table.add_row(*row(entry))
-    return Group(Text(title(headings)), table, *said)
+def headings_blocks(headings: HeadingsOfRest) -> list[Block]:
+    """What a terminal shows: a table of the entries, those that attract first, and what is not known."""
+    said = [Paragraph((note,)) for note in notes(headings)]
+    return [Paragraph((title(headings),)), *headings_table(headings), *said]
+
+
+def headings_table(headings: HeadingsOfRest) -> list[Table]:
+    """The entries, where there are any."""
+    rows = [row(entry) for entry in headings.found[:MOST_SHOWN]]
+    return [table(HEADER, rows, (3, 3, 4, 2, 2, 2))] if rows else []
 
 
 def title(headings: HeadingsOfRest) -> str:

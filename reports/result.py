@@ -85,6 +85,16 @@ class Result(ABC):
 
         return [blocks_view(self.blocks())]
 
+    def certificate(self) -> Record:
+        """The statement of a verdict and its evidence, which the stand-alone checker has read: a check has one.
+
+        Raises:
+            NoCertificateError: where there is none, one line that says why.
+        """
+        from nonsmooth.proofs.kernel.subject import NoCertificateError
+
+        raise NoCertificateError(f"certificate: required a check of one scene, received {type(self).__name__}")
+
     # ---- what follows ------------------------------------------------------------------------------
 
     def to_dict(self) -> Record:

@@ -10,7 +10,7 @@ from typing import Any
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.reports.choices import LawName, PathMethod
 from nonsmooth.reports.refusals import OptionError
-from nonsmooth.reports.study import Options, option
+from nonsmooth.reports.study_options import Options, option
 
 # Headings of the help: what an option belongs to.
 PATH = "One path"

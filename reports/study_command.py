@@ -10,16 +10,8 @@ from typing import Annotated, Any
 import typer
 
 from nonsmooth.reports import options as shared
-from nonsmooth.reports.study import (
-    OfferedOption,
-    Options,
-    SceneOptions,
-    SceneStudy,
-    StudyRequest,
-    flag_of,
-    options_of,
-    types_of,
-)
+from nonsmooth.reports.study import SceneStudy, StudyRequest
+from nonsmooth.reports.study_options import OfferedOption, Options, SceneOptions, flag_of, options_of, types_of
 from nonsmooth.symbolic.suggestions import is_meant
 
 

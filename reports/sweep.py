@@ -7,14 +7,14 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from nonsmooth.reports.check import FAIL, asks_for_failures
 from nonsmooth.reports.document import Block
 from nonsmooth.reports.entries import entry
 from nonsmooth.reports.files import PICTURES, write_whole
 from nonsmooth.reports.refusals import RefusedError, option_named
 from nonsmooth.reports.result import DataTable, Record, Result
 from nonsmooth.reports.short_text import short_lines
-from nonsmooth.reports.study import Options, SceneStudy, StudyRequest, option
+from nonsmooth.reports.study import SceneStudy, StudyRequest
+from nonsmooth.reports.study_options import Options, option
 from nonsmooth.reports.sweeps.base import Base, base_of, with_wheels
 from nonsmooth.reports.sweeps.sweep import Means, Sweep, run_sweep
 from nonsmooth.reports.sweeps.sweep_error import SweepError
@@ -30,8 +30,8 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, kw_only=True)
-class SweepOptions(Options):
-    """What varies, and how it is run."""
+class VaryOptions(Options):
+    """What varies."""
 
     vary: list[str] | None = option(
         None,
@@ -41,38 +41,6 @@ class SweepOptions(Options):
     )
     random: int | None = option(None, "N random scenes within ranges start:stop, instead of a grid.", metavar="N")
     seed: int = option(0, "Seed of --random: equal seeds give equal scenes.", metavar="S")
-    borders: bool = option(False, "Find where answers change along the grid, within 1e-9; a picture always does.")
-    certify: bool = option(
-        False, "Prove what holds in whole cells of the grid, for every array between and within the tolerances."
-    )
-    fail: int | None = option(None, FAIL, metavar="1")
-    store: str | None = option(
-        None,
-        "Keep results in this file, and take from it what is known; several sweeps may share it.",
-        metavar="FILE",
-    )
-    workers: int | None = option(
-        None, "Processes that check; as many as there are processors unless given.", metavar="N"
-    )
-    scheduler: str | None = option(
-        None,
-        "Check on the Dask cluster of this scheduler, such as tcp://host:8786 (needs nonsmooth[cluster]).",
-        metavar="ADDRESS",
-    )
-    yes: bool = option(False, "Run more than a million scenes.")
-
-    @property
-    def means(self) -> Means:
-        """How it is run."""
-        return Means(
-            workers=processors() if self.workers is None else self.workers,
-            scheduler=self.scheduler,
-            store=None if self.store is None else Path(self.store),
-            failures=asks_for_failures(self.fail),
-            borders=self.borders,
-            certify=self.certify,
-            yes=self.yes,
-        )
 
     @property
     def values(self) -> dict[str, str]:
@@ -90,6 +58,11 @@ class SweepOptions(Options):
                 raise RefusedError(f"--vary: required each number once, received {name.strip()[:60]!r} twice")
             found[name.strip()] = values.strip()
         return found
+
+
+@dataclass(frozen=True, kw_only=True)
+class SweepOptions(Means, VaryOptions):
+    """What varies, and how it is run."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -176,10 +149,11 @@ class SweepStudy(SceneStudy[SweepOptions]):
             return base_of(*read_document(scene, **changes), allow_outside=allow_outside)
 
     def settled(self, options: SweepOptions, path: Path | None) -> SweepOptions:
-        """A picture shows borders; one of cells has none."""
-        if path is None or path.suffix.lower() not in PICTURES:
-            return options
-        return replace(options, borders=options.borders or not options.certify)
+        """Without a number of workers one checks on each processor; a picture shows borders, one of cells has none."""
+        is_picture = path is not None and path.suffix.lower() in PICTURES
+        borders = options.borders or (is_picture and not options.certify)
+        workers = processors() if options.workers is None else options.workers
+        return replace(options, workers=workers, borders=borders)
 
     def refuse(self, asked: StudyRequest[SweepOptions], path: Path | None) -> None:
         """Refuse a picture of what has none, before the work."""
@@ -192,7 +166,7 @@ class SweepStudy(SceneStudy[SweepOptions]):
     def run(self, scene: Base, options: SweepOptions) -> SweepResult:
         """Check all."""
         with option_named(SweepError):
-            return swept(scene, options.values, options.means, draws=options.random, seed=options.seed)
+            return swept(scene, options.values, options, draws=options.random, seed=options.seed)
 
 
 SWEEP = SweepStudy()

@@ -111,6 +111,12 @@ class SystemCheckResult(FactResult):
         """Why, in one sentence."""
         return self.evidence.reason
 
+    def certificate(self) -> Record:
+        """What ``--certificate`` writes; see :meth:`Result.certificate`."""
+        from nonsmooth.proofs.system_certificates import certificate_of
+
+        return certificate_of(self.evidence)
+
     @property
     def lyapunov(self) -> str | None:
         """The function that shows stability, as text; None where none does."""

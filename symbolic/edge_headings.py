@@ -21,6 +21,7 @@ from nonsmooth.symbolic.body import Body
 from nonsmooth.symbolic.continuum import Disc
 from nonsmooth.symbolic.numbers.enclosures import PRECISION
 from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.rounded import Rounded
 from nonsmooth.symbolic.plane import Vector, around, cross, dot, minus
 
 BallVector: TypeAlias = tuple[arb, arb]
@@ -125,7 +126,7 @@ def length_of(vector: BallVector) -> arb:
 
 def ball_of(value: Number) -> arb:
     """A ball about a number, accurate even where it is small."""
-    return value.accurate_ball(PRECISION) if value else arb(0)
+    return value.accurate_ball(PRECISION) if isinstance(value, Rounded) or value else arb(0)
 
 
 def _ball_of(vector: Vector) -> BallVector:

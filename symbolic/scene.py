@@ -26,6 +26,7 @@ from nonsmooth.symbolic.notebook import ShortRepr
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
+from nonsmooth.symbolic.numbers.rounded import Rounded
 from nonsmooth.symbolic.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.plane import Vector, cross, dot
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact
@@ -269,7 +270,7 @@ class Scene(ShortRepr):
     @cached_property
     def _recentred(self) -> Scene:
         x, y = self.check.equilibrium
-        if not x and not y:
+        if not any(isinstance(entry, Rounded) or entry for entry in (x, y)):  # zero for every member
             return self
         wheels, idle = (
             tuple(replace(w, position=(w.position[0] - x, w.position[1] - y)) for w in group)

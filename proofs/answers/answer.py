@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any, TypeAlias
 
-from nonsmooth.proofs.clauses.clause import ClauseResult
+from nonsmooth.proofs.clauses.workspace import ClauseResult
 from nonsmooth.proofs.facts import Fact, Quantity
 from nonsmooth.proofs.verdicts import Certainty
 from nonsmooth.symbolic.numbers.rounded import BY_ROUNDING
@@ -26,6 +26,7 @@ class Position(StrEnum):
     COMES_NEAR = "comes near"  # within the accuracy of the point, from at least twice as far
     STAYS_NEAR = "stays near"
     LEAVES = "leaves"
+    UNSTABLE = "unstable"  # of another place: some bodies go away from it, nobody asked how far
     TIPS = "tips"  # it does not lie on the wheels at the checked pose
     UNDECIDED = "undecided"
 

@@ -16,13 +16,13 @@ from nonsmooth.analysis.cells.polygon import Point, convex_polygon
 from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
 from nonsmooth.proofs.answers.answer import Position
 from nonsmooth.proofs.answers.destinations import sampled_destinations, shares_at
-from nonsmooth.proofs.answers.position import OF_TRANSLATION
+from nonsmooth.proofs.answers.position import OF_PLACE
+from nonsmooth.proofs.boxes.enclosed_rest import enclosed_rest
 from nonsmooth.proofs.clauses.translation.at_point import decide_translation_at
 from nonsmooth.proofs.clauses.translation.clause import AnyTranslation
 from nonsmooth.proofs.clauses.translation.on_cells import decide_translation
 from nonsmooth.proofs.clauses.workspace import Workspace
 from nonsmooth.proofs.judged_equilibria import JudgedEquilibrium, judge_equilibria
-from nonsmooth.proofs.robust.rest_points import enclosed_rest
 from nonsmooth.proofs.theorem4 import CHECK_UNITS
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.contact_set import alone, standing
@@ -41,12 +41,12 @@ _RANK: dict[Position | None, int] = {
     Position.STAYS_NEAR: 2,
     None: 2,
     Position.UNDECIDED: 3,
-    Position.LEAVES: 4,
+    Position.UNSTABLE: 4,
 }
 DENOMINATORS = (1, 10, 100, 1_000)  # of the coordinates that are tried under a rule without cells
+OTHER_MEMBERS = (0.7390851, -0.5671433)  # of the two coordinates of an enclosed point
 SHORT_BITS = 256  # of a coordinate; the numbers of measured tables have about fifty
 MIDDLE_DIGITS = (2, 4, 8)  # of the middle of an area, below the half side of the square; tried in turn
-OTHER_MEMBERS = (0.7390851, -0.5671433)  # of the two coordinates of an enclosed point
 NEAR_SAMPLE = Fraction(1)  # of the accuracy: an enclosed point farther from the sampled place is another one
 _HALVINGS = 6  # of the square about a point near the border of the support polygon
 _NONE_FOUND = "--at auto: required a rest point in the checked square, found none"
@@ -136,7 +136,7 @@ def _rest_point(scene: Scene, place: JudgedEquilibrium) -> RestPoint:
     points = tuple((px + x, py + y) for px, py in place.found.points)
     if place.translation is None:
         return RestPoint(points)
-    point = RestPoint(points, OF_TRANSLATION[place.translation])
+    point = RestPoint(points, OF_PLACE[place.translation])
     if place.translation in (Translation.UNSTABLE, Translation.UNDECIDED):
         return point
     _, partition = _in_a_square_that_fits(scene, _middle(scene, point), _partition)
@@ -219,7 +219,7 @@ def _proved_near(scene: Scene, place: Point) -> tuple[RestPoint, Scene] | None:
             work = Workspace(standing(there), sample=False)
             if work.point.equilibrium is Equilibrium.HOLDS:
                 found = decide_translation_at(work.point, work.lemma)
-                return RestPoint(((x, y),), OF_TRANSLATION[found.verdict], _disc(found)), there
+                return RestPoint(((x, y),), OF_PLACE[found.verdict], _disc(found)), there
         except RefusalError:
             continue
     return None
@@ -239,7 +239,7 @@ def _enclosed_near(scene: Scene, place: Point) -> tuple[RestPoint, Scene] | None
     offsets = zip((x, y), rest.place, OTHER_MEMBERS, strict=True)
     at_x, at_y = (enclosed(scene.field, start.ball() + offset, share) for start, offset, share in offsets)
     there, _ = _in_a_square_that_fits(scene, (at_x, at_y), _loads_exist)
-    return RestPoint(((at_x, at_y),), OF_TRANSLATION[rest.stability]), there
+    return RestPoint(((at_x, at_y),), OF_PLACE[rest.stability]), there
 
 
 def _no_exact_point(scene: Scene, places: list[tuple[Point, ...]]) -> str:

@@ -51,6 +51,7 @@ PLACE = ("equilibrium", "translation", "rotation")  # the clauses that rest on w
 MOTION = ("translation", "rotation")  # on where bodies beside it go
 TURN = ("rotation",)
 
+GOES_AWAY = (Position.LEAVES, Position.UNSTABLE)
 STAYS_OR_RESTS = (Position.COMES_HOME, Position.STAYS_NEAR)
 
 
@@ -585,7 +586,7 @@ def _is_place(check: Check, place: Iterable[SupportsFloat]) -> bool:
 
 def _opposite(one: object, two: object) -> bool:
     """Whether one says that bodies leave and the other that they do not."""
-    return (one == Position.LEAVES and two in STAYS_OR_RESTS) or (two == Position.LEAVES and one in STAYS_OR_RESTS)
+    return (one in GOES_AWAY and two in STAYS_OR_RESTS) or (two in GOES_AWAY and one in STAYS_OR_RESTS)
 
 
 def _float(value: Any) -> float | None:

@@ -26,7 +26,7 @@ from nonsmooth.analysis.trajectories.result import EndReason, TrajectoryError
 from nonsmooth.analysis.trajectories.smooth_ends import LEFT, MOVING, UndeterminedError, smooth_ends
 from nonsmooth.proofs.answers.answer import Heading, Position
 from nonsmooth.proofs.answers.heading import OF_ROTATION
-from nonsmooth.proofs.answers.position import OF_TRANSLATION
+from nonsmooth.proofs.answers.position import OF_PLACE
 from nonsmooth.proofs.judged_equilibria import JudgedEquilibrium
 from nonsmooth.proofs.theorem4_result import Theorem4Result
 from nonsmooth.symbolic.notebook import html_table
@@ -249,7 +249,7 @@ def sampled_destinations(scene: Scene) -> Destinations | None:
 def _at_place(check: Theorem4Result, place: JudgedEquilibrium, share: float) -> Destination:
     x, y = check.scene.check.equilibrium
     points = tuple((px + x, py + y) for px, py in place.found.points)
-    position = None if place.translation is None else OF_TRANSLATION[place.translation]
+    position = None if place.translation is None else OF_PLACE[place.translation]
     heading = None if place.rotation is None else OF_ROTATION[place.rotation]
     return Destination(_OF_PLACE[place.found.place], points, position, heading, share)
 

@@ -6,18 +6,13 @@ from collections.abc import Iterator
 from fractions import Fraction
 from typing import cast
 
-from flint import arb
-
 from nonsmooth.proofs.answers.answer import Answer, Heading, Results, is_by_rounding
 from nonsmooth.proofs.answers.bounds import DIGITS, at_most
-from nonsmooth.proofs.answers.nearness import rest_beside
 from nonsmooth.proofs.answers.units import of_length
 from nonsmooth.proofs.clauses.rotation.on_cells import RotationResult
 from nonsmooth.proofs.facts import Fact, Quantity, said
 from nonsmooth.proofs.verdicts import Equilibrium, Rotation
 from nonsmooth.symbolic.number_text import float_text
-from nonsmooth.symbolic.numbers.enclosures import rational_below
-from nonsmooth.symbolic.numbers.rounded import either_way
 from nonsmooth.symbolic.scene import Scene
 
 # On one set of wheels no open loop brings the heading back.
@@ -29,29 +24,8 @@ OF_ROTATION = {
 
 
 def heading_answer(scene: Scene, results: Results) -> Answer:
-    """From the clause on theta; where nothing is known at the point, from a place of rest that is it to all digits."""
-    verdict = OF_ROTATION[_rotation(results).verdict]
-    if verdict is Heading.UNDECIDED and results["equilibrium"].verdict is Equilibrium.UNDECIDED:
-        spin = _enclosed_spin(scene)
-        if spin is not None and not spin.contains(0):
-            return Answer("heading", Heading.DRIFTS, tuple(_drift_about(spin)))
-    return Answer("heading", verdict, tuple(_facts(scene, results)))
-
-
-def _enclosed_spin(scene: Scene) -> arb | None:
-    """The rate at which a body turns at a place of rest that only rounding tells from the point."""
-    if scene.body is not None:
-        return None
-    with either_way(scene.field):
-        rest = rest_beside(scene.recentred())
-    return None if rest is None else rest.spin
-
-
-def _drift_about(spin: arb) -> Iterator[Fact]:
-    """The rate, which no number of the scene is."""
-    rate = Fraction(at_most(-rational_below(-abs(spin))))
-    yield Fact("largest_rate", Quantity(rate), f"at rest it turns all the time, at up to {at_most(rate)} rad/s")
-    yield Fact("turn_per_distance", Quantity(None))
+    """From the clause on theta."""
+    return Answer("heading", OF_ROTATION[_rotation(results).verdict], tuple(_facts(scene, results)))
 
 
 def _rotation(results: Results) -> RotationResult:
@@ -74,6 +48,10 @@ def _facts(scene: Scene, results: Results) -> Iterator[Fact]:
 
 def _drift(found: RotationResult) -> Iterator[Fact]:
     """The rates at which the body can turn while it rests, or the sentence that it cannot."""
+    if found.verdict is Rotation.UNSTABLE and found.spin is not None:
+        most = at_most(max(map(abs, found.spin)))
+        yield Fact("largest_rate", Quantity(Fraction(most)), f"at rest it turns all the time, at up to {most} rad/s")
+        return
     if found.verdict is not Rotation.UNSTABLE or found.drift is None:
         yield Fact("largest_rate", Quantity(None))
         if found.verdict is Rotation.NEUTRAL:

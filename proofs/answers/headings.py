@@ -14,7 +14,7 @@ from flint import arb
 
 from nonsmooth.proofs.answers.answer import Heading, Position
 from nonsmooth.proofs.answers.heading import OF_ROTATION
-from nonsmooth.proofs.answers.position import OF_TRANSLATION
+from nonsmooth.proofs.answers.position import OF_PLACE
 from nonsmooth.proofs.headings.search import can_search, equilibrium_headings
 from nonsmooth.proofs.headings.stay import Stays
 from nonsmooth.symbolic.numbers.number import Number
@@ -127,7 +127,7 @@ def _of_interval(interval: RestInterval) -> HeadingOfRest:
     edge = tuple(sorted({wheel for end in interval.ends for wheel in end}))
     stay, gap = interval.stay, interval.gap
     kind = HeadingKind.INTERVAL if stay.kind is Stays.RESTS else HeadingKind.TURNING
-    position, verdict = OF_TRANSLATION[stay.translation], OF_ROTATION[stay.rotation]
+    position, verdict = OF_PLACE[stay.translation], OF_ROTATION[stay.rotation]
     at, wheels = interval.scene.check.equilibrium, interval.wheels or ()
     return HeadingOfRest(kind, gap.low, gap.high, None, at, wheels, edge, position, verdict, proved=True)
 

@@ -15,7 +15,7 @@ from nonsmooth.symbolic.number_text import lower_text, upper_text
 from nonsmooth.symbolic.scene import Scene
 
 if TYPE_CHECKING:
-    from nonsmooth.proofs.clauses.feedback.clause import AnyFeedback
+    from nonsmooth.proofs.clauses.feedback.facts import AnyFeedback
 
 
 def late_and_wrong(found: AnyFeedback, errors: LoopErrors, scene: Scene) -> Fact:

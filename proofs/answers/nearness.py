@@ -25,13 +25,15 @@ from nonsmooth.analysis.cells.load_sets import Loads
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.proofs.answers.answer import Results
+from nonsmooth.proofs.boxes.enclosed_rest import EnclosedRest
+from nonsmooth.proofs.clauses.equilibrium.at_point import EllipseEquilibrium
 from nonsmooth.proofs.clauses.equilibrium.every_load import EveryLoadEquilibrium
 from nonsmooth.proofs.clauses.translation.every_load import EveryLoadTranslation
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, Move, MoveEvidence
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
 from nonsmooth.proofs.robust.drift import driven_out, largest_spin
 from nonsmooth.proofs.robust.ends import MOST_WHEELS, Ends, decide_ends
-from nonsmooth.proofs.robust.rest_points import NO_FARTHER, EnclosedRest, enclosed_rest, is_carried_away
+from nonsmooth.proofs.robust.rest_points import DISCS, NO_FARTHER, attracting_disc, is_carried_away
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.contact_set import ContactSet, alone, contact_set
@@ -45,7 +47,21 @@ from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
 FOLLOWED = {"nearest", "box", "ellipse", "roller", MIXED}  # rules whose motions are enclosed
 LOAD_SHARES = (Fraction(1), Fraction(7, 8), Fraction(1, 2))  # of the way from the load of equal springs to another one
-ROUNDING = Fraction(1, 10**11)  # of the accuracy: a place of rest so near is the point, to all printed digits
+
+
+@dataclass(frozen=True)
+class HomeDisc:
+    """Starts that come to a place of rest which only rounding tells from the point.
+
+    Attributes:
+        ends_within: a distance from the point beyond that of the place (length).
+        within: radius of the disc of starts (length).
+        after: time after which bodies are nearer than the first, and stay (time).
+    """
+
+    ends_within: Fraction
+    within: Fraction
+    after: Fraction
 
 
 @dataclass(frozen=True)
@@ -60,6 +76,7 @@ class Nearness:
             is not shown.
         rests_within: a distance from the point, no more than rounding, within which all members of what was rounded
             have one place of rest each, which attracts; None where that is not shown.
+        home: the disc of starts that come to that place, and how long it takes them; None where none is shown.
         is_of_one_load: whether this is shown under one of the loads that a scene leaves open.
         why_not: what stands in the way of following bodies farther; empty where nothing does.
     """
@@ -68,6 +85,7 @@ class Nearness:
     out_after: Fraction | None = None
     thrown_out_from: Fraction | None = None
     rests_within: Fraction | None = None
+    home: HomeDisc | None = None
     is_of_one_load: bool = False
     why_not: str = ""
 
@@ -92,6 +110,7 @@ class _Asked:
     translation: Translation
     fan: FanResult | None
     load: Loads | None
+    place: EnclosedRest | None
 
     def __hash__(self) -> int:
         return hash((id(self.scene), self.equilibrium, self.translation))
@@ -116,8 +135,9 @@ def nearness(scene: Scene, results: Results) -> Nearness:
     if isinstance(translation, EveryLoadTranslation) and load is None:
         load = translation.load
     fan = translation.fan if isinstance(translation, TranslationResult) else None
+    place = rest.point.rest if isinstance(rest, EllipseEquilibrium) else None
     verdicts = Equilibrium(rest.verdict), Translation(translation.verdict)
-    return _decided(_Asked(scene, *verdicts, fan, load))
+    return _decided(_Asked(scene, *verdicts, fan, load, place))
 
 
 @lru_cache(maxsize=16)  # an answer is asked for several times
@@ -152,9 +172,9 @@ def _under_known_loads(asked: _Asked, array: Scene, kept: ContactSet) -> Nearnes
     accuracy, holds = asked.scene.accuracy, asked.equilibrium is Equilibrium.HOLDS
     rests = holds and asked.translation is Translation.STABLE
     ends = decide_ends(array, accuracy, rests=rests, kept=kept)
-    if asked.equilibrium is Equilibrium.UNDECIDED:
-        return _beside_a_rest(array, accuracy, ends, kept)
-    if ends is not None or rests:
+    if asked.place is not None:
+        return _beside_a_rest(asked.place, array, accuracy, ends, kept)
+    if ends is not None or rests or asked.equilibrium is Equilibrium.UNDECIDED:
         return Nearness(ends)
     if holds:
         is_out = kept.keeps(accuracy, None) and _is_thrown_out(asked, array)
@@ -193,24 +213,35 @@ def _under_a_load(asked: _Asked, array: Scene, kept: ContactSet) -> Nearness:
     return Nearness()
 
 
-def _beside_a_rest(scene: Scene, accuracy: Fraction, ends: Ends | None, kept: ContactSet) -> Nearness:
+def _beside_a_rest(
+    rest: EnclosedRest, scene: Scene, accuracy: Fraction, ends: Ends | None, kept: ContactSet
+) -> Nearness:
     """Where a place of rest that only rounding tells from the point of a centred scene attracts bodies, or repels them.
 
     So it is too where its rotation rate is not a number of the scene, as of arrays that are symmetric about the point.
     """
-    rest = rest_beside(scene)
-    if rest is not None and rest.stability is Translation.ASYMPTOTICALLY_STABLE:
-        return Nearness(ends, rests_within=rest.distance)
-    if ends is None and rest is not None and rest.stability is Translation.UNSTABLE:
+    if rest.stability is Translation.ASYMPTOTICALLY_STABLE:
+        return Nearness(ends, rests_within=rest.distance, home=_home_disc(rest, scene, accuracy, ends, kept))
+    if ends is None and rest.stability is Translation.UNSTABLE:
         is_out = kept.keeps(accuracy, None) and is_carried_away(scene, accuracy, rest.distance)
         return Nearness(thrown_out_from=NO_FARTHER * accuracy if is_out else None)
     return Nearness(ends)
 
 
-def rest_beside(scene: Scene) -> EnclosedRest | None:
-    """The place of rest of a centred scene that is its point, to all printed digits; None where none is enclosed."""
-    rest = enclosed_rest(scene)
-    return rest if rest is not None and rest.distance <= ROUNDING * scene.accuracy else None
+def _home_disc(
+    rest: EnclosedRest, scene: Scene, accuracy: Fraction, ends: Ends | None, kept: ContactSet
+) -> HomeDisc | None:
+    """Where bodies from the disc of starts come into one that attracts to the place of rest; without an outline."""
+    if kept.margin is not None:
+        return None
+    near = None if ends is None else ends.ends_within
+    disc = attracting_disc(scene, rest, [*([] if near is None else [near]), *(share * accuracy for share in DISCS)])
+    if disc is None:
+        return None
+    there = 2 * rest.distance
+    if ends is not None and near is not None and near <= disc.radius:
+        return HomeDisc(there, ends.within, ends.after + disc.time_to(there, near))
+    return HomeDisc(there, disc.radius, disc.time_to(there, disc.radius)) if disc.radius > there else None
 
 
 def _is_thrown_out(asked: _Asked, array: Scene) -> bool:
@@ -269,7 +300,7 @@ def _comes_home_reversed(scene: Scene, accuracy: Fraction) -> bool:
     try:
         for clause in registry.CLAUSES:
             if clause.name in {"equilibrium", "translation"}:
-                work.earlier[clause.name] = work.decided(clause)
+                work.earlier[clause.name] = clause.decided(work)
     except RefusalError:
         return False
     found = work.earlier["translation"]

@@ -18,7 +18,7 @@ from nonsmooth.symbolic.numbers.rounded import BY_ROUNDING
 from nonsmooth.symbolic.scene import Scene
 
 if TYPE_CHECKING:
-    from nonsmooth.proofs.clauses.feedback.clause import AnyFeedback
+    from nonsmooth.proofs.clauses.feedback.facts import AnyFeedback
 
 
 def pose_answer(scene: Scene, results: Results) -> Answer:

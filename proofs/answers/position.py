@@ -16,7 +16,7 @@ from nonsmooth.proofs.clauses.translation.mass_facts import mass_words
 from nonsmooth.proofs.facts import Fact, Quantity, said
 from nonsmooth.proofs.robust.ends import Ends
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
-from nonsmooth.symbolic.number_text import float_text, place_text
+from nonsmooth.symbolic.number_text import Real, float_text, place_text
 from nonsmooth.symbolic.scene import Scene
 
 MOST_TEXT = 20  # characters of a number that is printed exactly
@@ -28,6 +28,9 @@ OF_TRANSLATION = {
     Translation.UNDECIDED: Position.UNDECIDED,
 }
 
+# Of a place that is not the checked point: where bodies that go away from it end is not asked.
+OF_PLACE = {**OF_TRANSLATION, Translation.UNSTABLE: Position.UNSTABLE}
+
 
 def position_answer(scene: Scene, results: Results, *, may_look: bool = True) -> Answer:
     """From the clauses on the equilibrium and on (x, y); where these do not say it, from where bodies end.
@@ -38,7 +41,7 @@ def position_answer(scene: Scene, results: Results, *, may_look: bool = True) ->
         may_look: whether to ask where bodies end; not where what is said contradicts itself.
     """
     verdict = _by_clauses(results)
-    if verdict is Position.COMES_HOME or not may_look:
+    if (verdict is Position.COMES_HOME and not _is_beside(results)) or not may_look:
         verdict = Position.UNDECIDED if verdict is Position.LEAVES else verdict
         return Answer("position", verdict, tuple(_facts(scene, results, verdict, None)))
     found = nearness(scene, results)
@@ -54,6 +57,11 @@ def _by_clauses(results: Results) -> Position:
             return Position.LEAVES
         case _:
             return Position.UNDECIDED
+
+
+def _is_beside(results: Results) -> bool:
+    """Whether the clauses speak of a place of rest that only rounding tells from the point."""
+    return getattr(results["equilibrium"], "rounding_distance", None) is not None
 
 
 def _to_the_accuracy(by_clauses: Position, found: Nearness) -> Position:
@@ -76,7 +84,7 @@ def _facts(scene: Scene, results: Results, verdict: Position, looked: Nearness |
     found, unit = _translation(results), of_length(scene)
     yield Fact("accuracy", Quantity(_short(scene.accuracy)))
     if looked is not None and looked.rests_within is not None:
-        yield from _coming_beside(scene, looked, looked.rests_within, unit)
+        yield from _coming_beside(scene, looked, looked.rests_within, found.exponential_rate, unit)
         return
     if verdict is Position.COMES_HOME:
         yield from _place(scene, Quantity(Fraction(0)), (Fraction(0), Fraction(0)))
@@ -132,18 +140,26 @@ def _coming_near(scene: Scene, ends: Ends, unit: str) -> Iterator[Fact]:
     yield from (Fact("rate", Quantity(None)), Fact("stays_within", Quantity(None)))
 
 
-def _coming_beside(scene: Scene, looked: Nearness, rests_within: Fraction, unit: str) -> Iterator[Fact]:
+def _coming_beside(
+    scene: Scene, looked: Nearness, rests_within: Fraction, rate: Real | None, unit: str
+) -> Iterator[Fact]:
     """To the place of rest that only rounding tells from the point, from close by; and from how far near it."""
-    ends, beside = looked.ends, at_most(rests_within)
-    yield from _place(scene, Quantity(Fraction(beside)), (Fraction(0), Fraction(0)))
+    ends, home, beside = looked.ends, looked.home, at_most(rests_within)
+    there = Fraction(at_most(rests_within if home is None else home.ends_within))
+    yield from _place(scene, Quantity(there), (Fraction(0), Fraction(0)))
+    start = "close by" if home is None else f"anywhere within {at_least(home.within)}{unit}"
     yield said(
-        f"from close by, to a place of rest within {beside}{unit} of the point, which only rounding tells from it"
+        f"from {start}, to a place of rest within {beside}{unit} of the point, which only rounding tells from it"
     )
+    yield Fact("within", Quantity(None if home is None else Fraction(at_least(home.within))))
+    yield Fact("after", Quantity(None if home is None else Fraction(at_most(home.after))))
     if ends is not None and ends.is_near:
         near, within, after = at_most(ends.ends_within or Fraction(0)), at_least(ends.within), at_most(ends.after)
-        yield said(f"from anywhere within {within}{unit} it is within {near}{unit} in at most {after} s")
-    yield from (Fact(key, Quantity(None)) for key in ("within", "after", "swings_out_to", "seconds_per_distance"))
-    yield from (Fact(key, Quantity(None)) for key in ("rate", "stays_within"))
+        start = "" if home is not None and home.within == ends.within else f"from anywhere within {within}{unit} "
+        yield said(f"{start}it is within {near}{unit} in at most {after} s")
+    yield from (Fact(key, Quantity(None)) for key in ("swings_out_to", "seconds_per_distance"))
+    yield _rate(rate)
+    yield Fact("stays_within", Quantity(None))
 
 
 def _point(scene: Scene, ends: Ends) -> str:
@@ -176,8 +192,10 @@ def _plainly(scene: Scene, verdict: Position, results: Results, unit: str, looke
         return "a body that starts close by stays close by"
     if _by_clauses(results) is Position.LEAVES:
         accuracy = f"{float_text(float(scene.accuracy), DIGITS)}{unit}"
-        rests = results["equilibrium"].verdict is Equilibrium.HOLDS
-        gone = "some starts as near as one likes go away" if rests else "the body is driven away from the point itself"
+        beside = " to a place of rest that only rounding tells from it" if _is_beside(results) else ""
+        gone = f"some starts as near as one likes{beside} go away"
+        if results["equilibrium"].verdict is not Equilibrium.HOLDS:
+            gone = "the body is driven away from the point itself"
         why = f": {looked.why_not}" if looked is not None and looked.why_not else ""
         return f"{gone}; whether farther than the accuracy, {accuracy}, is not decided{why}"
     return "what happens near the point is not decided; why: below"
@@ -207,8 +225,11 @@ def _homecoming(found: AnyTranslation, unit: str) -> Iterator[Fact]:
         words = f"it arrives within {at_most(seconds)} s for each 1{unit} of distance"
         words += "" if found.quadratic is None else " (a bound, often loose)"
         yield Fact("seconds_per_distance", Quantity(seconds), words)
-    if rate is None:
-        yield Fact("rate", Quantity(None))
-    else:
-        yield Fact("rate", Quantity(rate), f"near it the distance halves about every {half_life(rate)} s")
+    yield _rate(rate)
     yield Fact("stays_within", Quantity(found.region_radius))
+
+
+def _rate(rate: Real | None) -> Fact:
+    """At which bodies come home that are close by."""
+    words = "" if rate is None else f"near it the distance halves about every {half_life(rate)} s"
+    return Fact("rate", Quantity(rate), words)

@@ -13,7 +13,7 @@ from nonsmooth.proofs.verdicts import Certainty
 from nonsmooth.symbolic.scene import Scene
 
 if TYPE_CHECKING:
-    from nonsmooth.proofs.clauses.feedback.clause import AnyFeedback
+    from nonsmooth.proofs.clauses.feedback.facts import AnyFeedback
     from nonsmooth.proofs.robust.decide import Robust
     from nonsmooth.proofs.robust.feedback import RobustLoop
 

@@ -10,28 +10,48 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
-from enum import StrEnum
 from typing import TYPE_CHECKING, ClassVar, Generic, Protocol, TypeVar
 
+from nonsmooth.proofs.clauses.workspace import ClauseResult, Workspace
 from nonsmooth.proofs.facts import Fact
 from nonsmooth.proofs.verdicts import Theorem4
 
 if TYPE_CHECKING:
-    from nonsmooth.proofs.clauses.workspace import Workspace
-    from nonsmooth.proofs.theorem4_result import Theorem4Result
+    from nonsmooth.analysis.cells.partition import Partition
+    from nonsmooth.proofs.clauses.feedback.authority import Authority
+    from nonsmooth.proofs.judged_equilibria import JudgedEquilibrium
+    from nonsmooth.symbolic.scene import Scene
 
 
-class ClauseResult(Protocol):
-    """Verdict, reason and evidence of one clause; frozen."""
+class CheckedArray(Protocol):
+    """What a clause may speak of beside its own result: the array, and what was found outside the clauses.
+
+    Its members are those of :class:`nonsmooth.proofs.theorem4_result.Theorem4Result`.
+    """
 
     @property
-    def verdict(self) -> StrEnum:
-        """The answer, one of a closed set."""
+    def scene(self) -> Scene:
+        """The array as it was given."""
         ...
 
     @property
-    def reason(self) -> str:
-        """Why, in one sentence for people."""
+    def authority(self) -> Authority:
+        """Rank of the roll rows at the checked point."""
+        ...
+
+    @property
+    def partition(self) -> Partition | None:
+        """The cells, about the checked point; None under a rule without cells."""
+        ...
+
+    @property
+    def other_equilibria(self) -> tuple[JudgedEquilibrium, ...] | None:
+        """Equilibria of the square beside the checked point; None where they were not searched for."""
+        ...
+
+    @property
+    def theta_is_weakly_stable(self) -> bool | None:
+        """Whether some solution keeps theta near its start; None where that is not decided."""
         ...
 
 
@@ -59,6 +79,22 @@ class Clause(ABC, Generic[Result]):
     def undecided(self, result: Result, reason: str) -> Result:
         """A result in place of the given one that claims nothing, for a reason."""
 
+    def decided(self, work: Workspace) -> Result:
+        """What the clause says; where rounded numbers alone say so, that nothing is decided.
+
+        Raises:
+            RefusalError: where the motion is not determined.
+        """
+        field = work.scene.field
+        before = field.rounded_signs
+        result = self.decide(work)
+        if field.rounded_signs == before:
+            return result
+        open_result = self.undecided(result, work.rounded_parts_reason())
+        if open_result is not result:
+            work.by_rounding.add(self.name)
+        return open_result
+
     def settles(self, result: Result) -> tuple[Theorem4, str] | None:
         """The theorem's verdict and its reason where this clause decides it alone, whatever the later ones say."""
         return None
@@ -71,6 +107,10 @@ class Clause(ABC, Generic[Result]):
         """Whether the hypotheses of the clause are met; one that does not apply leaves the theorem as it is."""
         return True
 
-    def facts(self, result: Result, check: Theorem4Result) -> Iterator[Fact]:
+    def proviso(self, result: Result) -> str:
+        """On which condition the clause holds, to be said where the theorem does; empty where there is none."""
+        return ""
+
+    def facts(self, result: Result, check: CheckedArray) -> Iterator[Fact]:
         """What else there is to say beside verdict and reason."""
         yield from ()

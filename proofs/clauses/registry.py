@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from nonsmooth.proofs.clauses.clause import Clause, ClauseResult
+from nonsmooth.proofs.clauses.clause import Clause
 from nonsmooth.proofs.clauses.equilibrium.clause import EquilibriumClause
 from nonsmooth.proofs.clauses.feedback.clause import FeedbackClause
 from nonsmooth.proofs.clauses.rotation.clause import RotationClause
 from nonsmooth.proofs.clauses.translation.clause import TranslationClause
-from nonsmooth.proofs.clauses.workspace import Workspace
+from nonsmooth.proofs.clauses.workspace import ClauseResult, Workspace
 from nonsmooth.proofs.verdicts import Theorem4
 
 CLAUSES: tuple[Clause[Any], ...] = (EquilibriumClause(), TranslationClause(), RotationClause(), FeedbackClause())
@@ -24,7 +24,7 @@ def decide_clauses(work: Workspace) -> Mapping[str, ClauseResult]:
     """
     for clause in CLAUSES:
         with work.timed(clause.name):
-            work.earlier[clause.name] = work.decided(clause)
+            work.earlier[clause.name] = clause.decided(work)
     return work.earlier
 
 
@@ -38,7 +38,9 @@ def conclude(results: Mapping[str, ClauseResult]) -> tuple[Theorem4, str]:
         result = results[clause.name]
         if clause.is_open(result):
             return Theorem4.UNDECIDED, f"{clause.name}, {result.verdict}: {result.reason}"
+    provisos = [clause.proviso(results[clause.name]) for clause in CLAUSES]
+    more = "".join(f"; {proviso}" for proviso in provisos if proviso)
     left = [clause.name for clause in CLAUSES if not clause.applies(results[clause.name])]
     if left:
-        return Theorem4.HOLDS, f"every clause that applies holds; not applicable: {', '.join(left)}"
-    return Theorem4.HOLDS, "every clause holds"
+        return Theorem4.HOLDS, f"every clause that applies holds; not applicable: {', '.join(left)}{more}"
+    return Theorem4.HOLDS, f"every clause holds{more}"

@@ -6,16 +6,23 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Any, TypeAlias, TypeVar
+from enum import StrEnum
+from typing import Any, Protocol, TypeAlias, TypeVar
 
 from nonsmooth.analysis.cells.loads import load_regions
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.contact_rule import CellRule, ContactRule, rule_of
+from nonsmooth.proofs.boxes.enclosed_rest import rest_at_point
 from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, ellipse_point
-from nonsmooth.proofs.clauses.clause import Clause, ClauseResult
 from nonsmooth.proofs.clauses.cocircular import CocircularArray, cocircular_array
 from nonsmooth.proofs.clauses.every_load.point import EveryLoadPoint, every_load_point
-from nonsmooth.symbolic.numbers.rounded import PLACE_DECIDES, ROUNDING_DECIDES, Rounded
+from nonsmooth.proofs.verdicts import Equilibrium
+from nonsmooth.symbolic.numbers.rounded import (
+    PLACE_DECIDES,
+    ROUNDING_DECIDES,
+    Rounded,
+    either_way,
+)
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
@@ -26,6 +33,20 @@ LEMMA = "V* <= 0 by the lemma on inward rims on one circle"
 
 def unheard(step: str) -> None:
     """Where nobody listens."""
+
+
+class ClauseResult(Protocol):
+    """Verdict, reason and evidence of one clause; frozen."""
+
+    @property
+    def verdict(self) -> StrEnum:
+        """The answer, one of a closed set."""
+        ...
+
+    @property
+    def reason(self) -> str:
+        """Why, in one sentence for people."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -80,25 +101,12 @@ class Workspace:
         """The contact rule."""
         return rule_of(self.scene)
 
-    def decided(self, clause: Clause[Any]) -> ClauseResult:
-        """What a clause says; where rounded numbers alone say so, that nothing is decided.
+    def rounded_parts_reason(self) -> str:
+        """Why a clause claims nothing that rounded numbers alone decided: of the angles of the array, or of its place.
 
-        What was built on the way may rest on rounding too, so it counts again for whoever uses it later.
+        What was built on the way may rest on rounding too, so from now on it counts again for whoever uses it.
         """
-        field = self.scene.field
-        before = field.rounded_signs
-        result = clause.decide(self)
-        if field.rounded_signs == before:
-            return result
         self._rounded_parts |= self._parts.keys()
-        open_result = clause.undecided(result, self._what_rounding_decides)
-        if open_result is not result:
-            self.by_rounding.add(clause.name)
-        return open_result
-
-    @property
-    def _what_rounding_decides(self) -> str:
-        """Of the angles of the array, or of the place at which it is checked."""
         return PLACE_DECIDES if isinstance(self.given.check.equilibrium[0], Rounded) else ROUNDING_DECIDES
 
     def _part(self, name: str, build: Callable[[], Part]) -> Part:
@@ -166,7 +174,7 @@ class Workspace:
 
     @property
     def point(self) -> EllipsePoint:
-        """The exact motion at the point under a rule without cells.
+        """The exact motion at the point under a rule without cells, or the place of rest that is it within rounding.
 
         Raises:
             nonsmooth.analysis.cells.loads.LoadError: where the loads do not exist.
@@ -174,7 +182,17 @@ class Workspace:
         return self._part("point", self._build_point)
 
     def _build_point(self) -> EllipsePoint:
-        return ellipse_point(self.scene, load_regions(self.scene, self.scene.check.equilibrium))
+        field = self.scene.field
+        before = field.rounded_signs
+        point = ellipse_point(self.scene, load_regions(self.scene, self.scene.check.equilibrium))
+        if point.equilibrium is not Equilibrium.UNDECIDED and field.rounded_signs == before:
+            return point
+        with either_way(field):  # the enclosure holds for every member of what was rounded
+            rest = rest_at_point(self.scene)
+        if rest is None:
+            return point
+        field.rounded_signs = before  # nothing that is said of the enclosed place rests on them
+        return point.resting(rest)
 
     def skip(self, what: str, count: int, why: str) -> None:
         """Say what is left out."""

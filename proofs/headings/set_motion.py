@@ -1,7 +1,7 @@
 """The motion of a body on one set of wheels with its centre of mass at one point, enclosed by balls.
 
 The spatial twist ``xi = (v, omega)`` minimizes ``D = sum_i N_i(c) f_i(r_i, s_i)``, with the slips and support functions
-of :mod:`nonsmooth.proofs.clauses.at_point.linearization`, so the centre of mass enters through the loads alone.  Where
+of :mod:`nonsmooth.proofs.boxes.linearization`, so the centre of mass enters through the loads alone.  Where
 every loaded wheel slips, ``G(xi, c) = sum_i N_i(c) pull_i(xi) = 0`` determines it.  A wheel that sticks adds two
 equations, no slip, and two unknowns, its force in units of the half-axes.  D is convex, so a zero of G with forces
 inside the friction sets and a regular Jacobian is the only minimizer, and smooth in c.  Krawczyk's operator
@@ -18,7 +18,7 @@ from flint import arb, arb_mat
 
 from nonsmooth.analysis.bodies.set_guesses import SetGuess, SetGuesses
 from nonsmooth.analysis.contact_rule import SmoothRule
-from nonsmooth.proofs.clauses.at_point.linearization import slip_at_rest
+from nonsmooth.proofs.boxes.linearization import slip_at_rest
 from nonsmooth.proofs.enclosures import approximate_inverse, krawczyk, lies_inside, newton, pose_rate_slope
 from nonsmooth.symbolic.constraints import added, scaled
 from nonsmooth.symbolic.edge_headings import ball_of

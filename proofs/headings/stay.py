@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
+from fractions import Fraction
 from typing import TYPE_CHECKING, cast
 
 from flint import arb_mat
@@ -172,12 +173,22 @@ def _stay_of(work: Workspace) -> Stay:
         rates = None if rotation.drift is None else rotation.drift.interval
     if equilibrium.verdict is Equilibrium.FAILS:
         return Stay(Stays.MOVES, twists=twists)
+    if equilibrium.verdict is Equilibrium.HOLDS and rotation.spin is not None:
+        return _enclosed_stay(cast("AnyTranslation", work.earlier["translation"]).verdict, rotation, rotation.spin)
     if equilibrium.verdict is not Equilibrium.HOLDS or rates is None:
         return Stay(Stays.UNDECIDED, reason=equilibrium.reason if rates is None else rotation.reason, twists=twists)
     translation = cast("AnyTranslation", work.earlier["translation"]).verdict
     low, high = (rate.sign() for rate in rates)
     turning = high if low == high else 0
     return Stay(Stays.RESTS if low <= 0 <= high else Stays.TURNS, translation, rotation.verdict, turning, twists=twists)
+
+
+def _enclosed_stay(translation: Translation, rotation: RotationResult, spin: tuple[Fraction, Fraction]) -> Stay:
+    """At a place of rest that is the point within rounding."""
+    low, high = spin
+    if low <= 0 <= high:
+        return Stay(Stays.UNDECIDED, reason=rotation.reason)
+    return Stay(Stays.TURNS, translation, rotation.verdict, 1 if low > 0 else -1)
 
 
 def is_half_turned(wheels: Sequence[Wheel], point: Vector) -> bool:

@@ -18,7 +18,6 @@ variable: the form on an edge, and, near a corner of a triangle, its coefficient
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from itertools import combinations
 from typing import Any, TypeAlias
 
@@ -28,7 +27,6 @@ from nonsmooth.proofs.inequalities.effort import effort_left, take_effort
 from nonsmooth.proofs.inequalities.forms import (
     LONG_BITS,
     NEARBY_STEPS,
-    ConeForm,
     Problem,
     Role,
     Stuck,
@@ -51,15 +49,11 @@ from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.polynomial import Terms
 
 
-@dataclass(frozen=True)
-class Zero:
-    """A strict claim fails at ``g_1 + t g_2`` for the one t at a root that has no name in the field."""
+def decide_binary(problem: Problem) -> Violation | RealRoot | None:
+    """Decide the claim: where it fails; None where it holds.
 
-    root: RealRoot
-
-
-def decide_binary(problem: Problem) -> Violation | Zero | None:
-    """Decide the claim: where it fails; None where it holds."""
+    A strict claim may fail at ``g_1 + t g_2`` alone, for a root t that has no name in the field: that is returned.
+    """
     line = line_of(problem)
     roots = tuple(positive_roots(line)) if any(line) else ()
     failure = _failure(line, roots, problem.strict)
@@ -68,7 +62,7 @@ def decide_binary(problem: Problem) -> Violation | Zero | None:
     if isinstance(failure, RealRoot):
         exact = failure.exact()
         if exact is None:
-            return Zero(failure)
+            return failure
         failure = (1, exact)
     s, t = failure
     first, second = problem.generators
@@ -93,14 +87,14 @@ def _failure(line: Coefficients, roots: Sequence[RealRoot], strict: bool) -> tup
 def line_of(problem: Problem) -> Coefficients:
     """The form on its two generators by powers of ``t = lambda_second/lambda_first``, ascending."""
     exact = tuple(tuple(evaluated(x) for x in g) for g in problem.generators)
-    return edge_line(problem, problem.pieces(exact), (0, 1))
+    return edge_line(problem, problem.part(exact).form, (0, 1))
 
 
-def edge_line(problem: Problem, pieces: ConeForm, edge: tuple[int, int]) -> Coefficients:
+def edge_line(problem: Problem, form: Terms, edge: tuple[int, int]) -> Coefficients:
     """The form of a part along an edge by powers of ``t = lambda_second/lambda_first``, ascending."""
     field, degree = problem.form.field, problem.form.degree
     first, second = edge
-    found = {e[second]: c for e, c in pieces.form.items() if e[first] + e[second] == degree}
+    found = {e[second]: c for e, c in form.items() if e[first] + e[second] == degree}
     return tuple(field(evaluated(found.get(k, 0))) for k in range(degree + 1))
 
 
@@ -137,7 +131,7 @@ def decide_quadratic(problem: Problem) -> Violation | Stuck | None:
 
 def gram_matrix(problem: Problem) -> Matrix:
     """M in the generators."""
-    terms, count = problem.coefficients.form, len(problem.generators)
+    terms, count = problem.whole.form, len(problem.generators)
     zero = problem.form.field.zero
 
     def entry(i: int, j: int) -> Any:
@@ -205,7 +199,7 @@ def zero_cut(problem: Problem, part: SubCone) -> tuple[int, int, Any] | Violatio
         return None
     generators = [tuple(map(evaluated, g)) for g in part.generators]
     for edge in combinations(range(len(generators)), 2):
-        line = edge_line(problem, part.pieces, edge)
+        line = edge_line(problem, part.form, edge)
         for t, is_zero in _suspects(line):
             point = tuple(a + b * t for a, b in zip(generators[edge[0]], generators[edge[1]], strict=True))
             if problem.is_violated_at(point):
@@ -213,7 +207,7 @@ def zero_cut(problem: Problem, part: SubCone) -> tuple[int, int, Any] | Violatio
             if is_zero:
                 return (*edge, t / (1 + t))
     if len(generators) == 3:
-        for edge, line in _lowest_terms(problem, part.pieces.form):
+        for edge, line in _lowest_terms(problem, part.form):
             for t, is_zero in _suspects(line):
                 if is_zero:
                     return (*edge, t / (1 + t))

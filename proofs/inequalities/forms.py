@@ -21,7 +21,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from enum import Enum
+from enum import Enum, StrEnum
 from fractions import Fraction
 from functools import cached_property, lru_cache
 from itertools import combinations, pairwise
@@ -45,21 +45,45 @@ from nonsmooth.symbolic.plane import cross
 PLANE = ("x", "y")
 
 
+class Sense(StrEnum):
+    """What is claimed of a polynomial."""
+
+    NEGATIVE = "<0"
+    NONPOSITIVE = "<=0"
+    POSITIVE = ">0"
+    NONNEGATIVE = ">=0"
+
+    @property
+    def strict(self) -> bool:
+        """Whether zero is excluded."""
+        return self in (Sense.NEGATIVE, Sense.POSITIVE)
+
+    @property
+    def factor(self) -> int:
+        """By which the polynomial is multiplied to make the claim ``>= 0`` or ``> 0``."""
+        return -1 if self in (Sense.NEGATIVE, Sense.NONPOSITIVE) else 1
+
+
 @dataclass(frozen=True)
-class CellClaim:
-    """``polynomial >= 0`` (or ``> 0``) on a closed region.
+class Question:
+    """What is to be proved of a polynomial on a closed region of the plane.
 
     Attributes:
+        sense: the sign that is claimed.
         polynomial: in (x, y).
-        region: the closed region of the plane.
-        strict: whether > 0 is claimed.
+        region: closed.
         except_origin: whether a strict claim leaves the origin out.
     """
 
+    sense: Sense
     polynomial: Polynomial
     region: Region
-    strict: bool
-    except_origin: bool = False
+    except_origin: bool
+
+    @cached_property
+    def claimed(self) -> Polynomial:
+        """What is claimed to be ``>= 0``, or ``> 0``."""
+        return self.polynomial * self.sense.factor
 
     @cached_property
     def holds_origin(self) -> bool:
@@ -80,29 +104,30 @@ class CellClaim:
         place = (point[0], point[1])
         if not self.region.contains(place) or any(sign(guard(place)) <= 0 for guard in self.region.guards):
             return False
-        here = sign(self.polynomial(place))
-        return here < 0 or (here == 0 and self.strict)
+        here = sign(self.claimed(place))
+        return here < 0 or (here == 0 and self.sense.strict)
 
 
-def build_parts(claim: CellClaim) -> Iterator[Problem]:
+def build_parts(question: Question) -> Iterator[Problem]:
     """The claim on simplicial cones that cover the cell."""
-    if claim.polynomial.is_homogeneous and claim.directions_are_attained:
-        for rays in directions(claim.region):
-            yield Problem(claim.polynomial, False, rays, claim.strict, claim.except_origin)
+    claimed, region, strict = question.claimed, question.region, question.sense.strict
+    if claimed.is_homogeneous and question.directions_are_attained:
+        for rays in directions(region):
+            yield Problem(claimed, False, rays, strict, question.except_origin)
         return
-    form, guards = claim.polynomial.homogenized(), tuple(guard.homogenized() for guard in claim.region.guards)
-    for triangle in triangles(claim.region, holds_origin=claim.holds_origin):
-        yield Problem(form, True, triangle, claim.strict, claim.except_origin, guards)
+    form, guards = claimed.homogenized(), tuple(guard.homogenized() for guard in region.guards)
+    for triangle in triangles(region, holds_origin=question.holds_origin):
+        yield Problem(form, True, triangle, strict, question.except_origin, guards)
 
 
-def place_of(vector: Vector, part: Problem, claim: CellClaim) -> Vector:
+def place_of(vector: Vector, part: Problem, question: Question) -> Vector:
     """The point (x, y) of the cell that a vector in the variables of a part stands for."""
-    field = claim.polynomial.field
+    field = question.polynomial.field
     exact = [v if hasattr(v, "sign") else field(v) for v in vector]
     if part.weighted:
         *exact, scale = exact
         return tuple(v / scale for v in exact) if scale else tuple(exact)
-    scale = claim.region.reach(exact[0], exact[1])
+    scale = question.region.reach(exact[0], exact[1])
     return tuple(v * scale for v in exact)
 
 
@@ -179,30 +204,31 @@ class Problem:
                 faces += [] if except_origin else [1 << k]
         return faces
 
-    @cached_property
-    def coefficients(self) -> ConeForm:
-        """The form and the guards, in the generators."""
-        return self.pieces(self.generators)
-
-    def pieces(self, generators: Sequence[Vector]) -> ConeForm:
-        """The form and the guards in the generators of a part of the cone, straight from the definition."""
+    def part(self, generators: Sequence[Vector]) -> SubCone:
+        """A part of the cone with the form and the guards in its generators, straight from the definition."""
         light = [tuple(simplest(x) for x in g) for g in generators]
         form, *guards = (
-            in_generators({e: simplest(c) for e, c in part.terms.items()}, light) for part in (self.form, *self.guards)
+            in_generators({e: simplest(c) for e, c in own.terms.items()}, light) for own in (self.form, *self.guards)
         )
-        return ConeForm(form, tuple(guards))
-
-    def settles(self, generators: Sequence[Vector], pieces: ConeForm) -> bool:
-        """Whether the coefficients prove the claim on a part of the cone."""
-        faces = self.strict_faces(generators, except_origin=self.except_origin) if self.strict else []
-        if is_nonnegative(pieces.form) and all(has_positive(pieces.form, face) for face in faces):
-            return True
         count = len(generators)
+        places = tuple(tuple(Fraction(int(i == k)) for i in range(count)) for k in range(count))
+        return SubCone(tuple(generators), places, form, tuple(guards), 0)
+
+    @cached_property
+    def whole(self) -> SubCone:
+        """The cone itself."""
+        return self.part(self.generators)
+
+    def settles(self, part: SubCone) -> bool:
+        """Whether the coefficients prove the claim on a part of the cone."""
+        generators, count = part.generators, len(part.generators)
+        faces = self.strict_faces(generators, except_origin=self.except_origin) if self.strict else []
+        if is_nonnegative(part.form) and all(has_positive(part.form, face) for face in faces):
+            return True
         masks = [m for m in range(1 << count) if any(not face & ~m for face in faces)]
         return any(
-            self._is_outside(generators, pieces, guard)
-            or follows_from(raised(pieces.form, pieces, generators), raised(guard, pieces, generators), masks)
-            for guard in pieces.guards
+            self._is_outside(part, guard) or follows_from(raised(part.form, part), raised(guard, part), masks)
+            for guard in part.guards
         )
 
     def is_violated_at(self, point: Vector) -> bool:
@@ -215,34 +241,60 @@ class Problem:
         here = sign(self.form(point))
         return here < 0 or (self.strict and here == 0)
 
-    def _is_outside(self, generators: Sequence[Vector], pieces: ConeForm, guard: Terms) -> bool:
+    def _is_outside(self, part: SubCone, guard: Terms) -> bool:
         """Whether a guard shows that the part meets the cell at most in corners, where the claim is tested."""
         negative = {e: -c for e, c in guard.items()}
-        roles = [self.role(g) for g in generators]
+        roles = [self.role(g) for g in part.generators]
         inside = [k for k, role in enumerate(roles) if role is not Role.LIMIT]
         edges = [1 << k | 1 << j for k in inside for j in range(len(roles)) if j != k]
         if not is_nonnegative(negative) or not all(has_positive(negative, edge) for edge in edges):
             return False
         left_out = [Role.ORIGIN] if self.except_origin else []
         touched = [k for k in inside if not has_positive(negative, 1 << k) and roles[k] not in left_out]
-        return all(face_sign(pieces, 1 << k) >= int(self.strict) for k in touched)
+        return all(face_sign(part.form, 1 << k) >= int(self.strict) for k in touched)
 
 
-@dataclass(frozen=True)
-class ConeForm:
-    """Coefficients in the generators of a part of the cone."""
+@dataclass(frozen=True, slots=True)
+class SubCone:
+    """A part of the cone on its way to being proved.
 
+    Attributes:
+        generators: of the part.
+        places: the generators in the root's barycentric coordinates (halvings only), which measure its size.
+        form: the coefficients of the form in the generators.
+        guards: those of the guards.
+        depth: number of cuts above it.
+    """
+
+    generators: tuple[Vector, ...]
+    places: tuple[Vector, ...]
     form: Terms
     guards: tuple[Terms, ...]
+    depth: int
 
-    @cached_property
+    @property
     def work(self) -> int:
         """What it costs to look at this part and cut it in two, in products of short rational coefficients."""
         return sum(_work_of(c) for terms in (self.form, *self.guards) for c in terms.values())
 
-    def mapped(self, change: Callable[[Terms], Terms]) -> ConeForm:
-        """Every part changed in the same way."""
-        return ConeForm(change(self.form), tuple(change(guard) for guard in self.guards))
+    def with_corner(self, kept: int, replaced: int, share: Any) -> SubCone:
+        """The part in which ``(1 - share) g_kept + share g_replaced`` takes the place of ``g_replaced``."""
+
+        def changed(terms: Terms) -> Terms:
+            return with_mixture(terms, kept, replaced, 1 - share, share)
+
+        return SubCone(
+            _with_mixed(self.generators, kept, replaced, share),
+            _with_mixed(self.places, kept, replaced, Fraction(1, 2)),
+            changed(self.form),
+            tuple(map(changed, self.guards)),
+            self.depth + 1,
+        )
+
+
+def _with_mixed(vectors: Sequence[Vector], kept: int, replaced: int, share: Any) -> tuple[Vector, ...]:
+    mixed = tuple(a * (1 - share) + b * share for a, b in zip(vectors[kept], vectors[replaced], strict=True))
+    return (*vectors[:replaced], mixed, *vectors[replaced + 1 :])
 
 
 def _work_of(coefficient: Any) -> int:
@@ -309,10 +361,10 @@ def multiplier(form: Terms, taken: Terms, *, signed: bool = True) -> Any:
     return (least + most) / 2 if least <= most else None
 
 
-def raised(terms: Terms, pieces: ConeForm, generators: Sequence[Vector]) -> Terms:
+def raised(terms: Terms, part: SubCone) -> Terms:
     """A form of a part times a power of w, so that it has the largest degree of the forms of the part."""
-    top = max(sum(e) for own in (pieces.form, *pieces.guards) for e in own)
-    weight = in_generators({(1,): 1}, [(g[-1],) for g in generators])
+    top = max(sum(e) for own in (part.form, *part.guards) for e in own)
+    weight = in_generators({(1,): 1}, [(g[-1],) for g in part.generators])
     while terms and sum(next(iter(terms))) < top:
         terms = multiply_terms(terms, weight)
     return terms
@@ -323,9 +375,9 @@ def has_one_sign(terms: Terms, face: int) -> bool:
     return {sign(c) for e, c in terms.items() if not support(e) & ~face} in ({1}, {-1})
 
 
-def face_sign(pieces: ConeForm, face: int) -> int:
-    """Sign of the form at the sum of a face's generators."""
-    return sign(sum((c for e, c in pieces.form.items() if not support(e) & ~face), fmpq(0)))
+def face_sign(form: Terms, face: int) -> int:
+    """Sign of a form at the sum of a face's generators."""
+    return sign(sum((c for e, c in form.items() if not support(e) & ~face), fmpq(0)))
 
 
 def face_sum(generators: Sequence[Vector], face: int) -> Vector:
@@ -351,24 +403,6 @@ class Violation:
     point: Vector
 
 
-class SubCone:
-    """A part of the cone on its way to being proved.
-
-    Attributes:
-        generators: of the part.
-        places: the generators in the root's barycentric coordinates (halvings only), which measure its size.
-        pieces: coefficients in the generators.
-        depth: number of cuts above it.
-    """
-
-    __slots__ = ("depth", "generators", "pieces", "places")
-
-    def __init__(
-        self, generators: tuple[Vector, ...], places: tuple[Vector, ...], pieces: ConeForm, depth: int
-    ) -> None:
-        self.generators, self.places, self.pieces, self.depth = generators, places, pieces, depth
-
-
 Cut: TypeAlias = Callable[["SubCone"], "tuple[int, int, Any] | Violation | None"]
 
 
@@ -380,31 +414,24 @@ def subdivide(problem: Problem, budget: int, cut: Cut | None = None) -> Violatio
         budget: work that may be done, in coefficients (those of one part at least).
         cut: proposes where to split a part because the form touches zero on its edge.
     """
-    count = len(problem.generators)
-    places = tuple(tuple(Fraction(int(i == k)) for i in range(count)) for k in range(count))
-    waiting = deque([SubCone(problem.generators, places, problem.coefficients, 0)])
+    waiting = deque([problem.whole])
     while waiting and budget > 0:
-        node = waiting.popleft()
-        budget -= node.pieces.work
-        take_effort(node.pieces.work)
-        if problem.settles(node.generators, node.pieces):
+        part = waiting.popleft()
+        work = part.work
+        budget -= work
+        take_effort(work)
+        if problem.settles(part):
             continue
-        violation = _violation(problem, node)
+        violation = _violation(problem, part)
         if violation is not None:
             return violation
-        split = cut(node) if cut is not None else None
+        split = cut(part) if cut is not None else None
         if isinstance(split, Violation):
             return split
-        waiting.extend(_halves(node, *(split or (*_edge_to_halve(node), fmpq(1, 2)))))
+        first, second, share = split or (*_edge_to_halve(part), fmpq(1, 2))
+        waiting.append(part.with_corner(first, second, share))
+        waiting.append(part.with_corner(second, first, 1 - share))
     return Stuck(waiting[0].generators) if waiting else None
-
-
-def _mixture(vectors: Sequence[Vector], first: int, second: int, weight: Any) -> Vector:
-    return tuple(a * (1 - weight) + b * weight for a, b in zip(vectors[first], vectors[second], strict=True))
-
-
-def _replaced(vectors: Sequence[Vector], k: int, vector: Vector) -> tuple[Vector, ...]:
-    return (*vectors[:k], vector, *vectors[k + 1 :])
 
 
 def _edge_to_halve(part: SubCone) -> tuple[int, int]:
@@ -414,8 +441,8 @@ def _edge_to_halve(part: SubCone) -> tuple[int, int]:
     give similar parts for ever: every second time only edges between other corners are looked at.
     """
     corners = range(len(part.generators))
-    others = [k for k in corners if face_sign(part.pieces, 1 << k)] if part.depth % 2 else []
-    if part.depth % 2 and len(others) < 2 and any(part.pieces.guards):
+    others = [k for k in corners if face_sign(part.form, 1 << k)] if part.depth % 2 else []
+    if part.depth % 2 and len(others) < 2 and any(part.guards):
         # beside a curve that ends at the origin, and zero at another corner too: halving at the origin leads nowhere
         others = [k for k in corners if any(part.generators[k][:-1])]
     return max(
@@ -424,25 +451,12 @@ def _edge_to_halve(part: SubCone) -> tuple[int, int]:
     )
 
 
-def _halves(node: SubCone, first: int, second: int, weight: Any) -> tuple[SubCone, SubCone]:
-    middle = _mixture(node.generators, first, second, weight)
-    place = _mixture(node.places, first, second, Fraction(1, 2))
-    near = node.pieces.mapped(lambda terms: with_mixture(terms, first, second, 1 - weight, weight))
-    far = node.pieces.mapped(lambda terms: with_mixture(terms, second, first, weight, 1 - weight))
-    return (
-        SubCone(
-            _replaced(node.generators, second, middle), _replaced(node.places, second, place), near, node.depth + 1
-        ),
-        SubCone(_replaced(node.generators, first, middle), _replaced(node.places, first, place), far, node.depth + 1),
-    )
-
-
-def _violation(problem: Problem, node: SubCone) -> Violation | None:
+def _violation(problem: Problem, part: SubCone) -> Violation | None:
     """A point of the part where the claim is false, if a corner, a strict face or the middle shows one."""
-    generators, count = node.generators, len(node.generators)
+    generators, count = part.generators, len(part.generators)
     faces = problem.strict_faces(generators, except_origin=problem.except_origin) if problem.strict else []
     for face in dict.fromkeys([*(1 << k for k in range(count)), (1 << count) - 1, *faces]):
-        here = face_sign(node.pieces, face)
+        here = face_sign(part.form, face)
         if here < 0 or (here == 0 and face in faces):
             point = face_sum(generators, face)
             if problem.is_violated_at(point):

@@ -32,7 +32,7 @@ from fractions import Fraction
 from functools import cached_property, reduce
 from itertools import combinations, pairwise
 from operator import or_
-from typing import Any
+from typing import Any, NamedTuple
 
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.region import Segment
@@ -65,8 +65,7 @@ class Interval:
         return f"{{{self.low}}}" if not self.high - self.low else f"[{self.low}, {self.high}]"
 
 
-@dataclass(frozen=True)
-class Ladder:
+class Ladder(NamedTuple):
     """The three derivatives at a point; None is the empty set, whose maximum counts as minus infinity."""
 
     naive: Interval
@@ -148,8 +147,7 @@ def worst(trends: Sequence[Trend]) -> Trend:
     return max(trends, key=lambda trend: trend.rank, default=Trend.EMPTY)
 
 
-@dataclass(frozen=True)
-class Trends:
+class Trends(NamedTuple):
     """One trend for each of the three derivatives."""
 
     naive: Trend
@@ -245,8 +243,7 @@ class Kink:
         places: list[Fraction | RealRoot] = [*self.samples(), *self.roots]
         found = [self.trends_at(place) for place in places]
         order = [trend.bacciotti_ceragioli.rank for trend in found]
-        columns = zip(*((t.naive, t.shevitz_paden, t.bacciotti_ceragioli) for t in found), strict=True)
-        return Trends(*(worst(column) for column in columns)), places[order.index(max(order))]
+        return Trends(*map(worst, zip(*found, strict=True))), places[order.index(max(order))]
 
     def trends_at(self, place: Fraction | RealRoot) -> Trends:
         """The signs of the three maxima at a parameter."""

@@ -20,21 +20,21 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from enum import StrEnum
 from fractions import Fraction
-from functools import cache, cached_property
+from functools import cache
 from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.region import Region, Triple
-from nonsmooth.proofs.inequalities.complete import Zero, decide_binary, decide_quadratic, zero_cut
+from nonsmooth.proofs.inequalities.complete import decide_binary, decide_quadratic, zero_cut
 from nonsmooth.proofs.inequalities.effort import effort_left
 from nonsmooth.proofs.inequalities.forms import (
     PLANE,
-    CellClaim,
     Problem,
+    Question,
+    Sense,
     Stuck,
     Violation,
     build_parts,
@@ -42,8 +42,8 @@ from nonsmooth.proofs.inequalities.forms import (
     subdivide,
     triangles,
 )
+from nonsmooth.proofs.inequalities.real_roots import RealRoot
 from nonsmooth.symbolic.number_text import place_text
-from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.surfaces import factorize
 
@@ -54,12 +54,12 @@ CONFIRMED = 4  # points of each triangle that are evaluated exactly
 Weights: TypeAlias = tuple[int, int, int]
 
 
-def counterexample(claim: CellClaim) -> tuple[Any, Any] | None:
+def counterexample(question: Question) -> tuple[Any, Any] | None:
     """A point of the region inside all guards at which a claim fails; None where none was found."""
-    for triangle in triangles(claim.region, holds_origin=claim.holds_origin):
-        for weights in _suspects(claim, triangle):
+    for triangle in triangles(question.region, holds_origin=question.holds_origin):
+        for weights in _suspects(question, triangle):
             point = _point(triangle, weights)
-            if claim.fails_at(point):
+            if question.fails_at(point):
                 return point
     return None
 
@@ -77,18 +77,18 @@ def _grid() -> tuple[Weights, ...]:
     return tuple(found.values())
 
 
-def _suspects(claim: CellClaim, triangle: Sequence[Triple]) -> Iterator[Weights]:
+def _suspects(question: Question, triangle: Sequence[Triple]) -> Iterator[Weights]:
     """The weights at which floats say that the claim fails, the clearest failures first."""
     weights = np.array(_grid(), dtype=float)
     x, y, w = (weights @ np.array([[float(v) for v in g] for g in triangle])).T
     inside = w > 0
     with np.errstate(all="ignore"):
         x, y = x / w, y / w
-        for guard in claim.region.guards:
+        for guard in question.region.guards:
             inside &= _values(guard, x, y)[0] > 0
-        values, sizes = _values(claim.polynomial, x, y)
+        values, sizes = _values(question.claimed, x, y)
         share = values / sizes
-    fails = (share <= 0 if claim.strict else share < 0) & inside & np.isfinite(share)
+    fails = (share <= 0 if question.sense.strict else share < 0) & inside & np.isfinite(share)
     order = np.argsort(np.where(fails, share, np.inf), kind="stable")
     for k in order[: min(CONFIRMED, int(fails.sum()))]:
         yield _grid()[int(k)]
@@ -112,40 +112,6 @@ def _point(triangle: Sequence[Triple], weights: Weights) -> tuple[Any, Any]:
 LITTLE_WORK = 500  # coefficients of parts looked at before the complete ways are tried
 MUCH_WORK = 50_000  # about a second
 MAX_EXACT_ROOTS = 6  # square roots in the field up to which quotients of two generators are carried out
-
-
-class Sense(StrEnum):
-    """What is claimed of the polynomial."""
-
-    NEGATIVE = "<0"
-    NONPOSITIVE = "<=0"
-    POSITIVE = ">0"
-    NONNEGATIVE = ">=0"
-
-    @property
-    def strict(self) -> bool:
-        """Whether zero is excluded."""
-        return self in (Sense.NEGATIVE, Sense.POSITIVE)
-
-    @property
-    def factor(self) -> int:
-        """By which the polynomial is multiplied to make the claim ``>= 0`` or ``> 0``."""
-        return -1 if self in (Sense.NEGATIVE, Sense.NONPOSITIVE) else 1
-
-
-@dataclass(frozen=True)
-class Question:
-    """What is to be proved; see :func:`prove`."""
-
-    sense: Sense
-    polynomial: Polynomial
-    region: Region
-    except_origin: bool
-
-    @cached_property
-    def claim(self) -> CellClaim:
-        """The question as ``>= 0`` or ``> 0``."""
-        return CellClaim(self.polynomial * self.sense.factor, self.region, self.sense.strict, self.except_origin)
 
 
 @dataclass(frozen=True)
@@ -182,14 +148,14 @@ class ZeroBetween:
 
     question: Question
     part: Problem
-    zero: Zero
+    zero: RealRoot
 
     @property
     def point(self) -> tuple[Any, ...]:
         """A point close to the zero (the bounds of t enclose it)."""
         first, second = self.part.generators
-        near = tuple(a + b * self.zero.root.low for a, b in zip(first, second, strict=True))
-        return place_of(near, self.part, self.question.claim)
+        near = tuple(a + b * self.zero.low for a, b in zip(first, second, strict=True))
+        return place_of(near, self.part, self.question)
 
 
 @dataclass(frozen=True)
@@ -229,27 +195,27 @@ def prove(sense: Sense | str, polynomial: Polynomial, region: Region, *, except_
     if polynomial.variables != PLANE:
         raise ValueError(f"required a polynomial in {PLANE}, received {polynomial.variables}")
     question = Question(Sense(sense), polynomial, region, except_origin)
-    claim = question.claim
-    if claim.fails_at(_origin(claim)):
-        return _witness(question, _origin(claim))
-    refuting = counterexample(claim) if region.guards else None
+    origin = (polynomial.field.zero,) * 2
+    if question.fails_at(origin):
+        return _witness(question, origin)
+    refuting = counterexample(question) if region.guards else None
     if refuting is not None:
         return _witness(question, refuting)
     stuck: Undecided | None = None
-    for part in build_parts(claim):
+    for part in build_parts(question):
         found = decide(part)
         if isinstance(found, Violation):
-            return _witness(question, place_of(found.point, part, claim))
-        if isinstance(found, Zero):
+            return _witness(question, place_of(found.point, part, question))
+        if isinstance(found, RealRoot):
             return ZeroBetween(question, part, found)
         if isinstance(found, Stuck):
-            stuck = stuck or Undecided(question, tuple(place_of(g, part, claim) for g in found.generators))
-    if stuck is not None and not region.guards and (refuting := counterexample(claim)) is not None:
+            stuck = stuck or Undecided(question, tuple(place_of(g, part, question) for g in found.generators))
+    if stuck is not None and not region.guards and (refuting := counterexample(question)) is not None:
         return _witness(question, refuting)
     return stuck or Proof(question)
 
 
-def decide(problem: Problem) -> Violation | Zero | Stuck | None:
+def decide(problem: Problem) -> Violation | RealRoot | Stuck | None:
     """Decide one simplicial part: what refutes it, or where the search ended; None where it is proved."""
     found = subdivide(problem, LITTLE_WORK)
     if not isinstance(found, Stuck):
@@ -265,7 +231,7 @@ def decide(problem: Problem) -> Violation | Zero | Stuck | None:
         if of_rest is None or (isinstance(of_rest, Violation) and problem.is_violated_at(of_rest.point)):
             return of_rest
     work = min(MUCH_WORK, effort_left())
-    return subdivide(problem, work, lambda node: zero_cut(problem, node)) if work else found
+    return subdivide(problem, work, lambda part: zero_cut(problem, part)) if work else found
 
 
 def _without_square(problem: Problem) -> Problem | None:
@@ -277,10 +243,6 @@ def _without_square(problem: Problem) -> Problem | None:
     for factor, exponent in factored[1]:
         rest *= factor ** (exponent % 2)
     return replace(problem, form=rest)
-
-
-def _origin(claim: CellClaim) -> tuple[Number, ...]:
-    return (claim.polynomial.field.zero,) * 2
 
 
 def _witness(question: Question, point: tuple[Any, ...]) -> Counterexample:

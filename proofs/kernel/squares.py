@@ -13,10 +13,9 @@ from flint import fmpq
 
 from nonsmooth.proofs.checker.polynomials import Exponents, Polynomial, constant
 from nonsmooth.proofs.checker.positivity import Claim, Inequality
-from nonsmooth.proofs.sums_of_squares.ansatz import Condition, build_ansatz, build_guards, monomials_between
+from nonsmooth.proofs.sums_of_squares.ansatz import Condition, build_blocks, monomials_between
 from nonsmooth.proofs.sums_of_squares.conic_program import solve_inside
-from nonsmooth.proofs.sums_of_squares.gram_certificate import SquareTerm
-from nonsmooth.proofs.sums_of_squares.prove import Effort, normalized, prove_positive
+from nonsmooth.proofs.sums_of_squares.prove import Effort, SumOfSquares, normalized, prove_positive
 from nonsmooth.proofs.sums_of_squares.rounding import round_parameters
 from nonsmooth.symbolic.numbers.polynomial import add_terms, multiply_terms
 
@@ -100,7 +99,7 @@ def _sides(inequality: Inequality) -> list[str]:
 
 
 def _guard_names(inequality: Inequality) -> list[str]:
-    """The names of the guards in the order of :func:`build_guards`."""
+    """The names of the guards in the order of :attr:`Condition.multipliers`."""
     sides = _sides(inequality)
     surfaces = [name for name in inequality.guards if name[0] == "s"]
     return [*surfaces, *(f"b{k}" for k in sides), *(f"{letter}{k}" for k in sides for letter in "ud")]
@@ -117,7 +116,7 @@ def _proposals(conditions: Sequence[Condition], parameters: int, *, weakly: bool
         yield ()
         return
     own = [normalized(condition) for condition in conditions]
-    solved = solve_inside([(condition, build_ansatz(condition)) for condition in own], parameters, bounded=False)
+    solved = solve_inside([(condition, build_blocks(condition)) for condition in own], parameters, bounded=False)
     for denominator in MU_DENOMINATORS if solved is not None else ():
         values = None if solved is None else round_parameters(*solved, denominator)
         if values is not None:
@@ -136,8 +135,8 @@ def _with_mu(
         proved = prove_positive(stated, effort)
         if proved is None:
             return None
-        strict = strict and proved.claim.strict
-        found.append(_written(stated, proved.evidence.terms, _guard_names(inequality)))
+        strict = strict and proved.strict
+        found.append(_written(stated, proved, _guard_names(inequality)))
     return found, strict
 
 
@@ -157,20 +156,20 @@ def _written_mu(claim: Claim, shapes: Sequence[Shape], mu: Sequence[fmpq]) -> li
     return found
 
 
-def _written(condition: Condition, terms: Sequence[SquareTerm], names: Sequence[str]) -> list[dict[str, Any]]:
+def _written(stated: Condition, proved: SumOfSquares, names: Sequence[str]) -> list[dict[str, Any]]:
     """The evidence about the stated polynomial, from that about its multiple by powers of two."""
-    divided = normalized(condition)
-    whole = _ratio(condition.constant, divided.constant)
-    guards = list(zip(build_guards(condition), build_guards(divided), strict=True))
+    divided = proved.condition
+    whole = _ratio(stated.constant, divided.constant)
+    ratios = list(map(_ratio, stated.multipliers, divided.multipliers))
     found = []
-    for term in terms:
+    for block, gram in zip(proved.blocks, proved.grams, strict=True):
         factor = whole
-        for number in term.factors:
-            factor /= _ratio(*guards[number])
-        if any(any(row) for row in term.gram):
-            rows = [[str(value * factor) for value in row[: i + 1]] for i, row in enumerate(term.gram)]
-            own = [names[number] for number in term.factors]
-            found.append({"guards": own, "monomials": [list(m) for m in term.monomials], "gram": rows})
+        for number in block.factors:
+            factor /= ratios[number]
+        if any(map(any, gram)):
+            rows = [[str(value * factor) for value in row[: i + 1]] for i, row in enumerate(gram)]
+            own = [names[number] for number in block.factors]
+            found.append({"guards": own, "monomials": [list(m) for m in block.monomials], "gram": rows})
     return found
 
 

@@ -115,7 +115,7 @@ class SpacePoint(CheckedPoint):
     def examine(self, formula: PiecewiseExpression, radius: Number, effort: Effort) -> ExaminedLyapunov | None:
         """A V with its conditions; None where it is not looked at."""
         try:
-            return ExaminedLyapunov(formula, radius, examine(self.system, formula, radius, effort=effort))
+            return examine(self.system, formula, radius, effort=effort)
         except BeyondReachError:
             return None
 
@@ -124,9 +124,9 @@ class SpacePoint(CheckedPoint):
         function, everywhere = found.function, self._holds_everywhere(found)
         if function is None or function.decrease is not Decrease.STRICT:
             return Reach(everywhere)
-        region = largest_sublevel(function.examination)
+        region = largest_sublevel(function)
         # a scaled field has another rate
-        rate = None if self.system.scale else decay_rate(function.examination)
+        rate = None if self.system.scale else decay_rate(function)
         return Reach(everywhere, region, region, rate, self._rate_domain(found, rate))
 
     def _holds_everywhere(self, found: Finding) -> bool:
@@ -134,13 +134,13 @@ class SpacePoint(CheckedPoint):
         if found.verdict is not Translation.ASYMPTOTICALLY_STABLE:
             return False
         linear = self.linear is not None and self.linear.is_whole
-        return linear or (found.function is not None and found.function.examination.is_homogeneous)
+        return linear or (found.function is not None and found.function.is_homogeneous)
 
     def _rate_domain(self, found: Finding, rate: Any) -> Domain | None:
         """Where a rate of V holds."""
         if rate is None or found.function is None:
             return None
-        return Domain(None if rate_scales(rate, found.function.examination) else found.function.radius)
+        return Domain(None if rate_scales(rate, found.function) else found.function.radius)
 
 
 def first_cells(scene: SwitchedSystem) -> SignCells:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from fractions import Fraction
 from typing import Any
 
 from flint import fmpq
@@ -26,7 +25,7 @@ from nonsmooth.proofs.kernel.squares import Shown, condition_of, find
 from nonsmooth.proofs.kernel.subject import NoCertificateError, about
 from nonsmooth.proofs.many_states.witnesses import Point, as_fractions, exact_value, refuting_point, rising_slide
 from nonsmooth.proofs.sums_of_squares.prove import Effort
-from nonsmooth.proofs.systems.derivatives import Decrease
+from nonsmooth.proofs.systems.derivatives import Decrease, Refutation
 from nonsmooth.proofs.systems.domain import Domain
 from nonsmooth.proofs.systems.findings import ExaminedFunction, Reach
 from nonsmooth.proofs.verdicts import Translation
@@ -63,39 +62,28 @@ class Asked:
         return self.claim.name.split()[0] != POSITIVE
 
 
-@dataclass(frozen=True)
-class FailurePoint:
-    """Where V fails: the displacement from the checked point, the value there, and what it means.
-
-    The value is None where it is known by its sign only.
-    """
-
-    point: tuple[Fraction, ...]
-    value: Fraction | None
-    meaning: str
+PROVES = {Decrease.STRICT: Translation.ASYMPTOTICALLY_STABLE, Decrease.WEAK: Translation.STABLE}
 
 
 @dataclass(frozen=True)
-class Examination:
-    """Lyapunov's conditions on a cube about the checked point.
+class ExaminedLyapunov(ExaminedFunction):
+    """A V with Lyapunov's conditions on a cube about the checked point.
 
     Attributes:
         formula: V, in the displacement under the states' names.
+        radius: half the side of the cube.
         stated: the cube, cut until the fields and V are smooth.
-        asked: all claims up to the first that is not shown; none where one is refuted.
-        verdict: what follows.
-        failure: where a condition fails.
-        reason: one sentence for people.
         conditions: from which claims on V are derived.
+        asked: all claims up to the first that is not shown; none where one is refuted.
+        failure: where a condition fails.
     """
 
     formula: PiecewiseExpression
+    radius: Number
     stated: StatedCells
-    asked: tuple[Asked, ...]
-    verdict: Decrease
-    failure: FailurePoint | None
-    reason: str
     conditions: Functions = field(compare=False)
+    asked: tuple[Asked, ...] = ()
+    failure: Refutation | None = None
 
     @property
     def cells(self) -> SignCells:
@@ -110,9 +98,61 @@ class Examination:
     @property
     def is_homogeneous(self) -> bool:
         """Whether cells are cones and every claim is about forms: then it holds at every distance."""
-        if self.verdict not in (Decrease.STRICT, Decrease.WEAK):
+        if self.decrease not in PROVES:
             return False
         return self.cells.are_cones and self.cells.beyond and are_about_forms([own.claim for own in self.asked])
+
+    @property
+    def domain(self) -> Domain:
+        """Where the conditions hold: at every distance where all of them are about forms."""
+        return Domain(None if self.is_homogeneous else self.radius)
+
+    @property
+    def decrease(self) -> Decrease:
+        """What follows from them."""
+        if self.failure is not None:
+            return Decrease.REFUTED
+        found = [own.found for own in self.asked]
+        if None in found:
+            return Decrease.UNDECIDED
+        return Decrease.STRICT if all(own is not None and own.strict for own in found) else Decrease.WEAK
+
+    @property
+    def reason(self) -> str:
+        """The same as a sentence."""
+        if self.failure is not None:
+            return self.failure.meaning
+        left = next((own for own in self.asked if own.found is None), None)
+        return self.decrease.value if left is None else _open_words(left)
+
+    @property
+    def witness(self) -> Refutation | None:
+        """Where one of them fails."""
+        return self.failure
+
+    def attraction(self, system: SwitchedSystem) -> dict[str, Any] | None:
+        """LaSalle's principle with its evidence, for a V that does not rise; None where that is not found.
+
+        Where V and the fields are forms on cones every solution is attracted.
+        """
+        if self.decrease is not Decrease.WEAK:
+            return None
+        return find_attraction(system, self.formula, self.radius, everywhere=True)
+
+    def known_entry(self, reach: Reach) -> dict[str, Any]:
+        """The theorem with its evidence, as a certificate holds it: what V shows, where from, and how fast."""
+        region, rate = reach.region, reach.rate
+        falls = self.decrease is Decrease.STRICT
+        verdict = str(PROVES[self.decrease])
+        hypotheses = stability_hypotheses(self.stated.record, self.formula.text, verdict) | {
+            "everywhere": falls and self.is_homogeneous,
+            "level": None if region is None else str(region.level),
+            "rate": None if rate is None else rate.record,
+        }
+        proofs = {**self.stated.proofs, **self.proofs}
+        for more in (region, rate):
+            proofs |= {} if more is None else more.proofs
+        return {"theorem": "lyapunov", "hypotheses": hypotheses, "proofs": proofs}
 
 
 def are_about_forms(claims: Sequence[Claim]) -> bool:
@@ -127,7 +167,7 @@ def are_about_forms(claims: Sequence[Claim]) -> bool:
 
 def examine(
     system: SwitchedSystem, formula: PiecewiseExpression, radius: Number, *, effort: Effort = Effort.FULL
-) -> Examination:
+) -> ExaminedLyapunov:
     """Decide Lyapunov's conditions for a V.
 
     Args:
@@ -142,20 +182,16 @@ def examine(
         SceneError: for formulas that cannot be used.
     """
     stated, conditions = conditions_on(system, formula, radius)
+    examined = ExaminedLyapunov(formula, radius, stated, conditions)
     claims = conditions.claims()
     failure = find_failure(stated.cells, claims)
-    if failure is not None:
-        return Examination(formula, stated, (), Decrease.REFUTED, failure, failure.meaning, conditions)
-    asked = []
-    for claim in claims:
-        asked.append(answer(claim, effort))
+    asked: list[Asked] = []
+    while failure is None and len(asked) < len(claims):
+        asked.append(answer(claims[len(asked)], effort))
         if asked[-1].found is None:
-            failure = find_slide(system, conditions, claim) if effort is Effort.FULL else None
-            if failure is not None:
-                return Examination(formula, stated, (), Decrease.REFUTED, failure, failure.meaning, conditions)
+            failure = find_slide(system, conditions, asked[-1].claim) if effort is Effort.FULL else None
             break
-    verdict, reason = _conclude(asked)
-    return Examination(formula, stated, tuple(asked), verdict, None, reason, conditions)
+    return replace(examined, asked=tuple(asked) if failure is None else (), failure=failure)
 
 
 def conditions_on(
@@ -204,7 +240,7 @@ def answer(claim: Claim, effort: Effort) -> Asked:
     return Asked(claim, found)
 
 
-def find_failure(cells: SignCells, claims: Sequence[Claim]) -> FailurePoint | None:
+def find_failure(cells: SignCells, claims: Sequence[Claim]) -> Refutation | None:
     """A point of a cell at which V is not positive or increases; None where none is found."""
     for claim in claims:
         kind = claim.name.split()[0]
@@ -219,7 +255,7 @@ def find_failure(cells: SignCells, claims: Sequence[Claim]) -> FailurePoint | No
     return None
 
 
-def find_slide(system: SwitchedSystem, conditions: Functions, claim: Claim) -> FailurePoint | None:
+def find_slide(system: SwitchedSystem, conditions: Functions, claim: Claim) -> Refutation | None:
     """A point of a face at which V increases along a solution that slides; None where none is found.
 
     Args:
@@ -231,23 +267,14 @@ def find_slide(system: SwitchedSystem, conditions: Functions, claim: Claim) -> F
     if kind != FACE or system.only_encloses:
         return None
     found = rising_slide(conditions, [j for j, sign in enumerate(signs) if sign == "0"])
-    return None if found is None else FailurePoint(*found, SLIDES_UP)
+    return None if found is None else Refutation(*found, SLIDES_UP)
 
 
-def _failure(cells: SignCells, point: Point, value: fmpq, *, positive: bool) -> FailurePoint:
+def _failure(cells: SignCells, point: Point, value: fmpq, *, positive: bool) -> Refutation:
     place, (at_point,) = as_fractions([x * cells.radius for x in point]), as_fractions([value])
     if positive:
-        return FailurePoint(place, at_point, "V is not positive")
-    return FailurePoint(place, -at_point / as_fractions([cells.radius])[0], RISES)
-
-
-def _conclude(asked: Sequence[Asked]) -> tuple[Decrease, str]:
-    for own in asked:
-        if own.found is None:
-            return Decrease.UNDECIDED, _open_words(own)
-    if all(own.found is not None and own.found.strict for own in asked):
-        return Decrease.STRICT, Decrease.STRICT.value
-    return Decrease.WEAK, Decrease.WEAK.value
+        return Refutation(place, at_point, "V is not positive")
+    return Refutation(place, -at_point / as_fractions([cells.radius])[0], RISES)
 
 
 def _open_words(own: Asked) -> str:
@@ -255,65 +282,3 @@ def _open_words(own: Asked) -> str:
         return "no proof was found that V falls where it bends"
     sense = "V' < 0" if own.is_about_fall else "V > 0"
     return f"no proof was found of {sense} on a cell, and no point refutes it"
-
-
-PROVES = {Decrease.STRICT: Translation.ASYMPTOTICALLY_STABLE, Decrease.WEAK: Translation.STABLE}
-
-
-@dataclass(frozen=True)
-class ExaminedLyapunov(ExaminedFunction):
-    """A V with its conditions.
-
-    Attributes:
-        formula: V, in the displacement under the states' names.
-        radius: half the side of the cube on which they are looked at.
-        examination: the conditions with their evidence.
-    """
-
-    formula: PiecewiseExpression
-    radius: Number
-    examination: Examination
-
-    @property
-    def domain(self) -> Domain:
-        """Where they hold: at every distance where all of them are about forms."""
-        return Domain(None if self.examination.is_homogeneous else self.radius)
-
-    @property
-    def decrease(self) -> Decrease:
-        """What follows from them."""
-        return self.examination.verdict
-
-    @property
-    def reason(self) -> str:
-        """The same as a sentence."""
-        return self.examination.reason
-
-    @property
-    def witness(self) -> FailurePoint | None:
-        """Where one of them fails."""
-        return self.examination.failure
-
-    def attraction(self, system: SwitchedSystem) -> dict[str, Any] | None:
-        """LaSalle's principle with its evidence, for a V that does not rise; None where that is not found.
-
-        Where V and the fields are forms on cones every solution is attracted.
-        """
-        if self.examination.verdict is not Decrease.WEAK:
-            return None
-        return find_attraction(system, self.formula, self.radius, everywhere=True)
-
-    def known_entry(self, reach: Reach) -> dict[str, Any]:
-        """The theorem with its evidence, as a certificate holds it: what V shows, where from, and how fast."""
-        region, rate = reach.region, reach.rate
-        stated, falls = self.examination.stated, self.examination.verdict is Decrease.STRICT
-        verdict = str(PROVES[self.examination.verdict])
-        hypotheses = stability_hypotheses(stated.record, self.formula.text, verdict) | {
-            "everywhere": falls and self.examination.is_homogeneous,
-            "level": None if region is None else str(region.level),
-            "rate": None if rate is None else rate.record,
-        }
-        proofs = {**stated.proofs, **self.examination.proofs}
-        for more in (region, rate):
-            proofs |= {} if more is None else more.proofs
-        return {"theorem": "lyapunov", "hypotheses": hypotheses, "proofs": proofs}

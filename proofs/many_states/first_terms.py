@@ -31,8 +31,7 @@ from nonsmooth.proofs.checker.polynomials import unit
 from nonsmooth.proofs.inequalities.real_roots import RealRoot, Sturm, positive_roots
 from nonsmooth.proofs.kernel.cells import RationalTerms, SignCell, SignCells, adjoining, rational_terms
 from nonsmooth.proofs.many_states.lyapunov_search import PiecewiseFunction, formula_text
-from nonsmooth.proofs.sums_of_squares.gram_certificate import RationalMatrix, is_definite
-from nonsmooth.proofs.sums_of_squares.rounding import simplest
+from nonsmooth.proofs.sums_of_squares.rounding import RationalMatrix, is_definite, simplest
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.switched_system import SwitchedSystem

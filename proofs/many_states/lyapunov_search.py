@@ -49,8 +49,8 @@ from nonsmooth.proofs.many_states.examination import (
     find_failure,
     functions_on,
 )
-from nonsmooth.proofs.sums_of_squares.ansatz import Ansatz, Condition, build_ansatz
-from nonsmooth.proofs.sums_of_squares.conic_program import solve_inside
+from nonsmooth.proofs.sums_of_squares.ansatz import Condition, build_blocks
+from nonsmooth.proofs.sums_of_squares.conic_program import Problem, solve_inside
 from nonsmooth.proofs.sums_of_squares.prove import Effort, normalized
 from nonsmooth.proofs.sums_of_squares.rounding import round_parameters
 from nonsmooth.proofs.systems.derivatives import Decrease
@@ -149,8 +149,6 @@ SCALES = (Fraction(1), Fraction(1, 4), Fraction(1, 16), Fraction(1, 64))  # of t
 DENOMINATORS = (1 << 3, 1 << 6, 1 << 10, 1 << 20)  # of the coefficients, tried in turn
 MOST_UNKNOWNS = 12_000  # entries of Gram matrices in one program
 
-Problems = list[tuple[Condition, Ansatz]]
-
 
 def find_lyapunov(system: SwitchedSystem) -> ExaminedLyapunov | None:
     """A V that is positive and falls along every solution on a cube about the point; None where none is found.
@@ -160,8 +158,8 @@ def find_lyapunov(system: SwitchedSystem) -> ExaminedLyapunov | None:
     """
     for radius, formula in proposals(system, positive=True):
         examined = examine(system, formula, radius, effort=Effort.STRICT)
-        if examined.verdict is Decrease.STRICT:
-            return ExaminedLyapunov(formula, radius, examined)
+        if examined.decrease is Decrease.STRICT:
+            return examined
     return None
 
 
@@ -211,7 +209,7 @@ def _of_family(
         problems, parameters = _problems(system, cells, basis, positive=positive)
     except BeyondReachError:
         return
-    if sum(len(b.monomials) ** 2 for _, ansatz in problems for b in ansatz.blocks) > 2 * MOST_UNKNOWNS:
+    if sum(len(b.monomials) ** 2 for _, blocks in problems for b in blocks) > 2 * MOST_UNKNOWNS:
         return
     solved = solve_inside(problems, parameters, bounded=True)
     seen = {"0"}
@@ -229,7 +227,7 @@ def _of_family(
 
 def _problems(
     system: SwitchedSystem, cells: SignCells, basis: Sequence[PiecewiseFunction], *, positive: bool
-) -> tuple[Problems, int]:
+) -> tuple[list[Problem], int]:
     """The claims about a sum of functions, affine in its coefficients and in those of mu; how many these are.
 
     In the displacement divided by the half-width of the cube, every function is as large near the point as that is.
@@ -244,7 +242,7 @@ def _problems(
         asked += _about_sum(claims, sizes, shapes, parameters)
         parameters += len(shapes)
     own = [normalized(condition) for condition in asked]
-    return [(condition, build_ansatz(condition)) for condition in own if condition.slopes], parameters
+    return [(condition, build_blocks(condition)) for condition in own if condition.slopes], parameters
 
 
 def _about_sum(

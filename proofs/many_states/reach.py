@@ -21,7 +21,7 @@ from nonsmooth.proofs.checker.theorems import show_rate
 from nonsmooth.proofs.kernel.claims import Collected
 from nonsmooth.proofs.kernel.search import SQUARES, prove
 from nonsmooth.proofs.kernel.squares import Shown, condition_of, find, mu_shapes, terms_of, with_values
-from nonsmooth.proofs.many_states.examination import Asked, Examination, are_about_forms
+from nonsmooth.proofs.many_states.examination import Asked, ExaminedLyapunov, are_about_forms
 from nonsmooth.proofs.many_states.witnesses import values_at
 from nonsmooth.proofs.sums_of_squares.ansatz import Condition
 from nonsmooth.proofs.sums_of_squares.prove import Effort
@@ -32,27 +32,27 @@ POINTS = 4_000
 LEVEL_SHARES = tuple(Fraction(k, 64) for k in (63, 60, 48, 32, 16, 4))  # of the least sampled value, tried in turn
 
 
-def largest_sublevel(examination: Examination) -> SublevelRegion | None:
+def largest_sublevel(function: ExaminedLyapunov) -> SublevelRegion | None:
     """A certified level near the least value on the border; None where none is proved."""
-    if examination.is_homogeneous:
+    if function.is_homogeneous:
         return None
-    sides = [condition_of(claim, claim.inequalities[0], ()) for claim in border_claims(examination, Fraction(0))]
+    sides = [condition_of(claim, claim.inequalities[0], ()) for claim in border_claims(function, Fraction(0))]
     least = min(map(_least, sides), default=0.0)
     if not least > 0:
         return None
     for share in LEVEL_SHARES:
         level = _brief(least * float(share))
-        found = {claim.name: find(claim, Effort.STRICT) for claim in border_claims(examination, level)}
+        found = {claim.name: find(claim, Effort.STRICT) for claim in border_claims(function, level)}
         if None not in found.values():
-            radius = examination.cells.radius
+            radius = function.cells.radius
             proofs = {name: own.evidence for name, own in found.items() if own is not None}
             return SublevelRegion(level, None, None, Fraction(int(radius.p), int(radius.q)), True, proofs)
     return None
 
 
-def border_claims(examination: Examination, level: Fraction) -> list[Claim]:
+def border_claims(function: ExaminedLyapunov, level: Fraction) -> list[Claim]:
     """``V > level`` on each side of the cube, cell by cell of V."""
-    conditions = examination.conditions
+    conditions = function.conditions
     conditions.proofs = collected = Collected()
     conditions.show_border(level)
     return [replace(claim, strict=True, at_origin=True) for claim in collected.claims]
@@ -84,41 +84,43 @@ def _brief(value: float) -> Fraction:
     return Fraction(int(value * power), power)
 
 
-def rate_scales(rate: DecayRate, examination: Examination) -> bool:
+def rate_scales(rate: DecayRate, function: ExaminedLyapunov) -> bool:
     """Whether a rate on the cube is one on the whole space: V and V' are forms, of the degrees of the rate.
 
     ``V' <= -kappa V`` scales where V' has the degree of V, ``V' <= -kappa`` where it has degree 0.
     """
-    return examination.is_homogeneous and are_about_forms(rate_claims(examination, rate.decay, rate.kappa))
+    return function.is_homogeneous and are_about_forms(rate_claims(function, rate.decay, rate.kappa))
 
 
-def decay_rate(examination: Examination) -> DecayRate | None:
+def decay_rate(function: ExaminedLyapunov) -> DecayRate | None:
     """A rate of a V that is proved to fall; None where none is proved."""
-    falling = [own for own in examination.asked if own.is_about_fall]
+    falling = [own for own in function.asked if own.is_about_fall]
     for decay in DecayKind:
-        unit = rate_claims(examination, decay, Fraction(1))
+        unit = rate_claims(function, decay, Fraction(1))
         ratios = (_ratio(own, claim) for own, claim in zip(falling, unit, strict=True))
         most = min(ratios, default=0.0)
         for share in SHARES if np.isfinite(most) else ():
             kappa = Fraction(int(most * float(share) * DENOMINATOR), DENOMINATOR)
-            proofs = _proofs(examination, falling, decay, kappa) if kappa else None
+            proofs = _proofs(function, falling, decay, kappa) if kappa else None
             if proofs is not None:
                 return DecayRate(decay, kappa, proofs)
     return None
 
 
-def rate_claims(examination: Examination, decay: DecayKind, kappa: Fraction) -> list[Claim]:
+def rate_claims(function: ExaminedLyapunov, decay: DecayKind, kappa: Fraction) -> list[Claim]:
     """The claims about V' with kappa, in their order."""
-    conditions = examination.conditions
+    conditions = function.conditions
     conditions.proofs = collected = Collected()
     show_rate(conditions, {"kind": decay.name.lower(), "kappa": str(kappa)})
     return collected.claims
 
 
-def _proofs(examination: Examination, falling: list[Asked], decay: DecayKind, kappa: Fraction) -> dict[str, Any] | None:
+def _proofs(
+    function: ExaminedLyapunov, falling: list[Asked], decay: DecayKind, kappa: Fraction
+) -> dict[str, Any] | None:
     """Evidence of all claims, strict; None where that of one is not found."""
     proofs = {}
-    for own, claim in zip(falling, rate_claims(examination, decay, kappa), strict=True):
+    for own, claim in zip(falling, rate_claims(function, decay, kappa), strict=True):
         at_origin = decay is DecayKind.FINITE or claim.at_origin
         evidence = _evidence(replace(claim, strict=True, at_origin=at_origin), own.found)
         if evidence is None:

@@ -14,12 +14,12 @@ import numpy as np
 from flint import arb
 from numpy.typing import NDArray
 
+from nonsmooth.proofs.boxes.intervals import Intervals
+from nonsmooth.proofs.boxes.load_box import LoadBox
 from nonsmooth.proofs.enclosures import UNIT
 from nonsmooth.proofs.robust.annulus import AnnulusPiece
 from nonsmooth.proofs.robust.box_wheel import BoxWheel
 from nonsmooth.proofs.robust.friction_forces import ForceLaw
-from nonsmooth.proofs.robust.intervals import Intervals
-from nonsmooth.proofs.robust.load_box import LoadBox
 from nonsmooth.symbolic.numbers.coefficients import as_fmpq
 
 Floats: TypeAlias = NDArray[np.float64]

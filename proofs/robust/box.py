@@ -18,11 +18,11 @@ from typing import TypeAlias
 import numpy as np
 from flint import arb, ctx
 
+from nonsmooth.proofs.boxes.load_box import load_box
 from nonsmooth.proofs.robust.annulus import AnnulusPiece, Place, polygon_about
 from nonsmooth.proofs.robust.box_bound import BoxBound
 from nonsmooth.proofs.robust.box_corners import BoxCorners, Proposal
 from nonsmooth.proofs.robust.box_wheel import box_wheels
-from nonsmooth.proofs.robust.load_box import load_box
 from nonsmooth.proofs.robust.rings import PRECISION, RingProof
 from nonsmooth.symbolic.numbers.coefficients import as_fmpq
 from nonsmooth.symbolic.numbers.enclosures import rational_below

@@ -22,9 +22,9 @@ from typing import TypeAlias
 
 from flint import arb, arb_mat
 
+from nonsmooth.proofs.boxes.load_box import LoadBox
 from nonsmooth.proofs.robust.box_corners import Proposal
 from nonsmooth.proofs.robust.box_wheel import BoxWheel
-from nonsmooth.proofs.robust.load_box import LoadBox
 
 Balls: TypeAlias = Sequence[arb]
 

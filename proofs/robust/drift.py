@@ -5,7 +5,7 @@ there.  Then no body stays in the disc for longer than ``2 a/delta``: none comes
 for whenever it came back it would be driven out again.
 
 Bounds are those of cells with one motion each where the rule has cells, else of forces that balance a pull
-(:mod:`nonsmooth.proofs.robust.balanced_forces`), on squares that cover the disc.
+(:mod:`nonsmooth.proofs.boxes.balanced_forces`), on squares that cover the disc.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.partition import RefusalError
-from nonsmooth.proofs.robust.balanced_forces import BalancedForces
-from nonsmooth.proofs.robust.intervals import Intervals
+from nonsmooth.proofs.boxes.balanced_forces import BalancedForces
+from nonsmooth.proofs.boxes.intervals import Intervals
 from nonsmooth.proofs.robust.nearest import PRECISION, moving_cells, why_not_nearest
 from nonsmooth.proofs.robust.touching_rings import no_tolerance
 from nonsmooth.symbolic.numbers.enclosures import rational_below

@@ -19,7 +19,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.proofs.robust.balanced_forces import BalancedForces
+from nonsmooth.proofs.boxes.balanced_forces import BalancedForces
 from nonsmooth.proofs.robust.drift import largest_spin
 from nonsmooth.proofs.robust.level_sets import Distance, LevelFunction, shapes_about
 from nonsmooth.proofs.robust.touching_rings import TouchingRings, rings_about
@@ -46,6 +46,7 @@ GROWTH = 1.5  # of the steps in time of a path
 NEWTON_STEPS = 12
 STILL = 2.0**-20  # of the fastest wheel: a path so slow is at rest
 TIGHT = 2.0**-26  # of the accuracy: when a path is at rest
+COARSE = 0.5  # of the accuracy: the same, across edges of the field
 DIFFERENCE = 2.0**-22  # of the size of the array, over which the field is differentiated
 
 
@@ -98,7 +99,7 @@ def decide_ends(
     if velocity is None:
         return None
     for centre in [(Fraction(0), Fraction(0))] if rests else _centres(scene, velocity, accuracy):
-        for shape in _shapes(scene, velocity, centre):
+        for shape in _shapes(scene, velocity, centre, accuracy):
             found = _about(scene, centre, shape, accuracy, box, kept or ContactSet(()))
             if found is not None and found.is_near:
                 return found
@@ -108,14 +109,23 @@ def decide_ends(
     return away
 
 
-def _shapes(scene: Scene, velocity: Velocity, centre: Place) -> Iterator[LevelFunction]:
-    """Of the rings about a centre: circles, and where the field is smooth ellipses that it suggests."""
+def _shapes(scene: Scene, velocity: Velocity, centre: Place, accuracy: Fraction) -> Iterator[LevelFunction]:
+    """Of the rings about a centre: circles, and where the field is smooth ellipses that it suggests.
+
+    Where it has an edge nearby, other ellipses are those of its slope over a length that matters.
+    """
     if scene.contact.rule in {"nearest", "box"}:
         yield Distance()
         return
     place = np.array([float(entry) for entry in centre])
     _, slope = _field_beside(velocity, place, DIFFERENCE * float(scene.check.radius))
-    yield from shapes_about(slope) if np.isfinite(slope).all() else (Distance(),)
+    if not np.isfinite(slope).all():
+        yield Distance()
+        return
+    yield from shapes_about(slope)
+    _, coarse = _field_beside(velocity, place, COARSE * float(accuracy))
+    if np.isfinite(coarse).all() and np.linalg.norm(slope - coarse) > np.linalg.norm(coarse):
+        yield from (shape for shape in shapes_about(coarse) if not isinstance(shape, Distance))
 
 
 def _about(

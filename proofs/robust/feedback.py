@@ -24,12 +24,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from flint import arb, ctx
 
+from nonsmooth.proofs.boxes.load_box import LoadBox, load_box
 from nonsmooth.proofs.robust.box_bound import BoxBound
 from nonsmooth.proofs.robust.box_corners import MAX_WHEELS, BoxCorners
 from nonsmooth.proofs.robust.box_wheel import BoxWheel, box_wheels
 from nonsmooth.proofs.robust.friction_forces import FORCE_LAWS
 from nonsmooth.proofs.robust.imposed_twist import distance_of_minimizers
-from nonsmooth.proofs.robust.load_box import LoadBox, load_box
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.free_rollers import with_rims_along_axes
 from nonsmooth.symbolic.numbers.enclosures import rational_below
@@ -39,8 +39,8 @@ from nonsmooth.symbolic.tolerances import Tolerance
 from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
 if TYPE_CHECKING:
-    from nonsmooth.proofs.clauses.feedback.clause import AnyFeedback
     from nonsmooth.proofs.clauses.feedback.driven_law import LawCone
+    from nonsmooth.proofs.clauses.feedback.facts import AnyFeedback
     from nonsmooth.symbolic.constraints import Triple
 
 PRECISION = 64  # bits of the balls

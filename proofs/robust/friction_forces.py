@@ -17,7 +17,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from nonsmooth.proofs.robust.intervals import Intervals, cosine
+from nonsmooth.proofs.boxes.intervals import Intervals, cosine
 
 ForceLaw: TypeAlias = Callable[[Intervals, Intervals, Intervals, Intervals], tuple[Intervals, Intervals]]
 

@@ -13,13 +13,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from flint import arb
 
+from nonsmooth.proofs.boxes.intervals import Floats, Intervals
+from nonsmooth.proofs.boxes.load_box import LoadBox
 from nonsmooth.proofs.clauses.feedback.driven_law import rim_speeds
 from nonsmooth.proofs.enclosures import UNIT
 from nonsmooth.proofs.robust.array_forces import ArrayBox, PieceForces, Triple
 from nonsmooth.proofs.robust.box_wheel import box_wheels
 from nonsmooth.proofs.robust.friction_forces import FORCE_LAWS
-from nonsmooth.proofs.robust.intervals import Floats, Intervals
-from nonsmooth.proofs.robust.load_box import LoadBox
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.tolerances import Tolerance
 

@@ -24,7 +24,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.proofs.robust.intervals import Intervals
+from nonsmooth.proofs.boxes.intervals import Intervals
 
 Floats: TypeAlias = NDArray[np.float64]
 
@@ -33,6 +33,7 @@ VERTICES = 32
 BITS = 24  # of levels and vertices
 MARGIN = 2.0**-20  # of a radius: corners lie so far beyond a ring of circles, which rounding does not reach
 LONGEST = 40.0  # half-axis of an ellipse, over the other one
+NEUTRAL = 2.0**-36  # of the fastest mode: floats do not tell slower ones from those that neither grow nor fall
 
 
 @dataclass(frozen=True)
@@ -117,12 +118,12 @@ class SectorFunction(LevelFunction):
     values: Floats
 
     @classmethod
-    def of_ellipse(cls, matrix: Floats) -> SectorFunction:
+    def of_ellipse(cls, matrix: Floats, count: int = VERTICES) -> SectorFunction:
         """Inscribed in the ellipse ``c . P c = 1``, made as large as holds the unit disc, for a definite P (2 x 2)."""
-        angles = 2 * math.pi * np.arange(VERTICES) / VERTICES
+        angles = 2 * math.pi * np.arange(count) / count
         circle = np.stack([np.cos(angles), np.sin(angles)])
         vertices = np.linalg.solve(np.linalg.cholesky(matrix).T, circle).T
-        found = cls(short_vertices(vertices), np.ones(VERTICES))
+        found = cls(short_vertices(vertices), np.ones(count))
         return cls(short_vertices(vertices / found.inside), found.values)
 
     @cached_property
@@ -180,12 +181,10 @@ def shapes_about(slope: Floats) -> Iterator[LevelFunction]:
         slope: about A (2 x 2).
     """
     yield Distance()
-    roots, modes = np.linalg.eig(slope)
-    if not (roots.real < 0).all():
+    matrix = lyapunov_matrix(slope)
+    if matrix is None:
         return
-    from scipy.linalg import solve_continuous_lyapunov
-
-    found = [solve_continuous_lyapunov(slope.T, -np.eye(2))]
+    found, (_, modes) = [matrix], np.linalg.eig(slope)
     if abs(np.linalg.det(modes)) > 1 / LONGEST:
         inverse = np.linalg.inv(modes)
         found.insert(0, (inverse.conj().T @ inverse).real)
@@ -193,6 +192,16 @@ def shapes_about(slope: Floats) -> Iterator[LevelFunction]:
         low, high = np.linalg.eigvalsh(matrix)
         if high < LONGEST**2 * low:
             yield SectorFunction.of_ellipse(matrix)
+
+
+def lyapunov_matrix(slope: Floats) -> Floats | None:
+    """P with ``A^T P + P A = -1``; None where floats do not show that all motions ``c' = A c`` fall."""
+    roots = np.linalg.eigvals(slope)
+    if not (roots.real < -NEUTRAL * np.abs(roots).max()).all():
+        return None
+    from scipy.linalg import solve_continuous_lyapunov
+
+    return np.asarray(solve_continuous_lyapunov(slope.T, -np.eye(2)))
 
 
 def short_levels(levels: Floats) -> Floats:

@@ -25,12 +25,12 @@ import numpy as np
 from flint import arb
 from numpy.typing import NDArray
 
+from nonsmooth.proofs.boxes.intervals import Intervals
+from nonsmooth.proofs.boxes.load_box import load_box
 from nonsmooth.proofs.robust.annulus import AnnulusPiece
 from nonsmooth.proofs.robust.array_forces import ArrayBox, Pair, PieceForces, Triple
 from nonsmooth.proofs.robust.box_wheel import box_wheels
 from nonsmooth.proofs.robust.friction_forces import FORCE_LAWS
-from nonsmooth.proofs.robust.intervals import Intervals
-from nonsmooth.proofs.robust.load_box import load_box
 from nonsmooth.proofs.robust.plane_minimum import PlaneMinima, PlaneMinimum
 from nonsmooth.proofs.robust.rings import RingProof
 from nonsmooth.symbolic.numbers.coefficients import as_fmpq

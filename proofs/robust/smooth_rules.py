@@ -26,6 +26,7 @@ import numpy as np
 from flint import arb, arb_mat, ctx
 
 from nonsmooth.analysis.contact_rule import smooth_rule_of
+from nonsmooth.proofs.boxes.load_box import LoadBox, load_box
 from nonsmooth.proofs.enclosures import (
     UNIT,
     Jet,
@@ -41,7 +42,6 @@ from nonsmooth.proofs.enclosures import (
     unit_vector,
 )
 from nonsmooth.proofs.robust.box_wheel import half_widths
-from nonsmooth.proofs.robust.load_box import LoadBox, load_box
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.scene import Scene, Wheel

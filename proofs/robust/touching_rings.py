@@ -10,7 +10,6 @@ One rate for all rings would make that time many times too long: near a place of
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import TypeAlias
@@ -19,8 +18,8 @@ import numpy as np
 from flint import fmpq
 from numpy.typing import NDArray
 
-from nonsmooth.proofs.robust.balanced_forces import BalancedForces
-from nonsmooth.proofs.robust.intervals import Intervals
+from nonsmooth.proofs.boxes.balanced_forces import BalancedForces
+from nonsmooth.proofs.boxes.intervals import TINY, Intervals
 from nonsmooth.proofs.robust.level_sets import Distance, LevelFunction, RingPieces, short_levels
 from nonsmooth.proofs.robust.nearest import bounded_cells, why_not_nearest
 from nonsmooth.proofs.robust.ultimate_bound import root_above, squared_radius
@@ -178,7 +177,7 @@ def finer_rate(
         levels = short_levels(np.geomspace(outer, inner, parts + 1))
         levels[[0, -1]] = outer, inner
         pieces = shape.pieces(levels[1:], levels[:-1], parts)
-        rate = min(ring_rates(forces, pieces.turned if turned else pieces))
+        rate = min(ring_rates(forces, pieces.turned if turned else pieces, more=True))
         if rate > 0 or rate == -np.inf:
             return max(rate, 0.0)
     return 0.0
@@ -203,8 +202,14 @@ def _joined(shape: LevelFunction, edges: Floats, rates: dict[int, float], first:
     )
 
 
-def ring_rates(forces: BalancedForces, pieces: RingPieces) -> list[float]:
-    """For each ring a kappa with ``V' <= -kappa`` on it; zero where none is shown, minus infinity where V rises."""
+def ring_rates(forces: BalancedForces, pieces: RingPieces, *, more: bool = False) -> list[float]:
+    """For each ring a kappa with ``V' <= -kappa`` on it; zero where none is shown, minus infinity where V rises.
+
+    Args:
+        forces: of the array.
+        pieces: of the rings.
+        more: whether pulls of more strengths are tried.
+    """
     free = forces.minimizers(pieces.middles, np.zeros((len(pieces.corners), 3)))
     slopes, places = pieces.middle_slopes, pieces.middles
     moments = slopes[:, 1] * places[:, 0] - slopes[:, 0] * places[:, 1]
@@ -217,11 +222,13 @@ def ring_rates(forces: BalancedForces, pieces: RingPieces) -> list[float]:
     shown = np.full(len(pieces.corners), -np.inf)
     kept = np.flatnonzero(np.repeat(nearer, pieces.per_ring))
     if len(kept):
-        shown[kept] = np.maximum(piece_rates(forces, pieces.at(kept), free[kept], seen[kept]), 0.0)
+        shown[kept] = np.maximum(piece_rates(forces, pieces.at(kept), free[kept], seen[kept], more=more), 0.0)
     return shown.reshape(-1, pieces.per_ring).min(axis=1).tolist()
 
 
-def piece_rates(forces: BalancedForces, pieces: RingPieces, free: Floats, seen: Floats) -> Floats:
+def piece_rates(
+    forces: BalancedForces, pieces: RingPieces, free: Floats, seen: Floats, *, more: bool = False
+) -> Floats:
     """A kappa that pulls of several strengths show on each quadrangle; minus infinity where none does.
 
     Args:
@@ -229,33 +236,50 @@ def piece_rates(forces: BalancedForces, pieces: RingPieces, free: Floats, seen: 
         pieces: the quadrangles.
         free: about the minimizer in the middle of each.
         seen: about ``-V'`` there; what is shown of it suffices where it is :data:`ENOUGH` of that.
+        more: whether pulls are tried too that slow the body by shares of that.
     """
     best = np.full(len(pieces.corners), -np.inf)
     inverse = Intervals.of(1 / forces.length).widened
-    for every in _strengths(forces, pieces):
+    strengths = _strengths(forces, pieces)
+    if more and not forces.shape.is_box:
+        strengths += _slowing(forces, pieces, free, seen)
+    for every in strengths:
         left = np.flatnonzero(best < ENOUGH * seen)
         if not len(left):
             break
-        strengths, some = every[left], pieces.at(left)
-        strength = Intervals.of(strengths[:, None])
+        chosen, some = every[left], pieces.at(left)
+        strength = Intervals.of(chosen[:, None])
         pulls = strength * some.slopes[0], strength * some.slopes[1], strength * some.moments * inverse
         middle = np.stack([pull.middle for pull in pulls], axis=-1).reshape(-1, 3)
         pushed = forces.minimizers(some.corners.reshape(-1, 2), middle, np.repeat(free[left], 4, axis=0))
         shown = forces.powers(some.corners, pulls, pushed.reshape(-1, 4, 3), free[left])
         with np.errstate(invalid="ignore"):
-            rates = -shown / (strengths[:, None] * some.sizes) * (1 - 2.0**-40)
+            rates = -shown / (chosen[:, None] * some.sizes) * (1 - 2.0**-40)
         rates = np.where(np.isfinite(rates).all(axis=1), rates.min(axis=1), -np.inf)
         best[left] = np.fmax(best[left], rates)
     return best
 
 
-def _strengths(forces: BalancedForces, pieces: RingPieces) -> Sequence[Floats]:
+def _strengths(forces: BalancedForces, pieces: RingPieces) -> list[Floats]:
     """Values of lambda for each quadrangle."""
     slopes = pieces.middle_slopes
-    loads = forces.float_loads(pieces.middles)
-    total = (loads * np.maximum(forces.shape.roll, forces.shape.side)).sum(axis=1)
-    sizes = np.hypot(*slopes.T)
+    sizes, total = np.hypot(*slopes.T), _friction(forces, pieces)
     against = forces.pulls_at_rest(pieces.middles, slopes)
     smooth = [share * against / sizes for share in SHARES]
     rough = [share * total / sizes for share in PUSHES]
     return [np.where(a > 0, np.minimum(a, b * 1e3), b) for a, b in zip(smooth, rough, strict=True)]
+
+
+def _slowing(forces: BalancedForces, pieces: RingPieces, free: Floats, seen: Floats) -> list[Floats]:
+    """Those that slow the body by shares of ``-V'``, where the friction of a body at rest does not tell its motion."""
+    slopes = pieces.middle_slopes
+    most = _friction(forces, pieces) / np.hypot(*slopes.T)
+    yields = forces.compliance(pieces.middles, slopes, free)
+    strength = np.minimum(seen * pieces.sizes.mean(axis=1) / np.maximum(yields, TINY), most)
+    return [share * strength for share in SHARES]
+
+
+def _friction(forces: BalancedForces, pieces: RingPieces) -> Floats:
+    """The largest friction of all wheels together, in the middle of each quadrangle."""
+    loads = forces.float_loads(pieces.middles)
+    return np.asarray((loads * np.maximum(forces.shape.roll, forces.shape.side)).sum(axis=1))

@@ -6,13 +6,15 @@ Gram matrix that is forced to be singular survives no rounding.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import combinations, combinations_with_replacement
+from typing import TypeAlias
 
 from flint import fmpq
 
-from nonsmooth.symbolic.numbers.polynomial import Exponents, Terms, multiply_terms
+from nonsmooth.symbolic.numbers.polynomial import Exponents, Terms, add_terms, multiply_terms
 
 
 @dataclass(frozen=True)
@@ -40,6 +42,15 @@ class Condition:
         """The monomials of p."""
         return {e for terms in (self.constant, *self.slopes.values()) for e, c in terms.items() if c}
 
+    @cached_property
+    def multipliers(self) -> tuple[Terms, ...]:
+        """What is ``>= 0`` there: the guards, ``1 - b^2`` for each bound, and ``1 - b``, ``1 + b``."""
+        one = {(0,) * self.variables: fmpq(1)}
+        opposite = [{e: -c for e, c in b.items()} for b in self.bounds]
+        squares = [add_terms(one, multiply_terms(b, less)) for b, less in zip(self.bounds, opposite, strict=True)]
+        sides = [add_terms(one, side) for b, less in zip(self.bounds, opposite, strict=True) for side in (less, b)]
+        return (*map(dict, self.guards), *squares, *sides)
+
 
 @dataclass(frozen=True)
 class Block:
@@ -50,28 +61,15 @@ class Block:
     monomials: tuple[Exponents, ...]
 
 
-@dataclass(frozen=True)
-class Ansatz:
-    """The guards that occur, and the blocks; the first one is the plain sum of squares."""
-
-    guards: tuple[Mapping[Exponents, fmpq], ...]
-    blocks: tuple[Block, ...]
+Blocks: TypeAlias = tuple[Block, ...]  # the first one is the plain sum of squares
 
 
-def build_guards(condition: Condition) -> tuple[Mapping[Exponents, fmpq], ...]:
-    """The guards, ``1 - b^2`` for each bound, and ``1 - b``, ``1 + b``."""
-    one = {(0,) * condition.variables: fmpq(1)}
-    squares = [_less(one, multiply_terms(b, b)) for b in condition.bounds]
-    sides = [side for b in condition.bounds for side in (_less(one, b), _less(one, _negative(b)))]
-    return (*condition.guards, *squares, *sides)
-
-
-def without_idle(ansatz: Ansatz, support: Collection[Exponents]) -> Ansatz:
+def without_idle(blocks: Blocks, support: Collection[Exponents]) -> Blocks:
     """Without monomials whose squares nothing can cancel: their rows of the plain Gram matrix could only be zero.
 
     A square stands for itself where p, a product of two other monomials, or a block beside guards reaches it.
     """
-    first, *others = ansatz.blocks
+    first, *others = blocks
     beside = {
         tuple(map(int.__add__, e, shift))
         for block in others
@@ -84,11 +82,11 @@ def without_idle(ansatz: Ansatz, support: Collection[Exponents]) -> Ansatz:
         alive = {*support, *beside, *mixed}
         needed = [a for a in kept if tuple(2 * e for e in a) in alive]
         if len(needed) == len(kept):
-            return Ansatz(ansatz.guards, (Block((), first.product, tuple(kept)), *others))
+            return (Block((), first.product, tuple(kept)), *others)
         kept = needed
 
 
-def build_ansatz(condition: Condition, level: int = 0) -> Ansatz:
+def build_blocks(condition: Condition, level: int = 0) -> Blocks:
     """The blocks for a condition.
 
     Args:
@@ -102,24 +100,24 @@ def build_ansatz(condition: Condition, level: int = 0) -> Ansatz:
     low = 0 if beyond or condition.at_origin else order
     half = max((degree + 1) // 2, 1) + level
     one = {zero: fmpq(1)}
-    guards = build_guards(condition)
     blocks = [Block((), one, monomials_between(count, (low + 1) // 2, half))]
-    for factors in _products(len(condition.guards), len(condition.bounds), guards):
+    for factors in _products(condition):
         product: Terms = dict(one)
         for k in factors:
-            product = multiply_terms(product, guards[k])
+            product = multiply_terms(product, condition.multipliers[k])
         own = max(0, low - min(map(sum, product)))
         room = (2 * half - max(map(sum, product))) // 2
         monomials = monomials_between(count, (own + 1) // 2, room)
         if monomials:
             blocks.append(Block(factors, product, monomials))
-    return Ansatz(guards, tuple(blocks))
+    return tuple(blocks)
 
 
-def _products(own: int, squares: int, guards: Sequence[Mapping[Exponents, fmpq]]) -> Iterator[tuple[int, ...]]:
+def _products(condition: Condition) -> Iterator[tuple[int, ...]]:
     """Each guard alone, and products of two affine ones (of sides of the box only beside a guard)."""
+    own, squares = len(condition.guards), len(condition.bounds)
     yield from ((k,) for k in range(own + squares))
-    affine = [k for k, guard in enumerate(guards) if max(map(sum, guard)) == 1]
+    affine = [k for k, guard in enumerate(condition.multipliers) if max(map(sum, guard)) == 1]
     yield from (pair for pair in combinations(affine, 2) if pair[0] < own)
 
 
@@ -139,10 +137,12 @@ def reached(monomials: Collection[Exponents]) -> set[Exponents]:
     return {tuple(map(int.__add__, a, b)) for a in monomials for b in monomials}
 
 
-def _negative(terms: Mapping[Exponents, fmpq]) -> Terms:
-    return {e: -c for e, c in terms.items()}
+def separates(monomials: Collection[Exponents], *, at_origin: bool) -> bool:
+    """Whether monomials vanish together nowhere, or unless ``at_origin`` nowhere but at the origin.
 
-
-def _less(first: Mapping[Exponents, fmpq], second: Mapping[Exponents, fmpq]) -> Terms:
-    total = {e: first.get(e, fmpq(0)) - second.get(e, fmpq(0)) for e in {*first, *second}}
-    return {e: c for e, c in total.items() if c}
+    The constant is among them, or a power of every variable.
+    """
+    if any(not any(exponents) for exponents in monomials):
+        return True
+    alone = {next(k for k, e in enumerate(m) if e) for m in monomials if sum(map(bool, m)) == 1}
+    return not at_origin and len(alone) == max(map(len, monomials), default=-1)

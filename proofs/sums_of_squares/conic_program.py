@@ -8,18 +8,17 @@ for many small programs that takes a small part of the time of a modelling langu
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import sqrt
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.proofs.sums_of_squares.ansatz import Ansatz, Block, Condition
-from nonsmooth.proofs.sums_of_squares.gram_certificate import separates
+from nonsmooth.proofs.sums_of_squares.ansatz import Block, Blocks, Condition, separates
 from nonsmooth.symbolic.numbers.polynomial import Exponents
 
-Grams = tuple[NDArray[np.float64], ...]
+Grams: TypeAlias = tuple[NDArray[np.float64], ...]
 ITERATIONS = 60
 INNER = 1 / 8  # part of the margin by which Gram matrices beside guards are definite
 SMALL = 2.0**-12  # diagonal entries of solutions on the border of the cone that are taken for zero
@@ -56,10 +55,10 @@ class _Rows:
         self.values.append(value)
 
 
-Problems = list[tuple[Condition, Ansatz]]
+Problem: TypeAlias = tuple[Condition, Blocks]
 
 
-def solve_inside(problems: Problems, parameters: int, *, bounded: bool) -> tuple[Problems, Solution] | None:
+def solve_inside(problems: list[Problem], parameters: int, *, bounded: bool) -> tuple[list[Problem], Solution] | None:
     """A solution well inside the cones, where there is one: that survives rounding best.
 
     Where none is strict, monomials whose squares have no part in any solution are left out, and the rest is tried.
@@ -67,26 +66,26 @@ def solve_inside(problems: Problems, parameters: int, *, bounded: bool) -> tuple
     outer = solve(problems, parameters, inner=0.0, bounded=bounded, strict=False)
     if outer is not None and abs(outer.margin) <= LEAST_MARGIN:
         problems = [_without_small(problem, grams) for problem, grams in zip(problems, outer.grams, strict=True)]
-        whole = all(separates(a.blocks[0].monomials, at_origin=c.at_origin) for c, a in problems)
+        whole = all(separates(blocks[0].monomials, at_origin=c.at_origin) for c, blocks in problems)
         outer = solve(problems, parameters, inner=0.0, bounded=bounded) if whole else None
     if outer is None or outer.margin <= LEAST_MARGIN:
         return None
     return problems, solve(problems, parameters, inner=INNER, bounded=bounded) or outer
 
 
-def _without_small(problem: tuple[Condition, Ansatz], grams: Grams) -> tuple[Condition, Ansatz]:
+def _without_small(problem: Problem, grams: Grams) -> Problem:
     """Without the monomials whose diagonal entries are nearly zero."""
-    condition, ansatz = problem
-    blocks: list[Block] = []
-    for block, gram in zip(ansatz.blocks, grams, strict=True):
+    condition, blocks = problem
+    left: list[Block] = []
+    for block, gram in zip(blocks, grams, strict=True):
         kept = tuple(m for m, size in zip(block.monomials, np.diag(gram), strict=True) if size > SMALL)
-        if kept or not blocks:
-            blocks.append(Block(block.factors, block.product, kept))
-    return condition, Ansatz(ansatz.guards, tuple(blocks))
+        if kept or not left:
+            left.append(replace(block, monomials=kept))
+    return condition, tuple(left)
 
 
 def solve(
-    problems: Sequence[tuple[Condition, Ansatz]], parameters: int, *, inner: float, bounded: bool, strict: bool = True
+    problems: Sequence[Problem], parameters: int, *, inner: float, bounded: bool, strict: bool = True
 ) -> Solution | None:
     """Maximize the margin; None where none is found.
 
@@ -103,14 +102,14 @@ def solve(
     starts, total = _places(problems, parameters + 1)
     margin = parameters
     matrix, right = _Rows([], [], []), []
-    for (condition, ansatz), own in zip(problems, starts, strict=True):
-        right += _comparison(condition, ansatz, own, matrix)
+    for (condition, blocks), own in zip(problems, starts, strict=True):
+        right += _comparison(condition, blocks, own, matrix)
     cones: list[Any] = [clarabel.ZeroConeT(matrix.count)]
     limits = _limits(parameters, margin, matrix, bounded=bounded)
     right += limits
     cones.append(clarabel.NonnegativeConeT(len(limits)))
-    for (_, ansatz), own in zip(problems, starts, strict=True):
-        for k, (block, start) in enumerate(zip(ansatz.blocks, own, strict=True)):
+    for (_, blocks), own in zip(problems, starts, strict=True):
+        for k, (block, start) in enumerate(zip(blocks, own, strict=True)):
             size = len(block.monomials)
             for row, column, weight in _triangle(size):
                 here = start + column * (column + 1) // 2 + row
@@ -136,18 +135,18 @@ def solve(
     if not len(values) or not np.all(np.isfinite(values)) or (strict and not values[margin] > LEAST_MARGIN):
         return None
     grams = tuple(
-        tuple(_symmetric(values, start, len(block.monomials)) for block, start in zip(ansatz.blocks, own, strict=True))
-        for (_, ansatz), own in zip(problems, starts, strict=True)
+        tuple(_symmetric(values, start, len(block.monomials)) for block, start in zip(blocks, own, strict=True))
+        for (_, blocks), own in zip(problems, starts, strict=True)
     )
     return Solution(values[:parameters], grams, float(values[margin]))
 
 
-def _places(problems: Sequence[tuple[Condition, Ansatz]], start: int) -> tuple[list[list[int]], int]:
+def _places(problems: Sequence[Problem], start: int) -> tuple[list[list[int]], int]:
     """Where the entries of each Gram matrix begin among the unknowns, and how many unknowns there are."""
     starts = []
-    for _, ansatz in problems:
+    for _, blocks in problems:
         own = []
-        for block in ansatz.blocks:
+        for block in blocks:
             own.append(start)
             start += len(block.monomials) * (len(block.monomials) + 1) // 2
         starts.append(own)
@@ -171,7 +170,7 @@ def entries(block: Block) -> Iterator[tuple[int, dict[Exponents, Any]]]:
             yield column * (column + 1) // 2 + row, terms
 
 
-def _comparison(condition: Condition, ansatz: Ansatz, starts: Sequence[int], matrix: _Rows) -> list[float]:
+def _comparison(condition: Condition, blocks: Blocks, starts: Sequence[int], matrix: _Rows) -> list[float]:
     """One row for each monomial: the sum over the blocks less p is zero."""
     place: dict[Exponents, int] = {}
 
@@ -181,7 +180,7 @@ def _comparison(condition: Condition, ansatz: Ansatz, starts: Sequence[int], mat
             matrix.count += 1
         return place[exponents]
 
-    for block, start in zip(ansatz.blocks, starts, strict=True):
+    for block, start in zip(blocks, starts, strict=True):
         for k, terms in entries(block):
             for exponents, value in terms.items():
                 matrix.add(row_of(exponents), start + k, float(value))

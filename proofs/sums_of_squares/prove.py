@@ -1,4 +1,9 @@
-"""Proofs of ``p > 0`` on basic semialgebraic sets: floats propose sums of squares, rational arithmetic decides."""
+"""Proofs of ``p > 0`` on basic semialgebraic sets: floats propose sums of squares, rational arithmetic decides.
+
+A polynomial p is positive wherever ``g_j >= 0``, but perhaps at the origin, if ``p = sum_j G_j z_j^T Q_j z_j`` with
+``G_0 = 1``, every other G_j a product of the g, z_j vectors of monomials, ``Q_0`` positive definite, every other Q_j
+positive semidefinite, and z_0 zero nowhere but at the origin (Putinar 1993; Schmüdgen 1991 for products).
+"""
 
 from __future__ import annotations
 
@@ -8,10 +13,9 @@ from enum import Enum
 
 from flint import fmpq
 
-from nonsmooth.proofs.sums_of_squares.ansatz import Ansatz, Condition, build_ansatz, build_guards, without_idle
+from nonsmooth.proofs.sums_of_squares.ansatz import Blocks, Condition, build_blocks, without_idle
 from nonsmooth.proofs.sums_of_squares.conic_program import solve, solve_inside
-from nonsmooth.proofs.sums_of_squares.gram_certificate import GuardedClaim, SquareTerm, SumOfSquares
-from nonsmooth.proofs.sums_of_squares.rounding import rounded
+from nonsmooth.proofs.sums_of_squares.rounding import RationalMatrix, rounded
 from nonsmooth.symbolic.numbers.polynomial import Exponents
 
 LEVELS = (0, 1)  # degrees beyond that of p, in steps of two
@@ -19,11 +23,20 @@ MOST_UNKNOWNS = 6_000  # entries of Gram matrices: beyond that a program takes t
 
 
 @dataclass(frozen=True)
-class Proved:
-    """A claim with its evidence."""
+class SumOfSquares:
+    """A polynomial as the sum over blocks of a product of guards and ``z^T Q z``; of nothing where it is zero.
 
-    claim: GuardedClaim
-    evidence: SumOfSquares
+    Attributes:
+        condition: what it proves, without parameters.
+        blocks: guards and monomials z.
+        grams: Q of each block.
+        strict: whether it proves ``> 0``, not only ``>= 0``.
+    """
+
+    condition: Condition
+    blocks: Blocks
+    grams: tuple[RationalMatrix, ...]
+    strict: bool
 
 
 class Effort(Enum):
@@ -34,8 +47,8 @@ class Effort(Enum):
     FULL = "p > 0, else p >= 0"
 
 
-def prove_positive(condition: Condition, effort: Effort = Effort.STRICT) -> Proved | None:
-    """A proof of a condition without parameters; None where none is found, which refutes nothing.
+def prove_positive(condition: Condition, effort: Effort = Effort.STRICT) -> SumOfSquares | None:
+    """A proof of a condition without parameters, :func:`normalized`; None where none is found, which refutes nothing.
 
     Args:
         condition: with numbers for all parameters.
@@ -43,51 +56,43 @@ def prove_positive(condition: Condition, effort: Effort = Effort.STRICT) -> Prov
     """
     scaled = normalized(condition)
     for level in LEVELS[:1] if effort is Effort.HASTY else LEVELS:
-        ansatz = build_ansatz(scaled, level)
-        if sum(len(block.monomials) ** 2 for block in ansatz.blocks) > 2 * MOST_UNKNOWNS:
+        blocks = build_blocks(scaled, level)
+        if sum(len(block.monomials) ** 2 for block in blocks) > 2 * MOST_UNKNOWNS:
             break
-        found = _found(scaled, ansatz, strict=True)
+        found = _strictly(scaled, blocks)
         if found is not None:
             return found
-    if effort is not Effort.FULL:
-        return None
-    return _found(scaled, without_idle(build_ansatz(scaled), scaled.support), strict=False)
+    return _weakly(scaled) if effort is Effort.FULL else None
 
 
-def claim_of(condition: Condition, *, strict: bool) -> GuardedClaim:
-    """What a condition without parameters claims."""
-    guards = build_guards(condition)
-    return GuardedClaim(condition.constant, guards, condition.variables, condition.at_origin, strict)
-
-
-def _found(condition: Condition, ansatz: Ansatz, *, strict: bool) -> Proved | None:
-    claim = claim_of(condition, strict=strict)
-    if not strict and not condition.constant:
-        return Proved(claim, SumOfSquares((SquareTerm((), (), ()),)))
-    if not any(block.monomials for block in ansatz.blocks):  # no square has the terms of the condition
-        return None
-    evidence = _strictly(claim, condition, ansatz) if strict else _weakly(claim, condition, ansatz)
-    return None if evidence is None else Proved(claim, evidence)
-
-
-def _strictly(claim: GuardedClaim, condition: Condition, ansatz: Ansatz) -> SumOfSquares | None:
-    found = solve_inside([(condition, ansatz)], 0, bounded=False)
+def _strictly(condition: Condition, blocks: Blocks) -> SumOfSquares | None:
+    found = solve_inside([(condition, blocks)], 0, bounded=False) if _holds_monomials(blocks) else None
     if found is None:
         return None
     ((_, kept),), solution = found
-    return rounded(claim, kept, solution.grams[0])
+    grams = rounded(condition, kept, solution.grams[0], strict=True)
+    return None if grams is None else SumOfSquares(condition, kept, grams, strict=True)
 
 
-def _weakly(claim: GuardedClaim, condition: Condition, ansatz: Ansatz) -> SumOfSquares | None:
-    solution = solve([(condition, ansatz)], 0, inner=0.0, bounded=False, strict=False)
-    return None if solution is None else rounded(claim, ansatz, solution.grams[0])
+def _weakly(condition: Condition) -> SumOfSquares | None:
+    if not condition.constant:
+        return SumOfSquares(condition, (), (), strict=False)
+    blocks = without_idle(build_blocks(condition), condition.support)
+    solvable = _holds_monomials(blocks)
+    solution = solve([(condition, blocks)], 0, inner=0.0, bounded=False, strict=False) if solvable else None
+    grams = None if solution is None else rounded(condition, blocks, solution.grams[0], strict=False)
+    return None if grams is None else SumOfSquares(condition, blocks, grams, strict=False)
+
+
+def _holds_monomials(blocks: Blocks) -> bool:
+    """Whether some square may have the terms of a condition."""
+    return any(block.monomials for block in blocks)
 
 
 def normalized(condition: Condition) -> Condition:
     """The same condition with p and guards divided by powers of two near their largest coefficients."""
     guards = tuple(_divided(guard, _size(guard)) for guard in condition.guards)
-    sizes = [_size(terms) for terms in (condition.constant, *condition.slopes.values()) if terms]
-    size = max(sizes, default=fmpq(1))
+    size = max((_size(terms) for terms in (condition.constant, *condition.slopes.values()) if terms), default=fmpq(1))
     slopes = {k: _divided(slope, size) for k, slope in condition.slopes.items()}
     return replace(condition, constant=_divided(condition.constant, size), slopes=slopes, guards=guards)
 

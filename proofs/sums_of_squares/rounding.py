@@ -2,7 +2,7 @@
 
 Entries are rounded; then the least change of the entries beside guards repairs the monomials that the plain sum of
 squares does not reach, and the rest of the error, divided among the entries of each monomial, goes into the plain sum
-of squares.  If the floats lie inside the cone, so does the result for fine enough fractions.
+of squares.  If the floats lie inside the cone, so does the result for fine enough fractions: ``L D L^T`` tells.
 
 Parameters of several conditions are rounded so that every condition can still be met exactly: monomials that no plain
 sum of squares reaches (of too low or too high a degree) tie parameters to the numbers beside guards by linear
@@ -13,30 +13,37 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
+from typing import TypeAlias
 
 import numpy as np
 from flint import fmpq, fmpq_mat
 from numpy.typing import NDArray
 
-from nonsmooth.proofs.sums_of_squares.ansatz import Ansatz, Block, Condition, reached
-from nonsmooth.proofs.sums_of_squares.conic_program import Grams, Solution, entries
-from nonsmooth.proofs.sums_of_squares.gram_certificate import GuardedClaim, SquareTerm, SumOfSquares
+from nonsmooth.proofs.sums_of_squares.ansatz import Blocks, Condition, reached, separates
+from nonsmooth.proofs.sums_of_squares.conic_program import Grams, Problem, Solution, entries
 from nonsmooth.symbolic.numbers.polynomial import Exponents, Terms, add_terms, multiply_terms
 
 DENOMINATORS = (1 << 6, 1 << 14, 1 << 24, 1 << 36)  # tried in turn
 
-Triangles = list[list[fmpq]]  # of each block, the upper triangle column by column
+RationalMatrix: TypeAlias = tuple[tuple[fmpq, ...], ...]
+Triangles: TypeAlias = list[list[fmpq]]  # of each block, the upper triangle column by column
 
 
-def rounded(claim: GuardedClaim, ansatz: Ansatz, grams: Grams) -> SumOfSquares | None:
-    """A sum of squares that proves the claim; None where the rounding breaks it."""
+def rounded(condition: Condition, blocks: Blocks, grams: Grams, *, strict: bool) -> tuple[RationalMatrix, ...] | None:
+    """Rational Gram matrices that prove a condition; None where the rounding breaks it.
+
+    With them the sum over the blocks is p, term by term, and all of them are positive semidefinite.  A strict proof
+    has a definite one for the plain sum of squares, whose monomials vanish together nowhere that counts.
+    """
+    if strict and not separates(blocks[0].monomials, at_origin=condition.at_origin):
+        return None
     for denominator in DENOMINATORS:
-        triangles = [_triangle(gram, denominator) for gram in grams]
-        repaired = _repaired(claim, ansatz, triangles)
-        if repaired is None:
+        triangles = _repaired(condition, blocks, [_triangle(gram, denominator) for gram in grams])
+        if triangles is None:
             return None
-        found = SumOfSquares(tuple(map(_term, ansatz.blocks, repaired)))
-        if found.proves(claim):
+        first, *others = found = tuple(map(_symmetric, triangles))
+        holds = is_definite(first) if strict else is_semidefinite(first)
+        if holds and all(map(is_semidefinite, others)) and not _error(condition, blocks, triangles):
             return found
     return None
 
@@ -56,9 +63,9 @@ def _triangle(gram: NDArray[np.float64], denominator: int) -> list[fmpq]:
     return [nearest(gram[row, column], denominator) for column in range(len(gram)) for row in range(column + 1)]
 
 
-def _repaired(claim: GuardedClaim, ansatz: Ansatz, triangles: Triangles) -> Triangles | None:
-    """The same with every coefficient of the claim met; None where that is impossible."""
-    first, *others = ansatz.blocks
+def _repaired(condition: Condition, blocks: Blocks, triangles: Triangles) -> Triangles | None:
+    """The same with every coefficient of p met; None where that is impossible."""
+    first, *others = blocks
     within = reached(first.monomials)
     columns = [
         (k, entry, terms)
@@ -66,7 +73,7 @@ def _repaired(claim: GuardedClaim, ansatz: Ansatz, triangles: Triangles) -> Tria
         for entry, terms in entries(block)
         if not within.issuperset(terms)
     ]
-    error = _error(claim, ansatz, triangles)
+    error = _error(condition, blocks, triangles)
     outside = sorted({e for e in error if e not in within} | {e for *_, t in columns for e in t if e not in within})
     if outside:
         change = _least_change([{e: c for e, c in t.items() if e not in within} for *_, t in columns], outside, error)
@@ -74,7 +81,7 @@ def _repaired(claim: GuardedClaim, ansatz: Ansatz, triangles: Triangles) -> Tria
             return None
         for (k, entry, _), value in zip(columns, change, strict=True):
             triangles[k][entry] += value
-        error = _error(claim, ansatz, triangles)
+        error = _error(condition, blocks, triangles)
     counts: dict[Exponents, int] = {}
     plain = list(entries(first))
     for _, terms in plain:
@@ -86,10 +93,10 @@ def _repaired(claim: GuardedClaim, ansatz: Ansatz, triangles: Triangles) -> Tria
     return triangles
 
 
-def _error(claim: GuardedClaim, ansatz: Ansatz, triangles: Triangles) -> Terms:
+def _error(condition: Condition, blocks: Blocks, triangles: Triangles) -> Terms:
     """What the sum over the blocks lacks of p."""
-    total: Terms = {e: c for e, c in claim.terms.items() if c}
-    for block, triangle in zip(ansatz.blocks, triangles, strict=True):
+    total: Terms = {e: c for e, c in condition.constant.items() if c}
+    for block, triangle in zip(blocks, triangles, strict=True):
         plain: Terms = {}
         for column, b in enumerate(block.monomials):
             for row, a in enumerate(block.monomials[: column + 1]):
@@ -130,20 +137,46 @@ def particular_solution(matrix: fmpq_mat, right: fmpq_mat) -> fmpq_mat | None:
     return fmpq_mat(width, 1, solution)
 
 
-def _term(block: Block, triangle: Sequence[fmpq]) -> SquareTerm:
-    size = len(block.monomials)
-
-    def entry(i: int, j: int) -> fmpq:
-        row, column = min(i, j), max(i, j)
-        return triangle[column * (column + 1) // 2 + row]
-
-    gram = tuple(tuple(entry(i, j) for j in range(size)) for i in range(size))
-    return SquareTerm(block.factors, block.monomials, gram)
+def _symmetric(triangle: Sequence[fmpq]) -> RationalMatrix:
+    rows: list[list[fmpq]] = []
+    for value in triangle:  # column by column: as the rows of the lower triangle
+        if not rows or len(rows[-1]) == len(rows):
+            rows.append([])
+        rows[-1].append(value)
+    return tuple(tuple(rows[max(i, j)][min(i, j)] for j in range(len(rows))) for i in range(len(rows)))
 
 
-def round_parameters(
-    problems: Sequence[tuple[Condition, Ansatz]], solution: Solution, denominator: int
-) -> tuple[fmpq, ...] | None:
+def is_definite(matrix: RationalMatrix) -> bool:
+    """Whether a symmetric matrix is positive definite."""
+    pivots = _pivots(matrix)
+    return pivots is not None and all(pivot > 0 for pivot in pivots)
+
+
+def is_semidefinite(matrix: RationalMatrix) -> bool:
+    """Whether a symmetric matrix is positive semidefinite."""
+    return _pivots(matrix) is not None
+
+
+def _pivots(matrix: RationalMatrix) -> list[fmpq] | None:
+    """The pivots of ``L D L^T`` of a symmetric matrix; None unless it is positive semidefinite.
+
+    A pivot of zero is right only where the rest of its column is zero.
+    """
+    rest = [list(row) for row in matrix]
+    pivots: list[fmpq] = []
+    while rest:
+        pivot, column = rest[0][0], rest[0][1:]
+        if pivot < 0 or (not pivot and any(column)):
+            return None
+        pivots.append(pivot)
+        rest = [
+            [value - a * b / pivot if a and b else value for b, value in zip(column, row[1:], strict=True)]
+            for a, row in zip(column, rest[1:], strict=True)
+        ]
+    return pivots
+
+
+def round_parameters(problems: Sequence[Problem], solution: Solution, denominator: int) -> tuple[fmpq, ...] | None:
     """Rational parameters near those of a solution; None where the equations have no solution.
 
     Args:
@@ -155,8 +188,8 @@ def round_parameters(
     values = [nearest(float(value), denominator) for value in solution.parameters]
     rows: list[dict[int, fmpq]] = []
     rights: list[fmpq] = []
-    for (condition, ansatz), grams in zip(problems, solution.grams, strict=True):
-        own, right, found = _outside(condition, ansatz, count, len(values))
+    for (condition, blocks), grams in zip(problems, solution.grams, strict=True):
+        own, right, found = _outside(condition, blocks, count, len(values))
         rows += own
         rights += right
         for block, entry in found:
@@ -169,10 +202,10 @@ def round_parameters(
 
 
 def _outside(
-    condition: Condition, ansatz: Ansatz, parameters: int, start: int
+    condition: Condition, blocks: Blocks, parameters: int, start: int
 ) -> tuple[list[dict[int, fmpq]], list[fmpq], list[tuple[int, int]]]:
     """The equations of one condition that the plain sum of squares does not enter, and the entries in them."""
-    first, *others = ansatz.blocks
+    first, *others = blocks
     within = reached(first.monomials)
     place: dict[Exponents, dict[int, fmpq]] = {}
     used: list[tuple[int, int]] = []

@@ -33,8 +33,9 @@ import numpy as np
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.region import common_edges
 from nonsmooth.analysis.cells.switched_cells import LyapunovCell, distinct
+from nonsmooth.proofs.inequalities.forms import Sense
 from nonsmooth.proofs.inequalities.kinks import Kink, Trend
-from nonsmooth.proofs.inequalities.prover import Proof, Sense, prove
+from nonsmooth.proofs.inequalities.prover import Proof, prove
 from nonsmooth.proofs.systems.derivatives import bends_along_a_curve
 from nonsmooth.proofs.systems.lyapunov_rows import sample_points, values_at
 from nonsmooth.proofs.systems.sublevel_region import SublevelRegion, below, rise_below

@@ -6,7 +6,8 @@ from flint import fmpq
 
 from nonsmooth.analysis.cells.switched_cells import TooManyCells, smooth_pieces, square_regions
 from nonsmooth.proofs.checker.polynomials import unit
-from nonsmooth.proofs.inequalities.prover import Proof, Sense, prove
+from nonsmooth.proofs.inequalities.forms import Sense
+from nonsmooth.proofs.inequalities.prover import Proof, prove
 from nonsmooth.proofs.kernel.cells import BeyondReachError, patterns, rational, rational_terms, scaled
 from nonsmooth.proofs.sums_of_squares.ansatz import Condition
 from nonsmooth.proofs.sums_of_squares.prove import prove_positive

@@ -36,6 +36,7 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from fractions import Fraction
 from itertools import combinations
+from operator import itemgetter
 from typing import Any
 
 from nonsmooth.analysis.cells.polygon import Point
@@ -43,9 +44,9 @@ from nonsmooth.analysis.cells.region import Region, common_edges
 from nonsmooth.analysis.cells.switched_cells import LyapunovCell, distinct, gradients_at, velocities_at
 from nonsmooth.proofs.inequalities.curved_regions import Adherence, adherence, is_empty
 from nonsmooth.proofs.inequalities.effort import effort_of_its_own, shared_effort
-from nonsmooth.proofs.inequalities.forms import CellClaim, build_parts, subdivide
+from nonsmooth.proofs.inequalities.forms import Question, Sense, build_parts, subdivide
 from nonsmooth.proofs.inequalities.kinks import Interval, Kink, Ladder, Trend, Trends, ladder_at, worst
-from nonsmooth.proofs.inequalities.prover import Counterexample, Outcome, Proof, Sense, Undecided, ZeroBetween, prove
+from nonsmooth.proofs.inequalities.prover import Counterexample, Outcome, Proof, Undecided, ZeroBetween, prove
 from nonsmooth.proofs.inequalities.real_roots import RealRoot
 from nonsmooth.symbolic.notebook import ShortRepr
 from nonsmooth.symbolic.numbers.number import sign
@@ -129,7 +130,7 @@ def is_seen_empty(region: Region, like: Polynomial, work: int, *, except_origin:
         except_origin: whether the origin may be such a point.
     """
     minus_one = Polynomial.constant(like.field, like.variables, -1)
-    parts = build_parts(CellClaim(minus_one, region, strict=True, except_origin=except_origin))
+    parts = build_parts(Question(Sense.POSITIVE, minus_one, region, except_origin))
     return all(subdivide(part, work) is None for part in parts)
 
 
@@ -138,19 +139,11 @@ RISES = "the derivative of V is positive"
 RISES_ON_LINE = "V increases along a line on which it bends"
 
 
-class StratumPart(StrEnum):
-    """Where a derivative is looked at."""
-
-    CELL = "cell"
-    SURFACE = "surface"
-    CORNER = "corner"
-
-
 @dataclass(frozen=True)
 class Refutation:
     """A point at which a condition fails, with the exact value there (None where it is known by its sign only)."""
 
-    point: Point
+    point: tuple[Any, ...]
     value: Any | None
     meaning: str
 
@@ -165,7 +158,6 @@ class Stratum:
     """A part of the domain with the derivatives of V there.
 
     Attributes:
-        part: its kind.
         sample: a point of it.
         ladder: the three derivatives at the sample.
         trends: what their maxima do on the whole part (on closed cells, except at the equilibrium).
@@ -174,7 +166,6 @@ class Stratum:
         constant: whether the ladder at the sample holds on the whole part.
     """
 
-    part: StratumPart
     sample: Point
     ladder: Ladder
     trends: Trends
@@ -204,7 +195,6 @@ def stratum_of(cell: LyapunovCell, outcomes: tuple[Outcome, ...]) -> Stratum:
     trend = worst(trends)
     constant = all(rate.constant_value is not None for rate in cell.rates)
     return Stratum(
-        StratumPart.CELL,
         sample,
         Ladder(interval, interval, interval),
         Trends(trend, trend, trend),
@@ -301,7 +291,7 @@ def _kink_stratum(cells: Sequence[LyapunovCell], kink: Kink) -> Stratum:
         for f, g in (*kink.first.velocities, *kink.second.velocities)
         for rate in [gradient[0] * f + gradient[1] * g]
     )
-    return Stratum(StratumPart.SURFACE, sample, derivatives_at(cells, sample), trends, kink, refutation, constant)
+    return Stratum(sample, derivatives_at(cells, sample), trends, kink, refutation, constant)
 
 
 def _jump_stratum(cells: Sequence[LyapunovCell], kink: Kink) -> Stratum:
@@ -314,20 +304,19 @@ def _jump_stratum(cells: Sequence[LyapunovCell], kink: Kink) -> Stratum:
         return _open_stratum(cells, kink.point(kink.samples()[0]))
     refutation = Refutation(place, difference(place), "V is not continuous")
     positive = Trends(Trend.POSITIVE, Trend.POSITIVE, Trend.POSITIVE)
-    return Stratum(StratumPart.SURFACE, place, derivatives_at(cells, place), positive, kink, refutation, constant=False)
+    return Stratum(place, derivatives_at(cells, place), positive, kink, refutation, constant=False)
 
 
 def _corner_stratum(cells: Sequence[LyapunovCell], corner: Point) -> Stratum:
     ladder = derivatives_at(cells, corner)
-    intervals = (ladder.naive, ladder.shevitz_paden, ladder.bacciotti_ceragioli)
-    trends = Trends(*(Trend.EMPTY if i is None else Trend.of_sign(sign(i.high)) for i in intervals))
-    return Stratum(StratumPart.CORNER, corner, ladder, trends, None, None, constant=True)
+    trends = Trends(*(Trend.EMPTY if i is None else Trend.of_sign(sign(i.high)) for i in ladder))
+    return Stratum(corner, ladder, trends, None, None, constant=True)
 
 
 def _open_stratum(cells: Sequence[LyapunovCell], sample: Point) -> Stratum:
     """Two pieces of V beside a curve, or on an edge that is too much work."""
     undecided = Trends(Trend.UNDECIDED, Trend.UNDECIDED, Trend.UNDECIDED)
-    return Stratum(StratumPart.SURFACE, sample, derivatives_at(cells, sample), undecided, None, None, constant=False)
+    return Stratum(sample, derivatives_at(cells, sample), undecided, None, None, constant=False)
 
 
 def _curved_stratum(cells: Sequence[LyapunovCell], kink: CurvedKink) -> Stratum:
@@ -335,7 +324,7 @@ def _curved_stratum(cells: Sequence[LyapunovCell], kink: CurvedKink) -> Stratum:
     found = _open_stratum(cells, kink.around.inner_point)
     if not kink.falls(cells):
         return found
-    return replace(found, trends=replace(found.trends, bacciotti_ceragioli=Trend.NEGATIVE))
+    return replace(found, trends=found.trends._replace(bacciotti_ceragioli=Trend.NEGATIVE))
 
 
 def _overlap(first: LyapunovCell, second: LyapunovCell) -> Region | None:
@@ -412,19 +401,15 @@ class LyapunovResult(ShortRepr):
     reason: str
 
     def supremum(self, name: str) -> Supremum:
-        """Of ``naive``, ``shevitz_paden`` or ``bacciotti_ceragioli``."""
-        trend = worst([getattr(s.trends, name) for s in self.strata])
-        best: Interval | None = None
-        point: Point | None = None
-        exact = True
-        for stratum in self.strata:
-            interval = getattr(stratum.ladder, name)
-            if getattr(stratum.trends, name) is Trend.EMPTY:
-                continue
-            exact = exact and stratum.constant
-            if interval is not None and (best is None or best.high < interval.high):
-                best, point = interval, stratum.sample
-        return Supremum(trend, best.high if best is not None and exact else None, point)
+        """Of ``naive``, ``shevitz_paden`` or ``bacciotti_ceragioli``, over the parts on which it is not empty."""
+        parts = [s for s in self.strata if getattr(s.trends, name) is not Trend.EMPTY]
+        trend = worst([getattr(s.trends, name) for s in parts])
+        sampled = [(getattr(s.ladder, name), s.sample) for s in parts]
+        attained = [(interval.high, sample) for interval, sample in sampled if interval is not None]
+        if not attained:
+            return Supremum(trend, None, None)
+        value, point = max(attained, key=itemgetter(0))
+        return Supremum(trend, value if all(s.constant for s in parts) else None, point)
 
 
 @shared_effort(EFFORT)

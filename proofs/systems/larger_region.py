@@ -17,7 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell, lyapunov_cells
-from nonsmooth.proofs.inequalities.prover import Proof, Sense, prove
+from nonsmooth.proofs.inequalities.forms import Sense
+from nonsmooth.proofs.inequalities.prover import Proof, prove
 from nonsmooth.proofs.systems.lyapunov_rows import (
     BEYOND_FLOATS,
     BasisFunction,

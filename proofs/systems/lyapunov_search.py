@@ -18,7 +18,7 @@ meets the equalities.  What stays where V' = 0 is asked of :mod:`nonsmooth.proof
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 
 import numpy as np
@@ -31,8 +31,10 @@ from nonsmooth.analysis.cells.switched_cells import (
     square_regions,
     system_cells,
 )
-from nonsmooth.proofs.inequalities.prover import Outcome, Proof, Sense, Undecided, prove
+from nonsmooth.proofs.inequalities.forms import Sense
+from nonsmooth.proofs.inequalities.prover import Outcome, Proof, Undecided, prove
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine, inhabited
+from nonsmooth.proofs.systems.domain import Domain
 from nonsmooth.proofs.systems.invariance import attracts, resting_place
 from nonsmooth.proofs.systems.lyapunov_rows import (
     BasisFunction,
@@ -48,6 +50,7 @@ from nonsmooth.proofs.systems.lyapunov_rows import (
     rows_at,
     smooth_functions,
 )
+from nonsmooth.proofs.systems.plane_function import PlaneFunction
 from nonsmooth.symbolic.expression import ExpressionError
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
@@ -76,23 +79,7 @@ MOST_AUDITS = 16  # of proposals in one search
 KEPT_MARGIN = 0.125  # of the largest margin, where few terms are wanted
 SLACK = 2.0**-30  # by which floats may miss an equality
 
-Turn = Callable[[Sequence[FieldCell]], tuple[FieldCell, ...]]
 Coefficients = tuple[Fraction, ...]
-
-
-@dataclass(frozen=True)
-class FoundLyapunov:
-    """A V that was searched and proved.
-
-    Attributes:
-        formula: V, in the displacement under the states' names.
-        radius: half the side of the square on which it is proved.
-        result: Lyapunov's conditions with their evidence.
-    """
-
-    formula: PiecewiseExpression
-    radius: Number
-    result: LyapunovResult
 
 
 @dataclass
@@ -102,16 +89,23 @@ class Budget:
     left: int
 
 
-def square_cells(system: SwitchedSystem, radius: Number, turn: Turn = tuple) -> tuple[FieldCell, ...]:
+def in_time(cells: Sequence[FieldCell], *, grows: bool) -> tuple[FieldCell, ...]:
+    """The cells, with time reversed where a V is asked that grows."""
+    if not grows:
+        return tuple(cells)
+    return tuple(replace(cell, velocities=tuple((-f, -g) for f, g in cell.velocities)) for cell in cells)
+
+
+def square_cells(system: SwitchedSystem, radius: Number, *, grows: bool = False) -> tuple[FieldCell, ...]:
     """The cells of a square."""
-    return turn(system_cells(system, square_regions(radius)))
+    return in_time(system_cells(system, square_regions(radius)), grows=grows)
 
 
 def searched_cells(
-    system: SwitchedSystem, formula: PiecewiseExpression, radius: Number, turn: Turn = tuple
+    system: SwitchedSystem, formula: PiecewiseExpression, radius: Number, *, grows: bool = False
 ) -> tuple[LyapunovCell, ...]:
     """The cells on which a searched V is judged."""
-    return _judged(system, square_cells(system, radius, turn), formula)
+    return _judged(system, square_cells(system, radius, grows=grows), formula)
 
 
 def _judged(
@@ -139,59 +133,63 @@ def _sides_of(system: SwitchedSystem, cells: Sequence[FieldCell], basis: Sequenc
 # ---- a V that falls --------------------------------------------------------------------------------
 
 
-def find_lyapunov(system: SwitchedSystem, turn: Turn = tuple) -> FoundLyapunov | None:
+def find_lyapunov(system: SwitchedSystem, *, grows: bool = False) -> PlaneFunction | None:
     """A V that falls along every solution on a square about the equilibrium; None where none is found and proved.
 
     Args:
         system: in two states.
-        turn: what is done to the cells first: nothing, or time reversed.
+        grows: whether time is reversed.
     """
     curved = has_curves(system) or bool(system.waves)  # polynomials of high degree, as slow to audit as curves
     work = WORK // 2 if curved else WORK
     for scale in SCALES[:2] if curved else SCALES:
         budget = Budget(int(work * (FIRST_SHARE if scale == 1 else LATER_SHARE)))
         radius = system.check.radius * scale
-        cells = square_cells(system, radius, turn)
+        cells = square_cells(system, radius, grows=grows)
         for basis in families(system) if len(cells) <= MAX_CELLS else ():
             try:
-                found = _found(system, cells, basis, budget)
+                proposed = _found(system, cells, basis, budget)
             except (ExpressionError, SceneError):
                 continue
-            if found is not None:
-                return enlarged(system, FoundLyapunov(found[0], radius, found[1]), turn)
+            if proposed is not None:
+                formula, result = proposed
+                found = PlaneFunction(result, Domain(radius), formula, system.states, grows)
+
+                def cells_on(radius: Number, formula: PiecewiseExpression = formula) -> tuple[LyapunovCell, ...]:
+                    return searched_cells(system, formula, radius, grows=grows)
+
+                return enlarged(found, cells_on, system.check.radius, BISECTIONS, Budget(ENLARGING_WORK))
     return None
 
 
-def enlarged(system: SwitchedSystem, found: FoundLyapunov, turn: Turn = tuple) -> FoundLyapunov:
-    """The same V on the largest square within the checked one on which bisection proves it."""
-    bounds, budget = (found.radius, system.check.radius), Budget(ENLARGING_WORK)
-    larger = largest_square(lambda r: searched_cells(system, found.formula, r, turn), bounds, BISECTIONS, budget)
-    return found if larger is None else FoundLyapunov(found.formula, *larger)
-
-
-def largest_square(
-    cells_on: Callable[[Number], Sequence[LyapunovCell]], bounds: tuple[Number, Number], times: int, budget: Budget
-) -> tuple[Number, LyapunovResult] | None:
-    """The largest half-width between two on which bisection proves that V falls, with the proof; None without one.
+def enlarged(
+    found: PlaneFunction,
+    cells_on: Callable[[Number], Sequence[LyapunovCell]],
+    high: Number,
+    times: int,
+    budget: Budget,
+) -> PlaneFunction:
+    """The same V on the largest square on which bisection proves that it falls.
 
     Args:
+        found: on a square.
         cells_on: the cells with V on the square of a half-width.
-        bounds: a half-width on which V falls, and one beyond which nothing is asked.
+        high: a half-width beyond which nothing is asked.
         times: how often the part between is halved.
         budget: of all audits.
     """
-    (low, high), best = bounds, None
-    for _ in range(times if low < high else 0):
+    for _ in range(times):
+        low = found.domain.radius
+        if low is None or not low < high or budget.left <= 0:
+            break
         radius = (low + high) / 2
         cells = cells_on(radius)
         result = examine(cells) if len(cells) <= MAX_CELLS and not first_failure(inhabited(cells), budget) else None
         if result is not None and result.verdict is Decrease.STRICT:
-            low, best = radius, (radius, result)
+            found = replace(found, result=result, on=Domain(radius))
         else:
             high = radius
-        if budget.left <= 0:
-            break
-    return best
+    return found
 
 
 def families(system: SwitchedSystem) -> Iterator[tuple[BasisFunction, ...]]:
@@ -353,7 +351,7 @@ def _floats(coefficients: Coefficients) -> Floats:
 # ---- a V that does not increase --------------------------------------------------------------------
 
 
-def find_weak_lyapunov(system: SwitchedSystem, *, may_attract: bool = True) -> FoundLyapunov | None:
+def find_weak_lyapunov(system: SwitchedSystem, *, may_attract: bool = True) -> PlaneFunction | None:
     """A V that does not increase: one that shows attraction by LaSalle's principle, else the first; None without one.
 
     Args:
@@ -370,9 +368,10 @@ def find_weak_lyapunov(system: SwitchedSystem, *, may_attract: bool = True) -> F
                 result = _audited(system, cells, formula) if left >= 0 else None
                 if result is None:
                     continue
+                found = PlaneFunction(result, Domain(radius), formula, system.states)
                 if not may_attract or (resting_place(result.cells) is None and attracts(system, formula, radius)):
-                    return FoundLyapunov(formula, radius, result)
-                first = first or FoundLyapunov(formula, radius, result)
+                    return found
+                first = first or found
         if first is not None:
             break
     return first

@@ -28,22 +28,21 @@ from nonsmooth.analysis.cells.region import Region, cone_region
 from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell, PlaneField
 from nonsmooth.analysis.minimizers.cvxpy_import import load_cvxpy
 from nonsmooth.proofs.inequalities.forms import directions
-from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, Refutation, Supremum, examine
+from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult, examine
 from nonsmooth.proofs.systems.domain import SHRINKING, Domain
-from nonsmooth.proofs.systems.findings import DERIVATIVES, ExaminedFunction, PotentialPiece
 from nonsmooth.proofs.systems.lyapunov_rows import BEYOND_FLOATS
 from nonsmooth.proofs.systems.lyapunov_search import (
     ENLARGING_WORK,
     Budget,
+    enlarged,
     find_lyapunov,
-    find_weak_lyapunov,
-    largest_square,
+    in_time,
     square_cells,
 )
+from nonsmooth.proofs.systems.plane_function import PlaneFunction
 from nonsmooth.proofs.systems.ray_moves import are_cones, conic_germ
-from nonsmooth.symbolic.numbers.number import Number, sign
+from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.plane import cross, same_direction
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
@@ -228,92 +227,8 @@ def build_potential(
     return tuple(cells)
 
 
-# ---- as people and other programs read it ----------------------------------------------------------
-
-
-def potential_pieces(cells: Sequence[LyapunovCell], states: tuple[str, ...]) -> tuple[PotentialPiece, ...]:
-    """The pieces of a V whose cells are cones, or parts of cones, at the origin."""
-    spans: dict[Polynomial, list[tuple[Point, Point]]] = {}
-    for cell in cells:
-        found = spans.setdefault(cell.potential, [])
-        for a, b in directions(cell.region):
-            found.append(((a[0], a[1]), (b[0], b[1])))
-    if len(spans) == 1:
-        return tuple(PotentialPiece(replace(p, variables=states), None, None) for p in spans)
-    return tuple(
-        PotentialPiece(replace(potential, variables=states), start, end)
-        for potential, own in spans.items()
-        for start, end in _joined(own)
-    )
-
-
-def _joined(spans: Sequence[tuple[Point, Point]]) -> list[tuple[Point, Point]]:
-    """Cones with a common ray made one (of at most a half turn), each direction once."""
-    joined: list[tuple[Point, Point]] = []
-    for start, end in spans:
-        if any(same_direction(start, s) and same_direction(end, e) for s, e in joined):
-            continue
-        before = next((k for k, (_, e) in enumerate(joined) if same_direction(e, start)), None)
-        if before is not None and sign(cross(joined[before][0], end)) >= 0:
-            joined[before] = (joined[before][0], end)
-        else:
-            joined.append((start, end))
-    return joined
-
-
 BISECTIONS = 4  # of the square of a V for the linear parts of cones, where that is not the checked one
 SEARCH_SCALES = (Fraction(1), SHRINKING, SHRINKING**2, SHRINKING**3)  # of the checked square
-
-
-@dataclass(frozen=True)
-class PlaneFunction(ExaminedFunction):
-    """A V of a system in two states.
-
-    Attributes:
-        result: Lyapunov's conditions with their evidence.
-        on: where they are looked at.
-        formula: V as one formula; None where it is known by its pieces only.
-        states: their names.
-        grows: whether time was reversed.
-        is_given: whether it is the scene's.
-    """
-
-    result: LyapunovResult
-    on: Domain
-    formula: PiecewiseExpression | None
-    states: tuple[str, ...]
-    grows: bool = False
-    is_given: bool = False
-
-    @property
-    def domain(self) -> Domain:
-        """The same."""
-        return self.on
-
-    @property
-    def decrease(self) -> Decrease:
-        """What follows from the conditions."""
-        return self.result.verdict
-
-    @property
-    def reason(self) -> str:
-        """The same as a sentence."""
-        return self.result.reason
-
-    @property
-    def witness(self) -> Refutation | None:
-        """Where one of them fails."""
-        return self.result.witness
-
-    @property
-    def pieces(self) -> tuple[PotentialPiece, ...]:
-        """V cone by cone, of one that was searched so."""
-        return potential_pieces(self.result.cells, self.states) if self.formula is None else ()
-
-    @property
-    def suprema(self) -> dict[str, Supremum]:
-        """The largest values of the derivatives."""
-        return {name: self.result.supremum(name) for name in DERIVATIVES}
 
 
 def search_lyapunov(system: SwitchedSystem, cells: Sequence[FieldCell], *, grows: bool = False) -> PlaneFunction | None:
@@ -324,54 +239,32 @@ def search_lyapunov(system: SwitchedSystem, cells: Sequence[FieldCell], *, grows
         cells: of the whole plane.
         grows: whether time is reversed.
     """
-    turn = reversed_cells if grows else tuple
     if are_cones(cells) and not system.others:
-        found = find_piecewise_quadratic(turn(cells))
+        found = find_piecewise_quadratic(in_time(cells, grows=grows))
         if found is not None:
             return PlaneFunction(found, Domain(None), None, system.states, grows)
-    proposed = find_lyapunov(system, turn)
+    proposed = find_lyapunov(system, grows=grows)
     if proposed is not None:
-        return PlaneFunction(proposed.result, Domain(proposed.radius), proposed.formula, system.states, grows)
+        return proposed
     near = None if are_cones(cells) or system.others else conic_germ(cells)
     refused = None
     for scale in SEARCH_SCALES if near is not None else ():
         radius = system.check.radius * scale
-        by_pieces = find_near(turn(near or ()), square_cells(system, radius, turn))
+        by_pieces = find_near(in_time(near or (), grows=grows), square_cells(system, radius, grows=grows))
         if by_pieces is not None:
             pieces, result = by_pieces
-            found_here = PlaneFunction(result, Domain(radius), None, system.states, grows)
-            return enlarged_pieces(system, pieces, found_here, refused)
+            here = PlaneFunction(result, Domain(radius), None, system.states, grows)
+            return here if refused is None else enlarged_pieces(system, pieces, here, refused)
         refused = radius
     return None
 
 
 def enlarged_pieces(
-    system: SwitchedSystem, pieces: Sequence[LyapunovCell], found: PlaneFunction, refused: Number | None
+    system: SwitchedSystem, pieces: Sequence[LyapunovCell], found: PlaneFunction, refused: Number
 ) -> PlaneFunction:
-    """The same V, of pieces on cones, on a larger square below one on which there is none, by bisection."""
-    turn = reversed_cells if found.grows else tuple
-    if found.domain.radius is None or refused is None:
-        return found
-    larger = largest_square(
-        lambda radius: restricted(pieces, square_cells(system, radius, turn)),
-        (found.domain.radius, refused),
-        BISECTIONS,
-        Budget(BISECTIONS * ENLARGING_WORK),
-    )
-    return found if larger is None else replace(found, result=larger[1], on=Domain(larger[0]))
+    """The same V, of pieces on cones, on a larger square below one on which there is none."""
 
+    def cells_on(radius: Number) -> tuple[LyapunovCell, ...]:
+        return restricted(pieces, square_cells(system, radius, grows=found.grows))
 
-def search_weak_lyapunov(system: SwitchedSystem, *, may_attract: bool = True) -> PlaneFunction | None:
-    """A V that does not increase, if possible one that shows asymptotic stability; None where none is found.
-
-    Args:
-        system: in two states.
-        may_attract: whether the equilibrium may attract; otherwise the first V serves.
-    """
-    found = find_weak_lyapunov(system, may_attract=may_attract)
-    return None if found is None else PlaneFunction(found.result, Domain(found.radius), found.formula, system.states)
-
-
-def reversed_cells(cells: Sequence[FieldCell]) -> tuple[FieldCell, ...]:
-    """The system with time reversed."""
-    return tuple(replace(cell, velocities=tuple((-f, -g) for f, g in cell.velocities)) for cell in cells)
+    return enlarged(found, cells_on, refused, BISECTIONS, Budget(BISECTIONS * ENLARGING_WORK))

@@ -26,7 +26,8 @@ from numpy.typing import NDArray
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.region import Region, Segment
 from nonsmooth.analysis.cells.switched_cells import LyapunovCell
-from nonsmooth.proofs.inequalities.prover import Counterexample, Proof, Sense, prove
+from nonsmooth.proofs.inequalities.forms import Sense
+from nonsmooth.proofs.inequalities.prover import Counterexample, Proof, prove
 from nonsmooth.proofs.inequalities.real_roots import along_edge, positive_roots, samples_between, separated, trimmed
 from nonsmooth.proofs.systems.lyapunov_rows import Floats, values_at
 from nonsmooth.symbolic.numbers.number import Number, sign

@@ -34,7 +34,8 @@ from nonsmooth.proofs.systems.domain import SHRINKING, Domain, domains, given_ce
 from nonsmooth.proofs.systems.findings import CheckedPoint, Finding, Known, Method, Reach
 from nonsmooth.proofs.systems.invariance import Staying, resting_place
 from nonsmooth.proofs.systems.leading_terms import LeadingTerms, decide_leading_terms
-from nonsmooth.proofs.systems.lyapunov_search import has_curves, searched_cells
+from nonsmooth.proofs.systems.lyapunov_search import find_weak_lyapunov, has_curves, searched_cells
+from nonsmooth.proofs.systems.plane_function import PlaneFunction
 from nonsmooth.proofs.systems.ray_moves import (
     ConstantFan,
     RayKind,
@@ -47,7 +48,7 @@ from nonsmooth.proofs.systems.ray_moves import (
     resting_edges,
 )
 from nonsmooth.proofs.systems.root_axes import arrives_in_time, axes_are_crossed, axes_are_crossed_within
-from nonsmooth.proofs.systems.search import PlaneFunction, search_lyapunov, search_weak_lyapunov
+from nonsmooth.proofs.systems.search import search_lyapunov
 from nonsmooth.proofs.systems.sublevel_region import SublevelRegion, largest_sublevel
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.enclosed_numbers import NoEnclosureError, enclose_numbers
@@ -358,7 +359,7 @@ def search_attraction(point: PlanePoint, known: Known) -> Finding | None:
             shown = show_attraction(point, point.given_on(Domain(radius * SHRINKING)))
         if shown is not None:
             return shown
-    found = search_weak_lyapunov(point.system, may_attract=not point.rays)
+    found = find_weak_lyapunov(point.system, may_attract=not point.rays)
     if found is None:
         return None
     shown = None if point.rays else show_attraction(point, found)

@@ -9,8 +9,8 @@ import typer
 from nonsmooth.reports.console import write
 from nonsmooth.reports.options import SceneText
 from nonsmooth.reports.refusals import RefusedError, refusals_named
-from nonsmooth.reports.study import SceneOptions
 from nonsmooth.reports.study_command import offered
+from nonsmooth.reports.study_options import SceneOptions
 
 Output = Annotated[
     str | None, typer.Option("-o", "--output", metavar="FILE", help="MJCF: .xml; standard output without.")

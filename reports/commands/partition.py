@@ -10,8 +10,9 @@ from nonsmooth.reports.choices import Drawing
 from nonsmooth.reports.files import PICTURES
 from nonsmooth.reports.progress import steps
 from nonsmooth.reports.refusals import refusals_named
-from nonsmooth.reports.study import Options, SceneStudy, StudyRequest, option
+from nonsmooth.reports.study import SceneStudy, StudyRequest
 from nonsmooth.reports.study_command import command
+from nonsmooth.reports.study_options import Options, option
 from nonsmooth.symbolic.scene_kind import SceneKind
 
 if TYPE_CHECKING:

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from nonsmooth.reports.options import complete_study
 from nonsmooth.reports.refusals import RefusedError
 from nonsmooth.reports.result import Result
-from nonsmooth.reports.study import Options, SceneStudy, StudyRequest, option
+from nonsmooth.reports.study import SceneStudy, StudyRequest
 from nonsmooth.reports.study_command import command
+from nonsmooth.reports.study_options import Options, option
 from nonsmooth.symbolic.scene_kind import SceneKind
 
 if TYPE_CHECKING:

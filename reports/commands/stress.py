@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import Any, ClassVar
 
 from nonsmooth.reports.result import Result
-from nonsmooth.reports.study import Options, SceneStudy
+from nonsmooth.reports.study import SceneStudy
 from nonsmooth.reports.study_command import command
+from nonsmooth.reports.study_options import Options
 
 
 class StressStudy(SceneStudy[Options]):

@@ -11,8 +11,9 @@ from typing import Any, ClassVar
 from nonsmooth.reports.options import VehicleText
 from nonsmooth.reports.refusals import RefusedError, refusals_named
 from nonsmooth.reports.result import Result
-from nonsmooth.reports.study import Options, SceneStudy, StudyRequest, option
+from nonsmooth.reports.study import SceneStudy, StudyRequest
 from nonsmooth.reports.study_command import command
+from nonsmooth.reports.study_options import Options, option
 
 
 @dataclass(frozen=True, kw_only=True)

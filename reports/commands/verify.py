@@ -9,8 +9,8 @@ import typer
 from nonsmooth.reports.console import BAD_INPUT, write
 from nonsmooth.reports.options import complete_scene
 from nonsmooth.reports.refusals import RefusedError
-from nonsmooth.reports.study import SceneOptions
 from nonsmooth.reports.study_command import offered
+from nonsmooth.reports.study_options import SceneOptions
 
 if TYPE_CHECKING:
     from nonsmooth.symbolic.scene import Scene

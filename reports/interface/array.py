@@ -275,7 +275,7 @@ class Array(PythonScene):
         return self._simulated(grid=grid, **options)
 
     @takes(DesignOptions)
-    def design(self, **options: Any) -> DesignResult:
+    def design(self, **options: Any) -> DesignResult[Self]:
         """Search for headings, speeds and positions of the wheels that meet requirements and do best.
 
         Every candidate is an exact array whose answers are proved; that none is better is not.

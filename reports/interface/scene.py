@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
-from nonsmooth.reports.study import options_of
+from nonsmooth.reports.study_options import options_of
 
 if TYPE_CHECKING:
     from nonsmooth.reports.derivation import ReportResult
@@ -68,7 +68,7 @@ class PythonScene(ABC):
                 range ``start:stop:count``, a list ``a,b,c``, or numbers one by one.  Several give every combination.
             random: how many random draws within ranges ``start:stop``, instead of a grid.
             seed: of the draws.
-            means: how it is run: workers, store, borders, failures (:class:`nonsmooth.Means`).  More than one worker
+            means: how it is run: workers, store, borders, fail (:class:`nonsmooth.Means`).  More than one worker
                 is a process each: a script then needs ``if __name__ == "__main__":`` around what it does.
             **more: values of parameters, and of numbers that only one table has, such as ``mu_side="0.05:1:40"``.
 

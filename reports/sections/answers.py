@@ -5,19 +5,16 @@ from __future__ import annotations
 from nonsmooth.analysis.contact_rule import rule_notes, rule_of
 from nonsmooth.proofs.answers.answer import Answer
 from nonsmooth.proofs.answers.contact_wheels import contact_facts
-from nonsmooth.proofs.answers.destinations import Destination, Destinations
+from nonsmooth.proofs.answers.destinations import Destinations
 from nonsmooth.proofs.answers.headings import HeadingsOfRest
 from nonsmooth.proofs.answers.other_rules import OtherRule
 from nonsmooth.proofs.answers.units import of_length
-from nonsmooth.reports.answers import THEOREM, contradiction_lines, goal_text, merged_rows, share_text
+from nonsmooth.reports.answers import THEOREM, contradiction_lines, destinations_table
 from nonsmooth.reports.document import Block, Bullets, Inline, Section, Table, Text, Tone, Verdict, number, point, table
-from nonsmooth.reports.equilibrium_headings import HEADER, notes, row, title
-from nonsmooth.reports.equilibrium_headings import MOST_SHOWN as SHOWN
+from nonsmooth.reports.equilibrium_headings import headings_table, notes, title
 from nonsmooth.reports.prose import paragraph
 from nonsmooth.reports.sections.opening import array_figure
 from nonsmooth.reports.subject import ArraySubject
-
-MOST_SHOWN = 8  # destinations in the table
 
 _TONES = {0: Tone.GOOD, 1: Tone.BAD, 3: Tone.OPEN}
 
@@ -77,7 +74,7 @@ def _destinations(destinations: Destinations | None) -> list[Table]:
     if destinations is None:
         return []
     header = ("a body that starts in the square", "sampled share", "near there", "heading")
-    return [table(header, [_row(found) for found in merged_rows(destinations)[:MOST_SHOWN]], (5, 2, 2, 2))]
+    return [destinations_table(destinations, header)]
 
 
 def _headings(headings: HeadingsOfRest | None) -> list[Block]:
@@ -85,12 +82,4 @@ def _headings(headings: HeadingsOfRest | None) -> list[Block]:
     if headings is None:
         return []
     said = [title(headings).removesuffix(":"), *notes(headings)]
-    blocks: list[Block] = [paragraph(" ".join(f"{one[0].upper()}{one[1:]}." for one in said))]
-    if headings.found:
-        blocks.append(table(HEADER, [row(entry) for entry in headings.found[:SHOWN]], (3, 3, 4, 2, 2, 2)))
-    return blocks
-
-
-def _row(found: Destination) -> tuple[str, str, str, str]:
-    near, heading = ("" if word is None else str(word) for word in (found.position, found.heading))
-    return goal_text(found), share_text(found.share), near, heading
+    return [paragraph(" ".join(f"{one[0].upper()}{one[1:]}." for one in said)), *headings_table(headings)]

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from nonsmooth.analysis.contact_rule import smooth_rule_of
+from nonsmooth.proofs.boxes.linearization import Linearization
 from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint
-from nonsmooth.proofs.clauses.at_point.linearization import Linearization
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
 from nonsmooth.reports.document import Block, Entry, Math, Section, display, matrix, number, point, table
 from nonsmooth.reports.prose import paragraph, prose

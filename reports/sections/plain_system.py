@@ -18,8 +18,8 @@ from nonsmooth.proofs.system_facts import (
 )
 from nonsmooth.proofs.systems.border_motion import BorderKind, BorderPart, sliding_velocity
 from nonsmooth.proofs.systems.findings import DERIVATIVES, ExaminedFunction, Method
+from nonsmooth.proofs.systems.plane_function import PlaneFunction
 from nonsmooth.proofs.systems.ray_moves import values_at_origin
-from nonsmooth.proofs.systems.search import PlaneFunction
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.reports.document import (
     Block,

@@ -6,7 +6,7 @@ import math
 from typing import Any
 
 from nonsmooth.analysis.cells.filippov import CellDerivative
-from nonsmooth.proofs.clauses.clause import Clause, ClauseResult
+from nonsmooth.proofs.clauses.clause import Clause
 from nonsmooth.proofs.clauses.equilibrium.on_cells import EquilibriumResult
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
@@ -14,6 +14,7 @@ from nonsmooth.proofs.clauses.rotation.on_cells import RotationResult
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
 from nonsmooth.proofs.clauses.witness import Witness
+from nonsmooth.proofs.clauses.workspace import ClauseResult
 from nonsmooth.proofs.theorem4_result import CellCheck, Check
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.reports.cells import CellsResult
@@ -214,6 +215,10 @@ def _rotation_blocks(rotation: RotationResult) -> tuple[Block, ...]:
         "that it is unstable; the drift decides: the range of `omega` over those members of `F(c*)` that leave "
         "`c` at rest."
     )
+    if rotation.spin is not None:
+        slowest, fastest = (float_text(float(end)) for end in rotation.spin)
+        words = "At the place of rest, which is enclosed, it lies between {} and {}."
+        return invariance, paragraph(words, slowest, fastest)
     if rotation.drift is None:
         return (invariance,)
     low, high = (number(end) for end in rotation.drift.interval)

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from nonsmooth.reports.progress import ProgressCall, silent
+from nonsmooth.reports.study_options import FAIL, Options, option
 from nonsmooth.reports.sweeps.base import Base, entries_of, require_heard
 from nonsmooth.reports.sweeps.borders import Border, find_borders
 from nonsmooth.reports.sweeps.certified import Cells, CertifiedCell, certified_cell, exact_base, planned_cells
@@ -50,27 +51,38 @@ class Sweep:
         return questions_of(self.outcomes[0])
 
 
-@dataclass(frozen=True)
-class Means:
-    """How a sweep is run.
+@dataclass(frozen=True, kw_only=True)
+class Means(Options):
+    """How a sweep is run: the options of the command that do not say what varies.
 
-    Attributes:
-        workers: processes; 1 for this one.
-        scheduler: address of a Dask scheduler whose workers check instead; None for none.
-        store: file of results; None for none.
-        failures: also ask what happens when any one wheel fails.
-        borders: also look for borders between answers.
-        certify: prove what holds in whole cells of the grid.
-        yes: run more than ``LARGE`` scenes without asking.
+    In Python this process checks alone unless workers are given; the command gives them.
     """
 
-    workers: int = 1
-    scheduler: str | None = None
-    store: Path | None = None
-    failures: bool = False
-    borders: bool = False
-    certify: bool = False
-    yes: bool = False
+    borders: bool = option(False, "Find where answers change along the grid, within 1e-9; a picture always does.")
+    certify: bool = option(
+        False, "Prove what holds in whole cells of the grid, for every array between and within the tolerances."
+    )
+    fail: int | None = option(None, FAIL, metavar="1")
+    store: str | Path | None = option(
+        None,
+        "Keep results in this file, and take from it what is known; several sweeps may share it.",
+        str | None,
+        metavar="FILE",
+    )
+    workers: int | None = option(
+        None, "Processes that check; as many as there are processors unless given.", metavar="N"
+    )
+    scheduler: str | None = option(
+        None,
+        "Check on the Dask cluster of this scheduler, such as tcp://host:8786 (needs nonsmooth[cluster]).",
+        metavar="ADDRESS",
+    )
+    yes: bool = option(False, "Run more than a million scenes.")
+
+    @property
+    def processes(self) -> int:
+        """How many processes check; 1 is this one alone."""
+        return 1 if self.workers is None else self.workers
 
 
 def run_sweep(base: Base, plan: SweepPlan, means: Means, report: ProgressCall = silent) -> Sweep:
@@ -81,7 +93,9 @@ def run_sweep(base: Base, plan: SweepPlan, means: Means, report: ProgressCall = 
         SweepError: for means that cannot be used, and where every scene is refused.
     """
     require_heard(base, plan)
-    if not 1 <= means.workers <= MAX_WORKERS:
+    if means.fail not in (None, 1):
+        raise SweepError(f"fail: required 1, the number of wheels that fail, received {means.fail}")
+    if not 1 <= means.processes <= MAX_WORKERS:
         raise SweepError(f"workers: required 1 to {MAX_WORKERS}, received {means.workers}")
     if means.borders and plan.draws is not None:
         raise SweepError("borders: required a grid of scenes, received random draws")
@@ -91,7 +105,7 @@ def run_sweep(base: Base, plan: SweepPlan, means: Means, report: ProgressCall = 
         raise SweepError(_estimate(base, plan, means))
     cells = planned_cells(base, plan) if means.certify else None
     scenes = exact_base(base) if means.certify else base
-    work = Work(scenes, tuple(axis.path for axis in plan.axes), means.failures)
+    work = Work(scenes, tuple(axis.path for axis in plan.axes), means.fail is not None)
     with _runner(work, means, report) as runner:
         outcomes = runner.outcomes((entries_of(plan, k) for k in range(plan.size)), plan.size)
         _require_one_answer(outcomes)
@@ -107,7 +121,7 @@ def _require_array(means: Means) -> None:
     Raises:
         SweepError: for failures of wheels and for certified cells.
     """
-    for name, asked in (("fail", means.failures), ("certify", means.certify)):
+    for name, asked in (("fail", means.fail is not None), ("certify", means.certify)):
         if asked:
             raise SweepError(f"{name}: required an array of wheels, received a plain switched system")
 
@@ -123,7 +137,7 @@ def _certified(cells: Cells, means: Means, report: ProgressCall) -> tuple[Certif
 @contextmanager
 def _runner(work: Work, means: Means, report: ProgressCall) -> Iterator[Runner]:
     """Workers and store, closed in the end whatever happens."""
-    store = None if means.store is None else Store(means.store)
+    store = None if means.store is None else Store(Path(means.store))
     try:
         workers = _workers(work, means)
         try:
@@ -138,7 +152,7 @@ def _runner(work: Work, means: Means, report: ProgressCall) -> Iterator[Runner]:
 def _workers(work: Work, means: Means) -> Workers:
     """A cluster where one is named, else this machine."""
     if means.scheduler is None:
-        return local_workers(work, means.workers)
+        return local_workers(work, means.processes)
     from nonsmooth.reports.sweeps.cluster import Cluster
 
     return Cluster(work, means.scheduler)
@@ -168,9 +182,9 @@ def _estimate(base: Base, plan: SweepPlan, means: Means) -> str:
     seconds = []
     for k in range(SAMPLES):
         started = time.perf_counter()
-        outcome_of(base, paths, entries_of(plan, plan.size * k // SAMPLES), failures=means.failures)
+        outcome_of(base, paths, entries_of(plan, plan.size * k // SAMPLES), failures=means.fail is not None)
         seconds.append(time.perf_counter() - started)
-    whole = sum(seconds[1:]) / (SAMPLES - 1) * plan.size / means.workers
+    whole = sum(seconds[1:]) / (SAMPLES - 1) * plan.size / means.processes
     return f"yes: required for more than {LARGE} scenes, received {plan.size}: about {_duration(whole)}"
 
 

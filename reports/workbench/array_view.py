@@ -18,7 +18,7 @@ from nonsmooth.analysis.minimizers.sampled_field import sample_field
 from nonsmooth.proofs.answers.answer import Answer
 from nonsmooth.proofs.answers.other_rules import OtherRule, other_rules
 from nonsmooth.proofs.answers.robust import robust_answer
-from nonsmooth.proofs.clauses.clause import ClauseResult
+from nonsmooth.proofs.clauses.workspace import ClauseResult
 from nonsmooth.reports.check import check_scene
 from nonsmooth.reports.check_results import ArrayAnswers, CheckResult, TippedResult
 from nonsmooth.reports.exact_record import floats

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 from nonsmooth.proofs import system_certificates
-from nonsmooth.proofs.certificate import build_certificate, certificate_text
+from nonsmooth.proofs.certificate import certificate_text
 from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.reports.cells import drawn
 from nonsmooth.reports.console import json_text
@@ -74,19 +74,12 @@ def _json(document: Mapping[str, Any], made: Array | System) -> File:
 def _certificate(document: Mapping[str, Any], made: Array | System) -> File:
     """The certificate of a verdict, for the stand-alone checker."""
     del document
+    written_by = system_certificates.certificate_text if isinstance(made, System) else certificate_text
     try:
-        text = _system_text(made) if isinstance(made, System) else _array_text(made)
+        text = written_by(made.check().certificate())
     except NoCertificateError as error:
         raise RequestError(f"certificate: {error}") from None
     return File(".json", "application/json", text.encode())
-
-
-def _array_text(array: Array) -> str:
-    return certificate_text(build_certificate(array.check().evidence))
-
-
-def _system_text(system: System) -> str:
-    return system_certificates.certificate_text(system_certificates.certificate_of(system.check().evidence))
 
 
 _KINDS: dict[str, Callable[[Mapping[str, Any], Array | System], File]] = {

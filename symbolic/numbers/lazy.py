@@ -18,8 +18,7 @@ from typing import Any, TypeAlias
 from flint import arb, ctx, fmpq
 
 from nonsmooth.symbolic.numbers.exact_real import ExactReal
-from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.numbers.number_field import NumberField
+from nonsmooth.symbolic.numbers.number import Number, Tower
 from nonsmooth.symbolic.numbers.rounded import Rounded
 
 # With more independent square roots than this, quotients stay unevaluated: their exact form may hold 2^r terms.
@@ -42,7 +41,7 @@ class Lazy(ExactReal):
 
     __slots__ = ("_quotient", "_recipe", "_sign", "ball", "field")
 
-    def __init__(self, field: NumberField, ball: arb, recipe: Callable[[], Quotient]) -> None:
+    def __init__(self, field: Tower, ball: arb, recipe: Callable[[], Quotient]) -> None:
         self.field = field
         self.ball = ball
         self._recipe = recipe
@@ -188,9 +187,7 @@ class Lazy(ExactReal):
     __repr__ = __str__
 
 
-def _make(
-    field: NumberField, a: arb, b: arb, operation: Callable[[arb, arb], arb], recipe: Callable[[], Quotient]
-) -> Lazy:
+def _make(field: Tower, a: arb, b: arb, operation: Callable[[arb, arb], arb], recipe: Callable[[], Quotient]) -> Lazy:
     if field.meter is not None:
         field.meter.spend(1)
     with ctx.workprec(_PRECISION):

@@ -1,4 +1,4 @@
-"""Elements of a real number field: exact arithmetic, certified signs.
+"""Real number fields and their elements: exact arithmetic, certified signs.
 
 An element is a sparse sum ``sum_S c_S prod_{i in S} sqrt(g_i)`` with ``c_S`` in the base field (see
 :mod:`nonsmooth.symbolic.numbers.number_field`); the products are linearly independent, so it is zero iff it has no
@@ -9,13 +9,18 @@ terms: the one operation to avoid in inner loops.
 
 from __future__ import annotations
 
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Iterable, Mapping
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
-from flint import arb, ctx, fmpq, fmpz
+from flint import arb, ctx, fmpq, fmpq_poly, fmpz, fmpz_poly
 
 from nonsmooth.symbolic.numbers.coefficients import (
     Coefficient,
+    Rational,
+    as_fmpq,
     base_inverse,
     bits,
     fmpq_to_float,
@@ -26,11 +31,10 @@ from nonsmooth.symbolic.numbers.coefficients import (
 )
 from nonsmooth.symbolic.numbers.exact_real import ExactReal
 from nonsmooth.symbolic.numbers.printing import latex_sum, number_summands, number_to_sympy, plain_sum
+from nonsmooth.symbolic.numbers.work_limit import WorkMeter
 
 if TYPE_CHECKING:
     import sympy
-
-    from nonsmooth.symbolic.numbers.number_field import NumberField
 
 _FLOAT_BITS = 53
 _FILTER_BITS = 40  # float filter: sums of < 2^10 terms lose < 13 bits of 53, so 40 bits are safe
@@ -45,11 +49,11 @@ def sign(value: Any) -> int:
 
 
 class Number(ExactReal):
-    """Immutable element of a :class:`NumberField`; +, -, *, /, ** int, comparisons and hash are exact."""
+    """Immutable element of a :class:`Tower`; +, -, *, /, ** int, comparisons and hash are exact."""
 
     __slots__ = ("_float", "_hash", "_sign", "field", "terms")
 
-    def __init__(self, field: NumberField, terms: dict[int, Coefficient]) -> None:
+    def __init__(self, field: Tower, terms: dict[int, Coefficient]) -> None:
         self.field = field
         self.terms = terms
         self._sign: int | None = None
@@ -339,3 +343,102 @@ class Number(ExactReal):
     def to_sympy(self) -> sympy.Expr:
         """The same number as a SymPy expression (square roots and cosines)."""
         return number_to_sympy(self)
+
+
+class Tower(ABC):
+    """A tower ``Q(2 cos(2 pi/N)) (sqrt g_1) ... (sqrt g_r)`` of real fields: what the arithmetic of its elements needs.
+
+    Which square roots it holds, and which are adjoined, a subclass says (``NumberField``).
+
+    Args:
+        order: N of the base ``Q(2 cos(2 pi/N))``; 1 gives the rationals.
+        measured: turns t of angles ``pi t`` that stand for rational directions
+            (:mod:`nonsmooth.symbolic.numbers.measured_angles`).
+    """
+
+    def __init__(self, order: int, measured: Iterable[Fraction]) -> None:
+        self.order = order
+        self.measured = tuple(measured)
+        minimal = fmpz_poly.cos_minpoly(order)
+        self.base_degree = minimal.degree()
+        self.modulus: fmpq_poly | None = fmpq_poly(minimal) if self.base_degree > 1 else None
+        self.base_float = 2 * math.cos(2 * math.pi / order)
+        self.radicands: list[Number] = []
+        self.root_floats: list[float] = []
+        self.square_roots: dict[Number, Number] = {}
+        self._radicand_products: dict[int, Number] = {}
+        self._float_products: dict[int, float] = {}
+        self._root_balls: dict[tuple[int, int], arb] = {}
+        self.meter: WorkMeter | None = None  # counts products while a limit is set
+        self.rounded_signs = 0  # how many decisions were those of a rounded number alone
+        self.zero = Number(self, {})
+        self.one = self.rational(1)
+
+    @abstractmethod
+    def sqrt(self, value: Number | Rational) -> Number:
+        """Non-negative square root; raises ValueError of a negative number."""
+
+    def rational(self, value: Rational) -> Number:
+        """Embed a rational number."""
+        number = as_fmpq(value)
+        return Number(self, {0: self.coefficient(number)} if number else {})
+
+    def __call__(self, value: Number | Rational) -> Number:
+        """Element of this field from a rational, or the element itself."""
+        if isinstance(value, Number):
+            if value.field is not self:
+                raise ValueError("required a number of this field, received one of another field")
+            return value
+        return self.rational(value)
+
+    def coefficient(self, value: fmpq) -> Coefficient:
+        """A rational as an element of the base field."""
+        return value if self.modulus is None else fmpq_poly([value])
+
+    def two_cos(self, multiple: int) -> Number:
+        """``2 cos(2 pi k/N)`` as a polynomial in the base generator (Chebyshev, ``2 T_k(c/2)``)."""
+        k = multiple % self.order
+        polynomial = fmpq_poly(fmpz_poly.chebyshev_t(min(k, self.order - k)))
+        scaled = polynomial(fmpq_poly([0, fmpq(1, 2)])) * 2
+        if self.modulus is None:  # N in {1, 2, 3, 4, 6}: the base generator is an integer
+            return self.rational(scaled(fmpq(round(self.base_float))))
+        return self.collected({0: scaled % self.modulus})
+
+    def adjoin(self, radicand: Number) -> Number:
+        """Add the generator ``sqrt(radicand)``; the caller has proved it is not in the field yet."""
+        self.radicands.append(radicand)
+        self.root_floats.append(math.sqrt(float(radicand)) if -HUGE < float(radicand) < HUGE else math.inf)
+        return Number(self, {1 << (len(self.radicands) - 1): self.coefficient(fmpq(1))})
+
+    def collected(self, terms: Mapping[int, Coefficient]) -> Number:
+        """The element with these terms; zero coefficients are dropped."""
+        return Number(self, {mask: c for mask, c in terms.items() if c})
+
+    def radicand_product(self, mask: int) -> Number:
+        """``prod_{i in mask} g_i``."""
+        if mask not in self._radicand_products:
+            product = self.one
+            for i in bits(mask):
+                product = product * self.radicands[i]
+            self._radicand_products[mask] = product
+        return self._radicand_products[mask]
+
+    def float_product(self, mask: int) -> float:
+        """``prod_{i in mask} sqrt(g_i)`` in floats."""
+        if mask not in self._float_products:
+            self._float_products[mask] = math.prod((self.root_floats[i] for i in bits(mask)), start=1.0)
+        return self._float_products[mask]
+
+    def root_ball(self, index: int) -> arb:
+        """Enclosure of a generator at the working precision of ``flint.ctx``."""
+        key = (index, ctx.prec)
+        if key not in self._root_balls:
+            self._root_balls[key] = self.radicands[index].ball().sqrt()
+        return self._root_balls[key]
+
+    def base_ball(self) -> arb:
+        """Enclosure of ``2 cos(2 pi/N)`` at the working precision of ``flint.ctx``."""
+        key = (-1, ctx.prec)
+        if key not in self._root_balls:
+            self._root_balls[key] = 2 * arb.cos_pi_fmpq(fmpq(2, self.order))
+        return self._root_balls[key]

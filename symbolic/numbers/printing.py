@@ -10,23 +10,42 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from fractions import Fraction
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from flint import fmpq
 
-from nonsmooth.symbolic.numbers.coefficients import bits
+from nonsmooth.symbolic.numbers.coefficients import Coefficient, Terms, bits
 
 if TYPE_CHECKING:
     import sympy
 
-    from nonsmooth.symbolic.numbers.coefficients import Coefficient
-    from nonsmooth.symbolic.numbers.number import Number
-    from nonsmooth.symbolic.numbers.number_field import NumberField
-
 Cosines = dict[Fraction, Fraction]  # turn -> weight of cos(pi * turn); turn 0 is the constant
 
 
-def cosine_form(field: NumberField, coefficient: Coefficient) -> Cosines:
+class SumOfRoots(Protocol):
+    """What is printed of a number: its terms, and the radicands and the base of its field."""
+
+    terms: Terms
+
+    @property
+    def field(self) -> RootField:
+        """The field that the number is of."""
+
+    def as_rational(self) -> fmpq | None:
+        """The value, where it is rational."""
+
+
+class RootField(Protocol):
+    """What printing asks of a number field: the order of its base, and what it takes square roots of."""
+
+    order: int
+
+    @property
+    def radicands(self) -> Sequence[SumOfRoots]:
+        """One for each square root that was adjoined."""
+
+
+def cosine_form(field: RootField, coefficient: Coefficient) -> Cosines:
     """A base element as a rational combination of ``cos(pi * turn)``, ``0 <= turn < 1/2``."""
     if isinstance(coefficient, fmpq):
         return {Fraction(0): _fraction(coefficient)}
@@ -80,7 +99,7 @@ def latex_sum(summands: Iterable[Summand]) -> str:
     return "".join(signed(s, s.latex, first=not k) for k, s in enumerate(summands)) or "0"
 
 
-def number_summands(number: Number) -> list[Summand]:
+def number_summands(number: SumOfRoots) -> list[Summand]:
     """The number as signed products of a rational, at most one cosine, and square roots.
 
     Their plain sum is text that :mod:`nonsmooth.symbolic.expression` reads back to the same number.
@@ -95,12 +114,12 @@ def number_summands(number: Number) -> list[Summand]:
     return parts
 
 
-def _ordered_masks(number: Number) -> list[int]:
+def _ordered_masks(number: SumOfRoots) -> list[int]:
     """Terms by their radicals, smallest first: the text does not depend on the order in which roots were adjoined."""
     return sorted(number.terms, key=lambda mask: _radical_key(number, mask))
 
 
-def _radical_key(number: Number, mask: int) -> tuple[list[str], int]:
+def _radical_key(number: SumOfRoots, mask: int) -> tuple[list[str], int]:
     radicands = [number.field.radicands[i] for i in bits(mask)]
     values = [radicand.as_rational() for radicand in radicands]
     nested = sorted(str(radicand) for radicand, value in zip(radicands, values, strict=True) if value is None)
@@ -122,7 +141,7 @@ def _angle(turn: Fraction, pi: str, times: str) -> str:
     return top.strip() if turn.denominator == 1 else f"{top.strip()}/{turn.denominator}"
 
 
-def _roots(number: Number, mask: int) -> tuple[list[str], list[str]]:
+def _roots(number: SumOfRoots, mask: int) -> tuple[list[str], list[str]]:
     """The square roots of one term: rational radicands share one root, nested ones stay factors."""
     rational, nested = 1, list[list[Summand]]()
     for i in bits(mask):
@@ -137,7 +156,7 @@ def _roots(number: Number, mask: int) -> tuple[list[str], list[str]]:
     return plain, latex
 
 
-def number_to_sympy(number: Number) -> sympy.Expr:
+def number_to_sympy(number: SumOfRoots) -> sympy.Expr:
     """The number as a SymPy expression."""
     import sympy
 
@@ -145,7 +164,7 @@ def number_to_sympy(number: Number) -> sympy.Expr:
     for mask in sorted(number.terms):
         root = sympy.Integer(1)
         for i in bits(mask):
-            root *= sympy.sqrt(number.field.radicands[i].to_sympy())
+            root *= sympy.sqrt(number_to_sympy(number.field.radicands[i]))
         for turn, weight in cosine_form(number.field, number.terms[mask]).items():
             cosine = sympy.cos(sympy.Rational(turn.numerator, turn.denominator) * sympy.pi)
             total += sympy.Rational(weight.numerator, weight.denominator) * cosine * root

@@ -9,7 +9,7 @@ any other, which also carries
 - ``member``, its value at angles a millionth or so away, in 256 bits.
 
 Interval arithmetic carries both along.  A sign that is the same all over the box is certain.  Any other is that of the
-rational number alone: the field counts it (:attr:`nonsmooth.symbolic.numbers.number_field.NumberField.rounded_signs`),
+rational number alone: the field counts it (:attr:`nonsmooth.symbolic.numbers.number.Tower.rounded_signs`),
 and a decision during which that count rose is one of rounding.  Elsewhere the same steps are taken for every member of
 the box, so the decision holds for all of them.
 
@@ -25,15 +25,12 @@ import operator
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from flint import arb, ctx, fmpq
 
-from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.number import Number, Tower
 from nonsmooth.symbolic.numbers.rational_directions import CLOSENESS
-
-if TYPE_CHECKING:
-    from nonsmooth.symbolic.numbers.number_field import NumberField
 
 BY_ROUNDING = "rounding decides: "  # how all reasons of the kind begin
 ROUNDING_DECIDES = (
@@ -177,7 +174,7 @@ def _computed(operation: Callable[..., Any], *numbers: Number) -> Number:
 
 
 @contextmanager
-def either_way(field: NumberField) -> Iterator[None]:
+def either_way(field: Tower) -> Iterator[None]:
     """Count no decisions of rounding: whichever of the ways is gone, what comes of it is right, or verified later."""
     before = field.rounded_signs
     yield
@@ -204,7 +201,7 @@ def rounded(exact: Number, away: Fraction) -> Rounded:
         return Rounded(exact, exact.ball() + radius * arb(0, 1), arb(fmpq(away.numerator, away.denominator)))
 
 
-def enclosed(field: NumberField, box: arb, share: float) -> Rounded:
+def enclosed(field: Tower, box: arb, share: float) -> Rounded:
     """A number of which only an enclosure is known; a decimal number in its middle stands for it.
 
     Args:

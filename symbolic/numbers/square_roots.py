@@ -14,15 +14,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from itertools import count
-from typing import TYPE_CHECKING
 
 from flint import fmpq, fmpq_mat, fmpq_poly, fmpz, fmpz_mod_ctx, fmpz_mod_poly_ctx, nmod_mat
 
 from nonsmooth.symbolic.numbers.coefficients import as_fmpq, bits
-from nonsmooth.symbolic.numbers.number import Number
-
-if TYPE_CHECKING:
-    from nonsmooth.symbolic.numbers.number_field import NumberField
+from nonsmooth.symbolic.numbers.number import Number, Tower
 
 _FACTOR_BITS = 128  # longer cofactors are not factored (quadratic sieve takes over a second there)
 _SMOOTH_BITS = 16
@@ -34,7 +30,7 @@ class NestingError(ValueError):
     """Too many square roots of square roots for one field."""
 
 
-def square_root(field: NumberField, value: Number) -> Number:
+def square_root(field: Tower, value: Number) -> Number:
     """Non-negative square root of ``value``, adjoining generators where needed.
 
     Raises:
@@ -67,7 +63,7 @@ def _rational_content(value: Number) -> fmpq:
     return fmpq(top, bottom)
 
 
-def _rational_root(field: NumberField, value: fmpq) -> Number:
+def _rational_root(field: Tower, value: fmpq) -> Number:
     """``sqrt(a^2 p / (b^2 q)) = a sqrt(p) sqrt(q) / (b q)`` with p, q squarefree, prime by prime."""
     squares_above, primes_above = _split_squares(value.p)
     squares_below, primes_below = _split_squares(value.q)
@@ -105,10 +101,10 @@ def factor(number: fmpz) -> list[tuple[fmpz, int]]:
     return parts
 
 
-def _root(field: NumberField, radicand: Number) -> Number:
+def _root(field: Tower, radicand: Number) -> Number:
     """Root of a positive radicand: an element of the field where it exists, else a new generator."""
-    if radicand in field._square_roots:
-        return field._square_roots[radicand]
+    if radicand in field.square_roots:
+        return field.square_roots[radicand]
     rational = radicand.as_rational()
     if rational == 1:
         return field.one
@@ -116,17 +112,17 @@ def _root(field: NumberField, radicand: Number) -> Number:
         root = field.adjoin(radicand)
     else:
         root = _find(field, radicand) or field.adjoin(radicand)
-    field._square_roots[radicand] = root
+    field.square_roots[radicand] = root
     return root
 
 
-def _is_new_prime(field: NumberField, radicand: fmpq) -> bool:
+def _is_new_prime(field: Tower, radicand: fmpq) -> bool:
     """Over Q, a prime that divides no earlier radicand is no square times a product of them."""
     rationals = [g.as_rational() for g in field.radicands]
     return radicand.p.is_prime() and all(g is not None and g.p % radicand.p != 0 for g in rationals)
 
 
-def _find(field: NumberField, radicand: Number) -> Number | None:
+def _find(field: Tower, radicand: Number) -> Number | None:
     """Root of ``radicand`` in the field, or None with the residue proof that there is none."""
     inner = _inner_generators(field, radicand)
     if len(inner) > _MAX_INNER:
@@ -153,7 +149,7 @@ def _find(field: NumberField, radicand: Number) -> Number | None:
             return abs(root)
 
 
-def _inner_generators(field: NumberField, radicand: Number) -> set[int]:
+def _inner_generators(field: Tower, radicand: Number) -> set[int]:
     """Generators that occur inside a radicand (nested roots)."""
     inner: set[int] = set()
     for number in [*field.radicands, radicand]:
@@ -162,7 +158,7 @@ def _inner_generators(field: NumberField, radicand: Number) -> set[int]:
     return inner
 
 
-def _characters(field: NumberField, inner: set[int], numbers: list[Number]) -> Iterator[list[int]]:
+def _characters(field: Tower, inner: set[int], numbers: list[Number]) -> Iterator[list[int]]:
     """Residue bits of the numbers at primes where the base and the inner roots have residues.
 
     A root that occurs in no other root may be taken with either sign.  Both are asked: for ``p = 3 mod 4`` the root
@@ -187,7 +183,7 @@ def _characters(field: NumberField, inner: set[int], numbers: list[Number]) -> I
 class _ResidueMap:
     """Ring homomorphism from the inner field to the integers modulo p."""
 
-    def __init__(self, field: NumberField, p: fmpz, inner: list[int]) -> None:
+    def __init__(self, field: Tower, p: fmpz, inner: list[int]) -> None:
         self.p, self.roots = p, dict[int, fmpz]()
         self.base = fmpz(0)
         self.exists = True
@@ -233,7 +229,7 @@ def _solve_mod_2(rows: list[list[int]], unknowns: int) -> list[int] | None:
     return None if found is None else [k for k in range(unknowns) if found[k]]
 
 
-def _exact_root(field: NumberField, value: Number, inner: list[int]) -> Number | None:
+def _exact_root(field: Tower, value: Number, inner: list[int]) -> Number | None:
     """Square root inside base(inner roots), by descent: ``(x + y s)^2 = a + b s``, ``s^2 = g``."""
     if value.sign() < 0:
         return None
@@ -263,7 +259,7 @@ def _exact_root(field: NumberField, value: Number, inner: list[int]) -> Number |
     return None
 
 
-def _base_root(field: NumberField, value: Number) -> Number | None:
+def _base_root(field: Tower, value: Number) -> Number | None:
     """Square root in the base field Q(c), or None.
 
     ``chi_b(X^2)``, chi the characteristic polynomial of multiplication by b, has an irreducible factor
@@ -291,7 +287,7 @@ def _base_root(field: NumberField, value: Number) -> Number | None:
     return None
 
 
-def _characteristic(field: NumberField, b: Number) -> fmpq_poly:
+def _characteristic(field: Tower, b: Number) -> fmpq_poly:
     """Characteristic polynomial of multiplication by b on the base field."""
     degree, generator = field.base_degree, field.two_cos(1)
     rows, power = [], b
@@ -302,7 +298,7 @@ def _characteristic(field: NumberField, b: Number) -> fmpq_poly:
     return fmpq_mat(rows).charpoly()
 
 
-def _at(field: NumberField, coefficients: list[fmpq], x: Number) -> Number:
+def _at(field: Tower, coefficients: list[fmpq], x: Number) -> Number:
     total = field.zero
     for c in reversed(coefficients):
         total = total * x + fmpq(c)

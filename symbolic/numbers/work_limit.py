@@ -8,10 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from nonsmooth.symbolic.numbers.number_field import NumberField
+from typing import Protocol
 
 
 class WorkLimitError(Exception):
@@ -80,11 +77,17 @@ class WatchedMeter(WorkMeter):
         return WatchedMeter(min(units, self.left), self._look_up)
 
 
+class Metered(Protocol):
+    """What counts its arithmetic while it has a meter: a number field."""
+
+    meter: WorkMeter | None
+
+
 UNLIMITED = 1 << 62  # units: more than any machine does
 
 
 @contextmanager
-def watched(field: NumberField, look_up: Callable[[], None]) -> Iterator[None]:
+def watched(field: Metered, look_up: Callable[[], None]) -> Iterator[None]:
     """Call a function every so often while a field is computed in; it ends the work by raising an exception."""
     outer = field.meter
     field.meter = WatchedMeter(UNLIMITED, look_up)
@@ -95,7 +98,7 @@ def watched(field: NumberField, look_up: Callable[[], None]) -> Iterator[None]:
 
 
 @contextmanager
-def work_limit(field: NumberField, units: int) -> Iterator[None]:
+def work_limit(field: Metered, units: int) -> Iterator[None]:
     """Limit the arithmetic of a field inside a block; within another limit, what is spent counts for both.
 
     Raises:

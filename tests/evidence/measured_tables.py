@@ -111,7 +111,7 @@ def position(scene: Scene) -> Answer:
     work = Workspace(scene, sample=False)
     for clause in registry.CLAUSES:
         if clause.name in {"equilibrium", "translation"}:
-            work.earlier[clause.name] = work.decided(clause)
+            work.earlier[clause.name] = clause.decided(work)
     return position_answer(scene, work.earlier)
 
 

@@ -15,10 +15,10 @@ from flint import ctx
 
 from nonsmooth.analysis.cells.fan import CellCone, by_angle, is_plane
 from nonsmooth.analysis.cells.load_sets import load_set
+from nonsmooth.proofs.boxes.linearization import inward_pull
 from nonsmooth.proofs.checker import fan as checker
 from nonsmooth.proofs.clauses.at_point.balance import rest_balance
 from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, Situation, motion_with
-from nonsmooth.proofs.clauses.at_point.linearization import inward_pull
 from nonsmooth.proofs.clauses.at_point.mass import (
     PRECISION,
     MassLimit,

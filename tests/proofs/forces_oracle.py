@@ -13,9 +13,9 @@ from dataclasses import dataclass
 
 from nonsmooth.analysis.cells.loads import Affine, LoadRegion
 from nonsmooth.analysis.contact_rule import smooth_rule_of
+from nonsmooth.proofs.boxes.linearization import Linearization
 from nonsmooth.proofs.clauses.at_point.balance import RestBalance
 from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, Situation
-from nonsmooth.proofs.clauses.at_point.linearization import Linearization
 from nonsmooth.symbolic.constraints import Triple, cross_product, independent, inner, roll_row, scaled, total
 from nonsmooth.symbolic.friction_set import FrictionSet
 from nonsmooth.symbolic.numbers.number import Number

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from nonsmooth.analysis.cells.region import Region
-from nonsmooth.proofs.inequalities.prover import Proof, Sense, prove
+from nonsmooth.proofs.inequalities.forms import Sense
+from nonsmooth.proofs.inequalities.prover import Proof, prove
 from nonsmooth.proofs.system_audit import AuditVerdict, audit
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.decay_rate import decay_rate

@@ -8,7 +8,8 @@ import pytest
 
 from nonsmooth.analysis.cells.switched_cells import square_regions
 from nonsmooth.proofs.inequalities.effort import effort_left, effort_of_its_own, shared_effort
-from nonsmooth.proofs.inequalities.prover import Counterexample, Proof, Sense, Undecided, prove
+from nonsmooth.proofs.inequalities.forms import Sense
+from nonsmooth.proofs.inequalities.prover import Counterexample, Proof, Undecided, prove
 from nonsmooth.proofs.system_audit import AuditVerdict, audit
 from nonsmooth.proofs.systems.derivatives import EFFORT
 from nonsmooth.symbolic.files.system_file import build_system

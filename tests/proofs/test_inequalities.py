@@ -19,13 +19,11 @@ from hypothesis import strategies as st
 from nonsmooth.analysis.cells.polygon import square
 from nonsmooth.analysis.cells.region import Region, cone_region, polygon_region, quadrants
 from nonsmooth.proofs.inequalities.complete import line_of
-from nonsmooth.proofs.inequalities.forms import PLANE, multiplier
+from nonsmooth.proofs.inequalities.forms import PLANE, Question, Sense, multiplier
 from nonsmooth.proofs.inequalities.prover import (
     Counterexample,
     Outcome,
     Proof,
-    Question,
-    Sense,
     Undecided,
     ZeroBetween,
     counterexample,
@@ -76,8 +74,8 @@ def agrees(outcome: Outcome) -> bool:
     """Whether no sample refutes a proof, and a witness is a point of the cell at which the claim fails."""
     question = outcome.question
     if isinstance(outcome, Counterexample):
-        return question.claim.fails_at(outcome.point) and not outcome.value - question.polynomial(outcome.point)
-    return not isinstance(outcome, Proof) or counterexample(question.claim) is None
+        return question.fails_at(outcome.point) and not outcome.value - question.polynomial(outcome.point)
+    return not isinstance(outcome, Proof) or counterexample(question) is None
 
 
 def quadrant(field: NumberField) -> Region:
@@ -172,7 +170,7 @@ def test_a_zero_without_a_name_is_isolated() -> None:
     assert isinstance(outcome, ZeroBetween)
     value = outcome.question.polynomial(outcome.point)
     assert abs(float(value)) < 1  # close to the zero
-    assert not outcome.zero.root.sign_of(line_of(outcome.part))
+    assert not outcome.zero.sign_of(line_of(outcome.part))
 
 
 def test_motzkin_is_undecided_or_proved_but_never_refuted() -> None:
@@ -398,10 +396,10 @@ def test_a_point_outside_the_cell_is_no_witness() -> None:
     witness = decide(">=0", "x - y", quadrant)
     assert isinstance(witness, Counterexample)
     field = witness.question.polynomial.field
-    claim = witness.question.claim
-    assert claim.fails_at((field(1), field(2)))
-    assert not claim.fails_at((field(-2), field(-1)))
-    assert not claim.fails_at((field(2), field(1)))
+    question = witness.question
+    assert question.fails_at((field(1), field(2)))
+    assert not question.fails_at((field(-2), field(-1)))
+    assert not question.fails_at((field(2), field(1)))
 
 
 # ---- regions -----------------------------------------------------------------------------------

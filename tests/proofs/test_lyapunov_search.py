@@ -16,9 +16,10 @@ from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.domain import Domain, scene_cells
 from nonsmooth.proofs.systems.findings import Method
 from nonsmooth.proofs.systems.lyapunov_rows import bent_functions, build_formula, lines_through, smooth_functions
-from nonsmooth.proofs.systems.lyapunov_search import find_lyapunov, find_weak_lyapunov, propose
+from nonsmooth.proofs.systems.lyapunov_search import find_lyapunov, find_weak_lyapunov, in_time, propose
+from nonsmooth.proofs.systems.plane_function import PlaneFunction
 from nonsmooth.proofs.systems.ray_moves import conic_germ
-from nonsmooth.proofs.systems.search import PlaneFunction, enlarged_pieces, find_near, reversed_cells
+from nonsmooth.proofs.systems.search import enlarged_pieces, find_near
 from nonsmooth.proofs.systems.sublevel_region import SublevelRegion, largest_sublevel
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
@@ -52,11 +53,13 @@ def test_a_found_v_falls_along_polygons(load: Load, first: str, second: str) -> 
     system = load(first, second)
     found = find_lyapunov(system)
     assert found is not None
+    assert found.formula is not None
+    assert found.domain.radius is not None
     assert found.result.verdict is Decrease.STRICT
     names = {"Abs": np.abs, "sign": np.sign}
     rhs = [compile(f.text, "rhs", "eval") for f in system.rhs]
     formula = compile(found.formula.text, "V", "eval")
-    radius = float(found.radius)
+    radius = float(found.domain.radius)
     angles = np.linspace(0.1, 0.1 + 2 * np.pi, STARTS, endpoint=False)
     points = 0.5 * radius * np.array([np.cos(angles), np.sin(angles)])
     inside = np.ones(STARTS, dtype=bool)
@@ -83,7 +86,7 @@ def test_rich_families_leave_work_for_smaller_squares(load: Load) -> None:
     first = "-sign(y) - sign(y - 2*x) - y/2 - x**2/2 - x/2"
     found = find_lyapunov(load(first, "-2*sign(y) - 2*sign(y - 2*x) - 3*x/4 - x*y/4"))
     assert found is not None
-    assert found.formula.text == "x**2 - x*y + y**2"
+    assert found.text == "x**2 - x*y + y**2"
 
 
 def test_in_reversed_time_it_grows(load: Load) -> None:
@@ -92,7 +95,7 @@ def test_in_reversed_time_it_grows(load: Load) -> None:
     assert result.function is not None
     assert result.function.grows
     assert result.check()
-    turned = reversed_cells(system_cells(load("y", "-x"), square_regions(result.scene.check.radius)))
+    turned = in_time(system_cells(load("y", "-x"), square_regions(result.scene.check.radius)), grows=True)
     assert [str(p) for p in turned[0].velocities[0]] == ["-y", "x"]
 
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 
 from nonsmooth.proofs.theorem4 import check_theorem4
-from nonsmooth.proofs.theorem4_result import Check
+from nonsmooth.proofs.theorem4_result import Check, SmoothCheck
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.rounded_rings import RULES, contradiction, said_of_ring
 from tests.thorough import keep
@@ -47,9 +47,10 @@ def check_of(tmp_path: Path, text: str, rule: str) -> Check:
 @pytest.mark.parametrize("rule", ["ellipse", "roller"])
 def test_a_ring_in_degrees_is_not_said_to_throw_bodies_out(tmp_path: Path, rule: str) -> None:
     check = check_of(tmp_path, TRIANGLE, rule)
-    assert check.verdict == "undecided"
-    assert {name for name in check.results if name != "feedback"} <= check.by_rounding
-    assert check.results["equilibrium"].reason.startswith("rounding decides")
+    verdicts = [str(check.results[name].verdict) for name in ("equilibrium", "translation", "rotation")]
+    assert verdicts == ["holds", "asymptotically stable", "unstable"]
+    assert isinstance(check, SmoothCheck)
+    assert 0 < (check.equilibrium.rounding_distance or 0) < 1e-12
     assert check.check()
 
 
@@ -82,10 +83,14 @@ heading = [-4, 3]
 position = ["-4/5", "3/5"]
 heading = [4, -3]
 """
-    assert check_of(tmp_path, exact.format("[3, 4]"), rule).results["equilibrium"].verdict == "holds"
-    check = check_of(tmp_path, exact.format('"53.13010235415598 deg"'), rule)
-    assert check.results["equilibrium"].verdict == "undecided"
-    assert "equilibrium" in check.by_rounding
+    by_vectors = check_of(tmp_path, exact.format("[3, 4]"), rule)
+    by_angle = check_of(tmp_path, exact.format('"53.13010235415598 deg"'), rule)
+    assert isinstance(by_vectors, SmoothCheck)
+    assert isinstance(by_angle, SmoothCheck)
+    assert by_vectors.equilibrium.verdict == by_angle.equilibrium.verdict == "holds"
+    assert by_vectors.equilibrium.rounding_distance is None
+    assert by_angle.equilibrium.rounding_distance  # not the point itself
+    assert by_angle.rotation.verdict == "undecided"
 
 
 def test_unknown_loads_too(tmp_path: Path) -> None:

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from nonsmooth.reports.document import Block, Paragraph, findings
 from nonsmooth.reports.result import FORMATS, DataTable, Record, Result
-from nonsmooth.reports.study import Options, SceneStudy, StudyRequest, option
+from nonsmooth.reports.study import SceneStudy, StudyRequest
 from nonsmooth.reports.study_command import command
+from nonsmooth.reports.study_options import Options, option
 from nonsmooth.symbolic.scene_kind import SceneKind
 
 if TYPE_CHECKING:

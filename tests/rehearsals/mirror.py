@@ -6,10 +6,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import StrEnum
 
-from nonsmooth.proofs.clauses.clause import Clause
+from nonsmooth.proofs.clauses.clause import CheckedArray, Clause
 from nonsmooth.proofs.clauses.workspace import Workspace
 from nonsmooth.proofs.facts import Fact, number_fact
-from nonsmooth.proofs.theorem4_result import Theorem4Result
 from nonsmooth.proofs.verdicts import Theorem4
 from nonsmooth.symbolic.plane import Vector, dot
 from nonsmooth.symbolic.scene import Scene
@@ -63,7 +62,7 @@ class MirrorClause(Clause[MirrorResult]):
         """An array that is not symmetric fails, for the sake of the rehearsal."""
         return (Theorem4.FAILS, result.reason) if result.alone else None
 
-    def facts(self, result: MirrorResult, check: Theorem4Result) -> Iterator[Fact]:
+    def facts(self, result: MirrorResult, check: CheckedArray) -> Iterator[Fact]:
         """How far the farthest wheel is."""
         farthest = max(dot(wheel.position, wheel.position) for wheel in result.scene.wheels)
         yield number_fact("farthest", farthest, "the farthest wheel has |p|^2 = {}")

@@ -9,8 +9,8 @@ from nonsmooth.reports.check import CheckOptions, CheckStudy
 from nonsmooth.reports.check_results import CheckResult
 from nonsmooth.reports.options import SceneTexts
 from nonsmooth.reports.result import Record, Result
-from nonsmooth.reports.study import option
 from nonsmooth.reports.study_command import command
+from nonsmooth.reports.study_options import option
 
 
 @dataclass(frozen=True, kw_only=True)

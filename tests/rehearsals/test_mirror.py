@@ -10,11 +10,11 @@ from pathlib import Path
 import pytest
 
 from nonsmooth.proofs.clauses import registry
+from nonsmooth.proofs.clauses.clause import CheckedArray
 from nonsmooth.proofs.clauses.rotation.clause import RotationClause
 from nonsmooth.proofs.clauses.rotation.on_cells import RotationResult
 from nonsmooth.proofs.facts import Fact, number_fact
 from nonsmooth.proofs.theorem4 import check_theorem4
-from nonsmooth.proofs.theorem4_result import Theorem4Result
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.rehearsals.mirror import MirrorClause
 from tests.reports.conftest import Invoke
@@ -74,7 +74,7 @@ def test_a_new_clause_takes_part_in_the_conclusion(invoke: Invoke, tmp_path: Pat
 class WidthOfDrift(RotationClause):
     """The rotation clause with one more number."""
 
-    def facts(self, result: RotationResult, check: Theorem4Result) -> Iterator[Fact]:
+    def facts(self, result: RotationResult, check: CheckedArray) -> Iterator[Fact]:
         """The facts as they are, and the width."""
         yield from super().facts(result, check)
         if result.drift is not None:

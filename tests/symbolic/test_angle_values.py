@@ -15,6 +15,7 @@ from nonsmooth.symbolic.expression import ExpressionError
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.files.scene_values import AngleReading, AngleUnit, read_angle
 from nonsmooth.symbolic.numbers.measured_angles import ROUNDING, angle_notes, choose_angles, degree_of, turn_of_radians
+from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.scene import Scene
 
 DIGITS = 60
@@ -193,7 +194,9 @@ def test_headings_of_a_table(tmp_path: Path) -> None:
     assert first.direction[0] == first.direction[1] > 0
     assert float(second.direction[1]) == pytest.approx(mp.sin(0.25), abs=CLOSENESS)
     assert list(third.direction) == [0, 1]
-    notes = angle_notes(first.position[0].field)
+    field = first.position[0].field
+    assert isinstance(field, NumberField)
+    notes = angle_notes(field)
     assert notes[0] == WITHOUT_UNIT
     assert "14.32394488 deg" in notes[1]
     (tmp_path / "my.toml").write_text(head + '[units]\nangle = "rad"\n', encoding="utf-8")

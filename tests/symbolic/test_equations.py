@@ -121,8 +121,9 @@ def test_symbolic_inputs_at_the_speeds_give_the_twist(arrays: Arrays, seed: int)
 
 def value_of(formula: Formula, values: dict[str, Number]) -> Number:
     """The formula's plain text, read back by the parser of scene files."""
-    some = next(iter(values.values()))
-    return parse(formula.plain(), set(values)).value(some.field, values)
+    field = next(iter(values.values())).field
+    assert isinstance(field, NumberField)
+    return parse(formula.plain(), set(values)).value(field, values)
 
 
 def test_four_wheel_equations_as_text() -> None:

@@ -144,6 +144,7 @@ def test_random_formulas_agree_with_mpmath_and_come_back_from_their_text(tree: T
     text, value, _ = tree
     number = exact(text)
     assert float(number) == pytest.approx(float(value), rel=1e-14, abs=1e-30)
+    assert isinstance(number.field, NumberField)
     again = parse(str(number))
     assert again.value(number.field) == number  # the same number of the same field
     assert float(exact(str(number))) == float(number)  # and of a new one
@@ -228,6 +229,7 @@ def test_random_text_is_refused_or_a_number_that_its_own_text_gives_back() -> No
             refused += 1
             return
         read += 1
+        assert isinstance(number.field, NumberField)
         assert parse(str(number)).value(number.field) == number
 
     sample()

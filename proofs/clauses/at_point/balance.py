@@ -21,7 +21,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from nonsmooth.analysis.cells.loads import LoadRegion
-from nonsmooth.proofs.clauses.at_point.linearization import Slip, gradient, slips_at
+from nonsmooth.proofs.boxes.linearization import Slip, gradient, slips_at
 from nonsmooth.symbolic.constraints import Triple, cofactors, combine, gram, inner, scaled
 from nonsmooth.symbolic.friction_set import BorderPiece, FrictionSet
 from nonsmooth.symbolic.numbers.lazy import divided

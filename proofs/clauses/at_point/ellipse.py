@@ -9,13 +9,15 @@ Five situations are told apart, each by exact evidence:
 - *sticking*: wheels that stick answer the balance strictly inside their friction sets: rest fills a neighbourhood;
 - *moved*: the best rotation about the point is enclosed between two rational rates, and over the enclosure the
   gradient of D in the translation directions stays away from zero (balls): no equilibrium;
+- *at rest within rounding*: a place of rest is enclosed that no printed digit tells from the point
+  (:mod:`nonsmooth.proofs.boxes.enclosed_rest`), and what follows holds at it for every member of the box;
 - otherwise the point is not decided, and the reason says why.  So it is, under rule ``roller``, where rollers turn at
   the motion in question and leave the Hessian singular, or are about to turn, or rims do not slip.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
@@ -23,8 +25,8 @@ from flint import arb, ctx, fmpq
 
 from nonsmooth.analysis.cells.loads import LoadRegion
 from nonsmooth.analysis.contact_rule import smooth_rule_of
-from nonsmooth.proofs.clauses.at_point.balance import RestBalance, rest_balance
-from nonsmooth.proofs.clauses.at_point.linearization import (
+from nonsmooth.proofs.boxes.enclosed_rest import EnclosedRest
+from nonsmooth.proofs.boxes.linearization import (
     Linearization,
     Slip,
     gradient,
@@ -32,17 +34,17 @@ from nonsmooth.proofs.clauses.at_point.linearization import (
     slips_at,
     spin_candidates,
 )
-from nonsmooth.proofs.enclosures import is_positive_definite, linear_stability
+from nonsmooth.proofs.clauses.at_point.balance import RestBalance, rest_balance
+from nonsmooth.proofs.enclosures import is_positive_definite, linear_stability, zero_of_rising
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.constraints import Row, RowKind, Twist, independent, scene_rows
 from nonsmooth.symbolic.contact_states import solve_rows
 from nonsmooth.symbolic.friction_set import BorderPiece
-from nonsmooth.symbolic.number_text import brief_text
+from nonsmooth.symbolic.number_text import brief_text, float_text
 from nonsmooth.symbolic.scene import Scene
 
 _PRECISION = 256
 _BISECTIONS = 120  # halvings of the bracket of the best rotation rate
-_DOUBLINGS = 80
 
 
 class Situation(StrEnum):
@@ -52,6 +54,7 @@ class Situation(StrEnum):
     SMOOTH = "smooth minimizer"
     STICKING = "held at rest by sticking wheels"
     MOVED = "driven away"
+    ENCLOSED = "at rest within rounding"
     OPEN = "not decided"
 
 
@@ -67,6 +70,7 @@ class EllipsePoint:
         balance: forces at rest.
         linearization: first-order motion (smooth minimizers whose loads are smooth too).
         reason: one sentence for people.
+        rest: the place of rest that is the point within rounding, where no exact one is known.
     """
 
     scene: Scene
@@ -76,6 +80,7 @@ class EllipsePoint:
     balance: RestBalance
     linearization: Linearization | None
     reason: str
+    rest: EnclosedRest | None = None
 
     @property
     def summary(self) -> str:
@@ -84,7 +89,9 @@ class EllipsePoint:
 
     @property
     def equilibrium(self) -> Equilibrium:
-        """Whether the translation part of the motion vanishes at the point."""
+        """Whether the translation part of the motion vanishes at the point, or beside it within rounding."""
+        if self.rest is not None:
+            return Equilibrium.HOLDS
         if self.twist is not None:
             return Equilibrium.FAILS if any(self.twist.velocity) else Equilibrium.HOLDS
         return Equilibrium.FAILS if self.situation is Situation.MOVED else Equilibrium.UNDECIDED
@@ -92,6 +99,8 @@ class EllipsePoint:
     @property
     def translation(self) -> Translation:
         """Strong stability of (x, y)."""
+        if self.rest is not None:
+            return self.rest.stability
         if self.equilibrium is not Equilibrium.HOLDS:
             return Translation.UNDECIDED
         if self.situation in (Situation.CARRIED, Situation.STICKING):
@@ -100,7 +109,15 @@ class EllipsePoint:
 
     def undecided(self, reason: str) -> EllipsePoint:
         """The same point without a claim."""
-        return replace(self, situation=Situation.OPEN, twist=None, linearization=None, reason=reason)
+        return replace(self, situation=Situation.OPEN, twist=None, linearization=None, reason=reason, rest=None)
+
+    def resting(self, rest: EnclosedRest) -> EllipsePoint:
+        """The same point with a place of rest that is it within rounding."""
+        reason = (
+            f"one place of rest lies within {float_text(rest.distance)} of it, and no other one nearby, for every "
+            "member of what was rounded (Krawczyk's operator, in balls)"
+        )
+        return replace(self, situation=Situation.ENCLOSED, twist=None, linearization=None, reason=reason, rest=rest)
 
 
 def ellipse_point(scene: Scene, regions: tuple[LoadRegion, ...]) -> EllipsePoint:
@@ -216,21 +233,6 @@ def _is_moved(resting: Sequence[Slip[arb]]) -> bool:
         return arb("nan") if pull is None else pull[2]
 
     with ctx.workprec(_PRECISION):
-        bracket = _zero_of_rising(torque)
+        bracket = zero_of_rising(torque, _BISECTIONS)
         pull = None if bracket is None else _gradient_at(resting, arb(bracket[0]).union(arb(bracket[1])))
     return pull is not None and not (pull[0].contains(0) and pull[1].contains(0))
-
-
-def _zero_of_rising(function: Callable[[fmpq], arb]) -> tuple[fmpq, fmpq] | None:
-    """Rational bracket of the zero of a rising function; None where its signs are not certain."""
-    bounds = (fmpq(2) ** k for k in range(_DOUBLINGS))
-    bound = next((bound for bound in bounds if function(-bound) < 0 < function(bound)), None)
-    if bound is None:
-        return None
-    lower, upper = -bound, bound
-    for _ in range(_BISECTIONS):
-        for share in (fmpq(3, 8), fmpq(1, 2), fmpq(5, 8)):  # a zero at the middle leaves its sign open
-            rate = lower + (upper - lower) * share
-            value = function(rate)
-            lower, upper = (rate, upper) if value < 0 else (lower, rate) if value > 0 else (lower, upper)
-    return lower, upper

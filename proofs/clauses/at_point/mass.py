@@ -2,7 +2,7 @@
 
 Let ``y = (w, omega)`` be the velocity of the centre of mass and the rotation rate beside that of the equilibrium, and
 m the mass per unit of weight, 1/g, with the inertia ``m rho^2``.  With H and G of
-:mod:`nonsmooth.proofs.clauses.at_point.linearization`, to first order ::
+:mod:`nonsmooth.proofs.boxes.linearization`, to first order ::
 
     c' = w,     diag(m, m, m rho^2) y' = -H y - K c,     K = G - omega_0 (H_1 H_2) J
 
@@ -29,7 +29,7 @@ from fractions import Fraction
 import numpy as np
 from flint import arb, arb_poly, ctx, fmpq
 
-from nonsmooth.proofs.clauses.at_point.linearization import Linearization
+from nonsmooth.proofs.boxes.linearization import Linearization
 from nonsmooth.proofs.enclosures import holds_on, is_positive_definite, linear_stability
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.number_text import lower_text, upper_text

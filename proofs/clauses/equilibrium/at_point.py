@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from fractions import Fraction
 
 from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, Situation
 from nonsmooth.proofs.verdicts import Equilibrium
@@ -16,8 +17,13 @@ class EllipseEquilibrium:
     point: EllipsePoint
 
     @property
+    def rounding_distance(self) -> Fraction | None:
+        """How far the place of rest is from the point at most, where only rounding tells them apart; else None."""
+        return None if self.point.rest is None else self.point.rest.distance
+
+    @property
     def verdict(self) -> Equilibrium:
-        """Holds where the translation part of the exact minimizer vanishes."""
+        """Holds where the translation part of the exact minimizer vanishes: there, or beside it within rounding."""
         return self.point.equilibrium
 
     @property

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, TypeAlias
 
-from nonsmooth.proofs.clauses.clause import Clause
+from nonsmooth.proofs.clauses.clause import CheckedArray, Clause
 from nonsmooth.proofs.clauses.equilibrium.at_point import EllipseEquilibrium
 from nonsmooth.proofs.clauses.equilibrium.every_load import EveryLoadEquilibrium
 from nonsmooth.proofs.clauses.equilibrium.on_cells import EquilibriumResult, decide_equilibrium
@@ -16,7 +16,6 @@ from nonsmooth.proofs.verdicts import Equilibrium, Theorem4
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.judged_equilibria import JudgedEquilibrium
-    from nonsmooth.proofs.theorem4_result import Theorem4Result
 
 AnyEquilibrium: TypeAlias = EquilibriumResult | EllipseEquilibrium | EveryLoadEquilibrium
 
@@ -50,9 +49,16 @@ class EquilibriumClause(Clause[AnyEquilibrium]):
             return Theorem4.UNDECIDED, f"equilibrium, undecided: {result.reason}"
         return None
 
-    def facts(self, result: AnyEquilibrium, check: Theorem4Result) -> Iterator[Fact]:
+    def proviso(self, result: AnyEquilibrium) -> str:
+        """That it is an equilibrium within rounding."""
+        beside = isinstance(result, EllipseEquilibrium) and result.rounding_distance is not None
+        return "about a place of rest that only rounding tells from the point" if beside else ""
+
+    def facts(self, result: AnyEquilibrium, check: CheckedArray) -> Iterator[Fact]:
         """Where, and the other equilibria of the square."""
         yield Fact("at", Quantity(check.scene.check.equilibrium))
+        if isinstance(result, EllipseEquilibrium) and result.rounding_distance is not None:
+            yield Fact("rounding_distance", Quantity(result.rounding_distance))
         yield from load_facts(check.scene)
         if isinstance(result, EveryLoadEquilibrium):
             yield witness_load(result.point.witness)

@@ -32,7 +32,7 @@ from functools import cached_property
 from itertools import combinations
 
 from nonsmooth.analysis.cells.load_sets import AdmissibleLoads, LoadPolytope, Loads, LoadSet, SpringLoads, priced
-from nonsmooth.proofs.clauses.at_point.linearization import Slip, Slope, hessian
+from nonsmooth.proofs.boxes.linearization import Slip, Slope, hessian
 from nonsmooth.proofs.clauses.every_load.simplices import is_positive_on_hull
 from nonsmooth.proofs.enclosures import is_positive_definite
 from nonsmooth.symbolic.constraints import cross_product, inner

@@ -14,9 +14,9 @@ from enum import StrEnum
 
 from nonsmooth.analysis.cells.load_sets import Loads, LoadSet, load_set
 from nonsmooth.analysis.contact_rule import CellRule, rule_of
+from nonsmooth.proofs.boxes.linearization import Slope, spin_candidates
 from nonsmooth.proofs.clauses.at_point.balance import rest_balance
 from nonsmooth.proofs.clauses.at_point.ellipse import common_twist, ellipse_point, is_carried
-from nonsmooth.proofs.clauses.at_point.linearization import Slope, spin_candidates
 from nonsmooth.proofs.clauses.cocircular import cocircular_array
 from nonsmooth.proofs.clauses.every_load.box_slopes import build_slopes, is_driven_away, moving_loads
 from nonsmooth.proofs.clauses.every_load.wheel_pulls import common_slope, under_load, wheel_slips

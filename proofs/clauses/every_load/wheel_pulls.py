@@ -4,7 +4,7 @@ For ``D = sum N_i f_i`` about the twist ``xi_0 = (0, 0, omega)`` (centred scene)
 
     grad f_i = pull_i,        Hess f_i = bend_i w_i w_i^T        (bend_i = 0 at a corner of the friction set)
 
-as in :mod:`nonsmooth.proofs.clauses.at_point.linearization`.  Let one matrix B (3 x 2) give ``pull_i = B p_i`` for all
+as in :mod:`nonsmooth.proofs.boxes.linearization`.  Let one matrix B (3 x 2) give ``pull_i = B p_i`` for all
 wheels.  Then at every centre of mass c and under *every* admissible load ``grad D(xi_0) = sum N_i B p_i = B c``: it
 does not depend on how the wheels share the weight.  So ``xi_0`` minimizes D at c = 0 under every load, and to first
 order the body moves with ``xi - xi_0 = -H(N)^-1 B c``, ``H(N) = sum N_i bend_i w_i w_i^T``.
@@ -18,7 +18,7 @@ from itertools import combinations
 from nonsmooth.analysis.cells.load_sets import Loads
 from nonsmooth.analysis.cells.loads import LoadRegion
 from nonsmooth.analysis.cells.polygon import square
-from nonsmooth.proofs.clauses.at_point.linearization import Slip, Slope, slips_at
+from nonsmooth.proofs.boxes.linearization import Slip, Slope, slips_at
 from nonsmooth.symbolic.constraints import added, combine, scaled
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.plane import cross

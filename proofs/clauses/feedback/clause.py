@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING
 
-from nonsmooth.proofs.clauses.clause import Clause
-from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, decide_feedback
-from nonsmooth.proofs.clauses.feedback.facts import feedback_facts
+from nonsmooth.proofs.clauses.clause import CheckedArray, Clause
+from nonsmooth.proofs.clauses.feedback.by_rows import decide_feedback
+from nonsmooth.proofs.clauses.feedback.facts import AnyFeedback, feedback_facts
 from nonsmooth.proofs.clauses.feedback.obstruction import obstruction_text
 from nonsmooth.proofs.clauses.workspace import Workspace
 from nonsmooth.proofs.facts import Fact, said
@@ -16,10 +16,6 @@ from nonsmooth.proofs.verdicts import Feedback, Theorem4
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
-    from nonsmooth.proofs.theorem4_result import Theorem4Result
-
-# Twists that speeds impose are loaded only under rules that ask for them: they take a tenth of a second.
-AnyFeedback: TypeAlias = "FeedbackResult | DrivenFeedback"
 
 
 class FeedbackClause(Clause[AnyFeedback]):
@@ -60,7 +56,7 @@ class FeedbackClause(Clause[AnyFeedback]):
         """The theorem's law needs wheels that grip along their rims."""
         return result.verdict is not Feedback.NOT_APPLICABLE
 
-    def facts(self, result: AnyFeedback, check: Theorem4Result) -> Iterator[Fact]:
+    def facts(self, result: AnyFeedback, check: CheckedArray) -> Iterator[Fact]:
         """Law, V, certified rate, region, margin, what was sampled, and the torque authority.
 
         Where the theorem asks nothing of feedback, they are about the law that holds the pose all the same.

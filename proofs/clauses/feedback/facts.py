@@ -7,9 +7,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from nonsmooth.analysis.contact_rule import rule_of
+from nonsmooth.proofs.clauses.clause import CheckedArray
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.clauses.feedback.cascade_law import CascadeLaw
 from nonsmooth.proofs.clauses.feedback.control_fields import InputCell, input_ranks
@@ -24,9 +25,10 @@ from nonsmooth.symbolic.similar_scenes import in_own_length
 if TYPE_CHECKING:
     from nonsmooth.analysis.minimizers.sampled_feedback import LoopSample
     from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
-    from nonsmooth.proofs.clauses.feedback.clause import AnyFeedback
     from nonsmooth.proofs.clauses.feedback.driven_law import LawCone
-    from nonsmooth.proofs.theorem4_result import Theorem4Result
+
+# Twists that speeds impose are loaded only under rules that ask for them: they take a tenth of a second.
+AnyFeedback: TypeAlias = "FeedbackResult | DrivenFeedback"
 
 LIMITED = (
     "limited speeds: where a wheel would exceed its limit all are scaled alike, which keeps the paths of the law "
@@ -36,7 +38,7 @@ UNKNOWN_SPEED = "how fast the limited law is, is not known"
 MOST_CELLS = 12  # that are named in a sentence
 
 
-def feedback_facts(feedback: AnyFeedback, check: Theorem4Result) -> Iterator[Fact]:
+def feedback_facts(feedback: AnyFeedback, check: CheckedArray) -> Iterator[Fact]:
     """All of it, in the order in which it is shown."""
     scene, rows = check.scene, feedback if isinstance(feedback, FeedbackResult) else None
     yield Fact("law", feedback.law, feedback.law or "", explained=True)
@@ -135,7 +137,7 @@ def _root_record(squared: Any) -> Record:
     return {"relative": float(squared) ** 0.5, "exact": {"relative": f"sqrt({text})"}}
 
 
-def _ranks_record(check: Theorem4Result) -> Record | None:
+def _ranks_record(check: CheckedArray) -> Record | None:
     """Independent inputs by cell, by pair of neighbouring cells and at the checked point."""
     if check.partition is None or not rule_of(check.scene).keeps_rows:
         return None

@@ -3,23 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 from nonsmooth.analysis.cells.partition import Partition
-from nonsmooth.proofs.clauses.clause import Clause, ClauseResult
+from nonsmooth.proofs.clauses.clause import CheckedArray, Clause
 from nonsmooth.proofs.clauses.rotation.at_point import spin_of
 from nonsmooth.proofs.clauses.rotation.every_load import rotation_for_every_load
 from nonsmooth.proofs.clauses.rotation.on_cells import Drift, RotationResult, decide_rotation
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
 from nonsmooth.proofs.clauses.translation.every_load import EveryLoadTranslation
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
-from nonsmooth.proofs.clauses.workspace import Workspace
+from nonsmooth.proofs.clauses.workspace import ClauseResult, Workspace
 from nonsmooth.proofs.facts import Fact, Quantity, Record
 from nonsmooth.proofs.verdicts import Rotation, Theorem4
 from nonsmooth.symbolic.number_text import float_text
-
-if TYPE_CHECKING:
-    from nonsmooth.proofs.theorem4_result import Theorem4Result
 
 
 class RotationClause(Clause[RotationResult]):
@@ -48,12 +44,12 @@ class RotationClause(Clause[RotationResult]):
         """Whether theta drifts is not known."""
         return result.verdict is Rotation.UNDECIDED
 
-    def facts(self, result: RotationResult, check: Theorem4Result) -> Iterator[Fact]:
+    def facts(self, result: RotationResult, check: CheckedArray) -> Iterator[Fact]:
         """The drift at rest with the weights that attain it, and what some solution can keep."""
         yield Fact("weakly_stable", check.theta_is_weakly_stable)
         drift = result.drift
         if drift is None:
-            yield from (Fact("drift", Quantity(None)), Fact("weights"))
+            yield from (Fact("drift", Quantity(result.spin)), Fact("weights"))
             return
         ends = tuple(map(float_text, drift.interval))
         yield Fact("drift", Quantity(drift.interval), "drift at rest: [{}, {}]", ends, explained=True)

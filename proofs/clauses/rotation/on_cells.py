@@ -15,6 +15,7 @@ only rests, the body might run to and fro between two opposite ones for ever: th
 from __future__ import annotations
 
 from dataclasses import dataclass
+from fractions import Fraction
 
 from nonsmooth.analysis.cells.filippov import CellDerivative, filippov_twists
 from nonsmooth.analysis.cells.partition import Partition
@@ -52,13 +53,17 @@ class Drift:
 
 @dataclass(frozen=True)
 class RotationResult:
-    """Verdict, drift, and where theta is stable a bound on rotation per unit of |c_0|, or the fan that shows one."""
+    """Verdict, drift, and where theta is stable a bound on rotation per unit of |c_0|, or the fan that shows one.
+
+    Of a place of rest that is only enclosed ``spin`` bounds the rate there from both sides, and there is no drift.
+    """
 
     verdict: Rotation
     drift: Drift | None
     rotation_per_distance: Number | None
     reason: str
     fan: FanResult | None = None
+    spin: tuple[Fraction, Fraction] | None = None
 
 
 def drift_at_rest(twists: tuple[Twist, ...]) -> Drift | None:

@@ -16,6 +16,7 @@ from nonsmooth.proofs.clauses.translation.inward_slope import home_disc
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.number_text import Real, brief_text
 from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.rounded import BY_ROUNDING
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.minimizers.sampling import SampledDerivative
@@ -86,14 +87,22 @@ class EllipseTranslation(WithoutCells):
     @property
     def exponential_rate(self) -> Real | None:
         """``-max Re lambda(A)`` where the point attracts: close by, |c| shrinks at any rate below it."""
-        linear = self.point.linearization
-        attracts = self.verdict is Translation.ASYMPTOTICALLY_STABLE and linear is not None
+        linear = self.point.linearization or self.point.rest
+        attracts = self.verdict is Translation.ASYMPTOTICALLY_STABLE
         return -linear.spectral_abscissa if attracts and linear is not None else None
 
     @property
     def reason(self) -> str:
         """One sentence for people."""
-        linear = self.point.linearization
+        linear, rest = self.point.linearization, self.point.rest
+        if rest is not None:
+            if self.verdict is Translation.UNDECIDED:
+                return f"{BY_ROUNDING}in c' = A (c - c_0) A may have eigenvalues on either side of zero"
+            top = brief_text(rest.spectral_abscissa)
+            return (
+                "c' = A (c - c_0) to first order about the place of rest, and the eigenvalues of A have real parts up "
+                f"to {top} (in balls)"
+            )
         if self.verdict is Translation.UNDECIDED or linear is None:
             return self.point.summary
         abscissa = linear.spectral_abscissa

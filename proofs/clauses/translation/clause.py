@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, TypeAlias
 
-from nonsmooth.proofs.clauses.clause import Clause
+from nonsmooth.proofs.clauses.clause import CheckedArray, Clause
 from nonsmooth.proofs.clauses.every_load.facts import witness_load
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation, decide_translation_at
 from nonsmooth.proofs.clauses.translation.every_load import EveryLoadTranslation, decide_for_every_load
@@ -19,7 +19,6 @@ from nonsmooth.symbolic.number_text import float_text
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.minimizers.sampling import SampledDerivative
-    from nonsmooth.proofs.theorem4_result import Theorem4Result
 
 AnyTranslation: TypeAlias = TranslationResult | EllipseTranslation | EveryLoadTranslation
 
@@ -37,9 +36,11 @@ class TranslationClause(Clause[AnyTranslation]):
             return decide_for_every_load(work.every_load, work.lemma)
         if work.partition is not None:
             return decide_translation(work.partition, work.lemma)
+        samples = SAMPLES if work.sample else 0
+        if work.point.rest is not None:  # the lemma is about the point itself
+            return decide_translation_at(work.point, None, samples=samples)
         if work.lemma is not None and work.prune:
             work.skip("samples of V*", SAMPLES, f"{LEMMA}: no solver is needed")
-        samples = SAMPLES if work.sample else 0
         return decide_translation_at(work.point, work.lemma, samples=samples, always=not work.prune)
 
     def undecided(self, result: AnyTranslation, reason: str) -> AnyTranslation:
@@ -63,7 +64,7 @@ class TranslationClause(Clause[AnyTranslation]):
         """Without stability of (x, y) nothing is proved."""
         return result.verdict is Translation.UNDECIDED
 
-    def facts(self, result: AnyTranslation, check: Theorem4Result) -> Iterator[Fact]:
+    def facts(self, result: AnyTranslation, check: CheckedArray) -> Iterator[Fact]:
         """V with its largest rate, where it was sampled, the region and the witness."""
         yield Fact("lyapunov", LYAPUNOV)
         if result.sampled is None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from nonsmooth.analysis.cells.load_sets import Loads
-from nonsmooth.proofs.clauses.at_point.linearization import Slip, inward_pull
+from nonsmooth.proofs.boxes.linearization import Slip, inward_pull
 from nonsmooth.proofs.clauses.cocircular import CocircularArray
 from nonsmooth.proofs.clauses.every_load.decay import DecayUnderLoads
 from nonsmooth.proofs.clauses.every_load.point import EveryLoad, EveryLoadPoint, is_admissible, load_text

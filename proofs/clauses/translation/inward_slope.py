@@ -16,7 +16,7 @@ from fractions import Fraction
 
 from nonsmooth.analysis.cells.loads import LoadRegion
 from nonsmooth.analysis.cells.polygon import HalfPlane
-from nonsmooth.proofs.clauses.at_point.linearization import Linearization, inward_pull
+from nonsmooth.proofs.boxes.linearization import Linearization, inward_pull
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.plane import dot

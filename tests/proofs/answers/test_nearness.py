@@ -10,17 +10,20 @@ from typing import Any
 
 import numpy as np
 import pytest
+from flint import arb, arb_mat
 
 import nonsmooth as ns
 from nonsmooth.proofs.answers.answer import GOOD, Position
 from nonsmooth.proofs.answers.answers import answers_of
-from nonsmooth.proofs.robust.balanced_forces import BalancedForces
+from nonsmooth.proofs.boxes.balanced_forces import BalancedForces
+from nonsmooth.proofs.boxes.enclosed_rest import enclosed_rest
 from nonsmooth.proofs.robust.drift import driven_out
-from nonsmooth.proofs.robust.ends import Ends, decide_ends
+from nonsmooth.proofs.robust.ends import DIFFERENCE, Ends, _field_beside, _shapes, _velocity, decide_ends
 from nonsmooth.proofs.robust.level_sets import Distance, LevelFunction, SectorFunction, shapes_about, short_levels
-from nonsmooth.proofs.robust.rest_points import _rising, enclosed_rest, is_carried_away
+from nonsmooth.proofs.robust.rest_points import _rising, is_carried_away
 from nonsmooth.proofs.robust.touching_rings import TouchingRings, ring_rates, rings_about
 from nonsmooth.proofs.theorem4 import check_theorem4
+from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import run
 from nonsmooth.symbolic.files.scene_file import load_scene
@@ -174,9 +177,11 @@ def test_ellipses_are_asked_for_where_motions_attract() -> None:
 # ---- rest points that are enclosed ---------------------------------------------------------------
 
 
-@pytest.mark.parametrize("seed", range(4))
-def test_symmetric_arrays_turn_at_the_enclosed_rate(seed: int, tmp_path: Path) -> None:
-    table = MeasuredTable.symmetric(seed, "ellipse")
+@pytest.mark.parametrize(("seed", "rule"), [*((seed, "ellipse") for seed in range(4)), (6, "roller"), (16, "roller")])
+def test_symmetric_arrays_turn_at_the_enclosed_rate(seed: int, rule: str, tmp_path: Path) -> None:
+    table = MeasuredTable.symmetric(
+        seed, rule
+    )  # under rollers rims of two wheels do not slip, while their rollers turn
     rest = enclosed_rest(measured(tmp_path, table).recentred())
     assert rest is not None
     assert rest.distance < Fraction(1, 10**9)
@@ -187,6 +192,33 @@ def test_symmetric_arrays_turn_at_the_enclosed_rate(seed: int, tmp_path: Path) -
     for axis in np.eye(2):
         moved = (body.velocity(step * axis) - body.velocity(-step * axis)) / (2 * step)
         assert moved == pytest.approx(slope @ axis, rel=0.02, abs=0.02 * np.abs(slope).max())
+
+
+def test_rims_that_neither_slip_nor_stand_are_held_by_less_than_their_friction(tmp_path: Path) -> None:
+    rest = enclosed_rest(measured(tmp_path, MeasuredTable.symmetric(6, "roller")).recentred())
+    assert rest is not None
+    x, y, spin, *held = rest.zero.entries()
+    assert len(held) == 2
+    assert all(abs(force) < (0.8**2 - 0.5**2) ** 0.5 for force in held)
+    unknowns = arb_mat([[entry] for entry in (spin * y, -spin * x, spin, held[0], arb(0.63))])
+    assert rest.balance.at(unknowns, (x, y)) is None  # it may begin to slip
+
+
+def test_bodies_beside_a_saddle_on_an_edge_of_dissipation_are_carried_away(tmp_path: Path) -> None:
+    table = MeasuredTable.symmetric(16, "roller")
+    scene = measured(tmp_path, table).recentred()
+    rest, accuracy = enclosed_rest(scene), float(scene.accuracy)
+    assert rest is not None
+    assert rest.stability is Translation.UNSTABLE
+    _, modes = np.linalg.eig(np.array([float(entry) for entry in rest.slope.entries()]).reshape(2, 2))
+    body, starts = SmallSteps(table), accuracy / 10 * modes.T
+    assert max(body.end(start, 12.0, accuracy)[1] for start in starts) > accuracy
+
+
+@thorough  # the one before is the small one
+def test_saddles_on_an_edge_of_dissipation_are_shown_to_carry_away(tmp_path: Path) -> None:
+    scene = measured(tmp_path, MeasuredTable.symmetric(16, "roller")).recentred()
+    assert is_carried_away(scene, scene.accuracy, Fraction(1, 10**9))
 
 
 def test_bodies_beside_a_rest_that_repels_are_carried_away(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -208,6 +240,30 @@ def test_bodies_are_carried_away_by_outward_rims_and_by_no_inward_ones() -> None
     outward, inward = (load_scene(name, rule="ellipse").recentred() for name in ("outward", "four-wheel"))
     assert is_carried_away(outward, outward.accuracy, Fraction(0))
     assert not is_carried_away(inward, inward.accuracy, Fraction(0))
+
+
+@pytest.mark.parametrize(("seed", "rule", "more"), [(2, "roller", True), (16, "roller", False), (1, "ellipse", False)])
+def test_rings_over_a_length_that_matters_are_tried_at_edges_of_the_field(
+    seed: int, rule: str, more: bool, tmp_path: Path
+) -> None:
+    scene = measured(tmp_path, MeasuredTable.symmetric(seed, rule)).recentred()
+    velocity = _velocity(scene)
+    assert velocity is not None
+    shapes = list(_shapes(scene, velocity, (Fraction(0), Fraction(0)), scene.accuracy))
+    _, slope = _field_beside(velocity, np.zeros(2), DIFFERENCE * float(scene.check.radius))
+    assert (len(shapes) > len(list(shapes_about(slope)))) == more
+
+
+@thorough  # the one before is the small one
+def test_bodies_come_near_across_an_edge_of_the_field(tmp_path: Path) -> None:
+    table = MeasuredTable.symmetric(2, "roller")
+    scene = measured(tmp_path, table).recentred()
+    found = decide_ends(scene, scene.accuracy)
+    assert found is not None
+    assert found.is_near
+    starts = float(found.within) * np.array([[1.0, 0.0], [0.0, 1.0], [0.6, -0.8]])
+    ends, _ = SmallSteps(table)._paced(starts, float(found.after), float(found.about))
+    assert (np.hypot(*ends.T) <= STEPS * float(found.about)).all()
 
 
 def test_what_rises_along_a_saddle_is_positive_in_a_cone_about_its_way_out() -> None:

@@ -88,11 +88,11 @@ def test_a_witness_is_a_point_at_which_v_fails() -> None:
     rhs = ["y", "z", "-x - 2*y - z - 2*sgn(x + y + z)"]
     found = audit(built(rhs), SQUARES).function
     assert found is not None
-    assert found.examination.failure is not None
-    assert found.examination.failure.value is not None
-    x, y, z = found.examination.failure.point
+    assert found.failure is not None
+    assert found.failure.value is not None
+    x, y, z = found.failure.point
     value = 2 * (x * y + y * z + z * (-x - 2 * y - z - 2 * np.sign(float(x + y + z)).astype(int)))
-    assert value == found.examination.failure.value > 0
+    assert value == found.failure.value > 0
 
 
 @few(8)

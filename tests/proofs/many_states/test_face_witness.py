@@ -15,9 +15,9 @@ from scipy.optimize import linprog
 
 from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.analysis.trajectories.trajectory import simulate
-from nonsmooth.proofs.many_states.examination import SLIDES_UP, FailurePoint, conditions_on, find_slide
+from nonsmooth.proofs.many_states.examination import SLIDES_UP, conditions_on, find_slide
 from nonsmooth.proofs.system_audit import AuditResult, AuditVerdict, audit
-from nonsmooth.proofs.systems.derivatives import Decrease
+from nonsmooth.proofs.systems.derivatives import Decrease, Refutation
 from nonsmooth.symbolic.files.system_file import build_system, parse_lyapunov
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 from tests.oracles.solver_questions import Questions, read
@@ -43,7 +43,7 @@ def bent(weights: Sequence[int]) -> str:
 
 def witness(audited: AuditResult) -> tuple[list[Fraction], Fraction]:
     assert audited.function is not None
-    failure = audited.function.examination.failure
+    failure = audited.function.failure
     assert failure is not None
     assert failure.value is not None
     return list(failure.point), failure.value
@@ -95,7 +95,7 @@ def test_a_face_that_solutions_leave_at_once_refutes_nothing() -> None:
     assert not slides(["-sgn(x)", "-sgn(y)", "-sgn(z)"], (1, 1, 1))
 
 
-def slides(rhs: Sequence[str], weights: Sequence[int]) -> list[FailurePoint]:
+def slides(rhs: Sequence[str], weights: Sequence[int]) -> list[Refutation]:
     system = built(rhs)
     formula = parse_lyapunov(bent(weights), system.states, "t", "lyapunov")
     _, conditions = conditions_on(system, formula, system.check.radius)
@@ -113,11 +113,11 @@ def test_random_functions_that_are_proved_are_not_refuted(count: int, sought: in
         rhs = [f"-{a[k]}*sgn({'xyz'[k]}) + {coupled[k]}*{'yzx'[k]}" for k in range(3)]
         audited = audit(built(rhs), bent(c.tolist()))
         assert audited.function is not None
-        examination = audited.function.examination
-        known[examination.verdict] += 1
-        if examination.verdict is Decrease.STRICT and known[Decrease.STRICT] <= sought:
+        function = audited.function
+        known[function.decrease] += 1
+        if function.decrease is Decrease.STRICT and known[Decrease.STRICT] <= sought:
             assert not slides(rhs, c.tolist())
-        if examination.reason == SLIDES_UP:
+        if function.reason == SLIDES_UP:
             known[SLIDES_UP] += 1
             point, value = witness(audited)
             assert largest_slide(rhs, c.tolist(), [float(v) for v in point]) == pytest.approx(float(value), abs=1e-6)

@@ -13,9 +13,9 @@ from flint import arb
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.proofs.answers.robust import robust_facts
+from nonsmooth.proofs.boxes.intervals import Intervals, cosine
 from nonsmooth.proofs.robust.decide import Robust, decided_statement
 from nonsmooth.proofs.robust.friction_forces import FORCE_LAWS
-from nonsmooth.proofs.robust.intervals import Intervals, cosine
 from nonsmooth.proofs.robust.nearest import inner_radius
 from nonsmooth.proofs.robust.rings import EndDisc
 from nonsmooth.proofs.robust.smooth_disc import SmoothDisc

@@ -1,88 +1,96 @@
-"""Sums of squares: known polynomials, sampled values, eigenvalues in floats, and evidence that was changed."""
+"""Sums of squares: known polynomials, sampled values, eigenvalues in floats, and evidence that was changed.
+
+What is found is shown by the checker, which shares nothing with the search.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from copy import deepcopy
 from dataclasses import replace
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
 import pytest
 from flint import fmpq
 
-from nonsmooth.proofs.sums_of_squares.ansatz import Condition
-from nonsmooth.proofs.sums_of_squares.gram_certificate import (
-    GuardedClaim,
-    SquareTerm,
-    SumOfSquares,
-    is_definite,
-    is_semidefinite,
-)
-from nonsmooth.proofs.sums_of_squares.prove import Effort, Proved, claim_of, normalized, prove_positive
-from nonsmooth.proofs.sums_of_squares.rounding import particular_solution
+from nonsmooth.proofs.checker.polynomials import Polynomial
+from nonsmooth.proofs.checker.positivity import Claim, Inequality, cube_guards, identity, show
+from nonsmooth.proofs.checker.work import RejectedError
+from nonsmooth.proofs.kernel.squares import Shown, find
+from nonsmooth.proofs.sums_of_squares.prove import Effort
+from nonsmooth.proofs.sums_of_squares.rounding import is_definite, is_semidefinite, particular_solution
 
 Terms = Mapping[Any, Any]
 
 
-def exact(terms: Terms) -> dict[tuple[int, ...], fmpq]:
-    return {e: fmpq(*c) if isinstance(c, tuple) else fmpq(c) for e, c in terms.items()}
+def exact(terms: Terms) -> Polynomial:
+    values = {e: Fraction(*c) if isinstance(c, tuple) else Fraction(c) for e, c in terms.items()}
+    return Polynomial(len(next(iter(terms))), values)
 
 
-def condition(terms: Terms, guards: Sequence[Terms] = (), *, box: bool = False, at_origin: bool = False) -> Condition:
-    count = len(next(iter(terms)))
-    bounds = [{tuple(int(i == k) for i in range(count)): fmpq(1)} for k in range(count)] if box else []
-    return Condition(exact(terms), {}, tuple(map(exact, guards)), tuple(bounds), count, at_origin)
+def positive(terms: Terms, guards: Sequence[Terms] = (), *, box: bool = False, at_origin: bool = False) -> Claim:
+    """A polynomial is positive where guards are not negative, in a box or everywhere, perhaps but at the origin."""
+    value = exact(terms)
+    named = {f"s{k}": exact(guard) for k, guard in enumerate(guards)}
+    sides = cube_guards(identity(value.count), value.count) if box else {}
+    return Claim("p", (Inequality(value, {**named, **sides}),), strict=True, at_origin=at_origin, bounded=box)
 
 
-def follows(asked: Condition, found: Proved) -> bool:
-    """Whether a claim is a condition without parameters, and follows from its evidence."""
-    return found.claim == claim_of(normalized(asked), strict=found.claim.strict) and found.evidence.proves(found.claim)
+def follows(asked: Claim, found: Shown) -> bool:
+    """Whether the checker is shown a claim, strict or not, by evidence that says so."""
+    try:
+        show(replace(asked, strict=found.strict), found.evidence)
+    except RejectedError:
+        return False
+    return True
 
 
 X, Y = {(1, 0): 1}, {(0, 1): 1}
 MOTZKIN = {(4, 2): 1, (2, 4): 1, (2, 2): -3, (0, 0): 1}
 
 PROVED = [
-    condition({(2, 0): 1, (1, 1): -1, (0, 2): 1}),
-    condition({(2, 0): 1, (1, 1): 5, (0, 2): 1}, [X, Y]),  # copositive, not definite
-    condition({(1, 0): 1, (2, 0): (-1, 2), (0, 2): 1}, [X], box=True),
-    condition({(2, 0): 1, (3, 0): (1, 2), (0, 2): 1, (1, 3): -1}, box=True),
-    condition({(4, 0): 1, (0, 2): 1, (2, 1): 1}),  # of order two in y and four in x
-    condition({(0, 0): 1, (1, 0): (-9, 10)}, box=True, at_origin=True),
-    condition({**MOTZKIN, (0, 0): (6, 5)}, box=True, at_origin=True),
-    condition({(2, 0): -1, (0, 2): 4}, [{(1, 0): -1, (0, 1): 1}, {(1, 0): 1, (0, 1): 1}]),  # |x| <= y
+    positive({(2, 0): 1, (1, 1): -1, (0, 2): 1}),
+    positive({(2, 0): 1, (1, 1): 5, (0, 2): 1}, [X, Y]),  # copositive, not definite
+    positive({(1, 0): 1, (2, 0): (-1, 2), (0, 2): 1}, [X], box=True),
+    positive({(2, 0): 1, (3, 0): (1, 2), (0, 2): 1, (1, 3): -1}, box=True),
+    positive({(4, 0): 1, (0, 2): 1, (2, 1): 1}),  # of order two in y and four in x
+    positive({(0, 0): 1, (1, 0): (-9, 10)}, box=True, at_origin=True),
+    positive({**MOTZKIN, (0, 0): (6, 5)}, box=True, at_origin=True),
+    positive({(2, 0): -1, (0, 2): 4}, [{(1, 0): -1, (0, 1): 1}, {(1, 0): 1, (0, 1): 1}]),  # |x| <= y
 ]
 NOT_POSITIVE = [
-    condition({(2, 0): 1, (1, 1): -2, (0, 2): 1}),
-    condition({(2, 0): 1, (1, 1): -3, (0, 2): 1}, [X, Y]),
-    condition({(1, 0): 1, (2, 0): -1, (0, 2): 1}, [X], box=True),  # zero at (1, 0)
-    condition({(0, 0): 1, (1, 0): -1}, box=True, at_origin=True),
-    condition({(2, 0): 1, (0, 2): 1}, at_origin=True),
-    condition({(2, 0): 1, (0, 4): -1}, box=True),
-    condition({(4, 0): 1, (0, 2): 1, (2, 1): 2}),
-    condition({(2, 0): -1, (0, 2): 1}, [{(1, 0): -1, (0, 1): 1}, {(1, 0): 1, (0, 1): 1}]),
+    positive({(2, 0): 1, (1, 1): -2, (0, 2): 1}),
+    positive({(2, 0): 1, (1, 1): -3, (0, 2): 1}, [X, Y]),
+    positive({(1, 0): 1, (2, 0): -1, (0, 2): 1}, [X], box=True),  # zero at (1, 0)
+    positive({(0, 0): 1, (1, 0): -1}, box=True, at_origin=True),
+    positive({(2, 0): 1, (0, 2): 1}, at_origin=True),
+    positive({(2, 0): 1, (0, 4): -1}, box=True),
+    positive({(4, 0): 1, (0, 2): 1, (2, 1): 2}),
+    positive({(2, 0): -1, (0, 2): 1}, [{(1, 0): -1, (0, 1): 1}, {(1, 0): 1, (0, 1): 1}]),
 ]
 
 
 @pytest.mark.parametrize("asked", PROVED)
-def test_positive_polynomials_are_proved(asked: Condition) -> None:
-    found = prove_positive(asked)
+def test_positive_polynomials_are_proved(asked: Claim) -> None:
+    found = find(asked, Effort.STRICT)
     assert found is not None
     assert follows(asked, found)
 
 
 @pytest.mark.parametrize("asked", NOT_POSITIVE)
-def test_polynomials_with_zeros_are_not(asked: Condition) -> None:
-    assert prove_positive(asked) is None
+def test_polynomials_with_zeros_are_not(asked: Claim) -> None:
+    assert find(asked, Effort.STRICT) is None
 
 
 def test_zeros_are_allowed_where_that_is_asked() -> None:
-    weak = prove_positive(NOT_POSITIVE[0], Effort.FULL)
+    weak = find(NOT_POSITIVE[0], Effort.FULL)
     assert weak is not None
-    assert not weak.claim.strict
+    assert not weak.strict
     assert follows(NOT_POSITIVE[0], weak)
-    assert prove_positive(condition({(2, 0): 1, (1, 1): (-21, 10), (0, 2): 1}), Effort.FULL) is None
-    assert prove_positive(condition({(1, 0): 1, (2, 0): 1, (0, 2): 0}, [X]), Effort.FULL) is not None
+    assert find(positive({(2, 0): 1, (1, 1): (-21, 10), (0, 2): 1}), Effort.FULL) is None
+    assert find(positive({(1, 0): 1, (2, 0): 1, (0, 2): 0}, [X]), Effort.FULL) is not None
 
 
 @pytest.mark.parametrize("seed", range(20))
@@ -92,12 +100,12 @@ def test_what_is_proved_is_positive_at_points(seed: int) -> None:
     for e in ((1, 1), (3, 0), (2, 1), (1, 2), (0, 3), (4, 0), (2, 2), (0, 4)):
         terms[e] = int(rng.integers(-4, 5))
     guard = {(1, 0): int(rng.integers(-2, 3)), (0, 1): 1}
-    asked = condition(terms, [guard], box=True)
+    asked = positive(terms, [guard], box=True)
     points = rng.uniform(-1, 1, (20_000, 2))
-    points = points[points @ [float(asked.guards[0].get((1, 0), 0)), 1.0] >= 0]
-    values = sum(float(c) * points[:, 0] ** e[0] * points[:, 1] ** e[1] for e, c in asked.constant.items())
+    points = points[points @ [float(guard[1, 0]), 1.0] >= 0]
+    values = sum(float(c) * points[:, 0] ** e[0] * points[:, 1] ** e[1] for e, c in terms.items())
     ratio = float(np.min(values / (points**2).sum(axis=1)))
-    found = prove_positive(asked)
+    found = find(asked, Effort.STRICT)
     if found is not None:
         assert follows(asked, found)
         assert ratio > 0
@@ -119,31 +127,42 @@ def test_elimination_agrees_with_eigenvalues(seed: int) -> None:
 
 def test_changed_evidence_is_refused() -> None:
     asked = PROVED[1]
-    found = prove_positive(asked)
+    found = find(asked, Effort.STRICT)
     assert found is not None
-    first, *others = found.evidence.terms
-    grams = [
-        tuple(tuple(v + (i == j == 0) * fmpq(1, 10**9) for j, v in enumerate(row)) for i, row in enumerate(first.gram)),
-        tuple(tuple(-v for v in row) for row in first.gram),
-        first.gram[::-1],
-    ]
-    for gram in grams:
-        forged = replace(found, evidence=SumOfSquares((replace(first, gram=gram), *others)))
-        assert not follows(asked, forged)
-    negative = tuple(
-        replace(term, gram=tuple(tuple(-v for v in row) for row in term.gram)) if k == 0 else term
-        for k, term in enumerate(others)
-    )
-    assert not follows(asked, replace(found, evidence=SumOfSquares((first, *negative))))
-    assert not follows(asked, replace(found, evidence=SumOfSquares((*others, first))))
+    assert len(found.evidence["squares"][0]) > 1
+    for change in (added_little, negated, with_other_monomials, without_the_first, without_the_last):
+        forged = deepcopy(found.evidence)
+        change(forged["squares"][0])
+        assert forged != found.evidence
+        assert not follows(asked, replace(found, evidence=forged)), change
     assert not follows(PROVED[0], found)
 
 
+def added_little(squares: list[Any]) -> None:
+    squares[0]["gram"][0][0] = str(Fraction(squares[0]["gram"][0][0]) + Fraction(1, 10**9))
+
+
+def negated(squares: list[Any]) -> None:
+    squares[-1]["gram"] = [[str(-Fraction(value)) for value in row] for row in squares[-1]["gram"]]
+
+
+def with_other_monomials(squares: list[Any]) -> None:
+    squares[0]["monomials"][0] = [2, 0]
+
+
+def without_the_first(squares: list[Any]) -> None:
+    squares.pop(0)
+
+
+def without_the_last(squares: list[Any]) -> None:
+    squares.pop()
+
+
 def test_a_sum_of_squares_must_separate_the_origin() -> None:
-    claim = GuardedClaim(exact({(2, 0): 1}), (), 2)
-    square = SumOfSquares((SquareTerm((), ((1, 0),), ((fmpq(1),),)),))
-    assert not square.proves(claim)
-    assert square.proves(replace(claim, strict=False))
+    asked = positive({(2, 0): 1})
+    square = {"squares": [[{"guards": [], "monomials": [[1, 0]], "gram": [["1"]]}]]}
+    assert not follows(asked, Shown(square, strict=True))
+    assert follows(asked, Shown(square, strict=False))
 
 
 def test_equations_without_a_solution_have_none() -> None:

@@ -111,7 +111,7 @@ def test_what_is_in_the_store_is_not_computed(tmp_path: Path) -> None:
     few, more = (read_plan({"mu_side": text}, base.document, base.file) for text in ("1/4,1/2", "1/4,1/2,3/4,0.5"))
     means = Means(store=tmp_path / "r.sqlite")
     assert [run_sweep(base, plan, means).checked for plan in (few, few, more)] == [2, 0, 1]
-    assert run_sweep(base, few, Means(store=means.store, failures=True)).checked == 2  # another question
+    assert run_sweep(base, few, Means(store=means.store, fail=1)).checked == 2  # another question
     assert run_sweep(base_of(*read_document("four-wheel", rule="box")), few, means).checked == 2
 
 

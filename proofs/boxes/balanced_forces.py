@@ -28,8 +28,8 @@ import numpy as np
 from flint import arb, ctx
 from numpy.typing import NDArray
 
-from nonsmooth.proofs.robust.intervals import Intervals
-from nonsmooth.proofs.robust.load_box import load_box
+from nonsmooth.proofs.boxes.intervals import Intervals
+from nonsmooth.proofs.boxes.load_box import load_box
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.scene import Scene
 
@@ -217,6 +217,11 @@ class BalancedForces:
         one, by_x, by_y = (form.middle for form in self.forms)
         return np.asarray(one + places[..., :1] * by_x + places[..., 1:] * by_y)
 
+    def slips(self, twists: Floats) -> tuple[Floats, Floats]:
+        """Along and across the axes of all wheels, (m, wheels) each."""
+        along, across = self._float_rows
+        return twists @ along.T - self.speeds[0].middle, twists @ across.T - self.speeds[1].middle
+
     def minimizers(self, places: Floats, pulls: Floats, start: Floats | None = None) -> Floats:
         """About the twists ``(v, length omega)`` at which ``D - G . xi`` is least, (m, 3).
 
@@ -264,8 +269,7 @@ class BalancedForces:
     ) -> tuple[Floats, Floats]:
         """Of ``D - G . xi``, (m, 3), and its derivative (m, 3, 3)."""
         along, across = self._float_rows
-        r = twists @ along.T - self.speeds[0].middle
-        s = twists @ across.T - self.speeds[1].middle
+        r, s = self.slips(twists)
         f, g = self.shape.force(r, s, width)
         gradient = (loads * f) @ along + (loads * g) @ across - pulls
         if not hessian:
@@ -294,12 +298,24 @@ class BalancedForces:
         )
         return np.asarray((gradient[:, :2] * slopes).sum(axis=1) / np.hypot(slopes[:, 0], slopes[:, 1]))
 
+    def compliance(self, places: Floats, slopes: Floats, twists: Floats) -> Floats:
+        """About how much faster ``g . c'`` becomes per unit of a pull along a covector g, (m).
+
+        Args:
+            places: of the body (m, 2).
+            slopes: the covectors (m, 2).
+            twists: about those of least D (m, 3).
+        """
+        turns = (slopes[:, 1] * places[:, 0] - slopes[:, 0] * places[:, 1]) / self.length
+        pulls = np.column_stack([slopes, turns])
+        loads, nothing = self.float_loads(places), np.zeros_like(pulls)
+        _, bend = self._gradient(twists, loads, nothing, ROUNDINGS[-1] * self.fastest, hessian=True)
+        bend = bend + 2.0**-40 * np.trace(bend, axis1=1, axis2=2)[:, None, None] * np.eye(3)
+        return np.asarray((pulls * np.linalg.solve(bend, pulls[:, :, None])[:, :, 0]).sum(axis=1))
+
     def forces(self, twists: Floats) -> tuple[Floats, Floats]:
         """Inside the friction sets, per unit of load, (m, wheels) each."""
-        along, across = self._float_rows
-        r = twists @ along.T - self.speeds[0].middle
-        s = twists @ across.T - self.speeds[1].middle
-        f, g = self.shape.force(r, s, ROUNDINGS[-1] * self.fastest)
+        f, g = self.shape.force(*self.slips(twists), ROUNDINGS[-1] * self.fastest)
         return INSIDE * f, INSIDE * g
 
     # ---- intervals: what follows ------------------------------------------------------------------
