@@ -16,8 +16,9 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any, TypeAlias
 
-from nonsmooth.proofs.checker.cells import MAX_STATES, Inclusion, read_system
+from nonsmooth.proofs.checker.cells import MAX_STATES, Inclusion
 from nonsmooth.proofs.checker.lyapunov import Lyapunov
+from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE, STABLE, UNSTABLE
 from nonsmooth.proofs.kernel.cells import BeyondReachError, IrrationalError, started, stated_cells, surfaces_of
 from nonsmooth.proofs.kernel.escapes import show_escape_of
@@ -49,7 +50,7 @@ def find_weak_growth(system: SwitchedSystem, search: Search | None = None) -> di
     found = find_weak_lyapunov(reversed_system(system))
     if found is None or found.formula is None or found.domain.radius is None:
         return None
-    function, subject = f"-({found.formula.text})", read_system(about(system))
+    function, subject = f"-({found.formula.text})", read_subject(about(system))
     cells = stated_cells(system, found.domain.radius, surfaces_of(system, found.formula)).record
     second = find_second(subject, cells, function, proofs)
     if second is None:

@@ -12,6 +12,8 @@ from mpmath import mp, mpf
 
 from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.analysis.trajectories.trajectory import simulate
+from nonsmooth.proofs.kernel.subject import NoCertificateError
+from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.files.system_file import build_system
@@ -196,6 +198,15 @@ def test_random_systems_agree_with_their_polygons(seed: int) -> None:
         assert last < 0.9
     elif result.verdict is LEAVES:
         assert last > 1.1
+
+
+def test_what_no_certificate_shows_of_a_system_with_roots_is_said_in_a_sentence() -> None:
+    """The search for a function that shows instability once took its subject for one without roots."""
+    result = decide_system(built([f"3/4*{ROOT} + 3*x + 3/2*y", "-3/2*sgn(x) + 11/4*y"]))
+    assert result.verdict is LEAVES
+    assert result.check()
+    with pytest.raises(NoCertificateError, match="no function was found that shows instability"):
+        certificate_of(result)
 
 
 BAD = [
