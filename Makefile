@@ -29,10 +29,11 @@ LOWEST_TESTS := tests/symbolic tests/analysis/test_minimizers.py tests/analysis/
 unexport PYTHONDONTWRITEBYTECODE
 export PYTHONPYCACHEPREFIX := $(CURDIR)/.venv/bytecode
 
-# The last digits of paths, and with them their steps, depend on which kernels of OpenBLAS a processor has: tests and the
-# golden matrix compare with those that all processors of the last ten years have.
-ifeq ($(shell uname -m),x86_64)
+# The last digits of paths, and with them their steps, depend on which kernels of OpenBLAS and NumPy a processor has:
+# tests and the golden matrix compare with those of AVX2.
+ifneq ($(findstring avx512f,$(shell grep -m1 flags /proc/cpuinfo 2> /dev/null)),)
 export OPENBLAS_CORETYPE ?= Haswell
+export NPY_DISABLE_CPU_FEATURES ?= X86_V4 AVX512_ICL AVX512_SPR
 endif
 
 .DEFAULT_GOAL := help
