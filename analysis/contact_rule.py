@@ -60,6 +60,14 @@ class ContactRule(ABC):
         return None
 
 
+class LimitedForces(ContactRule):
+    """A rule under which friction can carry forces in a set for each wheel, and losses are least."""
+
+    @abstractmethod
+    def friction_set(self, friction: Friction) -> FrictionSet:
+        """The forces that a wheel of this friction can carry, per unit of its normal force."""
+
+
 class CellRule(ContactRule):
     """A rule under which the checked square falls into polygons with a constant twist each."""
 
@@ -101,16 +109,12 @@ class CellRule(ContactRule):
         return scene.wheels
 
 
-class SmoothRule(ContactRule):
+class SmoothRule(LimitedForces):
     """A rule without cells: forces in a set for each wheel, and the motion that dissipates the least against them.
 
     A new one is a class on :class:`nonsmooth.analysis.contact_rules.by_friction_set.FrictionSetRule`: it says which
     forces a wheel can carry, and how it is called.
     """
-
-    @abstractmethod
-    def friction_set(self, friction: Friction) -> FrictionSet:
-        """The forces that a wheel of this friction can carry, per unit of its normal force."""
 
     @abstractmethod
     def contacts(self, scene: Scene) -> ContactModel:
@@ -190,3 +194,15 @@ def smooth_rule_of(scene: Scene) -> SmoothRule:
     if not isinstance(rule, SmoothRule):
         raise TypeError(f"required a rule without cells, received {rule.name}")
     return rule
+
+
+def friction_sets(scene: Scene) -> list[FrictionSet]:
+    """The friction sets of all wheels of a scene, all of one shape.
+
+    Raises:
+        TypeError: under a rule without friction sets.
+    """
+    rule = rule_of(scene)
+    if not isinstance(rule, LimitedForces):
+        raise TypeError(f"required a rule with friction sets, received {rule.name}")
+    return [rule.friction_set(wheel.friction) for wheel in scene.wheels]

@@ -1,4 +1,4 @@
-"""The friction forces that a wheel can carry under a rule without cells: an ellipse, perhaps cut by a strip.
+"""The friction forces that a wheel can carry: an ellipse, perhaps cut by a strip, or a box.
 
 For a wheel with normal force N these are, along and across its rim ::
 
@@ -17,17 +17,20 @@ Its gradient is minus the force per unit of load, its Hessian how that turns wit
 So it is continuously differentiable where ``r != 0``, twice where moreover the two pieces do not meet.  For
 ``kappa = 1``, the whole ellipse, there are no corners.
 
-The formulas are written once, for exact numbers, balls of python-flint, floats, and arrays of floats, which hold the
-sets of many wheels.
+Under rule ``box`` they are ``|x| <= 1, |y| <= 1``: all slips lie at corners, ``D/N = |X| + |Y|``.
+
+The formulas are written once, for exact numbers, balls of python-flint, floats, and arrays of floats or of intervals,
+which hold the sets of many wheels.  Where it is not told to which piece a slip belongs, an interval holds the values of
+both.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, fields
 from enum import StrEnum
 from functools import cached_property
-from typing import Any, Generic, NamedTuple, TypeAlias, TypeVar
+from typing import Any, Generic, NamedTuple, TypeAlias, TypeVar, cast
 
 import numpy as np
 from flint import arb
@@ -73,6 +76,11 @@ class CutEllipse(Generic[X]):
         return self.cut != 1 and bool(self.across != 0)
 
     @cached_property
+    def is_whole(self) -> bool:
+        """Whether no strip takes anything away; of arrays of floats."""
+        return bool((self.cut == 1).all())
+
+    @cached_property
     def corner(self) -> X:
         """``sqrt(1 - kappa^2)``: x at a corner."""
         return _root((1 - self.cut) * (1 + self.cut))
@@ -92,7 +100,7 @@ class CutEllipse(Generic[X]):
     def support(self, r: X, s: X) -> X:
         """``D/N``."""
         x, y = self._weighted(r, s)
-        return self._either(r, s, lambda: self.corner * abs(x) + self.cut * abs(y), lambda: _length(x, y))
+        return self._either(r, s, lambda: self.corner * abs(x) + self.cut * abs(y), lambda: self._length(x, y))
 
     def gradient(self, r: X, s: X) -> tuple[X, X]:
         """Its derivatives by r and s; in arrays some force of the set where none is determined.
@@ -127,12 +135,51 @@ class CutEllipse(Generic[X]):
         """Whether ``(alpha x, beta y)`` lies inside, off the border; of balls whether it certainly does."""
         return bool(x * x + y * y < 1) and (not self.is_cut or bool(abs(y) < self.cut))
 
+    def gauge(self, x: X, y: X) -> X:
+        """By which factor the set must grow to hold ``(alpha x, beta y)`` on its border; of arrays of floats."""
+        sizes = self._length(x, y)
+        return sizes if self.is_whole else np.maximum(sizes, np.abs(y) / self.cut)
+
+    def rounded_gradient(self, r: X, s: X, width: float) -> tuple[X, X]:
+        """Forces inside the sets: the gradient of the support function of a slip with a third part; arrays of floats.
+
+        The third part, alpha ``width``, rounds the edges of D where slips vanish: ``sqrt(X^2 + Y^2 + (alpha width)^2)``
+        on the arc, ``sqrt(1 - kappa^2) sqrt(X^2 + (alpha width)^2) + kappa |Y|`` at a corner.
+        """
+        (x, y), third = self._weighted(r, s), self.along * width
+        size = _length(_length(x, y), third)
+        rho, tau = x / size, y / size
+        if self.is_whole:
+            return self.along * rho, self.across * tau
+        rho = np.where(np.abs(tau) > self.cut, self.corner * x / _length(x, third), rho)
+        return self.along * rho, self.across * np.clip(tau, -self.cut, self.cut)
+
+    def rounded_hessian(self, r: X, s: X, width: float) -> tuple[X, X, X]:
+        """The derivatives ``(rr, rs, ss)`` of that.
+
+        At a corner the one across is of ``kappa sqrt(Y^2 + (alpha width)^2)``: D is straight there, but Newton's method
+        must not lose where that begins.
+        """
+        (x, y), third = self._weighted(r, s), self.along * width
+        size = _length(_length(x, y), third)
+        rho, tau = x / size, y / size
+        rr, rs, ss = (1 - rho * rho) / size, -rho * tau / size, (1 - tau * tau) / size
+        if not self.is_whole:
+            turns = np.abs(tau) > self.cut
+            rr = np.where(turns, self.corner * _rounded_bend(x, third), rr)
+            rs = np.where(turns, 0.0, rs)
+            ss = np.where(turns, self.cut * _rounded_bend(y, third), ss)
+        return self.along**2 * rr, self.along * self.across * rs, self.across**2 * ss
+
+    def _length(self, x: Any, y: Any) -> Any:
+        return _length(x, y)
+
     def _weighted(self, r: Any, s: Any) -> tuple[Any, Any]:
         return self.along * r, self.across * s
 
     def _excess(self, x: Any, y: Any) -> Any:
         """Positive at a corner, negative on the arc."""
-        if _is_float(x):  # squares would overflow
+        if _is_float(x) or _is_enclosure(x):  # squares would overflow
             return self.corner * abs(y) - self.cut * abs(x)
         square = self.cut * self.cut
         return (1 - square) * y * y - square * x * x
@@ -141,11 +188,66 @@ class CutEllipse(Generic[X]):
         """What holds at a corner, or what holds on the arc."""
         x, y = self._weighted(r, s)
         if isinstance(x, np.ndarray):
-            return np.where(self._excess(x, y) > 0, corner(), arc())
+            return arc() if self.is_whole else np.where(self._excess(x, y) > 0, corner(), arc())
+        if _is_enclosure(x):
+            return self._excess(x, y).by_sign(corner(), arc())
         piece = self.piece(r, s)
         if piece in (BorderPiece.KINK, BorderPiece.OPEN):
             raise ValueError("required slips that determine a force, received others")
         return corner() if piece is BorderPiece.CORNER else arc()
+
+
+class Box(CutEllipse[X]):
+    """``|x| <= 1, |y| <= 1``, in numbers whose ``cut`` is one; slips are at corners, unless they are along an axis."""
+
+    @property
+    def is_cut(self) -> bool:
+        """Two strips meet in it."""
+        return True
+
+    @property
+    def is_whole(self) -> bool:
+        """So it is no ellipse."""
+        return False
+
+    @property
+    def corner(self) -> X:
+        """X at a corner."""
+        return self.cut
+
+    def map(self, number: Callable[[X], Any]) -> Box[Any]:
+        """The same set in another arithmetic."""
+        return Box(number(self.along), number(self.across), number(self.cut))
+
+    def piece(self, r: X, s: X) -> BorderPiece:
+        """A corner, but for slips along an axis."""
+        signs = [_sign(entry) for entry in self._weighted(r, s)]
+        kink = BorderPiece.KINK if 0 in signs else BorderPiece.CORNER
+        return BorderPiece.OPEN if None in signs else kink
+
+    def support(self, r: X, s: X) -> X:
+        """``D/N = |X| + |Y|``."""
+        x, y = self._weighted(r, s)
+        return abs(x) + abs(y)
+
+    def holds_strictly(self, x: X, y: X) -> bool:
+        """As of the ellipse."""
+        return bool(abs(x) < 1) and bool(abs(y) < 1)
+
+    def gauge(self, x: X, y: X) -> X:
+        """As of the ellipse."""
+        return np.maximum(np.abs(x), np.abs(y))
+
+    def rounded_gradient(self, r: X, s: X, width: float) -> tuple[X, X]:
+        """That of ``alpha sqrt(r^2 + width^2) + beta sqrt(s^2 + width^2)``."""
+        return self.along * r / _length(r, width), self.across * s / _length(s, width)
+
+    def rounded_hessian(self, r: X, s: X, width: float) -> tuple[X, X, X]:
+        """Its derivatives ``(rr, rs, ss)``."""
+        return self.along * _rounded_bend(r, width), r - r, self.across * _rounded_bend(s, width)
+
+    def _excess(self, x: Any, y: Any) -> Any:
+        return np.ones_like(x)  # gradient and bend of arrays take it
 
 
 FrictionSet: TypeAlias = CutEllipse[Number]
@@ -179,44 +281,36 @@ class NearestForce(NamedTuple):
         return np.asarray(self.rate * (change - self.normal * (x * change[0] + y * change[1])))
 
 
-class UnitDiscs:
-    """The sets of many wheels in units of their half-axes: discs of radius one that strips cut; floats of order one.
-
-    Attributes:
-        cuts: kappa, shape (n, 1), for points of shape (2, n, m).
-        whole: whether no strip takes anything away.
-    """
+class UnitDiscs(CutEllipse[Any]):
+    """The sets of many wheels in units of their half-axes: discs of radius one that strips cut; floats of order one."""
 
     def __init__(self, cuts: Floats) -> None:
-        self.cuts, self.whole = cuts[:, None], bool((cuts == 1).all())
-        self._corner = np.sqrt((1 - self.cuts) * (1 + self.cuts))
-
-    def support(self, r: Floats, s: Floats) -> Floats:
-        """``max p . (r, s)`` over the set."""
-        arc = np.sqrt(r * r + s * s)
-        if self.whole:
-            return arc
-        r, s = np.abs(r), np.abs(s)
-        return np.where(self._corner * s > self.cuts * r, self._corner * r + self.cuts * s, arc)
+        """For kappa (n,), and points of shape (2, n, m)."""
+        super().__init__(1.0, 1.0, cuts[:, None])
 
     def excess(self, x: Floats, y: Floats) -> Floats:
         """How far beyond its set a force lies, in parts of it; at most 0 inside."""
-        sizes = np.sqrt(x * x + y * y)
-        return (sizes if self.whole else np.maximum(sizes, np.abs(y) / self.cuts)) - 1
+        return np.asarray(self.gauge(x, y) - 1)
+
+    def _weighted(self, r: Any, s: Any) -> tuple[Any, Any]:
+        return r, s
+
+    def _length(self, x: Any, y: Any) -> Any:
+        return np.sqrt(x * x + y * y)
 
     def nearest(self, x: Floats, y: Floats) -> NearestForce:
         """The nearest forces of the sets."""
         rate = 1 / np.maximum(np.sqrt(x * x + y * y), 1.0)
         force = np.array([x * rate, y * rate])
         normal = np.where(rate < 1, force, 0.0)
-        if self.whole:
+        if self.is_whole:
             return NearestForce(force, rate, normal)
-        beyond = np.abs(y) > self.cuts
-        side = beyond & (np.abs(x) < self._corner)
-        corner = beyond & ~side & (self._corner * np.abs(y) > self.cuts * np.abs(x))
+        beyond = np.abs(y) > self.cut
+        side = beyond & (np.abs(x) < self.corner)
+        corner = beyond & ~side & (self.corner * np.abs(y) > self.cut * np.abs(x))
         bound = side | corner
-        force[0] = np.where(side, x, np.where(corner, np.sign(x) * self._corner, force[0]))
-        force[1] = np.where(bound, np.sign(y) * self.cuts, force[1])
+        force[0] = np.where(side, x, np.where(corner, np.sign(x) * self.corner, force[0]))
+        force[1] = np.where(bound, np.sign(y) * self.cut, force[1])
         normal[0], normal[1] = np.where(bound, 0.0, normal[0]), np.where(bound, side, normal[1])
         return NearestForce(force, np.where(bound, side, rate), normal)
 
@@ -225,15 +319,20 @@ class UnitDiscs:
         (x, y), (dx, dy) = force, change
         square, product, slack = dx * dx + dy * dy, x * dx + y * dy, np.maximum(1 - x * x - y * y, 0.0)
         longest = np.where(square > 0, (np.sqrt(product * product + square * slack) - product) / square, np.inf)
-        if self.whole:
+        if self.is_whole:
             return longest
-        return np.where(dy == 0, longest, np.minimum(longest, (np.sign(dy) * self.cuts - y) / dy))
+        return np.where(dy == 0, longest, np.minimum(longest, (np.sign(dy) * self.cut - y) / dy))
+
+
+def joined(sets: Sequence[FrictionSet], array: Callable[[list[Number]], X]) -> CutEllipse[X]:
+    """The sets of many wheels, of one shape, in arrays."""
+    shape: Any = type(sets[0])
+    return cast(CutEllipse[X], shape(*(array([getattr(each, entry.name) for each in sets]) for entry in fields(shape))))
 
 
 def float_sets(sets: Iterable[FrictionSet]) -> CutEllipse[Any]:
-    """The sets of many wheels as arrays, each exact number rounded once."""
-    entries = np.array([[float(each.along), float(each.across), float(each.cut)] for each in sets])
-    return CutEllipse(*entries.T)
+    """The same, each exact number rounded once."""
+    return joined(list(sets), lambda numbers: np.array([float(number) for number in numbers]))
 
 
 # ---- arithmetics ---------------------------------------------------------------------------------
@@ -241,6 +340,11 @@ def float_sets(sets: Iterable[FrictionSet]) -> CutEllipse[Any]:
 
 def _is_float(x: Any) -> bool:
     return isinstance(x, (float, np.ndarray, np.floating))
+
+
+def _is_enclosure(x: Any) -> bool:
+    """Whether these are intervals: they have no sign, but take both of two values where it is not told."""
+    return hasattr(x, "by_sign")
 
 
 def _root(x: Any) -> Any:
@@ -253,6 +357,11 @@ def _length(x: Any, y: Any) -> Any:
     if not isinstance(x, arb) and not (x and y):  # no exact root is looked for where one is known
         return abs(x + y)
     return (x * x + y * y).sqrt()
+
+
+def _rounded_bend(x: Any, width: Any) -> Any:
+    """The second derivative of ``sqrt(x^2 + width^2)``."""
+    return width**2 / _length(x, width) ** 3
 
 
 def _divisor(size: Any) -> Any:

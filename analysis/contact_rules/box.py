@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from nonsmooth.analysis.contact_rule import CellRule
+from nonsmooth.analysis.contact_rule import CellRule, LimitedForces
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.cells.partition import Partition
     from nonsmooth.analysis.fields.contact_model import Floats
     from nonsmooth.analysis.minimizers.dissipation import Functional
-    from nonsmooth.symbolic.scene import Scene
+    from nonsmooth.symbolic.friction_set import FrictionSet
+    from nonsmooth.symbolic.scene import Friction, Scene
 
 
-class BoxRule(CellRule):
+class BoxRule(CellRule, LimitedForces):
     """``D = sum_i N_i (mu_R |r_i| + mu_S |s_i|)``, whose minimizer is piecewise constant.
 
     How: :mod:`nonsmooth.analysis.cells.box`.
@@ -36,6 +37,12 @@ class BoxRule(CellRule):
         from nonsmooth.analysis.minimizers.dissipation import Functional
 
         return Functional.BOX
+
+    def friction_set(self, friction: Friction) -> FrictionSet:
+        """The box of mu_R along the axis and mu_S across it."""
+        from nonsmooth.symbolic.friction_set import Box
+
+        return Box(friction.roll, friction.side, friction.roll.field.one)
 
     def build_partition(self, scene: Scene, *, prune: bool = True) -> Partition:
         """Cells by walking from one to its neighbours; every wheel carries load, so there is none to leave out."""

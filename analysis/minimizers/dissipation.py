@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from nonsmooth.analysis.fields.contact_model import ContactRows, Floats
-from nonsmooth.symbolic.friction_set import CutEllipse
+from nonsmooth.symbolic.friction_set import Box, CutEllipse
 
 ROUNDING = 1e-14  # of D and of its gap, relative to the sum of the absolute terms they are made of
 
@@ -32,21 +32,15 @@ class Functional(StrEnum):
     BOX = "box"
     ELLIPSE = "ellipse"
 
-
-def weighted_size(functional: Functional, vectors: Floats, cuts: Floats | float = 1.0) -> Floats:
-    """Size of vectors ``(x, y)`` of shape (..., n, 2), safe from overflow.
-
-    box: ``|x| + |y|``; ellipse: the support function of discs that are cut at kappa, shape (n,).
-    """
-    if functional is Functional.BOX:
-        return np.asarray(np.abs(vectors).sum(axis=-1))
-    return np.asarray(CutEllipse[Any](1.0, 1.0, cuts).support(vectors[..., 0], vectors[..., 1]))
+    def unit_sets(self, cuts: Floats) -> CutEllipse[Any]:
+        """The friction sets of wheels in units of their half-axes, ellipses cut at kappa (n,)."""
+        return Box(1.0, 1.0, np.ones_like(cuts)) if self is Functional.BOX else CutEllipse(1.0, 1.0, cuts)
 
 
 def dissipation(functional: Functional, model: ContactRows, loads: ArrayLike, twists: ArrayLike) -> Floats:
     """``D`` for loads (..., n) and twists (..., 3), broadcast against each other; power."""
-    weighted = model.limits(loads) * model.slips(twists)
-    return np.asarray(weighted_size(functional, weighted, model.cuts).sum(axis=-1))
+    weighted = np.moveaxis(model.limits(loads) * model.slips(twists), -1, 0)
+    return np.asarray(functional.unit_sets(model.cuts).support(*weighted).sum(axis=-1))
 
 
 def input_power(model: ContactRows, forces: ArrayLike) -> Floats:
@@ -59,15 +53,10 @@ def input_power(model: ContactRows, forces: ArrayLike) -> Floats:
 def usage(functional: Functional, model: ContactRows, loads: ArrayLike, forces: ArrayLike) -> Floats:
     """Share of its limit that each wheel's friction uses, shape (..., n); admissible iff at most 1.
 
-    box: ``max(|f_R|/(mu_R N), |f_S|/(mu_S N))``; ellipse: the norm of the same two quotients, or the
-    second one over the cut if that is larger.  A force without a limit (0/0) uses nothing, one
-    beyond a zero limit infinity.
+    The gauge of the friction set.  A force without a limit (0/0) uses nothing, one beyond a zero limit infinity.
     """
-    shares = np.abs(share_of_limit(model, loads, forces))
-    if functional is Functional.BOX:
-        return np.asarray(shares.max(axis=-1))
-    sizes = np.hypot(shares[..., 0], shares[..., 1])
-    return np.asarray(np.maximum(sizes, shares[..., 1] / model.cuts))
+    shares = np.moveaxis(share_of_limit(model, loads, forces), -1, 0)
+    return np.asarray(functional.unit_sets(model.cuts).gauge(*shares))
 
 
 def share_of_limit(model: ContactRows, loads: ArrayLike, forces: ArrayLike) -> Floats:

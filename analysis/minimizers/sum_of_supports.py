@@ -308,11 +308,11 @@ def smoother_step(sums: SupportSums, sets: UnitDiscs, state: Smoothed) -> Smooth
     # dp = d + A dr with A = (1 - p u^T)/size and d = u - p
     a00, a01, a10, a11 = (1 - z0 * u0) / size, -z0 * u1 / size, -z1 * u0 / size, (1 - z1 * u1) / size
     d0, d1 = u0 - z0, u1 - z1
-    cut = sets.cuts < 1
-    if not sets.whole:
+    cut = sets.cut < 1
+    if not sets.is_whole:
         bearing = np.sqrt(np.square(turning) + np.square(g))
-        room = np.where(cut, sets.cuts - z1 * turning / bearing, 1.0)
-        a = np.where(cut, (bearing * z1 - sets.cuts * turning) / room, 0.0)
+        room = np.where(cut, sets.cut - z1 * turning / bearing, 1.0)
+        a = np.where(cut, (bearing * z1 - sets.cut * turning) / room, 0.0)
         b = np.where(cut, bearing / room, 0.0)
         share = 1 / (1 + b * a11)
         d1 = (d1 - a11 * a) * share
@@ -325,7 +325,7 @@ def smoother_step(sums: SupportSums, sets: UnitDiscs, state: Smoothed) -> Smooth
     change = np.array([d0 + a00 * r0 + a01 * r1, d1 + a10 * r0 + a11 * r1])
     shares = np.minimum(1.0, TO_BORDER * sets.longest_step(state.forces, change).min(axis=0))
     forces = state.forces + shares * change
-    turning = turning if sets.whole else turning + np.where(cut, a + b * change[1], 0.0)
+    turning = turning if sets.is_whole else turning + np.where(cut, a + b * change[1], 0.0)
     after = Smoothed(y + step, forces, turning, g * np.where(shares < BLOCKED, RISE, np.maximum(FASTEST, 1 - shares)))
     sound = np.isfinite(after.g) & np.isfinite(after.y).all(axis=0) & np.isfinite(forces).all(axis=(0, 1))
     return Smoothed(*(np.where(sound, new, old) for new, old in zip(after, state._replace(g=RISE * g), strict=True)))

@@ -20,7 +20,7 @@ whatever the rounding); intervals bound what follows.  The twist itself is bound
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
 from functools import cached_property
 from typing import TypeAlias
 
@@ -28,9 +28,12 @@ import numpy as np
 from flint import arb, ctx
 from numpy.typing import NDArray
 
+from nonsmooth.analysis.contact_rule import friction_sets
 from nonsmooth.proofs.boxes.intervals import Intervals
 from nonsmooth.proofs.boxes.load_box import load_box
+from nonsmooth.symbolic.friction_set import float_sets, joined
 from nonsmooth.symbolic.numbers.enclosures import rational_below
+from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import Scene
 
 Floats: TypeAlias = NDArray[np.float64]
@@ -45,108 +48,10 @@ TINY, HUGE = 2.0**-1000, 2.0**300
 HALVINGS = 12  # of a step
 
 
-@dataclass(frozen=True)
-class FrictionShape:
-    """The friction sets of all wheels, in floats; the last axis is that of the wheels.
-
-    Attributes:
-        is_box: whether all are boxes; else each is an ellipse, or the disc of ``roll`` cut by the strip of ``side``.
-        rolls: which are such discs, of wheels with rollers.
-        roll: coefficient along the friction axis.
-        side: coefficient across it.
-    """
-
-    is_box: bool
-    rolls: NDArray[np.bool_]
-    roll: Floats
-    side: Floats
-
-    @property
-    def strip(self) -> tuple[Floats, Floats]:
-        """Half-width of the strip within the disc, and of the disc where it ends there."""
-        edge = np.minimum(self.roll, self.side)
-        return edge, np.sqrt(np.maximum(self.roll * self.roll - edge * edge, 0.0))
-
-    def force(self, r: Floats, s: Floats, width: float) -> tuple[Floats, Floats]:
-        """A force inside the set, per unit of load: the gradient of the support function of a slip with a third part.
-
-        The third part, ``width`` times the coefficient, rounds the edge where slips vanish:
-        ``sqrt((a r)^2 + (b s)^2 + (a width)^2)`` on the arc, ``sqrt(a^2 - e^2) sqrt(r^2 + width^2) + e |s|`` at a
-        corner of height e.
-
-        Args:
-            r: slip along the axis.
-            s: slip across it.
-            width: of the slips over which edges are rounded.
-        """
-        a, b = self.roll, self.side
-        if self.is_box:
-            return a * r / np.hypot(r, width), b * s / np.hypot(s, width)
-        size = np.hypot(np.hypot(a * r, b * s), a * width)
-        along, across = a * a * r / size, b * b * s / size
-        if not self.rolls.any():
-            return along, across
-        edge, most = self.strip
-        size = np.hypot(np.hypot(r, s), width)
-        cut = a * s / size
-        straight = np.where(np.abs(cut) > edge, most * r / np.hypot(r, width), a * r / size)
-        return np.where(self.rolls, straight, along), np.where(self.rolls, np.clip(cut, -edge, edge), across)
-
-    def stiffness(self, r: Floats, s: Floats, width: float) -> tuple[Floats, Floats, Floats]:
-        """The derivatives of the force: along by r, across by s, and along by s, which is across by r."""
-        a, b = self.roll, self.side
-        if self.is_box:
-            return a * width**2 / np.hypot(r, width) ** 3, b * width**2 / np.hypot(s, width) ** 3, 0.0 * r
-        p, q = np.where(self.rolls, r, a * r), np.where(self.rolls, s, b * s)
-        size = np.hypot(np.hypot(p, q), np.where(self.rolls, width, a * width))
-        x, y = p / size, q / size
-        first, second = np.where(self.rolls, a, a * a), np.where(self.rolls, a, b * b)
-        mixed = np.where(self.rolls, a, a * b)
-        by_r, by_s, both = first * (1 - x * x) / size, second * (1 - y * y) / size, -mixed * x * y / size
-        if not self.rolls.any():
-            return by_r, by_s, both
-        edge, most = self.strip
-        turns = self.rolls & (np.abs(a * s / size) > edge)
-        straight, turning = (size * width**2 / np.hypot(q, width) ** 3 for size, q in ((most, r), (edge, s)))
-        # where rollers turn D is straight in s, but Newton's method must not lose where that begins
-        return np.where(turns, straight, by_r), np.where(turns, turning, by_s), np.where(turns, 0.0, both)
-
-    def support(self, r: Intervals, s: Intervals, roll: Intervals, side: Intervals) -> Intervals:
-        """``max f . (r, s)`` over the friction set, per unit of load, for coefficients in intervals."""
-        r, s = abs(r), abs(s)
-        if self.is_box:
-            return roll * r + side * s
-        found = ((roll * r).square + (side * s).square).root
-        if not self.rolls.any():
-            return found
-        edge = side.within(roll)
-        across = (roll.square - edge.square).root
-        turned, stood = across * r + edge * s, roll * (r.square + s.square).root
-        stands, turns = edge.low * r.low >= across.high * s.high, edge.high * r.high < across.low * s.low
-        # the strip only takes from the disc, and the corners of what is left are in it
-        low = np.where(stands, stood.low, np.where(turns, turned.low, np.minimum(stood.low, turned.low)))
-        high = np.where(turns, turned.high, stood.high)
-        return Intervals(np.where(self.rolls, low, found.low), np.where(self.rolls, high, found.high))
-
-    def inside(self, f: Floats, g: Floats, roll: Intervals, side: Intervals) -> tuple[Intervals, Intervals]:
-        """Forces near given ones that are within the limits, whatever the coefficients are in their intervals."""
-        first, second = f / self.roll, g / self.side  # shares of the limits are what is chosen
-        if self.is_box:
-            first, second = np.clip(first, -INSIDE, INSIDE), np.clip(second, -INSIDE, INSIDE)
-        else:
-            size = np.maximum(np.hypot(first, second) / INSIDE, 1.0)
-            first, second = first / size, second / size
-        along, across = Intervals.of(first) * roll, Intervals.of(second) * side
-        if not self.rolls.any():
-            return along, across
-        a, edge = roll.low * INSIDE, np.minimum(roll.low, side.low) * INSIDE
-        cut = np.clip(g, -edge, edge)
-        most = np.sqrt(np.maximum(a * a - cut * cut, 0.0)) * INSIDE
-        straight = np.clip(f, -most, most)
-        return (
-            Intervals(np.where(self.rolls, straight, along.low), np.where(self.rolls, straight, along.high)),
-            Intervals(np.where(self.rolls, cut, across.low), np.where(self.rolls, cut, across.high)),
-        )
+def _enclosed(numbers: Sequence[Number]) -> Intervals:
+    """Exact numbers; ones stay exact, by which whole ellipses are known."""
+    about, ones = Intervals.about([number.ball() for number in numbers]), np.array([number == 1 for number in numbers])
+    return Intervals(np.where(ones, 1.0, about.low), np.where(ones, 1.0, about.high))
 
 
 class BalancedForces:
@@ -180,14 +85,12 @@ class BalancedForces:
             ]
             speeds = [tuple(entry.ball() for entry in wheel.slip_speeds) for wheel in wheels]
             self.speeds = [Intervals.about([speed[kind] for speed in speeds]) for kind in range(2)]
-            self.roll = Intervals.about([wheel.friction.roll.ball() for wheel in wheels])
-            self.side = Intervals.about([wheel.friction.side.ball() for wheel in wheels])
-            if not (self.roll.low > 0).all() or not (self.side.low > 0).all():
+            sets = friction_sets(scene)
+            self.enclosed_sets = joined(sets, _enclosed)
+            if not (self.enclosed_sets.along.low > 0).all() or not (self.enclosed_sets.across.low > 0).all():
                 raise ArithmeticError("required friction along and across each rim")
             self._gram = self._least_eigenvalue(rows, levers)
-        rules = [scene.rule_of_wheel(wheel) for wheel in wheels]
-        rolls = np.array([rule == "roller" for rule in rules])
-        self.shape = FrictionShape("box" in rules, rolls, self.roll.middle, self.side.middle)
+        self.sets = float_sets(sets)
         self.fastest = float(max(abs(speed.middle).max() for speed in self.speeds)) or 1.0
 
     def _least_eigenvalue(self, rows: list[list[tuple[arb, arb]]], levers: list[list[arb]]) -> float:
@@ -239,7 +142,7 @@ class BalancedForces:
     def _newton(self, twists: Floats, loads: Floats, pulls: Floats, width: float) -> Floats:
         """Newton's method on the rounded D; a step is halved while the gradient along it does not point back."""
         open_ones = np.arange(len(twists))
-        scale = loads.sum(axis=1).mean() * float(self.shape.roll.max())
+        scale = loads.sum(axis=1).mean() * float(self.sets.along.max())
         for _ in range(STEPS):
             now, load, pull = twists[open_ones], loads[open_ones], pulls[open_ones]
             gradient, slope = self._gradient(now, load, pull, width, hessian=True)
@@ -270,11 +173,11 @@ class BalancedForces:
         """Of ``D - G . xi``, (m, 3), and its derivative (m, 3, 3)."""
         along, across = self._float_rows
         r, s = self.slips(twists)
-        f, g = self.shape.force(r, s, width)
+        f, g = self.sets.rounded_gradient(r, s, width)
         gradient = (loads * f) @ along + (loads * g) @ across - pulls
         if not hessian:
             return gradient, gradient
-        by_r, by_s, mixed = (loads * entry for entry in self.shape.stiffness(r, s, width))
+        by_r, mixed, by_s = (loads * entry for entry in self.sets.rounded_hessian(r, s, width))
         slope = np.einsum("mw,wi,wj->mij", by_r, along, along) + np.einsum("mw,wi,wj->mij", by_s, across, across)
         both = np.einsum("mw,wi,wj->mij", mixed, along, across)
         return gradient, slope + both + both.transpose(0, 2, 1)
@@ -315,8 +218,13 @@ class BalancedForces:
 
     def forces(self, twists: Floats) -> tuple[Floats, Floats]:
         """Inside the friction sets, per unit of load, (m, wheels) each."""
-        f, g = self.shape.force(*self.slips(twists), ROUNDINGS[-1] * self.fastest)
+        f, g = self.sets.rounded_gradient(*self.slips(twists), ROUNDINGS[-1] * self.fastest)
         return INSIDE * f, INSIDE * g
+
+    @property
+    def largest_friction(self) -> Floats:
+        """Of each wheel, per unit of load, (wheels,)."""
+        return np.asarray(np.maximum(self.sets.along, self.sets.across))
 
     # ---- intervals: what follows ------------------------------------------------------------------
 
@@ -333,19 +241,27 @@ class BalancedForces:
         one, by_x, by_y = self.forms
         loads = one + by_x * x + by_y * y
         f, g = (each.reshape(len(corners), 4, -1) for each in self.forces(pushed.reshape(-1, 3)))
-        along, across = (loads * force for force in self.shape.inside(f, g, self.roll, self.side))
+        along, across = (loads * force for force in self._inside(f, g))
         rest = [(along * self.rows[0][k] + across * self.rows[1][k]).sum(axis=-1) - pulls[k] for k in range(3)]
-        missing = (rest[0].square + rest[1].square + rest[2].square).root
+        missing = (rest[0].square + rest[1].square + rest[2].square).sqrt()
         twist = [Intervals.of(free[:, None, k : k + 1]) for k in range(3)]
         r, s = (
             row[0] * twist[0] + row[1] * twist[1] + row[2] * twist[2] - speed
             for row, speed in zip(self.rows, self.speeds, strict=True)
         )
-        dissipation = loads * self.shape.support(r, s, self.roll, self.side)
+        dissipation = loads * self.enclosed_sets.support(r, s)
         driven = along * self.speeds[0] + across * self.speeds[1]
         bound = (dissipation + driven).sum(axis=-1) + missing * self._largest_twist(loads)
         carried = (loads.low >= 0).all(axis=-1)
         return np.where(carried, bound.high, np.inf)
+
+    def _inside(self, f: Floats, g: Floats) -> tuple[Intervals, Intervals]:
+        """Forces near given ones that are within the limits, whatever the coefficients are in their intervals."""
+        sets = self.enclosed_sets
+        shares = f / self.sets.along, g / self.sets.across  # of the half-axes: they are what is chosen
+        least = type(self.sets)(1.0, 1.0, sets.cut.low)
+        size = np.maximum(least.gauge(*shares) / INSIDE, 1.0)
+        return Intervals.of(shares[0] / size) * sets.along, Intervals.of(shares[1] / size) * sets.across
 
     def _largest_twist(self, loads: Intervals) -> Intervals:
         """A bound of ``|(v, length omega)|`` for every minimizer in a quadrangle, from ``D(xi) <= D(0)``.
@@ -353,9 +269,10 @@ class BalancedForces:
         ``D(xi) >= sum_i N_i m (|(row_i . xi)| - |u_i|)`` with m the least coefficient, and ``sum_i |row_i . xi| >=
         sqrt(xi . gram xi)``.
         """
-        least = float(np.minimum(self.roll.low, self.side.low).min())
-        fastest = (self.speeds[0].square + self.speeds[1].square).root
-        total = (loads * self.roll * fastest + loads * self.side * fastest).sum(axis=-1).high
+        roll, side = self.enclosed_sets.along, self.enclosed_sets.across * self.enclosed_sets.cut
+        least = float(np.minimum(roll.low, side.low).min())
+        fastest = (self.speeds[0].square + self.speeds[1].square).sqrt()
+        total = (loads * roll * fastest + loads * side * fastest).sum(axis=-1).high
         weakest = loads.low.min(axis=-1).min(axis=1, keepdims=True)
         pull = weakest * least * math.sqrt(self._gram) * (1 - 2.0**-30)
         with np.errstate(divide="ignore", invalid="ignore"):

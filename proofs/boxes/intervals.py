@@ -60,6 +60,12 @@ class Intervals:
     def __sub__(self, other: Intervals) -> Intervals:
         return _outward(self.low - other.high, self.high - other.low)
 
+    def __radd__(self, number: float) -> Intervals:
+        return Intervals.of(number) + self
+
+    def __rsub__(self, number: float) -> Intervals:
+        return Intervals.of(number) - self
+
     def __neg__(self) -> Intervals:
         return Intervals(-self.high, -self.low)
 
@@ -104,8 +110,7 @@ class Intervals:
         found = _outward(size.low * size.low, size.high * size.high)
         return Intervals(np.maximum(found.low, 0.0), found.high)
 
-    @property
-    def root(self) -> Intervals:
+    def sqrt(self) -> Intervals:
         """The square roots of all numbers inside that are not negative."""
         found = _outward(np.sqrt(np.maximum(self.low, 0.0)), np.sqrt(np.maximum(self.high, 0.0)))
         return Intervals(np.maximum(found.low, 0.0), found.high)
@@ -113,6 +118,13 @@ class Intervals:
     def __abs__(self) -> Intervals:
         low = np.where(self.holds_zero, 0.0, np.minimum(np.abs(self.low), np.abs(self.high)))
         return Intervals(low, np.maximum(np.abs(self.low), np.abs(self.high)))
+
+    def by_sign(self, positive: Intervals, negative: Intervals) -> Intervals:
+        """One where these are positive, another where negative, and the hull of both where that is not told."""
+        above, below = self.low > 0, self.high < 0
+        low = np.where(above, positive.low, np.where(below, negative.low, np.minimum(positive.low, negative.low)))
+        high = np.where(above, positive.high, np.where(below, negative.high, np.maximum(positive.high, negative.high)))
+        return Intervals(low, high)
 
     def within(self, most: Intervals) -> Intervals:
         """``max(-most, min(x, most))`` for x inside and a bound inside ``most``, which is not negative."""
@@ -135,7 +147,7 @@ def cosine(a: Intervals, b: Intervals) -> Intervals:
 
 def _quotient(a: Floats, b: Floats, toward: float) -> Floats:
     """``a/|(a, b)|`` rounded in one direction."""
-    size = (Intervals.of(a).square + Intervals.of(b).square).root
+    size = (Intervals.of(a).square + Intervals.of(b).square).sqrt()
     down = toward < 0
     # the quotient is least in size where the divisor is largest
     divisor = np.where((a < 0) == down, size.low, size.high)

@@ -158,7 +158,7 @@ def _largest(forces: BalancedForces, corners: Floats, covector: Triple) -> float
     """An upper bound of ``g . xi`` for every motion over squares; g is affine on each, and about as long as one."""
     free = forces.minimizers(corners.mean(axis=1), np.zeros((len(corners), 3)))
     best = np.full(len(corners), np.inf)
-    total = float(forces.float_loads(np.zeros((1, 2))).sum() * max(forces.shape.roll.max(), forces.shape.side.max()))
+    total = float(forces.float_loads(np.zeros((1, 2))).sum() * forces.largest_friction.max())
     for share in SHARES:
         strength = Intervals.of(np.array(share * total))
         pulls = strength * covector[0], strength * covector[1], strength * covector[2]

@@ -38,7 +38,7 @@ def ellipse_force(roll: Intervals, side: Intervals, r: Intervals, s: Intervals) 
 def roller_force(roll: Intervals, side: Intervals, r: Intervals, s: Intervals) -> tuple[Intervals, Intervals]:
     """The same for wheels with passive rollers."""
     across = (roll * cosine(s, r)).within(side)
-    size = (roll.square - across.square).root
+    size = (roll.square - across.square).sqrt()
     along = Intervals(
         np.where(r.low > 0, size.low, -size.high),
         np.where(r.high < 0, -size.low, size.high),

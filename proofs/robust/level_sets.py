@@ -101,7 +101,7 @@ class Distance(LevelFunction):
         far = outer * (1 + MARGIN) / math.cos(math.pi / count)
         corners = _quadrangles(rays, inner * (1 - MARGIN), far)
         x, y = (Intervals.of(corners[:, :, k]) for k in range(2))
-        sizes = (x.square + y.square).root.high
+        sizes = (x.square + y.square).sqrt().high
         return RingPieces(corners, (x, y), Intervals.of(np.zeros_like(sizes)), sizes, count)
 
 
@@ -147,7 +147,7 @@ class SectorFunction(LevelFunction):
     def inside(self) -> float:  # type: ignore[override]
         """Of the polygon: with all ``h_k = 1`` no slope is longer than one over it."""
         x, y = SectorFunction(self.vertices, np.ones(len(self.vertices))).slopes
-        return float(1 / (x.square + y.square).root.high.max()) * (1 - 2.0**-40)
+        return float(1 / (x.square + y.square).sqrt().high.max()) * (1 - 2.0**-40)
 
     @cached_property
     def outside(self) -> float:  # type: ignore[override]

@@ -12,7 +12,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.analysis.contact_rule import smooth_rule_of
+from nonsmooth.analysis.contact_rule import friction_sets, smooth_rule_of
 from nonsmooth.proofs.robust.annulus import AnnulusPiece
 from nonsmooth.proofs.robust.array_rows import ArrayRows
 from nonsmooth.symbolic.friction_set import float_sets
@@ -46,7 +46,7 @@ class PlaneMinima:
 
     def __init__(self, scene: Scene) -> None:
         self._scene, self._rows = scene, ArrayRows(scene)
-        self._sets = float_sets(smooth_rule_of(scene).friction_set(wheel.friction) for wheel in scene.wheels)
+        self._sets = float_sets(friction_sets(scene))
         self._radial: dict[AnnulusPiece, float | None] = {}
         self._found: dict[tuple[AnnulusPiece, float], PlaneMinimum | None] = {}
 

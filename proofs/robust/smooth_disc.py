@@ -104,7 +104,7 @@ def _come_nearer(bound: ArrayBox, pieces: list[AnnulusPiece], guesses: list[Plan
     radial, across, moment = forces.wrench(forces.forces(_twists(plan, forces, nothing, nothing)))
     a, b, c, d = (Intervals.of(plan[:, k, None]) for k in range(3, 7))
     sideways = forces.turn[0] * across - forces.turn[1] * radial
-    pull = ((a * sideways + c * moment).square + (b * sideways + d * moment).square).root.high[:, 0]
+    pull = ((a * sideways + c * moment).square + (b * sideways + d * moment).square).sqrt().high[:, 0]
     enclosed, sizes = np.zeros(len(pieces), dtype=bool), np.zeros(len(pieces))
     for inflation in INFLATIONS:
         left = np.flatnonzero(~enclosed)

@@ -23,6 +23,7 @@ from nonsmooth.proofs.boxes.intervals import TINY, Intervals
 from nonsmooth.proofs.robust.level_sets import Distance, LevelFunction, RingPieces, short_levels
 from nonsmooth.proofs.robust.nearest import bounded_cells, why_not_nearest
 from nonsmooth.proofs.robust.ultimate_bound import root_above, squared_radius
+from nonsmooth.symbolic.friction_set import Box
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.tolerances import Tolerance
 from nonsmooth.symbolic.unknown_loads import UnknownLoads
@@ -216,7 +217,7 @@ def ring_rates(forces: BalancedForces, pieces: RingPieces, *, more: bool = False
     falls = -(slopes * free[:, :2]).sum(axis=1) - moments * free[:, 2] / forces.length
     seen = falls / pieces.sizes.mean(axis=1)
     # under rule box a body that rests seems to creep, by the width over which edges are rounded
-    still = STILL if forces.shape.is_box else SLOW
+    still = STILL if isinstance(forces.sets, Box) else SLOW
     least = still * forces.fastest * np.hypot(*slopes.T) / pieces.sizes.mean(axis=1)
     nearer = (seen > least).reshape(-1, pieces.per_ring).all(axis=1)
     shown = np.full(len(pieces.corners), -np.inf)
@@ -241,7 +242,7 @@ def piece_rates(
     best = np.full(len(pieces.corners), -np.inf)
     inverse = Intervals.of(1 / forces.length).widened
     strengths = _strengths(forces, pieces)
-    if more and not forces.shape.is_box:
+    if more and not isinstance(forces.sets, Box):
         strengths += _slowing(forces, pieces, free, seen)
     for every in strengths:
         left = np.flatnonzero(best < ENOUGH * seen)
@@ -282,4 +283,4 @@ def _slowing(forces: BalancedForces, pieces: RingPieces, free: Floats, seen: Flo
 def _friction(forces: BalancedForces, pieces: RingPieces) -> Floats:
     """The largest friction of all wheels together, in the middle of each quadrangle."""
     loads = forces.float_loads(pieces.middles)
-    return np.asarray((loads * np.maximum(forces.shape.roll, forces.shape.side)).sum(axis=1))
+    return np.asarray((loads * forces.largest_friction).sum(axis=1))

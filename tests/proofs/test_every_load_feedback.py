@@ -210,7 +210,7 @@ def test_late_poses_and_ends_of_speeds_take_the_rest_of_the_rate(tmp_path: Path)
 def test_a_pyramid_holds_what_it_holds() -> None:
     """Wheels at random: a pyramid that does not hold the motion is refused, one with some room about it is not."""
     rng = np.random.default_rng(2)
-    wheels = WheelForms(rng.normal(size=(6, 3)), rng.normal(size=(6, 3)), np.ones((6, 2)), CutEllipse(*np.ones((3, 6))))
+    wheels = WheelForms(rng.normal(size=(6, 3)), rng.normal(size=(6, 3)), CutEllipse(*np.ones((3, 6))))
     speeds, loads = rng.normal(size=6), FloatLoads(np.full((1, 6), 1 / 6), np.zeros((0, 6)))
     motion = minimum(wheels, speeds)
     for away, slack, held in ((0.0, Fraction(1, 100), True), (0.3, Fraction(1, 5), False), (0.3, Fraction(3, 5), True)):

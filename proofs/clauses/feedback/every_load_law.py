@@ -40,7 +40,7 @@ from itertools import combinations, product
 import numpy as np
 
 from nonsmooth.analysis.cells.load_sets import load_set
-from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
+from nonsmooth.analysis.contact_rule import SmoothRule, friction_sets, rule_of
 from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
@@ -176,7 +176,7 @@ def _slack(three: Floats, chosen: int, motions: Floats) -> float:
 def _motions(scene: Scene, imposed: ImposedTwist, wheels: WheelForms, loads: FloatLoads) -> Floats:
     """Minimizers of D at the speeds of a twist under loads that push the body most, (m, 3); they prove nothing."""
     speeds = np.array(rim_speeds(scene, imposed))
-    along, across = wheels.forces(*wheels.slips(_floats([imposed])[0], speeds))
+    along, across = wheels.sets.gradient(*wheels.slips(_floats([imposed])[0], speeds))
     pulls = along[:, None] * wheels.along + across[:, None] * wheels.across
     samples = loads.samples(SIDES @ pulls.T)
     rule = rule_of(scene)
@@ -198,20 +198,12 @@ class WheelForms:
     Attributes:
         along: rows of the slip along each rim, (n, 3).
         across: rows of the slip across, (n, 3).
-        limits: half-axes of the friction sets along and across, (n, 2).
-        sets: the friction sets; none where they are boxes.
+        sets: the friction sets.
     """
 
     along: Floats
     across: Floats
-    limits: Floats
-    sets: CutEllipse[Floats] | None
-
-    def forces(self, along: Floats, across: Floats) -> tuple[Floats, Floats]:
-        """The forces that slips (..., n) meet, along and across; any in the set where a wheel does not slip."""
-        if self.sets is None:
-            return self.limits[:, 0] * np.sign(along), self.limits[:, 1] * np.sign(across)
-        return self.sets.gradient(along, across)
+    sets: CutEllipse[Floats]
 
     def slips(self, twists: Floats, speeds: Floats) -> tuple[Floats, Floats]:
         """Slips along and across, (..., n)."""
@@ -220,27 +212,22 @@ class WheelForms:
     def dissipation(self, twists: Floats, speeds: Floats) -> Floats:
         """``D_i`` per load, (..., n)."""
         along, across = self.slips(twists, speeds)
-        first, second = self.forces(along, across)
+        first, second = self.sets.gradient(along, across)
         power: Floats = first * along + second * across
         return power
 
     def sizes(self, twists: Floats, speeds: Floats) -> Floats:
         """Sums of the absolute values of all terms of ``D_i``, (..., n)."""
         along = np.abs(twists) @ np.abs(self.along).T + np.abs(speeds)
-        size: Floats = self.limits[:, 0] * along + self.limits[:, 1] * (np.abs(twists) @ np.abs(self.across).T)
+        size: Floats = self.sets.along * along + self.sets.across * (np.abs(twists) @ np.abs(self.across).T)
         return size
 
 
 def wheel_forms(scene: Scene) -> WheelForms:
     """The wheels of a centred scene of a rule that minimizes the dissipation, each number rounded once."""
-    rule = rule_of(scene)
     along = np.array([[float(x) for x in roll_row(wheel).unit_normal] for wheel in scene.wheels])
     across = np.array([[float(x) for x in side_row(wheel).unit_normal] for wheel in scene.wheels])
-    if not isinstance(rule, SmoothRule):
-        limits = [[float(wheel.friction.roll), float(wheel.friction.side)] for wheel in scene.wheels]
-        return WheelForms(along, across, np.array(limits), None)
-    sets = float_sets(rule.friction_set(wheel.friction) for wheel in scene.wheels)
-    return WheelForms(along, across, np.column_stack([sets.along, sets.across]), sets)
+    return WheelForms(along, across, float_sets(friction_sets(scene)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -293,7 +280,7 @@ class TwistPyramid:
         """The triangles that are not proved, and whether one of them cannot be: D is not larger at its middle."""
         centre = self.twists[self.chosen]
         middles = triangles.mean(axis=1)
-        forces = wheels.forces(*wheels.slips(centre + middles, self.speeds))
+        forces = wheels.sets.gradient(*wheels.slips(centre + middles, self.speeds))
         along, across = wheels.slips(centre + triangles, self.speeds)
         least = forces[0][:, None] * along + forces[1][:, None] * across
         there = wheels.dissipation(centre + middles, self.speeds)

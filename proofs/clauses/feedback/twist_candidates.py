@@ -18,12 +18,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.loads import LoadRegion
-from nonsmooth.analysis.contact_rule import CellRule, SmoothRule, rule_of
-from nonsmooth.analysis.minimizers.dissipation import Functional, weighted_size
+from nonsmooth.analysis.contact_rule import CellRule, friction_sets, rule_of
 from nonsmooth.proofs.clauses.feedback.balanced_twists import BalancedTwist, balance_twist, exclude_twist
 from nonsmooth.proofs.clauses.feedback.box_twists import BoxTwist, Drives, candidate_twists, edge_of, side_planes
 from nonsmooth.symbolic.constraints import Triple, independent, roll_row, side_row
-from nonsmooth.symbolic.friction_set import float_sets
+from nonsmooth.symbolic.friction_set import Box, float_sets
 from nonsmooth.symbolic.scene import Scene
 
 ENOUGH = 60  # candidates beyond which three independent unique minimizers end the search: a better rate is not sought
@@ -165,23 +164,18 @@ class _Grip:
 
     def __init__(self, scene: Scene, region: LoadRegion) -> None:
         loads = np.array([float(form[0]) for form in region.forces])
-        rule = rule_of(scene)
-        friction = np.array([[float(wheel.friction.roll), float(wheel.friction.side)] for wheel in scene.wheels])
-        cuts = np.ones(len(friction))
-        if isinstance(rule, SmoothRule):
-            sets = float_sets(rule.friction_set(wheel.friction) for wheel in scene.wheels)
-            friction, cuts = np.column_stack([sets.along, sets.across]), sets.cut
+        sets = float_sets(friction_sets(scene))
         rolls = _floats([roll_row(wheel).unit_normal for wheel in scene.wheels])
         self.sides = _floats([side_row(wheel).unit_normal for wheel in scene.wheels])
-        along, across = (loads * friction[:, 0])[:, None] * rolls, (loads * friction[:, 1])[:, None] * self.sides
+        along, across = (loads * sets.along)[:, None] * rolls, (loads * sets.across)[:, None] * self.sides
         m = _least_grip(along, across)
         a, b = np.abs(along @ m.T), across @ m.T
         self.all = (a + np.abs(b)).sum(axis=0)
-        if not isinstance(rule, SmoothRule):
-            self.still, self.left, self.right = a + np.abs(b), a - b, a + b
+        self.still = type(sets)(1.0, 1.0, sets.cut[:, None]).support(a, b)
+        if isinstance(sets, Box):
+            self.left, self.right = a - b, a + b
         else:
-            disc = weighted_size(Functional.ELLIPSE, np.stack([a, b], axis=-1).swapaxes(0, 1), cuts).T
-            self.still, self.left, self.right = disc, np.where(b < 0, disc, a), np.where(b > 0, disc, a)
+            self.left, self.right = np.where(b < 0, self.still, a), np.where(b > 0, self.still, a)
 
     def margin(self, twists: Floats) -> Floats:
         """The least support in both senses of each direction, in parts of all friction."""

@@ -183,7 +183,7 @@ def test_intervals_hold_exact_results() -> None:
                     (abs(first), abs(Fraction(p))),
                 ):
                     assert within(exact, float(found.low), float(found.high))
-        root = abs(first).root
+        root = abs(first).sqrt()
         assert within(Fraction(float(root.low)) ** 2, 0.0, abs(a) * (1 + 1e-9)) or a == 0
         assert Fraction(float(root.high)) ** 2 >= max(abs(Fraction(a)), abs(Fraction(b)))
 
