@@ -140,13 +140,13 @@ class CutEllipse(Generic[X]):
         sizes = self._length(x, y)
         return sizes if self.is_whole else np.maximum(sizes, np.abs(y) / self.cut)
 
-    def rounded_gradient(self, r: X, s: X, width: float) -> tuple[X, X]:
+    def rounded_gradient(self, r: X, s: X, third: X) -> tuple[X, X]:
         """Forces inside the sets: the gradient of the support function of a slip with a third part; arrays of floats.
 
-        The third part, alpha ``width``, rounds the edges of D where slips vanish: ``sqrt(X^2 + Y^2 + (alpha width)^2)``
-        on the arc, ``sqrt(1 - kappa^2) sqrt(X^2 + (alpha width)^2) + kappa |Y|`` at a corner.
+        The third part Z rounds the edges of D where slips vanish: ``sqrt(X^2 + Y^2 + Z^2)`` on the arc,
+        ``sqrt(1 - kappa^2) sqrt(X^2 + Z^2) + kappa |Y|`` at a corner.
         """
-        (x, y), third = self._weighted(r, s), self.along * width
+        x, y = self._weighted(r, s)
         size = _length(_length(x, y), third)
         rho, tau = x / size, y / size
         if self.is_whole:
@@ -154,13 +154,13 @@ class CutEllipse(Generic[X]):
         rho = np.where(np.abs(tau) > self.cut, self.corner * x / _length(x, third), rho)
         return self.along * rho, self.across * np.clip(tau, -self.cut, self.cut)
 
-    def rounded_hessian(self, r: X, s: X, width: float) -> tuple[X, X, X]:
+    def rounded_hessian(self, r: X, s: X, third: X) -> tuple[X, X, X]:
         """The derivatives ``(rr, rs, ss)`` of that.
 
-        At a corner the one across is of ``kappa sqrt(Y^2 + (alpha width)^2)``: D is straight there, but Newton's method
-        must not lose where that begins.
+        At a corner the one across is of ``kappa sqrt(Y^2 + Z^2)``: D is straight there, but Newton's method must not
+        lose where that begins.
         """
-        (x, y), third = self._weighted(r, s), self.along * width
+        x, y = self._weighted(r, s)
         size = _length(_length(x, y), third)
         rho, tau = x / size, y / size
         rr, rs, ss = (1 - rho * rho) / size, -rho * tau / size, (1 - tau * tau) / size
@@ -238,12 +238,14 @@ class Box(CutEllipse[X]):
         """As of the ellipse."""
         return np.maximum(np.abs(x), np.abs(y))
 
-    def rounded_gradient(self, r: X, s: X, width: float) -> tuple[X, X]:
-        """That of ``alpha sqrt(r^2 + width^2) + beta sqrt(s^2 + width^2)``."""
+    def rounded_gradient(self, r: X, s: X, third: X) -> tuple[X, X]:
+        """That of ``alpha sqrt(r^2 + w^2) + beta sqrt(s^2 + w^2)`` with ``w = Z/alpha``."""
+        width = third / self.along
         return self.along * r / _length(r, width), self.across * s / _length(s, width)
 
-    def rounded_hessian(self, r: X, s: X, width: float) -> tuple[X, X, X]:
+    def rounded_hessian(self, r: X, s: X, third: X) -> tuple[X, X, X]:
         """Its derivatives ``(rr, rs, ss)``."""
+        width = third / self.along
         return self.along * _rounded_bend(r, width), r - r, self.across * _rounded_bend(s, width)
 
     def _excess(self, x: Any, y: Any) -> Any:

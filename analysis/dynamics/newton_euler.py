@@ -109,9 +109,9 @@ class EllipseFriction:
         self._model = model
         self._frames = np.ascontiguousarray(model.rows[:, :2])  # d_1, n_1, d_2, n_2, ...
         self._turned = turned(self._frames)
-        self._squares = model.friction.reshape(-1, 2) ** 2
-        self._rounding = self._squares.max(axis=1) * creep**2
-        self._rounding[self._rounding == 0] = 1.0  # a wheel without friction: its force is zero in any case
+        self._sets = model.sets
+        self._third = np.maximum(self._sets.along, self._sets.across) * creep
+        self._third[self._third == 0] = 1.0  # a wheel without friction: its force is zero in any case
 
     def rows(self, centre: Floats) -> Floats:
         """Rows ``(e, e . J(p_i - c))`` for e = d_i, n_i, acting on ``(w, omega)``; shape (2n, 3)."""
@@ -121,8 +121,10 @@ class EllipseFriction:
 
     def forces(self, centre: Floats, velocity: Floats, loads: Floats) -> Floats:
         """Forces along and across every rim, shape (n, 2)."""
-        pull, size = self._pull(self.rows(centre), velocity)
-        return -loads[:, None] * pull / size[:, None]
+        slips = self._slips(self.rows(centre), velocity)
+        return -np.column_stack(
+            [loads * force for force in self._sets.rounded_gradient(slips[0], slips[1], self._third)]
+        )
 
     def total(self, centre: Floats, velocity: Floats, loads: Floats) -> Floats:
         """Force and torque about the centre of mass ``(F_x, F_y, tau)``, in units of the body's weight."""
@@ -138,24 +140,20 @@ class EllipseFriction:
             by_centre: their derivative with respect to c, (n, 2).
         """
         rows = self.rows(centre)
-        pull, size = self._pull(rows, velocity)
-        pairs, share, weight = rows.reshape(-1, 2, 3), -pull / size[:, None], loads / size
-        bent = np.einsum("ni,nij->nj", share, pairs)
-        by_velocity = np.einsum("n,nj,nk->jk", weight, bent, bent)
-        by_velocity -= np.einsum("n,ni,nij,nik->jk", weight, self._squares, pairs, pairs)
+        pairs, slips = rows.reshape(-1, 2, 3), self._slips(rows, velocity)
+        share = -np.column_stack(self._sets.rounded_gradient(slips[0], slips[1], self._third))
+        rr, rs, ss = self._sets.rounded_hessian(slips[0], slips[1], self._third)
         # by the slip of each wheel, which changes with c as its row's moment arm does, by omega J e
-        by_slip = np.einsum("n,nj,ni->nji", weight, bent, share) - np.einsum(
-            "n,nij,ni->nji", weight, pairs, self._squares
-        )
-        moved = np.einsum("nji,nik->jk", by_slip, velocity[2] * self._turned.reshape(-1, 2, 2)) + bent.T @ by_centre
+        by_slip = -loads[:, None, None] * (np.array([[rr, rs], [rs, ss]]).transpose(2, 0, 1) @ pairs)
+        by_velocity = np.einsum("nij,nik->jk", pairs, by_slip)
+        bent = np.einsum("ni,nij->nj", share, pairs)
+        moved = np.einsum("nij,nik->jk", by_slip, velocity[2] * self._turned.reshape(-1, 2, 2)) + bent.T @ by_centre
         moved[2] += self._turned.T @ (loads[:, None] * share).reshape(-1)
         return moved, by_velocity
 
-    def _pull(self, rows: Floats, velocity: Floats) -> tuple[Floats, Floats]:
-        """``(mu_R^2 r, mu_S^2 s)``, shape (n, 2), and the regularized root, shape (n,)."""
-        slips = (rows @ velocity - self._model.targets).reshape(-1, 2)
-        pull = self._squares * slips
-        return pull, np.sqrt((pull * slips).sum(axis=1) + self._rounding)
+    def _slips(self, rows: Floats, velocity: Floats) -> Floats:
+        """Along and across the axes, shape (2, n)."""
+        return np.asarray((rows @ velocity - self._model.targets).reshape(-1, 2).T)
 
 
 # ---- equations ---------------------------------------------------------------------------------------

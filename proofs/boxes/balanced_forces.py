@@ -173,11 +173,11 @@ class BalancedForces:
         """Of ``D - G . xi``, (m, 3), and its derivative (m, 3, 3)."""
         along, across = self._float_rows
         r, s = self.slips(twists)
-        f, g = self.sets.rounded_gradient(r, s, width)
+        f, g = self.sets.rounded_gradient(r, s, self.sets.along * width)
         gradient = (loads * f) @ along + (loads * g) @ across - pulls
         if not hessian:
             return gradient, gradient
-        by_r, mixed, by_s = (loads * entry for entry in self.sets.rounded_hessian(r, s, width))
+        by_r, mixed, by_s = (loads * entry for entry in self.sets.rounded_hessian(r, s, self.sets.along * width))
         slope = np.einsum("mw,wi,wj->mij", by_r, along, along) + np.einsum("mw,wi,wj->mij", by_s, across, across)
         both = np.einsum("mw,wi,wj->mij", mixed, along, across)
         return gradient, slope + both + both.transpose(0, 2, 1)
@@ -218,7 +218,7 @@ class BalancedForces:
 
     def forces(self, twists: Floats) -> tuple[Floats, Floats]:
         """Inside the friction sets, per unit of load, (m, wheels) each."""
-        f, g = self.sets.rounded_gradient(*self.slips(twists), ROUNDINGS[-1] * self.fastest)
+        f, g = self.sets.rounded_gradient(*self.slips(twists), self.sets.along * ROUNDINGS[-1] * self.fastest)
         return INSIDE * f, INSIDE * g
 
     @property
