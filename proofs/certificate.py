@@ -49,7 +49,7 @@ from nonsmooth.symbolic.number_text import brief_text
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.square_roots import NestingError
 from nonsmooth.symbolic.plane import around, cross, dot
-from nonsmooth.symbolic.scene import Scene, Wheel
+from nonsmooth.symbolic.scene import LoadTable, Scene, Wheel
 from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
 Record: TypeAlias = dict[str, Any]
@@ -238,7 +238,11 @@ def _loads(scene: Scene) -> Any:
     loads = scene.contact.loads
     if isinstance(loads, UnknownLoads):
         raise NoCertificateError(f"certificate: required loads that are known, received {loads.words}")
-    return "elastic" if loads is None else loads.rows
+    if loads is None:
+        return "elastic"
+    if not isinstance(loads, LoadTable):
+        raise NoCertificateError(f"certificate: required elastic loads or a table, received {loads.words}")
+    return loads.rows
 
 
 def _wheel(wheel: Wheel) -> Record:

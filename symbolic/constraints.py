@@ -135,8 +135,8 @@ def total(zero: X, vectors: Iterable[tuple[X, X, X]]) -> tuple[X, X, X]:
     return reduce(added, vectors, start)
 
 
-def inner(a: Triple, b: Triple) -> Number:
-    """Inner product in three dimensions."""
+def inner(a: tuple[X, X, X], b: tuple[X, X, X]) -> X:
+    """Inner product in three dimensions, in any arithmetic."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
@@ -145,10 +145,10 @@ def cofactors(a: Triple, b: Triple, c: Triple) -> tuple[Triple, Triple, Triple]:
     return cross_product(b, c), cross_product(c, a), cross_product(a, b)
 
 
-def gram(columns: Sequence[Triple]) -> tuple[Triple, Triple, Triple]:
-    """``sum_k c_k c_k^T``, a symmetric matrix by its rows."""
+def gram(columns: Sequence[tuple[X, X, X]]) -> tuple[tuple[X, X, X], tuple[X, X, X], tuple[X, X, X]]:
+    """``sum_k c_k c_k^T``, a symmetric matrix by its rows, in any arithmetic."""
 
-    def entry(r: int, s: int) -> Number:
+    def entry(r: int, s: int) -> Any:
         return sum((c[r] * c[s] for c in columns), columns[0][0] * 0)
 
     xx, xy, xz, yy, yz, zz = (entry(r, s) for r, s in ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)))

@@ -14,10 +14,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from nonsmooth.symbolic.constraints import Triple, cofactors, gram, inner, scaled
+from nonsmooth.symbolic.constraints import Triple
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.plane import Vector
 from nonsmooth.symbolic.scene import LoadTable
+from nonsmooth.symbolic.springs import EXACT, EqualSprings
 
 
 class NoSpringsError(ValueError):
@@ -31,15 +32,10 @@ def spring_forms(positions: Sequence[Vector]) -> list[Triple]:
         NoSpringsError: for wheels on one line.
     """
     one = positions[0][0].field.one
-    moments = [(one, *position) for position in positions]
-    rows = gram(moments)
-    columns = cofactors(*rows)
-    determinant = inner(rows[0], columns[0])
-    if not determinant:
+    forms = EqualSprings().forms([(one, *position) for position in positions], range(len(positions)), EXACT)
+    if forms is None:
         raise NoSpringsError("required three wheels that are not collinear")
-    inverse = determinant.inverse()
-    adjugate = [scaled((columns[0][r], columns[1][r], columns[2][r]), inverse) for r in range(3)]
-    return [(inner(adjugate[0], m), inner(adjugate[1], m), inner(adjugate[2], m)) for m in moments]
+    return forms
 
 
 def centre_of(values: Sequence[Number], positions: Sequence[Vector]) -> Vector:

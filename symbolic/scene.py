@@ -13,6 +13,7 @@ unless the wheel names one: a mecanum wheel grips along the axes of its rollers,
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
@@ -21,6 +22,7 @@ from typing import ClassVar, Literal
 from nonsmooth.symbolic.body import Body
 from nonsmooth.symbolic.characteristic_length import default_length
 from nonsmooth.symbolic.continuum import ContinuousField
+from nonsmooth.symbolic.load_model import Arithmetic, LoadModel, Three, X
 from nonsmooth.symbolic.loop_errors import LoopErrors
 from nonsmooth.symbolic.notebook import ShortRepr
 from nonsmooth.symbolic.numbers.enclosures import rational_below
@@ -148,10 +150,31 @@ class Wheel:
 
 
 @dataclass(frozen=True)
-class LoadTable:
+class LoadTable(LoadModel):
     """Normal forces that are affine in the centre of mass: ``N_i = rows[i] . (1, c_x, c_y)``."""
 
     rows: tuple[tuple[Number, Number, Number], ...]
+    lifts_off = False
+
+    @property
+    def words(self) -> str:
+        """As scene files name it."""
+        return "a table, affine in c"
+
+    def forms(
+        self, moments: Sequence[Three[X]], carrying: Collection[int], arithmetic: Arithmetic[X]
+    ) -> list[Three[X]]:
+        """The rows, whoever carries."""
+        number = arithmetic.number
+        return [(number(a), number(b), number(c)) for a, b, c in self.rows]
+
+    def moved(self, x: Number | Fraction, y: Number | Fraction) -> LoadTable:
+        """With the wheels."""
+        return LoadTable(tuple((a - b * x - c * y, b, c) for a, b, c in self.rows))
+
+    def scaled(self, factor: Fraction) -> LoadTable:
+        """With all lengths."""
+        return LoadTable(tuple((a, b / factor, c / factor) for a, b, c in self.rows))
 
 
 @dataclass(frozen=True)
@@ -159,7 +182,7 @@ class Contact:
     """Contact rule and load model; ``loads`` None means elastic (identical springs, no tension)."""
 
     rule: str
-    loads: LoadTable | UnknownLoads | None = None
+    loads: LoadModel | UnknownLoads | None = None
 
 
 @dataclass(frozen=True)
@@ -277,9 +300,8 @@ class Scene(ShortRepr):
             for group in (self.wheels, self.idle)
         )
         loads = self.contact.loads
-        if isinstance(loads, LoadTable):
-            rows = tuple((a + b * x + c * y, b, c) for a, b, c in loads.rows)
-            loads = LoadTable(rows)
+        if isinstance(loads, LoadModel):
+            loads = loads.moved(-x, -y)
         zero, continuum = self.field.zero, self.continuum
         if continuum is not None:
             continuum = replace(continuum, centre=(continuum.centre[0] - x, continuum.centre[1] - y))

@@ -17,8 +17,9 @@ from fractions import Fraction
 
 from nonsmooth.symbolic.body import Body
 from nonsmooth.symbolic.continuum import Disc, Footprint
+from nonsmooth.symbolic.load_model import LoadModel
 from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
-from nonsmooth.symbolic.scene import LoadTable, Scene, Wheel
+from nonsmooth.symbolic.scene import Scene, Wheel
 from nonsmooth.symbolic.support_polygon import extent, outer_positions, support_polygon
 from nonsmooth.symbolic.switched_system import SwitchedSystem, require_single
 
@@ -36,8 +37,8 @@ def scaled(scene: Scene, factor: Fraction) -> Scene:
         return replace(wheel, position=(x * factor, y * factor))
 
     (x, y), loads = scene.check.equilibrium, scene.contact.loads
-    if isinstance(loads, LoadTable):
-        loads = LoadTable(tuple((a, b / factor, c / factor) for a, b, c in loads.rows))
+    if isinstance(loads, LoadModel):
+        loads = loads.scaled(factor)
     check = replace(
         scene.check,
         equilibrium=(x * factor, y * factor),
@@ -97,8 +98,8 @@ def moved(scene: Scene, x: Fraction, y: Fraction) -> Scene:
         return replace(wheel, position=(wheel.position[0] + x, wheel.position[1] + y))
 
     (p, q), loads = scene.check.equilibrium, scene.contact.loads
-    if isinstance(loads, LoadTable):
-        loads = LoadTable(tuple((a - b * x - c * y, b, c) for a, b, c in loads.rows))
+    if isinstance(loads, LoadModel):
+        loads = loads.moved(x, y)
     check = replace(scene.check, equilibrium=(p + x, q + y))
     return replace(with_wheels(scene, shifted), contact=replace(scene.contact, loads=loads), check=check)
 

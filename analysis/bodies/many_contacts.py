@@ -1,8 +1,7 @@
 """The contacts under many poses of one body at once, in floats: which wheels are near, their loads, who tips.
 
 Each pose keeps a list of wheels near enough to come under the outline soon; one row of every array is one pose.
-Loads are elastic: ``N_i = max(0, m_i . y)`` with ``m_i = (1, p_i - c)`` and ``sum N_i m_i = (1, 0, 0)`` (total weight
-1), by Newton's method on the loaded wheels.  The centre of mass lies strictly inside the hull of the carrying wheels
+Loads are elastic.  The centre of mass lies strictly inside the hull of the carrying wheels
 iff no two of them that follow each other around it are half a turn or more apart; else the body tips over the line
 through the two with the widest gap.
 """
@@ -12,14 +11,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from nonsmooth.analysis.cells.spring_loads import spring_loads
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
 
 Mask = NDArray[np.bool_]
 Numbers = NDArray[np.int_]
 
-LOAD_STEPS = 30  # of Newton's method; a few suffice
-REGULAR = 1e-12  # multiple of the identity beside the moments of the loaded wheels
-LOAD_ERROR = 1e-9  # of the weight and its moment, lengths in units of the largest lever
 NOBODY = -1  # number of a wheel that is none
 
 
@@ -67,22 +64,8 @@ def elastic_loads_of(levers: Floats, carrying: Mask) -> tuple[Floats, Mask]:
     sizes[sizes == 0] = 1.0
     moments = np.concatenate([np.ones((*carrying.shape, 1)), levers / sizes[:, None, None]], axis=2)
     moments = np.where(carrying[..., None], moments, 0.0)
-    weight, identity = np.array([1.0, 0.0, 0.0]), REGULAR * np.eye(3)
-    loaded = carrying
-    loads = np.zeros(carrying.shape)
-    for _ in range(LOAD_STEPS):
-        held = np.where(loaded[..., None], moments, 0.0)
-        springs = np.linalg.solve(
-            held.transpose(0, 2, 1) @ held + identity, np.broadcast_to(weight[:, None], (len(levers), 3, 1))
-        )
-        forces = (moments @ springs)[..., 0]
-        pressed = carrying & (forces > 0)
-        loads = np.where(pressed, forces, 0.0)
-        if (pressed == loaded).all():
-            break
-        loaded = pressed
-    error = np.abs((loads[:, None, :] @ moments)[:, 0] - weight).max(axis=1, initial=0.0)
-    return loads, error <= LOAD_ERROR
+    weight = np.array([1.0, 0.0, 0.0])
+    return spring_loads(moments, np.broadcast_to(weight, (len(levers), 3)))
 
 
 class RowsOfWheels:

@@ -20,14 +20,16 @@ from typing import Any, TypeAlias
 import numpy as np
 from flint import fmpq, fmpz
 
-from nonsmooth.analysis.cells.loaded_sets import loaded_wheels
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, square
-from nonsmooth.symbolic.constraints import Triple, cofactors, gram, inner
+from nonsmooth.analysis.cells.spring_loads import loaded_wheels
+from nonsmooth.symbolic.constraints import Triple
+from nonsmooth.symbolic.load_model import LoadModel, carried_loads
 from nonsmooth.symbolic.number_text import float_text
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.plane import Vector, around, cross, minus
 from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.springs import EXACT, EqualSprings, exact_moments, load_model
 from nonsmooth.symbolic.support_polygon import support_polygon
 from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
@@ -89,12 +91,13 @@ def load_regions(scene: Scene, holding: Point | None = None, domain: Polygon | N
         LoadError: where the body tips, wheels are collinear, a table gives a negative load, or loads are unknown.
     """
     domain = square(scene.check.equilibrium, scene.check.radius) if domain is None else domain
-    table = scene.contact.loads
-    if isinstance(table, UnknownLoads):
-        raise LoadError(UNKNOWN.format(table.words))
-    if table is not None:
-        _require_positive(scene, table.rows, domain)
-        return (LoadRegion(domain, table.rows, frozenset(w.index for w in scene.wheels)),)
+    if isinstance(scene.contact.loads, UnknownLoads):
+        raise LoadError(UNKNOWN.format(scene.contact.loads.words))
+    model = load_model(scene)
+    if not model.lifts_off:
+        forms = tuple(model.forms(exact_moments(scene), range(len(scene.wheels)), EXACT) or ())
+        _require_positive(scene, forms, domain)
+        return (LoadRegion(domain, forms, frozenset(w.index for w in scene.wheels)),)
     require_support(scene, domain)
     return _elastic_regions(scene, domain, holding)
 
@@ -110,8 +113,8 @@ def elastic_loads_at(scene: Scene, point: Point) -> tuple[Any, ...]:
     if len(hull) < 3 or any(cross(along, minus(point, corner)).sign() <= 0 for corner, along in sides):
         x, y = (float(value) for value in point)
         raise LoadError(f"required a centre of mass inside the support polygon, received ({x:g}, {y:g})")
-    moments = [(scene.field.one, *wheel.position) for wheel in scene.wheels]
-    active, forces = _loads_at(moments, frozenset(range(len(moments))), point)
+    moments = exact_moments(scene)
+    active, forces = _loads_at(EqualSprings(), moments, point)
     return tuple(force if i in active else scene.field.zero for i, force in enumerate(forces))
 
 
@@ -164,7 +167,7 @@ class _Regions:
 
     def __init__(self, scene: Scene, domain: Polygon) -> None:
         self.scene, self.domain = scene, domain
-        self.moments: list[Triple] = [(scene.field.one, *wheel.position) for wheel in scene.wheels]
+        self.model, self.moments = load_model(scene), exact_moments(scene)
         self.positions = np.array([[float(x) for x in wheel.position] for wheel in scene.wheels])
         self._known: dict[frozenset[int], LoadRegion | None] = {}
 
@@ -173,17 +176,28 @@ class _Regions:
         if active is None:
             return None
         if active not in self._known:
-            try:
-                self._known[active] = _region(self.scene, self.moments, active, self.domain)
-            except CollinearLoadError:
-                self._known[active] = None
+            self._known[active] = self._region(active)
         return self._known[active]
+
+    def _region(self, active: frozenset[int]) -> LoadRegion | None:
+        """The polygon on which exactly these wheels carry load; None where it has no area, or no loads are fixed."""
+        forms = self.model.forms(self.moments, active, EXACT)
+        if forms is None:
+            return None
+        zero, polygon = self.scene.field.zero, self.domain
+        for i, form in enumerate(forms):
+            bound = form if i in active else (-form[0], -form[1], -form[2])
+            clipped = polygon.clipped(at_least_zero(bound, f"load {i}"))
+            if clipped is None:
+                return None
+            polygon = clipped
+        forces = tuple(form if i in active else (zero, zero, zero) for i, form in enumerate(forms))
+        return LoadRegion(polygon, forces, frozenset(self.scene.wheels[i].index for i in active))
 
     def first(self, start: Point) -> frozenset[int]:
         """The loaded wheels of a region at a point."""
-        everyone = frozenset(range(len(self.moments)))
         try:
-            return _loads_at(self.moments, everyone, start)[0]
+            return _loads_at(self.model, self.moments, start)[0]
         except CollinearLoadError:
             centre, reach = np.array([float(x) for x in start]), float(self.scene.check.radius)
             for step, way in product(STEPS_BESIDE, WAYS):
@@ -249,43 +263,18 @@ def _crossings(polygon: Polygon, holding: Point | None) -> list[int]:
     return [k for k, side in inner_sides if holding is None or not sign(side.slack(holding))]
 
 
-def _loads_at(moments: Sequence[Triple], active: frozenset[int], point: Point) -> tuple[frozenset[int], list[Any]]:
+def _loads_at(model: LoadModel, moments: Sequence[Triple], point: Point) -> tuple[frozenset[int], list[Any]]:
     """Loaded wheels at a point, and the affine loads there of all wheels.
-
-    Wheels in tension are dropped and wheels in reach added until there is neither.
 
     Raises:
         LoadError: for too many wheels with too long coordinates.
+        CollinearLoadError: where wheels on one line carry.
     """
     _require_short(moments)
-    one = moments[0][0]
-    while True:
-        forms = _forms(moments, active)
-        values = [inner(form, (one, *point)) for form in forms]
-        tension = [i for i in active if values[i].sign() < 0]
-        if tension:
-            worst = min(tension, key=lambda i: values[i])
-            active = active - {worst}
-            continue
-        contact = [i for i in range(len(moments)) if i not in active and values[i].sign() > 0]
-        if not contact:
-            return active, values
-        active = active | {max(contact, key=lambda i: values[i])}
-
-
-def _region(scene: Scene, moments: Sequence[Triple], active: frozenset[int], domain: Polygon) -> LoadRegion | None:
-    """The polygon on which exactly ``active`` carries load; None where it has no area."""
-    forms = _forms(moments, active)
-    zero = moments[0][0] - moments[0][0]
-    polygon = domain
-    for i, form in enumerate(forms):
-        bound = form if i in active else (-form[0], -form[1], -form[2])
-        clipped = polygon.clipped(at_least_zero(bound, f"load {i}"))
-        if clipped is None:
-            return None
-        polygon = clipped
-    forces = tuple(form if i in active else (zero, zero, zero) for i, form in enumerate(forms))
-    return LoadRegion(polygon, forces, frozenset(scene.wheels[i].index for i in active))
+    found = carried_loads(model, moments, frozenset(range(len(moments))), point, EXACT)
+    if found is None:
+        raise CollinearLoadError(ALL_AT_ONCE)
+    return found
 
 
 def _require_short(moments: Sequence[Triple]) -> None:
@@ -304,19 +293,3 @@ def _require_short(moments: Sequence[Triple]) -> None:
                 f"wheels: required positions of {len(moments)} wheels with a common denominator of at most {most} bits "
                 "for elastic loads, received a longer one"
             )
-
-
-def _forms(moments: Sequence[Triple], active: frozenset[int]) -> list[Triple]:
-    """``G_A^-1 m_i`` for every wheel: its affine load while A is the loaded set."""
-    rows = gram([moments[i] for i in sorted(active)])
-    columns = cofactors(*rows)
-    determinant = inner(rows[0], columns[0])
-    if not determinant:
-        raise CollinearLoadError(ALL_AT_ONCE)
-    inverse = determinant.inverse()
-    adjugate = [(columns[0][r], columns[1][r], columns[2][r]) for r in range(3)]
-    forms: list[Triple] = []
-    for m in moments:
-        a, b, c = (inner(row, m) * inverse for row in adjugate)
-        forms.append((a, b, c))
-    return forms

@@ -1,7 +1,4 @@
-"""Loads of equal springs over a box of wheel positions and of places of the body.
-
-``N_i = (1, p_i) . G^-1 (1, c)``, ``G = sum_k (1, p_k)(1, p_k)^T``, as long as no load is negative.
-"""
+"""Loads over a box of wheel positions and of places of the body, as long as every wheel carries."""
 
 from __future__ import annotations
 
@@ -10,7 +7,9 @@ from dataclasses import dataclass
 
 from flint import arb, arb_mat
 
-from nonsmooth.symbolic.scene import LoadTable, Scene
+from nonsmooth.symbolic.load_model import Arithmetic
+from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.springs import load_model
 
 
 @dataclass(frozen=True)
@@ -31,17 +30,19 @@ class LoadBox:
 
 def load_box(scene: Scene, step: arb) -> LoadBox | None:
     """Loads of a scene whose positions may be off by ``step``; None where the springs do not fix them."""
-    loads = scene.contact.loads
-    if isinstance(loads, LoadTable):
-        return LoadBox(tuple((a.ball(), b.ball(), c.ball()) for a, b, c in loads.rows))
-    moments = [[arb(1), *(entry.ball() + step * arb(0, 1) for entry in wheel.position)] for wheel in scene.wheels]
-    gram = arb_mat([[sum((m[r] * m[c] for m in moments), arb(0)) for c in range(3)] for r in range(3)])
+    off = step * arb(0, 1)
+    moments = [(arb(1), x.ball() + off, y.ball() + off) for x, y in (wheel.position for wheel in scene.wheels)]
+    forms = load_model(scene).forms(moments, range(len(moments)), BALLS)
+    return None if forms is None else LoadBox(tuple(forms))
+
+
+def _inverse(*rows: tuple[arb, arb, arb]) -> list[tuple[arb, arb, arb]] | None:
+    """By elimination, which loses less than cofactors where balls are wide."""
     try:
-        inverse = gram.inv()
+        inverse = arb_mat([list(row) for row in rows]).inv()
     except ZeroDivisionError:
         return None
-    forms = []
-    for m in moments:
-        form = [sum((m[r] * inverse[r, c] for r in range(3)), arb(0)) for c in range(3)]
-        forms.append((form[0], form[1], form[2]))
-    return LoadBox(tuple(forms))
+    return [(inverse[0, c], inverse[1, c], inverse[2, c]) for c in range(3)]
+
+
+BALLS: Arithmetic[arb] = Arithmetic(lambda number: number.ball(), _inverse, lambda load: (load > 0) - (load < 0))
