@@ -1000,8 +1000,8 @@ def rebuilt(certificate: Record, decode: Decoder) -> Scene:
         return decode.number(data[0]), decode.number(data[1])
 
     def wheel(number: int, data: Record) -> Wheel:
-        friction, axis = Friction(*pair(data["friction"])), pair(data["axis"]) if "axis" in data else None
-        speed = decode.number(data["speed"])
+        friction, speed = Friction(*pair(data["friction"])), decode.number(data["speed"])
+        axis = None if data.get("axis") is None else pair(data["axis"])
         return Wheel(number, pair(data["position"]), pair(data["direction"]), speed, friction, axis=axis)
 
     wheels = tuple(wheel(number, data) for number, data in enumerate(subject(certificate)["wheels"], 1))

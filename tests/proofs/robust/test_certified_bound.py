@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -18,10 +19,12 @@ from nonsmooth.proofs.robust.decide import decide_robust
 from nonsmooth.proofs.theorem4 import check_cells
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.tolerances import Tolerance
 from tests.array_certificates import check_certificate, said, say, subject
 from tests.oracles.earlier_arrays import refusal_of_version_1
 from tests.proofs.robust.test_nearest_bounds import TABLE, drawn, table, velocities, with_box
-from tests.thorough import few, thorough
+from tests.proofs.test_checker import Decoder, changed, mutant, rebuilt
+from tests.thorough import few, keep, thorough
 
 Record: TypeAlias = dict[str, Any]
 
@@ -59,20 +62,33 @@ def test_irrational_places_are_followed(name: str, tmp_path: Path) -> None:
     assert refusal_of_version_1(certificate) == ""
 
 
-def test_arrays_of_the_box_obey_the_certificate(scene: Scene, certificate: Record) -> None:
-    """Ten thousand arrays, half of them corners of the box, at points outside the disc, most of them close to it."""
+def array_of(certificate: Record) -> Scene:
+    """The array of a certificate, with its tolerances, seen from the checked point."""
+    decode, own = Decoder(certificate), subject(certificate)
+    sizes: dict[str, Any] = {name: decode.number(size) for name, size in own["tolerances"].items()}
+    box = Tolerance(centre_of_mass=decode.field.zero, **sizes)
+    return replace(rebuilt(certificate, decode).recentred(), tolerances=box)
+
+
+def assert_arrays_obey(certificate: Record, count: int) -> None:
+    """Half of the arrays are corners of the box; most of the points outside the disc are close to it."""
     inner, outer, rate = (float(Fraction(said(certificate)["tolerances"][key])) for key in ("radius", "start", "rate"))
     rng = np.random.default_rng(11)
-    sizes = inner + (outer - inner) * rng.random(10_000) ** 3
+    sizes = inner + (outer - inner) * rng.random(count) ** 3
     angles = rng.uniform(0, 2 * np.pi, len(sizes))
     points = sizes[:, None] * np.column_stack([np.cos(angles), np.sin(angles)])
-    moved = velocities(drawn(scene, len(sizes), 12), points)
+    moved = velocities(drawn(array_of(certificate), len(sizes), 12), points)
     assert ((points * moved).sum(axis=1) <= -rate * sizes * (1 - 1e-9)).all()
+
+
+def test_arrays_of_the_box_obey_the_certificate(certificate: Record) -> None:
+    """Ten thousand arrays."""
+    assert_arrays_obey(certificate, 10_000)
 
 
 def claim_other(certificate: Record, key: str, value: Any) -> None:
     """Another tolerance, or another bound, which is claimed too."""
-    bounds, sizes = certificate["evidence"][1]["hypotheses"], subject(certificate)["tolerances"]
+    bounds, sizes = certificate["evidence"][-1]["hypotheses"], subject(certificate)["tolerances"]
     (bounds if key in bounds else sizes)[key] = value
     say(certificate, tolerances=dict(bounds))
 
@@ -146,3 +162,50 @@ def test_another_scene_and_other_tolerances_are_told_apart(scene: Scene, certifi
     assert find_difference(certificate, load_scene(other)) == "tolerance"
     other.write_text(TABLE.partition("[tolerance]")[0], encoding="utf-8")
     assert find_difference(certificate, load_scene(other)) == "tolerance"
+
+
+MUTANTS = 10_000
+BOUNDS = ("radius", "start", "rate", "position", "heading", "speed", "mu_roll", "mu_side")
+
+
+def bounds_only(certificate: Record) -> Record:
+    """Nothing of Theorem 4: the tolerances are a theorem of their own."""
+    own = copy.deepcopy(certificate)
+    own["evidence"] = [entry for entry in own["evidence"] if entry["theorem"] == "tolerances"]
+    own["statement"]["claims"] = [claim for claim in own["statement"]["claims"] if "tolerances" in claim]
+    return own
+
+
+def mutant_of_bounds(certificate: Record, rng: np.random.Generator) -> Record:
+    """One value anywhere is changed; or a wheel, a tolerance or a bound a little, which is claimed too."""
+    if rng.random() < 0.4:
+        return mutant(certificate, rng)
+    forged, wheels = copy.deepcopy(certificate), len(subject(certificate)["wheels"])
+    factor = Fraction(int(rng.integers(1, 40)), 20) if rng.random() < 0.5 else Fraction(int(rng.integers(90, 111)), 100)
+    if rng.random() < 0.5:
+        scaled(str(rng.choice(BOUNDS)), factor)(forged)
+        return forged
+    wheel = subject(forged)["wheels"][rng.integers(wheels)]
+    key = str(rng.choice(["speed", "friction", "position"]))
+    k = int(rng.integers(2))
+    own = wheel[key] if key == "speed" else wheel[key][k]
+    other = str(Fraction(own) * factor) if isinstance(own, str) else changed(own, rng)
+    wheel[key] = other if key == "speed" else [*wheel[key][:k], other, *wheel[key][k + 1 :]]
+    return forged
+
+
+@pytest.mark.parametrize("count", keep(1, [MUTANTS // 200, MUTANTS]))
+def test_mutants_of_bounds_are_rejected_or_true(certificate: Record, tmp_path: Path, count: int) -> None:
+    """Arrays of the mutant's own box obey what is accepted of it."""
+    others = [with_box(name, tmp_path) for name in ("rectangle", "ring-6")] if count == MUTANTS else []
+    originals = [bounds_only(own) for own in (certificate, *(build_certificate(check_cells(one)) for one in others))]
+    rng, accepted = np.random.default_rng(21), 0
+    for k in range(count):
+        forged = mutant_of_bounds(originals[k % len(originals)], rng)
+        refused = check_certificate(forged)
+        assert "\n" not in refused
+        if not refused and "tolerances" in said(forged):
+            assert_arrays_obey(forged, 1_000)
+            accepted += 1
+    print(f"{accepted} of {count} still true")
+    assert accepted
