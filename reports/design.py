@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Generic, NamedTuple, TypeVar
 
 from nonsmooth.reports.designs.toml_text import toml_text
 from nonsmooth.reports.document import Block, Paragraph, table
+from nonsmooth.reports.entries import as_json
 from nonsmooth.reports.exact_record import Record
 from nonsmooth.reports.facts import fact_record
 from nonsmooth.reports.files import output_path
@@ -138,7 +139,7 @@ class DesignResult(Result, Generic[Held]):
             "fewest": None if design.fewest is None else vars(design.fewest),
             "given": _evaluation(design.base),
             "best": _evaluation(design.best),
-            "scene": design.document if not design.impossible else None,
+            "scene": as_json(design.document) if not design.impossible else None,
         }
 
     def table(self) -> DataTable:

@@ -34,6 +34,18 @@ def entry(value: Any) -> Entry:
     return str(value)  # a SymPy number prints as a formula
 
 
+def as_json(value: Entry) -> Entry:
+    """An entry as JSON holds it: a decimal as a number where a float holds it exactly, else as a text."""
+    match value:
+        case Decimal():
+            return float(value) if Decimal(repr(float(value))) == value else str(value)
+        case list() | tuple():
+            return [as_json(part) for part in value]
+        case Mapping():
+            return {str(key): as_json(part) for key, part in value.items()}
+    return value
+
+
 def table(values: Mapping[str, Any]) -> dict[str, Entry]:
     """A table of entries without those that are None."""
     return {key: entry(value) for key, value in values.items() if value is not None}

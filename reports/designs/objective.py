@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from nonsmooth.analysis.cells.partition import RefusalError
-from nonsmooth.proofs.answers.answer import Answer
+from nonsmooth.proofs.answers.answer import Answer, Position
 from nonsmooth.proofs.answers.answers import answers_of
 from nonsmooth.proofs.robust.decide import certified_factor
 from nonsmooth.proofs.theorem4 import check_theorem4
@@ -47,8 +47,13 @@ Objective = Callable[[Check, Sequence[Answer]], float | None]
 
 
 def _rate(check: Check, answers: Sequence[Answer]) -> float | None:
-    """How fast a body comes home: length per time where it arrives, else the exponential rate (1/time)."""
+    """How fast a body comes home: length per time where it arrives, else the exponential rate (1/time).
+
+    Where it comes near, at least the part of its way that is certified over the time that it takes.
+    """
     position = answers[0].numbers
+    if answers[0].verdict is Position.COMES_NEAR:
+        return float((position["within"] - position["ends_within"]) / position["after"])
     seconds = position.get("seconds_per_distance")
     if seconds is not None:
         return 1 / float(seconds)

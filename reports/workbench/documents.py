@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from nonsmooth.reports.designs.toml_text import toml_text
+from nonsmooth.reports.entries import as_json
 from nonsmooth.reports.workbench.requests import RequestError
 from nonsmooth.symbolic.files.scene_document import UnitsTable
 from nonsmooth.symbolic.files.toml_bounds import toml_excess
@@ -94,12 +95,12 @@ def canonical(value: Any) -> Any:
     raise RequestError(f"required numbers, texts, lists and tables, received {type(value).__name__}")
 
 
-def _number(value: Decimal) -> int | float | str:
+def _number(value: Decimal) -> Any:
     if not value.is_finite() or abs(value.adjusted()) > 300:
         return str(value)
     if value == value.to_integral_value() and abs(value) <= LARGEST_INTEGER:
         return int(value)
-    return float(value) if Decimal(repr(float(value))) == value else str(value)
+    return as_json(value)
 
 
 def written(document: Mapping[str, Any]) -> str:

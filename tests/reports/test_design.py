@@ -19,6 +19,7 @@ from nonsmooth.reports.designs.toml_text import toml_text
 from nonsmooth.reports.parts import PART_NAMES
 from nonsmooth.symbolic.files.scene_file import build_scene, load_scene, read_document
 from nonsmooth.symbolic.scene import Wheel
+from tests.oracles.measured_tables import MeasuredTable
 from tests.thorough import keep, thorough
 
 if TYPE_CHECKING:
@@ -39,6 +40,17 @@ def test_a_saddle_becomes_an_array_that_brings_bodies_home(invoke: Invoke, tmp_p
     for start in ((0.3, 0.1, 0.0), (-0.2, 0.25, 1.0)):
         end = array.simulate(start, 10 / record["best"]["value"]).state[-1]
         assert np.hypot(*end[:2]) < 1e-6
+
+
+def test_a_table_that_was_measured_meets_the_requirement_where_bodies_come_near(invoke: Invoke, tmp_path: Path) -> None:
+    """Its rate is the part of the way that is certified over the time that it takes."""
+    (tmp_path / "table.toml").write_text(MeasuredTable.random(1, "nearest").toml, encoding="utf-8")
+    record = invoke("design", "table.toml", "--free", "speeds", "--checks", "2", "--json").record
+    position = record["given"]["answers"]["position"]
+    assert (record["given"]["unmet"], position["verdict"]) == ([], "comes near")
+    way = position["within"] - position["ends_within"]
+    assert record["given"]["value"] == pytest.approx(way / position["after"], rel=1e-12)
+    assert record["best"]["value"] >= record["given"]["value"]
 
 
 @thorough  # the small one: test_a_saddle_becomes_an_array_that_brings_bodies_home
