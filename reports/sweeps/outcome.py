@@ -38,10 +38,7 @@ CLAUSES = ("equilibrium", "translation", "rotation", "feedback")
 
 # Numbers of a record, and where they come from: the answer or clause, and the key of its fact.
 NUMBERS = {
-    "accuracy": ("position", "accuracy"),
-    "comes_within": ("position", "ends_within"),
     "within": ("position", "within"),
-    "after": ("position", "after"),
     "rate": ("position", "rate"),
     "seconds_per_distance": ("position", "seconds_per_distance"),
     "stays_within": ("position", "stays_within"),

@@ -6,7 +6,6 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from nonsmooth.proofs.answers.answer import Position
 from nonsmooth.proofs.answers.bounds import at_most
 from nonsmooth.proofs.verdicts import Certainty
 from nonsmooth.reports.document import Block, Paragraph, table
@@ -23,7 +22,6 @@ from nonsmooth.symbolic.scene_error import one_line
 SCHEMA = "nonsmooth-sweep/1"
 MOST_SHOWN = 40  # scenes that a terminal lists
 SHOWN_NUMBERS = ("rate", "kappa")  # beside the answers on a terminal
-NEAR_NUMBERS = ("comes_within", "after")  # there, where some bodies come near the point and not to it
 
 
 def sweep_record(sweep: Sweep) -> dict[str, Any]:
@@ -171,9 +169,10 @@ def _worst(outcome: Outcome) -> dict[str, Any]:
 def _answers_table(sweep: Sweep) -> Block:
     failures = any("failures" in outcome for outcome in sweep.outcomes)
     shorts = [name.rpartition(".")[2] if not name.startswith("wheel") else name for name in sweep.plan.names]
-    rates = _shown_numbers(sweep) if len(shorts) == 1 else ()  # two numbers that vary leave no room for them
+    known = _known_numbers(sweep) if sweep.base.is_system else SHOWN_NUMBERS
+    rates = known if len(shorts) == 1 else ()  # two numbers that vary leave no room for them
     titles = ["stability"] if sweep.base.is_system else ["position", "heading", "pose", "Theorem 4"]
-    header = [*shorts, *titles, *(["worst failure"] if failures else [name.replace("_", " ") for name in rates])]
+    header = [*shorts, *titles, *(["worst failure"] if failures else rates)]
     rows = []
     for k, outcome in enumerate(sweep.outcomes[:MOST_SHOWN]):
         entries = [str(value.entry) for value in sweep.plan.point(k)]
@@ -183,15 +182,9 @@ def _answers_table(sweep: Sweep) -> Block:
     return table(header, rows, tuple(2.0 if name == widest else 1.0 for name in header))
 
 
-def _shown_numbers(sweep: Sweep) -> tuple[str, ...]:
-    """Of plain systems and of bodies that come near those that some scene has; else the two rates."""
-    comes_near = not sweep.base.is_system and any(
-        outcome["position"] == Position.COMES_NEAR for outcome in sweep.outcomes
-    )
-    if not (sweep.base.is_system or comes_near):
-        return SHOWN_NUMBERS
-    names = SYSTEM_NUMBERS if sweep.base.is_system else (*NEAR_NUMBERS, *SHOWN_NUMBERS)
-    return tuple(name for name in names if any(outcome[name] is not None for outcome in sweep.outcomes))
+def _known_numbers(sweep: Sweep) -> tuple[str, ...]:
+    """The numbers of plain systems that some scene has."""
+    return tuple(name for name in SYSTEM_NUMBERS if any(outcome[name] is not None for outcome in sweep.outcomes))
 
 
 def _number_texts(outcome: Outcome, names: Sequence[str]) -> list[str]:
