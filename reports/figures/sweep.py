@@ -108,19 +108,27 @@ def build_figure(sweep: Sweep) -> Figure:
 
 STRIPS = (8.0, 2.6)  # inches, of the strips alone
 CURVE = 1.3  # inches for each rate
-CURVES = {  # rates of an outcome, and what they are called
+NEAR = "ends_within"
+CURVES = {  # numbers of an outcome, and what they are called
+    NEAR: "ends within",
     "worst_rate": "max V*/|c|",
     "rate": "rate of return",
     "kappa": "kappa of the law",
-    "within": "home from within",
+    "within": "comes from within",
     "tolerance_factor": "tolerances, times",
     "fall": "V falls at",
     "level": "certified V below",
 }
 
 
+def _is_drawn(sweep: Sweep, name: str) -> bool:
+    """Whether some scene has a number; of how near bodies come, whether it is not zero for all that come."""
+    known = [outcome[name] for outcome in sweep.outcomes if outcome.get(name) is not None]
+    return any(known) if name == NEAR else bool(known)
+
+
 def _strips(sweep: Sweep) -> Figure:
-    curves = [name for name in CURVES if any(outcome.get(name) is not None for outcome in sweep.outcomes)]
+    curves = [name for name in CURVES if _is_drawn(sweep, name)]
     heights = [STRIPS[1], *[CURVE] * len(curves)]
     figure = new_figure(STRIPS[0], sum(heights) + 0.8)
     rows = figure.subplots(1 + len(curves), 1, sharex=True, squeeze=False, height_ratios=heights)[:, 0]

@@ -38,7 +38,10 @@ CLAUSES = ("equilibrium", "translation", "rotation", "feedback")
 
 # Numbers of a record, and where they come from: the answer or clause, and the key of its fact.
 NUMBERS = {
+    "accuracy": ("position", "accuracy"),
+    "ends_within": ("position", "ends_within"),
     "within": ("position", "within"),
+    "after": ("position", "after"),
     "rate": ("position", "rate"),
     "seconds_per_distance": ("position", "seconds_per_distance"),
     "stays_within": ("position", "stays_within"),
@@ -46,7 +49,7 @@ NUMBERS = {
     "turn_per_distance": ("heading", "turn_per_distance"),
     "kappa": ("pose", "rate"),
     "worst_rate": ("translation", "worst_rate"),
-    "ends_within": (TOLERANCES, "radius"),
+    "tolerance_radius": (TOLERANCES, "radius"),
     "tolerance_factor": (TOLERANCES, "factor"),
 }
 

@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from typing import Any
 
+from nonsmooth.proofs.answers.answer import Position
 from nonsmooth.proofs.answers.bounds import at_most
 from nonsmooth.proofs.verdicts import Certainty
 from nonsmooth.reports.document import Block, Paragraph, table
@@ -19,9 +20,10 @@ from nonsmooth.reports.sweeps.system_outcome import SYSTEM_COLUMNS, SYSTEM_NUMBE
 from nonsmooth.symbolic.number_text import float_text
 from nonsmooth.symbolic.scene_error import one_line
 
-SCHEMA = "nonsmooth-sweep/1"
+SCHEMA = "nonsmooth-sweep/2"
 MOST_SHOWN = 40  # scenes that a terminal lists
 SHOWN_NUMBERS = ("rate", "kappa")  # beside the answers on a terminal
+NEAR_NUMBERS = ("ends_within", "within", "after")  # the same where bodies come near the point, not to it
 
 
 def sweep_record(sweep: Sweep) -> dict[str, Any]:
@@ -169,7 +171,7 @@ def _worst(outcome: Outcome) -> dict[str, Any]:
 def _answers_table(sweep: Sweep) -> Block:
     failures = any("failures" in outcome for outcome in sweep.outcomes)
     shorts = [name.rpartition(".")[2] if not name.startswith("wheel") else name for name in sweep.plan.names]
-    known = _known_numbers(sweep) if sweep.base.is_system else SHOWN_NUMBERS
+    known = _known_numbers(sweep) if sweep.base.is_system else _array_numbers(sweep)
     rates = known if len(shorts) == 1 else ()  # two numbers that vary leave no room for them
     titles = ["stability"] if sweep.base.is_system else ["position", "heading", "pose", "Theorem 4"]
     header = [*shorts, *titles, *(["worst failure"] if failures else rates)]
@@ -185,6 +187,12 @@ def _answers_table(sweep: Sweep) -> Block:
 def _known_numbers(sweep: Sweep) -> tuple[str, ...]:
     """The numbers of plain systems that some scene has."""
     return tuple(name for name in SYSTEM_NUMBERS if any(outcome[name] is not None for outcome in sweep.outcomes))
+
+
+def _array_numbers(sweep: Sweep) -> tuple[str, ...]:
+    """The numbers of arrays: how near bodies come, and else how fast they come home."""
+    comes_near = any(outcome["position"] == Position.COMES_NEAR for outcome in sweep.outcomes)
+    return NEAR_NUMBERS if comes_near else SHOWN_NUMBERS
 
 
 def _number_texts(outcome: Outcome, names: Sequence[str]) -> list[str]:

@@ -15,13 +15,16 @@ import pytest
 
 import nonsmooth as ns
 from nonsmooth.reports.designs.toml_text import toml_text
+from nonsmooth.reports.document import Table
 from nonsmooth.reports.sweeps.base import Base, base_of
 from nonsmooth.reports.sweeps.borders import Border, find_borders, said
 from nonsmooth.reports.sweeps.outcome import QUESTIONS, Outcome, outcome_of
 from nonsmooth.reports.sweeps.sweep import Means, Sweep, run_sweep
 from nonsmooth.reports.sweeps.sweep_plan import LARGE, Point, SweepPlan, read_plan
+from nonsmooth.reports.sweeps.table import flat_rows, sweep_blocks
 from nonsmooth.symbolic.files.one_by_one import one_by_one
 from nonsmooth.symbolic.files.scene_file import load_scene, read_document
+from tests.oracles.measured_tables import MeasuredTable
 from tests.thorough import few, thorough
 
 if TYPE_CHECKING:
@@ -82,10 +85,27 @@ def test_tolerances_vary_and_say_what_is_left_of_them(tmp_path: Path) -> None:
     robust = array.check().tolerances
     assert robust is not None
     assert one["tolerance_factor"] == float(robust["factor"])
-    assert one["ends_within"] == float(robust["radius"])
-    assert one["ends_within"] < two["ends_within"]
+    assert one["tolerance_radius"] == float(robust["radius"])
+    assert one["tolerance_radius"] < two["tolerance_radius"]
     assert one["tolerance_factor"] == pytest.approx(2 * two["tolerance_factor"], rel=0.05)
     assert swept("four-wheel", {"mu_side": "1/2"}).outcomes[0]["tolerance_factor"] is None
+
+
+def test_a_table_that_was_measured_says_how_near_bodies_come(tmp_path: Path) -> None:
+    """The numbers of the position are those of a check, wheel by wheel, in rows, in CSV files and on a terminal."""
+    file, table = tmp_path / "table.toml", MeasuredTable.random(1, "nearest")
+    file.write_text(table.toml, encoding="utf-8")
+    sweep = swept(str(file), {"wheel.1.speed": "97,98"})
+    for outcome, row, speed in zip(sweep.outcomes, flat_rows(sweep), (97, 98), strict=True):
+        file.write_text(table.toml.replace("speed = 98.3", f"speed = {speed}"), encoding="utf-8")
+        array = ns.load(file)
+        assert isinstance(array, ns.Array)
+        position = array.check().position
+        assert outcome["position"] == "comes near"
+        for name in ("accuracy", "ends_within", "within", "after"):
+            assert outcome[name] == row[name] == float(position[name]) > 0
+    shown = next(block for block in sweep_blocks(sweep) if isinstance(block, Table))
+    assert {"ends_within", "within", "after"} <= {title[0] for title in shown.header}
 
 
 def test_sampled_rates_are_left_out() -> None:
