@@ -11,7 +11,7 @@ from scipy.optimize import minimize_scalar
 
 from nonsmooth.analysis.contact_rule import contact_rule, smooth_rule_of
 from nonsmooth.analysis.fields.contact_model import ContactModel, ContactRows, Floats
-from nonsmooth.analysis.minimizers.dissipation import Functional, dissipation, weighted_size
+from nonsmooth.analysis.minimizers.dissipation import Functional, dissipation
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import elastic_loads, loads_at
 from nonsmooth.symbolic.files.scene_file import load_scene
@@ -34,12 +34,17 @@ def of_rolling(roll: float, side: float, r: float, s: float) -> float:
     return min(float(found.fun), lost(0.0), lost(s))
 
 
+def size_of(weighted: Floats, cuts: Floats) -> Floats:
+    """The dissipation per unit of load and limit, of slips in units of the half-axes."""
+    return np.asarray(Functional.ELLIPSE.unit_sets(cuts).support(*np.moveaxis(weighted, -1, 0)))
+
+
 @few(2)
 @pytest.mark.parametrize("friction", PAIRS)
 def test_the_dissipation_is_that_of_contact_and_rolling(friction: tuple[float, float]) -> None:
     roll, side = friction
     slips = np.random.default_rng(1).normal(size=(300, 2))
-    found = weighted_size(Functional.ELLIPSE, roll * slips, side / roll)
+    found = size_of(roll * slips, np.array(side / roll))
     expected = [of_rolling(roll, side, r, s) for r, s in slips]
     np.testing.assert_allclose(found, expected, rtol=1e-12)
     angle = side / np.sqrt(roll**2 - side**2)
@@ -79,7 +84,7 @@ def test_forces_are_the_gradient_where_rims_slip(seed: int) -> None:
         np.stack([slips + step * np.eye(2)[k] for k in range(2)]),
         np.stack([slips - step * np.eye(2)[k] for k in range(2)]),
     )
-    sizes = [weighted_size(Functional.ELLIPSE, part, wheels.cuts) for part in moved]
+    sizes = [size_of(part, wheels.cuts) for part in moved]
     slopes = loads[..., None] * np.moveaxis((sizes[0] - sizes[1]) / (2 * step), 0, -1)
     slipping = np.abs(slips[..., 0]) > 1e-4
     assert slipping.any()

@@ -18,7 +18,7 @@ from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.integrate import solve_ivp
+from scipy.integrate import RK23
 
 Floats: TypeAlias = NDArray[np.float64]
 
@@ -26,6 +26,7 @@ ROUNDINGS = (1e-2, 1e-4, 1e-6)  # of the fastest rim
 NEWTON = 60
 SETTLED = 1e-11
 RELATIVE = 1e-5  # error of a step, of the place and of the length that matters
+MOST_EVALUATIONS = 3000  # for one stretch of bodies that move at one pace
 
 
 @dataclass(frozen=True)
@@ -253,21 +254,29 @@ class SmallSteps:
         return np.array(found), farthest
 
     def _smooth_pace(self, places: Floats, duration: float, near: float) -> tuple[Floats, Floats]:
-        """Where the field is continuous, by a method of low order, since it has kinks where a wheel begins to stick."""
+        """Where the field is continuous, by a method of low order, since it has kinks where a wheel begins to stick.
+
+        Where bodies go to and fro over such a kink, and steps get too many, as where the field jumps.
+        """
         self._started = np.zeros((0, 3))
-        count = len(places)
-        found = solve_ivp(
-            lambda _, y: self.velocity(y.reshape(count, 2)).ravel(),
-            (0, duration),
+        solver = RK23(
+            lambda _, y: self.velocity(y.reshape(-1, 2)).ravel(),
+            0.0,
             places.ravel(),
-            method="RK23",
+            duration,
             rtol=RELATIVE,
             atol=RELATIVE * near,
         )
-        if not found.success:
-            raise ArithmeticError(found.message)
-        along = found.y.reshape(count, 2, -1)
-        return along[:, :, -1], np.hypot(along[:, 0], along[:, 1]).max(axis=1)
+        farthest = np.hypot(*places.T)
+        while solver.status == "running" and solver.nfev < MOST_EVALUATIONS:
+            if solver.step() is not None:
+                raise ArithmeticError("the integrator stopped")
+            farthest = np.maximum(farthest, np.hypot(*solver.y.reshape(-1, 2).T))
+        ends = solver.y.reshape(-1, 2)
+        if solver.status != "running":
+            return ends, farthest
+        paced, most = self._paced(ends, duration - float(solver.t), near)
+        return paced, np.maximum(farthest, most)
 
     def _paced(self, places: Floats, duration: float, near: float) -> tuple[Floats, Floats]:
         """By steps along the velocity at their beginning, each body at its own pace."""
