@@ -15,6 +15,7 @@ from fractions import Fraction
 
 from nonsmooth.symbolic.body import Body
 from nonsmooth.symbolic.characteristic_length import default_length
+from nonsmooth.symbolic.load_model import LoadModel
 from nonsmooth.symbolic.number_text import short_text
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.outline_distance import distance_below, free_angle, free_half_width, outward_at, side_of_outline
@@ -184,9 +185,12 @@ def on_wheels(scene: Scene, numbers: Sequence[int]) -> Scene:
 
 
 def _require_no_table(scene: Scene) -> None:
-    if isinstance(scene.contact.loads, LoadTable):
+    loads = scene.contact.loads
+    if isinstance(loads, LoadModel):
         expected = "elastic loads, or a body that covers every wheel"
-        raise SceneError(scene.origin, "contact.loads", expected, StatedFact("a table of wheels that do not all carry"))
+        received = "a table" if isinstance(loads, LoadTable) else loads.words
+        stated = StatedFact(f"{received} of wheels that do not all carry")
+        raise SceneError(scene.origin, "contact.loads", expected, stated)
 
 
 def _carries(scene: Scene, body: Body, wheel: Wheel, point: Vector) -> bool:

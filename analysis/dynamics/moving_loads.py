@@ -16,10 +16,9 @@ from __future__ import annotations
 import numpy as np
 
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
-from nonsmooth.analysis.minimizers.float_loads import loads_at
+from nonsmooth.analysis.minimizers.float_loads import affine_loads, loads_at
 
 LIFTED = 1e-12  # share of the weight: a load above minus this one is not yet negative
-DEPENDENT = 1e-12  # relative eigenvalue below which loaded wheels lie on one line (a centre on the border)
 
 
 class MovingLoads:
@@ -63,20 +62,12 @@ class MovingLoads:
         return float((self._sides @ np.array([1.0, *centre])).min())
 
     def _tables(self, centre: Floats) -> tuple[Floats, Floats]:
-        """Affine forms of (1, c) around a point: of the loads (n, 3), and those that are >= 0 while they hold.
-
-        Springs of stiffness one are ``m_i . (sum over loaded wheels of m_j m_j^T)^+ (1, c)`` with ``m_i = (1, p_i)``.
-        """
-        loaded = loads_at(self.model, centre[None])[0][:, None] > 0
+        """Affine forms of (1, c) around a point: of the loads (n, 3), and those that are >= 0 while they hold."""
+        loaded = loads_at(self.model, centre[None])[0] > 0
         if self.model.load_table is not None:
             return self.model.load_table, np.array([[np.inf, 0.0, 0.0]])
-        middle = self.model.positions.mean(axis=0)
-        size = float(np.hypot(*(self.model.positions - middle).T).max())
-        to_middle = np.array([[1.0, 0.0, 0.0], [-middle[0] / size, 1 / size, 0.0], [-middle[1] / size, 0.0, 1 / size]])
-        moments = np.column_stack([np.ones(len(loaded)), (self.model.positions - middle) / size])
-        inverse = np.linalg.pinv(moments.T @ (loaded * moments), rcond=DEPENDENT, hermitian=True)
-        springs = moments @ inverse @ to_middle
-        return np.where(loaded, springs, 0.0), np.where(loaded, springs, -springs)
+        forms = affine_loads(self.model, np.flatnonzero(loaded))
+        return np.where(loaded[:, None], forms, 0.0), np.where(loaded[:, None], forms, -forms)
 
     def _borders(self) -> Floats:
         """Affine forms (k, 3) of (1, c), all of them >= 0 where loads exist."""

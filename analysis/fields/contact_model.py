@@ -23,8 +23,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from nonsmooth.analysis.plane_arrays import turned
 from nonsmooth.symbolic.friction_set import CutEllipse, FrictionSet, float_sets
+from nonsmooth.symbolic.load_model import LoadModel
 from nonsmooth.symbolic.notebook import ShortRepr
 from nonsmooth.symbolic.scene import LoadTable, Scene
+from nonsmooth.symbolic.springs import EqualSprings
 from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
 Floats = NDArray[np.float64]
@@ -116,8 +118,9 @@ class ContactModel(ShortRepr, ContactRows):
     Attributes:
         positions: ``p_i``, shape (n, 2), length.
         rims: unit vectors ``d_i``, shape (n, 2).
-        load_table: rows ``r_i`` of affine loads ``N_i = r_i . (1, c)``, shape (n, 3); None means elastic.
+        load_table: rows ``r_i`` of affine loads ``N_i = r_i . (1, c)``, shape (n, 3); None for other laws.
         heads: ``d_i`` in the frame of the friction axis and its normal, shape (n, 2); (1, 0) where the axis is the rim.
+        law: of the loads, if no table says them.
         unknown_loads: which loads are meant where the scene leaves them open; empty where they are known.
     """
 
@@ -125,6 +128,7 @@ class ContactModel(ShortRepr, ContactRows):
     rims: Floats
     load_table: Floats | None = None
     unknown_loads: str = ""
+    law: LoadModel = field(default_factory=EqualSprings)
     heads: Floats = field(default_factory=lambda: np.ones(0), kw_only=True)
 
     def __post_init__(self) -> None:
@@ -252,7 +256,9 @@ def contact_model(scene: Scene) -> ContactModel:
         load_table=None if table is None else [[float(x) for x in row] for row in table],
         axes=[None if wheel.axis is None else [float(x) for x in wheel.axis] for wheel in scene.wheels],
     )
-    return replace(model, unknown_loads=loads.words) if isinstance(loads, UnknownLoads) else model
+    if isinstance(loads, UnknownLoads):
+        return replace(model, unknown_loads=loads.words)
+    return replace(model, law=loads) if isinstance(loads, LoadModel) and table is None else model
 
 
 def with_friction_sets(model: ContactModel, sets: Sequence[FrictionSet]) -> ContactModel:

@@ -14,10 +14,14 @@ from numpy.typing import ArrayLike, NDArray
 from nonsmooth.analysis.cells.loads import UNKNOWN, LoadError
 from nonsmooth.analysis.cells.spring_loads import spring_loads
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
+from nonsmooth.symbolic.load_model import Arithmetic, carried_loads
+from nonsmooth.symbolic.springs import EqualSprings
 
 ON_HULL = 1e-12  # for orthonormal columns: a point closer to the support polygon counts as on it
 THIN = 1e-10  # ratio of the array's two widths below which wheels count as collinear
 HULLS = 16  # arrays whose support polygons are remembered
+DEPENDENT = 1e-12  # relative eigenvalue below which loaded wheels lie on one line
+NO_LOAD = 1e-14  # of the weight: what is rounding of zero
 BELOW_ZERO = -1e-12  # table loads down to here are rounding of 0; relative to the table's largest entry
 
 
@@ -29,7 +33,9 @@ def loads_at(model: ContactModel, points: ArrayLike) -> Floats:
     """
     if model.unknown_loads:
         raise LoadError(UNKNOWN.format(model.unknown_loads))
-    return elastic_loads(model, points) if model.load_table is None else table_loads(model, points)
+    if model.load_table is not None:
+        return table_loads(model, points)
+    return elastic_loads(model, points) if model.law == EqualSprings() else loads_of_law(model, points)
 
 
 def table_loads(model: ContactModel, points: ArrayLike) -> Floats:
@@ -51,6 +57,33 @@ def table_loads(model: ContactModel, points: ArrayLike) -> Floats:
     return np.maximum(loads, 0.0)
 
 
+def affine_loads(model: ContactModel, carrying: NDArray[np.int_]) -> Floats:
+    """The forms (n, 3) of the loads of all wheels by (1, c), while the wheels at some places carry."""
+    middle, radius = _frame(model)
+    to_middle = np.array([[1, 0, 0], [-middle[0] / radius, 1 / radius, 0], [-middle[1] / radius, 0, 1 / radius]])
+    moments = _affine((model.positions - middle) / radius).tolist()
+    return np.array(model.law.forms(list(map(tuple, moments)), carrying.tolist(), FLOATS)) @ to_middle
+
+
+def loads_of_law(model: ContactModel, points: ArrayLike) -> Floats:
+    """Loads of any law that lets wheels lift off, at centres of mass (m, 2), one after the other; shape (m, n).
+
+    Raises:
+        LoadError: outside the support polygon, and where no wheels are found that carry.
+    """
+    elastic = elastic_loads(model, points)  # refuses what any springs do
+    (middle, radius), found = _frame(model), []
+    moments = [tuple(m) for m in _affine((model.positions - middle) / radius).tolist()]
+    for centre, start in zip((np.atleast_2d(np.asarray(points, float)) - middle) / radius, elastic, strict=True):
+        loads = carried_loads(
+            model.law, moments, frozenset(np.flatnonzero(start > 0).tolist()), centre.tolist(), FLOATS
+        )
+        if loads is None:
+            raise LoadError(f"required loads at all centres of mass, received none at {centre * radius + middle}")
+        found.append([value if k in loads[0] else 0.0 for k, value in enumerate(loads[1])])
+    return np.maximum(found, 0.0)
+
+
 def elastic_loads(model: ContactModel, points: ArrayLike) -> Floats:
     """The unique minimizer of ``|N|^2`` at centres of mass (m, 2); shape (m, n).
 
@@ -58,8 +91,7 @@ def elastic_loads(model: ContactModel, points: ArrayLike) -> Floats:
         LoadError: if a point lies outside the support polygon or the wheels are collinear; names the point.
     """
     centres = np.atleast_2d(np.asarray(points, float))
-    middle = model.positions.mean(axis=0)
-    radius = float(np.hypot(*(model.positions - middle).T).max()) or 1.0
+    middle, radius = _frame(model)
     # orthonormal columns: thin arrays are as well posed as round ones
     moments, triangle = np.linalg.qr(_affine((model.positions - middle) / radius))
     widths = np.abs(np.diag(triangle))[1:]
@@ -80,6 +112,25 @@ def elastic_loads(model: ContactModel, points: ArrayLike) -> Floats:
     if not solved.all():  # no array is known that does this
         raise LoadError(f"required loads at all centres of mass, found none at {np.count_nonzero(~solved)}")
     return loads
+
+
+def _inverse(*rows: tuple[float, float, float]) -> list[tuple[float, float, float]]:
+    """Where loaded wheels lie on one line (a centre on the border) the least one."""
+    columns = np.linalg.pinv(np.array(rows), rcond=DEPENDENT, hermitian=True).T.tolist()
+    return [(x, y, z) for x, y, z in columns]
+
+
+def _sign(load: float) -> int:
+    return 0 if abs(load) <= NO_LOAD else 1 if load > 0 else -1
+
+
+FLOATS: Arithmetic[float] = Arithmetic(float, _inverse, _sign)
+
+
+def _frame(model: ContactModel) -> tuple[Floats, float]:
+    """The middle of the wheels, and how far they are from it."""
+    middle = model.positions.mean(axis=0)
+    return middle, float(np.hypot(*(model.positions - middle).T).max()) or 1.0
 
 
 def _affine(points: Floats) -> Floats:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.fields.contact_model import contact_model
+from nonsmooth.analysis.minimizers.float_loads import affine_loads
 from nonsmooth.symbolic.scene import Scene
 
 Floats: TypeAlias = NDArray[np.float64]
@@ -29,9 +30,8 @@ class ArrayRows:
         self.length = float(np.sqrt((model.positions**2).sum(axis=1).mean())) or 1.0
         self.rows = model.rows / [1.0, 1.0, self.length]
         self.speeds, self.friction = model.targets, model.friction
-        moments = np.column_stack([np.ones(model.wheels), model.positions])
-        elastic = moments @ np.linalg.pinv(moments.T @ moments)
-        self._forms = elastic if model.load_table is None else model.load_table
+        every = np.arange(model.wheels)
+        self._forms = affine_loads(model, every) if model.load_table is None else model.load_table
 
     def limits(self, place: Sequence[float]) -> Floats:
         """Largest friction force of each row with the body at a place."""

@@ -1,0 +1,129 @@
+"""A new load model is one class: exact regions, enclosures, floats, clauses and paths take it from there."""
+
+from __future__ import annotations
+
+import inspect
+from dataclasses import replace
+from fractions import Fraction
+from functools import cache
+
+import numpy as np
+import pytest
+from flint import arb
+from scipy.optimize import minimize
+
+from nonsmooth.analysis.cells.loads import LoadError, load_regions, value_at
+from nonsmooth.analysis.contact_rule import contact_rule, smooth_rule_of
+from nonsmooth.analysis.dynamics.moving_loads import MovingLoads
+from nonsmooth.analysis.fields.contact_model import Floats, contact_model
+from nonsmooth.analysis.minimizers.float_loads import loads_at
+from nonsmooth.proofs.boxes.load_box import load_box
+from nonsmooth.proofs.certificate import build_certificate
+from nonsmooth.proofs.kernel.subject import NoCertificateError
+from nonsmooth.proofs.theorem4 import check_theorem4
+from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.similar_scenes import moved, scaled
+from tests.rehearsals.stiff_springs import StiffSprings
+
+STIFFNESS = (1, 3, 2, 5, 1, 2)
+NAMES = ["four-wheel", "ring-6", "off-center"]
+AWAY = np.array([2.0, 3.0])
+
+
+@cache
+def stiff(name: str, rule: str = "ellipse") -> Scene:
+    scene = load_scene(name, rule=rule)
+    springs = StiffSprings(tuple(scene.field(k) for k in STIFFNESS[: len(scene.wheels)]))
+    return replace(scene, contact=replace(scene.contact, loads=springs))
+
+
+def places(scene: Scene) -> Floats:
+    """Places in the hull of the wheels, some near its border, where wheels have lifted off."""
+    wheels = np.array([[float(x) for x in wheel.position] for wheel in scene.wheels])
+    return np.random.default_rng(0).dirichlet(np.full(len(wheels), 0.4), 12) @ wheels
+
+
+def least_energy(scene: Scene, place: Floats) -> Floats:
+    """``min sum N_i^2/(2 k_i)`` over the loads that balance, by a general method that knows no springs."""
+    wheels = np.array([[1.0, *(float(x) for x in wheel.position)] for wheel in scene.wheels])
+    stiffness = np.array(STIFFNESS[: len(wheels)], float)
+    balance = {"type": "eq", "fun": lambda n: n @ wheels - [1.0, *place], "jac": lambda n: wheels.T}
+    found = minimize(
+        lambda n: (n * n / stiffness).sum() / 2,
+        np.full(len(wheels), 1 / len(wheels)),
+        jac=lambda n: n / stiffness,
+        bounds=[(0, None)] * len(wheels),
+        constraints=[balance],
+        method="SLSQP",
+        options={"ftol": 1e-14, "maxiter": 400},
+    )
+    return np.asarray(found.x)
+
+
+def test_the_model_is_one_short_class() -> None:
+    assert len(inspect.getsource(StiffSprings).splitlines()) <= 40
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_floats_find_the_least_energy(name: str) -> None:
+    scene = stiff(name)
+    points = places(scene)
+    for place, loads in zip(points, loads_at(contact_model(scene), points), strict=True):
+        assert loads.min() >= 0
+        np.testing.assert_allclose(loads, least_energy(scene, place), atol=1e-6)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_exact_regions_and_balls_say_the_same(name: str) -> None:
+    scene = stiff(name)
+    x, y = scene.check.equilibrium
+    regions = load_regions(scene)
+    centre = next(region for region in regions if region.polygon.contains((x, y)))
+    exact = [float(value_at(form, (x, y))) for form in centre.forces]
+    np.testing.assert_allclose(loads_at(contact_model(scene), [[float(x), float(y)]])[0], exact, atol=1e-13)
+    assert sum((region.polygon.area for region in regions), scene.field.zero) == (2 * scene.check.radius) ** 2
+    if all(form[0] or form[1] or form[2] for form in centre.forces):
+        box = load_box(scene, arb(0))
+        assert box is not None
+        for ball, value in zip(box.at((x.ball(), y.ball())), exact, strict=True):
+            assert abs(float(ball) - value) < 1e-13
+
+
+def test_loads_follow_a_body_that_moves_and_scenes_that_are_moved_or_enlarged() -> None:
+    scene = stiff("ring-6")
+    model, points = contact_model(scene), places(scene)
+    moving = MovingLoads(model, points[0])
+    for place in points:
+        loads, slopes = moving.at(place)
+        np.testing.assert_allclose(loads, loads_at(model, place[None])[0], atol=1e-12)
+        if (loads[loads > 0] > 1e-3).all():
+            nearby = loads_at(model, place[None] * (1 - 1e-7))[0]
+            np.testing.assert_allclose(loads - slopes @ place * 1e-7, nearby, atol=1e-12)
+    for other, there in (
+        (moved(scene, Fraction(2), Fraction(3)), points + AWAY),
+        (scaled(scene, Fraction(4)), 4 * points),
+    ):
+        np.testing.assert_allclose(loads_at(contact_model(other), there), loads_at(model, points), atol=1e-12)
+
+
+@pytest.mark.parametrize("rule", ["box", "ellipse", "roller"])
+def test_clauses_and_paths_take_it(rule: str) -> None:
+    scene = stiff("four-wheel", rule)
+    result = check_theorem4(scene)
+    assert result.check()
+    point = np.array([[float(x) for x in scene.check.equilibrium]])
+    here = contact_rule(rule)
+    twists = here.literal_twists(scene, point) if rule == "box" else smooth_rule_of(scene).minima(scene, point).twists  # type: ignore[attr-defined]
+    assert np.isfinite(twists).all()
+    if rule != "box":
+        path = smooth_rule_of(scene).path(scene, (0.2, 0.1, 0.0), 0.5)
+        other = smooth_rule_of(scene).path(load_scene("four-wheel", rule=rule), (0.2, 0.1, 0.0), 0.5)
+        assert np.abs(path.array[-1] - other.array[-1]).max() > 1e-4
+    with pytest.raises(NoCertificateError, match="springs of stiffness 1, 3, 2, 5"):
+        build_certificate(result)
+
+
+def test_no_loads_exist_outside_the_wheels() -> None:
+    with pytest.raises(LoadError, match="tips"):
+        loads_at(contact_model(stiff("four-wheel")), [[9.0, 0.0]])
