@@ -11,8 +11,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.analysis.cells.spring_loads import spring_loads
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
+from nonsmooth.analysis.spring_loads import spring_loads
 
 Mask = NDArray[np.bool_]
 Numbers = NDArray[np.int_]

@@ -18,7 +18,6 @@ from flint import arb_mat
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.loads import LoadError, elastic_loads_at
 from nonsmooth.analysis.cells.partition import Partition, RefusalError
-from nonsmooth.analysis.cells.spring_loads import RESIDUAL
 from nonsmooth.analysis.fields.cellwise_field import feedback_field
 from nonsmooth.analysis.fields.constant_field import ConstantField
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contact_model
@@ -42,6 +41,7 @@ from nonsmooth.analysis.minimizers.dissipation import dissipation
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import elastic_loads, loads_at
 from nonsmooth.analysis.minimizers.minimum import GAP
+from nonsmooth.analysis.spring_loads import RESIDUAL
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory
 from nonsmooth.analysis.trajectories.smooth_path import follow_smooth, onto
 from nonsmooth.analysis.trajectories.trajectory import simulate
