@@ -12,6 +12,7 @@ from nonsmooth.analysis.cells.polygon import HalfPlane, Point
 from nonsmooth.analysis.fields.constant_field import Flow
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.plane_arrays import turned
+from nonsmooth.analysis.trajectories.cell_motion import line_times, times_back
 from nonsmooth.analysis.trajectories.slides import (
     ASYMPTOTE_DOUBT,
     PROPORTIONAL_DOUBT,
@@ -26,48 +27,22 @@ def velocities(flow: Flow, points: Floats) -> Floats:
     return np.array([flow.vx, flow.vy]) + flow.turn * turned(points)
 
 
-def positions(flow: Flow, points: Floats, times: Floats) -> Floats:
-    """Points after free motion for a time each."""
-    v = velocities(flow, points)
-    if not flow.turn:
-        return points + v * times[:, None]
-    along = np.sin(flow.turn * times) / flow.turn
-    across = 2 * np.sin(flow.turn * times / 2) ** 2 / flow.turn
-    return points + along[:, None] * v + across[:, None] * turned(v)
-
-
 def crossing_times(
     flow: Flow, sides: Sequence[HalfPlane], points: Floats, active: frozenset[int], slack: float
 ) -> Floats:
     """Time until each side is crossed, (m, sides); infinite where it never is."""
-    w: float = flow.turn
     velocity: Any = velocities(flow, points).T
-    times = np.full((len(points), len(sides)), np.inf)
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        for k, side in enumerate(sides):
-            rate, bend = dot(velocity, side.normal), cross(velocity, side.normal)
-            if k in active:
-                if w:
-                    back = _time(w, -2 * rate / (w * bend))
-                    times[:, k] = np.where(np.abs(rate) > slack, back, np.inf)
-                continue
-            a, b = side.normal
-            gap = np.maximum(side.offset - points[:, 0] * a - points[:, 1] * b, 0.0)
-            if not w:
-                times[:, k] = np.where(rate > 0, gap / rate, np.inf)
-                continue
-            quadratic = w * (2 * bend - w * gap) / 4
-            discriminant = rate**2 + 4 * quadratic * gap
-            q = -(rate + np.copysign(np.sqrt(discriminant), rate)) / 2
-            found = np.fmin(_time(w, -gap / q), _time(w, q / quadratic))
-            times[:, k] = np.where(discriminant >= 0, found, np.inf)
-    return times
-
-
-def _time(w: float, z: Floats) -> Floats:
-    """Time in ``(0, 2 pi/|w|)`` at which ``(2/w) tan(wt/2) = z``."""
-    angle = np.arctan(abs(w) * np.abs(z) / 2)
-    return 2 / abs(w) * np.where(z > 0, angle, np.pi - angle)
+    w, at, never = float(flow.turn), (points[:, 0], points[:, 1]), np.full(len(points), np.inf)
+    found = []
+    for k, side in enumerate(sides):
+        rate, bend, gap = dot(velocity, side.normal), cross(velocity, side.normal), side.slack(at)
+        if k in active:
+            found.append(np.where(np.abs(rate) > slack, times_back(w, rate, bend), np.inf) if w else never)
+        elif w:
+            found.append(line_times(w, gap, rate, bend))
+        else:
+            found.append(np.divide(np.maximum(gap, 0.0), rate, out=never.copy(), where=rate > 0))
+    return np.stack(found, axis=1)
 
 
 def edge_speeds(flow: Flow, direction: Point, points: Floats) -> RaySpeeds:

@@ -22,10 +22,10 @@ from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.trajectories.batch_motion import (
     crossing_times,
     edge_speeds,
-    positions,
     slide_ends,
     velocities,
 )
+from nonsmooth.analysis.trajectories.cell_motion import Free
 from nonsmooth.analysis.trajectories.continuations import Choice, choices_at
 from nonsmooth.analysis.trajectories.junction import Junction, junction_at, signs_of
 from nonsmooth.analysis.trajectories.piecewise_constant import follow_cells
@@ -120,8 +120,8 @@ class BatchPaths:
         self.time[circling], self.theta[circling] = np.inf, np.copysign(np.inf, flow.omega)
         self._finish(circling, EndReason.CIRCLES, name)
         own, side, time = (values[np.isfinite(time)] for values in (own, side, time))
-        self.points[own] = positions(flow, self.points[own], time)
-        self.theta[own] += flow.omega * time
+        x, y, self.theta[own] = Free((self.points[own, 0], self.points[own, 1]), self.theta[own], flow).state(time)
+        self.points[own] = np.column_stack([x, y])
         self.time[own] += time
         for k in np.unique(side).tolist():
             self._land(cell, k, own[side == k])

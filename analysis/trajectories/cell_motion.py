@@ -17,8 +17,11 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, NamedTuple, TypeAlias
 
+import numpy as np
+
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point
 from nonsmooth.analysis.fields.constant_field import Flow
+from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.plane import dot, turned
 
@@ -34,7 +37,7 @@ class SideCrossing(NamedTuple):
 
 @dataclass(frozen=True)
 class Free:
-    """Motion inside a cell from ``point`` with heading ``theta``."""
+    """Motion inside a cell from ``point`` with heading ``theta``, of one start or of arrays of them (m,)."""
 
     point: Point
     theta: Any
@@ -46,9 +49,8 @@ class Free:
         theta = self.theta + self.flow.omega * time
         if not w:
             return self.point[0] + vx * time, self.point[1] + vy * time, theta
-        half = w * time / 2
-        along = math.sin(w * time) / w
-        across = math.sin(half) ** 2 * 2 / w
+        sine = np.sin if isinstance(time, np.ndarray) else math.sin
+        along, across = sine(w * time) / w, 2 * sine(w * time / 2) ** 2 / w
         return self.point[0] + along * vx - across * vy, self.point[1] + along * vy + across * vx, theta
 
     def first_crossing(self, sides: Iterable[HalfPlane], active: frozenset[int], slack: float) -> SideCrossing | None:
@@ -69,30 +71,49 @@ class Free:
         rate = dot(side.normal, velocity)
         if not w:
             return None if sign(rate) <= 0 else side.slack(self.point) / rate
-        slack = max(side.slack(self.point), 0.0)
-        quadratic = w * (2 * dot(side.normal, turned(velocity)) - w * slack) / 4
-        discriminant = rate * rate + 4 * quadratic * slack
-        if discriminant < 0:
-            return None
-        q = -(rate + math.copysign(math.sqrt(discriminant), rate)) / 2
-        roots = [-slack / q] if q else []
-        roots.append(q / quadratic if quadratic else math.inf)
-        return min(self._time(root) for root in roots)
+        return _known(line_times(w, side.slack(self.point), rate, dot(side.normal, turned(velocity))))
 
     def _time_back(self, side: HalfPlane, slack: float) -> Any | None:
-        """Time until an arc is back on a line that it departs from: the root z = 0 is the departure itself."""
+        """Time until an arc is back on a line that it departs from."""
         velocity, w = self.flow.velocity(self.point), self.flow.turn
         rate = dot(side.normal, velocity)
         if not w or abs(rate) <= slack:
             return None
-        quadratic = w * dot(side.normal, turned(velocity)) / 2
-        return self._time(-rate / quadratic if quadratic else math.inf)
+        return _known(times_back(w, rate, dot(side.normal, turned(velocity))))
 
-    def _time(self, z: float) -> float:
-        """Time in ``(0, 2 pi/|w|)`` at which ``(2/w) tan(wt/2) = z``."""
-        w = abs(self.flow.turn)
-        angle = math.atan(w * abs(z) / 2)
-        return 2 / w * (angle if z > 0 else math.pi - angle)
+
+@np.errstate(divide="ignore", invalid="ignore", over="ignore")
+def line_times(w: float, gap: Any, rate: Any, bend: Any) -> Floats:
+    """Times until arcs cross a line ahead, infinite where they never do; of one start, or of many.
+
+    Args:
+        w: the rate at which their velocities v turn.
+        gap: distances from the line, whose unit normal is n.
+        rate: ``n . v``.
+        bend: ``n . J v``.
+    """
+    gap, rate = np.maximum(gap, 0.0), np.asarray(rate, float)
+    quadratic = w * (2 * bend - w * gap) / 4
+    discriminant = rate**2 + 4 * quadratic * gap
+    q = -(rate + np.copysign(np.sqrt(discriminant), rate)) / 2
+    found = np.fmin(_arc_time(w, -gap / q), _arc_time(w, q / quadratic))
+    return np.where(discriminant >= 0, found, np.inf)
+
+
+@np.errstate(divide="ignore", invalid="ignore", over="ignore")
+def times_back(w: float, rate: Any, bend: Any) -> Floats:
+    """Times until arcs are back on a line that they depart from: the root z = 0 is the departure itself."""
+    return _arc_time(w, np.asarray(-2 * rate, float) / (w * bend))
+
+
+def _arc_time(w: float, z: Any) -> Floats:
+    """Time in ``(0, 2 pi/|w|)`` at which ``(2/w) tan(wt/2) = z``."""
+    angle = np.arctan(abs(w) * np.abs(z) / 2)
+    return np.asarray(2 / abs(w) * np.where(z > 0, angle, np.pi - angle))
+
+
+def _known(time: Floats) -> float | None:
+    return float(time) if time < np.inf else None
 
 
 @dataclass(frozen=True)
