@@ -31,7 +31,7 @@ class Arithmetic(NamedTuple, Generic[X]):
 
 
 class LoadModel(ABC):
-    """A law of the loads, total weight 1.
+    """A law of the loads, total weight 1.  Where wheels lift off, it balances moments: ``sum N_i p_i = c``.
 
     Attributes:
         lifts_off: whether a wheel whose form is negative carries nothing, and leaves its share to the others; else such
