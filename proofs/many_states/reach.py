@@ -25,7 +25,7 @@ from nonsmooth.proofs.many_states.examination import Asked, ExaminedLyapunov, ar
 from nonsmooth.proofs.many_states.witnesses import values_at
 from nonsmooth.proofs.sums_of_squares.ansatz import Condition
 from nonsmooth.proofs.sums_of_squares.prove import Effort
-from nonsmooth.proofs.systems.decay_rate import DENOMINATOR, SHARES, DecayKind, DecayRate
+from nonsmooth.proofs.systems.decay_rate import DecayKind, DecayRate, rates_below
 from nonsmooth.proofs.systems.sublevel_region import SublevelRegion
 
 POINTS = 4_000
@@ -99,9 +99,8 @@ def decay_rate(function: ExaminedLyapunov) -> DecayRate | None:
         unit = rate_claims(function, decay, Fraction(1))
         ratios = (_ratio(own, claim) for own, claim in zip(falling, unit, strict=True))
         most = min(ratios, default=0.0)
-        for share in SHARES if np.isfinite(most) else ():
-            kappa = Fraction(int(most * float(share) * DENOMINATOR), DENOMINATOR)
-            proofs = _proofs(function, falling, decay, kappa) if kappa else None
+        for kappa in rates_below(Fraction(most)) if np.isfinite(most) else ():
+            proofs = _proofs(function, falling, decay, kappa)
             if proofs is not None:
                 return DecayRate(decay, kappa, proofs)
     return None

@@ -45,7 +45,6 @@ from nonsmooth.symbolic.plane import cross, dot, hull_holds_zero, minus
 
 SHARES = (Fraction(15, 16), Fraction(3, 4), Fraction(1, 2), Fraction(1, 4))  # of what samples allow, tried in turn
 DENOMINATOR = 64  # of kappa and gamma
-LEAST = Fraction(1, DENOMINATOR)
 LEVEL_SHARES = (Fraction(1), Fraction(1, 2))  # of the level of a region, tried in turn
 
 
@@ -90,12 +89,18 @@ def decay_rate(cells: Sequence[LyapunovCell]) -> DecayRate | None:
     if any(cell.region.guards for cell in cells):
         return None
     for decay in DecayKind:
-        largest = _largest_rate(cells, decay)
-        for share in SHARES:
-            kappa = Fraction(int(largest * share * DENOMINATOR), DENOMINATOR)
-            if kappa >= LEAST and _rate_holds(cells, decay, kappa):
+        for kappa in rates_below(_largest_rate(cells, decay)):
+            if _rate_holds(cells, decay, kappa):
                 return DecayRate(decay, kappa)
     return None
+
+
+def rates_below(largest: Fraction) -> Iterator[Fraction]:
+    """Short rates to be tried in turn, of the largest that samples allow."""
+    for share in SHARES:
+        kappa = Fraction(int(largest * share * DENOMINATOR), DENOMINATOR)
+        if kappa > 0:
+            yield kappa
 
 
 @dataclass(frozen=True)
@@ -124,10 +129,8 @@ def region_rate(cells: Sequence[LyapunovCell], region: SublevelRegion) -> Region
     for part in LEVEL_SHARES:
         level = region.level * part
         inside = [replace(cell, region=below(cell, level)) for cell in cells]
-        largest = _largest_rate(inside, DecayKind.EXPONENTIAL)
-        for share in SHARES:
-            kappa = Fraction(int(largest * share * DENOMINATOR), DENOMINATOR)
-            if kappa >= LEAST and _falls_below(cells, kappa, level):
+        for kappa in rates_below(_largest_rate(inside, DecayKind.EXPONENTIAL)):
+            if _falls_below(cells, kappa, level):
                 return RegionRate(kappa, level)
     return None
 
