@@ -56,11 +56,13 @@ class HomeDisc:
     Attributes:
         ends_within: a distance from the point beyond that of the place (length).
         within: radius of the disc of starts (length).
+        swings_out_to: a distance from the point that no body from there exceeds (length).
         after: time after which bodies are nearer than the first, and stay (time).
     """
 
     ends_within: Fraction
     within: Fraction
+    swings_out_to: Fraction
     after: Fraction
 
 
@@ -240,8 +242,9 @@ def _home_disc(
         return None
     there = 2 * rest.distance
     if ends is not None and near is not None and near <= disc.radius:
-        return HomeDisc(there, ends.within, ends.after + disc.time_to(there, near))
-    return HomeDisc(there, disc.radius, disc.time_to(there, disc.radius)) if disc.radius > there else None
+        swing = max(ends.swings_out_to, disc.swing)
+        return HomeDisc(there, ends.within, swing, ends.after + disc.time_to(there, near))
+    return HomeDisc(there, disc.radius, disc.swing, disc.time_to(there, disc.radius)) if disc.radius > there else None
 
 
 def _is_thrown_out(asked: _Asked, array: Scene) -> bool:

@@ -8,7 +8,7 @@ from typing import cast
 
 from nonsmooth.proofs.answers.answer import Answer, Position, Results, is_by_rounding
 from nonsmooth.proofs.answers.bounds import DIGITS, at_least, at_most, half_life
-from nonsmooth.proofs.answers.nearness import Nearness, nearness
+from nonsmooth.proofs.answers.nearness import HomeDisc, Nearness, nearness
 from nonsmooth.proofs.answers.units import of_length
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
 from nonsmooth.proofs.clauses.translation.clause import AnyTranslation
@@ -133,11 +133,11 @@ def _coming_near(scene: Scene, ends: Ends, unit: str) -> Iterator[Fact]:
     yield Fact("after", Quantity(Fraction(after)))
     kept = "" if scene.body is None else ", while the same wheels carry it"
     yield said(f"within {ends_within}{unit}, from anywhere within {within}{unit}, in at most {after} s{kept}")
+    yield _swing(ends, unit)
     if any(ends.at):
         yield said(f"it ends within {at_most(ends.about)}{unit} of {_point(scene, ends)}")
     yield said(f"the accuracy is {float_text(float(scene.accuracy), DIGITS)}{unit}")
-    yield from (Fact("swings_out_to", Quantity(None)), Fact("seconds_per_distance", Quantity(None)))
-    yield from (Fact("rate", Quantity(None)), Fact("stays_within", Quantity(None)))
+    yield from (Fact(key, Quantity(None)) for key in ("seconds_per_distance", "rate", "stays_within"))
 
 
 def _coming_beside(
@@ -157,9 +157,17 @@ def _coming_beside(
         near, within, after = at_most(ends.ends_within or Fraction(0)), at_least(ends.within), at_most(ends.after)
         start = "" if home is not None and home.within == ends.within else f"from anywhere within {within}{unit} "
         yield said(f"{start}it is within {near}{unit} in at most {after} s")
-    yield from (Fact(key, Quantity(None)) for key in ("swings_out_to", "seconds_per_distance"))
+    yield Fact("swings_out_to", Quantity(None)) if home is None else _swing(home, unit)
+    yield Fact("seconds_per_distance", Quantity(None))
     yield _rate(rate)
     yield Fact("stays_within", Quantity(None))
+
+
+def _swing(disc: Ends | HomeDisc, unit: str) -> Fact:
+    """How far bodies from a disc get on their way, where that is farther than its border."""
+    farther = disc.swings_out_to > disc.within
+    most = at_most(disc.swings_out_to) if farther else at_least(disc.within)
+    return Fact("swings_out_to", Quantity(Fraction(most)), f"it swings out to at most {most}{unit}" if farther else "")
 
 
 def _point(scene: Scene, ends: Ends) -> str:

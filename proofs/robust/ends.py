@@ -58,6 +58,7 @@ class Ends:
         is_near: whether that is within the accuracy of the point; else it is farther away.
         ends_within: radius of the disc about the point in which bodies end (length); None where they end away from it.
         within: radius of the disc of starts (length).
+        swings_out_to: a distance from the point that no body from there exceeds (length).
         after: time after which they are there and stay (time).
         at: centre of the disc in which they end, from the checked point (length).
         about: radius of that disc (length).
@@ -66,6 +67,7 @@ class Ends:
     is_near: bool
     ends_within: Fraction | None
     within: Fraction
+    swings_out_to: Fraction
     after: Fraction
     at: Place
     about: Fraction
@@ -161,12 +163,14 @@ def _about(
         within = _kept_start(there, rings, kept, distance, 2 * accuracy + distance, near)
         if within is None:
             return None
-        return Ends(True, distance + near, within - distance, rings.time_to(near, within), centre, near)
+        swing = distance + rings.swing_from(within)
+        return Ends(True, distance + near, within - distance, swing, rings.time_to(near, within), centre, near)
     left = max(rings.radius, min(wanted, CLOSE * accuracy))
     if distance * (1 - Fraction(1, 2**20)) - left > accuracy:
         within = _kept_start(there, rings, kept, distance, distance * Fraction(BEYOND), left)
         if within is not None:
-            return Ends(False, None, within - distance, rings.time_to(left, within), centre, left)
+            swing = distance + rings.swing_from(within)
+            return Ends(False, None, within - distance, swing, rings.time_to(left, within), centre, left)
     return None
 
 
@@ -185,11 +189,10 @@ def _kept_start(
     """
     if kept.margin is None:
         return rings.start
-    spread = rings.outside / rings.inside
     for share in STARTS:
         start = min(max(share * rings.start, least), rings.start)
         turn = Fraction(0) if kept.angle is None else _turn(scene, rings, start, near)
-        if kept.keeps(distance + start * spread, turn):
+        if kept.keeps(distance + rings.swing_from(start), turn):
             return start
     return None
 
@@ -199,7 +202,7 @@ def _turn(scene: Scene, rings: TouchingRings, start: Fraction, near: Fraction) -
     radius, total = start, Fraction(0)
     while radius > near:
         inner = max(radius / 2, near)
-        spin = largest_spin(scene, radius * rings.outside / rings.inside)
+        spin = largest_spin(scene, rings.swing_from(radius))
         if spin is None:
             return None
         total += spin * rings.time_to(inner, radius)

@@ -192,6 +192,11 @@ class AttractingDisc:
     inside: Fraction
     outside: Fraction
 
+    @property
+    def swing(self) -> Fraction:
+        """A distance from the point that no body from the disc exceeds: of the level that holds the disc."""
+        return (self.radius + self.beside) * self.outside / self.inside + self.beside
+
     def time_to(self, near: Fraction, start: Fraction) -> Fraction:
         """After which bodies from within ``start`` of the point are within ``near`` of it; both beyond ``beside``."""
         share = (start + self.beside) * self.outside / (self.inside * (near - self.beside))

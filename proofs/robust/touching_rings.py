@@ -70,6 +70,10 @@ class TouchingRings:
         """Of the disc in which every body ends."""
         return self.inner[-1] * self.outside
 
+    def swing_from(self, start: Fraction) -> Fraction:
+        """A distance that no body from within ``start`` exceeds: of the level set that holds that disc."""
+        return start * self.outside / self.inside
+
     def time_to(self, radius: Fraction, start: Fraction | None = None) -> Fraction:
         """After which every body from within ``start`` is within a radius that is not below :attr:`radius`."""
         outer, total = self.outer, Fraction(0)

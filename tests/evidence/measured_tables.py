@@ -43,7 +43,7 @@ CLOSE = 0.01  # accuracies: starts that are close by
 # of a distance: steps across lines where the field jumps are a 25th of it, and bodies go to and fro over such a line
 STEPS = {"nearest": 1.1, "box": 1.1, "ellipse": 1.001, "roller": 1.001}
 FINER = 4.0  # times as small are steps where coarser ones do not confirm an answer
-NUMBERS = ("accuracy", "ends_within", "within", "after", "stays_within")
+NUMBERS = ("accuracy", "ends_within", "within", "swings_out_to", "after", "stays_within")
 
 Record = dict[str, Any]
 
@@ -175,7 +175,9 @@ def _confirms(answer: Record, bodies: Bodies, finer: float) -> bool:
     match answer["verdict"]:
         case "comes near":
             near, times = answer["ends_within"], tuple(answer["after"] * later for later in LATER)
-            return bodies.from_border(answer["within"], times, near / finer)[0] <= most * near
+            ends, farthest = bodies.from_border(answer["within"], times, near / finer)
+            swing = answer.get("swings_out_to")  # lines of earlier versions have none
+            return ends <= most * near and (swing is None or farthest <= most * swing)
         case "leaves":
             if bodies.from_border(CLOSE * accuracy, (LONG,), accuracy / finer)[1] > accuracy:
                 return True

@@ -25,6 +25,7 @@ def test_bodies_confirm_what_is_said_of_a_table(rule: str, tmp_path: Path) -> No
         {"verdict": "leaves"},
         {"verdict": "comes near", "ends_within": 1.7, "within": 26.0, "after": 4.0},  # they end 1.96 mm off
         {"verdict": "comes near", "ends_within": 2.2, "within": 26.0, "after": 0.1},  # and not so soon
+        {"verdict": "comes near", "ends_within": 2.2, "within": 26.0, "swings_out_to": 25.9, "after": 4.0},
         {"verdict": "comes home", "accuracy": 1.5},
     ],
 )

@@ -49,15 +49,16 @@ def borders(seed: int, radius: float) -> list[np.ndarray]:
 
 
 def confirm(seed: int, table: MeasuredTable, scene: Scene, found: Ends) -> None:
-    """Bodies from the border of the disc, or from the point, end where it is said, in time."""
+    """Bodies from the border of the disc, or from the point, end where it is said, in time, and swing no farther."""
     body, until, accuracy = SmallSteps(table), float(found.after), float(scene.accuracy)
     if found.is_near:
         assert found.ends_within is not None
         assert found.ends_within <= scene.accuracy
         assert found.within >= 2 * max(found.ends_within, scene.accuracy)
         for start in borders(seed, float(found.within)):
-            end, _ = body.end(start, until, float(found.ends_within))
+            end, farthest = body.end(start, until, float(found.ends_within))
             assert np.hypot(*end) <= STEPS * float(found.ends_within)
+            assert float(found.within) <= farthest * (1 + 1e-12) <= STEPS * float(found.swings_out_to)
     else:
         end, _ = body.end(np.zeros(2), until, float(found.about))
         assert np.hypot(*(end - [float(entry) for entry in found.at])) <= STEPS * float(found.about) + accuracy / 50
@@ -352,6 +353,8 @@ def test_a_measured_table_passes_what_is_required(
     assert position["ends_within"] <= position["accuracy"]
     assert position["within"] >= 2 * position["accuracy"]
     assert 0 < position["after"] < 60
+    assert position["swings_out_to"] >= position["within"]
+    assert ("swings out" in position["reason"]) == (position["swings_out_to"] > position["within"])
     assert len(position["at"]) == 2
     assert "mm, in at most" in position["reason"]
 
