@@ -34,11 +34,16 @@ from tests.thorough import keep
 
 DIGITS = 40
 AWAY = Fraction(1, 10**6)  # another member of a box of numbers
+HELD = 1e-4  # of the fastest rim: a slip that is taken to be zero, where norms are rounded by a hundredth of that
 MOVED = 9e-16  # by which sines and cosines may have been rounded
 
 
 class Forces:
-    """Force and moment on a body, in the words of the rule, at headings that may be moved."""
+    """Force and moment on a body, in the words of the rule, at headings that may be moved.
+
+    Wheels that small steps show to be held, along their rim or across it too, keep these slips at zero by forces that
+    are unknown: ``unknowns`` are the twist and then these.
+    """
 
     def __init__(self, table: MeasuredTable, moved: float, seed: int) -> None:
         draw, self.table = random.Random(seed), table
@@ -48,15 +53,26 @@ class Forces:
             self.wheels.append((x, y, mpmath.cos(angle), mpmath.sin(angle), mpmath.mpf(str(speed))))
         moments = mpmath.matrix([[1, x, y] for x, y, *_ in self.wheels])
         self.springs = moments * (moments.T * moments) ** -1
+        body = SmallSteps(table)
+        (slow,) = body.twists(np.zeros((1, 2)))
+        slips = np.abs(np.stack([body.along @ slow - body.speeds, body.across @ slow])) < HELD * body.speeds.max()
+        self.held = [(bool(along), bool(along and across)) for along, across in slips.T]
 
-    def balance(self, place: Any, twist: Any) -> list[Any]:
-        """The gradient of D in the twist (v, omega) about the origin."""
+    def balance(self, place: Any, unknowns: Any) -> list[Any]:
+        """The gradient of D in the twist (v, omega) about the origin, and the slips that are held."""
         a, b = (mpmath.mpf(str(mu)) for mu in (self.table.roll, self.table.side))
         loads, total = self.springs * mpmath.matrix([1, *place]), [mpmath.mpf(0)] * 3
-        for (x, y, dx, dy, speed), load in zip(self.wheels, loads, strict=True):
+        twist, forces, slips = unknowns[:3], list(unknowns[3:]), []
+        self.are_held: list[bool] = []
+        for (x, y, dx, dy, speed), load, (along, across) in zip(self.wheels, loads, self.held, strict=True):
             ux, uy = twist[0] - twist[2] * y, twist[1] + twist[2] * x
             r, s = dx * ux + dy * uy - speed, dx * uy - dy * ux
-            if self.table.rule == "ellipse":
+            slips += [r] * along + [s] * across
+            if along:
+                f = forces.pop(0)
+                g = forces.pop(0) if across else b * mpmath.sign(s)
+                self.are_held.append(self.holds(f, g, across=across))
+            elif self.table.rule == "ellipse":
                 size = mpmath.sqrt((a * r) ** 2 + (b * s) ** 2)
                 f, g = a * a * r / size, b * b * s / size
             elif abs(s) * mpmath.sqrt(a * a - b * b) <= b * abs(r):
@@ -65,26 +81,37 @@ class Forces:
                 f, g = mpmath.sqrt(a * a - b * b) * mpmath.sign(r), b * mpmath.sign(s)
             px, py = load * (f * dx - g * dy), load * (f * dy + g * dx)
             total = [total[0] + px, total[1] + py, total[2] + x * py - y * px]
-        return total
+        return total + slips
 
-    def rest(self, near: tuple[float, float], spin: float) -> tuple[Any, Any, Any]:
-        """Where a body rests, and how fast it turns there."""
+    def holds(self, f: Any, g: Any, *, across: bool) -> bool:
+        """Whether a wheel can carry forces along and across its rim, in its friction set; on a straight side of it."""
+        a, b = self.table.roll, self.table.side
+        if self.table.rule == "ellipse":
+            return bool((f / a) ** 2 + (g / b) ** 2 < 1)
+        return bool(f * f + g * g < a * a and (abs(g) < b or not across))
 
-        def equations(x: Any, y: Any, omega: Any) -> list[Any]:
-            return self.balance((x, y), (omega * y, -omega * x, omega))
+    def rest(self, near: tuple[float, float], spin: float) -> tuple[Any, ...]:
+        """Where a body rests, how fast it turns there, and the forces of wheels that are held."""
 
-        return tuple(mpmath.findroot(equations, (*near, spin), tol=1e-60, maxsteps=60))
+        def equations(x: Any, y: Any, omega: Any, *forces: Any) -> list[Any]:
+            return self.balance((x, y), (omega * y, -omega * x, omega, *forces))
 
-    def slope(self, rest: tuple[Any, Any, Any]) -> Any:
+        start = *near, spin, *[0.0] * int(np.sum(self.held))
+        found = tuple(mpmath.findroot(equations, start, tol=1e-60, maxsteps=60))
+        equations(*found)
+        assert all(self.are_held)
+        return found
+
+    def slope(self, rest: tuple[Any, ...]) -> Any:
         """Of c' by c, by differences."""
-        x, y, omega = rest
+        x, y, omega, *forces = rest
         step, columns = mpmath.mpf(10) ** -15, []
         for dx, dy in ((step, 0), (0, step)):
             sides = []
             for sign in (1, -1):
                 place = x + sign * dx, y + sign * dy
-                start = omega * y, -omega * x, omega
-                v = mpmath.findroot(lambda *twist, at=place: self.balance(at, twist), start, tol=1e-60, maxsteps=60)
+                start = omega * y, -omega * x, omega, *forces
+                v = mpmath.findroot(lambda *each, at=place: self.balance(at, each), start, tol=1e-60, maxsteps=60)
                 sides.append((v[0] - v[2] * place[1], v[1] + v[2] * place[0]))
             columns.append([(p - q) / (2 * step) for p, q in zip(*sides, strict=True)])
         return mpmath.matrix(columns).T
@@ -109,14 +136,15 @@ def confirm(table: MeasuredTable, check: SmoothCheck) -> None:
     point = [mpmath.mpf(plain(entry).accurate_ball(200).mid().str(50, radius=False)) for entry in at]
     for seed, moved in ((0, 0.0), (1, MOVED), (2, MOVED)):
         forces = Forces(table, moved, seed)
-        x, y, omega = forces.rest((float(point[0]), float(point[1])), float(rest.spin))
+        found = forces.rest((float(point[0]), float(point[1])), float(rest.spin))
+        x, y, omega, *_ = found
         distance = check.equilibrium.rounding_distance
         assert distance is not None
         assert mpmath.hypot(x - point[0], y - point[1]) <= mpmath.mpf(distance.numerator) / distance.denominator
         low, high = rest.rates
         assert low <= float(omega) + 1e-13
         assert float(omega) - 1e-13 <= high
-        roots, _ = mpmath.eig(forces.slope((x, y, omega)))
+        roots, _ = mpmath.eig(forces.slope(found))
         top = max(mpmath.re(root) for root in roots)
         assert float(rest.spectral_abscissa) == pytest.approx(float(top), rel=1e-9, abs=1e-9)
         assert check.translation.verdict == ("asymptotically stable" if top < 0 else "unstable")
