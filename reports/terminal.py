@@ -7,21 +7,24 @@ from scene files are text.  Verdicts are words first; color repeats them, and on
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING
 
 from rich import box
 from rich.console import Group, RenderableType
 from rich.table import Table as TerminalTable
 from rich.text import Text
 
-from nonsmooth.analysis.cells.partition import Partition
-from nonsmooth.proofs.theorem4_result import Check
 from nonsmooth.proofs.verdicts import Theorem4
 from nonsmooth.reports.document import Block, Paragraph, Table, plain_text, table
 from nonsmooth.reports.facts import fact_lines
 from nonsmooth.symbolic.number_text import short_text
 from nonsmooth.symbolic.numbers.measured_angles import angle_notes
-from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.scene_error import one_line
+
+if TYPE_CHECKING:
+    from nonsmooth.analysis.cells.partition import Partition
+    from nonsmooth.proofs.theorem4_result import Check
+    from nonsmooth.symbolic.numbers.number_field import NumberField
 
 VERDICT_WIDTH = 14  # columns: "asymptotically"
 MORE = "--evidence shows why, with all numbers"
