@@ -101,6 +101,7 @@ def test_a_map_is_the_record_of_the_command(capsys: pytest.CaptureFixture[str], 
     [
         ({"grid": 1}, "grid: required 2 to 500 starts in a row, received 1"),
         ({"grid": 3, "heading": float("nan")}, "heading: required a finite number"),
+        ({"grid": 3, "heading": float("inf")}, "heading: required a finite number"),
         ({"grid": 3, "until": 0}, "until: required a positive number, received 0"),
         ({"grid": 3, "kinematics": "none"}, "'none' is not a valid Kinematics"),
     ],
