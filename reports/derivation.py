@@ -19,14 +19,14 @@ from nonsmooth.reports.formats.html import render_html
 from nonsmooth.reports.formats.json import derivation_record
 from nonsmooth.reports.formats.latex import render_latex
 from nonsmooth.reports.formats.markdown import render_markdown
-from nonsmooth.reports.parts import chosen_parts, names_of, sections_of
+from nonsmooth.reports.parts import chosen_parts, names_of, sections_of, subject_of
 from nonsmooth.reports.progress import steps
 from nonsmooth.reports.refusals import option_named, refusals_named
 from nonsmooth.reports.result import DataTable, Record, Result
 from nonsmooth.reports.short_text import short_lines
 from nonsmooth.reports.study import SceneStudy, StudyRequest
 from nonsmooth.reports.study_options import Options, option
-from nonsmooth.reports.subject import ArraySubject, Invocation, Subject, SystemSubject
+from nonsmooth.reports.subject import Invocation, Subject
 from nonsmooth.symbolic.scene_error import one_line
 from nonsmooth.symbolic.scene_kind import SceneKind
 
@@ -154,14 +154,10 @@ def derive_report(
         RefusalError: where the motion is not determined.
         SceneError: for a plain system in another number of states.
     """
-    kind = SUBJECTS[scene.kind]
-    chosen = names_of(kind) if parts is None else parts
-    subject = kind(scene, invocation or Invocation(scene.origin), chosen, announce)
+    chosen = names_of(scene.kind) if parts is None else parts
+    subject = subject_of(scene.kind)(scene, invocation or Invocation(scene.origin), chosen, announce)
     title = f"Derivation report: {one_line(scene.name)}"
     return ReportResult(Document(title, tuple(sections_of(subject))), subject)
-
-
-SUBJECTS: dict[SceneKind, type[Subject]] = {SceneKind.ARRAY: ArraySubject, SceneKind.SYSTEM: SystemSubject}
 
 
 def render_report(report: ReportResult, suffix: str, figures: str = "figures") -> str:
@@ -189,7 +185,7 @@ def render_report(report: ReportResult, suffix: str, figures: str = "figures") -
 def complete_part(incomplete: str) -> list[str]:
     """Names of sections, the last of a list with commas, for the shell."""
     first, comma, last = incomplete.rpartition(",")
-    return [f"{first}{comma}{name}" for name in names_of(ArraySubject) if name.startswith(last)]
+    return [f"{first}{comma}{name}" for name in names_of(SceneKind.ARRAY) if name.startswith(last)]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -212,7 +208,7 @@ class DeriveOptions(Options):
     )
     file: Path | None = field(default=None)  # that the command writes, which the report names
 
-    def parts(self, kind: type[Subject]) -> tuple[str, ...]:
+    def parts(self, kind: SceneKind) -> tuple[str, ...]:
         """The sections to write.
 
         Raises:
@@ -273,7 +269,7 @@ class DeriveStudy(SceneStudy[DeriveOptions]):
         if asked.kind is SceneKind.SYSTEM:
             asked.refuse(("allow_outside",), "an array of wheels", "a plain system")
         with option_named(ValueError):
-            asked.options.parts(SUBJECTS[asked.kind])
+            asked.options.parts(asked.kind)
 
     def run(self, scene: NamedScene, options: DeriveOptions) -> ReportResult:
         """Check, and write the derivation."""
@@ -283,7 +279,7 @@ class DeriveStudy(SceneStudy[DeriveOptions]):
 
             loaded = standing(loaded)
         with refusals_named(loaded), steps("derivation") as announce:
-            return derive_report(loaded, scene.invocation, options.parts(SUBJECTS[scene.kind]), announce)
+            return derive_report(loaded, scene.invocation, options.parts(scene.kind), announce)
 
 
 DERIVE = DeriveStudy()

@@ -2,26 +2,22 @@
 
 A section is built only where it applies and was asked for; the others of the same kind of scene are named with the
 reason in the section on what was left out.  To add a section, write a function ``(subject) -> Section`` and one line in
-:data:`PARTS`.
+:data:`PARTS`; of plain systems :data:`nonsmooth.reports.sections.plain_system.SYSTEM_PARTS`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Collection, Iterator
 
 from nonsmooth.analysis.contact_rule import rule_of
 from nonsmooth.proofs.clauses.equilibrium.at_point import EllipseEquilibrium
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
-from nonsmooth.proofs.systems.findings import Method
 from nonsmooth.proofs.theorem4_result import CellCheck
 from nonsmooth.reports.continuum import continuum_section
 from nonsmooth.reports.document import Bullets, Section, Text
 from nonsmooth.reports.papers.murphey_burdick_2001.paper import is_paper_array
 from nonsmooth.reports.papers.murphey_burdick_2001.sign_form import sign_form_section, without_sign_form
 from nonsmooth.reports.prose import paragraph
-from nonsmooth.reports.sections import plain_system as of_system
 from nonsmooth.reports.sections.answers import answers_section
 from nonsmooth.reports.sections.cells import cells_section
 from nonsmooth.reports.sections.closing import references_section, reproduction_section
@@ -37,42 +33,37 @@ from nonsmooth.reports.sections.stability import (
     theorem_section,
 )
 from nonsmooth.reports.sections.trajectories import law_section, trajectories_section, without_law
-from nonsmooth.reports.subject import ArraySubject, Subject, SystemSubject
+from nonsmooth.reports.subject import ArraySubject, ReportPart, Subject
+from nonsmooth.symbolic.scene_kind import SceneKind
 from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
 FOR_SMOOTH_RULES = "for rules without cells"  # of sections that nobody misses beside cells
 
 
-@dataclass(frozen=True)
-class ReportPart:
-    """A section under its name on the command line.
+def subject_of(kind: SceneKind) -> type[Subject]:
+    """What reports about scenes of a kind are about: arrays, or plain systems, which alone load what they need."""
+    if kind is SceneKind.SYSTEM:
+        from nonsmooth.reports.sections.plain_system import SystemSubject
 
-    Attributes:
-        name: for ``--only`` and ``--without``.
-        build: the section.
-        lacks: why the subject has no such section; empty where it has.
-        kinds: of the subjects whose reports may have it.
-    """
-
-    name: str
-    build: Callable[[Any], Section]
-    lacks: Callable[[Any], str] = lambda subject: ""
-    kinds: tuple[type[Subject], ...] = (ArraySubject,)
+        return SystemSubject
+    return ArraySubject
 
 
-def parts_of(kind: type[Subject]) -> list[ReportPart]:
-    """The sections that reports about such subjects may have."""
-    return [part for part in PARTS if kind in part.kinds]
+def parts_of(kind: SceneKind) -> tuple[ReportPart, ...]:
+    """The sections that reports about scenes of a kind may have, in their order."""
+    if kind is SceneKind.SYSTEM:
+        from nonsmooth.reports.sections.plain_system import SYSTEM_PARTS
+
+        return (*SYSTEM_PARTS, *LAST_PARTS)
+    return (*PARTS, *LAST_PARTS)
 
 
-def names_of(kind: type[Subject]) -> tuple[str, ...]:
+def names_of(kind: SceneKind) -> tuple[str, ...]:
     """Their names."""
     return tuple(part.name for part in parts_of(kind))
 
 
-def chosen_parts(
-    only: Collection[str], without: Collection[str], kind: type[Subject] = ArraySubject
-) -> tuple[str, ...]:
+def chosen_parts(only: Collection[str], without: Collection[str], kind: SceneKind = SceneKind.ARRAY) -> tuple[str, ...]:
     """Names of the sections to write: those of ``only``, or all, less those of ``without``.
 
     Raises:
@@ -87,7 +78,7 @@ def chosen_parts(
 
 def sections_of(subject: Subject) -> Iterator[Section]:
     """The sections that the subject asks for and has, each announced before it is built."""
-    for part in parts_of(type(subject)):
+    for part in parts_of(subject.scene.kind):
         if part.name in subject.parts and not part.lacks(subject):
             subject.announce(f"section {part.name}")
             yield part.build(subject)
@@ -95,7 +86,7 @@ def sections_of(subject: Subject) -> Iterator[Section]:
 
 def _left_out(subject: Subject) -> Section:
     """What was not computed, and which sections were not written, with the reasons."""
-    parts = parts_of(type(subject))
+    parts = parts_of(subject.scene.kind)
     reasons = [(part.name, part.lacks(subject)) for part in parts if part.name in subject.parts]
     reasons = [(name, why) for name, why in reasons if why not in {"", FOR_SMOOTH_RULES}]
     reasons += [(part.name, "not asked for") for part in parts if part.name not in subject.parts]
@@ -176,19 +167,9 @@ def _derivative(subject: ArraySubject) -> Section:
     return lyapunov_section(subject)
 
 
-def _several_fields(subject: SystemSubject) -> str:
-    switches = "the field may switch at any time, and this is about one field in each cell"
-    return "" if subject.scene.has_one_field else switches
-
-
-def _no_leading(subject: SystemSubject) -> str:
-    return "" if subject.result.by(Method.LEADING) is not None else "what decides are not the leading terms"
-
-
 # ---- the sections --------------------------------------------------------------------------------
 
 
-SYSTEM, BOTH = (SystemSubject,), (ArraySubject, SystemSubject)
 PARTS: tuple[ReportPart, ...] = (
     ReportPart("answers", answers_section),
     ReportPart("verdict", lambda subject: verdict_section(subject.result)),
@@ -214,17 +195,10 @@ PARTS: tuple[ReportPart, ...] = (
     ),
     ReportPart("stress", stress_section, _unknown_loads),
     ReportPart("audit", _audit, _not_the_papers),
-    ReportPart("verdict", of_system.verdict_section, kinds=SYSTEM),
-    ReportPart("system", of_system.system_section, kinds=SYSTEM),
-    ReportPart("cells", of_system.cells_section, kinds=SYSTEM),
-    ReportPart("borders", of_system.borders_section, _several_fields, SYSTEM),
-    ReportPart("point", of_system.point_section, kinds=SYSTEM),
-    ReportPart("lyapunov", of_system.lyapunov_section, kinds=SYSTEM),
-    ReportPart("leading-terms", of_system.leading_section, _no_leading, SYSTEM),
-    ReportPart("portrait", of_system.portrait_section, _several_fields, SYSTEM),
-    ReportPart("trajectories", of_system.paths_section, _several_fields, SYSTEM),
-    ReportPart("left-out", _left_out, kinds=BOTH),
-    ReportPart("references", references_section, kinds=BOTH),
-    ReportPart("versions", reproduction_section, kinds=BOTH),
 )
-PART_NAMES = names_of(ArraySubject)
+LAST_PARTS = (  # of every report
+    ReportPart("left-out", _left_out),
+    ReportPart("references", references_section),
+    ReportPart("versions", reproduction_section),
+)
+PART_NAMES = names_of(SceneKind.ARRAY)

@@ -4,30 +4,25 @@ from __future__ import annotations
 
 import shlex
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from nonsmooth.analysis.cells.switched_cells import FieldCell, square_regions, system_cells
 from nonsmooth.analysis.minimizers.agreement import Agreement, compare_rules
 from nonsmooth.proofs.answers.answers import Answers, full_answers
 from nonsmooth.proofs.answers.contradictions import reconciled
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.clauses.workspace import Announce, unheard
-from nonsmooth.proofs.system_decision import StabilityResult, decide_system
-from nonsmooth.proofs.systems.findings import Method
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.theorem4_result import CellCheck, Check
 from nonsmooth.reports import references
 from nonsmooth.reports.console import PROGRAM
+from nonsmooth.reports.document import Section
 from nonsmooth.reports.exact_record import Record
-from nonsmooth.reports.phase_portrait import PhasePortrait
 from nonsmooth.reports.records import check_record, partition_record, states_record
 from nonsmooth.reports.references import Reference
-from nonsmooth.reports.system_results import SystemCheckResult
 from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.switched_system import SwitchedSystem, require_plane
 
 
 @dataclass(frozen=True)
@@ -94,6 +89,21 @@ class Subject(ABC):
     @abstractmethod
     def works(self) -> list[Reference]:
         """What the verdict rests on."""
+
+
+@dataclass(frozen=True)
+class ReportPart:
+    """A section under its name on the command line.
+
+    Attributes:
+        name: for ``--only`` and ``--without``.
+        build: the section.
+        lacks: why the subject has no such section; empty where it has.
+    """
+
+    name: str
+    build: Callable[[Any], Section]
+    lacks: Callable[[Any], str] = lambda subject: ""
 
 
 class ArraySubject(Subject):
@@ -171,53 +181,3 @@ class ArraySubject(Subject):
         if getattr(feedback, "obstruction", None) is not None:
             works += [references.BROCKETT, references.RYAN]
         return works
-
-
-class SystemSubject(Subject):
-    """A plain system in two states.
-
-    Raises:
-        SceneError: for another number of states.
-    """
-
-    scene: SwitchedSystem
-    left_out = ()
-
-    def __post_init__(self) -> None:
-        require_plane(self.scene)
-
-    @cached_property
-    def result(self) -> StabilityResult:
-        """The stability of the checked point."""
-        return decide_system(self.scene)
-
-    @property
-    def headline(self) -> str:
-        """The stability of the checked point."""
-        return str(self.result.verdict)
-
-    @cached_property
-    def cells(self) -> tuple[FieldCell, ...]:
-        """The cells of the checked square, measured from the checked point."""
-        return system_cells(self.scene, square_regions(self.scene.check.radius))
-
-    @cached_property
-    def portrait(self) -> PhasePortrait:
-        """Cells, borders and picture.
-
-        Raises:
-            SceneError: under arbitrary switching.
-        """
-        return PhasePortrait(self.scene)
-
-    @property
-    def records(self) -> Record:
-        """The verdict, and the phase portrait of one field."""
-        portrait = self.portrait.facts() if self.scene.has_one_field else None
-        return {"check": SystemCheckResult(self.result).facts(), "phase_portrait": portrait}
-
-    @property
-    def works(self) -> list[Reference]:
-        """Filippov, the authors of the derivatives of V, and of leading terms where these decide."""
-        works = [references.FILIPPOV, references.SHEVITZ_PADEN, references.BACCIOTTI_CERAGIOLI]
-        return [*works, references.HOMOGENEITY] if self.result.by(Method.LEADING) is not None else works

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from functools import cached_property
 
 from nonsmooth.analysis.cells.polygon import Point
-from nonsmooth.analysis.cells.switched_cells import FieldCell
+from nonsmooth.analysis.cells.switched_cells import FieldCell, square_regions, system_cells
 from nonsmooth.analysis.fields.stated_field import StatedField
 from nonsmooth.analysis.trajectories.result import Trajectory, TrajectoryError
+from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.proofs.system_facts import (
     gain_words,
     rate_words,
@@ -21,6 +23,7 @@ from nonsmooth.proofs.systems.findings import DERIVATIVES, ExaminedFunction, Met
 from nonsmooth.proofs.systems.plane_function import PlaneFunction
 from nonsmooth.proofs.systems.ray_moves import values_at_origin
 from nonsmooth.proofs.verdicts import Translation
+from nonsmooth.reports import references
 from nonsmooth.reports.document import (
     Block,
     Code,
@@ -38,15 +41,19 @@ from nonsmooth.reports.document import (
     point,
     table,
 )
+from nonsmooth.reports.exact_record import Record
 from nonsmooth.reports.facts import fact_rows
 from nonsmooth.reports.paths import follow_system
+from nonsmooth.reports.phase_portrait import PhasePortrait
 from nonsmooth.reports.prose import listed, paragraph, with_formulas
+from nonsmooth.reports.references import Reference
 from nonsmooth.reports.sections.system_formulas import polynomial_math, rate_name, stated_math, tidied
 from nonsmooth.reports.simulate_options import SimulateOptions
-from nonsmooth.reports.subject import SystemSubject
-from nonsmooth.reports.system_results import system_answers
+from nonsmooth.reports.subject import ReportPart, Subject
+from nonsmooth.reports.system_results import SystemCheckResult, system_answers
 from nonsmooth.symbolic.number_text import float_text, place_text
 from nonsmooth.symbolic.scene_error import SceneError, one_line
+from nonsmooth.symbolic.switched_system import SwitchedSystem, require_plane
 
 TONES = {
     Translation.ASYMPTOTICALLY_STABLE: Tone.GOOD,
@@ -62,6 +69,56 @@ LADDER = (
     "products of gradients and velocities that meet at a point (naive), the set of Shevitz and Paden, and that of "
     "Bacciotti and Ceragioli. Their signs over the domain without the point:"
 )
+
+
+class SystemSubject(Subject):
+    """A plain system in two states.
+
+    Raises:
+        SceneError: for another number of states.
+    """
+
+    scene: SwitchedSystem
+    left_out = ()
+
+    def __post_init__(self) -> None:
+        require_plane(self.scene)
+
+    @cached_property
+    def result(self) -> StabilityResult:
+        """The stability of the checked point."""
+        return decide_system(self.scene)
+
+    @property
+    def headline(self) -> str:
+        """The stability of the checked point."""
+        return str(self.result.verdict)
+
+    @cached_property
+    def cells(self) -> tuple[FieldCell, ...]:
+        """The cells of the checked square, measured from the checked point."""
+        return system_cells(self.scene, square_regions(self.scene.check.radius))
+
+    @cached_property
+    def portrait(self) -> PhasePortrait:
+        """Cells, borders and picture.
+
+        Raises:
+            SceneError: under arbitrary switching.
+        """
+        return PhasePortrait(self.scene)
+
+    @property
+    def records(self) -> Record:
+        """The verdict, and the phase portrait of one field."""
+        portrait = self.portrait.facts() if self.scene.has_one_field else None
+        return {"check": SystemCheckResult(self.result).facts(), "phase_portrait": portrait}
+
+    @property
+    def works(self) -> list[Reference]:
+        """Filippov, the authors of the derivatives of V, and of leading terms where these decide."""
+        works = [references.FILIPPOV, references.SHEVITZ_PADEN, references.BACCIOTTI_CERAGIOLI]
+        return [*works, references.HOMOGENEITY] if self.result.by(Method.LEADING) is not None else works
 
 
 def verdict_section(subject: SystemSubject) -> Section:
@@ -317,3 +374,28 @@ def _path_row(start: tuple[float, ...], path: Trajectory) -> list[Entry]:
     unique = "" if path.unique else "; other solutions branch off"
     time = decimal(float_text(end.t))
     return [place_text(start), str(len(path.events)), time, place_text(end.state, 4), f"{end.reason}{unique}"]
+
+
+# ---- what sections need, and their order ---------------------------------------------------------
+
+
+def _several_fields(subject: SystemSubject) -> str:
+    switches = "the field may switch at any time, and this is about one field in each cell"
+    return "" if subject.scene.has_one_field else switches
+
+
+def _no_leading(subject: SystemSubject) -> str:
+    return "" if subject.result.by(Method.LEADING) is not None else "what decides are not the leading terms"
+
+
+SYSTEM_PARTS = (
+    ReportPart("verdict", verdict_section),
+    ReportPart("system", system_section),
+    ReportPart("cells", cells_section),
+    ReportPart("borders", borders_section, _several_fields),
+    ReportPart("point", point_section),
+    ReportPart("lyapunov", lyapunov_section),
+    ReportPart("leading-terms", leading_section, _no_leading),
+    ReportPart("portrait", portrait_section, _several_fields),
+    ReportPart("trajectories", paths_section, _several_fields),
+)

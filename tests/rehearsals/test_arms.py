@@ -7,13 +7,14 @@ from pathlib import Path
 import pytest
 
 from nonsmooth.reports import parts
+from nonsmooth.reports.subject import ReportPart
 from tests.rehearsals.arms import arms_section, without_arms
 from tests.reports.conftest import Invoke
 
 
 @pytest.fixture(autouse=True)
 def _arms(monkeypatch: pytest.MonkeyPatch) -> None:
-    whole = (*parts.PARTS[:2], parts.ReportPart("arms", arms_section, without_arms), *parts.PARTS[2:])
+    whole = (*parts.PARTS[:2], ReportPart("arms", arms_section, without_arms), *parts.PARTS[2:])
     monkeypatch.setattr(parts, "PARTS", whole)
 
 

@@ -14,8 +14,8 @@ from nonsmooth.reports.console import BAD_INPUT
 from nonsmooth.reports.derivation import derive_report, render_report
 from nonsmooth.reports.parts import names_of
 from nonsmooth.reports.phase_portrait import PhasePortrait
-from nonsmooth.reports.subject import SystemSubject
 from nonsmooth.symbolic.files.system_file import load_system
+from nonsmooth.symbolic.scene_kind import SceneKind
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -30,7 +30,7 @@ def test_every_section_is_written_or_named_as_left_out() -> None:
     report = RELAYS.derive()
     text = report.text(".md")
     left_out = text.split("## What was left out, and why")[1].split("##")[0]
-    assert len(report.sections) == len(names_of(SystemSubject)) - 1
+    assert len(report.sections) == len(names_of(SceneKind.SYSTEM)) - 1
     assert "Section leading-terms: " in left_out
     assert report.verdict == "asymptotically stable"
     with pytest.raises(AttributeError, match="plain system"):
