@@ -64,7 +64,7 @@ class RollerPlate(NamedTuple):
         return np.asarray(forces / forces.sum())
 
 
-def roller_plate(wheels: ContactModel, start: Floats, armature: float = ARMATURE) -> RollerPlate:
+def roller_plate(wheels: ContactModel, start: Floats) -> RollerPlate:
     """The plate laid onto the wheels: friction mu_R of the contacts, mu_S of the bearings."""
     spec = mujoco.MjSpec()
     spec.option.timestep, spec.option.gravity = 1e-3, [0, 0, -GRAVITY]
@@ -78,7 +78,7 @@ def roller_plate(wheels: ContactModel, start: Floats, armature: float = ARMATURE
             roller.add_joint(
                 type=mujoco.mjtJoint.mjJNT_HINGE,
                 axis=[*wheels.axes[k], 0],
-                armature=armature,
+                armature=ARMATURE,
                 frictionloss=wheels.mu_side[k] * loads[k] * RADIUS,
                 solref_friction=[2e-3, 1],
                 solimp_friction=[0.9999, 0.9999, 1, 0.5, 2],

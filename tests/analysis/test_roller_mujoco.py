@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 import nonsmooth as ns
 from nonsmooth.analysis.contact_rule import smooth_rule_of
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
-from nonsmooth.analysis.minimizers.float_loads import loads_at
 from tests.roller_engine import (
+    SETTLING,
     creep_rates,
     random_array,
     relative_errors,
@@ -21,9 +19,7 @@ from tests.roller_engine import (
 from tests.thorough import keep
 
 TWIST = 2e-3  # relative; the largest seen of these three 3e-4
-MIXED = 2e-3  # relative; the largest but one of a hundred 1.94e-3
-SLOW_BEARING = {19: 6e-3}  # one of its rollers turns so slowly that the bearing does not brake with all of its torque
-HARD, LATE = 1.0, 3.0  # inertia of rollers, and the time after which these have settled too
+MIXED = 1e-2  # relative; the largest seen of twenty 4.5e-3: bearings brake as by elastic loads
 CREEP = 2e-2  # relative; the largest seen 2e-3
 
 
@@ -34,28 +30,22 @@ def test_engines_settled_twist_is_that_of_rule_roller(seed: int) -> None:
     assert roller < ellipse / 10
 
 
-@pytest.mark.parametrize("array", keep(2, range(100)))
+@pytest.mark.parametrize("array", keep(2, range(20)))
 def test_rubber_beside_rollers_settles_as_the_mixed_rule_says(array: int) -> None:
-    """Every other wheel is of rubber.
-
-    The engine's own loads, which slip shifts by a thousandth of the weight; but bearings brake by the elastic ones.
-    """
+    """Every other wheel is of rubber.  The engine's own loads, which slip shifts by a thousandth of the weight."""
     wheels, start = rubber_beside_rollers(array)
-    plate = roller_plate(wheels, start, HARD)
-    plate.step(LATE)
+    plate = roller_plate(wheels, start)
+    plate.step(SETTLING)
     texts = [list(map(repr, row.tolist())) for row in np.column_stack([wheels.positions, wheels.rims, wheels.speeds])]
     made = ns.Array(
         ns.Wheel((x, y), heading=(a, b), speed=u, mu_roll=1, mu_side=repr(side), contact=("ellipse", "roller")[k % 2])
         for k, ((x, y, a, b, u), side) in enumerate(zip(texts, wheels.mu_side.tolist(), strict=True))
     )
-    model, alone = (smooth_rule_of(scene).contacts(scene) for scene in (made.scene, made.scene.under("ellipse")))
-    brakes = loads_at(wheels, start[None])[0] / plate.loads
-    model = replace(model, cuts=np.where(model.cuts < 1, model.cuts * brakes, model.cuts))
-    errors = [
-        np.abs(EllipseMinimizer().minimize(own, plate.loads).twists[0] - plate.twist).max() for own in (model, alone)
-    ]
-    assert errors[0] < SLOW_BEARING.get(array, MIXED) * np.abs(plate.twist).max()
-    assert errors[0] < errors[1]
+    scenes = made.scene, made.scene.under("ellipse")
+    models = [smooth_rule_of(scene).contacts(scene) for scene in scenes]
+    mixed, alone = (EllipseMinimizer().minimize(model, plate.loads).twists[0] - plate.twist for model in models)
+    assert np.abs(mixed).max() < MIXED * np.abs(plate.twist).max()
+    assert np.abs(mixed).max() < np.abs(alone).max()
 
 
 @pytest.mark.parametrize("side", [0.02, 0.5])
