@@ -26,6 +26,7 @@ from nonsmooth.analysis.cells.arrangement import (
     order,
 )
 from nonsmooth.analysis.cells.loads import Affine, LoadRegion, at_least_zero, load_regions
+from nonsmooth.analysis.cells.nearest import preferred_rows
 from nonsmooth.analysis.cells.partition import PARTITION_UNITS, Cell, Partition, affordable, require_rank
 from nonsmooth.analysis.cells.polygon import HalfPlane, Point, Polygon, square
 from nonsmooth.analysis.cells.slopes import Slopes
@@ -146,9 +147,9 @@ class _Walk:
     def _first(self) -> Vertex:
         """Descend to the optimal vertex just beside the centre of the region, from the best twist at hand."""
         centre = self.region.polygon.centre
-        # both rows of the nearest wheel and one of the second to start with: any independent rows would do
-        near, second, *_ = sorted(self.scene.wheels, key=lambda w: sum(float(p) ** 2 for p in w.position))
-        rows = wheel_rows(second) if second.friction.roll >= second.friction.side else wheel_rows(second)[::-1]
+        # both rows of the nearest wheel and one of the next at another place: any independent rows would do
+        near, *others = sorted(self.scene.wheels, key=lambda w: sum(float(p) ** 2 for p in w.position))
+        rows = (row for wheel in others for row in preferred_rows(wheel))
         state = next(state for row in rows if (state := solve_rows((*wheel_rows(near), row))) is not None)
         twists = (state.twist, *self.known)
         start = min(twists, key=lambda twist: self.arrangement.float_dissipation(twist, centre))

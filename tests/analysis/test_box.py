@@ -228,6 +228,13 @@ def test_wheels_that_almost_coincide(arrays: Arrays) -> None:
     check_cells(arrays, scene, np.random.default_rng(0))
 
 
+def test_wheels_may_stand_at_one_place(arrays: Arrays) -> None:
+    """Files refuse that, and a certificate may say it: the two wheels nearest to the point give no three free rows."""
+    nearest = arrays.inward([(Fraction(1, 2), Fraction(1, 2))])
+    scene = arrays.scene([*nearest, *nearest, *arrays.inward(CORNERS)], (1, Fraction(1, 5)))
+    check_cells(arrays, scene, np.random.default_rng(0))
+
+
 def test_arrays_without_enough_friction_are_refused(arrays: Arrays) -> None:
     with pytest.raises(RefusalError, match="not determined"):
         build_box_partition(arrays.four_wheel((1, 0)))
