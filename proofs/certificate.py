@@ -171,6 +171,7 @@ def _document(scene: Scene, partition: Partition, results: Mapping[str, Any]) ->
         "points": [homogeneous(point) for point in points],
         "cells": _cells(partition, chains),
         "disc": disc.squared_radius,
+        **({} if disc.rate is None else {"rate": disc.rate}),
     }
     proofs = {
         **_at_rest(partition, here),
@@ -217,6 +218,8 @@ def _claims(results: Mapping[str, Any], of_feedback: Sequence[Record], disc: Cer
     if disc.squared_radius is not None:
         sign = "strictly" if disc.strictly else "weakly"
         claims.append({"disc": {"squared_radius": disc.squared_radius, "decreases": sign}})
+    if disc.rate is not None:
+        claims.append({"arrival": {"squared_radius": disc.squared_radius, "rate": disc.rate}})
     is_known = set(results) <= set(CLAUSES)  # a conclusion from other clauses is none that the checker draws
     if is_known and verdicts["theorem 4"] != UNDECIDED:
         claims.append({"theorem 4": str(verdicts["theorem 4"])})

@@ -44,9 +44,18 @@ def say(certificate: Record, **changes: Any) -> None:
     certificate["statement"]["claims"] = [{kind: about} for kind, about in own.items() if about is not None]
 
 
+def claim_rate(certificate: Record, rate: Any) -> None:
+    """Claim that bodies from the disc arrive at another rate; at none where None is given."""
+    evidence(certificate)["rate"] = rate
+    arrival = {"squared_radius": evidence(certificate)["disc"], "rate": rate}
+    say(certificate, arrival=None if rate is None else arrival)
+
+
 def claim_disc(certificate: Record, squared_radius: Any) -> None:
-    """Claim a disc of another size, and the same of V* on it."""
+    """Claim a disc of another size, and the same of V* on it, and the same rate if there is a disc."""
     evidence(certificate)["disc"] = squared_radius
+    if "rate" in evidence(certificate):
+        claim_rate(certificate, None if squared_radius is None else evidence(certificate)["rate"])
     say(
         certificate, disc={**said(certificate).get("disc", {"decreases": "strictly"}), "squared_radius": squared_radius}
     )

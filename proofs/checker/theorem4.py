@@ -33,7 +33,7 @@ def show_theorem4(array: Array, hypotheses: Any, proofs: Proofs) -> list[Stateme
     clause that shows the opposite refutes it, one left open leaves it open, and where the point is no equilibrium its
     hypotheses are not met.
     """
-    points, cells, disc = take(hypotheses, "points cells disc")
+    points, cells, disc, rate = take(hypotheses, "points cells disc", "rate")
     own = Clauses(array, Cells(array, points, cells), proofs)
     equilibrium = own.show_equilibrium()
     translation = own.show_translation()
@@ -46,6 +46,10 @@ def show_theorem4(array: Array, hypotheses: Any, proofs: Proofs) -> list[Stateme
         shown.append({"obstruction": plane})
     if disc is not None:
         shown.append({"disc": {"squared_radius": disc, "decreases": own.show_disc(array.field.parse(disc))}})
+    if rate is not None:
+        require(disc is not None, "a disc of starts that arrive")
+        own.show_arrival(array.field.parse(rate))
+        shown.append({"arrival": {"squared_radius": disc, "rate": rate}})
     if not equilibrium:
         shown.append({"theorem 4": HYPOTHESES_NOT_MET})
     elif translation == UNSTABLE or rotation == NEUTRAL or plane is not None:
@@ -143,6 +147,20 @@ class Clauses:
                 if cell.rays is None and max(motion.rates) > self.highest:
                     self._show_barrier(f"barrier {k} {j}", cell, motion.twist, squared_radius)
         return "strictly" if self.highest < 0 else "weakly"
+
+    def show_arrival(self, rate: Number) -> None:
+        """The claim: ``|c|`` falls at least at a rate in the square: a start in the disc is home within ``|c0|/rate``.
+
+        ``c . v + rate |c|`` is convex on a closed cell: not positive at its corners, it is so in all of it.
+        """
+        require(rate.sign() > 0, "a positive rate")
+        margins = []
+        for cell in self.cells.listed:
+            for x, y, _ in cell.corners:
+                for motion in cell.motions:
+                    inward = -dot((x, y), motion.twist)
+                    margins += [inward, inward * inward - rate * rate * (x * x + y * y)]
+        require(min(signs(margins)) >= 0, "a rate at which the distance falls in the square")
 
     def _show_barrier(self, name: str, cell: Cell, v: Vector, squared_radius: Number) -> None:
         a, b, t = self.array.field.vector(self.proofs.evidence(name), 3)

@@ -30,6 +30,7 @@ from nonsmooth.proofs.inequalities.forms import Sense
 from nonsmooth.proofs.inequalities.prover import Counterexample, Proof, prove
 from nonsmooth.proofs.inequalities.real_roots import along_edge, positive_roots, samples_between, separated, trimmed
 from nonsmooth.proofs.systems.lyapunov_rows import Floats, values_at
+from nonsmooth.symbolic.numbers.enclosures import DIGITS, short_below
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.surfaces import factorize
@@ -261,7 +262,6 @@ def _point_below(polynomial: Polynomial, edge: Segment, guards: Sequence[Polynom
 
 ANGLES, DISTANCES = 360, 160  # of the first points
 WIDEST, FINER, ZOOMS, ACROSS = 1 / 40, 0.5, 24, 21  # grids: the first against the square, each against the one before
-DIGITS = 16  # binary ones of a level
 
 
 def first_rise(cells: Sequence[LyapunovCell], radius: Number) -> tuple[Fraction, Point] | None:
@@ -317,12 +317,6 @@ def where_inside(region: Region, points: Floats) -> NDArray[np.bool_]:
     for guard in region.guards:
         kept &= values_at(guard, points) >= 0
     return kept
-
-
-def short_below(value: Fraction) -> Fraction:
-    """A short fraction that is no larger than a positive one, and nearly as large."""
-    unit = Fraction(2) ** (math.frexp(float(value))[1] - DIGITS)
-    return unit * (value // unit)
 
 
 def _level_above(value: Number) -> Fraction:

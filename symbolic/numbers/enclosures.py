@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from fractions import Fraction
 
 from flint import arb, ctx
@@ -15,6 +16,7 @@ EXACT_ROOTS = 4  # square roots of a field up to which a lazy quotient is carrie
 MOST_ROOTS = 256  # of a field in which an exact root is looked for: among thousands that takes seconds
 MOST_BITS = 12_000  # of all coefficients of a number that is written down: some 3,600 digits
 PRECISION = 256  # bits of a ball that stands for a number
+DIGITS = 16  # binary ones of a short fraction
 
 
 def enclosure(value: Number | Lazy) -> arb:
@@ -49,3 +51,9 @@ def _rooted(ball: arb) -> arb:
 def rational_below(ball: arb) -> Fraction:
     """The lower end of a ball."""
     return exactly(ball.lower())
+
+
+def short_below(value: Fraction) -> Fraction:
+    """A short fraction that is no larger than a positive one, and nearly as large."""
+    unit = Fraction(2) ** (math.frexp(float(value))[1] - DIGITS)
+    return unit * (value // unit)

@@ -46,7 +46,7 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.scene import CheckedSquare, Contact, Friction, LoadTable, Scene, Wheel
-from tests.array_certificates import check_certificate, claim_disc, evidence, proofs, said, say, subject
+from tests.array_certificates import check_certificate, claim_disc, claim_rate, evidence, proofs, said, say, subject
 from tests.built_in import checked
 from tests.conftest import WheelData
 from tests.four_wheel import SIDE
@@ -400,6 +400,7 @@ RULE = "a rule, nearest or box, and loads under box"
 LEFT_OVER = "proofs of claims that are asked"
 SIGNS = "a sign, 1 or -1, of each motion at the point"
 INWARD = "signs of translations that all lead inward"
+RATE = "a rate at which the distance falls in the square"
 DISC = "a disc in the square where V* shows one"
 WHEEL = "wheel 2: a unit direction, and friction that is not negative"
 RADIUS = "a positive radius"
@@ -693,7 +694,14 @@ CLAUSE_FORGERIES: dict[str, tuple[str, Forge]] = {
     "a disc of size zero": (DISC, lambda c: claim_disc(c, "0")),
     "a disc that is not shown": (
         unshown("disc", {"squared_radius": "1/4", "decreases": "strictly"}),
-        lambda c: evidence(c).update(disc=None),
+        lambda c: evidence(c).update(disc=None, rate=None),
+    ),
+    "a faster arrival": (RATE, lambda c: claim_rate(c, "1000001/1000000")),
+    "an arrival that takes for ever": ("a positive rate", lambda c: claim_rate(c, "0")),
+    "an arrival from no disc": ("a disc of starts that arrive", lambda c: evidence(c).update(disc=None)),
+    "an arrival that is not shown": (
+        unshown("arrival", {"squared_radius": "1/4", "rate": "2"}),
+        lambda c: say(c, arrival={"squared_radius": "1/4", "rate": "2"}),
     ),
     "a disc with another sign": (
         unshown("disc", {"squared_radius": "1/4", "decreases": "weakly"}),
@@ -873,7 +881,7 @@ def changed(value: Any, rng: np.random.Generator) -> Any:
 
 
 def _changed_object(value: Record, rng: np.random.Generator) -> Record:
-    keys = [key for key in value if key != "notes"]
+    keys = [key for key in value if key != "notes"] or ["extra"]
     first, second = keys[rng.integers(len(keys))], keys[rng.integers(len(keys))]
     match rng.integers(5):
         case 0:
@@ -881,7 +889,7 @@ def _changed_object(value: Record, rng: np.random.Generator) -> Record:
         case 1:
             return {**value, "extra": 1}
         case 2:
-            return {**value, first: value[second], second: value[first]}
+            return {**value, first: value.get(second), second: value.get(first)}
         case 3:
             return {**value, first: None}
         case _:
@@ -934,6 +942,9 @@ def assert_still_true(certificate: Record) -> None:
     if "disc" in own:
         assert translation.region_radius is not None
         assert decode.number(own["disc"]["squared_radius"]) <= translation.region_radius * translation.region_radius
+    if "arrival" in own:
+        assert own["arrival"]["squared_radius"] == evidence(certificate)["disc"]
+        assert 2 * float(decode.number(own["arrival"]["rate"])) <= -float(translation.worst_rate) * (1 + 1e-9)
     assert_same_cells(certificate, partition, decode)
 
 

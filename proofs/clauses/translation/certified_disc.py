@@ -19,6 +19,7 @@ from typing import TypeAlias
 from nonsmooth.analysis.cells.partition import Cell, Partition
 from nonsmooth.analysis.cells.support import limiting_support
 from nonsmooth.symbolic.constraints import Twist
+from nonsmooth.symbolic.numbers.enclosures import enclosure, rational_below, short_below
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.plane import around, between, dot, minus
 
@@ -28,18 +29,24 @@ State: TypeAlias = tuple[int, int]  # position of a cell, and of a state in it
 # Relative margin that a disc leaves for the rounding of its barriers; they are verified exactly.
 MARGIN = 2.0**-20
 BARRIER_BITS = 48
+SIMPLE = 1_000  # denominators of a rate that may be the exact one
 
 
 @dataclass(frozen=True)
 class CertifiedDisc:
-    """Squared radius of the disc (None where V* does not keep its sign near the point), and barriers by state.
+    """A disc about the checked point.
 
-    V* is negative off the point (``strictly``), or not positive.
+    Attributes:
+        squared_radius: of the disc; None where V* does not keep its sign near the point.
+        barriers: by state, where V* grows outside of the disc.
+        strictly: whether V* is negative off the point, or only not positive.
+        rate: at which ``|c|`` falls in the whole square; None where there is none.
     """
 
     squared_radius: Number | None
     barriers: dict[State, list[Fraction]]
     strictly: bool = False
+    rate: Fraction | None = None
 
 
 def certified_disc(partition: Partition) -> CertifiedDisc:
@@ -69,7 +76,26 @@ def certified_disc(partition: Partition) -> CertifiedDisc:
     if nearest * (1 - MARGIN) < size:
         size = nearest * (1 - MARGIN)
         squared = partition.scene.field.rational(_rounded(size * size * (1 - MARGIN)))
-    return CertifiedDisc(squared, {state: own.barrier(size) for state, own in growing.items()}, highest < 0)
+    barriers = {state: own.barrier(size) for state, own in growing.items()}
+    return CertifiedDisc(squared, barriers, highest < 0, None if growing else _falling_rate(partition))
+
+
+def _falling_rate(partition: Partition) -> Fraction | None:
+    """A short ``rate > 0`` with ``c . v <= -rate |c|`` at all corners of all cells, hence in the square; else None."""
+    pairs = [
+        (-dot(twist.velocity, vertex), dot(vertex, vertex))
+        for cell in partition.cells
+        for vertex in cell.polygon.vertices
+        if any(vertex)
+        for twist in cell.twists
+    ]
+    least = min(rational_below(enclosure(inward) / enclosure(square).sqrt()) for inward, square in pairs)
+    if least <= 0:
+        return None
+    simple = least.limit_denominator(SIMPLE)
+    is_near = abs(simple - least) < least * Fraction(MARGIN)
+    is_exact = is_near and all(sign(inward * inward - square * (simple * simple)) >= 0 for inward, square in pairs)
+    return simple if is_exact else short_below(least)
 
 
 def _largest_sign(cell: Cell, twist: Twist) -> int:
