@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cmp_to_key
+from typing import TypeVar
 
 from nonsmooth.analysis.cells.partition import Cell, Partition
 from nonsmooth.analysis.cells.polygon import Point
@@ -16,20 +17,25 @@ from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.plane import around, cross, dot, same_direction, turned
 
+S = TypeVar("S", bound="Sector")
+
 
 @dataclass(frozen=True)
-class Cone:
+class Sector:
     """The part of a cell near the point: counterclockwise from ray ``start`` to ray ``end``.
 
     Attributes:
         start: first ray.
         end: last ray.
-        twists: the motions in the cone.
     """
 
     start: Point
     end: Point
-    twists: tuple[Twist, ...]
+
+    @property
+    def inner(self) -> Point:
+        """A ray between both of a sector of less than a half turn."""
+        return self.start[0] + self.end[0], self.start[1] + self.end[1]
 
     @property
     def inward_normals(self) -> tuple[Point, ...]:
@@ -42,6 +48,17 @@ class Cone:
         if not cross(self.start, self.end):  # half-plane
             return sign(cross(self.start, vector)) >= 0
         return sign(cross(self.start, vector)) >= 0 and sign(cross(vector, self.end)) >= 0
+
+
+@dataclass(frozen=True)
+class Cone(Sector):
+    """A sector with the motions that act there.
+
+    Attributes:
+        twists: the motions.
+    """
+
+    twists: tuple[Twist, ...]
 
     def bends_out(self, twist: Twist) -> bool:
         """Whether a velocity points away from the point along a ray, and omega bends the path out of the cone there."""
@@ -92,12 +109,12 @@ def _compare_angles(a: Point, b: Point) -> int:
 by_angle = cmp_to_key(_compare_angles)  # key that sorts rays counterclockwise from the positive x axis
 
 
-def is_plane(cone: Cone) -> bool:
+def is_plane(cone: Sector) -> bool:
     """Whether the cone is the whole plane: the point lies inside its cell."""
     return cone.start is cone.end
 
 
-def rays_of(fan: Sequence[Cone]) -> Iterator[tuple[Point, Cone, Cone]]:
+def rays_of(fan: Sequence[S]) -> Iterator[tuple[Point, S, S]]:
     """Each ray with the cone before it and the cone after it (counterclockwise)."""
     if len(fan) == 1:
         return

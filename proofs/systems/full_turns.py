@@ -35,7 +35,7 @@ from typing import TypeAlias
 
 from flint import acb, acb_poly, arb, ctx, fmpq
 
-from nonsmooth.analysis.cells.fan import by_angle
+from nonsmooth.analysis.cells.fan import Sector, by_angle
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.switched_cells import PlaneField
 from nonsmooth.proofs.inequalities.real_roots import RealRoot, between_rays, positive_roots, separated
@@ -94,8 +94,7 @@ def growth_of_logarithm(total: arb, sense: int) -> TurnGrowth:
 def _sense(cone: TangentCone) -> int:
     """The sense in which the field turns; read off at both rays and inside, where it is known to keep its sign."""
     across = turning(cone.leading)[0]
-    inner = (cone.start[0] + cone.end[0], cone.start[1] + cone.end[1])
-    signs = {sign(across(ray)) for ray in (cone.start, inner, cone.end)}
+    signs = {sign(across(ray)) for ray in (cone.start, cone.inner, cone.end)}
     return signs.pop() if len(signs) == 1 else 0
 
 
@@ -180,13 +179,9 @@ def _common_cones(fans: Sequence[TangentFan]) -> Iterator[tuple[TangentCone, ...
     for fan in fans:
         rays += [c.start for c in fan.cones if not any(same_direction(c.start, known) for known in rays)]
     for start, end in around(sorted(rays, key=by_angle)):
-        inner = (start[0] + end[0], start[1] + end[1])
-        yield tuple(replace(_cone_at(fan, inner), start=start, end=end) for fan in fans)
-
-
-def _cone_at(fan: TangentFan, direction: Point) -> TangentCone:
-    inside = (c for c in fan.cones if cross(c.start, direction) >= 0 and cross(direction, c.end) > 0)
-    return next(inside)
+        inner = Sector(start, end).inner
+        known = (next(cone for cone in fan.cones if cone.holds(inner)) for fan in fans)
+        yield tuple(replace(cone, start=start, end=end) for cone in known)
 
 
 def _strict_sense(cone: TangentCone) -> int:
@@ -302,7 +297,7 @@ def _only_switches_on_second_axis(fan: TangentFan) -> bool:
 
 def _side(fan: TangentFan, s: int) -> tuple[int, Number] | None:
     """The sense of the turn and ``(b + d)/|c| + s q/|a|`` on one side; None where the field does not touch inside."""
-    field = next(cone.field for cone in fan.cones if sign(cone.start[0] + cone.end[0]) == s)
+    field = next(cone.field for cone in fan.cones if sign(cone.inner[0]) == s)
     a, b, q, offset = (_coefficient(field, 0, e) for e in ((0, 1), (1, 0), (0, 2), (0, 0)))
     c, d = _coefficient(field, 1, (0, 0)) * -s, _coefficient(field, 1, (0, 1))
     if offset or sign(a) * sign(c) <= 0:

@@ -284,9 +284,9 @@ def _motions_on_ray(
             if constant and sign(speeds[k]) > 0:
                 lasting = _keeps_out(cone.field, ray, inward=(-1, 1)[k], other=sign(turns[1 - k]))
             yield RadialMotion(ray, sign(speeds[k]), lasting, False)
-    if sign(turns[0]) * sign(turns[1]) < 0:
+    slide = _slide(turns, speeds)
+    if slide is not None:
         alone = len(surfaces) == 1 and is_simple(surfaces, ray)
-        slide = sign(turns[0] * speeds[1] - turns[1] * speeds[0]) * sign(turns[0] - turns[1])
         if not slide and fan.weights == UNWEIGHTED and alone and surfaces[0].degree == 1:
             slide = _first_slide(before.field, after.field, ray) * sign(turns[0] - turns[1])
         yield RadialMotion(ray, slide, alone, True)
@@ -311,9 +311,8 @@ def _keeps_out(field: PlaneField, ray: Point, *, inward: int, other: int) -> boo
 
 def _crosses_itself(before: TangentCone, after: TangentCone) -> bool:
     """Whether ``c x f`` of one smooth field changes its sign across the ray between two cones."""
-    inner = [(c.start[0] + c.end[0], c.start[1] + c.end[1]) for c in (before, after)]
     ray, across = after.start, turning(after.leading)[0]
-    beside = [_closer(ray, place, across) for place in inner]
+    beside = [_closer(ray, cone.inner, across) for cone in (before, after)]
     return beside[0] * beside[1] < 0
 
 

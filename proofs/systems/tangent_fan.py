@@ -18,7 +18,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
-from nonsmooth.analysis.cells.fan import by_angle
+from nonsmooth.analysis.cells.fan import Sector, by_angle, rays_of
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.switched_cells import PlaneField
 from nonsmooth.proofs.kernel.tangents import form_lines, lowest_form
@@ -36,18 +36,14 @@ QUADRANTS = ((1, 1), (-1, 1), (-1, -1), (1, -1))  # the signs of x and y, counte
 
 
 @dataclass(frozen=True)
-class TangentCone:
-    """A cone between two rays (less than a half turn) with the field that acts near the point inside it.
+class TangentCone(Sector):
+    """A sector of less than a half turn with the field that acts near the point inside it.
 
     Attributes:
-        start: first ray, counterclockwise.
-        end: last ray.
         field: the whole field in the coordinates of the weights.
         leading: its part of the fan's degree.
     """
 
-    start: Point
-    end: Point
     field: PlaneField
     leading: PlaneField
 
@@ -216,8 +212,8 @@ def is_simple(surfaces: Sequence[Polynomial], ray: Point) -> bool:
 
 def rays_between(fan: TangentFan) -> Iterator[tuple[TangentCone, TangentCone, tuple[Polynomial, ...]]]:
     """The cone before and the cone after each ray, with the surfaces that touch the ray."""
-    for k, cone in enumerate(fan.cones):
-        yield fan.cones[k - 1], cone, fan.surfaces[k]
+    for (_, before, after), touched in zip(rays_of(fan.cones), fan.surfaces, strict=True):
+        yield before, after, touched
 
 
 def turning(field: PlaneField) -> tuple[Polynomial, Polynomial]:
