@@ -183,6 +183,7 @@ WORDS: dict[str, tuple[Any, ...]] = {
     "theorem 4": ("holds", "fails", "hypotheses not met", "undecided"),
     "obstruction": (["0", "0", "1"], None),
     "disc": ({"squared_radius": "1000", "decreases": "strictly"}, {"squared_radius": "1/97", "decreases": "weakly"}),
+    "arrival": ({"squared_radius": "1/4", "rate": "1000"}, {"squared_radius": "1000", "rate": "1/1000"}),
     "tolerances": ({"radius": "1/1000", "start": "1/8", "rate": "1"},),
     "stability": ("stable",),
 }
@@ -204,6 +205,17 @@ def other_disc(good: Record) -> Iterator[Any]:
     wrong: tuple[Any, ...] = ("1000", "0", "-1", "1/0", 1, [])
     for disc in wrong:
         yield [([*HYPOTHESES, "disc"], disc)]
+
+
+def other_rate(good: Record) -> Iterator[Any]:
+    """A rate of arrival that is too fast, or none; the claim says the same."""
+    disc, claims = good["evidence"][0]["hypotheses"]["disc"], good["statement"]["claims"]
+    place = next((k for k, own in enumerate(claims) if "arrival" in own), len(claims))
+    wrong: tuple[Any, ...] = ("1000", "0", "-1", "1/0", 1, [])
+    for rate in wrong:
+        arrival = {"squared_radius": disc, "rate": rate}
+        yield [([*HYPOTHESES, "rate"], rate), ([*CLAIMS, place], {"arrival": arrival})]
+        yield [([*CLAIMS, place], {"arrival": arrival})]
 
 
 LAWS: tuple[Record, ...] = (
@@ -281,6 +293,7 @@ ARRAY_KINDS: Kinds = (
     other_numbers,
     other_claims,
     other_disc,
+    other_rate,
     other_proofs,
     other_tolerances,
     other_theorem,
