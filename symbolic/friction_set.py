@@ -68,7 +68,8 @@ class CutEllipse(Generic[X]):
 
     def map(self, number: Callable[[X], Any]) -> CutEllipse[Any]:
         """The same set in another arithmetic."""
-        return CutEllipse(number(self.along), number(self.across), number(self.cut))
+        shape: type[CutEllipse[Any]] = type(self)
+        return shape(number(self.along), number(self.across), number(self.cut))
 
     @property
     def is_cut(self) -> bool:
@@ -212,12 +213,8 @@ class Box(CutEllipse[X]):
 
     @property
     def corner(self) -> X:
-        """X at a corner."""
+        """One, as the cut."""
         return self.cut
-
-    def map(self, number: Callable[[X], Any]) -> Box[Any]:
-        """The same set in another arithmetic."""
-        return Box(number(self.along), number(self.across), number(self.cut))
 
     def piece(self, r: X, s: X) -> BorderPiece:
         """A corner, but for slips along an axis."""

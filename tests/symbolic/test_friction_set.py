@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,7 +11,8 @@ from flint import arb
 from hypothesis import given
 from hypothesis import strategies as st
 
-from nonsmooth.symbolic.friction_set import BorderPiece, CutEllipse, FrictionSet, float_sets
+from nonsmooth.proofs.boxes.intervals import Intervals
+from nonsmooth.symbolic.friction_set import BorderPiece, Box, CutEllipse, FrictionSet, float_sets
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from tests.thorough import examples
 
@@ -123,3 +125,87 @@ def test_forces_inside() -> None:
     ]
     assert all(cut.holds_strictly(field(x), field(y)) for x, y in inside)
     assert not any(cut.holds_strictly(field(x), field(y)) for x, y in outside)
+
+
+# ---- arrays: rounded edges, intervals, boxes ------------------------------------------------------
+
+
+def many(shape: Any, count: int) -> CutEllipse[Any]:
+    """Sets of random half-axes, some of them cut."""
+    rng = np.random.default_rng(5)
+    cuts = np.ones(count) if shape is Box else np.minimum(rng.uniform(0.1, 1.6, count), 1.0)
+    return shape(*rng.uniform(0.2, 2.0, (2, count)), cuts)
+
+
+def random_slips(count: int) -> np.ndarray:
+    rng = np.random.default_rng(6)
+    return np.asarray(rng.normal(size=(2, count)) * 10.0 ** rng.uniform(-5, 0, (2, count)))
+
+
+@pytest.mark.parametrize("shape", [CutEllipse, Box])
+def test_no_force_takes_more_than_the_support_function(shape: Any) -> None:
+    limits, (r, s) = many(shape, 400), random_slips(400)
+    most, (f, g) = limits.support(r, s), limits.gradient(r, s)
+    np.testing.assert_allclose(f * r + g * s, most, rtol=1e-12)
+    np.testing.assert_allclose(limits.gauge(f / limits.along, g / limits.across), 1, rtol=1e-12)
+    for x, y in np.random.default_rng(7).normal(size=(50, 2)):
+        size = limits.gauge(np.full(400, x), np.full(400, y))
+        assert (limits.along * x * r + limits.across * y * s <= size * most * (1 + 1e-12)).all()
+
+
+@pytest.mark.parametrize("shape", [CutEllipse, Box])
+def test_rounded_forces_lie_inside_and_tend_to_those_at_the_border(shape: Any) -> None:
+    limits, (r, s) = many(shape, 400), random_slips(400)
+    for width in (1.0, 1e-3):
+        f, g = limits.rounded_gradient(r, s, limits.along * width)
+        assert (limits.gauge(f / limits.along, g / limits.across) <= 1 + 1e-15).all()
+        step = 1e-6 * (width + np.hypot(r, s))
+        by_r = (limits.rounded_gradient(r + step, s, limits.along * width)[0] - f) / step
+        rr, _, ss = limits.rounded_hessian(r, s, limits.along * width)
+        assert (rr >= 0).all()
+        assert (ss >= 0).all()
+        smooth = np.abs(by_r - rr) <= 1e-3 * (np.abs(rr) + limits.along / (width + np.hypot(r, s)))
+        assert smooth.mean() > 0.98  # but where arc and corner meet
+    sharp = limits.rounded_gradient(r, s, limits.along * 1e-12)
+    np.testing.assert_allclose(sharp, limits.gradient(r, s), atol=1e-5)
+
+
+@pytest.mark.parametrize("shape", [CutEllipse, Box])
+@pytest.mark.parametrize("width", [0.0, 1e-12, 0.3])
+def test_intervals_hold_the_support_functions_of_all_members(shape: Any, width: float) -> None:
+    limits, (r, s), rng = many(shape, 400), random_slips(400), np.random.default_rng(8)
+
+    def around(middle: np.ndarray, most: float = np.inf) -> Intervals:
+        return Intervals(middle * (1 - width), np.minimum(middle * (1 + width), most))
+
+    wide = shape(around(limits.along), around(limits.across), around(limits.cut, 1.0))
+    spread = width * np.hypot(r, s)
+    found = wide.support(Intervals(r - spread, r + spread), Intervals(s - spread, s + spread))
+    for _ in range(20):
+        shares = rng.uniform(-1, 1, (5, 400))
+        entries = [middle * (1 + width * share) for middle, share in zip(vars_of(limits), shares[:3], strict=True)]
+        member = shape(*entries[:2], np.minimum(entries[2], 1.0))
+        value = member.support(r + spread * shares[3], s + spread * shares[4])
+        assert (found.low <= value * (1 + 1e-15)).all()
+        assert (value * (1 - 1e-15) <= found.high).all()
+    if not width:
+        np.testing.assert_allclose(found.high, limits.support(r, s), rtol=1e-12)
+
+
+def vars_of(limits: CutEllipse[Any]) -> tuple[Any, Any, Any]:
+    return limits.along, limits.across, limits.cut
+
+
+def test_a_box_is_the_same_in_every_arithmetic() -> None:
+    field = NumberField()
+    exact: CutEllipse[Any] = Box(field(2), field(Fraction(1, 3)), field(1))
+    balls = exact.map(lambda number: number.ball())
+    slips: list[tuple[Any, Any]] = [(field(-3), field(2)), (-3.0, 2.0), (arb(-3), arb(2))]
+    for one, slip in zip((exact, exact.map(float), balls), slips, strict=True):
+        assert one.piece(*slip) is BorderPiece.CORNER
+        assert float(one.support(*slip)) == pytest.approx(6 + 2 / 3)
+        assert [float(entry) for entry in one.gradient(*slip)] == pytest.approx([-2, 1 / 3])
+        assert not float(one.bend(*slip))
+    assert exact.piece(field(0), field(1)) is BorderPiece.KINK
+    assert exact.holds_strictly(field(Fraction(1, 2)), field(Fraction(9, 10)))
+    assert not exact.holds_strictly(field(1), field(0))
