@@ -2,7 +2,8 @@
 
 - fixed wheels: exported MJCF files, rims in all directions with friction ellipses, run as anybody would;
 - free plate: a plate with an outline over a grid of 36 wheels, on those that the engine itself finds under it;
-- rollers: wheels with real rollers on bearings, which rule ``roller`` is about.
+- rollers: wheels with real rollers on bearings, which rule ``roller`` is about;
+- rubber beside rollers: every other wheel of rubber, by the engine's own loads.
 
 Errors are those of the twist, relative to its largest entry.
 """
@@ -19,7 +20,7 @@ from nonsmooth.reports.interface.array import Array
 from nonsmooth.reports.mjcf import export_scene
 from tests.body_engine import pose_beside_engine
 from tests.engine_export import error
-from tests.roller_engine import random_array, relative_errors
+from tests.roller_engine import mixed_errors, random_array, relative_errors
 
 ARRAYS = 100
 MARGIN = 0.05  # pitches: plates with a wheel nearer to their edge are left out
@@ -92,6 +93,11 @@ def rollers(count: int) -> list[Kind]:
     return [Kind("rollers", rule, column) for rule, column in zip(("roller", "ellipse", "box"), errors.T, strict=True)]
 
 
+def rubber_and_rollers(count: int) -> list[Kind]:
+    errors = np.array([mixed_errors(seed) for seed in range(count)])
+    return [Kind("rubber, rollers", rule, column) for rule, column in zip(("mixed", "ellipse"), errors.T, strict=True)]
+
+
 def engine_errors(count: int = ARRAYS) -> list[Kind]:
     """All kinds."""
-    return [fixed_wheels(count), free_plates(count), *rollers(count)]
+    return [fixed_wheels(count), free_plates(count), *rollers(count), *rubber_and_rollers(count)]
