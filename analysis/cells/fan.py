@@ -17,11 +17,11 @@ from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.plane import around, cross, dot, same_direction, turned
 
-S = TypeVar("S", bound="Sector")
+S = TypeVar("S", bound="Wedge")
 
 
 @dataclass(frozen=True)
-class Sector:
+class Wedge:
     """The part of a cell near the point: counterclockwise from ray ``start`` to ray ``end``.
 
     Attributes:
@@ -34,7 +34,7 @@ class Sector:
 
     @property
     def inner(self) -> Point:
-        """A ray between both of a sector of less than a half turn."""
+        """A ray between both of a wedge of less than a half turn."""
         return self.start[0] + self.end[0], self.start[1] + self.end[1]
 
     @property
@@ -51,8 +51,8 @@ class Sector:
 
 
 @dataclass(frozen=True)
-class Cone(Sector):
-    """A sector with the motions that act there.
+class Cone(Wedge):
+    """A wedge with the motions that act there.
 
     Attributes:
         twists: the motions.
@@ -109,7 +109,7 @@ def _compare_angles(a: Point, b: Point) -> int:
 by_angle = cmp_to_key(_compare_angles)  # key that sorts rays counterclockwise from the positive x axis
 
 
-def is_plane(cone: Sector) -> bool:
+def is_plane(cone: Wedge) -> bool:
     """Whether the cone is the whole plane: the point lies inside its cell."""
     return cone.start is cone.end
 

@@ -35,7 +35,7 @@ from typing import TypeAlias
 
 from flint import acb, acb_poly, arb, ctx, fmpq
 
-from nonsmooth.analysis.cells.fan import Sector, by_angle
+from nonsmooth.analysis.cells.fan import Wedge, by_angle
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.switched_cells import PlaneField
 from nonsmooth.proofs.inequalities.real_roots import RealRoot, between_rays, positive_roots, separated
@@ -179,7 +179,7 @@ def _common_cones(fans: Sequence[TangentFan]) -> Iterator[tuple[TangentCone, ...
     for fan in fans:
         rays += [c.start for c in fan.cones if not any(same_direction(c.start, known) for known in rays)]
     for start, end in around(sorted(rays, key=by_angle)):
-        inner = Sector(start, end).inner
+        inner = Wedge(start, end).inner
         known = (next(cone for cone in fan.cones if cone.holds(inner)) for fan in fans)
         yield tuple(replace(cone, start=start, end=end) for cone in known)
 

@@ -18,7 +18,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
-from nonsmooth.analysis.cells.fan import Sector, by_angle, rays_of
+from nonsmooth.analysis.cells.fan import Wedge, by_angle, rays_of
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.switched_cells import PlaneField
 from nonsmooth.proofs.kernel.tangents import form_lines, lowest_form
@@ -36,8 +36,8 @@ QUADRANTS = ((1, 1), (-1, 1), (-1, -1), (1, -1))  # the signs of x and y, counte
 
 
 @dataclass(frozen=True)
-class TangentCone(Sector):
-    """A sector of less than a half turn with the field that acts near the point inside it.
+class TangentCone(Wedge):
+    """A wedge of less than a half turn with the field that acts near the point inside it.
 
     Attributes:
         field: the whole field in the coordinates of the weights.
