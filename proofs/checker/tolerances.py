@@ -202,6 +202,7 @@ class Builds:
 
     def __init__(self, array: Array, radius: Fraction, start: Fraction, rate: Fraction) -> None:
         require(array.tolerances is not None and array.rule == NEAREST, "tolerances, under rule nearest")
+        require(len(array.wheels) > 1, "two wheels at least, which fix the motion")
         step, turn, *shares = (_interval(own).high for own in array.tolerances or ())
         self.radius, self.start, self.rate, self.step = radius, start, rate, step
         sound = min(step, turn, *shares) >= 0 and max(shares) < 1 and turn < Fraction(1, 2)

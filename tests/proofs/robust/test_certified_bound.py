@@ -148,6 +148,14 @@ def test_missing_and_spare_keys_are_rejected(certificate: Record) -> None:
     assert check_certificate(forged).startswith("evidence of the claim")
 
 
+@pytest.mark.parametrize("count", [0, 1])
+def test_wheels_that_fix_no_motion_are_rejected(certificate: Record, count: int) -> None:
+    """No pair of wheels carries the body anywhere, so nothing is false of a pair, and nothing is true of the body."""
+    forged = bounds_only(certificate)
+    del subject(forged)["wheels"][count:]
+    assert check_certificate(forged) == "two wheels at least, which fix the motion"
+
+
 def test_other_wheels_are_rejected(certificate: Record) -> None:
     """With more friction across the rims and cells to match, the claim would be false; so would it with slow wheels."""
     forged = copy.deepcopy(certificate)
