@@ -33,7 +33,8 @@ from nonsmooth.analysis.measurements.cases import (
     nearly_in_line,
 )
 from nonsmooth.analysis.measurements.harness import Assessment, Case, Clock, ResultRow, Rows, Study, StudyPlan, Trial
-from nonsmooth.analysis.measurements.path_studies import MASS, SYSTEM_PATHS, TRAJECTORIES
+from nonsmooth.analysis.measurements.mass_paths import MASS
+from nonsmooth.analysis.measurements.path_studies import SYSTEM_PATHS, TRAJECTORIES
 from nonsmooth.analysis.measurements.studies import BOX_MINIMIZERS, DERIVATION, ELLIPSE_MINIMIZERS, UPPER_DERIVATIVE
 from nonsmooth.proofs.certificate import build_certificate
 from nonsmooth.proofs.kernel.subject import NoCertificateError

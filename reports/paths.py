@@ -18,8 +18,6 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.analysis.bodies.mass_study import rule_path
-from nonsmooth.analysis.bodies.one_contact_set import OneContactSet
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
@@ -49,6 +47,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from nonsmooth.analysis.bodies.one_contact_set import OneContactSet
     from nonsmooth.reports.driven_loop import DrivenLoop
     from nonsmooth.reports.figures.path import PathPicture, SpeedCurves
 
@@ -456,6 +455,8 @@ def follow_array(scene: Scene, options: SimulateOptions, feedback: FeedbackResul
     """
     start, rule, law = options.pose, rule_of(scene), options.closed_by
     if options.is_plain and (isinstance(rule, SmoothRule) or scene.body is not None):
+        from nonsmooth.analysis.bodies.mass_study import rule_path  # bodies: a path through cells needs none
+
         return ArrayPath(scene, rule_path(scene, rule.name, start, options.last))
     if law is not None and not rule.keeps_rows:
         return _follow_driven(scene, options)
@@ -504,8 +505,19 @@ def _one_contact_set(scene: Scene, options: SimulateOptions) -> OneContactSet | 
         return None
     if options.method is not PathMethod.EVENTS or options.kinematics is not Kinematics.EXACT:
         require_no_outline(scene)
-    contacts = OneContactSet(standing(scene))
-    contacts.require_start(options.pose)
+    return _started_on(standing(scene), options.pose)
+
+
+def _started_on(scene: Scene, start: tuple[float, float, float]) -> OneContactSet:
+    """The wheels that carry the body of an array.
+
+    Raises:
+        ValueError: where others carry it at the start.
+    """
+    from nonsmooth.analysis.bodies.one_contact_set import OneContactSet
+
+    contacts = OneContactSet(scene)
+    contacts.require_start(start)
     return contacts
 
 
@@ -544,6 +556,4 @@ def _until_other_wheels(loop: DrivenLoop, start: tuple[float, float, float], unt
         return loop.follow(start, until)
     if loop.is_sampled:
         require_no_outline(loop.scene)
-    contacts = OneContactSet(loop.scene)
-    contacts.require_start(start)
-    return contacts.until_change(loop.follow(start, until))
+    return _started_on(loop.scene, start).until_change(loop.follow(start, until))

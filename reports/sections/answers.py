@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from nonsmooth.analysis.contact_rule import rule_notes, rule_of
 from nonsmooth.proofs.answers.answer import Answer
 from nonsmooth.proofs.answers.contact_wheels import contact_facts
-from nonsmooth.proofs.answers.destinations import Destinations
-from nonsmooth.proofs.answers.headings import HeadingsOfRest
 from nonsmooth.proofs.answers.other_rules import OtherRule
 from nonsmooth.proofs.answers.units import of_length
 from nonsmooth.reports.answers import THEOREM, contradiction_lines, destinations_table
@@ -15,6 +15,10 @@ from nonsmooth.reports.equilibrium_headings import headings_table, notes, title
 from nonsmooth.reports.prose import paragraph
 from nonsmooth.reports.sections.opening import array_figure
 from nonsmooth.reports.subject import ArraySubject
+
+if TYPE_CHECKING:
+    from nonsmooth.proofs.answers.destinations import Destinations
+    from nonsmooth.proofs.answers.headings import HeadingsOfRest
 
 _TONES = {0: Tone.GOOD, 1: Tone.BAD, 3: Tone.OPEN}
 

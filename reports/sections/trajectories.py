@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import SupportsFloat, TypeAlias
+from typing import TYPE_CHECKING, SupportsFloat, TypeAlias
 
 import numpy as np
 
@@ -25,7 +25,6 @@ from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.reports.choices import LawName
 from nonsmooth.reports.document import Block, Code, Entry, Figure, Frame, Math, Section, decimal, table
-from nonsmooth.reports.driven_loop import DrivenLoop
 from nonsmooth.reports.feedback_loop import GAIN, FeedbackLoop, build_loop, certified_law
 from nonsmooth.reports.figures.path import (
     cells_picture,
@@ -43,6 +42,9 @@ from nonsmooth.reports.simulate_options import SimulateOptions
 from nonsmooth.reports.subject import ArraySubject
 from nonsmooth.symbolic.number_text import float_text, lower_text, place_text
 from nonsmooth.symbolic.scene import Scene
+
+if TYPE_CHECKING:
+    from nonsmooth.reports.driven_loop import DrivenLoop
 
 # ---- starts --------------------------------------------------------------------------------------
 
@@ -412,6 +414,8 @@ FEW = 1  # of the directions where every motion is a minimization
 
 def _driven_law(subject: ArraySubject, feedback: DrivenFeedback) -> Section:
     """The law of imposed twists: where it stands, from where it is certified, and its closed loop."""
+    from nonsmooth.reports.driven_loop import DrivenLoop  # rules with cells have another law
+
     loop = DrivenLoop(subject.scene.recentred(), feedback.holding)
     words = paragraph(
         "Clause 4 certifies a law that imposes one of three twists at a time; formula, twists and speeds are given "
