@@ -169,6 +169,10 @@ class SectorFunction(LevelFunction):
         moments = y * Intervals.of(corners[:, :, 0]) - x * Intervals.of(corners[:, :, 1])
         return RingPieces(corners, (x, y), moments, np.ones(corners.shape[:2]), len(self.sectors) * parts)
 
+    def rays(self, sector: int) -> Floats:
+        """The vertices on both sides of a sector (2, 2), counterclockwise."""
+        return self.vertices[[sector, (sector + 1) % len(self.vertices)]]
+
     @staticmethod
     def _next(entries: Floats) -> Floats:
         return np.roll(entries, -1, axis=0)

@@ -41,8 +41,9 @@ from nonsmooth.symbolic.scene import Scene
 Floats: TypeAlias = NDArray[np.float64]
 
 PARTS = 6  # of each side of the square in which the field is differentiated
+CONE, CONE_PARTS = 16, 16  # the same for cones, of which few of them are asked: of at most so many sectors
 DISCS = tuple(Fraction(1, 8**k) for k in range(1, 6))  # of the accuracy: where the field is taken for nearly linear
-WIDTHS = (1.0, 0.5)  # b of the cones that are tried
+WIDTHS = (1.0, 0.5, 0.25)  # b of the cones that are tried
 MOST_VERTICES = 512  # of a polygon on which slow spirals rise
 SLACK = 0.5  # of the rate outward: what bends of such a polygon may cost
 NO_FARTHER = Fraction(1, 2**24)  # of the accuracy: where starts beside an enclosed place of rest are
@@ -109,45 +110,72 @@ def _level_close_by(rest: EnclosedRest, shape: SectorFunction, accuracy: Fractio
 
 def _rises_close_by(rest: EnclosedRest, shape: SectorFunction, level: float, beside: Fraction, start: Fraction) -> bool:
     """Whether V rises in the polygon of a level; beside a place of rest but for the polygon of the level ``start``."""
-    slope = _slope_over(rest, arb(level * shape.outside))
-    if slope is None:
-        return False
+    slopes = _slopes_over(rest, shape, level * shape.outside, beside)
     off, close = (arb(entry.numerator) / entry.denominator for entry in (beside, start))
     # at the level s of the polygon V' >= rate s - size off
-    return all(rate * close > size * off for rate, size in _rates_at_rays(shape, slope))
+    return slopes is not None and all(rate * close > size * off for rate, size in _rates_at_rays(shape, slopes))
 
 
-def _rates_at_rays(shape: SectorFunction, slope: arb_mat) -> Iterator[tuple[arb, arb]]:
+def _rates_at_rays(shape: SectorFunction, slopes: Sequence[arb_mat]) -> Iterator[tuple[arb, arb]]:
     """At both rays w of each sector ``g . A w``, and a bound of ``g . A d`` for d with entries up to one."""
-    a, b, c, d = slope.entries()
-    for sector in shape.sectors.tolist():
+    for sector, slope in zip(shape.sectors.tolist(), slopes, strict=True):
+        a, b, c, d = slope.entries()
         g, h = (arb(float(part.low[sector])).union(arb(float(part.high[sector]))) for part in shape.slopes)
-        for x, y in shape.vertices[[sector, (sector + 1) % len(shape.vertices)]].tolist():
+        for x, y in shape.rays(sector).tolist():
             yield g * (a * x + b * y) + h * (c * x + d * y), abs(g * a + h * c) + abs(g * b + h * d)
 
 
-def _slope_over(rest: EnclosedRest, reach: arb) -> arb_mat | None:
-    """The hull of A over the square about the origin with that half-width, part by part, for a place of rest in it."""
-    near, half, found = unknowns_at_rest(rest.zero).mid(), reach / PARTS, None
-    middles = [half * (2 * k + 1 - PARTS) for k in range(PARTS)]
-    for place in product(middles, middles):
-        part = _slope_over_part(rest.balance, near, place, half)
-        if part is None:
-            return None
-        pairs = part.entries() if found is None else map(arb.union, found, part.entries())
-        found = list(pairs)
-    return None if found is None else arb_mat(2, 2, found)
+def _slopes_over(rest: EnclosedRest, shape: SectorFunction, reach: float, beside: Fraction) -> list[arb_mat] | None:
+    """For each sector the hull of A over what it has of the square about the origin with a half-width.
+
+    The square is cut into parts; a sector, and the ways from a place of rest beside the origin to its points, lie in
+    those that are not beyond one of its two rays by more than ``beside``.
+
+    Args:
+        rest: a place of rest in the square.
+        shape: with the sectors.
+        reach: half-width of the square.
+        beside: how far the place of rest may be from the origin.
+    """
+    near, count = unknowns_at_rest(rest.zero).mid(), PARTS if len(shape.sectors) > CONE else CONE_PARTS
+    half, margin = reach / count, reach * 2.0**-20 + float(beside) * 2
+    known: dict[tuple[float, float], arb_mat | None] = {}
+    middles = [half * (2 * k + 1 - count) for k in range(count)]
+    hulls = []
+    for sector in shape.sectors.tolist():
+        hull: list[arb] = []
+        for place in product(middles, middles):
+            if _is_beyond(shape.rays(sector), place, half, margin):
+                continue
+            if place not in known:
+                known[place] = _slope_over_part(rest.balance, near, place, half * (1 + 2.0**-40))
+            part = known[place]
+            if part is None:
+                return None
+            hull = list(map(arb.union, hull, part.entries())) if hull else part.entries()
+        hulls.append(arb_mat(2, 2, hull))
+    return hulls
 
 
-def _slope_over_part(balance: Balance, near: arb_mat, middle: tuple[arb, arb], half: arb) -> arb_mat | None:
-    """The same over a square about another point; Krawczyk's operator encloses twist and forces all over it."""
-    place = [entry + half * UNIT for entry in middle]
+def _is_beyond(rays: Floats, place: tuple[float, float], half: float, margin: float) -> bool:
+    """Whether a square about a place is farther than a margin beyond one of the two rays of a sector."""
+    (ax, ay), (bx, by) = (ray / np.hypot(*ray) for ray in rays)
+    x, y = place
+    inside_first = ax * y - ay * x + half * (abs(ax) + abs(ay))
+    inside_second = by * x - bx * y + half * (abs(bx) + abs(by))
+    return bool(min(inside_first, inside_second) < -margin)
+
+
+def _slope_over_part(balance: Balance, near: arb_mat, middle: tuple[float, float], half: float) -> arb_mat | None:
+    """The hull of A over a square about a point; Krawczyk's operator encloses twist and forces all over it."""
+    centre = arb(middle[0]), arb(middle[1])
+    place = [entry + arb(half) * UNIT for entry in centre]
 
     def equations(unknowns: arb_mat, there: Sequence[arb]) -> tuple[arb_mat, arb_mat] | None:
         found = balance.at(unknowns, there)
         return None if found is None else found[:2]
 
-    start = newton(lambda unknowns: equations(unknowns, middle), near, NEWTON_STEPS)
+    start = newton(lambda unknowns: equations(unknowns, centre), near, NEWTON_STEPS)
     unknowns = None if start is None else isolated_zero(lambda unknowns: equations(unknowns, place), start)
     found = None if unknowns is None else balance.at(unknowns, place)
     if unknowns is None or found is None:
@@ -226,10 +254,10 @@ def attracting_disc(scene: Scene, rest: EnclosedRest, radii: Sequence[Fraction])
         for radius in radii:
             level = (radius + beside) / inside
             reach = level * outside + beside
-            slope = _slope_over(rest, arb(reach.numerator) / reach.denominator)
-            if slope is None:
+            slopes = _slopes_over(rest, shape, float(reach) * (1 + 2.0**-40), beside)
+            if slopes is None:
                 continue
-            rate = min(rational_below(-rate) for rate, _ in _rates_at_rays(shape, slope))
+            rate = min(rational_below(-rate) for rate, _ in _rates_at_rays(shape, slopes))
             if rate > 0:
                 return AttractingDisc(radius, beside, rate, inside, outside)
     return None

@@ -91,7 +91,7 @@ def test_the_page_holds_the_figures_of_pushes_without_a_fit() -> None:
 def test_the_page_holds_the_engines_table() -> None:
     (part,) = (found for found in COMPUTED.finditer(PAGE) if found[2] == "engine")
     rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in part[0].splitlines()[3:]]
-    assert {row[0] for row in rows} == {"fixed wheels", "free plate", "rollers"}
+    assert {row[0] for row in rows} == {"fixed wheels", "free plate", "rollers", "rubber, rollers"}
     assert {row[2] for row in rows} == {"100"}
 
 

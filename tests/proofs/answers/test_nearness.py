@@ -20,7 +20,7 @@ from nonsmooth.proofs.boxes.enclosed_rest import enclosed_rest
 from nonsmooth.proofs.robust.drift import driven_out
 from nonsmooth.proofs.robust.ends import DIFFERENCE, Ends, _field_beside, _shapes, _velocity, decide_ends
 from nonsmooth.proofs.robust.level_sets import Distance, LevelFunction, SectorFunction, shapes_about, short_levels
-from nonsmooth.proofs.robust.rest_points import _rising, is_carried_away
+from nonsmooth.proofs.robust.rest_points import _is_beyond, _rising, is_carried_away
 from nonsmooth.proofs.robust.touching_rings import TouchingRings, ring_rates, rings_about
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.verdicts import Translation
@@ -30,7 +30,7 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import SceneError
 from tests.oracles.measured_tables import MeasuredTable, SmallSteps
-from tests.thorough import thorough
+from tests.thorough import keep, thorough
 
 OFF = (0.0, 3.0, 9.0)  # degrees by which headings of tables are wrong
 RULES = ("nearest", "ellipse", "roller")
@@ -216,10 +216,26 @@ def test_bodies_beside_a_saddle_on_an_edge_of_dissipation_are_carried_away(tmp_p
     assert max(body.end(start, 12.0, accuracy)[1] for start in starts) > accuracy
 
 
-@thorough  # the one before is the small one
-def test_saddles_on_an_edge_of_dissipation_are_shown_to_carry_away(tmp_path: Path) -> None:
-    scene = measured(tmp_path, MeasuredTable.symmetric(16, "roller")).recentred()
+@pytest.mark.parametrize(("seed", "rule"), keep(1, [(8, "roller"), (8, "ellipse"), (14, "ellipse"), (16, "roller")]))
+def test_saddles_are_shown_to_carry_away(seed: int, rule: str, tmp_path: Path) -> None:
+    """On an edge of dissipation (16), and where bodies come along one way thirty times as fast as they go."""
+    table = MeasuredTable.symmetric(seed, rule)
+    scene = measured(tmp_path, table).recentred()
     assert is_carried_away(scene, scene.accuracy, Fraction(1, 10**9))
+    rest, accuracy = enclosed_rest(scene), float(scene.accuracy)
+    assert rest is not None
+    roots, modes = np.linalg.eig(np.array([float(entry) for entry in rest.slope.entries()]).reshape(2, 2))
+    start = 0.3 * accuracy * modes[:, int(roots.argmax())]
+    assert SmallSteps(table).end(start, 60.0, accuracy)[1] > accuracy
+
+
+def test_squares_that_a_sector_touches_are_not_beyond_it() -> None:
+    rays, rng = np.array([[1.0, -0.25], [1.0, 0.5]]), np.random.default_rng(0)
+    for place, half in zip(rng.uniform(-1, 1, (300, 2)), rng.uniform(0.01, 0.3, 300), strict=True):
+        shares = rng.uniform(0, 2, (400, 2))
+        touches = (np.abs(shares @ rays - place) <= half).all(axis=1).any()
+        assert not (touches and _is_beyond(rays, (place[0], place[1]), half, 0.0))
+    assert _is_beyond(rays, (-1.0, 0.0), 0.5, 0.1)
 
 
 def test_bodies_beside_a_rest_that_repels_are_carried_away(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
