@@ -235,7 +235,7 @@ def test_squares_that_a_sector_touches_are_not_beyond_it() -> None:
         shares = rng.uniform(0, 2, (400, 2))
         touches = (np.abs(shares @ rays - place) <= half).all(axis=1).any()
         assert not (touches and _is_beyond(rays, (place[0], place[1]), half, 0.0))
-    assert _is_beyond(rays, (-1.0, 0.0), 0.5, 0.1)
+    assert _is_beyond(rays, (-1.0, 0.0), 0.1, 0.05)
 
 
 def test_bodies_beside_a_rest_that_repels_are_carried_away(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
