@@ -1,4 +1,10 @@
-"""What does the heading of a body do that rests, or nearly rests, at the checked point?"""
+"""What does the heading of a body do that rests, or nearly rests, at the checked point?
+
+The clause on theta speaks of that point.  A body on a table that was measured rests beside it, where forces in the
+plane balance and the moment hardly ever does: there it turns all the time, at the rotation rate of least dissipation.
+So where it is shown at which place bodies from near the point end, and their rest there is enclosed, its rotation rate
+is the answer.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +14,9 @@ from typing import cast
 
 from nonsmooth.proofs.answers.answer import Answer, Heading, Results, is_by_rounding
 from nonsmooth.proofs.answers.bounds import DIGITS, at_most
+from nonsmooth.proofs.answers.nearness import nearness, place_of_rest
 from nonsmooth.proofs.answers.units import of_length
+from nonsmooth.proofs.boxes.enclosed_rest import EnclosedRest
 from nonsmooth.proofs.clauses.rotation.on_cells import RotationResult
 from nonsmooth.proofs.facts import Fact, Quantity, said
 from nonsmooth.proofs.verdicts import Equilibrium, Rotation
@@ -24,8 +32,37 @@ OF_ROTATION = {
 
 
 def heading_answer(scene: Scene, results: Results) -> Answer:
-    """From the clause on theta."""
+    """From the clause on theta; where the point itself is no place of rest, from the one beside it."""
+    beside = _beside(scene, results)
+    if beside is not None:
+        return Answer("heading", _of_rates(beside.rates), tuple(_facts_beside(beside.rates)))
     return Answer("heading", OF_ROTATION[_rotation(results).verdict], tuple(_facts(scene, results)))
+
+
+def _beside(scene: Scene, results: Results) -> EnclosedRest | None:
+    """The place of rest beside the point in which bodies end; None where none is enclosed."""
+    if results["equilibrium"].verdict is not Equilibrium.FAILS:
+        return None
+    found = nearness(scene, results)
+    return None if found.ends is None else place_of_rest(scene, found.ends)
+
+
+def _of_rates(rates: tuple[Fraction, Fraction]) -> Heading:
+    """Bounds of one rotation rate: zero is never shown by an enclosure."""
+    low, high = rates
+    return Heading.DRIFTS if low > 0 or high < 0 else Heading.UNDECIDED
+
+
+def _facts_beside(rates: tuple[Fraction, Fraction]) -> Iterator[Fact]:
+    """The rotation rate at the place of rest."""
+    low, high = rates
+    most = at_most(max(-low, high))
+    if _of_rates(rates) is Heading.DRIFTS:
+        words = f"where it ends it turns all the time, at {most} rad/s"
+    else:
+        words = f"where it ends it turns at up to {most} rad/s, if at all"
+    yield Fact("largest_rate", Quantity(Fraction(most)), words)
+    yield Fact("turn_per_distance", Quantity(None))
 
 
 def _rotation(results: Results) -> RotationResult:

@@ -25,7 +25,7 @@ from nonsmooth.analysis.cells.load_sets import Loads
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.proofs.answers.answer import Results
-from nonsmooth.proofs.boxes.enclosed_rest import EnclosedRest
+from nonsmooth.proofs.boxes.enclosed_rest import EnclosedRest, enclosed_rest
 from nonsmooth.proofs.clauses.equilibrium.at_point import EllipseEquilibrium
 from nonsmooth.proofs.clauses.equilibrium.every_load import EveryLoadEquilibrium
 from nonsmooth.proofs.clauses.translation.every_load import EveryLoadTranslation
@@ -140,6 +140,25 @@ def nearness(scene: Scene, results: Results) -> Nearness:
     place = rest.point.rest if isinstance(rest, EllipseEquilibrium) else None
     verdicts = Equilibrium(rest.verdict), Translation(translation.verdict)
     return _decided(_Asked(scene, *verdicts, fan, load, place))
+
+
+@lru_cache(maxsize=16)
+def place_of_rest(scene: Scene, ends: Ends) -> EnclosedRest | None:
+    """The place of rest to which bodies come close by, inside the disc in which bodies from the point end.
+
+    Args:
+        scene: the array.
+        ends: that disc, as :func:`nearness` shows it.
+
+    Returns:
+        The place, measured from the centre of that disc; None where none is enclosed inside it, or it may repel.
+    """
+    array = alone(scene).recentred()
+    x, y = (array.field.rational(entry) for entry in ends.at)
+    rest = enclosed_rest(array.checked_at((x, y), array.check.radius).recentred())
+    if rest is None or rest.distance > ends.about or rest.stability is not Translation.ASYMPTOTICALLY_STABLE:
+        return None
+    return rest
 
 
 @lru_cache(maxsize=16)  # an answer is asked for several times

@@ -43,6 +43,8 @@ PRECISION = 128  # bits of the balls
 INSIDE = 1 - 2.0**-40  # of its limit: the largest friction force that is proposed
 ROUNDINGS = tuple(2.0**-k for k in range(3, 25, 3))  # of the fastest surface: slips over which edges are rounded
 STEPS = 16  # of Newton's method for each of them
+SETTLED = 2.0**-46  # of all friction: a gradient that counts as zero
+NEARLY = 2.0**-20  # the same for all roundings but the last
 LONGEST = 4.0  # step, in speeds of the fastest surface
 TINY, HUGE = 2.0**-1000, 2.0**300
 HALVINGS = 12  # of a step
@@ -136,10 +138,11 @@ class BalancedForces:
         twists = np.zeros((len(places), 3)) if start is None else start.copy()
         loads = self.float_loads(places)
         for rounding in ROUNDINGS:
-            twists = self._newton(twists, loads, pulls, rounding * self.fastest)
+            settled = SETTLED if rounding == ROUNDINGS[-1] else NEARLY
+            twists = self._newton(twists, loads, pulls, rounding * self.fastest, settled)
         return twists
 
-    def _newton(self, twists: Floats, loads: Floats, pulls: Floats, width: float) -> Floats:
+    def _newton(self, twists: Floats, loads: Floats, pulls: Floats, width: float, settled: float) -> Floats:
         """Newton's method on the rounded D; a step is halved while the gradient along it does not point back."""
         open_ones = np.arange(len(twists))
         scale = loads.sum(axis=1).mean() * float(self.sets.along.max())
@@ -151,17 +154,17 @@ class BalancedForces:
             step = -np.linalg.solve(slope, gradient[:, :, None])[:, :, 0]
             # far away D has no curvature, and steps would lead farther still
             size = np.minimum(LONGEST * self.fastest / np.maximum(np.abs(step).max(axis=1, keepdims=True), TINY), 1.0)
+            # D is convex along the step: its slope there must not be steeper ahead than it was behind
+            steepest = 0.5 * np.abs((gradient * step).sum(axis=1)) + 2.0**-44 * scale * np.abs(step).sum(axis=1)
+            long = np.arange(len(now))
             for _ in range(HALVINGS):
-                ahead, _ = self._gradient(now + size * step, load, pull, width, hessian=False)
-                # D is convex along the step: its slope there must not be steeper ahead than it was behind
-                worse = (ahead * step).sum(axis=1) > 0.5 * np.abs((gradient * step).sum(axis=1)) + 2.0**-44 * scale * (
-                    np.abs(step).sum(axis=1)
-                )
-                if not worse.any():
+                ahead, _ = self._gradient((now + size * step)[long], load[long], pull[long], width, hessian=False)
+                long = long[(ahead * step[long]).sum(axis=1) > steepest[long]]
+                if not len(long):
                     break
-                size = np.where(worse[:, None], size / 2, size)
+                size[long] /= 2
             twists[open_ones] = now + size * step
-            left = np.abs(gradient).max(axis=1) > 2.0**-46 * scale
+            left = np.abs(gradient).max(axis=1) > settled * scale
             open_ones = open_ones[left]
             if not len(open_ones):
                 break

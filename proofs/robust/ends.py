@@ -189,25 +189,46 @@ def _kept_start(
     """
     if kept.margin is None:
         return rings.start
-    for share in STARTS:
-        start = min(max(share * rings.start, least), rings.start)
-        turn = Fraction(0) if kept.angle is None else _turn(scene, rings, start, near)
-        if kept.keeps(distance + rings.swing_from(start), turn):
-            return start
-    return None
+    turns = _Turns(scene, rings, near)
+
+    def keeps(start: Fraction) -> bool:
+        turn = Fraction(0) if kept.angle is None else turns.on_the_way_from(start)
+        return kept.keeps(distance + rings.swing_from(start), turn)
+
+    # bodies from farther away swing out farther and turn more: where the nearest do not serve, none do
+    smallest = min(least, rings.start)
+    if not keeps(smallest):
+        return None
+    starts = (share * rings.start for share in STARTS)
+    return next((start for start in starts if start > smallest and keeps(start)), smallest)
 
 
-def _turn(scene: Scene, rings: TouchingRings, start: Fraction, near: Fraction) -> Fraction | None:
-    """A bound of how far bodies turn on their way inward; None where none is known."""
-    radius, total = start, Fraction(0)
-    while radius > near:
-        inner = max(radius / 2, near)
-        spin = largest_spin(scene, rings.swing_from(radius))
-        if spin is None:
-            return None
-        total += spin * rings.time_to(inner, radius)
-        radius = inner
-    return total
+class _Turns:
+    """Bounds of how far bodies turn on their way inward, of one ring after the other."""
+
+    def __init__(self, scene: Scene, rings: TouchingRings, near: Fraction) -> None:
+        """For a scene that is centred about the rings, and a radius at which the way ends."""
+        self._scene, self._rings, self._near = scene, rings, near
+        self._spins: dict[Fraction, Fraction | None] = {}
+
+    def on_the_way_from(self, start: Fraction) -> Fraction | None:
+        """The sum over rings of the time that bodies spend in each and the largest rate there; None if unknown."""
+        total, outer = Fraction(0), self._rings.start
+        while outer > self._near:
+            inner = max(outer / 2, self._near)
+            if inner < start:
+                spin = self._spin(outer)
+                if spin is None:
+                    return None
+                total += spin * self._rings.time_to(inner, min(outer, start))
+            outer = inner
+        return total
+
+    def _spin(self, radius: Fraction) -> Fraction | None:
+        """The largest rotation rate of bodies that come from within a radius."""
+        if radius not in self._spins:
+            self._spins[radius] = largest_spin(self._scene, self._rings.swing_from(radius))
+        return self._spins[radius]
 
 
 def _standing(scene: Scene) -> float:
