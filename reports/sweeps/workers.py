@@ -1,20 +1,24 @@
 """Who checks the scenes of a sweep: this process, or a pool of processes that are warm and may die.
 
-A worker that is killed costs time only: its pool is built anew, and what was under way is tried again, one by one, so
-that it is known which scene it is whose workers die; after a few deaths that one is refused.
+A worker that is killed costs time only: another takes its place, and its scene is tried again; after a few deaths that
+one is refused.
 """
 
 from __future__ import annotations
 
+import asyncio
 import os
+import pickle
+import threading
+import traceback
 from collections import deque
-from collections.abc import Iterable, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
-from concurrent.futures.process import BrokenProcessPool
-from multiprocessing.synchronize import Event
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, wait
+from functools import partial
+from multiprocessing.connection import Connection
 from typing import NamedTuple, Protocol
 
-from nonsmooth.reports.processes import begin_process, starting_with
+from nonsmooth.reports.processes import DiedError, WorkerPool, serve
 from nonsmooth.reports.sweeps.base import Base
 from nonsmooth.reports.sweeps.certified import cell_outcome
 from nonsmooth.reports.sweeps.outcome import Outcome, outcome_of, refused
@@ -24,9 +28,8 @@ from nonsmooth.symbolic.files.key_paths import Path
 
 AHEAD = 2  # scenes under way for each worker, so that none waits for the next
 TICK = 1.0  # seconds after which the sweep looks up, whether anything is finished or not
-DEATHS = 4  # of workers before a scene is refused: among others, then alone
+DEATHS = 4  # of workers before a scene is refused: one among others, then alone
 DIED = "its worker was killed again and again: it takes more memory or time than the machine allows"
-FALSE_STARTS = 3  # pools that end before any worker is ready
 NEVER_READY = (
     'required processes that start (a script needs if __name__ == "__main__":), received ones that end at once'
 )
@@ -111,99 +114,85 @@ class InProcess:
 
 
 class ProcessPool:
-    """Processes of this machine."""
+    """Processes of this machine, driven by an event loop in a thread of its own.
+
+    A scene whose worker dies is tried again where nothing else runs: it may have lacked memory beside the others.
+    """
 
     def __init__(self, work: Work, count: int) -> None:
         self._work, self._count = work, count
-        self._context = starting_with(__name__)
-        self._began = self._context.Event()  # set by every worker that is ready
-        self._false_starts = 0
-        self._executor = self._new()
         self._running: dict[Future[Outcome], Task] = {}
-        self._again: deque[Task] = deque()  # to be tried once more, alone
-        self._is_alone = False
-        self._deaths: dict[str, int] = {}
+        self._died: dict[Task, int] = {}  # to be tried again, alone, and how many workers each has cost
+        self._loop = asyncio.new_event_loop()
+        self._pool = WorkerPool(partial(_serve, work), count, preload=__name__)
+        self._thread = threading.Thread(target=self._drive, daemon=True)
+        self._thread.start()
 
     @property
     def room(self) -> int:
         """None while something is tried again."""
-        return 0 if self._again or self._is_alone else self._count * AHEAD - len(self._running)
+        return 0 if self._died else self._count * AHEAD - len(self._running)
 
     def submit(self, tasks: Iterable[Task]) -> None:
         """See :class:`Workers`."""
         for task in tasks:
-            self._start(task)
+            self._running[asyncio.run_coroutine_threadsafe(self._outcome(task), self._loop)] = task
 
     def finished(self) -> Iterator[Finished]:
-        """See :class:`Workers`."""
-        self._try_again()
-        done, _ = wait(self._running, timeout=TICK, return_when=FIRST_COMPLETED)
-        died: list[Task] = []
-        for future in done:
-            task = self._running.pop(future)
-            try:
-                yield Finished(task, future.result())
-            except BrokenProcessPool:
-                died.append(task)
-        if died:
-            yield from self._recover(died)
-
-    def close(self) -> None:
-        """See :class:`Workers`."""
-        self._running.clear()
-        for process in list((self._executor._processes or {}).values()):  # no public way to stop what is under way
-            process.kill()
-        self._executor.shutdown(wait=True, cancel_futures=True)
-
-    def _new(self) -> ProcessPoolExecutor:
-        """A pool of fresh processes: neither our threads nor our locks are copied into them."""
-        shared = (self._work, self._began)
-        return ProcessPoolExecutor(self._count, mp_context=self._context, initializer=_begin, initargs=shared)
-
-    def _start(self, task: Task) -> None:
-        try:
-            self._running[self._executor.submit(_check, task.entries)] = task
-        except (BrokenProcessPool, EOFError, ConnectionError):
-            # It broke since we last looked, or what starts workers was killed: the task has done nothing that counts.
-            self._again.append(task)
-
-    def _try_again(self) -> None:
-        """Begin one of those that must be tried again, where nothing else runs."""
-        if self._running:
-            return
-        self._is_alone = bool(self._again)
-        if self._again:
-            self._start(self._again.popleft())
-            if not self._running:  # it could not be started
-                self._renew()
-
-    def _recover(self, died: list[Task]) -> Iterator[Finished]:
-        """Build the pool anew, and try again what was under way: any of it may have killed the worker."""
-        for future in list(self._running):
-            task = self._running.pop(future)
-            if future.done() and future.exception() is None:
-                yield Finished(task, future.result())
-            else:
-                died.append(task)
-        self._renew()
-        for task in died:
-            deaths = self._deaths[task.key] = self._deaths.get(task.key, 0) + 1
-            if deaths >= DEATHS:
-                yield Finished(task, refused(DIED, is_system=self._work.base.is_system), lasting=False)
-            else:
-                self._again.append(task)
-
-    def _renew(self) -> None:
-        """Build the pool anew.
+        """See :class:`Workers`.
 
         Raises:
             SweepError: where no worker ever gets ready.
         """
-        self._false_starts += not self._began.is_set()
-        if self._false_starts >= FALSE_STARTS:
+        if self._died and not self._running:
+            self.submit([next(iter(self._died))])
+        done, _ = wait(self._running, timeout=TICK, return_when=FIRST_COMPLETED)
+        for future in done:
+            task = self._running.pop(future)
+            try:
+                outcome = future.result()
+            except DiedError:
+                yield from self._mourned(task)
+            else:
+                self._died.pop(task, None)
+                yield Finished(task, outcome)
+
+    def close(self) -> None:
+        """See :class:`Workers`."""
+        self._running.clear()
+        self._loop.call_soon_threadsafe(self._loop.stop)
+        self._thread.join()
+
+    def _drive(self) -> None:
+        """In the thread: run the loop until it is stopped, then drop what is under way."""
+        with asyncio.Runner(loop_factory=lambda: self._loop):
+            self._loop.run_forever()
+            self._pool.close()
+
+    async def _outcome(self, task: Task) -> Outcome:
+        """What a worker finds.
+
+        Raises:
+            DiedError: where it is killed.
+        """
+        found = [pickle.loads(message) async for message in self._pool.run(pickle.dumps(task.entries))]
+        if isinstance(found[0], Exception):
+            raise found[0]
+        return found[0]
+
+    def _mourned(self, task: Task) -> Iterator[Finished]:
+        """A scene whose worker died: tried again, or after a few deaths refused.
+
+        Raises:
+            SweepError: where no worker ever gets ready.
+        """
+        deaths = self._died[task] = self._died.get(task, 0) + 1
+        if deaths < DEATHS:
+            return
+        if not self._pool.was_ready:
             raise SweepError(f"workers: {NEVER_READY}")
-        self._executor.shutdown(wait=False, cancel_futures=True)
-        self._executor = self._new()
+        del self._died[task]
+        yield Finished(task, refused(DIED, is_system=self._work.base.is_system), lasting=False)
 
 
 def local_workers(work: Work, count: int) -> Workers:
@@ -218,15 +207,17 @@ def processors() -> int:
 
 # ---- in a worker ---------------------------------------------------------------------------------
 
-_works: list[Work] = []  # one entry in a worker, none elsewhere
+
+def _serve(work: Work, connection: Connection) -> None:
+    serve(connection, partial(_answers, work))
 
 
-def _begin(work: Work, began: Event) -> None:
-    """Get ready."""
-    begin_process()
-    _works[:] = [work]
-    began.set()
-
-
-def _check(entries: tuple[Entry, ...]) -> Outcome:
-    return _works[0].outcome(entries)
+def _answers(work: Work, job: bytes, look_up: Callable[[], None]) -> Iterator[bytes]:
+    """The outcome of a scene, or the fault that ended its check: who started this process raises it."""
+    del look_up  # a scene of a sweep is never cancelled: its worker is killed
+    try:
+        found: Outcome | Exception = work.outcome(pickle.loads(job))
+    except Exception as error:
+        error.add_note(traceback.format_exc())
+        found = error
+    yield pickle.dumps(found)

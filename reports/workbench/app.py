@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import asyncio
 import base64
 import json
 import secrets
-from collections.abc import AsyncIterator, Awaitable, Callable
+from collections.abc import AsyncGenerator, AsyncIterator, Awaitable, Callable
 from contextlib import aclosing, asynccontextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,9 +20,10 @@ from starlette.responses import JSONResponse, Response, StreamingResponse
 from starlette.routing import Route
 
 from nonsmooth.reports.console import own_version
-from nonsmooth.reports.workbench.pool import Job, WorkerPool
+from nonsmooth.reports.processes import DiedError, LateError, StoppedError, WorkerPool
 from nonsmooth.reports.workbench.requests import RequestError, read_request
 from nonsmooth.reports.workbench.safety import Safety, refused
+from nonsmooth.reports.workbench.worker import CANCELLED, encoded, serve_page
 
 PAGE = Path(__file__).with_name("page")
 TYPES = {
@@ -41,6 +43,10 @@ SECONDS = {
     "edit": 15.0,
     "export": 120.0,
 }  # in which a job must end
+WARM = "nonsmooth.reports.workbench.warm"  # what workers are forked from
+MOST_WAITING = 32  # jobs that wait for a worker; more are refused
+MOST_JOBS = 500  # after which a worker is replaced, whatever caches it has filled
+TRIES = 2  # of a job whose worker dies before it has said anything
 MAX_TAB = 64  # characters of the name of a tab
 MAX_SEQUENCE = 2**53  # up to which a browser counts
 BUSY = "required fewer requests at once"
@@ -67,8 +73,8 @@ class Settings:
 
 def build_app(settings: Settings) -> Starlette:
     """The application."""
-    pool = WorkerPool(settings.workers)
-    routes = Routes(pool, settings)
+    pool = WorkerPool(serve_page, settings.workers, preload=WARM, most_jobs=MOST_JOBS)
+    routes = Routes(Jobs(pool), settings)
 
     @asynccontextmanager
     async def life(app: Starlette) -> AsyncIterator[None]:
@@ -91,11 +97,81 @@ async def _unknown(request: Request, error: Exception) -> Response:
     return JSONResponse({"error": "required a path and a method of the workbench"}, status)
 
 
+class Jobs:
+    """Jobs of the page: a newer view of a tab cancels the older one, and what stops a job is told in its messages."""
+
+    def __init__(self, pool: WorkerPool) -> None:
+        self._pool = pool
+        self._tabs: dict[str, asyncio.Event] = {}
+
+    @property
+    def is_full(self) -> bool:
+        """Whether more jobs wait than are kept."""
+        return self._pool.waiting >= MOST_WAITING
+
+    async def lines(self, name: str, body: bytes, tab: str | None = None) -> AsyncGenerator[bytes, None]:
+        """The messages of a job, each one line of JSON; the last one is of stage ``done`` or ``cancelled``.
+
+        Args:
+            name: of the job.
+            body: of the request.
+            tab: whose older job this one cancels.
+        """
+        cancelled = self._begin(tab)
+        try:
+            async with aclosing(self._tried(name, body, cancelled)) as messages:
+                async for message in messages:
+                    yield message
+        except LateError:
+            yield _error(
+                f"required a scene whose view takes at most {SECONDS[name]:g} s, received one that takes longer"
+            )
+            yield encoded({"stage": "done"})
+        except DiedError:
+            yield _error("the process of this computation ended (killed, or out of memory); try again")
+            yield encoded({"stage": "done"})
+        except StoppedError:
+            yield encoded({"stage": CANCELLED})
+        finally:
+            if tab is not None and self._tabs.get(tab) is cancelled:
+                del self._tabs[tab]
+
+    async def _tried(self, name: str, body: bytes, cancelled: asyncio.Event) -> AsyncGenerator[bytes, None]:
+        """The messages of a job; where its worker is killed before the first one, once more by another worker."""
+        for left in reversed(range(TRIES)):
+            has_begun = False
+            run = self._pool.run(name.encode() + b"\n" + body, seconds=SECONDS[name], cancelled=cancelled)
+            try:
+                async with aclosing(run) as messages:
+                    async for message in messages:
+                        has_begun = True
+                        yield message
+            except DiedError:
+                if has_begun or not left:
+                    raise
+            else:
+                return
+
+    def _begin(self, tab: str | None) -> asyncio.Event:
+        """The event that cancels a new job of a tab; that of its older job is set."""
+        cancelled = asyncio.Event()
+        if tab is not None:
+            older = self._tabs.pop(tab, None)
+            if older is not None:
+                older.set()
+            self._tabs[tab] = cancelled
+        return cancelled
+
+
+def _error(text: str) -> bytes:
+    return encoded({"stage": "error", "message": text, "key": None})
+
+
 class Routes:
     """What is answered at which path."""
 
-    def __init__(self, pool: WorkerPool, settings: Settings) -> None:
-        self._pool, self._settings = pool, settings
+    def __init__(self, jobs: Jobs, settings: Settings) -> None:
+        self._jobs, self._settings = jobs, settings
         self._started = secrets.token_hex(8)
         self._files = {path.name: path.read_bytes() for path in PAGE.iterdir() if path.suffix in TYPES}
 
@@ -174,9 +250,9 @@ class Routes:
             return refused(400, f"tab: required a text of 1 to {MAX_TAB} characters")
         if not isinstance(sequence, int) or not 0 <= sequence <= MAX_SEQUENCE:
             return refused(400, f"sequence: required an integer from 0 to {MAX_SEQUENCE}")
-        if self._pool.is_full:
+        if self._jobs.is_full:
             return refused(503, BUSY)
-        stages = self._pool.run(Job("view", body, SECONDS["view"], sequence), tab)
+        stages = _numbered(self._jobs.lines("view", body, tab), sequence)
         return StreamingResponse(stages, media_type="application/x-ndjson")
 
     async def _one(self, name: str, body: bytes) -> Response:
@@ -186,10 +262,17 @@ class Routes:
 
     async def _answer(self, name: str, body: bytes) -> Response | dict[str, Any]:
         """The one answer of a job, or why there is none."""
-        if self._pool.is_full:
+        if self._jobs.is_full:
             return refused(503, BUSY)
-        async with aclosing(self._pool.run(Job(name, body, SECONDS[name]))) as lines:
+        async with aclosing(self._jobs.lines(name, body)) as lines:
             answer: dict[str, Any] = json.loads(await anext(lines))
         if answer.get("stage") == "error":
             return JSONResponse({"error": answer["message"], "key": answer["key"]}, 400)
         return answer
+
+
+async def _numbered(lines: AsyncGenerator[bytes, None], sequence: int) -> AsyncIterator[bytes]:
+    """Messages with the number of their request in its tab."""
+    async with aclosing(lines):
+        async for line in lines:
+            yield b'{"sequence":%d,' % sequence + line.removeprefix(b"{")

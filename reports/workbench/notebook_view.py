@@ -17,10 +17,11 @@ import traitlets
 
 from nonsmooth.reports.interface.array import Array
 from nonsmooth.reports.interface.system import System
+from nonsmooth.reports.processes import CancelledError
 from nonsmooth.reports.workbench.bundle import bundled, styles, symbols
 from nonsmooth.reports.workbench.documents import canonical, expanded, opened
 from nonsmooth.reports.workbench.paths import UNTIL
-from nonsmooth.reports.workbench.worker import CANCELLED, CancelledError, answers
+from nonsmooth.reports.workbench.worker import CANCELLED, answers
 
 if TYPE_CHECKING:
     from nonsmooth.reports.workbench.worker import Announce

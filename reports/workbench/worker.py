@@ -1,49 +1,32 @@
-"""A worker: one process that does the jobs of the page one after the other, and can be told to stop.
+"""A worker of the page: the jobs it does, and what they answer.
 
-A job arrives as its name and the bytes of the request; its answers go back as lines of JSON, and an empty message ends
-it.  An empty message from the server while a job runs cancels it: the worker looks for one at every step, and every
-few milliseconds of exact arithmetic.
+A job arrives as its name and the bytes of the request; its answers go back as lines of JSON.  The worker looks whether
+the page still wants it at every step, and every few milliseconds of exact arithmetic.
 """
 
 from __future__ import annotations
 
-import gc
 import json
-import os
 from collections.abc import Callable, Iterator
 from multiprocessing.connection import Connection
 from typing import Any, TypeAlias
 
-from nonsmooth.reports.processes import begin_process
+from nonsmooth.reports.processes import serve
 
 Announce: TypeAlias = Callable[[str], None]
 
-END = b""
 CANCELLED = "cancelled"
 MEMORY = 4 << 30  # bytes of address space; a job beyond it is refused
 
 
-class CancelledError(BaseException):
-    """The server wants this job no more; no step of it may take that for an error of its own."""
-
-
-def serve(connection: Connection) -> None:
-    """Do jobs until the server is gone, or wants no more.
+def serve_page(connection: Connection) -> None:
+    """Do jobs of the page.
 
     Args:
         connection: to the server.
     """
-    begin_process()
     _limit_memory()
-    gc.freeze()  # what is imported is never garbage
-    try:
-        while True:
-            job = connection.recv_bytes()
-            if job != END:
-                _do(connection, job)
-                connection.send_bytes(END)
-    except (EOFError, OSError):
-        os._exit(0)
+    serve(connection, _lines)
 
 
 def _limit_memory() -> None:
@@ -55,21 +38,11 @@ def _limit_memory() -> None:
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY if hard < 0 else min(MEMORY, hard), hard))
 
 
-def _do(connection: Connection, job: bytes) -> None:
+def _lines(job: bytes, look_up: Callable[[], None]) -> Iterator[bytes]:
+    """The answers of a job as lines of JSON."""
     name, _, body = job.partition(b"\n")
-
-    def look_up(step: str) -> None:
-        """Between two steps: end the job if the server wants it no more."""
-        del step
-        if connection.poll():
-            connection.recv_bytes()
-            raise CancelledError
-
-    try:
-        for message in answers(name.decode(), body, look_up):
-            connection.send_bytes(encoded(message))
-    except CancelledError:
-        connection.send_bytes(encoded({"stage": CANCELLED}))
+    for message in answers(name.decode(), body, lambda step: look_up()):
+        yield encoded(message)
 
 
 def answers(name: str, body: bytes, look_up: Announce) -> Iterator[dict[str, Any]]:

@@ -9,7 +9,6 @@ import sqlite3
 import subprocess
 import sys
 import time
-from concurrent.futures import ProcessPoolExecutor
 from contextlib import closing
 from functools import cache
 from multiprocessing import active_children, get_context
@@ -20,6 +19,8 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
+from nonsmooth.reports import processes
+from nonsmooth.reports.processes import Process
 from nonsmooth.reports.progress import ProgressCall, silent
 from nonsmooth.reports.sweep import SweepResult
 from nonsmooth.reports.sweeps import store as store_module
@@ -73,9 +74,9 @@ def table() -> bytes:
 def begun(means: Means) -> BaseProcess:
     """A sweep in a process of its own."""
     base = base_of(*read_document("four-wheel"))
-    processes = get_context("forkserver")
-    processes.set_forkserver_preload(["nonsmooth.reports.sweeps.sweep"])
-    process = processes.Process(target=run_sweep, args=(base, read_plan(VARY, base.document, base.file), means))
+    context = get_context("forkserver")
+    context.set_forkserver_preload(["nonsmooth.reports.sweeps.sweep"])
+    process = context.Process(target=run_sweep, args=(base, read_plan(VARY, base.document, base.file), means))
     process.start()
     return process
 
@@ -131,15 +132,15 @@ def test_killed_workers_cost_time_only(tmp_path: Path) -> None:
 
 def test_workers_that_cannot_be_started_are_started_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The process that forks workers may be killed while it starts one; it is there again when asked once more."""
-    start, refused = ProcessPoolExecutor.submit, iter((EOFError, ConnectionResetError))
+    refused = iter((EOFError, ConnectionResetError))
 
-    def submit(pool: ProcessPoolExecutor, *given: Any) -> Any:
+    def start(*given: Any) -> Process:
         error = next(refused, None)
         if error is not None:
             raise error
-        return start(pool, *given)
+        return Process(*given)
 
-    monkeypatch.setattr(ProcessPoolExecutor, "submit", submit)
+    monkeypatch.setattr(processes, "Process", start)
     assert result(Means(workers=2)).to_csv(tmp_path / "r.csv").read_bytes() == table()
     assert next(refused, None) is None
 
@@ -189,17 +190,23 @@ class Deadly(Work):
     """Work of which one scene kills its worker."""
 
     def outcome(self, entries: tuple[Entry, ...]) -> Outcome:  # type: ignore[override]
-        if entries == ("deadly",):
+        if entries[0] == "deadly":
+            with Path(str(entries[1])).open("a", encoding="utf-8") as file:
+                file.write("died\n")
             os._exit(1)
+        if entries[0] == "faulty":
+            raise ArithmeticError("a fault of this scene")
         return {"position": str(entries[0])}
 
 
 @pytest.mark.parametrize("deaths", keep(1, [2, DEATHS]))
-def test_a_scene_that_kills_its_workers_is_refused_and_no_other(deaths: int, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_scene_that_kills_its_workers_is_refused_and_no_other(
+    deaths: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(workers_module, "DEATHS", deaths)
     pool = ProcessPool(Deadly(*work()), 2)
     try:
-        waiting = [Task(f"key {name}", (name,)) for name in ("a", "deadly", "b", "c", "d")]
+        waiting = [Task(f"key {name}", (name, str(tmp_path / "deaths"))) for name in ("a", "deadly", "b", "c", "d")]
         found: dict[str, tuple[str, bool]] = {}
         end = time.monotonic() + 120
         while len(found) < 5 and time.monotonic() < end:
@@ -210,7 +217,24 @@ def test_a_scene_that_kills_its_workers_is_refused_and_no_other(deaths: int, mon
                 if not done.lasting:
                     assert done.outcome["why"] == DIED
         assert found == {**{f"key {name}": (name, True) for name in "abcd"}, "key deadly": ("refused", False)}
-        assert pool._deaths["key deadly"] == deaths
+        assert (tmp_path / "deaths").read_text(encoding="utf-8").count("died") == deaths
+    finally:
+        pool.close()
+    assert not active_children()
+
+
+def test_a_fault_of_a_scene_is_raised_with_the_lines_of_its_worker() -> None:
+    pool = ProcessPool(Deadly(*work()), 1)
+
+    def wait() -> None:
+        while True:
+            assert not list(pool.finished())
+
+    pool.submit([Task("key", ("faulty",))])
+    try:
+        with pytest.raises(ArithmeticError, match="a fault of this scene") as raised:
+            wait()
+        assert "in outcome" in raised.value.__notes__[0]
     finally:
         pool.close()
 
