@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -18,7 +18,6 @@ from nonsmooth.proofs.systems.border_motion import BorderKind, BorderPart, borde
 from nonsmooth.reports.document import Block, Paragraph, table
 from nonsmooth.reports.exact_record import with_exact
 from nonsmooth.reports.figures.style import INK, Floats, legend_below, new_figure, title_figure
-from nonsmooth.reports.phase_samples import sampled_potential, sampled_rates
 from nonsmooth.reports.result import DataTable, Record, Result
 from nonsmooth.symbolic.number_text import place_text
 from nonsmooth.symbolic.scene_error import one_line
@@ -27,6 +26,9 @@ from nonsmooth.symbolic.switched_system import SwitchedSystem, require_one_field
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+    from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell
+    from nonsmooth.analysis.fields.stated_field import StatedField
 
 SCHEMA = "nonsmooth-phase-portrait/1"
 
@@ -213,3 +215,27 @@ def draw_potential(axes: Axes, portrait: PhasePortrait) -> None:
     if region is not None and region.falls:
         axes.contour(xs, ys, potential, levels=[float(region.level)], colors=REGION, linewidths=2.0, zorder=5)
         axes.plot([], [], color=REGION, linewidth=2.0, label="certified region")
+
+
+# ---- values at many points -----------------------------------------------------------------------
+
+
+def sampled_rates(
+    cells: Sequence[FieldCell], fields: Sequence[StatedField], xs: Floats, ys: Floats
+) -> tuple[Floats, Floats]:
+    """The field at many points, that of one cell where several meet."""
+    first, second = np.zeros_like(xs), np.zeros_like(xs)
+    for cell, field in zip(cells, fields, strict=True):
+        here = inside(cell, xs, ys)
+        f, g = rate_values(field, xs, ys)
+        first[here], second[here] = f[here], g[here]
+    return first, second
+
+
+def sampled_potential(cells: Iterable[LyapunovCell], xs: Floats, ys: Floats) -> Floats:
+    """V at many points."""
+    potential = np.zeros_like(xs)
+    for cell in cells:
+        here = inside(cell, xs, ys)
+        potential[here] = polynomial_values(cell.potential, xs, ys)[here]
+    return potential

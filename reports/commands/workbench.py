@@ -29,11 +29,9 @@ def workbench(scene: Scene = None, port: Port = None, no_browser: NoBrowser = Fa
     Exit status: 0 closed, 2 bad input.
     """
     try:
-        from nonsmooth.reports.workbench.serve import HOST, listening, own_token, run
+        from nonsmooth.reports.workbench.app import HOST, Settings, listening, own_token, run
     except ImportError:
         raise RefusedError(NEEDED) from None
-    from nonsmooth.reports.workbench.app import Settings
-
     if scene is not None:
         _require_usable(scene)
     try:

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from nonsmooth.reports.study import SceneStudy
     from nonsmooth.reports.sweep import SweepResult
     from nonsmooth.reports.sweeps.sweep import Means
+    from nonsmooth.symbolic.scene_kind import SceneKind
 
 
 class PythonScene(ABC):
@@ -29,6 +30,12 @@ class PythonScene(ABC):
     @abstractmethod
     def exact(self) -> Any:
         """The exact scene."""
+
+    @property
+    def kind(self) -> SceneKind:
+        """What it is."""
+        kind: SceneKind = self.exact.kind
+        return kind
 
     @property
     @abstractmethod

@@ -8,24 +8,26 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from typing import Any, TypeAlias
+from itertools import combinations
+from typing import TYPE_CHECKING, Any, TypeAlias
 
+from nonsmooth.analysis.cells.equilibria import find_equilibria
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.contact_rule import CellRule, rule_of
 from nonsmooth.analysis.minimizers.sampled_field import sample_field
-from nonsmooth.proofs.answers.answer import Answer
+from nonsmooth.proofs.answers.answer import Answer, Heading, Position
 from nonsmooth.proofs.answers.other_rules import OtherRule, other_rules
 from nonsmooth.proofs.answers.robust import robust_answer
 from nonsmooth.proofs.clauses.workspace import ClauseResult
+from nonsmooth.proofs.judged_equilibria import JudgedEquilibrium, judge_equilibria
+from nonsmooth.proofs.theorem4 import SEARCH_UNITS
 from nonsmooth.reports.check import check_scene
 from nonsmooth.reports.check_results import ArrayAnswers, CheckResult, TippedResult
 from nonsmooth.reports.exact_record import floats
 from nonsmooth.reports.facts import fact_lines, fact_record
 from nonsmooth.reports.interface.array import Array
-from nonsmooth.reports.workbench.equilibria import equilibria_record
-from nonsmooth.reports.workbench.guesses import guessed_answers
 from nonsmooth.reports.workbench.paths import path_records
 from nonsmooth.reports.workbench.shapes import (
     body_record,
@@ -33,12 +35,18 @@ from nonsmooth.reports.workbench.shapes import (
     contact_record,
     edges_record,
     loads_at_point,
+    point,
     square_record,
     wheels_record,
 )
 from nonsmooth.symbolic.contact_set import TipsError, contact_set, standing
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, watched, work_limit
+from nonsmooth.symbolic.plane import around, cross, dot, minus
 from nonsmooth.symbolic.scene import Scene
+
+if TYPE_CHECKING:
+    from nonsmooth.analysis.cells.partition import Partition
+    from nonsmooth.reports.interface.array import Array
 
 Announce: TypeAlias = Callable[[str], None]
 Stage: TypeAlias = dict[str, Any]
@@ -320,3 +328,113 @@ def _other_record(other: OtherRule) -> dict[str, Any]:
         for answer in other.answers
     ]
     return {"rule": other.name, "answers": answers, "why_not": other.why_not or None}
+
+
+# ---- answers that floats guess -------------------------------------------------------------------
+#
+# At the checked point ``c*`` every cell has the velocity ``v* = v + omega J c*``, and along it ``|c - c*|^2/2`` changes
+# at the rate ``(c - c*) . v*``, linear in c (the turning part of c' is normal to ``c - c*``).  So the largest rate of a
+# cell is that of a corner.  What is not clear beyond rounding is not guessed.
+
+
+XY: TypeAlias = tuple[float, float]
+
+CLEAR = 1e-9  # of the speeds and lengths at hand: what rounding makes of zero is well below
+MOST_MEMBERS = 12  # motions that meet at the point, of which all triples are tried
+TONES = {Position.COMES_HOME: "good", Position.STAYS_NEAR: "fair", Heading.KEEPS: "good", Heading.DRIFTS: "fair"}
+
+
+def guessed_answers(partition: Partition) -> list[dict[str, Any]]:
+    """Position and heading, as far as floats tell; each marked as provisional."""
+    point = tuple(float(value) for value in partition.scene.check.equilibrium)
+    radius = float(partition.scene.check.radius)
+    velocities, rates, turns = [], [], []
+    for cell in partition.cells:
+        away = [(float(x) - point[0], float(y) - point[1]) for x, y in cell.polygon.vertices]
+        far = [corner for corner in away if math.hypot(*corner) > CLEAR * radius]
+        for twist in cell.twists:
+            vx, vy, omega = (float(value) for value in twist)
+            velocity = (vx - omega * point[1], vy + omega * point[0])
+            rates.append(max(dot(corner, velocity) / math.hypot(*corner) for corner in far))
+            if _holds(away, radius):
+                velocities.append(velocity)
+                turns.append(omega)
+    return _answers(velocities, turns, max(rates))
+
+
+def _holds(away: Sequence[XY], radius: float) -> bool:
+    """Whether a counterclockwise polygon holds the origin, its border included."""
+    for corner, following in around(away):
+        along = minus(following, corner)
+        if -cross(along, corner) < -CLEAR * radius * math.hypot(*along):
+            return False
+    return True
+
+
+def _answers(velocities: Sequence[XY], turns: Sequence[float], worst: float) -> list[dict[str, Any]]:
+    scale = max((math.hypot(*velocity) for velocity in velocities), default=0.0)
+    if not scale or len(velocities) > MOST_MEMBERS:
+        return []
+    drift = _turns_at_rest(velocities, turns, scale)
+    if not drift:
+        return []
+    guesses: list[tuple[str, Position | Heading]] = []
+    if worst < -CLEAR * scale:
+        guesses.append(("position", Position.COMES_HOME))
+    elif worst <= CLEAR * scale:
+        guesses.append(("position", Position.STAYS_NEAR))
+    clear = max(map(abs, drift)) > CLEAR * max(1.0, *map(abs, turns))
+    guesses.append(("heading", Heading.DRIFTS if clear else Heading.KEEPS))
+    return [_guess_record(key, verdict) for key, verdict in guesses]
+
+
+def _turns_at_rest(velocities: Sequence[XY], turns: Sequence[float], scale: float) -> list[float]:
+    """Rates of rotation of mixtures of up to three motions whose velocities cancel; none away from an equilibrium."""
+    motions = [((x / scale, y / scale), turn) for (x, y), turn in zip(velocities, turns, strict=True)]
+    found = [turn for velocity, turn in motions if math.hypot(*velocity) <= CLEAR]
+    for (a, turn), (b, other) in combinations(motions, 2):
+        apart = math.hypot(*minus(a, b))
+        if apart > CLEAR and abs(cross(a, b)) <= CLEAR * apart and dot(a, b) <= 0:  # the line through both meets zero
+            share = dot(minus(a, b), a) / apart**2
+            found.append(turn + share * (other - turn))
+    for three in combinations(motions, 3):
+        (a, *_), (b, *_), (c, *_) = three
+        weights = cross(b, c), cross(c, a), cross(a, b)
+        total = sum(weights)
+        if abs(total) > CLEAR and all(weight / total >= -CLEAR for weight in weights):
+            found.append(sum(weight * turn for weight, (_, turn) in zip(weights, three, strict=True)) / total)
+    return found
+
+
+def _guess_record(key: str, verdict: Position | Heading) -> dict[str, Any]:
+    return {"key": key, "answer": str(verdict), "tone": TONES[verdict], "provisional": True}
+
+
+# ---- where else bodies rest ----------------------------------------------------------------------
+
+
+def equilibria_record(array: Array) -> dict[str, Any]:
+    """Every equilibrium as points (one, the ends of a segment, or the corners of an area) with its verdicts.
+
+    ``searched`` is false where there was no search: under a rule without cells, and where it would take too long.
+    """
+    if not isinstance(rule_of(array.scene), CellRule):
+        return {"searched": False, "equilibria": []}
+    try:
+        partition = array.partition
+        scene = partition.scene
+        with work_limit(scene.field, SEARCH_UNITS):
+            judged = judge_equilibria(scene, find_equilibria(partition))
+    except (WorkLimitError, RefusalError):
+        return {"searched": False, "equilibria": []}
+    return {"searched": True, "equilibria": [_equilibrium_record(equilibrium) for equilibrium in judged]}
+
+
+def _equilibrium_record(equilibrium: JudgedEquilibrium) -> dict[str, Any]:
+    found = equilibrium.found
+    return {
+        "place": str(found.place),
+        "points": [point(vertex) for vertex in found.points],
+        "translation": None if equilibrium.translation is None else str(equilibrium.translation),
+        "rotation": None if equilibrium.rotation is None else str(equilibrium.rotation),
+    }

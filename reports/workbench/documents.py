@@ -21,6 +21,7 @@ from nonsmooth.symbolic.files.toml_bounds import toml_excess
 
 if TYPE_CHECKING:
     from nonsmooth.reports.interface.array import Array
+    from nonsmooth.reports.interface.scene import PythonScene
     from nonsmooth.reports.interface.system import System
     from nonsmooth.symbolic.scene import Scene, Wheel
 
@@ -150,15 +151,15 @@ def document_of(source: str | Path) -> Document:
     return expanded(named, Array.of_document(named, path.parent))
 
 
-def expanded(document: Mapping[str, Any], array: Array) -> Document:
-    """The document of an array with its wheels one by one, the same scene exactly.
+def expanded(document: Mapping[str, Any], made: PythonScene) -> Document:
+    """The document of a scene, with the wheels of an array one by one: the same scene exactly.
 
     Raises:
         RequestError: for too many wheels.
     """
     if not any(layout in document for layout in LAYOUTS):
         return dict(canonical(document))
-    scene = array.scene
+    scene = made.exact
     wheels = scene.wheels
     if len(wheels) > MAX_WHEELS:
         raise RequestError(f"required at most {MAX_WHEELS} wheels, received {len(wheels)}")

@@ -20,9 +20,10 @@ from nonsmooth.reports.workbench.documents import (
     opened,
     short_entry,
 )
-from nonsmooth.reports.workbench.loads_of_wheels import with_loads
 from nonsmooth.reports.workbench.requests import RequestError
 from nonsmooth.symbolic.files.scene_values import Numbers, read_angle, read_exact
+from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.scene_kind import SceneKind
 
 if TYPE_CHECKING:
     from nonsmooth.symbolic.scene import Wheel
@@ -56,11 +57,12 @@ def edited(document: Mapping[str, Any], operation: Mapping[str, Any]) -> Edited:
     kind = operation.get("kind")
     if not isinstance(kind, str) or kind not in _OPERATIONS:
         raise RequestError(f"operation.kind: required one of {', '.join(_OPERATIONS)}", "operation.kind")
-    array = opened(document)
-    if not isinstance(array, Array):
+    made = opened(document)
+    scene = made.exact
+    if scene.kind is not SceneKind.ARRAY:
         raise RequestError("operation: required an array of wheels, received a plain system", "operation")
-    plain = expanded(document, array)
-    found = _OPERATIONS[kind](_Edit(plain, array, operation))
+    plain = expanded(document, made)
+    found = _OPERATIONS[kind](_Edit(plain, scene, operation))
     document = dict(canonical(found.document))
     _ = opened(document)  # refused as a scene file would be
     return Edited(document, found.wheels)
@@ -71,12 +73,12 @@ class _Edit(NamedTuple):
 
     Attributes:
         document: with its wheels one by one.
-        array: the same scene.
+        scene: the same array.
         operation: its keys.
     """
 
     document: Document
-    array: Array
+    scene: Scene
     operation: Mapping[str, Any]
 
     @property
@@ -103,7 +105,7 @@ class _Edit(NamedTuple):
 
     def wheel(self, number: int) -> Wheel:
         """The exact wheel of a number."""
-        return self.array.scene.wheels[number - 1]
+        return self.scene.wheels[number - 1]
 
 
 def _is_whole(value: object) -> bool:
@@ -130,7 +132,7 @@ def _expand(edit: _Edit) -> Edited:
     """Every wheel with its position, heading and speed as exact numbers, and without a field that gives them."""
     tables = [
         {**table, "heading": table.get("heading", _entries(wheel.direction)), "speed": short_entry(wheel.speed)}
-        for table, wheel in zip(edit.tables, edit.array.scene.wheels, strict=True)
+        for table, wheel in zip(edit.tables, edit.scene.wheels, strict=True)
     ]
     kept = {key: value for key, value in edit.document.items() if key not in (*LAYOUTS, "field", "wheel")}
     return Edited({**kept, "wheel": tables}, [])
@@ -142,7 +144,7 @@ def _add(edit: _Edit) -> Edited:
     table: Document = {"position": edit.operation["position"]}
     if "field" not in edit.document:
         table |= {"heading": "inward", "speed": 1}
-    friction, last = edit.document.get("friction", {}), edit.array.scene.wheels[-1].friction
+    friction, last = edit.document.get("friction", {}), edit.scene.wheels[-1].friction
     for key, value in (("mu_roll", last.roll), ("mu_side", last.side)):
         if key not in friction:
             table[key] = short_entry(value)
@@ -203,7 +205,7 @@ def _rotate(edit: _Edit) -> Edited:
 def _snap(edit: _Edit) -> Edited:
     """Positions to the nearest multiples of a step."""
     given = read_exact(_formula(edit.operation.get("step"), "step"))
-    found = Numbers("operation", edit.array.scene.field).positive(given, "step").as_rational()
+    found = Numbers("operation", edit.scene.field).positive(given, "step").as_rational()
     if found is None:
         raise RequestError("operation.step: required a rational number", "operation.step")
     step = Fraction(int(found.p), int(found.q))
@@ -230,7 +232,7 @@ _OPERATIONS: dict[str, Callable[[_Edit], Edited]] = {
 
 def _mapped(edit: _Edit, linear: Linear, *, copies: bool) -> Edited:
     """The chosen wheels under a linear map about the checked point: places, rims and friction axes."""
-    centre = _texts(edit.array.scene.check.equilibrium)
+    centre = _texts(edit.scene.check.equilibrium)
     tables, made = edit.tables, []
     for number in edit.chosen():
         wheel, own = edit.wheel(number), tables[number - 1]
@@ -292,3 +294,33 @@ def _entries(vector: tuple[Any, Any]) -> list[Any]:
 
 def _rational(value: Fraction) -> Any:
     return int(value) if value.denominator == 1 else str(value)
+
+
+# ---- loads that follow the wheels ----------------------------------------------------------------
+
+
+def with_loads(document: Mapping[str, Any], sources: Sequence[int | None]) -> dict[str, Any]:
+    """The document with its loads in the order of its wheels.
+
+    Args:
+        document: with the new wheels and the old loads.
+        sources: for each new wheel its place among the old ones; None for one that was none of them, which carries
+            nothing.
+    """
+    contact = document.get("contact")
+    if not isinstance(contact, Mapping):
+        return dict(document)
+    changed = {key: _followed(contact[key], sources) for key in ("loads", "table") if key in contact}
+    return {**document, "contact": {**contact, **changed}}
+
+
+def _followed(loads: Any, sources: Sequence[int | None]) -> Any:
+    match loads:
+        case list():
+            return [[0, 0, 0] if source is None else loads[source] for source in sources]
+        case {"table": list(rows), **rest}:
+            return {**rest, "table": _followed(rows, sources)}
+        case {"kind": "measured", "values": list(values), **rest}:
+            own = [0 if source is None else values[source] for source in sources]
+            return {"kind": "measured", "values": own, **rest}
+    return loads

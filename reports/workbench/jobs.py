@@ -4,24 +4,41 @@ from __future__ import annotations
 
 import base64
 import re
+import sys
+import traceback
 from collections.abc import Callable, Iterator, Mapping
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
-from nonsmooth.reports.interface.array import Array
+from nonsmooth.analysis.cells.partition import RefusalError
+from nonsmooth.analysis.contact_rule import CellRule, all_rules, rule_of
+from nonsmooth.analysis.trajectories.result import TrajectoryError
+from nonsmooth.proofs import system_certificates
+from nonsmooth.proofs.certificate import certificate_text
+from nonsmooth.proofs.kernel.subject import NoCertificateError
+from nonsmooth.reports.cells import drawn
+from nonsmooth.reports.console import json_text
+from nonsmooth.reports.phase_portrait import PhasePortrait
 from nonsmooth.reports.workbench.array_view import array_stages
-from nonsmooth.reports.workbench.catalogue import catalogue
-from nonsmooth.reports.workbench.documents import document_of, opened, read_toml
+from nonsmooth.reports.workbench.documents import document_of, opened, read_toml, written
 from nonsmooth.reports.workbench.exact_edits import edited
-from nonsmooth.reports.workbench.exports import exported
 from nonsmooth.reports.workbench.requests import RequestError, read_request
 from nonsmooth.reports.workbench.system_view import system_stages
-from nonsmooth.symbolic.files.scene_file import builtin_scenes, builtin_systems
+from nonsmooth.symbolic.files.scene_file import builtin_descriptions, builtin_scenes, builtin_systems
+from nonsmooth.symbolic.files.system_file import system_descriptions
+from nonsmooth.symbolic.numbers.work_limit import WorkLimitError
+from nonsmooth.symbolic.scene_error import SceneError, one_line
+from nonsmooth.symbolic.scene_kind import SceneKind
 
 Announce: TypeAlias = Callable[[str], None]
 Message: TypeAlias = dict[str, Any]
 Job: TypeAlias = Callable[[bytes, Announce], Iterator[Message]]
 
 MAX_TOML = 1 << 20  # characters
+STAGES: dict[SceneKind, Callable[[Any, dict[str, Any], Announce], Iterator[Message]]] = {
+    SceneKind.ARRAY: array_stages,
+    SceneKind.SYSTEM: system_stages,
+}
+CERTIFICATE_TEXTS = {SceneKind.ARRAY: certificate_text, SceneKind.SYSTEM: system_certificates.certificate_text}
 PLAIN = re.compile(r"[^A-Za-z0-9._-]+")  # what a name of a file leaves out
 
 
@@ -35,10 +52,7 @@ def view(body: bytes, announce: Announce) -> Iterator[Message]:
     """
     request = read_request(body)
     made = opened(_table(request, "document"))
-    stages = (
-        array_stages(made, request, announce) if isinstance(made, Array) else system_stages(made, request, announce)
-    )
-    for stage in stages:
+    for stage in STAGES[made.kind](made, request, announce):
         yield stage
         announce("")
 
@@ -108,3 +122,123 @@ JOBS: dict[str, Job] = {
     "file": open_file,
     "scenes": list_scenes,
 }
+
+
+# ---- files to save -------------------------------------------------------------------------------
+
+
+class File(NamedTuple):
+    """A file to save.
+
+    Attributes:
+        suffix: how its name ends.
+        type: its media type.
+        content: its bytes.
+    """
+
+    suffix: str
+    type: str
+    content: bytes
+
+
+def exported(document: Mapping[str, Any], kind: object) -> File:
+    """The file of a kind.
+
+    Raises:
+        RequestError: for a kind that is none, or that this scene has not.
+        SceneError: for a scene that cannot be used.
+    """
+    if not isinstance(kind, str) or kind not in _KINDS:
+        raise RequestError(f"kind: required one of {', '.join(_KINDS)}", "kind")
+    return _KINDS[kind](document, opened(document))
+
+
+def _toml(document: Mapping[str, Any], made: Any) -> File:
+    del made
+    return File(".toml", "application/toml", written(document).encode())
+
+
+def _report(document: Mapping[str, Any], made: Any) -> File:
+    del document
+    return File(".html", "text/html; charset=utf-8", made.derive().text(".html").encode())
+
+
+def _figure(document: Mapping[str, Any], made: Any) -> File:
+    """The cells, the array where its rule has none, or the phase portrait."""
+    del document
+    if made.kind is SceneKind.SYSTEM:
+        content = PhasePortrait(made.exact).content(".svg")
+    else:
+        show = "cells" if isinstance(rule_of(made.exact), CellRule) else "array"
+        content = drawn(made.exact, ".svg", show)
+    return File(".svg", "image/svg+xml", content)
+
+
+def _json(document: Mapping[str, Any], made: Any) -> File:
+    del document
+    record = made.check().to_dict()
+    return File(".json", "application/json", json_text(record).encode())
+
+
+def _certificate(document: Mapping[str, Any], made: Any) -> File:
+    """The certificate of a verdict, for the stand-alone checker."""
+    del document
+    try:
+        text = CERTIFICATE_TEXTS[made.kind](made.check().certificate())
+    except NoCertificateError as error:
+        raise RequestError(f"certificate: {error}") from None
+    return File(".json", "application/json", text.encode())
+
+
+_KINDS: dict[str, Callable[[Mapping[str, Any], Any], File]] = {
+    "toml": _toml,
+    "report": _report,
+    "figure": _figure,
+    "json": _json,
+    "certificate": _certificate,
+}
+
+
+# ---- what there is to choose from ----------------------------------------------------------------
+
+
+def catalogue() -> dict[str, Any]:
+    """Scenes and rules, each with one line about it."""
+    kinds = {"array": builtin_descriptions(), "system": system_descriptions()}
+    scenes = [
+        {"name": name, "summary": summary, "kind": kind}
+        for kind, found in kinds.items()
+        for name, summary in found.items()
+    ]
+    rules = [
+        {"name": rule.name, "summary": rule.summary, "has_cells": isinstance(rule, CellRule)} for rule in all_rules()
+    ]
+    return {"scenes": scenes, "rules": rules}
+
+
+# ---- what is wrong with a request ----------------------------------------------------------------
+
+
+FAULT = "a fault of the program: the terminal of the workbench shows where"
+TOO_LARGE = "required a scene that fits into memory, received a larger one"
+
+
+def refusal(error: Exception) -> dict[str, Any]:
+    """One clear line, and the key that it is about, if it is about one; a fault is written to the log."""
+    match error:
+        case SceneError():
+            return _message(str(error), error.key.replace("[", ".").replace("]", "") or None)
+        case RequestError():
+            return _message(str(error), error.key)
+        case RefusalError() | TrajectoryError() | WorkLimitError():
+            return _message(str(error))
+        case MemoryError():
+            return _message(TOO_LARGE)
+        case RecursionError():
+            return _message("required fewer nested brackets")
+    traceback.print_exception(error, file=sys.stderr)
+    return _message(FAULT)
+
+
+def _message(text: str, key: str | None = None) -> dict[str, Any]:
+    return {"stage": "error", "message": one_line(text), "key": key}

@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import asyncio
 import json
+import re
 import time
 from collections.abc import Iterator, Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import anywidget
@@ -18,13 +20,69 @@ import traitlets
 from nonsmooth.reports.interface.array import Array
 from nonsmooth.reports.interface.system import System
 from nonsmooth.reports.processes import CancelledError
-from nonsmooth.reports.workbench.bundle import bundled, styles, symbols
-from nonsmooth.reports.workbench.documents import canonical, expanded, opened
+from nonsmooth.reports.workbench.documents import expanded, opened
 from nonsmooth.reports.workbench.paths import UNTIL
 from nonsmooth.reports.workbench.worker import CANCELLED, answers
 
 if TYPE_CHECKING:
     from nonsmooth.reports.workbench.worker import Announce
+
+# ---- the page as one module ----------------------------------------------------------------------
+
+
+PAGE = Path(__file__).with_name("page")
+STYLES = ("tokens.css", "layout.css", "controls.css", "panels.css", "drawing.css", "notebook.css")
+IMPORT = re.compile(r'^import \{ (.+) \} from "\./(\w+)\.js";$', re.MULTILINE)
+EXPORT = re.compile(r"^export (?=(?:async function|function|class|const) (\w+))", re.MULTILINE)
+SYMBOLS = re.compile(r'<svg class="symbols".*?</svg>\n', re.DOTALL)
+
+
+def bundled(entry: str, *exports: str) -> str:
+    """A module of the page with all that it imports, as one ES module.
+
+    Args:
+        entry: name of the module, without ``.js``.
+        exports: of its names, which the default export holds.
+    """
+    parts = "\n".join(_as_function(name) for name in _in_order(entry))
+    return f"{parts}\nexport default {{ {', '.join(f'{name}: ${entry}.{name}' for name in exports)} }};\n"
+
+
+def _text(name: str) -> str:
+    return (PAGE / f"{name}.js").read_text(encoding="utf-8")
+
+
+def _in_order(entry: str) -> list[str]:
+    """The module and all that it imports, each after its own imports."""
+    found: list[str] = []
+
+    def visit(name: str) -> None:
+        for _, needed in IMPORT.findall(_text(name)):
+            if needed not in found:
+                visit(needed)
+        found.append(name)
+
+    visit(entry)
+    return found
+
+
+def _as_function(name: str) -> str:
+    text = IMPORT.sub(lambda match: f"const {{ {match[1]} }} = ${match[2]};", _text(name))
+    exported = EXPORT.findall(text)
+    return f"const ${name} = (() => {{\n{EXPORT.sub('', text)}return {{ {', '.join(exported)} }};\n}})();"
+
+
+def styles() -> str:
+    """The styles of the page for a root of its own inside another page."""
+    texts = ((PAGE / name).read_text(encoding="utf-8") for name in STYLES)
+    return "\n".join(texts).replace(":root", ":host")
+
+
+def symbols() -> str:
+    """The pictures of buttons, as ``index.html`` holds them."""
+    found = SYMBOLS.search((PAGE / "index.html").read_text(encoding="utf-8"))
+    return "" if found is None else found[0]
+
 
 JOBS = {"/api/view": "view", "/api/edit": "edit"}  # what a view may ask for
 SECONDS = 30.0  # that one view keeps the kernel at most
@@ -52,7 +110,7 @@ class NotebookView(anywidget.AnyWidget):
     until = traitlets.Float(UNTIL).tag(sync=True)
 
     def __init__(self, made: Array | System, **more: Any) -> None:
-        super().__init__(document=_document(made), **more)
+        super().__init__(document=expanded(made.document, made), **more)
         self._newest, self._tasks = 0, set[asyncio.Task[None]]()
         self.on_msg(self._heard)
 
@@ -116,8 +174,3 @@ async def _between(stages: Iterator[None]) -> None:
     """Take the steps with breaks for the kernel."""
     for _ in stages:
         await asyncio.sleep(BREATH)
-
-
-def _document(made: Array | System) -> dict[str, Any]:
-    """The tables as the page holds them."""
-    return expanded(made.document, made) if isinstance(made, Array) else dict(canonical(made.document))

@@ -10,8 +10,7 @@ import numpy as np
 
 from nonsmooth.proofs.system_decision import StabilityResult
 from nonsmooth.reports.interface.system import System
-from nonsmooth.reports.phase_portrait import PhasePortrait
-from nonsmooth.reports.phase_samples import sampled_potential, sampled_rates
+from nonsmooth.reports.phase_portrait import PhasePortrait, sampled_potential, sampled_rates
 from nonsmooth.reports.workbench.paths import path_records
 from nonsmooth.reports.workbench.shapes import point
 from nonsmooth.symbolic.number_text import brief_text

@@ -10,11 +10,11 @@ import json
 
 from nonsmooth.proofs.clauses.workspace import unheard
 from nonsmooth.reports.processes import GARBAGE_THRESHOLD
-from nonsmooth.reports.workbench import refusals, worker
+from nonsmooth.reports.workbench import worker
 from nonsmooth.reports.workbench.documents import document_of
 from nonsmooth.reports.workbench.jobs import view
 
-__all__ = ["refusals", "worker"]
+__all__ = ["worker"]
 
 STARTS = {"four-wheel": [0.1, 0.1, 0.0], "relay-oscillator": [0.1, 0.1]}
 

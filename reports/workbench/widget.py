@@ -5,11 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from nonsmooth.reports.interface.array import Array
 from nonsmooth.reports.interface.load import load
-from nonsmooth.reports.interface.system import System
+from nonsmooth.reports.interface.scene import PythonScene
 
 if TYPE_CHECKING:
+    from nonsmooth.reports.interface.array import Array
+    from nonsmooth.reports.interface.system import System
     from nonsmooth.reports.workbench.notebook_view import NotebookView
 
 NEEDED = "widget: required anywidget (pip install 'nonsmooth[notebook]'), received a Python without"
@@ -34,6 +35,6 @@ def widget(scene: Array | System | str | Path, *, start: tuple[float, ...] | Non
     except ImportError:
         raise ImportError(NEEDED) from None
     made = load(scene) if isinstance(scene, str | Path) else scene
-    if not isinstance(made, Array | System):
+    if not isinstance(made, PythonScene):
         raise TypeError(f"widget: required an array or a plain system, received {type(made).__name__}")
     return NotebookView(made, starts=[] if start is None else [list(start)])

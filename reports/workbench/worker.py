@@ -53,8 +53,8 @@ def answers(name: str, body: bytes, look_up: Announce) -> Iterator[dict[str, Any
         body: of the request.
         look_up: is called between steps; it may end the job by an exception that is no :class:`Exception`.
     """
-    from nonsmooth.reports.workbench.jobs import JOBS  # here and in who forks workers: the server computes nothing
-    from nonsmooth.reports.workbench.refusals import refusal
+    # here and in who forks workers: the server computes nothing
+    from nonsmooth.reports.workbench.jobs import JOBS, refusal
 
     try:
         yield from JOBS[name](body, look_up)

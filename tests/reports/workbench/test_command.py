@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from nonsmooth.reports.workbench import serve
+from nonsmooth.reports.workbench import app
 
 if TYPE_CHECKING:
     from tests.reports.conftest import Invoke
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 @pytest.fixture(autouse=True)
 def own_state(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
-    monkeypatch.setattr(serve, "run", None)  # nothing here is ever served
+    monkeypatch.setattr(app, "run", None)  # nothing here is ever served
 
 
 def test_without_its_packages_it_says_how_to_install_them(invoke: Invoke, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -14,7 +14,6 @@ import pytest
 from playwright.sync_api import Browser, Page
 
 import nonsmooth as ns
-from nonsmooth.reports.workbench import bundle
 from nonsmooth.reports.workbench import notebook_view as notebook_module
 from nonsmooth.reports.workbench.notebook_view import NotebookView
 from tests.browser import needs_chromium
@@ -133,16 +132,16 @@ def test_the_module_asks_for_nothing() -> None:
     text = NotebookView._esm
     assert isinstance(text, str)
     assert not re.search(r"^\s*import\b|\bimport\(|\bfetch\(|XMLHttpRequest|WebSocket", text, re.MULTILINE)
-    assert set(re.findall(r"\w+://[^\s\"'`)]*", text + bundle.styles())) == {NAMESPACE}
-    assert "@import" not in bundle.styles()
-    assert "i-undo" in bundle.symbols()
+    assert set(re.findall(r"\w+://[^\s\"'`)]*", text + notebook_module.styles())) == {NAMESPACE}
+    assert "@import" not in notebook_module.styles()
+    assert "i-undo" in notebook_module.symbols()
 
 
-@pytest.mark.parametrize("path", sorted(bundle.PAGE.glob("*.js")), ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", sorted(notebook_module.PAGE.glob("*.js")), ids=lambda path: path.stem)
 def test_modules_keep_to_the_forms_that_are_bundled(path: Path) -> None:
     text = path.read_text(encoding="utf-8")
-    assert len(re.findall(r"^import\b", text, re.MULTILINE)) == len(bundle.IMPORT.findall(text))
-    assert len(re.findall(r"^export\b", text, re.MULTILINE)) == len(bundle.EXPORT.findall(text))
+    assert len(re.findall(r"^import\b", text, re.MULTILINE)) == len(notebook_module.IMPORT.findall(text))
+    assert len(re.findall(r"^export\b", text, re.MULTILINE)) == len(notebook_module.EXPORT.findall(text))
     assert not re.search(r"\bimport\(|\bimport\.meta\b", text)
 
 
