@@ -16,6 +16,7 @@ from fractions import Fraction
 from functools import cache, partial
 from typing import Any
 
+from nonsmooth.analysis.bodies.mass_study import MASS
 from nonsmooth.analysis.cells.filippov import RelativeRate
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.measurements.cases import (
@@ -33,7 +34,6 @@ from nonsmooth.analysis.measurements.cases import (
     nearly_in_line,
 )
 from nonsmooth.analysis.measurements.harness import Assessment, Case, Clock, ResultRow, Rows, Study, StudyPlan, Trial
-from nonsmooth.analysis.measurements.mass_paths import MASS
 from nonsmooth.analysis.measurements.path_studies import SYSTEM_PATHS, TRAJECTORIES
 from nonsmooth.analysis.measurements.studies import BOX_MINIMIZERS, DERIVATION, ELLIPSE_MINIMIZERS, UPPER_DERIVATIVE
 from nonsmooth.proofs.certificate import build_certificate

@@ -6,9 +6,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from nonsmooth.proofs.kernel.cells import BeyondReachError
+from nonsmooth.proofs.many_states import decision as space
 from nonsmooth.proofs.many_states.decision import SpacePoint
-from nonsmooth.proofs.strategies import STRATEGIES
-from nonsmooth.proofs.systems.findings import CheckedPoint, DecidedSystem, Finding, Known, Method
+from nonsmooth.proofs.systems import scalar_stability as line
+from nonsmooth.proofs.systems import system_stability as plane
+from nonsmooth.proofs.systems.findings import CheckedPoint, DecidedSystem, Finding, Known, Method, Strategy
 from nonsmooth.proofs.systems.scalar_stability import LinePoint
 from nonsmooth.proofs.systems.system_stability import PlanePoint
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
@@ -105,3 +107,36 @@ def _equilibrium(point: CheckedPoint, verdict: Translation) -> Equilibrium:
     """Whether 0 is in F: it is where solutions stay near."""
     stays = verdict in (Translation.STABLE, Translation.ASYMPTOTICALLY_STABLE)
     return Equilibrium.HOLDS if stays else point.equilibrium
+
+
+# ---- the registry --------------------------------------------------------------------------------
+#
+# A strategy asks one theorem.  It is a function from the checked point and what is known to a finding, and a line of
+# :data:`STRATEGIES`, which says for how many states it speaks.  What it finds it has confirmed exactly, or in balls.
+# The last finding decides, as a strategy is asked only for more than is known; a V that does not increase decides only
+# where there is no other.
+
+
+ONE, TWO, MORE = range(1, 2), range(2, 3), range(3, 9)  # states
+
+STRATEGIES = [
+    Strategy("signs on either side", ONE, line.show_by_signs),
+    Strategy("no equilibrium", TWO, plane.show_departure),
+    Strategy("no equilibrium", MORE, space.show_departure),
+    Strategy("uncovered axes of roots", TWO, plane.leave_uncovered),
+    Strategy("solution that leaves", MORE, space.show_escape),
+    Strategy("relative degree of a relay", MORE, space.show_relay),
+    Strategy("linearization", MORE, space.show_linearization),
+    Strategy("stated V", TWO, plane.show_by_given),
+    Strategy("stated V", MORE, space.show_by_given),
+    Strategy("invariance principle, beside curves", TWO, plane.show_stated_attraction),
+    Strategy("fan of cones", TWO, plane.show_by_fan),
+    Strategy("leading terms", TWO, plane.show_by_leading_terms),
+    Strategy("ray of escape", TWO, plane.show_ray),
+    Strategy("searched V", TWO, plane.search_function),
+    Strategy("searched V", MORE, space.search_function),
+    Strategy("sum of squares of the states", MORE, space.show_by_default),
+    Strategy("function that shows instability", MORE, space.search_growth),
+    Strategy("invariance principle", TWO, plane.search_attraction),
+    Strategy("invariance principle", MORE, space.show_attraction),
+]

@@ -12,10 +12,9 @@ from rich.text import Text
 from nonsmooth.analysis.contact_rule import rule_notes, rule_of
 from nonsmooth.proofs.answers.answer import Answer, Position
 from nonsmooth.proofs.answers.answers import Answers
-from nonsmooth.proofs.answers.bounds import at_least
+from nonsmooth.proofs.answers.bounds import at_least, of_length
 from nonsmooth.proofs.answers.contact_wheels import contact_facts
 from nonsmooth.proofs.answers.other_rules import OtherRule
-from nonsmooth.proofs.answers.units import of_length
 from nonsmooth.proofs.facts import Quantity
 from nonsmooth.proofs.theorem4_result import Check, Contradiction
 from nonsmooth.reports.document import Table, table

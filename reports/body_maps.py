@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from nonsmooth.analysis.bodies.destinations import TOGETHER, PathEnd, destinations
-from nonsmooth.analysis.bodies.many_paths import ENDS, BodyEnd, BodyEnds, ManyPaths
+from nonsmooth.analysis.bodies.many_paths import ENDS, TOGETHER, BodyEnd, BodyEnds, ManyPaths, PathEnd, destinations
 from nonsmooth.analysis.contact_rule import CellRule, SmoothRule, rule_of
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.fields.kinematics import Kinematics

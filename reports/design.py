@@ -210,8 +210,7 @@ class DesignStudy(SceneStudy[DesignOptions]):
 
     def run(self, scene: GivenArray, options: DesignOptions) -> DesignResult[Any]:
         """Search, and write what was found."""
-        from nonsmooth.reports.designs.named import find_named
-        from nonsmooth.reports.designs.request import DesignError, read_freedom, read_wish
+        from nonsmooth.reports.designs.request import DesignError, find_named, read_freedom, read_wish
 
         with option_named(DesignError):
             wish = read_wish(scene.scene, options.require, options.maximize, options.checks, options.seed)

@@ -25,9 +25,8 @@ from nonsmooth.analysis.fields.feedback_laws import (
     tangential_law,
 )
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.analysis.fields.limited_law import limited_law
 from nonsmooth.analysis.fields.switched_field import Vector
-from nonsmooth.analysis.motion.saturation import with_saturation
+from nonsmooth.analysis.motion.saturation import limited_law, with_saturation
 from nonsmooth.analysis.trajectories.result import EndReason, State, Trajectory
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, decide_feedback
 from nonsmooth.proofs.clauses.feedback.cascade_law import CascadeLaw, Descent, TurnRegion, find_cascade

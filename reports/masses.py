@@ -19,9 +19,9 @@ from nonsmooth.analysis.bodies.mass_study import (
     mass_ladder,
     mass_study,
     massless_limit,
+    plate,
     rules_by_limit,
 )
-from nonsmooth.analysis.bodies.plate import plate
 from nonsmooth.analysis.contact_rule import smooth_rules
 from nonsmooth.analysis.dynamics.newton_euler import DynamicPath, RigidBody, disc
 from nonsmooth.analysis.fields.contact_model import contact_model

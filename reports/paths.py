@@ -47,7 +47,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from nonsmooth.analysis.bodies.one_contact_set import OneContactSet
+    from nonsmooth.analysis.bodies.path import OneContactSet
     from nonsmooth.reports.driven_loop import DrivenLoop
     from nonsmooth.reports.figures.path import PathPicture, SpeedCurves
 
@@ -514,7 +514,7 @@ def _started_on(scene: Scene, start: tuple[float, float, float]) -> OneContactSe
     Raises:
         ValueError: where others carry it at the start.
     """
-    from nonsmooth.analysis.bodies.one_contact_set import OneContactSet
+    from nonsmooth.analysis.bodies.path import OneContactSet
 
     contacts = OneContactSet(scene)
     contacts.require_start(start)

@@ -3,7 +3,7 @@
 With ``x = z Abs(z)`` and ``sqrt(Abs(x)) = Abs(z)`` formulas are polynomials in z on each cell, and ``x' = f`` is
 ``2 Abs(z) z' = f``.  In the time s with ``dt = 2 Abs(z) ds`` super-twisting, ``x' = -a sqrt(Abs(x)) sgn(x) + y``,
 ``y' = -b sgn(x)``, is linear: ``dz/ds = y - a z``, ``dy/ds = -2 b z``.  Where this is sound:
-:mod:`nonsmooth.proofs.systems.root_axes`.  Formulas are rewritten as text, part by part of their trees.
+:mod:`nonsmooth.proofs.systems.system_stability`.  Formulas are rewritten as text, part by part of their trees.
 """
 
 from __future__ import annotations

@@ -14,16 +14,23 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.analysis.bodies.many_cells import CellMotions
-from nonsmooth.analysis.bodies.many_contacts import NOBODY, Mask, Numbers
-from nonsmooth.analysis.bodies.many_rates import LeastDissipation, ManyRates, Motions, Rates
+from nonsmooth.analysis.bodies.many_contacts import (
+    NOBODY,
+    Mask,
+    Numbers,
+    nearest_wheels,
+    widest_gaps,
+)
+from nonsmooth.analysis.bodies.motions_on_sets import LeastTwists
 from nonsmooth.analysis.bodies.moving_outline import MovingOutline
+from nonsmooth.analysis.bodies.set_cells import CellsBySet, SetCells
 from nonsmooth.analysis.contact_rule import CellRule, SmoothRule
-from nonsmooth.analysis.fields.contact_model import Floats, contact_model
+from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contact_model
 from nonsmooth.symbolic.contact_set import require_elastic
 from nonsmooth.symbolic.scene import Scene
 
@@ -234,3 +241,252 @@ def _end_fallen(state: _State, paths: Numbers, here: Rates) -> None:
 def turned_heading(angles: Floats) -> Floats:
     """Angles in ``(-pi, pi]``."""
     return math.pi - np.mod(math.pi - angles, 2 * math.pi)
+
+
+# ---- cells of many poses -------------------------------------------------------------------------
+
+
+class _Table:
+    """The cells on one set of wheels, all sides in a row."""
+
+    def __init__(self, cells: SetCells) -> None:
+        sides = [(line, sign) for cell in cells.cells for line, sign in cell.sides]
+        origin = np.zeros(3)
+        self._normals = np.array([sign * line.gradient(origin)[:2] for line, sign in sides])
+        self._offsets = np.array([sign * line.value(origin) for line, sign in sides])
+        counts = [len(cell.sides) for cell in cells.cells]
+        self._starts: NDArray[np.int_] = np.cumsum([0, *counts[:-1]])
+        self._twists = np.array([cell.twist for cell in cells.cells])
+
+    def twists(self, centres: Floats) -> Floats:
+        """The twist of the cell that holds each centre (m, 2), or is nearest to it; shape (m, 3)."""
+        gaps = np.minimum.reduceat(centres @ self._normals.T + self._offsets, self._starts, axis=1)
+        return np.asarray(self._twists[gaps.argmax(axis=1)])
+
+
+class CellMotions:
+    """The motions by cells; those of each set are built once.  Where motions tie the first is taken."""
+
+    def __init__(self, scene: Scene, rule: CellRule) -> None:
+        """For an array with all its wheels."""
+        self._sets, self._count = CellsBySet(scene, rule), len(scene.wheels)
+        self._known: dict[bytes, _Table] = {}
+
+    def of(self, near: Numbers, carrying: Mask, levers: Floats, poses: Floats, paths: Numbers) -> tuple[Floats, Mask]:
+        """See :meth:`nonsmooth.analysis.bodies.many_paths.Motions.of`.
+
+        Raises:
+            RefusalError: where the motion on some wheels is not determined.
+        """
+        under = np.zeros((len(poses), self._count), bool)
+        rows, columns = np.nonzero(carrying)
+        under[rows, near[rows, columns]] = True
+        sets, group = np.unique(np.packbits(under, axis=1), axis=0, return_inverse=True)
+        twists = np.zeros((len(poses), 3))
+        for k in range(len(sets)):
+            own = np.flatnonzero(group.reshape(-1) == k)
+            twists[own] = self._table(under[own[0]]).twists(poses[own, :2])
+        rates = twists.copy()
+        rates[:, 0] -= twists[:, 2] * poses[:, 1]
+        rates[:, 1] += twists[:, 2] * poses[:, 0]
+        return rates, np.ones(len(poses), bool)
+
+    def _table(self, under: Mask) -> _Table:
+        key = under.tobytes()
+        if key not in self._known:
+            self._known[key] = _Table(self._sets.of(frozenset(np.flatnonzero(under).tolist())))
+        return self._known[key]
+
+
+# ---- rates of many poses -------------------------------------------------------------------------
+#
+# At each pose the wheels strictly under the outline carry; their loads and the least dissipation give ``(c', theta')``,
+# or the cells of a rule on these wheels (:mod:`nonsmooth.analysis.bodies.many_paths`).
+
+
+AROUND = 0.25  # of the body's size: how far it moves before the wheels near it are looked up again
+
+
+@dataclass(frozen=True)
+class Rates:
+    """What is known at m poses.
+
+    Attributes:
+        rates: ``(c', theta')``, shape (m, 3), zero where the body does not stand.
+        tips: where it does not.
+        over: numbers of the two wheels (m, 2) over whose line it tips, -1 for none.
+        none: where no wheel is under the body.
+        known: where the motion was found.
+    """
+
+    rates: Floats
+    tips: Mask
+    over: Numbers
+    none: Mask
+    known: Mask
+
+
+class Motions(Protocol):
+    """Motions of many bodies that stand."""
+
+    def of(self, near: Numbers, carrying: Mask, levers: Floats, poses: Floats, paths: Numbers) -> tuple[Floats, Mask]:
+        """``(c', theta')`` (m, 3) at poses (m, 3) of the paths of these numbers (m,), and whether it was found.
+
+        Args:
+            near: numbers of wheels (m, k).
+            carrying: which of them carry.
+            levers: ``p_i - c``, shape (m, k, 2).
+            poses: of the bodies.
+            paths: their numbers.
+        """
+
+
+class LeastDissipation:
+    """The motions that dissipate the least, each found from the last twist of its path."""
+
+    def __init__(self, model: ContactModel, size: float, count: int) -> None:
+        """For a number of paths of a body of some size."""
+        self._least, self._size, self._last = LeastTwists(model, size), size, np.zeros((count, 3))
+
+    def of(self, near: Numbers, carrying: Mask, levers: Floats, poses: Floats, paths: Numbers) -> tuple[Floats, Mask]:
+        """See :meth:`Motions.of`."""
+        found = self._least.of(near, carrying, levers, self._last[paths])
+        self._last[paths] = found.rates
+        return found.rates / [1.0, 1.0, self._size], found.known
+
+
+class ManyRates:
+    """Rates along many paths; each path keeps the wheels near it."""
+
+    def __init__(self, motions: Motions, outline: MovingOutline, poses: Floats) -> None:
+        """For paths that begin at poses (m, 3)."""
+        self._motions, self._outline, self._size = motions, outline, outline.size
+        self._centres = poses[:, :2].copy()
+        self._near = nearest_wheels(outline.places, self._centres, self._size * (1 + AROUND))
+
+    def at(self, poses: Floats, paths: Numbers) -> Rates:
+        """The rates at poses (m, 3) of the paths of these numbers (m,)."""
+        self._look_around(poses, paths)
+        near = self._near[paths]
+        levers = self._outline.places[near] - poses[:, None, :2]
+        depths = self._outline.depths_at(self._outline.places[near], poses)
+        carrying = (depths > 0) & (near != NOBODY)
+        order = np.argsort(~carrying, axis=1, kind="stable")[:, : max(int(carrying.sum(axis=1).max()), 1)]
+        near, carrying = np.take_along_axis(near, order, axis=1), np.take_along_axis(carrying, order, axis=1)
+        levers = np.take_along_axis(levers, order[..., None], axis=1)
+        gaps, first, second = widest_gaps(levers, carrying)
+        tips = np.asarray(~(gaps < np.pi))
+        over = np.stack([np.take_along_axis(near, k[:, None], axis=1)[:, 0] for k in (first, second)], axis=1)
+        over[~tips | (carrying.sum(axis=1) < 2)] = NOBODY
+        rates, known = np.zeros((len(poses), 3)), tips.copy()
+        stands = np.flatnonzero(~tips)
+        if len(stands):
+            own = near[stands], carrying[stands], levers[stands], poses[stands], paths[stands]
+            found = self._motions.of(*own)
+            rates[stands], known[stands] = found
+        return Rates(rates, tips, over, np.asarray(~carrying.any(axis=1)), known)
+
+    def _look_around(self, poses: Floats, paths: Numbers) -> None:
+        """Look up the wheels near those bodies that have moved far, of all paths that are asked for."""
+        moved = np.hypot(*(poses[:, :2] - self._centres[paths]).T)
+        if moved.max(initial=0.0) < AROUND * self._size:
+            return
+        self._centres[paths] = poses[:, :2]
+        found = nearest_wheels(self._outline.places, poses[:, :2], self._size * (1 + AROUND))
+        width = max(found.shape[1], self._near.shape[1])
+        near = np.full((len(self._near), width), NOBODY)
+        near[:, : self._near.shape[1]] = self._near
+        near[paths] = NOBODY
+        near[paths, : found.shape[1]] = found
+        self._near = near
+
+
+# ---- where the paths gather ----------------------------------------------------------------------
+#
+# Bodies that rest within a small distance of each other rest at one place (single linkage).  A place may have a whole
+# range of headings: the wheels under the body say where it rests, and many headings may have the same wheels under it.
+
+
+TOGETHER = 0.02  # of the wheels' spacing or the body's size: bodies that rest closer together rest at one place
+
+
+@dataclass(frozen=True)
+class PathEnd:
+    """One place at which bodies rest, or another way to end.
+
+    Attributes:
+        reason: how the paths end.
+        starts: their numbers.
+        share: of all starts.
+        pose: a middle one ``(x, y, theta)`` of the poses at rest; None elsewhere.
+        headings: the least and the largest heading at rest, theta without full turns; None elsewhere.
+    """
+
+    reason: BodyEnd
+    starts: Numbers
+    share: float
+    pose: tuple[float, float, float] | None = None
+    headings: tuple[float, float] | None = None
+
+    @property
+    def text(self) -> str:
+        """In words."""
+        if self.pose is None or self.headings is None:
+            return self.reason.value
+        x, y, _ = (f"{_plain(value):.4g}" for value in self.pose)
+        low, high = (f"{_plain(value):.4g}" for value in self.headings)
+        heading = f"theta = {low}" if low == high else f"theta from {low} to {high}"
+        return f"{self.reason.value} at ({x}, {y}), {heading}"
+
+
+def destinations(ends: BodyEnds, distance: float) -> list[PathEnd]:
+    """Places of rest, largest share first, then the other ends.
+
+    Args:
+        ends: of the paths.
+        distance: below which bodies rest together, in lengths.
+    """
+    resting = np.flatnonzero(ends.by(BodyEnd.REST))
+    found = []
+    for group in _linked(ends.poses[resting, :2], distance):
+        found.append(_at_rest(ends, resting[group]))
+    found.sort(key=lambda one: (-one.share, one.text))
+    for reason in BodyEnd:
+        starts = np.flatnonzero(ends.by(reason))
+        if reason is not BodyEnd.REST and len(starts):
+            found.append(PathEnd(reason, starts, len(starts) / len(ends.starts)))
+    return found
+
+
+def _at_rest(ends: BodyEnds, starts: Numbers) -> PathEnd:
+    """The middle of the poses: means of x and y, and the heading that is the middle one around the first."""
+    poses = ends.poses[starts]
+    first = poses[0, 2]
+    headings = np.sort(first + turned_heading(poses[:, 2] - first))
+    x, y = poses[:, :2].mean(axis=0)
+    turn = float(
+        turned_heading(headings[len(headings) // 2 : len(headings) // 2 + 1])[0] - headings[len(headings) // 2]
+    )
+    headings = headings + turn
+    middle = (float(x), float(y), float(headings[len(headings) // 2]))
+    share = len(starts) / len(ends.starts)
+    return PathEnd(BodyEnd.REST, starts, share, middle, (float(headings[0]), float(headings[-1])))
+
+
+def _linked(places: Floats, distance: float) -> list[Numbers]:
+    """Groups of points (m, 2) linked by steps of at most a distance."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+    from scipy.spatial import cKDTree
+
+    if not len(places):
+        return []
+    pairs = cKDTree(places).query_pairs(distance, output_type="ndarray")
+    links = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(places), len(places)))
+    count, labels = connected_components(links, directed=False)
+    return [np.flatnonzero(labels == k) for k in range(count)]
+
+
+def _plain(value: float) -> float:
+    """Rounding of zero as zero."""
+    return 0.0 if abs(value) < 5e-5 else value

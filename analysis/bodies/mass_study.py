@@ -10,9 +10,9 @@ not go to zero: they go to the distance of these paths from that of ``ellipse``,
 
 Of a body with an outline both sides follow the wheels that enter and leave
 (:mod:`nonsmooth.analysis.bodies.mass_path`, :mod:`nonsmooth.analysis.bodies.path`,
-:mod:`nonsmooth.analysis.bodies.cell_path`).  It may slide along the edge at which a wheel enters and leaves it.  There
-the swings of a light body mix the loads, while the rule's path mixes the motions (Filippov): such a path is no limit,
-and none is stated.
+:mod:`nonsmooth.analysis.bodies.outline_field`).  It may slide along the edge at which a wheel enters and leaves it.
+There the swings of a light body mix the loads, while the rule's path mixes the motions (Filippov): such a path is no
+limit, and none is stated.
 
 Distances are the largest over common times: the end of either path, where it leaves the checked square or tips, ends
 the comparison, a rest does not.  Paths are compared at sampled times: a sampled maximum is a lower bound.
@@ -22,20 +22,25 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
-from nonsmooth.analysis.bodies.cell_path import CellPath
-from nonsmooth.analysis.bodies.mass_path import MassPath
+from nonsmooth.analysis.bodies.mass_path import MassPath, simulate_dynamics
+from nonsmooth.analysis.bodies.outline_field import CellPath
+from nonsmooth.analysis.bodies.path import RELATIVE_TOLERANCE
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.contact_rule import CellRule, SmoothRule, all_rules, contact_rule
-from nonsmooth.analysis.dynamics.newton_euler import DynamicPath, RigidBody
+from nonsmooth.analysis.continuum import moments
+from nonsmooth.analysis.dynamics.newton_euler import DynamicPath, RigidBody, disc
 from nonsmooth.analysis.fields.constant_field import array_field
 from nonsmooth.analysis.fields.contact_model import Floats, contact_model
 from nonsmooth.analysis.fields.kinematics import Kinematics
+from nonsmooth.analysis.measurements.harness import Assessment, Clock, LeftOut, Order, Study, StudyPlan, Trial
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory, TrajectoryError
 from nonsmooth.analysis.trajectories.trajectory import simulate
+from nonsmooth.symbolic.body import Body
 from nonsmooth.symbolic.contact_set import whole
 from nonsmooth.symbolic.notebook import ShortRepr, html_table
 from nonsmooth.symbolic.number_text import float_text
@@ -223,3 +228,71 @@ def path_distance(
     last = min([until, *(float(own.end.t) for own in (path, other) if own.end.reason in BROKEN_OFF)])
     apart = samples.until(path, last) - samples.until(other, last)
     return PathDistance(rule, float(np.hypot(apart[:, 0], apart[:, 1]).max()), float(np.abs(apart[:, 2]).max()), last)
+
+
+# ---- a plate -------------------------------------------------------------------------------------
+
+
+def plate(outlined: Body, mass: float) -> RigidBody:
+    """``I = m ((int x^2 + int y^2)/area + |o|^2)``, o from the centre of mass to the centroid (per unit of weight)."""
+    of = moments(outlined.outline)
+    spread = float(of.xx + of.yy) / float(of.area)
+    x, y = (float(entry) for entry in outlined.centre)
+    return RigidBody(mass, mass * (spread + x * x + y * y))
+
+
+# ---- the study of precision ----------------------------------------------------------------------
+#
+# Here the model is in question and not a method: the reference is the path that the body takes as its mass goes to 0,
+# that of rule ``ellipse``, integrated far below the distances measured.  Full dynamics approaches it like the mass; the
+# other rules stay where they are, so their rows tell what a contact rule costs and what it misses.
+
+
+MASSES = tuple(10.0**-k for k in (1, 2, 3, 4, 5))  # in units of R/u^2: R half the square, u the largest speed
+MASS_START = (0.4, 0.8)  # in units of R, from the checked point
+TIMES = 4.0  # in units of R/u
+LIKE_MASS = Order(
+    1.0, "velocity settles within a time like m; later where D is nearly flat (see the theory: full dynamics)"
+)
+
+
+def build_masses(scene: Scene) -> StudyPlan:
+    """Full dynamics and the quasi-static rules from one start in every scene's own units.
+
+    Raises:
+        LeftOut: where nothing drives the body, or rule ``ellipse`` has no path.
+    """
+    model, radius = contact_model(scene), float(scene.check.radius)
+    speed = float(abs(model.speeds).max())
+    if not speed:
+        raise LeftOut("no wheel is driven")
+    x, y = (float(at) + radius * share for at, share in zip(scene.check.equilibrium, MASS_START, strict=True))
+    start, until = (x, y, 0.0), TIMES * radius / speed
+    try:
+        limit = rule_path(scene, massless_limit(), start, until)
+    except (RefusalError, TrajectoryError) as error:
+        raise LeftOut(str(error)) from None
+
+    def judge(followed: tuple[Trajectory, dict[str, int]]) -> Assessment:
+        path, work = followed
+        apart = path_distance(massless_limit(), path, limit, until)
+        return Assessment(apart.position, {"theta": apart.rotation}, work)
+
+    def with_mass(mass: float, clock: Clock) -> tuple[Trajectory, dict[str, int]]:
+        path = simulate_dynamics(model, disc(model, mass), start, until)
+        return path.trajectory, {"evaluations": path.evaluations}
+
+    def by_rule(rule: str, clock: Clock) -> tuple[Trajectory, dict[str, int]]:
+        return rule_path(scene, rule, start, until), {}
+
+    unit = radius / speed**2
+    trials = [Trial("full dynamics", partial(with_mass, mass * unit), judge, "mass", mass) for mass in MASSES]
+    others = [rule.name for rule in all_rules() if not rule.is_massless_limit]
+    trials += [Trial(f"rule {rule}", partial(by_rule, rule), judge) for rule in others]
+    reference = f"path of rule ellipse, {RELATIVE_TOLERANCE:g} per step, from ({x:g}, {y:g}) until t = {until:g}"
+    return StudyPlan(reference, tuple(trials), {"full dynamics": LIKE_MASS}, rounding=RELATIVE_TOLERANCE * 100)
+
+
+MASS = Study(
+    "masses", "full dynamics as the mass goes to 0: distance from rule ellipse", "path distance [length]", build_masses
+)

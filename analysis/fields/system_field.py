@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from functools import cache
+from math import cos, sin
 
 import numpy as np
 
@@ -11,13 +12,13 @@ from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.cells.polygon import HalfPlane, square
 from nonsmooth.analysis.cells.switched_cells import FieldCell, square_regions, system_cells
 from nonsmooth.analysis.fields.constant_field import ConstantField, piecewise_constant
-from nonsmooth.analysis.fields.rooted_field import rooted_field, with_roots
 from nonsmooth.analysis.fields.sign_field import SignField, Signs
-from nonsmooth.analysis.fields.switched_field import Surface, Vector, Velocity
-from nonsmooth.analysis.fields.wave_weights import wave_weight
+from nonsmooth.analysis.fields.switched_field import SURFACE_SLACK, Surface, Vector, Velocity, affine_surface
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.piecewise import SignOf, parse_piecewise
+from nonsmooth.symbolic.signed_roots import SignedRoots
+from nonsmooth.symbolic.sine_enclosures import Wave
 from nonsmooth.symbolic.switched_system import SeenByRoots, SwitchedSystem, require_single, signs_by_factors
 
 
@@ -153,3 +154,95 @@ class _Polynomials:
         if self._constant is not None:
             return self._constant
         return np.asarray(self._coefficients @ np.multiply.reduce(x**self._exponents, axis=1))
+
+
+# ---- weights of waves ----------------------------------------------------------------------------
+#
+# With ``sin v = v - v^3/6 + e v^5/120`` and ``cos v = 1 - v^2/2 + v^4/24 - e v^6/720``
+# (:mod:`nonsmooth.symbolic.sine_enclosures`) this is e, which lies between 0 and 1.
+
+
+SERIES_BELOW = 0.25  # of v, where the series of e is good to 1e-9 and its factor v^5 below 1e-5
+LARGEST = 50.0  # of v: farther out the powers of v, each rounded, hold sin v and cos v to less than 1e-9
+
+
+def wave_weight(wave: Wave, v: float) -> float:
+    """The e of a wave at its argument v; near v = 0 by its series.
+
+    Raises:
+        RefusalError: where v is so large that floats do not hold the value that e stands for.
+    """
+    if not abs(v) <= LARGEST:
+        raise RefusalError(f"the argument of a sine is {v:.3g}: beyond {LARGEST:g} floats do not hold its enclosure")
+    if abs(v) < SERIES_BELOW:
+        first, second = (42, 3024) if wave.kind == "sin" else (56, 5040)
+        return 1 - v * v / first + v**4 / second
+    if wave.kind == "sin":
+        return float((sin(v) - v + v**3 / 6) * 120 / v**5)
+    return float((1 - v * v / 2 + v**4 / 24 - cos(v)) * 720 / v**6)
+
+
+# ---- signed roots --------------------------------------------------------------------------------
+#
+# The field is followed in its own states and time.  Where x vanishes its slope is unbounded, so ``x = 0`` is a surface
+# even where nothing switches there: a stretch ends at it, and the steps of the next one grow out of it.
+
+
+LEAST_ROOT = float(np.sqrt(SURFACE_SLACK))  # of slopes of roots: nearer than the slack of surfaces a state is on x = 0
+# Of the size of the states, which slacks and tolerances are relative to: while all roots shrink by a factor their
+# states shrink by its square, so the last turns around a corner are this much smaller than those of other systems.
+SMALL_SCALE = 1e-3
+
+
+def rooted_field(roots: SignedRoots, extended: SignField, turns: Sequence[Surface] = ()) -> SignField:
+    """The field of the stated states.
+
+    Args:
+        roots: which states stand under square roots.
+        extended: the field with each root as a further state, behind the others.
+        turns: where speeds across zeros of roots vanish: further surfaces, on which nothing switches, so that a path
+            that switches ever faster there has a corner to end in.
+    """
+    own, places = len(roots.states), [roots.states.index(name) for name in roots.rooted]
+    known = tuple(_rooted_surface(roots, surface, places) for surface in extended.surfaces)
+    units = [tuple(float(k == place) for k in range(own)) for place in places]
+    missing = [
+        (name, unit)
+        for name, unit in zip(roots.rooted, units, strict=True)
+        if name not in [surface.name for surface in known]
+    ]
+    surfaces = (*known, *(affine_surface(name, unit) for name, unit in missing), *turns)
+
+    def flow(signs: Signs) -> Velocity:
+        velocity = extended.flow(signs[: len(known)])
+        return lambda t, x: velocity(t, _with_roots(x, places))[:own]
+
+    return SignField(roots.states, surfaces, flow, extended.size * SMALL_SCALE)
+
+
+def with_roots(roots: SignedRoots, start: Sequence[float]) -> tuple[float, ...]:
+    """A state with its roots behind it."""
+    places = [roots.states.index(name) for name in roots.rooted]
+    return tuple(_with_roots(np.array(start, dtype=float), places).tolist()) if len(start) else ()
+
+
+def _with_roots(x: Vector, places: Sequence[int]) -> Vector:
+    return np.concatenate([x, np.sqrt(np.abs(x[list(places)]))])
+
+
+def _rooted_surface(roots: SignedRoots, surface: Surface, places: Sequence[int]) -> Surface:
+    """A switching function of states and roots as one of the states, by the chain rule."""
+    own = len(roots.states)
+
+    def value(x: Vector) -> float:
+        return surface.value(_with_roots(x, places))
+
+    def gradient(x: Vector) -> Vector:
+        inner = surface.gradient(_with_roots(x, places))
+        slopes = np.array(inner[:own], dtype=float)
+        for place, along in zip(places, inner[own:], strict=True):
+            slopes[place] += along * np.copysign(0.5, x[place]) / max(float(np.sqrt(abs(x[place]))), LEAST_ROOT)
+        return slopes
+
+    depends = any(root in surface.name for root in roots.names.values())
+    return Surface(roots.restored(surface.name), value, gradient, flat=surface.flat and not depends)

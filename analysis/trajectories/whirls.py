@@ -1,11 +1,12 @@
 """Paths that circle a corner ever faster and nearer without end: their mean motion, at the corner.
 
 Around a corner with velocities that do not vanish there a full turn from distance s takes a time proportional to s, and
-returns at ``gain s``.  With a gain below one the turns sum to a limit (:mod:`nonsmooth.analysis.trajectories.loops`).
-With a gain of one, as symmetric arrays have, distance only shrinks by what the velocities change within a turn, which
-is proportional to s too: so s falls exponentially, the corner is never reached, and the number of turns grows without
-bound.  What can be followed is the limit of ever smaller turns: the path at the corner, with each cell's share of time
-as its weight.  That is a Filippov motion at the corner, one of many there, and the one that the path approaches.
+returns at ``gain s``.  With a gain below one the turns sum to a limit
+(:mod:`nonsmooth.analysis.trajectories.smooth_path`).  With a gain of one, as symmetric arrays have, distance only
+shrinks by what the velocities change within a turn, which is proportional to s too: so s falls exponentially, the
+corner is never reached, and the number of turns grows without bound.  What can be followed is the limit of ever
+smaller turns: the path at the corner, with each cell's share of time as its weight.  That is a Filippov motion at the
+corner, one of many there, and the one that the path approaches.
 """
 
 from __future__ import annotations

@@ -11,6 +11,7 @@ from nonsmooth.symbolic.number_text import lower_text, upper_text
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.scene import Scene
 
 DIGITS = 4
 LN_2 = Fraction(693_147_180_560, 10**12)  # just above the natural logarithm of 2
@@ -37,3 +38,12 @@ def half_life(rate: Positive) -> str:
 
 def _comparable(value: Positive) -> Number | Lazy | Fraction:
     return rational_below(value) if isinstance(value, arb) else value
+
+
+# ---- units ---------------------------------------------------------------------------------------
+
+
+def of_length(scene: Scene) -> str:
+    """A space and the unit of length; empty where the scene names none."""
+    unit = scene.units.length
+    return f" {unit}" if unit else ""

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from nonsmooth.proofs.answers.bounds import at_least
-from nonsmooth.proofs.answers.units import of_length
+from nonsmooth.proofs.answers.bounds import at_least, of_length
 from nonsmooth.proofs.facts import Fact, Quantity
 from nonsmooth.proofs.verdicts import Rotation
 from nonsmooth.symbolic.contact_set import contact_set

@@ -21,9 +21,16 @@ from nonsmooth.analysis.fields.constant_field import ConstantField, array_field
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.trajectories.maps import SettleMap, grid_starts, settle_map
-from nonsmooth.analysis.trajectories.places_reached import AT, STAYS, places_reached
 from nonsmooth.analysis.trajectories.result import EndReason, TrajectoryError
-from nonsmooth.analysis.trajectories.smooth_ends import LEFT, MOVING, UndeterminedError, smooth_ends
+from nonsmooth.analysis.trajectories.smooth_ends import (
+    AT,
+    LEFT,
+    MOVING,
+    STAYS,
+    UndeterminedError,
+    places_reached,
+    smooth_ends,
+)
 from nonsmooth.proofs.answers.answer import Heading, Position
 from nonsmooth.proofs.answers.heading import OF_ROTATION
 from nonsmooth.proofs.answers.position import OF_PLACE

@@ -13,9 +13,8 @@ from fractions import Fraction
 from typing import cast
 
 from nonsmooth.proofs.answers.answer import Answer, Heading, Results, is_by_rounding
-from nonsmooth.proofs.answers.bounds import DIGITS, at_most
+from nonsmooth.proofs.answers.bounds import DIGITS, at_most, of_length
 from nonsmooth.proofs.answers.nearness import nearness, place_of_rest
-from nonsmooth.proofs.answers.units import of_length
 from nonsmooth.proofs.boxes.enclosed_rest import EnclosedRest
 from nonsmooth.proofs.clauses.rotation.on_cells import RotationResult
 from nonsmooth.proofs.facts import Fact, Quantity, said

@@ -26,8 +26,7 @@ from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.proofs.answers.answer import Results
 from nonsmooth.proofs.boxes.enclosed_rest import EnclosedRest, enclosed_rest
-from nonsmooth.proofs.clauses.equilibrium.at_point import EllipseEquilibrium
-from nonsmooth.proofs.clauses.equilibrium.every_load import EveryLoadEquilibrium
+from nonsmooth.proofs.clauses.equilibrium.at_point import EllipseEquilibrium, EveryLoadEquilibrium
 from nonsmooth.proofs.clauses.translation.every_load import EveryLoadTranslation
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, Move, MoveEvidence
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult

@@ -7,9 +7,8 @@ from fractions import Fraction
 from typing import cast
 
 from nonsmooth.proofs.answers.answer import Answer, Position, Results, is_by_rounding
-from nonsmooth.proofs.answers.bounds import DIGITS, at_least, at_most, half_life
+from nonsmooth.proofs.answers.bounds import DIGITS, at_least, at_most, half_life, of_length
 from nonsmooth.proofs.answers.nearness import HomeDisc, Nearness, nearness
-from nonsmooth.proofs.answers.units import of_length
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
 from nonsmooth.proofs.clauses.translation.clause import AnyTranslation
 from nonsmooth.proofs.clauses.translation.mass_facts import mass_words

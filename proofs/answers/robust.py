@@ -6,8 +6,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, cast
 
 from nonsmooth.proofs.answers.answer import Answer, Results
-from nonsmooth.proofs.answers.bounds import at_least, at_most, half_life
-from nonsmooth.proofs.answers.units import of_length
+from nonsmooth.proofs.answers.bounds import at_least, at_most, half_life, of_length
 from nonsmooth.proofs.facts import Fact, Quantity
 from nonsmooth.proofs.verdicts import Certainty
 from nonsmooth.symbolic.scene import Scene

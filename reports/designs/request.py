@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from fractions import Fraction
+from itertools import combinations
+from pathlib import Path
 from typing import Any
 
-from nonsmooth.reports.designs.freedom import KINDS, WHEELS, Freedom
-from nonsmooth.reports.designs.objective import OBJECTIVES
-from nonsmooth.reports.designs.search import Wish
-from nonsmooth.reports.designs.symmetry import ORDERS, largest_symmetry, orbits_of
+from nonsmooth.reports.designs.freedom import KINDS, ORDERS, WHEELS, Freedom, Orbits, largest_symmetry, orbits_of
+from nonsmooth.reports.designs.objective import OBJECTIVES, Evaluation, evaluate
+from nonsmooth.reports.designs.search import Design, Fewest, Told, Wish, find_design
+from nonsmooth.symbolic.contact_set import standing
 from nonsmooth.symbolic.expression import ExpressionError
+from nonsmooth.symbolic.files.one_by_one import one_by_one
+from nonsmooth.symbolic.files.scene_file import build_scene
 from nonsmooth.symbolic.files.scene_values import read_exact
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact
@@ -98,3 +103,74 @@ def _order(scene: Scene, asked: int | None) -> int:
         allowed = ", ".join(str(order) for order in ORDERS if orbits_of(scene, order) is not None)
         raise DesignError(f"symmetry: required one of {allowed} for the places of these wheels, received {asked}")
     return asked
+
+
+# ---- fewest wheels -------------------------------------------------------------------------------
+#
+# Every choice is an exact scene that is checked, so that where all smaller ones are refuted none of them suffices.
+
+
+LEAST = 2  # wheels: under no rule a body stands on fewer
+
+
+def find_fewest(base: Mapping[str, Any], folder: Path, scene: Scene, order: int, wish: Wish, told: Told) -> Design:
+    """The smallest choice of the wheels under the body that meets what is required; of that size the best.
+
+    Args:
+        base: the document of the given scene.
+        folder: where its files lie.
+        scene: the same, read.
+        order: of the symmetry that choices keep.
+        wish: what is asked for.
+        told: called with the choices checked and allowed.
+    """
+    under = standing(scene)
+    own = evaluate(scene, wish.required, OBJECTIVES[wish.maximize])
+    orbits = orbits_of(under, order) or tuple((k,) for k in range(len(under.wheels)))
+    best: tuple[Evaluation, dict[str, Any], Scene] | None = None
+    checks = undecided = 0
+    for chosen in _choices(orbits):
+        if best is not None and len(chosen) > len(best[2].wheels):
+            break
+        if checks >= wish.checks:
+            break
+        document = _document(base, under, chosen)
+        candidate = build_scene(document, scene.name, folder / f"{scene.name}.toml")
+        found = evaluate(candidate, wish.required, OBJECTIVES[wish.maximize])
+        checks += 1
+        told(checks, wish.checks)
+        undecided += bool(found.unmet) and not found.is_refuted
+        if not found.unmet and (best is None or found.cost < best[0].cost):
+            best = found, document, candidate
+    count = None if best is None else len(best[2].wheels)
+    fewest = Fewest(count, undecided, checks < wish.checks or best is not None, len(orbits[0]))
+    if best is None:
+        return Design(dict(base), scene, own, own, checks, fewest=fewest)
+    return Design(best[1], best[2], best[0], own, checks, fewest=fewest)
+
+
+def _choices(orbits: Orbits) -> Iterator[tuple[int, ...]]:
+    """Sets of wheels made of whole orbits, which have one size, by their number."""
+    for count in range(1, len(orbits) + 1):
+        for some in combinations(orbits, count):
+            chosen = sorted(wheel for orbit in some for wheel in orbit)
+            if len(chosen) >= LEAST:
+                yield tuple(chosen)
+
+
+def _document(base: Mapping[str, Any], scene: Scene, chosen: tuple[int, ...]) -> dict[str, Any]:
+    return one_by_one(base, replace(scene, wheels=tuple(scene.wheels[place] for place in chosen)))
+
+
+# ---- the design that is named --------------------------------------------------------------------
+
+
+def find_named(base: Mapping[str, Any], folder: Path, scene: Scene, freedom: Freedom, wish: Wish, told: Told) -> Design:
+    """What :func:`nonsmooth.reports.designs.search.find_design` or ``find_fewest`` finds, with a name and a source."""
+    if freedom.kinds == (WHEELS,):
+        design = find_fewest(base, folder, scene, freedom.order, wish, told)
+    else:
+        design = find_design(base, folder, scene, freedom, wish, told)
+    how = f"designed from {scene.name}: {', '.join(wish.required)} required, {wish.maximize} maximized"
+    rest = {key: value for key, value in design.document.items() if key not in ("name", "description")}
+    return replace(design, document={"name": f"{scene.name}-designed", "description": how, **rest})

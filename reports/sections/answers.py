@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 from nonsmooth.analysis.contact_rule import rule_notes, rule_of
 from nonsmooth.proofs.answers.answer import Answer
+from nonsmooth.proofs.answers.bounds import of_length
 from nonsmooth.proofs.answers.contact_wheels import contact_facts
 from nonsmooth.proofs.answers.other_rules import OtherRule
-from nonsmooth.proofs.answers.units import of_length
 from nonsmooth.reports.answers import THEOREM, contradiction_lines, destinations_table
 from nonsmooth.reports.document import Block, Bullets, Inline, Section, Table, Text, Tone, Verdict, number, point, table
 from nonsmooth.reports.equilibrium_headings import headings_table, notes, title

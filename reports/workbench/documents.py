@@ -17,7 +17,7 @@ from nonsmooth.reports.designs.toml_text import toml_text
 from nonsmooth.reports.entries import as_json
 from nonsmooth.reports.workbench.requests import RequestError
 from nonsmooth.symbolic.files.scene_document import UnitsTable
-from nonsmooth.symbolic.files.toml_bounds import toml_excess
+from nonsmooth.symbolic.files.scene_file import toml_excess
 
 if TYPE_CHECKING:
     from nonsmooth.reports.interface.array import Array

@@ -6,6 +6,7 @@ in one :class:`SceneError` that names file, key, what was expected and what was 
 
 from __future__ import annotations
 
+import re
 import tomllib
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -22,9 +23,7 @@ from nonsmooth.symbolic.files.scene_document import SceneDocument, StatedUnits, 
 from nonsmooth.symbolic.files.scene_parts import build_check, build_contact, build_continuum
 from nonsmooth.symbolic.files.scene_validation import validate
 from nonsmooth.symbolic.files.scene_values import Numbers, angle_remarks, angles, field_of
-from nonsmooth.symbolic.files.text_files import path_beside, read_text
 from nonsmooth.symbolic.files.tolerance_table import build_tolerance
-from nonsmooth.symbolic.files.toml_bounds import toml_excess
 from nonsmooth.symbolic.files.wheel_builder import WheelBuilder
 from nonsmooth.symbolic.files.wheel_csv import WheelRows, parse_wheels
 from nonsmooth.symbolic.scene import Scene
@@ -327,3 +326,104 @@ def _remarks(document: SceneDocument, layout: Layout) -> Iterator[str]:
     table = layout if isinstance(layout, WheelRows) else WheelRows("", [], [])
     yield from table.remarks
     yield from angle_remarks([document, table.cells])
+
+
+# ---- texts of files ------------------------------------------------------------------------------
+
+
+OUTSIDE_OPTION = "--allow-outside"
+
+
+def read_text(path: Path, limit: int, file: str, key: str, wanted: str) -> str:
+    """Text of a file.
+
+    Args:
+        path: the file.
+        limit: its largest size (bytes).
+        file: the scene, for messages.
+        key: the key that names the file, for messages; empty for the scene itself.
+        wanted: what a missing file should have been, for messages.
+
+    Raises:
+        SceneError: for a missing, unreadable, oversized or binary file.
+    """
+    try:
+        if not path.is_file():
+            raise SceneError(file, key, wanted, StatedFact(_kind(path)))
+        with path.open("rb") as stream:
+            data = stream.read(limit + 1)
+        if len(data) > limit:
+            raise SceneError(file, key, f"a file of at most {limit >> 20} MB", StatedFact("more"))
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        found = StatedFact(f"other bytes at position {error.start}")
+        raise SceneError(file, key, "a text file in UTF-8", found) from None
+    except OSError as error:
+        raise SceneError(file, key, "a readable file", StatedFact(error.strerror or "an error")) from None
+
+
+def path_beside(scene: Path, name: str, file: str, key: str, *, allow_outside: bool) -> Path:
+    """The file that a scene names, relative to the scene's folder.
+
+    A scene may come from somebody else: without ``allow_outside`` the file must lie in that folder or below it, links
+    resolved, and nothing is looked up elsewhere.
+
+    Raises:
+        SceneError: for a file outside the folder.
+    """
+    path = scene.parent / name
+    if allow_outside:
+        return path
+    try:
+        target, folder = path.resolve(), scene.parent.resolve()
+    except ValueError:  # a null character: no file has such a name
+        return path
+    except (OSError, RuntimeError):  # links that lead to each other
+        raise SceneError(file, key, "a readable file", StatedFact("a path that leads nowhere")) from None
+    if not target.is_relative_to(folder):
+        expected = f"a file in the scene's folder or below it (or the option {OUTSIDE_OPTION})"
+        raise SceneError(file, key, expected, StatedFact("a path that leads outside"))
+    return target
+
+
+def _kind(path: Path) -> str:
+    if path.is_dir():
+        return "a directory"
+    return "something that is no regular file" if path.exists() else "no such file"
+
+
+# ---- bounds of TOML ------------------------------------------------------------------------------
+#
+# The parser of the standard library takes time that grows with the square of the number of parts of a dotted key, and a
+# stack that grows with the depth of brackets.  A scene needs three of either.
+
+
+MAX_PARTS = 16  # of a dotted key
+MAX_NESTING = 64  # of brackets
+
+# Strings and comments, each to its end or, where that is missing, to where the parser would give up.  Possessive, so
+# that no character is looked at twice.
+_OPAQUE = re.compile(
+    r'"""(?:[^"\\]|\\.|"(?!""))*+(?:"{3,5})?'
+    r"|'''(?:[^']|'(?!''))*+(?:'{3,5})?"
+    r'|"(?:[^"\\\n]|\\[^\n])*+"?'
+    r"|'[^'\n]*+'?"
+    r"|#[^\n]*+",
+    re.DOTALL,
+)
+_STRUCTURE = re.compile(r"[\n=,\[\]{}]")
+
+
+def toml_excess(text: str) -> tuple[str, str] | None:
+    """What a document must keep to and what this one holds; None where it keeps to both bounds."""
+    bare = _OPAQUE.sub("", text)
+    parts = 1 + max(piece.count(".") for piece in _STRUCTURE.split(bare))
+    if parts > MAX_PARTS:
+        return f"keys of at most {MAX_PARTS} parts", f"one of {parts}"
+    depth = deepest = 0
+    for bracket in re.findall(r"[\[\]{}]", bare):
+        depth = depth + 1 if bracket in "[{" else max(depth - 1, 0)
+        deepest = max(deepest, depth)
+    if deepest > MAX_NESTING:
+        return f"a document with fewer nested brackets (at most {MAX_NESTING})", f"{deepest}"
+    return None

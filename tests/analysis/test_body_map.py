@@ -7,13 +7,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from nonsmooth.analysis.bodies.cell_path import CellPath
-from nonsmooth.analysis.bodies.destinations import destinations
-from nonsmooth.analysis.bodies.many_cells import CellMotions
 from nonsmooth.analysis.bodies.many_contacts import RowsOfWheels, elastic_loads_of, widest_gaps
-from nonsmooth.analysis.bodies.many_paths import BodyEnd, ManyPaths
-from nonsmooth.analysis.bodies.many_rates import LeastDissipation, ManyRates
+from nonsmooth.analysis.bodies.many_paths import (
+    BodyEnd,
+    CellMotions,
+    LeastDissipation,
+    ManyPaths,
+    ManyRates,
+    destinations,
+)
 from nonsmooth.analysis.bodies.moving_outline import MovingOutline
+from nonsmooth.analysis.bodies.outline_field import CellPath
 from nonsmooth.analysis.bodies.path import BodyPath
 from nonsmooth.analysis.contact_rule import CellRule, rule_of, smooth_rule_of
 from nonsmooth.analysis.minimizers.float_loads import elastic_loads

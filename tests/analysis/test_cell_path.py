@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
-from nonsmooth.analysis.bodies.cell_path import CellPath
 from nonsmooth.analysis.bodies.moving_outline import MovingOutline
+from nonsmooth.analysis.bodies.outline_field import CellPath
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.contact_rule import CellRule, contact_rule
 from nonsmooth.analysis.fields.constant_field import array_field

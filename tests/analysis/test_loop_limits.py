@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from nonsmooth.analysis.trajectories.loops import LoopLimit, LoopMemory
+from nonsmooth.analysis.trajectories.smooth_path import LoopLimit, LoopMemory
 
 LIMIT = 2.0
 

@@ -11,8 +11,7 @@ import pytest
 from rich.console import Console
 
 from nonsmooth.analysis.bodies import mass_study as studies
-from nonsmooth.analysis.bodies.mass_study import MassStudy, mass_ladder, mass_study, rule_path
-from nonsmooth.analysis.bodies.plate import plate
+from nonsmooth.analysis.bodies.mass_study import MassStudy, mass_ladder, mass_study, plate, rule_path
 from nonsmooth.analysis.trajectories.result import EventKind, Trajectory
 from nonsmooth.reports.masses import MassResult
 from nonsmooth.symbolic.contact_set import whole

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from nonsmooth.analysis.bodies.mass_path import HELD, MassPath, simulate_dynamics
-from nonsmooth.analysis.bodies.plate import plate
+from nonsmooth.analysis.bodies.mass_study import plate
 from nonsmooth.analysis.dynamics.newton_euler import DynamicPath, RigidBody
 from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind

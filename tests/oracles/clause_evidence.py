@@ -36,11 +36,10 @@ from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, between, gains
 from nonsmooth.proofs.clauses.feedback.every_load_law import EveryLoadLaw, wheel_forms
 from nonsmooth.proofs.clauses.feedback.twist_candidates import ImposedTwist, rank_of
 from nonsmooth.proofs.clauses.rotation.on_cells import RotationResult, _has_short_paths
-from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
+from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation, home_disc
 from nonsmooth.proofs.clauses.translation.decrease_region import squared_reach
 from nonsmooth.proofs.clauses.translation.every_load import EveryLoadTranslation, _decay
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult
-from nonsmooth.proofs.clauses.translation.inward_slope import home_disc
 from nonsmooth.proofs.clauses.translation.on_cells import (
     TranslationResult,
     _local_rates,

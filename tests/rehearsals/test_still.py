@@ -12,9 +12,8 @@ from nonsmooth.proofs import theorem_searches
 from nonsmooth.proofs.checker.positivity import KINDS as SHOWN_KINDS
 from nonsmooth.proofs.checker.statements import THEOREMS, refusal
 from nonsmooth.proofs.kernel.search import KINDS, NotShownError
-from nonsmooth.proofs.strategies import STRATEGIES
 from nonsmooth.proofs.system_certificates import certificate_of, certificate_text
-from nonsmooth.proofs.system_decision import decide_system
+from nonsmooth.proofs.system_decision import STRATEGIES, decide_system
 from nonsmooth.proofs.systems.findings import Method
 from nonsmooth.reports.check import check_system
 from nonsmooth.symbolic.files.system_file import build_system

@@ -13,8 +13,7 @@ import numpy as np
 import pytest
 
 import nonsmooth as ns
-from nonsmooth.reports.designs.freedom import Freedom
-from nonsmooth.reports.designs.symmetry import largest_symmetry, orbits_of
+from nonsmooth.reports.designs.freedom import Freedom, largest_symmetry, orbits_of
 from nonsmooth.reports.designs.toml_text import toml_text
 from nonsmooth.reports.parts import PART_NAMES
 from nonsmooth.symbolic.files.scene_file import build_scene, load_scene, read_document

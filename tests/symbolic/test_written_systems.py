@@ -13,8 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from nonsmooth.analysis.cells.partition import RefusalError
-from nonsmooth.analysis.fields.system_field import system_field
-from nonsmooth.analysis.fields.wave_weights import wave_weight
+from nonsmooth.analysis.fields.system_field import system_field, wave_weight
 from nonsmooth.symbolic.files.system_file import build_system
 from nonsmooth.symbolic.scene_error import SceneError
 from nonsmooth.symbolic.sine_enclosures import Wave

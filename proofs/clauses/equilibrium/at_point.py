@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, Situation
+from nonsmooth.proofs.clauses.every_load.point import EveryLoad, EveryLoadPoint
 from nonsmooth.proofs.verdicts import Equilibrium
 from nonsmooth.symbolic.number_text import brief_text
 
@@ -33,3 +34,26 @@ class EllipseEquilibrium:
         if self.point.situation is Situation.OPEN and twist is not None:
             return f"the twist (0, 0, {brief_text(twist.omega)}) minimizes D"
         return self.point.summary
+
+
+# ---- loads that are unknown ----------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class EveryLoadEquilibrium:
+    """Clause 1: the same motion rests, or turns, at the point whatever the load; or a load drives the body away."""
+
+    point: EveryLoadPoint
+
+    @property
+    def verdict(self) -> Equilibrium:
+        """Holds where it holds under every load, fails where it fails under one."""
+        return self.point.equilibrium
+
+    @property
+    def reason(self) -> str:
+        """One sentence for people."""
+        point = self.point
+        plain = point.situation in (EveryLoad.OPEN, EveryLoad.MOVED)
+        said = point.reason if plain else f"{point.situation}: {point.reason}"
+        return f"{said} ({point.loads.remark})" if point.loads.remark else said

@@ -6,8 +6,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, TypeAlias
 
 from nonsmooth.proofs.clauses.clause import CheckedArray, Clause
-from nonsmooth.proofs.clauses.equilibrium.at_point import EllipseEquilibrium
-from nonsmooth.proofs.clauses.equilibrium.every_load import EveryLoadEquilibrium
+from nonsmooth.proofs.clauses.equilibrium.at_point import EllipseEquilibrium, EveryLoadEquilibrium
 from nonsmooth.proofs.clauses.equilibrium.on_cells import EquilibriumResult, decide_equilibrium
 from nonsmooth.proofs.clauses.every_load.facts import load_facts, witness_load
 from nonsmooth.proofs.clauses.workspace import Workspace

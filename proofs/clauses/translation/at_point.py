@@ -7,16 +7,22 @@ minimizer and said to be sampled.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from fractions import Fraction
 from typing import TYPE_CHECKING
 
+from nonsmooth.analysis.cells.loads import LoadRegion
+from nonsmooth.analysis.cells.polygon import HalfPlane
+from nonsmooth.proofs.boxes.linearization import Linearization, inward_pull
 from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint
 from nonsmooth.proofs.clauses.at_point.mass import MassLimit, decide_mass_limit, squared_radius_of_disc
 from nonsmooth.proofs.clauses.cocircular import CocircularArray
-from nonsmooth.proofs.clauses.translation.inward_slope import home_disc
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.number_text import Real, brief_text
+from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.rounded import BY_ROUNDING
+from nonsmooth.symbolic.plane import dot
+from nonsmooth.symbolic.scene import Scene
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.minimizers.sampling import SampledDerivative
@@ -130,3 +136,39 @@ def decide_translation_at(
         mass = decide_mass_limit(linear, squared_radius_of_disc(point.scene))
     home = home_disc(point.scene, point.region, linear) if mass is not None else None
     return EllipseTranslation(point, lemma, sampled, mass, region_radius=home)
+
+
+# ---- a disc by convexity -------------------------------------------------------------------------
+#
+# About a smooth minimizer ``xi_0 = (0, 0, omega)`` at the point let the slope of D be ``G c = (beta c, 0)`` with beta
+# above zero.  The slips of ``xi_0`` do not depend on c: while the loads keep their affine forms, this is the slope of D
+# at ``xi_0`` for every c.  D is convex: every minimizer ``xi = (v, omega')`` obeys ::
+#
+#     D(xi_0) >= D(xi) >= D(xi_0) + beta c . v,      so  c . v <= 0,
+#
+# and equality would make ``xi_0`` a minimizer, whose slope is ``beta c``: so ``c . v < 0`` off the point.  Minimizers
+# depend on c upper semicontinuously, hence ``V = |c|^2`` falls strictly, and its level sets in that part are left
+# inward.
+
+
+def home_disc(scene: Scene, region: LoadRegion, linearization: Linearization | None) -> Number | None:
+    """Radius of the disc about a centred scene's point; None where the slope does not point inward.
+
+    Args:
+        scene: the array.
+        region: where the loads are affine; it holds the point.
+        linearization: at the point.
+    """
+    if linearization is None or inward_pull(linearization.slope) is None:
+        return None
+    radius = scene.check.radius
+    for side in region.polygon.sides:
+        if (side.offset * side.offset - radius * radius * dot(side.normal, side.normal)).sign() < 0:
+            radius = min(radius, _distance_below(scene, side))
+    return radius if radius.sign() > 0 else None
+
+
+def _distance_below(scene: Scene, side: HalfPlane) -> Number:
+    """A rational number that is not above the distance of a line from the origin."""
+    square = (side.offset * side.offset / dot(side.normal, side.normal)).ball()
+    return scene.field.rational(max(rational_below(square.sqrt()), Fraction(0)))

@@ -8,11 +8,10 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from nonsmooth.analysis.bodies.mass_study import mass_study
+from nonsmooth.analysis.bodies.mass_study import MASS, MASSES, mass_study
 from nonsmooth.analysis.dynamics.newton_euler import disc
 from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.measurements.harness import Clock, LeftOut, StudyPlan, log_slope
-from nonsmooth.analysis.measurements.mass_paths import MASS, MASSES
 from tests.thorough import thorough
 
 if TYPE_CHECKING:

@@ -19,7 +19,7 @@ from nonsmooth.analysis.fields.contact_model import ContactModel
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.proofs.answers.answer import Heading, Position
 from nonsmooth.proofs.answers.headings import HeadingKind, HeadingsOfRest, headings_of_rest
-from nonsmooth.proofs.headings.set_motion import set_motion
+from nonsmooth.proofs.headings.stay import set_motion
 from nonsmooth.symbolic.contact_set import whole
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
