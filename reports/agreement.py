@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from nonsmooth.analysis.minimizers.agreement import Agreement, TwistDifference, compare_rules, intersect
 from nonsmooth.reports.document import Block, Paragraph, table
-from nonsmooth.reports.exact_record import with_exact
+from nonsmooth.reports.facts import with_exact
 from nonsmooth.reports.figures.cells import draw_hatch
 from nonsmooth.reports.figures.style import (
     INK,
@@ -21,8 +21,7 @@ from nonsmooth.reports.figures.style import (
     require_drawable,
     title_axes,
 )
-from nonsmooth.reports.result import DataTable, Record, Result
-from nonsmooth.reports.short_text import short_lines
+from nonsmooth.reports.result import DataTable, Record, Result, short_lines
 from nonsmooth.symbolic.number_text import float_text, place_text, short_text
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import one_line

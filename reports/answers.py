@@ -19,8 +19,7 @@ from nonsmooth.proofs.facts import Quantity
 from nonsmooth.proofs.theorem4_result import Check, Contradiction
 from nonsmooth.reports.document import Table, table
 from nonsmooth.reports.equilibrium_headings import headings_blocks, headings_record
-from nonsmooth.reports.exact_record import Record
-from nonsmooth.reports.facts import as_record, fact_record
+from nonsmooth.reports.facts import Record, as_record, fact_record
 from nonsmooth.reports.terminal import answers_table, blocks_view, verdict_text
 from nonsmooth.symbolic.number_text import float_text, place_text
 from nonsmooth.symbolic.scene_error import one_line

@@ -11,8 +11,7 @@ from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.reports.choices import Drawing
 from nonsmooth.reports.document import Block, Paragraph
 from nonsmooth.reports.figures.style import figure_bytes
-from nonsmooth.reports.result import DataTable, Record, Result
-from nonsmooth.reports.short_text import short_lines
+from nonsmooth.reports.result import DataTable, Record, Result, short_lines
 from nonsmooth.symbolic.number_text import brief_text
 
 if TYPE_CHECKING:

@@ -9,19 +9,23 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple, Self, TypeAlias
 
+from rich.console import Group, RenderableType
+from rich.text import Text
+
 from nonsmooth.proofs.answers.answer import Answer, Heading, Pose, Position
 from nonsmooth.proofs.answers.answers import THEOREM, Answers, exit_status, full_answers
 from nonsmooth.proofs.answers.contradictions import contradictions_of_rules, reconciled, rests_under
+from nonsmooth.proofs.answers.failures import Failure, worst_failure
 from nonsmooth.proofs.facts import said
 from nonsmooth.proofs.theorem4_result import Check, Contradiction
 from nonsmooth.proofs.verdicts import Theorem4
 from nonsmooth.reports.answers import answers_record
 from nonsmooth.reports.document import Block, Paragraph, table
-from nonsmooth.reports.exact_record import Record
+from nonsmooth.reports.facts import Record
 from nonsmooth.reports.progress import steps
 from nonsmooth.reports.records import CHECK_SCHEMA, check_record, checks_record
-from nonsmooth.reports.result import DataTable, Result
-from nonsmooth.reports.short_text import short_lines
+from nonsmooth.reports.result import DataTable, Result, short_lines
+from nonsmooth.reports.terminal import header_table, verdict_text
 from nonsmooth.symbolic.contact_set import ContactSet, contact_set
 from nonsmooth.symbolic.number_text import short_text
 from nonsmooth.symbolic.scene_error import one_line
@@ -421,8 +425,6 @@ def check_views(results: Sequence[CheckResult]) -> Sequence[RenderableType]:
         answers = [headline(check), answers_view(check, answered)]
         views += [Group(*answers), check_view(check)] if evidence else [Group(*answers, clauses_view(check))]
         if result.failures is not None:
-            from nonsmooth.reports.failures import failures_view
-
             views.append(failures_view(result.failures))
     if continuum is not None:
         from nonsmooth.reports.continuum import continuum_view
@@ -518,3 +520,18 @@ class SummaryResult(Result):
 def worst(statuses: set[int]) -> int:
     """The worst of some exit statuses."""
     return next((status for status in WORST_FIRST if status in statuses), 0)
+
+
+# ---- one wheel failed ----------------------------------------------------------------------------
+
+
+def failures_view(failures: Sequence[Failure]) -> RenderableType:
+    """Wheel by wheel, and the worst by name."""
+    table = header_table("wheel", "failure", "position", "heading", "pose", "why")
+    for failure in failures:
+        answers = map(verdict_text, (failure.position, failure.heading, failure.pose))
+        table.add_row(Text(str(failure.wheel)), Text(failure.kind), *answers, Text(failure.why))
+    worst = worst_failure(tuple(failures))
+    head = Text("with any one wheel stopped (its friction stays) or lifted:")
+    said = f"the worst: {worst.name}: position {worst.position}, heading {worst.heading}, pose {worst.pose}"
+    return Group(head, table, Text(said, "bold"))

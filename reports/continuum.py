@@ -10,7 +10,7 @@ from rich.text import Text
 from nonsmooth.analysis.continuum import HeadingEffect, NoIdealizationError, Prediction, predictions
 from nonsmooth.proofs.theorem4_result import Check
 from nonsmooth.reports.document import Section, display, table
-from nonsmooth.reports.exact_record import Record, with_exact
+from nonsmooth.reports.facts import Record, with_exact
 from nonsmooth.reports.prose import paragraph
 from nonsmooth.reports.terminal import header_table
 from nonsmooth.symbolic.body import outline_text

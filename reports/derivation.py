@@ -22,8 +22,7 @@ from nonsmooth.reports.formats.markdown import render_markdown
 from nonsmooth.reports.parts import chosen_parts, names_of, sections_of, subject_of
 from nonsmooth.reports.progress import steps
 from nonsmooth.reports.refusals import option_named, refusals_named
-from nonsmooth.reports.result import DataTable, Record, Result
-from nonsmooth.reports.short_text import short_lines
+from nonsmooth.reports.result import DataTable, Record, Result, short_lines
 from nonsmooth.reports.study import SceneStudy, StudyRequest
 from nonsmooth.reports.study_options import Options, option
 from nonsmooth.reports.subject import Invocation, Subject

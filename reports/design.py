@@ -10,13 +10,11 @@ from typing import TYPE_CHECKING, Any, ClassVar, Generic, NamedTuple, TypeVar
 from nonsmooth.reports.designs.toml_text import toml_text
 from nonsmooth.reports.document import Block, Paragraph, table
 from nonsmooth.reports.entries import as_json
-from nonsmooth.reports.exact_record import Record
-from nonsmooth.reports.facts import fact_record
+from nonsmooth.reports.facts import Record, fact_record
 from nonsmooth.reports.files import output_path
 from nonsmooth.reports.progress import progress
 from nonsmooth.reports.refusals import option_named
-from nonsmooth.reports.result import DataTable, Result
-from nonsmooth.reports.short_text import short_lines
+from nonsmooth.reports.result import DataTable, Result, short_lines
 from nonsmooth.reports.study import SceneStudy, StudyRequest
 from nonsmooth.reports.study_options import Options, option
 from nonsmooth.symbolic.files.scene_file import build_scene, deep_nesting_refused, read_document

@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING
 
 from nonsmooth.proofs.facts import Quantity
 from nonsmooth.reports.document import Block, Paragraph, Table, table
-from nonsmooth.reports.exact_record import Record
-from nonsmooth.reports.facts import as_record
+from nonsmooth.reports.facts import Record, as_record
 from nonsmooth.symbolic.number_text import float_text, lower_text, numbers_text, place_text, upper_text
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from nonsmooth.reports.document import Block, Paragraph, table
 from nonsmooth.reports.law_table import LawKind, LawTable, law_table
-from nonsmooth.reports.result import FORMATS, DataTable, Record, Result
-from nonsmooth.reports.short_text import short_lines
+from nonsmooth.reports.result import FORMATS, DataTable, Record, Result, short_lines
 from nonsmooth.symbolic.number_text import short_text
 from nonsmooth.symbolic.scene_error import one_line
 

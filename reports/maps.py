@@ -40,8 +40,7 @@ from nonsmooth.reports.figures.style import (
 )
 from nonsmooth.reports.progress import progress
 from nonsmooth.reports.refusals import OptionError
-from nonsmooth.reports.result import DataTable, Record, Result
-from nonsmooth.reports.short_text import short_lines
+from nonsmooth.reports.result import DataTable, Record, Result, short_lines
 from nonsmooth.reports.simulate_options import SimulateOptions
 from nonsmooth.symbolic.number_text import percent_text
 from nonsmooth.symbolic.scene import Scene

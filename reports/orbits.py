@@ -17,8 +17,7 @@ from nonsmooth.analysis.orbits.search import find_orbit
 from nonsmooth.proofs.orbits.orbit_proof import OrbitProof, prove_orbit
 from nonsmooth.reports.document import Block, Paragraph, findings
 from nonsmooth.reports.refusals import OptionError
-from nonsmooth.reports.result import DataTable, Record, Result
-from nonsmooth.reports.short_text import short_lines
+from nonsmooth.reports.result import DataTable, Record, Result, short_lines
 from nonsmooth.reports.simulate_options import SimulateOptions
 from nonsmooth.symbolic.scene_error import one_line
 from nonsmooth.symbolic.switched_system import SwitchedSystem, require_stated

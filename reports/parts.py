@@ -19,13 +19,21 @@ from nonsmooth.reports.papers.murphey_burdick_2001.paper import is_paper_array
 from nonsmooth.reports.papers.murphey_burdick_2001.sign_form import sign_form_section, without_sign_form
 from nonsmooth.reports.prose import paragraph
 from nonsmooth.reports.sections.answers import answers_section
-from nonsmooth.reports.sections.cells import cells_section
-from nonsmooth.reports.sections.closing import references_section, reproduction_section
-from nonsmooth.reports.sections.contact import constraining_wheels, constraints_section, contact_states_section
-from nonsmooth.reports.sections.ellipse import ellipse_derivative_section, situation_section
+from nonsmooth.reports.sections.contact import (
+    cells_section,
+    constraining_wheels,
+    constraints_section,
+    contact_states_section,
+)
 from nonsmooth.reports.sections.measurements import precision_section, stress_section, without_precision
-from nonsmooth.reports.sections.opening import array_section, conventions_section, verdict_section
-from nonsmooth.reports.sections.rules import rules_section, without_rules
+from nonsmooth.reports.sections.opening import (
+    array_section,
+    conventions_section,
+    references_section,
+    reproduction_section,
+    verdict_section,
+)
+from nonsmooth.reports.sections.rules import ellipse_derivative_section, rules_section, situation_section, without_rules
 from nonsmooth.reports.sections.stability import (
     equilibria_section,
     filippov_section,

@@ -34,8 +34,7 @@ from nonsmooth.reports.document import Block, Paragraph, findings
 from nonsmooth.reports.feedback_loop import FeedbackLoop, build_loop
 from nonsmooth.reports.files import FILMS, output_path, write_whole
 from nonsmooth.reports.refusals import OptionError
-from nonsmooth.reports.result import FORMATS, DataTable, Record, Result
-from nonsmooth.reports.short_text import short_lines
+from nonsmooth.reports.result import FORMATS, DataTable, Record, Result, short_lines
 from nonsmooth.reports.simulate_options import POSE, SimulateOptions
 from nonsmooth.symbolic.contact_set import require_no_outline, standing, whole
 from nonsmooth.symbolic.number_text import float_text, numbers_text, place_text

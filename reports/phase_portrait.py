@@ -16,7 +16,7 @@ from nonsmooth.analysis.fields.stated_field import StatedField, stated_fields
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.proofs.systems.border_motion import BorderKind, BorderPart, border_parts, wave_border_parts
 from nonsmooth.reports.document import Block, Paragraph, table
-from nonsmooth.reports.exact_record import with_exact
+from nonsmooth.reports.facts import with_exact
 from nonsmooth.reports.figures.style import INK, Floats, legend_below, new_figure, title_figure
 from nonsmooth.reports.result import DataTable, Record, Result
 from nonsmooth.symbolic.number_text import place_text

@@ -1,4 +1,4 @@
-"""Results as JSON records with stable keys; how values are written: :mod:`nonsmooth.reports.exact_record`."""
+"""Results as JSON records with stable keys; how values are written: :mod:`nonsmooth.reports.facts`."""
 
 from __future__ import annotations
 
@@ -13,8 +13,7 @@ from nonsmooth.proofs.answers.failures import Failure, worst_failure
 from nonsmooth.proofs.clauses.clause import Clause
 from nonsmooth.proofs.theorem4_result import Check, Contradiction
 from nonsmooth.reports.answers import answers_record, robust_record
-from nonsmooth.reports.exact_record import Record, with_exact
-from nonsmooth.reports.facts import fact_record
+from nonsmooth.reports.facts import Record, fact_record, with_exact
 from nonsmooth.symbolic.contact_states import ContactState
 from nonsmooth.symbolic.number_text import real_text
 from nonsmooth.symbolic.numbers.measured_angles import angle_notes

@@ -15,14 +15,18 @@ from __future__ import annotations
 
 import csv
 import io
+import textwrap
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from html import escape
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, TypeAlias
 
 from nonsmooth.reports.console import json_text, write, write_json, write_views
+from nonsmooth.reports.document import Block, Paragraph, Table, plain_text
 from nonsmooth.reports.files import PICTURES, output_path, write_whole
+from nonsmooth.symbolic.notebook import html_table
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -151,7 +155,6 @@ class Result(ABC):
         write_views(self.views())
 
     def _repr_html_(self) -> str:
-        from nonsmooth.reports.formats.notebook import notebook_html
 
         return notebook_html(self.blocks())
 
@@ -211,3 +214,39 @@ FORMATS: dict[str, Callable[[Any, str], bytes]] = {
     **dict.fromkeys(PICTURES, _picture),
 }
 Result.formats = FORMATS
+
+
+# ---- how results print ---------------------------------------------------------------------------
+
+
+WIDTH, LINES = 100, 12
+
+
+def short_lines(head: str, rows: Iterable[tuple[str, str]]) -> str:
+    """A headline and a wrapped line for each name and text; what goes beyond :data:`LINES` is cut."""
+    pairs = list(rows)
+    wide = max((len(name) for name, _ in pairs), default=0)
+    lines = [textwrap.shorten(head, WIDTH, placeholder=" ...")]
+    for name, text in pairs:
+        start = f"  {name:{wide}}  "
+        lines += textwrap.wrap(text, WIDTH, initial_indent=start, subsequent_indent=" " * len(start))
+    if len(lines) > LINES:
+        lines = [*lines[: LINES - 1], "  ..."]
+    return "\n".join(lines)
+
+
+# ---- notebooks -----------------------------------------------------------------------------------
+
+
+def notebook_html(blocks: Iterable[Block]) -> str:
+    """Paragraphs and tables; every text is escaped."""
+    return "".join(_block(block) for block in blocks)
+
+
+def _block(block: Block) -> str:
+    match block:
+        case Paragraph(text):
+            return f"<p>{escape(plain_text(text))}</p>"
+        case Table(header, rows):
+            return html_table("", [*map(plain_text, header)], ([*map(plain_text, row)] for row in rows))
+    raise TypeError(f"required a paragraph or a table, received {type(block).__name__}")

@@ -10,9 +10,8 @@ import numpy as np
 
 from nonsmooth.analysis.minimizers.sampled_field import SampledField, sample_field
 from nonsmooth.reports.document import Block, Paragraph, findings
-from nonsmooth.reports.exact_record import floats
-from nonsmooth.reports.result import DataTable, Record, Result
-from nonsmooth.reports.short_text import short_lines
+from nonsmooth.reports.facts import floats
+from nonsmooth.reports.result import DataTable, Record, Result, short_lines
 from nonsmooth.symbolic.number_text import float_text, percent_text
 
 if TYPE_CHECKING:

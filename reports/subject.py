@@ -19,7 +19,7 @@ from nonsmooth.proofs.theorem4_result import CellCheck, Check
 from nonsmooth.reports import references
 from nonsmooth.reports.console import PROGRAM
 from nonsmooth.reports.document import Section
-from nonsmooth.reports.exact_record import Record
+from nonsmooth.reports.facts import Record
 from nonsmooth.reports.records import check_record, partition_record, states_record
 from nonsmooth.reports.references import Reference
 from nonsmooth.symbolic.scene import Scene

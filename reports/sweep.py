@@ -11,15 +11,14 @@ from nonsmooth.reports.document import Block
 from nonsmooth.reports.entries import entry
 from nonsmooth.reports.files import PICTURES, write_whole
 from nonsmooth.reports.refusals import RefusedError, option_named
-from nonsmooth.reports.result import DataTable, Record, Result
-from nonsmooth.reports.short_text import short_lines
+from nonsmooth.reports.result import DataTable, Record, Result, short_lines
 from nonsmooth.reports.study import SceneStudy, StudyRequest
 from nonsmooth.reports.study_options import Options, option
 from nonsmooth.reports.sweeps.base import Base, base_of, with_wheels
 from nonsmooth.reports.sweeps.sweep import Means, Sweep, run_sweep
-from nonsmooth.reports.sweeps.sweep_error import SweepError
 from nonsmooth.reports.sweeps.sweep_plan import SweepPlan, read_plan
 from nonsmooth.reports.sweeps.table import counted, flat_rows, sweep_blocks, sweep_record
+from nonsmooth.reports.sweeps.values import SweepError
 from nonsmooth.reports.sweeps.workers import processors
 
 if TYPE_CHECKING:

@@ -31,8 +31,7 @@ from nonsmooth.reports.maps import MapResult, Part, grid_of, parts_record
 from nonsmooth.reports.phase_portrait import PhasePortrait, draw_borders, draw_potential
 from nonsmooth.reports.progress import ProgressCall, progress
 from nonsmooth.reports.records import contradictions_record
-from nonsmooth.reports.result import DataTable, Record
-from nonsmooth.reports.short_text import short_lines
+from nonsmooth.reports.result import DataTable, Record, short_lines
 from nonsmooth.reports.simulate_options import SimulateOptions
 from nonsmooth.symbolic.number_text import percent_text
 from nonsmooth.symbolic.numbers.work_limit import WorkMeter

@@ -22,10 +22,8 @@ from nonsmooth.proofs.system_facts import (
 from nonsmooth.proofs.systems.decay_rate import DecayKind
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.reports.document import Block, Paragraph, findings
-from nonsmooth.reports.exact_record import Record, with_exact
-from nonsmooth.reports.facts import fact_record, fact_rows
-from nonsmooth.reports.result import DataTable, Result
-from nonsmooth.reports.short_text import short_lines
+from nonsmooth.reports.facts import Record, fact_record, fact_rows, with_exact
+from nonsmooth.reports.result import DataTable, Result, short_lines
 from nonsmooth.symbolic.numbers.measured_angles import angle_notes
 from nonsmooth.symbolic.scene_error import one_line
 

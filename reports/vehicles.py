@@ -17,7 +17,7 @@ from nonsmooth.analysis.vehicles import (
     vehicle_motions,
 )
 from nonsmooth.reports.document import Block, Paragraph, table
-from nonsmooth.reports.exact_record import Record, exact_texts, floats
+from nonsmooth.reports.facts import Record, exact_texts, floats
 from nonsmooth.reports.refusals import RefusedError
 from nonsmooth.reports.result import FORMATS, DataTable, Result
 from nonsmooth.symbolic.number_text import float_text, percent_text, short_text

@@ -9,18 +9,18 @@ import pytest
 from pydantic import BaseModel
 
 from nonsmooth.symbolic.files.body_table import BodyTable
-from nonsmooth.symbolic.files.feedback_table import FeedbackTable
 from nonsmooth.symbolic.files.layouts import Grid, Ring, WheelTable
 from nonsmooth.symbolic.files.scene_document import (
     CheckTable,
     DriveTable,
+    FeedbackTable,
     FrictionTable,
     SceneDocument,
+    ToleranceTable,
     UnitsTable,
     WheelFile,
 )
 from nonsmooth.symbolic.files.scene_values import keys_of
-from nonsmooth.symbolic.files.tolerance_table import ToleranceTable
 from nonsmooth.symbolic.files.vehicle_file import VehicleTable
 from nonsmooth.symbolic.files.wheel_csv import COLUMNS
 

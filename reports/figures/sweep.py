@@ -16,10 +16,10 @@ from nonsmooth.proofs.verdicts import Certainty
 from nonsmooth.reports.figures.style import INK, XY, legend_below, new_figure, title_figure
 from nonsmooth.reports.sweeps.borders import Border, has_place
 from nonsmooth.reports.sweeps.certified import CertifiedCell
-from nonsmooth.reports.sweeps.sweep_error import SweepError
+from nonsmooth.reports.sweeps.outcome import REFUSED
 from nonsmooth.reports.sweeps.sweep_plan import SweepPlan
-from nonsmooth.reports.sweeps.system_outcome import REFUSED
 from nonsmooth.reports.sweeps.table import counted, sweep_title
+from nonsmooth.reports.sweeps.values import SweepError
 from nonsmooth.symbolic.number_text import float_text
 
 if TYPE_CHECKING:

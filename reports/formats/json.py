@@ -20,7 +20,7 @@ from nonsmooth.reports.document import (
     Text,
     Verdict,
 )
-from nonsmooth.reports.exact_record import Record
+from nonsmooth.reports.facts import Record
 
 DERIVATION_SCHEMA = "nonsmooth-derivation/1"
 

@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING, Any
 from nonsmooth.proofs.inequalities.linear_program import best_mixture, mixtures_to_zero
 from nonsmooth.reports.document import Block, Paragraph, table
 from nonsmooth.reports.entries import entry
-from nonsmooth.reports.result import DataTable, Record, Result
-from nonsmooth.reports.short_text import short_lines
+from nonsmooth.reports.result import DataTable, Record, Result, short_lines
 from nonsmooth.symbolic.number_text import brief_text, short_text
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.plane import dot, minus

@@ -7,13 +7,28 @@ from collections.abc import Iterable
 from nonsmooth.analysis.contact_rule import rule_of
 from nonsmooth.analysis.minimizers.dissipation import Functional
 from nonsmooth.proofs.theorem4_result import CellCheck
-from nonsmooth.reports.document import Block, Bullets, Display, Section, Text, cell_mark, display
-from nonsmooth.reports.prose import paragraph
+from nonsmooth.reports.cells import CellsResult
+from nonsmooth.reports.document import (
+    Block,
+    Bullets,
+    Display,
+    Figure,
+    Section,
+    Text,
+    cell_mark,
+    display,
+    number,
+    point,
+    table,
+)
+from nonsmooth.reports.prose import listed, paragraph, prose
+from nonsmooth.reports.subject import ArraySubject
 from nonsmooth.symbolic.constraints import constraint_matrix
 from nonsmooth.symbolic.contact_states import ContactState
 from nonsmooth.symbolic.equations import Coordinates, GoverningEquations, governing_equations
 from nonsmooth.symbolic.formulas import number_latex
 from nonsmooth.symbolic.free_rollers import askew_wheels
+from nonsmooth.symbolic.number_text import real_text
 from nonsmooth.symbolic.scene import Wheel
 
 LONGEST = 120  # characters of an exact coefficient; longer ones are rounded (the JSON report holds them exactly)
@@ -132,3 +147,47 @@ def _pair(*systems: GoverningEquations) -> list[Block]:
     if sum(max(len(line) for line in plain.splitlines()) for plain in plains) <= SIDE_BY_SIDE:
         return [display(r" \qquad ".join(latex), "\n".join(plains))]
     return [display(*notations) for notations in zip(latex, plains, strict=True)]
+
+
+# ---- cells ---------------------------------------------------------------------------------------
+
+
+def cells_section(subject: ArraySubject) -> Section:
+    """The map, and the polygons with the proof that they tile the square."""
+    cells = subject.cells.partition.cells
+    rows = [
+        (
+            str(cell.index),
+            " or ".join(state.name for state in cell.states),
+            listed([point(vertex) for vertex in cell.polygon.vertices]),
+            number(cell.polygon.area),
+        )
+        for cell in cells
+    ]
+    header = ("cell", "rows held", "vertices, counterclockwise", "area")
+    listing = table(header, rows, (1.2, 2, 6.6, 2.7), [(cell_mark(cell.index),) for cell in cells])
+    return Section("Cells", (_map(subject), listing, paragraph("{}", _tiling(subject.cells))))
+
+
+def _map(subject: ArraySubject) -> Figure:
+    partition = subject.cells.partition
+
+    return Figure(
+        "cell-map",
+        prose(
+            "The cells of the checked square. Within a cell the same rows are held and the twist is constant; "
+            "arrows show the direction of the centre of mass, turning signs the sense of `omega`."
+        ),
+        f"Map of the {len(partition.cells)} cells with an arrow for the motion in each.",
+        subject.invocation.line("partition", "-o", "cells.pdf"),
+        CellsResult(partition).content,
+    )
+
+
+def _tiling(result: CellCheck) -> str:
+    partition = result.partition
+    if not partition.complete:
+        return "Only the cells at the checked point were built; the verdicts need no others."
+    said = "cancel exactly and leave its border, so they tile it" if partition.tiles else "do not leave its border"
+    error = real_text(partition.area_error)
+    return f"In sum, the boundaries of the cells {said}. Area of the square minus area of the cells: {error}."

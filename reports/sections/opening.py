@@ -2,13 +2,30 @@
 
 from __future__ import annotations
 
+import platform
+from importlib.metadata import version
+
 from nonsmooth.analysis.contact_rule import rule_of
 from nonsmooth.proofs.theorem4_result import Check
-from nonsmooth.reports.document import Bullets, Entry, Figure, Math, Paragraph, Section, number, point, table
+from nonsmooth.reports.console import own_version
+from nonsmooth.reports.document import (
+    Bullets,
+    Code,
+    Entry,
+    Figure,
+    Listing,
+    Math,
+    Paragraph,
+    Section,
+    number,
+    point,
+    table,
+)
 from nonsmooth.reports.figures import wheels
 from nonsmooth.reports.figures.style import drawn
 from nonsmooth.reports.prose import paragraph, prose, with_formulas
-from nonsmooth.reports.subject import ArraySubject
+from nonsmooth.reports.references import how_to_cite
+from nonsmooth.reports.subject import ArraySubject, Subject
 from nonsmooth.symbolic.free_rollers import askew_wheels
 from nonsmooth.symbolic.numbers.measured_angles import angle_notes
 from nonsmooth.symbolic.rule import MIXED
@@ -120,3 +137,25 @@ def conventions_section(scene: Scene) -> Section:
 def _load_model(scene: Scene) -> str:
     """Which normal forces are taken."""
     return (scene.contact.loads or EqualSprings()).words
+
+
+# ---- the last section ----------------------------------------------------------------------------
+
+
+LIBRARIES = ("python-flint", "sympy", "numpy", "scipy", "matplotlib")
+
+
+def references_section(subject: Subject) -> Section:
+    """The works that this report rests on, and how to cite the program."""
+    works = sorted(subject.works, key=lambda work: work.authors.split()[-1])
+    listed = Bullets(tuple((work.text,) for work in works))
+    return Section("References", (listed, paragraph("To cite this program:"), Listing(how_to_cite())))
+
+
+def reproduction_section(subject: Subject) -> Section:
+    """Versions and the command that writes this report."""
+    libraries = ", ".join(f"{name} {version(name)}" for name in LIBRARIES)
+    words = "nonsmooth {}, Python {}, {}. This report is written by {}."
+    command = Code(subject.invocation.derive)
+    versions = paragraph(words, own_version(), platform.python_version(), libraries, command)
+    return Section("Versions and reproduction", (versions,))

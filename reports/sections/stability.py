@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from typing import Any
+
+from flint import arb
 
 from nonsmooth.analysis.cells.filippov import CellDerivative
 from nonsmooth.proofs.clauses.clause import Clause
@@ -15,14 +18,17 @@ from nonsmooth.proofs.clauses.translation.fan_stability import FanResult
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
 from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.clauses.workspace import ClauseResult
+from nonsmooth.proofs.facts import Fact
 from nonsmooth.proofs.theorem4_result import CellCheck, Check
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.reports.cells import CellsResult
 from nonsmooth.reports.choices import Drawing
 from nonsmooth.reports.document import (
     Block,
+    Bullets,
     Entry,
     Figure,
+    Inline,
     Paragraph,
     Section,
     cell_mark,
@@ -32,12 +38,13 @@ from nonsmooth.reports.document import (
     point,
     table,
 )
-from nonsmooth.reports.fact_list import fact_list
 from nonsmooth.reports.prose import listed, paragraph, prose, with_formulas
 from nonsmooth.reports.sections.feedback import feedback_blocks
 from nonsmooth.reports.subject import ArraySubject
 from nonsmooth.symbolic.constraints import Twist
-from nonsmooth.symbolic.number_text import float_text
+from nonsmooth.symbolic.number_text import brief_text, float_text
+from nonsmooth.symbolic.numbers.lazy import Lazy
+from nonsmooth.symbolic.numbers.number import Number
 
 
 def filippov_section(result: CellCheck) -> Section:
@@ -243,3 +250,19 @@ def _rotation_blocks(rotation: RotationResult) -> tuple[Block, ...]:
         bounds,
         table(("end", prose("`y`")), multipliers, (1, 5)),
     )
+
+
+# ---- facts as sentences --------------------------------------------------------------------------
+
+
+def fact_list(facts: Iterable[Fact]) -> list[Bullets]:
+    """The sentences as a list of a report, with numbers as formulas; no list where there are none."""
+    told = [fact for fact in facts if fact.words and not fact.explained]
+    items = [prose(fact.words, *map(_entry, fact.shown)) for fact in told]
+    return [Bullets(tuple(items))] if items else []
+
+
+def _entry(shown: Any) -> Inline:
+    if isinstance(shown, Number):
+        return number(shown)
+    return brief_text(shown) if isinstance(shown, Lazy | arb) else str(shown)

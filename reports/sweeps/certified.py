@@ -16,9 +16,8 @@ from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.proofs.robust.decide import decided_statement
 from nonsmooth.proofs.verdicts import Certainty
 from nonsmooth.reports.sweeps.base import Base
-from nonsmooth.reports.sweeps.sweep_error import SweepError
 from nonsmooth.reports.sweeps.sweep_plan import Axis, SweepPlan
-from nonsmooth.reports.sweeps.values import Entry, Value, WrittenValue
+from nonsmooth.reports.sweeps.values import Entry, SweepError, Value, WrittenValue
 from nonsmooth.symbolic.contact_set import standing
 from nonsmooth.symbolic.files.key_paths import Path
 from nonsmooth.symbolic.scene_error import SceneError, one_line

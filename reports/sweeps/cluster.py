@@ -17,8 +17,7 @@ from typing import Any
 
 from nonsmooth.reports.sweeps.base import program_hash
 from nonsmooth.reports.sweeps.outcome import Outcome, refused
-from nonsmooth.reports.sweeps.sweep_error import SweepError
-from nonsmooth.reports.sweeps.values import Entry
+from nonsmooth.reports.sweeps.values import Entry, SweepError
 from nonsmooth.reports.sweeps.workers import AHEAD, DIED, TICK, Finished, Task, Work
 
 GOODBYE = 3  # seconds to leave the scheduler in order

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.proofs.answers.answer import Answer, Heading, Pose, Position
@@ -12,24 +12,22 @@ from nonsmooth.proofs.answers.contradictions import reconciled
 from nonsmooth.proofs.answers.failures import failures_of
 from nonsmooth.proofs.answers.robust import TOLERANCES, robust_answer
 from nonsmooth.proofs.facts import Fact, Quantity
+from nonsmooth.proofs.system_decision import StabilityResult, decide_system
+from nonsmooth.proofs.systems.decay_rate import DecayKind
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.theorem4_result import CellCheck, Check
 from nonsmooth.proofs.verdicts import Theorem4
-from nonsmooth.reports.exact_record import exact_texts, floats
+from nonsmooth.reports.facts import exact_texts, floats
 from nonsmooth.reports.records import failure_records
 from nonsmooth.reports.sweeps.base import Base
-from nonsmooth.reports.sweeps.system_outcome import (
-    REFUSED,
-    SYSTEM_QUESTIONS,
-    refused_system,
-    system_outcome,
-    without_file,
-)
 from nonsmooth.reports.sweeps.values import Entry
 from nonsmooth.symbolic.contact_set import TipsError
 from nonsmooth.symbolic.files.key_paths import Path
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import SceneError, one_line
+
+if TYPE_CHECKING:
+    from nonsmooth.reports.sweeps.base import Base
 
 Outcome: TypeAlias = Mapping[str, Any]
 
@@ -128,3 +126,66 @@ def _clause_facts(check: Check, name: str) -> Iterator[Fact]:
     for clause, _ in check.clauses:
         if clause.name == name:
             yield from check.facts(clause)
+
+
+# ---- plain systems -------------------------------------------------------------------------------
+
+
+REFUSED = "refused"  # the answer of a scene that cannot be checked; why stands beside it
+SYSTEM_QUESTIONS = ("stability",)
+# Numbers of a record: kappa of `V' <= -kappa V` and of `V' <= -kappa`, in the square of half-width `rate_within` (null:
+# everywhere); every start with `V < level` in the square of half-width `within` arrives; in one state every start
+# between `from` and `to` does.
+SYSTEM_NUMBERS = ("rate", "fall", "rate_within", "level", "within", "from", "to")
+SYSTEM_TEXTS = ("method", "V")
+SYSTEM_COLUMNS = (*SYSTEM_QUESTIONS, *SYSTEM_TEXTS, *SYSTEM_NUMBERS)
+
+
+def system_outcome(base: Base, paths: Sequence[Path], entries: Sequence[Entry]) -> Mapping[str, Any]:
+    """Check one plain system of a sweep."""
+    try:
+        result = decide_system(base.system(paths, entries))
+    except SceneError as error:
+        return refused_system(without_file(error))
+    numbers = _numbers(result)
+    exact = {name: exact_texts(value) for name, value in numbers.items()}
+    return {
+        **_system_record(str(result.verdict), None),
+        **_texts(result),
+        **{name: floats(value) for name, value in numbers.items()},
+        "exact": {name: text for name, text in exact.items() if text is not None},
+    }
+
+
+def refused_system(why: str) -> Mapping[str, Any]:
+    """A system without an answer."""
+    return _system_record(REFUSED, one_line(why))
+
+
+def without_file(error: SceneError) -> str:
+    """What is wrong, without the name of the file, which is that of the whole sweep."""
+    return f"{error.key}: {str(error).partition(f'{error.key}: ')[2]}" if error.key else str(error)
+
+
+def _system_record(stability: str, why: str | None) -> dict[str, Any]:
+    """A record without texts and numbers."""
+    return {**dict.fromkeys(SYSTEM_COLUMNS), SYSTEM_QUESTIONS[0]: stability, "exact": {}, "why": why}
+
+
+def _texts(result: StabilityResult) -> dict[str, str | None]:
+    function = result.function
+    return {"method": str(result.method), "V": None if function is None else function.text}
+
+
+def _numbers(result: StabilityResult) -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    reach = result.reach
+    if reach.rate is not None and reach.rate_domain is not None:
+        found["rate" if reach.rate.decay is DecayKind.EXPONENTIAL else "fall"] = reach.rate.kappa
+        found["rate_within"] = reach.rate_domain.radius
+    if reach.region is not None:
+        found |= {"level": reach.region.level, "within": reach.region.radius}
+    intervals = (fact.value for fact in result.deciding.facts if fact.key == "region" and fact.value)
+    for interval in intervals:  # of starts, in one state
+        found |= {key: interval[key].value for key in ("from", "to")}
+    return found

@@ -12,8 +12,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, TypeAlias
 
-from nonsmooth.reports.sweeps.sweep_error import SweepError
-from nonsmooth.reports.sweeps.values import Listed, Range, Value, Values, WrittenValue, read_values
+from nonsmooth.reports.sweeps.values import Listed, Range, SweepError, Value, Values, WrittenValue, read_values
 from nonsmooth.symbolic.files.key_paths import Path, find_path, path_text
 
 DRAW_BITS = 20  # of a random share of a range: short fractions keep exact arithmetic fast

@@ -13,10 +13,9 @@ from nonsmooth.reports.document import Block, Paragraph, table
 from nonsmooth.reports.records import FAILURE
 from nonsmooth.reports.sweeps.borders import Border
 from nonsmooth.reports.sweeps.certified import CertifiedCell
-from nonsmooth.reports.sweeps.outcome import CLAUSES, NUMBERS, QUESTIONS, Outcome
+from nonsmooth.reports.sweeps.outcome import CLAUSES, NUMBERS, QUESTIONS, SYSTEM_COLUMNS, SYSTEM_NUMBERS, Outcome
 from nonsmooth.reports.sweeps.sweep import Sweep
 from nonsmooth.reports.sweeps.sweep_plan import Point
-from nonsmooth.reports.sweeps.system_outcome import SYSTEM_COLUMNS, SYSTEM_NUMBERS
 from nonsmooth.symbolic.number_text import float_text
 from nonsmooth.symbolic.scene_error import one_line
 

@@ -10,10 +10,14 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TypeAlias
 
-from nonsmooth.reports.sweeps.sweep_error import SweepError
 from nonsmooth.symbolic.expression import Expression, ExpressionError
 from nonsmooth.symbolic.files.scene_values import AngleUnit, read_exact
 from nonsmooth.symbolic.scene_error import requirement, shown
+
+
+class SweepError(ValueError):
+    """``keyword: required ..., received ...``; the command line puts two dashes before it."""
+
 
 MAX_COUNT = 10**9  # of the values of one range: each has an index, none is kept
 MAX_LISTED = 10_000  # values of a list

@@ -22,8 +22,7 @@ from nonsmooth.reports.processes import DiedError, WorkerPool, serve
 from nonsmooth.reports.sweeps.base import Base
 from nonsmooth.reports.sweeps.certified import cell_outcome
 from nonsmooth.reports.sweeps.outcome import Outcome, outcome_of, refused
-from nonsmooth.reports.sweeps.sweep_error import SweepError
-from nonsmooth.reports.sweeps.values import Entry
+from nonsmooth.reports.sweeps.values import Entry, SweepError
 from nonsmooth.symbolic.files.key_paths import Path
 
 AHEAD = 2  # scenes under way for each worker, so that none waits for the next

@@ -25,8 +25,7 @@ from nonsmooth.proofs.judged_equilibria import JudgedEquilibrium, judge_equilibr
 from nonsmooth.proofs.theorem4 import SEARCH_UNITS
 from nonsmooth.reports.check import check_scene
 from nonsmooth.reports.check_results import ArrayAnswers, CheckResult, TippedResult
-from nonsmooth.reports.exact_record import floats
-from nonsmooth.reports.facts import fact_lines, fact_record
+from nonsmooth.reports.facts import fact_lines, fact_record, floats
 from nonsmooth.reports.interface.array import Array
 from nonsmooth.reports.workbench.paths import path_records
 from nonsmooth.reports.workbench.shapes import (

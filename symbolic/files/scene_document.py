@@ -8,20 +8,28 @@ from typing import Annotated
 from pydantic import Field, PlainValidator, StrictStr
 
 from nonsmooth.symbolic.files.body_table import BodyTable
-from nonsmooth.symbolic.files.feedback_table import FeedbackTable
 from nonsmooth.symbolic.files.layouts import Grid, Ring, RuleName, WheelTable
 from nonsmooth.symbolic.files.load_values import Loads
 from nonsmooth.symbolic.files.scene_values import (
     PLANE,
+    Angle,
+    AngleField,
     AngleUnit,
+    Exact,
+    ExactField,
+    Numbers,
     OptionalExact,
     PairField,
     TomlTable,
 )
-from nonsmooth.symbolic.files.tolerance_table import ToleranceTable
 from nonsmooth.symbolic.files.velocity_fields import AnyField, HeadingField
+from nonsmooth.symbolic.loop_errors import LoopErrors
+from nonsmooth.symbolic.number_text import short_text
+from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.rule import DEFAULT_RULE
+from nonsmooth.symbolic.scene_error import SceneError, StatedFact
+from nonsmooth.symbolic.tolerances import Tolerance
 from nonsmooth.symbolic.units import LengthUnit, SpeedUnit, Units
 
 MAX_NAME = 200  # characters
@@ -120,6 +128,104 @@ class CheckTable(TomlTable):
     lyapunov: Annotated[PiecewiseExpression | None, PlainValidator(read_lyapunov)] = None
     length: OptionalExact = None
     accuracy: OptionalExact = None
+
+
+# ---- feedback ------------------------------------------------------------------------------------
+
+
+HALF_TURN = 1  # of pi: a heading that may be off by more is not known
+
+
+class FeedbackTable(TomlTable):
+    """``[feedback]``: a time, a length in the scene's unit, and an angle."""
+
+    delay: ExactField = Fraction(0)
+    position_error: ExactField = Fraction(0)
+    heading_error: AngleField = Angle(Fraction(0))
+
+
+def build_loop_errors(table: FeedbackTable, numbers: Numbers) -> LoopErrors:
+    """The errors of a scene.
+
+    Raises:
+        SceneError: for negative entries, half a turn and more, and a table in which all are zero.
+    """
+    turn = table.heading_error.turn
+    if not 0 <= turn < HALF_TURN:
+        received = StatedFact(f"{float(turn * 180):g} deg")
+        raise SceneError(numbers.file, "feedback.heading_error", "an angle of at least 0, below half a turn", received)
+    found = LoopErrors(
+        _error_size(table.delay, "delay", numbers), _error_size(table.position_error, "position_error", numbers), turn
+    )
+    if not (found.delay or found.position or found.heading):
+        raise SceneError(numbers.file, "feedback", "an entry that is not zero", StatedFact("none"))
+    return found
+
+
+def _error_size(value: Exact, name: str, numbers: Numbers) -> Number:
+    number = numbers(value, f"feedback.{name}")
+    if number.sign() < 0:
+        raise SceneError(numbers.file, f"feedback.{name}", "a number of at least 0", StatedFact(short_text(number)))
+    return number
+
+
+# ---- tolerances ----------------------------------------------------------------------------------
+
+
+QUARTER = Fraction(1, 2)  # of pi: a rim that may turn farther has no direction
+
+
+class ToleranceTable(TomlTable):
+    """``[tolerance]``: lengths in the scene's unit, ``heading`` an angle, the others shares of the scene's values."""
+
+    position: ExactField = Fraction(0)
+    heading: AngleField = Angle(Fraction(0))
+    speed: ExactField = Fraction(0)
+    mu_roll: ExactField = Fraction(0)
+    mu_side: ExactField = Fraction(0)
+    centre_of_mass: ExactField = Fraction(0)
+
+
+def build_tolerance(table: ToleranceTable, numbers: Numbers) -> Tolerance:
+    """The box of a scene.
+
+    Raises:
+        SceneError: for negative entries, shares of one and more, a quarter turn and more, and a box of one point.
+    """
+    turn = table.heading.turn
+    if not 0 <= turn < QUARTER:
+        received = StatedFact(f"{float(turn * 180):g} deg")
+        raise SceneError(numbers.file, "tolerance.heading", "an angle of at least 0, below a quarter turn", received)
+    found = Tolerance(
+        position=_size(table.position, "position", numbers),
+        heading=turn,
+        speed=_share(table.speed, "speed", numbers),
+        mu_roll=_share(table.mu_roll, "mu_roll", numbers),
+        mu_side=_share(table.mu_side, "mu_side", numbers),
+        centre_of_mass=_size(table.centre_of_mass, "centre_of_mass", numbers),
+    )
+    if not found.names:
+        raise SceneError(numbers.file, "tolerance", "an entry that is not zero", StatedFact("none"))
+    return found
+
+
+def _size(value: Exact, name: str, numbers: Numbers) -> Number:
+    number = numbers(value, f"tolerance.{name}")
+    if number.sign() < 0:
+        received = StatedFact(short_text(number))
+        raise SceneError(numbers.file, f"tolerance.{name}", "a number of at least 0", received)
+    return number
+
+
+def _share(value: Exact, name: str, numbers: Numbers) -> Number:
+    number = _size(value, name, numbers)
+    if (number - 1).sign() >= 0:
+        received = StatedFact(short_text(number))
+        raise SceneError(numbers.file, f"tolerance.{name}", "a share of at least 0 and below 1", received)
+    return number
+
+
+# ---- the whole file -------------------------------------------------------------------------------
 
 
 class SceneDocument(TomlTable):

@@ -17,13 +17,17 @@ from pathlib import Path
 from typing import Any
 
 from nonsmooth.symbolic.files.body_table import build_body
-from nonsmooth.symbolic.files.feedback_table import build_loop_errors
 from nonsmooth.symbolic.files.layouts import Layout, WheelList
-from nonsmooth.symbolic.files.scene_document import SceneDocument, StatedUnits, UnitsTable
+from nonsmooth.symbolic.files.scene_document import (
+    SceneDocument,
+    StatedUnits,
+    UnitsTable,
+    build_loop_errors,
+    build_tolerance,
+)
 from nonsmooth.symbolic.files.scene_parts import build_check, build_contact, build_continuum
 from nonsmooth.symbolic.files.scene_validation import validate
 from nonsmooth.symbolic.files.scene_values import Numbers, angle_remarks, angles, field_of
-from nonsmooth.symbolic.files.tolerance_table import build_tolerance
 from nonsmooth.symbolic.files.wheel_builder import WheelBuilder
 from nonsmooth.symbolic.files.wheel_csv import WheelRows, parse_wheels
 from nonsmooth.symbolic.scene import Scene

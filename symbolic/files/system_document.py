@@ -6,16 +6,18 @@ A new table or key of plain systems is declared here; :mod:`nonsmooth.symbolic.f
 from __future__ import annotations
 
 import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from fractions import Fraction
-from typing import Annotated
+from typing import Annotated, Any
 
 from pydantic import Field, PlainValidator
 
 from nonsmooth.symbolic.files.parameters import read_parameters
-from nonsmooth.symbolic.files.region_tables import RegionTable
 from nonsmooth.symbolic.files.scene_document import Name
 from nonsmooth.symbolic.files.scene_values import Exact, ExactField, TomlTable, read_exact
 from nonsmooth.symbolic.piecewise import NUMBERS, SWITCHES
+from nonsmooth.symbolic.scene_error import SceneError, StatedFact
 
 MAX_STATES = 8
 _STATE = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,19}")
@@ -86,3 +88,100 @@ class SystemDocument(TomlTable):
     system: SystemTable
     region: tuple[RegionTable, ...] = ()
     check: SystemCheckTable = SystemCheckTable()
+
+
+# ---- regions -------------------------------------------------------------------------------------
+#
+# The first table whose guards hold counts; the last one has no guards and holds everywhere else, so the fields cover
+# all states and nothing is ambiguous.  A guard ``g > 0`` is half of ``1 + sgn(g)``, so the tables become one formula
+# for each state; on the borders themselves values are ignored as everywhere (Filippov 1988, sec. 4).
+
+
+MAX_REGIONS = 12
+_GUARD = re.compile(r"([^<>=]+)(<=|>=|<|>)([^<>=]+)")
+
+Checker = Callable[[object, str], None]  # of a formula under a key
+
+
+def read_texts(value: object) -> tuple[object, ...]:
+    """A list, or one text.
+
+    Raises:
+        ValueError: for anything else.
+    """
+    if isinstance(value, str):
+        return (value,)
+    if not isinstance(value, list):
+        raise ValueError('required a list of texts such as ["x > 0"]')
+    return tuple(value)
+
+
+class RegionTable(TomlTable):
+    """``[[region]]``: guards such as "x > 0" that all hold there, and one right-hand side for each state."""
+
+    where: Annotated[tuple[object, ...], PlainValidator(read_texts)] = ()
+    rhs: Annotated[tuple[object, ...], PlainValidator(read_texts)]
+
+
+@dataclass(frozen=True)
+class Guarded:
+    """A table as texts: guards that are positive inside, and its formulas."""
+
+    guards: tuple[str, ...]
+    rhs: tuple[str, ...]
+
+
+def regions_as_formulas(
+    tables: Sequence[RegionTable], states: Sequence[str], check: Checker, file: str
+) -> tuple[str, ...]:
+    """One formula for each state.
+
+    Args:
+        tables: in order.
+        states: their names.
+        check: refuses what is no formula of the states.
+        file: for messages.
+
+    Raises:
+        SceneError: for guards that are none, a last table with guards or another one without, too many tables, and
+            another number of formulas than states.
+    """
+    if len(tables) > MAX_REGIONS:
+        raise SceneError(file, "region", f"at most {MAX_REGIONS} tables", StatedFact(f"{len(tables)}"))
+    found = [_guarded(table, states, check, file, f"region[{k}]") for k, table in enumerate(tables, 1)]
+    for k, region in enumerate(found, 1):
+        if bool(region.guards) is (k == len(found)):
+            expected = "guards in all tables but the last one, which holds everywhere else"
+            raise SceneError(file, f"region[{k}].where", expected, StatedFact(f"{len(region.guards)}"))
+    return tuple(_formula(found, j) for j in range(len(states)))
+
+
+def _guarded(table: RegionTable, states: Sequence[str], check: Checker, file: str, key: str) -> Guarded:
+    if len(table.rhs) != len(states):
+        expected = f"{len(states)} formulas, one for each state"
+        raise SceneError(file, f"{key}.rhs", expected, StatedFact(f"{len(table.rhs)}"))
+    guards = [_guard(text, check, file, f"{key}.where[{j}]") for j, text in enumerate(table.where, 1)]
+    for j, formula in enumerate(table.rhs, 1):
+        check(formula, f"{key}.rhs[{j}]")
+    return Guarded(tuple(guards), tuple(f"({str(formula).strip()})" for formula in table.rhs))
+
+
+def _guard(value: Any, check: Checker, file: str, key: str) -> str:
+    """What is positive where the guard holds."""
+    parts = _GUARD.fullmatch(value) if isinstance(value, str) else None
+    if parts is None:
+        raise SceneError(file, key, 'a guard such as "x - y > 0", with one of < <= > >=', value)
+    left, comparison, right = (part.strip() for part in parts.groups())
+    for side in (left, right):
+        check(side, key)
+    return f"({left}) - ({right})" if comparison.startswith(">") else f"({right}) - ({left})"
+
+
+def _formula(regions: Sequence[Guarded], j: int) -> str:
+    """``1_1 f_1 + (1 - 1_1) (1_2 f_2 + (1 - 1_2) (...))`` for one state."""
+    formula = regions[-1].rhs[j]
+    for region in reversed(regions[:-1]):
+        inside = "*".join(f"(1 + sgn({guard}))/2" for guard in region.guards)
+        if region.rhs[j] != formula:
+            formula = f"({inside}*{region.rhs[j]} + (1 - {inside})*{formula})"
+    return formula

@@ -14,14 +14,12 @@ from typing import Any
 
 from nonsmooth.symbolic.cleared_fractions import Clearing
 from nonsmooth.symbolic.expression import ExpressionError, parse
-from nonsmooth.symbolic.files.interval_parameters import split_intervals
 from nonsmooth.symbolic.files.parameters import parameter_texts, with_parameters
-from nonsmooth.symbolic.files.region_tables import regions_as_formulas
-from nonsmooth.symbolic.files.right_hand_sides import float_point, read_right_hand_sides
+from nonsmooth.symbolic.files.right_hand_sides import float_point, read_right_hand_sides, split_intervals
 from nonsmooth.symbolic.files.scene_file import build_scene, builtin_systems, deep_nesting_refused, read_document
 from nonsmooth.symbolic.files.scene_validation import validate
 from nonsmooth.symbolic.files.scene_values import Exact, Numbers, angles, field_of
-from nonsmooth.symbolic.files.system_document import RESERVED, SystemCheckTable, SystemDocument
+from nonsmooth.symbolic.files.system_document import RESERVED, SystemCheckTable, SystemDocument, regions_as_formulas
 from nonsmooth.symbolic.number_text import short_text
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial

@@ -16,8 +16,7 @@ from hypothesis import strategies as st
 
 from nonsmooth.reports.derivation import derive_report, render_report
 from nonsmooth.reports.document import Document, Figure, Frame, Math, Paragraph, Section, cell_mark, display, table
-from nonsmooth.reports.formats.html import render_html
-from nonsmooth.reports.formats.mathml import NAMESPACE, display_mathml, inline_mathml
+from nonsmooth.reports.formats.html import NAMESPACE, display_mathml, inline_mathml, render_html
 from nonsmooth.reports.parts import PART_NAMES, chosen_parts
 from nonsmooth.reports.subject import Invocation
 from nonsmooth.symbolic.files.scene_file import load_scene

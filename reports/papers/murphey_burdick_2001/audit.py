@@ -43,7 +43,7 @@ from nonsmooth.reports.document import (
     point,
     table,
 )
-from nonsmooth.reports.papers.murphey_burdick_2001.printed_equations import (
+from nonsmooth.reports.papers.murphey_burdick_2001.sign_form import (
     EQUATION_3,
     EQUATION_4,
     RATE_OF_SECTION_3_2,

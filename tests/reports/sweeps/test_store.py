@@ -27,12 +27,10 @@ from nonsmooth.reports.sweeps import store as store_module
 from nonsmooth.reports.sweeps import workers as workers_module
 from nonsmooth.reports.sweeps.base import base_of
 from nonsmooth.reports.sweeps.outcome import Outcome
-from nonsmooth.reports.sweeps.run import Runner
 from nonsmooth.reports.sweeps.store import Store
-from nonsmooth.reports.sweeps.sweep import Means, run_sweep
-from nonsmooth.reports.sweeps.sweep_error import SweepError
+from nonsmooth.reports.sweeps.sweep import Means, Runner, run_sweep
 from nonsmooth.reports.sweeps.sweep_plan import read_plan
-from nonsmooth.reports.sweeps.values import Entry
+from nonsmooth.reports.sweeps.values import Entry, SweepError
 from nonsmooth.reports.sweeps.workers import DEATHS, DIED, InProcess, ProcessPool, Task, Work
 from nonsmooth.symbolic.files.scene_file import read_document
 from tests.thorough import keep

@@ -41,7 +41,7 @@ from nonsmooth.reports.papers.murphey_burdick_2001.audit import (
     sign_sets,
 )
 from nonsmooth.reports.papers.murphey_burdick_2001.paper import is_paper_array
-from nonsmooth.reports.papers.murphey_burdick_2001.printed_equations import (
+from nonsmooth.reports.papers.murphey_burdick_2001.sign_form import (
     EQUATION_3,
     EQUATION_4,
     THEOREM_4_KINEMATICS,

@@ -20,7 +20,7 @@ from nonsmooth.reports.papers.murphey_burdick_2001.audit import (
     symbolic_row,
     twist_of,
 )
-from nonsmooth.reports.papers.murphey_burdick_2001.printed_equations import (
+from nonsmooth.reports.papers.murphey_burdick_2001.sign_form import (
     THEOREM_4_KINEMATICS,
     THEOREM_4_RATE,
     theta,

@@ -12,9 +12,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from nonsmooth.analysis.cells.contact_partition import build_partition
-from nonsmooth.reports.papers.murphey_burdick_2001 import printed_equations
-from nonsmooth.reports.papers.murphey_burdick_2001.printed_equations import EQUATION_3, EQUATION_4
+from nonsmooth.reports.papers.murphey_burdick_2001 import sign_form
 from nonsmooth.reports.papers.murphey_burdick_2001.sign_form import (
+    EQUATION_3,
+    EQUATION_4,
     MOST_FACTORS,
     Direction,
     SignForm,
@@ -54,7 +55,7 @@ def test_the_four_wheel_array_gives_the_printed_equations(name: str, printed: sy
     centres = [cell.polygon.centre for cell in partition.cells]
     for (x, y), (form, expected) in itertools.product(centres, zip(partition_forms(partition), printed, strict=True)):
         assert form is not None
-        value = expected.subs({printed_equations.x: x.to_sympy(), printed_equations.y: y.to_sympy()})
+        value = expected.subs({sign_form.x: x.to_sympy(), sign_form.y: y.to_sympy()})
         assert sympy.expand(value_at(form, (x, y)).to_sympy() - value) == 0
 
 
