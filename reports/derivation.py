@@ -25,7 +25,7 @@ from nonsmooth.reports.refusals import option_named, refusals_named
 from nonsmooth.reports.result import DataTable, Record, Result, short_lines
 from nonsmooth.reports.study import SceneStudy, StudyRequest
 from nonsmooth.reports.study_options import Options, option
-from nonsmooth.reports.subject import Invocation, Subject
+from nonsmooth.reports.subject import Invocation, ReportSubject
 from nonsmooth.symbolic.scene_error import one_line
 from nonsmooth.symbolic.scene_kind import SceneKind
 
@@ -46,7 +46,7 @@ class ReportResult(Result):
     """
 
     document: Document
-    subject: Subject
+    subject: ReportSubject
 
     formats: ClassVar[Mapping[str, Callable[[Any, str], bytes]]] = dict.fromkeys(
         REPORT_FORMATS, lambda report, ending: render_report(report, ending).encode()

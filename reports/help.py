@@ -12,7 +12,7 @@ import typer
 from typer.core import TyperCommand, TyperGroup
 from typer.main import get_command
 
-from nonsmooth.reports.commands.registry import COMMANDS, Loaded, command_function
+from nonsmooth.reports.commands.registry import COMMANDS, CommandsOnDemand, command_function
 
 CONTEXT = {"help_option_names": ["-h", "--help"]}
 UNWRAPPED = "\b\n"  # before a paragraph whose lines are kept: an example is there to be copied
@@ -43,7 +43,7 @@ class PlainGroup(TyperGroup):
     """All commands, listed from the registry and imported one at a time."""
 
     def __init__(self, **settings: Any) -> None:
-        super().__init__(**{**settings, "commands": Loaded(_made)})
+        super().__init__(**{**settings, "commands": CommandsOnDemand(_made)})
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
         """Write every command with its summary."""

@@ -41,14 +41,14 @@ from nonsmooth.reports.sections.stability import (
     theorem_section,
 )
 from nonsmooth.reports.sections.trajectories import law_section, trajectories_section, without_law
-from nonsmooth.reports.subject import ArraySubject, ReportPart, Subject
+from nonsmooth.reports.subject import ArraySubject, ReportPart, ReportSubject
 from nonsmooth.symbolic.scene_kind import SceneKind
 from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
 FOR_SMOOTH_RULES = "for rules without cells"  # of sections that nobody misses beside cells
 
 
-def subject_of(kind: SceneKind) -> type[Subject]:
+def subject_of(kind: SceneKind) -> type[ReportSubject]:
     """What reports about scenes of a kind are about: arrays, or plain systems, which alone load what they need."""
     if kind is SceneKind.SYSTEM:
         from nonsmooth.reports.sections.plain_system import SystemSubject
@@ -84,7 +84,7 @@ def chosen_parts(only: Collection[str], without: Collection[str], kind: SceneKin
     return tuple(name for name in names if (not only or name in only) and name not in without)
 
 
-def sections_of(subject: Subject) -> Iterator[Section]:
+def sections_of(subject: ReportSubject) -> Iterator[Section]:
     """The sections that the subject asks for and has, each announced before it is built."""
     for part in parts_of(subject.scene.kind):
         if part.name in subject.parts and not part.lacks(subject):
@@ -92,7 +92,7 @@ def sections_of(subject: Subject) -> Iterator[Section]:
             yield part.build(subject)
 
 
-def _left_out(subject: Subject) -> Section:
+def _left_out(subject: ReportSubject) -> Section:
     """What was not computed, and which sections were not written, with the reasons."""
     parts = parts_of(subject.scene.kind)
     reasons = [(part.name, part.lacks(subject)) for part in parts if part.name in subject.parts]

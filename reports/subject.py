@@ -50,7 +50,7 @@ class Invocation:
 
 
 @dataclass(frozen=True, eq=False)
-class Subject(ABC):
+class ReportSubject(ABC):
     """A scene, how it was asked for, and lazily what the sections share.
 
     Attributes:
@@ -106,7 +106,7 @@ class ReportPart:
     lacks: Callable[[Any], str] = lambda subject: ""
 
 
-class ArraySubject(Subject):
+class ArraySubject(ReportSubject):
     """An array of wheels."""
 
     scene: Scene

@@ -178,14 +178,14 @@ def decide_equilibrium(scene: SwitchedSystem, cells: SignCells) -> Equilibrium:
 # ---- what shows itself near the point --------------------------------------------------------------
 
 
-def show_departure(point: SpacePoint, known: Known) -> Finding | None:
+def decide_no_equilibrium(point: SpacePoint, known: Known) -> Finding | None:
     """No mixture of the velocities at the point is zero."""
     if point.equilibrium is not Equilibrium.FAILS:
         return None
     return Finding(Method.EQUILIBRIUM, Translation.UNSTABLE, "0 is not in F there, so every solution leaves it")
 
 
-def show_escape(point: SpacePoint, known: Known) -> Finding | None:
+def decide_by_escape(point: SpacePoint, known: Known) -> Finding | None:
     """A velocity at the point that leads into its cell, or a ray along which solutions leave."""
     velocity = escaping_velocity(point.system, point.cells)
     if velocity is not None:
@@ -199,7 +199,7 @@ def show_escape(point: SpacePoint, known: Known) -> Finding | None:
     return Finding(Method.ESCAPE, Translation.UNSTABLE, reason, proofs=rate)
 
 
-def show_relay(point: SpacePoint, known: Known) -> Finding | None:
+def decide_by_relay(point: SpacePoint, known: Known) -> Finding | None:
     """A switching surface that shows instability by its relative degree."""
     relay = high_degree_relay(point.system, point.cells)
     if relay is None:
@@ -209,7 +209,7 @@ def show_relay(point: SpacePoint, known: Known) -> Finding | None:
     return Finding(Method.RELAY, Translation.UNSTABLE, reason, proofs=relay)
 
 
-def show_linearization(point: SpacePoint, known: Known) -> Finding | None:
+def decide_by_linearization(point: SpacePoint, known: Known) -> Finding | None:
     """The eigenvalues of the linearization; a V may show more of a point that is stable."""
     spectrum = point.spectrum
     verdict = None if spectrum is None else SHOWN_BY_SPECTRUM.get(spectrum)
@@ -223,9 +223,9 @@ def show_linearization(point: SpacePoint, known: Known) -> Finding | None:
 # ---- functions -------------------------------------------------------------------------------------
 
 
-def show_by_given(point: SpacePoint, known: Known) -> Finding | None:
+def decide_by_stated_function(point: SpacePoint, known: Known) -> Finding | None:
     """The V of the scene; the sum of squares that nobody named is asked with little work."""
-    return _by_given(point, known, Effort.HASTY if point.system.check.is_default else Effort.FULL)
+    return _by_stated_function(point, known, Effort.HASTY if point.system.check.is_default else Effort.FULL)
 
 
 def search_function(point: SpacePoint, known: Known) -> Finding | None:
@@ -236,20 +236,20 @@ def search_function(point: SpacePoint, known: Known) -> Finding | None:
     return None if function is None else conclude_function(known, function)
 
 
-def show_by_default(point: SpacePoint, known: Known) -> Finding | None:
+def decide_by_sum_of_squares(point: SpacePoint, known: Known) -> Finding | None:
     """The sum of squares that nobody named with all work, where nothing else is found."""
     spectrum, shown = point.spectrum, known.function is not None
     if not point.system.check.is_default or spectrum is Spectrum.HURWITZ or (spectrum is Spectrum.NEUTRAL and shown):
         return None
     hasty = point.given
-    found = _by_given(point, known, Effort.FULL)
+    found = _by_stated_function(point, known, Effort.FULL)
     if found is None or found.is_final or known.function is None:
         return found
     point.given = hasty  # which shows the same
     return None
 
 
-def _by_given(point: SpacePoint, known: Known, effort: Effort) -> Finding | None:
+def _by_stated_function(point: SpacePoint, known: Known, effort: Effort) -> Finding | None:
     check = point.system.check
     point.given = point.examine(check.lyapunov, check.radius, effort) or point.given
     return None if point.given is None else conclude_function(known, point.given)
@@ -291,7 +291,7 @@ def search_growth(point: SpacePoint, known: Known) -> Finding | None:
     return Finding(Method.INSTABILITY, Translation.UNSTABLE, reason, proofs=growth, entry=growth.entry, facts=facts)
 
 
-def show_attraction(point: SpacePoint, known: Known) -> Finding | None:
+def decide_by_invariance(point: SpacePoint, known: Known) -> Finding | None:
     """Whether solutions leave where the V that shows stability does not fall."""
     function = known.function
     entry = function.attraction(point.system) if known.attraction_is_open and function is not None else None

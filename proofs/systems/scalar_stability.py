@@ -85,7 +85,7 @@ class LinePoint(CheckedPoint):
         return _equilibrium(self.sides.right, self.sides.left)
 
 
-def show_by_signs(point: LinePoint, known: Known) -> Finding:
+def decide_by_signs(point: LinePoint, known: Known) -> Finding:
     """The stability of a point in one state."""
     sides = point.sides
     verdict, reason = _conclude(point.system, point.equilibrium, sides.right, sides.left)

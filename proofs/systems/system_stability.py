@@ -254,7 +254,7 @@ class PlanePoint(CheckedPoint):
 # ---- what shows itself near the point --------------------------------------------------------------
 
 
-def show_departure(point: PlanePoint, known: Known) -> Finding | None:
+def decide_no_equilibrium(point: PlanePoint, known: Known) -> Finding | None:
     """No mixture of the velocities at the point is zero."""
     if point.equilibrium is not Equilibrium.FAILS:
         return None
@@ -269,7 +269,7 @@ def leave_uncovered(point: PlanePoint, known: Known) -> Finding | None:
     return None if point.is_covered else Finding(Method.NONE, Translation.UNDECIDED, UNCOVERED)
 
 
-def show_by_fan(point: PlanePoint, known: Known) -> Finding | None:
+def decide_by_fan(point: PlanePoint, known: Known) -> Finding | None:
     """The fan of constant fields; a V may show more of one that attracts."""
     fan = point.fan
     if fan is None or fan.verdict is Translation.UNDECIDED:
@@ -278,7 +278,7 @@ def show_by_fan(point: PlanePoint, known: Known) -> Finding | None:
     return Finding(Method.FAN, fan.verdict, fan.reason, proofs=fan, is_final=final)
 
 
-def show_by_leading_terms(point: PlanePoint, known: Known) -> Finding | None:
+def decide_by_leading_terms(point: PlanePoint, known: Known) -> Finding | None:
     """The leading terms; rays and functions show more."""
     leading = point.leading
     if leading is None:
@@ -286,7 +286,7 @@ def show_by_leading_terms(point: PlanePoint, known: Known) -> Finding | None:
     return Finding(Method.LEADING, leading.verdict, leading.reason, proofs=leading, is_final=False)
 
 
-def show_ray(point: PlanePoint, known: Known) -> Finding | None:
+def decide_by_ray(point: PlanePoint, known: Known) -> Finding | None:
     """A ray along which a solution leaves, in a system of cones that the fan leaves open."""
     escapes = [ray for ray in point.rays if ray.kind is RayKind.ESCAPE]
     if not escapes or (point.fan is not None and point.fan.verdict is not Translation.UNDECIDED):
@@ -297,7 +297,7 @@ def show_ray(point: PlanePoint, known: Known) -> Finding | None:
 # ---- functions -------------------------------------------------------------------------------------
 
 
-def show_by_given(point: PlanePoint, known: Known) -> Finding | None:
+def decide_by_stated_function(point: PlanePoint, known: Known) -> Finding | None:
     """The best of the scene's V on its domains: a strict one at once, the first weak one otherwise."""
     weak = None
     for function in point.all_given():
@@ -343,12 +343,12 @@ def conclude_function(point: PlanePoint, function: PlaneFunction) -> Finding | N
 # ---- LaSalle's principle ---------------------------------------------------------------------------
 
 
-def show_stated_attraction(point: PlanePoint, known: Known) -> Finding | None:
+def decide_by_stated_invariance(point: PlanePoint, known: Known) -> Finding | None:
     """By the V that the scene names, where curves cut the cells: beside these a search takes long."""
     system = point.system
     if known.function is None or not has_curves(system) or system.check.is_default or point.rays:
         return None
-    return show_attraction(point, known.function)
+    return attraction_by(point, known.function)
 
 
 @shared_effort(EFFORT)
@@ -361,19 +361,19 @@ def search_attraction(point: PlanePoint, known: Known) -> Finding | None:
     if not known.attraction_is_open or (given is not None and point.rays):
         return None
     if given is not None:
-        shown = show_attraction(point, given)
+        shown = attraction_by(point, given)
         if shown is None and given.domain.radius == radius:
-            shown = show_attraction(point, point.given_on(Domain(radius * SHRINKING)))
+            shown = attraction_by(point, point.given_on(Domain(radius * SHRINKING)))
         if shown is not None:
             return shown
     found = find_weak_lyapunov(point.system, may_attract=not point.rays)
     if found is None:
         return None
-    shown = None if point.rays else show_attraction(point, found)
+    shown = None if point.rays else attraction_by(point, found)
     return shown or (conclude_function(point, found) if given is None else None)
 
 
-def show_attraction(point: PlanePoint, function: PlaneFunction) -> Finding | None:
+def attraction_by(point: PlanePoint, function: PlaneFunction) -> Finding | None:
     """Whether nothing but the point stays where V, which does not increase, is kept."""
     entry = point.attraction(function) if function.decrease is Decrease.WEAK else None
     if entry is None:

@@ -96,7 +96,7 @@ def command_function(name: str) -> Callable[..., Any]:
     return function
 
 
-class Loaded(MutableMapping[str, Any]):
+class CommandsOnDemand(MutableMapping[str, Any]):
     """All commands by name, each made when it is first asked for."""
 
     def __init__(self, make: Callable[[str], Any]) -> None:

@@ -25,7 +25,7 @@ from nonsmooth.reports.figures import wheels
 from nonsmooth.reports.figures.style import drawn
 from nonsmooth.reports.prose import paragraph, prose, with_formulas
 from nonsmooth.reports.references import how_to_cite
-from nonsmooth.reports.subject import ArraySubject, Subject
+from nonsmooth.reports.subject import ArraySubject, ReportSubject
 from nonsmooth.symbolic.free_rollers import askew_wheels
 from nonsmooth.symbolic.numbers.measured_angles import angle_notes
 from nonsmooth.symbolic.rule import MIXED
@@ -145,14 +145,14 @@ def _load_model(scene: Scene) -> str:
 LIBRARIES = ("python-flint", "sympy", "numpy", "scipy", "matplotlib")
 
 
-def references_section(subject: Subject) -> Section:
+def references_section(subject: ReportSubject) -> Section:
     """The works that this report rests on, and how to cite the program."""
     works = sorted(subject.works, key=lambda work: work.authors.split()[-1])
     listed = Bullets(tuple((work.text,) for work in works))
     return Section("References", (listed, paragraph("To cite this program:"), Listing(how_to_cite())))
 
 
-def reproduction_section(subject: Subject) -> Section:
+def reproduction_section(subject: ReportSubject) -> Section:
     """Versions and the command that writes this report."""
     libraries = ", ".join(f"{name} {version(name)}" for name in LIBRARIES)
     words = "nonsmooth {}, Python {}, {}. This report is written by {}."

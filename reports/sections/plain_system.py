@@ -49,7 +49,7 @@ from nonsmooth.reports.phase_portrait import PhasePortrait
 from nonsmooth.reports.prose import listed, paragraph, with_formulas
 from nonsmooth.reports.references import Reference
 from nonsmooth.reports.simulate_options import SimulateOptions
-from nonsmooth.reports.subject import ReportPart, Subject
+from nonsmooth.reports.subject import ReportPart, ReportSubject
 from nonsmooth.reports.system_results import SystemCheckResult, system_answers
 from nonsmooth.symbolic.formulas import symbol_latex
 from nonsmooth.symbolic.number_text import float_text, place_text
@@ -74,7 +74,7 @@ LADDER = (
 )
 
 
-class SystemSubject(Subject):
+class SystemSubject(ReportSubject):
     """A plain system in two states.
 
     Raises:
