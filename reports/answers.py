@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from rich.console import Group, RenderableType
 from rich.text import Text
@@ -32,31 +32,58 @@ if TYPE_CHECKING:
 MOST_SHOWN = 8  # destinations on a terminal and in a report
 GOES = ("the body ...", "starts", "near there", "heading")
 PLACE_DIGITS = 4
-THEOREM = "the position is stable, the heading is not, feedback holds both where mu_side < mu_roll"
+THEOREM = "Theorem 4 (the position is stable, the heading is not, feedback holds both where mu_side < mu_roll): "
+
+
+class StatedAnswers(NamedTuple):
+    """The answers to a check in words, which a terminal and a report set each in its way.
+
+    Attributes:
+        answers: position, heading and pose, and that about tolerances where some are stated.
+        contact: which wheels carry the body.
+        rule: the contact rule, with what it means.
+        notes: what users of the rule must know.
+        contradictions: three lines each.
+    """
+
+    answers: tuple[Answer, ...]
+    contact: str
+    rule: str
+    notes: tuple[str, ...]
+    contradictions: tuple[tuple[str, str, str], ...]
+
+
+def stated_answers(result: Check, answers: Answers) -> StatedAnswers:
+    """What there is to say of a check beside its tables."""
+    rule = rule_of(result.scene)
+    return StatedAnswers(
+        (*answers.answers, *([answers.robust] if answers.robust else [])),
+        "; ".join(fact.words for fact in contact_facts(result) if fact.words),
+        f"rule {rule.name}: {rule.summary}",
+        tuple(rule_notes(result.scene)),
+        tuple(map(contradiction_lines, result.contradictions)),
+    )
 
 
 def answers_view(result: Check, answers: Answers) -> RenderableType:
     """Three answers, where bodies go otherwise, the contact rule, the other rules, and the theorem in one line."""
-    said = answers_table(map(_row, [*answers.answers, *([answers.robust] if answers.robust else [])]))
-    contact = "; ".join(fact.words for fact in contact_facts(result) if fact.words)
-    parts: list[RenderableType] = [Text(contact), said]
+    stated = stated_answers(result, answers)
+    parts: list[RenderableType] = [Text(stated.contact), answers_table(map(_row, stated.answers))]
     if answers.rest_points is not None:
         parts.append(Text(_rest_points_text(answers.rest_points, of_length(result.scene))))
-    for one in result.contradictions:
-        parts += [Text(line, "bold red") for line in contradiction_lines(one)]
+    for lines in stated.contradictions:
+        parts += [Text(line, "bold red") for line in lines]
     if answers.destinations is not None:
         starts = answers.destinations.starts
         parts.append(Text(f"where bodies go that start in the square (shares sampled from {starts} starts):"))
         parts.append(blocks_view([destinations_table(answers.destinations, GOES)]))
     if answers.headings is not None:
         parts.append(blocks_view(headings_blocks(answers.headings)))
-    rule = rule_of(result.scene)
-    parts.append(Text(f"rule {rule.name}: {rule.summary}"))
-    parts += [Text(f"note: {note}", "yellow") for note in rule_notes(result.scene)]
+    parts.append(Text(stated.rule))
+    parts += [Text(f"note: {note}", "yellow") for note in stated.notes]
     if answers.others:
         parts.append(Text(f"other rules: {'; '.join(map(_in_short, answers.others))}"))
-    theorem = Text(f"Theorem 4 ({THEOREM}): ")
-    parts.append(theorem.append_text(verdict_text(result.verdict, bold=True)))
+    parts.append(Text(THEOREM).append_text(verdict_text(result.verdict, bold=True)))
     return Group(*parts)
 
 

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from nonsmooth.analysis.contact_rule import rule_notes, rule_of
 from nonsmooth.proofs.answers.answer import Answer
 from nonsmooth.proofs.answers.bounds import of_length
-from nonsmooth.proofs.answers.contact_wheels import contact_facts
 from nonsmooth.proofs.answers.other_rules import OtherRule
-from nonsmooth.reports.answers import THEOREM, contradiction_lines, destinations_table
+from nonsmooth.reports.answers import THEOREM, StatedAnswers, destinations_table, stated_answers
 from nonsmooth.reports.document import Block, Bullets, Inline, Section, Table, Text, Tone, Verdict, number, point, table
 from nonsmooth.reports.equilibrium_headings import headings_table, notes, title
 from nonsmooth.reports.prose import paragraph
@@ -34,27 +32,25 @@ def answers_section(subject: ArraySubject) -> Section:
         point(scene.check.equilibrium),
         number(scene.check.radius),
     )
-    given = [*answered.answers, *([answered.robust] if answered.robust else [])]
-    rows = [(answer.name, _verdict(answer), answer.sentence) for answer in given]
+    stated = stated_answers(subject.result, answered)
+    rows = [(answer.name, _verdict(answer), answer.sentence) for answer in stated.answers]
     said = table(("question", "answer", "how far, how fast, on what conditions"), rows, (2, 3, 8))
     goes = _destinations(answered.destinations)
     headings = _headings(answered.headings)
-    return Section("Answers", (intro, said, _items(subject), *goes, *headings, array_figure(subject)))
+    return Section("Answers", (intro, said, _items(subject, stated), *goes, *headings, array_figure(subject)))
 
 
-def _items(subject: ArraySubject) -> Bullets:
+def _items(subject: ArraySubject, stated: StatedAnswers) -> Bullets:
     """The contact rule in a sentence, what the other rules say, and the theorem."""
-    rule, verdict = rule_of(subject.scene), subject.result.verdict
-    theorem = Verdict(str(verdict), _TONES[verdict.exit_status])
-    contact = "; ".join(fact.words for fact in contact_facts(subject.result) if fact.words)
+    verdict = subject.result.verdict
     return Bullets(
         (
-            (f"Contact rule {rule.name}: {rule.summary}.",),
-            *((f"Note: {note}.",) for note in rule_notes(subject.scene)),
-            (f"Contact: {contact}.",),
+            (f"Contact {stated.rule}.",),
+            *((f"Note: {note}.",) for note in stated.notes),
+            (f"Contact: {stated.contact}.",),
             *(_other_rule(other) for other in subject.answers.others),
-            *(("; ".join(contradiction_lines(one)) + ".",) for one in subject.result.contradictions),
-            (f"Theorem 4 ({THEOREM}): ", theorem, "."),
+            *(("; ".join(lines) + ".",) for lines in stated.contradictions),
+            (THEOREM, Verdict(str(verdict), _TONES[verdict.exit_status]), "."),
         )
     )
 
