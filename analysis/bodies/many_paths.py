@@ -301,7 +301,7 @@ class CellMotions:
 # ---- rates of many poses -------------------------------------------------------------------------
 #
 # At each pose the wheels strictly under the outline carry; their loads and the least dissipation give ``(c', theta')``,
-# or the cells of a rule on these wheels (:mod:`nonsmooth.analysis.bodies.many_paths`).
+# or the cells of a rule on these wheels.
 
 
 AROUND = 0.25  # of the body's size: how far it moves before the wheels near it are looked up again

@@ -250,8 +250,8 @@ def _divides(pattern: Pattern, full: Mapping[Pattern, tuple[_Cell, ...] | None])
 
 # ---- paths of the field --------------------------------------------------------------------------
 #
-# It is a solution of a switched field of poses (:mod:`nonsmooth.analysis.bodies.outline_field`) and is followed as
-# every other one (:mod:`nonsmooth.analysis.trajectories.smooth_path`): through the cells of the wheels that carry,
+# It is a solution of the switched field of poses above, and is followed as every other one
+# (:mod:`nonsmooth.analysis.trajectories.smooth_path`): through the cells of the wheels that carry,
 # along borders of cells and along edges over wheels, where Filippov's construction mixes motions.  Here its switches
 # are told apart: wheels that ``enter`` and ``leave``, wheels under the edge that the body slides along (``slide``), and
 # where it ``tips``.  All is counted in the scene's length l, so that a path is the same in every unit of length.

@@ -4,7 +4,7 @@ The path keeps to one face (a cell, a sliding mode, a point of rest) until one o
 a member's normal speed (tangential exit from sliding), or the existence of the mode itself
 (:mod:`nonsmooth.analysis.trajectories.guards`).  Then the state is moved onto the surfaces it met and all continuations
 are listed again (:mod:`nonsmooth.analysis.trajectories.faces`).  Switches that accumulate end at their limit
-(:mod:`nonsmooth.analysis.trajectories.smooth_path`), and turns that get ever faster without a limit in their mean
+(:class:`LoopMemory`), and turns that get ever faster without a limit in their mean
 (:mod:`nonsmooth.analysis.trajectories.whirls`).
 """
 

@@ -2,7 +2,7 @@
 
 Rigorous for planar systems: an orbit that crosses surfaces by its return map
 (:mod:`nonsmooth.proofs.orbits.return_map`), one that slides by the points in which its slides end
-(:mod:`nonsmooth.proofs.orbits.orbit_proof`).  Everything else is computed, not proved, and the reason is said.
+(below).  Everything else is computed, not proved, and the reason is said.
 """
 
 from __future__ import annotations

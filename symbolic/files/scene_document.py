@@ -155,17 +155,20 @@ def build_loop_errors(table: FeedbackTable, numbers: Numbers) -> LoopErrors:
         received = StatedFact(f"{float(turn * 180):g} deg")
         raise SceneError(numbers.file, "feedback.heading_error", "an angle of at least 0, below half a turn", received)
     found = LoopErrors(
-        _error_size(table.delay, "delay", numbers), _error_size(table.position_error, "position_error", numbers), turn
+        _size(table.delay, "feedback.delay", numbers),
+        _size(table.position_error, "feedback.position_error", numbers),
+        turn,
     )
     if not (found.delay or found.position or found.heading):
         raise SceneError(numbers.file, "feedback", "an entry that is not zero", StatedFact("none"))
     return found
 
 
-def _error_size(value: Exact, name: str, numbers: Numbers) -> Number:
-    number = numbers(value, f"feedback.{name}")
+def _size(value: Exact, place: str, numbers: Numbers) -> Number:
+    """The number at a place of the file, at least zero."""
+    number = numbers(value, place)
     if number.sign() < 0:
-        raise SceneError(numbers.file, f"feedback.{name}", "a number of at least 0", StatedFact(short_text(number)))
+        raise SceneError(numbers.file, place, "a number of at least 0", StatedFact(short_text(number)))
     return number
 
 
@@ -197,28 +200,20 @@ def build_tolerance(table: ToleranceTable, numbers: Numbers) -> Tolerance:
         received = StatedFact(f"{float(turn * 180):g} deg")
         raise SceneError(numbers.file, "tolerance.heading", "an angle of at least 0, below a quarter turn", received)
     found = Tolerance(
-        position=_size(table.position, "position", numbers),
+        position=_size(table.position, "tolerance.position", numbers),
         heading=turn,
         speed=_share(table.speed, "speed", numbers),
         mu_roll=_share(table.mu_roll, "mu_roll", numbers),
         mu_side=_share(table.mu_side, "mu_side", numbers),
-        centre_of_mass=_size(table.centre_of_mass, "centre_of_mass", numbers),
+        centre_of_mass=_size(table.centre_of_mass, "tolerance.centre_of_mass", numbers),
     )
     if not found.names:
         raise SceneError(numbers.file, "tolerance", "an entry that is not zero", StatedFact("none"))
     return found
 
 
-def _size(value: Exact, name: str, numbers: Numbers) -> Number:
-    number = numbers(value, f"tolerance.{name}")
-    if number.sign() < 0:
-        received = StatedFact(short_text(number))
-        raise SceneError(numbers.file, f"tolerance.{name}", "a number of at least 0", received)
-    return number
-
-
 def _share(value: Exact, name: str, numbers: Numbers) -> Number:
-    number = _size(value, name, numbers)
+    number = _size(value, f"tolerance.{name}", numbers)
     if (number - 1).sign() >= 0:
         received = StatedFact(short_text(number))
         raise SceneError(numbers.file, f"tolerance.{name}", "a share of at least 0 and below 1", received)
