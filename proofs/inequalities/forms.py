@@ -329,13 +329,15 @@ def has_positive(terms: Terms, face: int) -> bool:
 def follows_from(form: Terms, guard: Terms, faces: Sequence[int]) -> bool:
     """Whether a form is ``>= 0`` where a guard of the same degree is, and ``> 0`` there inside some faces.
 
-    In ``p = c g + r`` with c >= 0 no coefficient of r is negative; inside each face r is positive, or g has one sign.
+    In ``p = c g + r`` with c >= 0 no coefficient of r is negative.  Inside each face r is positive, or g is negative
+    (no point of the cell lies there), or ``c g`` is positive.
     """
     factor = multiplier(form, guard)
     if factor is None:
         return False
     rest = add_terms(form, {e: -c * factor for e, c in guard.items()})
-    return all(has_positive(rest, face) or has_one_sign(guard, face) for face in faces)
+    telling = {-1, 1} if factor else {-1}
+    return all(has_positive(rest, face) or one_sign(guard, face) in telling for face in faces)
 
 
 def multiplier(form: Terms, taken: Terms, *, signed: bool = True) -> Any:
@@ -370,9 +372,10 @@ def raised(terms: Terms, part: SubCone) -> Terms:
     return terms
 
 
-def has_one_sign(terms: Terms, face: int) -> bool:
-    """Whether the coefficients of a form on a face have one sign, and not all are zero."""
-    return {sign(c) for e, c in terms.items() if not support(e) & ~face} in ({1}, {-1})
+def one_sign(terms: Terms, face: int) -> int:
+    """The sign that all coefficients of a form on a face share, and with them its values inside; 0 without one."""
+    signs = {sign(c) for e, c in terms.items() if not support(e) & ~face}
+    return signs.pop() if len(signs) == 1 else 0
 
 
 def face_sign(form: Terms, face: int) -> int:

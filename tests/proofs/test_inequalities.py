@@ -482,3 +482,17 @@ def test_terms_with_coefficient_zero_take_nothing_off() -> None:
     taken: dict[tuple[int, ...], Any] = {(2, 0): fmpq(1), (0, 2): fmpq(0)}
     assert multiplier({(2, 0): fmpq(1), (0, 2): fmpq(-1)}, taken) is None
     assert multiplier({(2, 0): fmpq(1), (0, 2): fmpq(1)}, taken) == fmpq(1, 2)
+
+
+@RANDOM
+@given(st.integers(1, 31), st.sampled_from((1, 3, 10)), st.sampled_from(("x**2 + 1", "3 - x**2 - y**2", "x + y**2 + 1")))
+def test_a_zero_on_a_side_is_found_beside_guards_that_are_positive_there(k: int, steep: int, guard: str) -> None:
+    """``(x - k/32)^2 + c y`` is zero at one point of the triangle, which cuts make a corner of the parts."""
+    field = NumberField()
+    region = Region(tuple((field(x), field(y), field(1)) for x, y in ((0, 0), (1, 0), (0, 1))))
+    guarded = replace(region, guards=(polynomial(guard, field=field),))
+    form = polynomial(f"(x - {k}/32)**2 + {steep}*y", field=field)
+    outcome = prove(">0", form, guarded)
+    assert not isinstance(outcome, Proof)
+    assert agrees(outcome)
+    assert isinstance(prove(">=0", form, guarded), Proof)
