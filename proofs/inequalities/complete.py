@@ -24,16 +24,7 @@ from typing import Any, TypeAlias
 from flint import fmpq
 
 from nonsmooth.proofs.inequalities.effort import effort_left, take_effort
-from nonsmooth.proofs.inequalities.forms import (
-    LONG_BITS,
-    NEARBY_STEPS,
-    Problem,
-    Role,
-    Stuck,
-    SubCone,
-    Vector,
-    Violation,
-)
+from nonsmooth.proofs.inequalities.forms import Problem
 from nonsmooth.proofs.inequalities.real_roots import (
     Coefficients,
     RealRoot,
@@ -41,6 +32,15 @@ from nonsmooth.proofs.inequalities.real_roots import (
     samples_between,
     trimmed,
     value,
+)
+from nonsmooth.proofs.inequalities.subdivision import (
+    LONG_BITS,
+    NEARBY_STEPS,
+    Part,
+    Role,
+    Stuck,
+    Vector,
+    Violation,
 )
 from nonsmooth.symbolic.constraints import cofactors
 from nonsmooth.symbolic.numbers.coefficients import height
@@ -193,11 +193,11 @@ OF_A_ROOT = 150  # coefficients of a cone that cost as much as one unit of this 
 Edge: TypeAlias = tuple[int, int]
 
 
-def zero_cut(problem: Problem, part: SubCone) -> tuple[int, int, Any] | Violation | None:
+def zero_cut(problem: Problem, part: Part) -> tuple[int, int, Any] | Violation | None:
     """Where to cut a part, ``(first, second, weight)``; or a point on an edge that refutes the claim."""
     if part.depth > CUT_DEPTH:
         return None
-    generators = [tuple(map(evaluated, g)) for g in part.generators]
+    generators = [tuple(map(evaluated, g)) for g in part.corners]
     for edge in combinations(range(len(generators)), 2):
         line = edge_line(problem, part.form, edge)
         for t, is_zero in _suspects(line):

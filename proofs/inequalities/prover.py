@@ -35,14 +35,12 @@ from nonsmooth.proofs.inequalities.forms import (
     Problem,
     Question,
     Sense,
-    Stuck,
-    Violation,
     build_parts,
     place_of,
-    subdivide,
     triangles,
 )
 from nonsmooth.proofs.inequalities.real_roots import RealRoot
+from nonsmooth.proofs.inequalities.subdivision import Stuck, Violation
 from nonsmooth.symbolic.number_text import place_text
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.surfaces import factorize
@@ -209,7 +207,7 @@ def prove(sense: Sense | str, polynomial: Polynomial, region: Region, *, except_
         if isinstance(found, RealRoot):
             return ZeroBetween(question, part, found)
         if isinstance(found, Stuck):
-            stuck = stuck or Undecided(question, tuple(place_of(g, part, question) for g in found.generators))
+            stuck = stuck or Undecided(question, tuple(place_of(g, part, question) for g in found.corners))
     if stuck is not None and not region.guards and (refuting := counterexample(question)) is not None:
         return _witness(question, refuting)
     return stuck or Proof(question)
@@ -217,7 +215,7 @@ def prove(sense: Sense | str, polynomial: Polynomial, region: Region, *, except_
 
 def decide(problem: Problem) -> Violation | RealRoot | Stuck | None:
     """Decide one simplicial part: what refutes it, or where the search ended; None where it is proved."""
-    found = subdivide(problem, LITTLE_WORK)
+    found = problem.subdivided(LITTLE_WORK)
     if not isinstance(found, Stuck):
         return found
     if len(problem.generators) == 2 and len(problem.form.field.radicands) <= MAX_EXACT_ROOTS:
@@ -231,7 +229,7 @@ def decide(problem: Problem) -> Violation | RealRoot | Stuck | None:
         if of_rest is None or (isinstance(of_rest, Violation) and problem.is_violated_at(of_rest.point)):
             return of_rest
     work = min(MUCH_WORK, effort_left())
-    return subdivide(problem, work, lambda part: zero_cut(problem, part)) if work else found
+    return problem.subdivided(work, lambda part: zero_cut(problem, part)) if work else found
 
 
 def _without_square(problem: Problem) -> Problem | None:

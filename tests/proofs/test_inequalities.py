@@ -19,7 +19,7 @@ from hypothesis import strategies as st
 from nonsmooth.analysis.cells.polygon import square
 from nonsmooth.analysis.cells.region import Region, cone_region, polygon_region, quadrants
 from nonsmooth.proofs.inequalities.complete import line_of
-from nonsmooth.proofs.inequalities.forms import PLANE, Question, Sense, multiplier
+from nonsmooth.proofs.inequalities.forms import PLANE, Question, Sense
 from nonsmooth.proofs.inequalities.prover import (
     Counterexample,
     Outcome,
@@ -29,6 +29,7 @@ from nonsmooth.proofs.inequalities.prover import (
     counterexample,
     prove,
 )
+from nonsmooth.proofs.inequalities.subdivision import multiplier
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.polynomial import Polynomial, in_generators
@@ -485,7 +486,9 @@ def test_terms_with_coefficient_zero_take_nothing_off() -> None:
 
 
 @RANDOM
-@given(st.integers(1, 31), st.sampled_from((1, 3, 10)), st.sampled_from(("x**2 + 1", "3 - x**2 - y**2", "x + y**2 + 1")))
+@given(
+    st.integers(1, 31), st.sampled_from((1, 3, 10)), st.sampled_from(("x**2 + 1", "3 - x**2 - y**2", "x + y**2 + 1"))
+)
 def test_a_zero_on_a_side_is_found_beside_guards_that_are_positive_there(k: int, steep: int, guard: str) -> None:
     """``(x - k/32)^2 + c y`` is zero at one point of the triangle, which cuts make a corner of the parts."""
     field = NumberField()
