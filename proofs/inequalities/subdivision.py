@@ -426,11 +426,11 @@ def _violation_beside(part: Part, sought: Sought, k: int, weights: Sequence[fmpq
 def _violation_at(part: Part, sought: Sought, k: int, weights: Sequence[fmpq]) -> Violation | None:
     """The weighted sum of the corners, if the k-th inequality is false there, inside all guards."""
     point = tuple(_weighted(own, weights) for own in zip(*part.corners, strict=True))
-    if not sought.is_about(point) or any(sign(_value_at(own, weights)) <= 0 for own in part.guards[k].values()):
+    if not sought.is_about(point) or any(sign(value_at(own, weights)) <= 0 for own in part.guards[k].values()):
         return None
-    here = sign(_value_at(part.values[k][0], weights))
+    here = sign(value_at(part.values[k][0], weights))
     fails = here < 0 or (sought.strict and not here)
-    return Violation(point) if fails and not any(_value_at(own, weights) for own in part.zeros.values()) else None
+    return Violation(point) if fails and not any(value_at(own, weights) for own in part.zeros.values()) else None
 
 
 def _weighted(values: Sequence[Any], weights: Sequence[fmpq]) -> Any:
@@ -439,7 +439,7 @@ def _weighted(values: Sequence[Any], weights: Sequence[fmpq]) -> Any:
     return sum(parts, 0 * values[0])
 
 
-def _value_at(form: Terms, weights: Sequence[fmpq]) -> Any:
-    """A form at the weighted sum of the corners."""
-    powers = [prod((w**e for w, e in zip(weights, own, strict=True) if e), start=fmpq(1)) for own in form]
-    return _weighted(list(form.values()), powers) if form else fmpq(0)
+def value_at(terms: Mapping[tuple[int, ...], Any], point: Sequence[fmpq]) -> Any:
+    """A polynomial at a rational point; a form in the corners of a part at a weighted sum of these."""
+    monomials = [prod((x**e for x, e in zip(point, own, strict=True) if e), start=fmpq(1)) for own in terms]
+    return _weighted(list(terms.values()), monomials) if terms else fmpq(0)

@@ -17,17 +17,21 @@ from flint import fmpq, fmpq_poly
 
 from nonsmooth.proofs.checker.polynomials import Polynomial, unit
 from nonsmooth.proofs.checker.positivity import Claim, pairs, root_simplices
+from nonsmooth.proofs.inequalities.prover import Counterexample
 from nonsmooth.proofs.inequalities.subdivision import (
     Cut,
     Part,
     Sought,
+    Violation,
     degree_of,
     raised,
     root_part,
     shown_by,
     shows,
     subdivide,
+    value_at,
 )
+from nonsmooth.proofs.kernel.written import terms_of
 from nonsmooth.symbolic.numbers.polynomial import add_terms, in_generators
 
 Exponents: TypeAlias = tuple[int, ...]
@@ -53,7 +57,7 @@ class Leaf:
     mu: list[list[fmpq]]
 
 
-def search(claim: Claim, work: int) -> dict[str, Any] | None:
+def search(claim: Claim, work: int) -> dict[str, Any] | Counterexample[Claim] | None:
     """A tree for every root simplex of a claim.
 
     Args:
@@ -61,17 +65,38 @@ def search(claim: Claim, work: int) -> dict[str, Any] | None:
         work: coefficients that may be looked at.
 
     Returns:
-        The evidence; None where it was not found with this work, or where the claim is false at a point that was met.
+        The evidence, or a point at which the claim is false; None where neither was found with this work.
     """
     if len(claim.inequalities[0].pushes) == 1:
         found = [search(own, work) for own in pairs(claim)]
-        return None if any(own is None for own in found) else {"pairs": found}
+        against = next((own for own in found if isinstance(own, Counterexample)), None)
+        return against or (None if None in found else {"pairs": found})
     if claim.inequalities[0].pushes and any(inequality.zeros for inequality in claim.inequalities):
         return None
     roots = [_root(claim, corners) for corners in root_simplices(claim.count, bounded=claim.bounded)]
     sought = Sought(claim.strict, claim.at_origin, border=claim.border)
-    against = subdivide(roots, sought, work, lambda part: _leaf(claim, sought, part), _place_to_cut)
-    return {"simplices": list(map(_tree, roots))} if against is None else None
+    met = subdivide(roots, sought, work, lambda part: _leaf(claim, sought, part), _place_to_cut)
+    if isinstance(met, Violation):
+        return counterexample(claim, [x / met.point[-1] for x in met.point[:-1]])
+    return None if met is not None else {"simplices": list(map(_tree, roots))}
+
+
+def counterexample(claim: Claim, point: Sequence[fmpq]) -> Counterexample[Claim] | None:
+    """A rational point as what refutes a claim, if it does: surfaces are positive there, and other guards not negative.
+
+    Inequalities with functions mu are not looked at.
+    """
+    if not (claim.at_origin or any(point)):
+        return None
+    for own in claim.inequalities:
+        guards = {name: value_at(terms_of(guard), point) for name, guard in own.guards.items()}
+        inside = all(value > 0 if name[0] == "s" else value >= 0 for name, value in guards.items())
+        if own.pushes or not inside or any(value_at(terms_of(zero), point) for zero in own.zeros.values()):
+            continue
+        value = value_at(terms_of(own.value), point)
+        if value < 0 or (claim.strict and not value):
+            return Counterexample(claim, tuple(point), value)
+    return None
 
 
 def _root(claim: Claim, corners: Sequence[Sequence[Fraction]]) -> Part:
@@ -84,7 +109,7 @@ def _root(claim: Claim, corners: Sequence[Sequence[Fraction]]) -> Part:
 def _form(value: Polynomial, corners: Sequence[Corner]) -> Form:
     """A polynomial as a form of its own degree in barycentric coordinates."""
     degree = value.degree
-    terms = {(*e, degree - sum(e)): fmpq(c.numerator, c.denominator) for e, c in value.terms.items()}
+    terms = {(*e, degree - sum(e)): c for e, c in terms_of(value).items()}
     return in_generators(terms, corners)
 
 
