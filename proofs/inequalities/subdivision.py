@@ -341,12 +341,12 @@ class Cut:
     far: Part
 
 
-Leaf: TypeAlias = Callable[[Part], Any]  # what shows all inequalities on a part; None where it is not known
+LeafSearch: TypeAlias = Callable[[Part], Any]  # what shows all inequalities on a part; None where it is not known
 Proposal: TypeAlias = Callable[[Part], "tuple[int, int, Any] | Violation | None"]  # where to cut: edge and share
 
 
 def subdivide(
-    roots: Sequence[Part], sought: Sought, budget: int, leaf: Leaf, propose: Proposal | None = None
+    roots: Sequence[Part], sought: Sought, budget: int, leaf: LeafSearch, propose: Proposal | None = None
 ) -> Violation | Stuck | None:
     """Prove inequalities by coefficients, breadth first, within a budget; None where they are proved.
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from fractions import Fraction
 from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -230,6 +231,17 @@ def test_a_line_of_rest_between_curves_does_not_attract(drift: str, guard: str) 
     result = audited(system, "x**2 + y**2")
     assert (result.verdict, result.proves) == (AuditVerdict.VALID, Translation.STABLE)
     assert decide_system(system).verdict is Translation.STABLE
+
+
+def test_a_rise_at_a_corner_of_the_cube_is_met() -> None:
+    """``V' = -2 (x^2 + y^2 + z^2) (2999/1000 - x - y - z)`` is positive near (1, 1, 1) only, where samples miss it."""
+    rhs = [f"-{name}*(2999/1000 - x - y - z)" for name in "xyz"]
+    document = {"system": {"states": ["x", "y", "z"], "rhs": rhs}, "check": {"radius": "1"}}
+    result = audited(build_system(document, "corner", Path("corner.toml")), "x**2 + y**2 + z**2")
+    assert result.verdict is AuditVerdict.INVALID
+    assert result.witness is not None
+    assert sum(result.witness.point) > Fraction(2999, 1000)
+    assert result.witness.value > 0
 
 
 def test_states_name_the_variables_of_v(tmp_path: Path) -> None:

@@ -274,7 +274,7 @@ def check_outcome(outcome: Outcome, points: list[tuple[float, ...]]) -> None:
         refutes(question, outcome)
 
 
-def refutes(question: Question, witness: Counterexample) -> None:
+def refutes(question: Question, witness: Counterexample[Question]) -> None:
     x, y = witness.point
     assert question.region.contains((x, y))
     point = (float(x), float(y))
@@ -354,7 +354,7 @@ def test_agrees_with_z3(data: st.DataObject, sense: Sense, apex: bool, bounded: 
 # ---- evidence ----------------------------------------------------------------------------------
 
 
-def proof_of(text: str, region: Callable[[NumberField], Region]) -> Proof:
+def proof_of(text: str, region: Callable[[NumberField], Region]) -> Proof[Question]:
     proof = decide(">=0", text, region)
     assert isinstance(proof, Proof)
     return proof
