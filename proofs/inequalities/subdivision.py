@@ -194,12 +194,6 @@ def face_sign(form: Terms, face: int) -> int:
     return sign(sum((c for e, c in form.items() if not support(e) & ~face), fmpq(0)))
 
 
-def face_sum(corners: Sequence[Vector], face: int) -> Vector:
-    """Sum of a face's corners."""
-    chosen = [g for k, g in enumerate(corners) if face >> k & 1]
-    return tuple(sum(column[1:], column[0]) for column in zip(*chosen, strict=True))
-
-
 def degree_of(form: Terms) -> int:
     """The degree of a form in the corners; 0 of zero."""
     return sum(next(iter(form), ()))
@@ -279,10 +273,10 @@ def _is_positive_inside(part: Part, sought: Sought, rest: Terms, guard: Terms, f
     """
     faces, telling = sought.faces(part.corners), {-1, 1} if factor else {-1}
     held = (m for m in range(1 << len(part.corners)) if any(not face & ~m for face in faces))
-    return all(has_positive(rest, face) or one_sign(guard, face) in telling for face in held)
+    return all(has_positive(rest, face) or _one_sign(guard, face) in telling for face in held)
 
 
-def one_sign(terms: Terms, face: int) -> int:
+def _one_sign(terms: Terms, face: int) -> int:
     """The sign that all coefficients of a form on a face share, and with them its values inside; 0 without one."""
     signs = {sign(c) for e, c in terms.items() if not support(e) & ~face}
     return signs.pop() if len(signs) == 1 else 0
@@ -368,7 +362,7 @@ def subdivide(
         part.node = leaf(part)
         if part.node is not None:
             continue
-        split = find_violation(part, sought) or (propose(part) if propose is not None else None)
+        split = _find_violation(part, sought) or (propose(part) if propose is not None else None)
         if isinstance(split, Violation):
             return split
         first, second, share = split or (*_edge_to_halve(part), fmpq(1, 2))
@@ -395,7 +389,7 @@ def _edge_to_halve(part: Part) -> tuple[int, int]:
     )
 
 
-def find_violation(part: Part, sought: Sought) -> Violation | None:
+def _find_violation(part: Part, sought: Sought) -> Violation | None:
     """A point where an inequality without functions mu is false: a corner, inside a face, or near a direction."""
     count = len(part.corners)
     faces = sought.faces(part.corners) if sought.strict else []

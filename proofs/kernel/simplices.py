@@ -183,11 +183,11 @@ def _place_to_cut(part: Part) -> tuple[int, int, fmpq] | None:
             for i, j in combinations(range(size), 2):
                 if at[i] * at[j] < 0:
                     return i, j, at[i] / (at[i] - at[j])
-    share = rational_root(part) if size == 2 else None
+    share = _rational_root(part) if size == 2 else None
     return None if share is None else (0, 1, share)
 
 
-def rational_root(part: Part) -> fmpq | None:
+def _rational_root(part: Part) -> fmpq | None:
     """Where a polynomial vanishes inside an interval, as a share of it: halving alone would never meet that place."""
     forms = [form for own in part.values for form in own[:1]] + [form for own in part.guards for form in own.values()]
     for form in forms:
