@@ -365,6 +365,8 @@ def subdivide(
         split = _find_violation(part, sought) or (propose(part) if propose is not None else None)
         if isinstance(split, Violation):
             return split
+        if len(part.corners) == 1:  # one ray: nothing is left to cut
+            return Stuck(part.corners)
         first, second, share = split or (*_edge_to_halve(part), fmpq(1, 2))
         near, far = part.with_corner(first, second, share), part.with_corner(second, first, 1 - share)
         part.node = Cut(first, second, share, near, far)

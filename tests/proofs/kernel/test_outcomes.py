@@ -5,12 +5,14 @@ from __future__ import annotations
 from fractions import Fraction
 from itertools import product
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from nonsmooth.proofs.checker.polynomials import Polynomial, variable
 from nonsmooth.proofs.checker.positivity import Claim, Inequality, cube_guards, identity, show
 from nonsmooth.proofs.inequalities.prover import Counterexample, Proof
+from nonsmooth.proofs.kernel import simplices
 from nonsmooth.proofs.kernel.search import prove
 from tests.thorough import examples
 
@@ -76,3 +78,14 @@ def test_a_pair_of_fields_is_refuted_where_no_mixture_falls() -> None:
     assert isinstance(outcome, Counterexample)
     (place,) = outcome.point
     assert 2 * place - 1 <= 0
+
+
+@pytest.mark.parametrize("at_origin", [False, True])
+@pytest.mark.parametrize("number", [-1, 0, 1])
+def test_claims_about_one_point(number: int, at_origin: bool) -> None:
+    """In no variables there is the origin alone, at which something is claimed or not."""
+    claim = Claim("point", (Inequality(Polynomial(0, {(): Fraction(number)}), {}),), strict=True, at_origin=at_origin)
+    found = simplices.search(claim, WORK)
+    assert isinstance(found, Counterexample) == (at_origin and number <= 0)
+    if isinstance(found, dict):
+        show(claim, found)
