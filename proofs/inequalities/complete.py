@@ -36,9 +36,9 @@ from nonsmooth.proofs.inequalities.real_roots import (
 from nonsmooth.proofs.inequalities.subdivision import (
     LONG_BITS,
     NEARBY_STEPS,
-    Part,
     Role,
     Stuck,
+    SubCone,
     Vector,
     Violation,
 )
@@ -193,7 +193,7 @@ OF_A_ROOT = 150  # coefficients of a cone that cost as much as one unit of this 
 Edge: TypeAlias = tuple[int, int]
 
 
-def zero_cut(problem: Problem, part: Part) -> tuple[int, int, Any] | Violation | None:
+def zero_cut(problem: Problem, part: SubCone) -> tuple[int, int, Any] | Violation | None:
     """Where to cut a part, ``(first, second, weight)``; or a point on an edge that refutes the claim."""
     if part.depth > CUT_DEPTH:
         return None

@@ -17,11 +17,11 @@ from typing import Any
 
 from nonsmooth.analysis.cells.region import Region, Triple
 from nonsmooth.proofs.inequalities.subdivision import (
-    Part,
     Proposal,
     Role,
     Sought,
     Stuck,
+    SubCone,
     Vector,
     Violation,
     root_part,
@@ -171,7 +171,7 @@ class Problem:
         """What a vector is to the cell."""
         return self.sought.role(generator)
 
-    def part(self, generators: Sequence[Vector]) -> Part:
+    def part(self, generators: Sequence[Vector]) -> SubCone:
         """A part of the cone with the form and the guards in its generators, straight from the definition."""
         light = [tuple(simplest(x) for x in g) for g in generators]
         form, *guards = (
@@ -180,7 +180,7 @@ class Problem:
         return root_part(generators, [[form]], [{str(k): guard for k, guard in enumerate(guards)}])
 
     @cached_property
-    def whole(self) -> Part:
+    def whole(self) -> SubCone:
         """The cone itself."""
         return self.part(self.generators)
 

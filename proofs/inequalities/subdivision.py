@@ -92,7 +92,7 @@ class Sought:
 
 
 @dataclass
-class Part:
+class SubCone:
     """A simplicial cone on its way to being proved.
 
     Attributes:
@@ -130,13 +130,13 @@ class Part:
             yield from guards.values()
         yield from self.zeros.values()
 
-    def with_corner(self, kept: int, replaced: int, share: Any) -> Part:
+    def with_corner(self, kept: int, replaced: int, share: Any) -> SubCone:
         """The part in which ``(1 - share) P_kept + share P_replaced`` takes the place of ``P_replaced``."""
 
         def changed(terms: Terms) -> Terms:
             return with_mixture(terms, kept, replaced, 1 - share, share)
 
-        return Part(
+        return SubCone(
             _with_mixed(self.corners, kept, replaced, share),
             _with_mixed(self.places, kept, replaced, Fraction(1, 2)),
             [list(map(changed, own)) for own in self.values],
@@ -151,11 +151,11 @@ def root_part(
     values: Sequence[Sequence[Terms]],
     guards: Sequence[Mapping[str, Terms]],
     zeros: Mapping[str, Terms] | None = None,
-) -> Part:
+) -> SubCone:
     """A cone that nothing was cut from, with the forms in its corners."""
     count = len(corners)
     places = tuple(tuple(Fraction(int(i == k)) for i in range(count)) for k in range(count))
-    return Part(tuple(corners), places, list(map(list, values)), list(map(dict, guards)), dict(zeros or {}), 0)
+    return SubCone(tuple(corners), places, list(map(list, values)), list(map(dict, guards)), dict(zeros or {}), 0)
 
 
 def _with_mixed(vectors: Sequence[Vector], kept: int, replaced: int, share: Any) -> tuple[Vector, ...]:
@@ -208,7 +208,7 @@ def raised(form: Terms, degree: int, corners: Sequence[Vector]) -> Terms:
     return form
 
 
-def shows(part: Part, sought: Sought, k: int, form: Terms) -> bool:
+def shows(part: SubCone, sought: Sought, k: int, form: Terms) -> bool:
     """Whether the coefficients of a form show of it what the k-th inequality claims of p."""
     if not is_nonnegative(form):
         return False
@@ -219,7 +219,7 @@ def _is_positive(form: Terms, faces: Sequence[int]) -> bool:
     return all(has_positive(form, face) for face in faces)
 
 
-def shown_by(part: Part, sought: Sought, k: int, free: frozenset[str] = frozenset()) -> str | dict[str, Any] | None:
+def shown_by(part: SubCone, sought: Sought, k: int, free: frozenset[str] = frozenset()) -> str | dict[str, Any] | None:
     """What shows the k-th inequality on a part without functions mu; None where coefficients do not tell.
 
     Args:
@@ -249,7 +249,7 @@ def shown_by(part: Part, sought: Sought, k: int, free: frozenset[str] = frozense
     return None
 
 
-def _outside_by(part: Part, sought: Sought, guards: Mapping[str, Terms], free: frozenset[str]) -> str | None:
+def _outside_by(part: SubCone, sought: Sought, guards: Mapping[str, Terms], free: frozenset[str]) -> str | None:
     """A guard that is positive nowhere on the part, and zero at no point that counts unless it is free."""
     for name, guard in guards.items():
         negative = {e: -c for e, c in guard.items()}
@@ -258,7 +258,7 @@ def _outside_by(part: Part, sought: Sought, guards: Mapping[str, Terms], free: f
     return None
 
 
-def _is_positive_inside(part: Part, sought: Sought, rest: Terms, guard: Terms, factor: Any) -> bool:
+def _is_positive_inside(part: SubCone, sought: Sought, rest: Terms, guard: Terms, factor: Any) -> bool:
     """Whether ``rest + factor guard`` is positive at all points that count, face by face.
 
     Inside each face the rest is positive, or the guard is negative (no point of the cell lies there), or
@@ -325,22 +325,22 @@ class Stuck:
 
 
 @dataclass(frozen=True)
-class Cut:
+class ConeCut:
     """A cut at ``(1 - share) P_first + share P_second``, which replaces P_second in ``near`` and P_first in ``far``."""
 
     first: int
     second: int
     share: Any
-    near: Part
-    far: Part
+    near: SubCone
+    far: SubCone
 
 
-LeafSearch: TypeAlias = Callable[[Part], Any]  # what shows all inequalities on a part; None where it is not known
-Proposal: TypeAlias = Callable[[Part], "tuple[int, int, Any] | Violation | None"]  # where to cut: edge and share
+LeafSearch: TypeAlias = Callable[[SubCone], Any]  # what shows all inequalities on a part; None where it is not known
+Proposal: TypeAlias = Callable[[SubCone], "tuple[int, int, Any] | Violation | None"]  # where to cut: edge and share
 
 
 def subdivide(
-    roots: Sequence[Part], sought: Sought, budget: int, leaf: LeafSearch, propose: Proposal | None = None
+    roots: Sequence[SubCone], sought: Sought, budget: int, leaf: LeafSearch, propose: Proposal | None = None
 ) -> Violation | Stuck | None:
     """Prove inequalities by coefficients, breadth first, within a budget; None where they are proved.
 
@@ -369,12 +369,12 @@ def subdivide(
             return Stuck(part.corners)
         first, second, share = split or (*_edge_to_halve(part), fmpq(1, 2))
         near, far = part.with_corner(first, second, share), part.with_corner(second, first, 1 - share)
-        part.node = Cut(first, second, share, near, far)
+        part.node = ConeCut(first, second, share, near, far)
         waiting += (near, far)
     return Stuck(waiting[0].corners) if waiting else None
 
 
-def _edge_to_halve(part: Part) -> tuple[int, int]:
+def _edge_to_halve(part: SubCone) -> tuple[int, int]:
     """The longest edge as seen in the root's barycentric coordinates, so that all parts shrink.
 
     Near a corner where the form is zero its sign may depend on the direction alone, and halving the longest edge would
@@ -391,7 +391,7 @@ def _edge_to_halve(part: Part) -> tuple[int, int]:
     )
 
 
-def _find_violation(part: Part, sought: Sought) -> Violation | None:
+def _find_violation(part: SubCone, sought: Sought) -> Violation | None:
     """A point where an inequality without functions mu is false: a corner, inside a face, or near a direction."""
     count = len(part.corners)
     faces = sought.faces(part.corners) if sought.strict else []
@@ -409,7 +409,7 @@ def _find_violation(part: Part, sought: Sought) -> Violation | None:
     return None
 
 
-def _violation_beside(part: Part, sought: Sought, k: int, weights: Sequence[fmpq]) -> Violation | None:
+def _violation_beside(part: SubCone, sought: Sought, k: int, weights: Sequence[fmpq]) -> Violation | None:
     """One near a direction or the origin, at which nothing is claimed itself."""
     for step in range(NEARBY_STEPS):
         for i in range(len(weights)):
@@ -419,7 +419,7 @@ def _violation_beside(part: Part, sought: Sought, k: int, weights: Sequence[fmpq
     return None
 
 
-def _violation_at(part: Part, sought: Sought, k: int, weights: Sequence[fmpq]) -> Violation | None:
+def _violation_at(part: SubCone, sought: Sought, k: int, weights: Sequence[fmpq]) -> Violation | None:
     """The weighted sum of the corners, if the k-th inequality is false there, inside all guards."""
     point = tuple(_weighted(own, weights) for own in zip(*part.corners, strict=True))
     if not sought.is_about(point) or any(sign(value_at(own, weights)) <= 0 for own in part.guards[k].values()):

@@ -19,9 +19,9 @@ from nonsmooth.proofs.checker.polynomials import Polynomial, unit
 from nonsmooth.proofs.checker.positivity import Claim, pairs, root_simplices
 from nonsmooth.proofs.inequalities.prover import Counterexample
 from nonsmooth.proofs.inequalities.subdivision import (
-    Cut,
-    Part,
+    ConeCut,
     Sought,
+    SubCone,
     Violation,
     degree_of,
     raised,
@@ -99,7 +99,7 @@ def counterexample(claim: Claim, point: Sequence[fmpq]) -> Counterexample[Claim]
     return None
 
 
-def _root(claim: Claim, corners: Sequence[Sequence[Fraction]]) -> Part:
+def _root(claim: Claim, corners: Sequence[Sequence[Fraction]]) -> SubCone:
     exact = tuple(tuple(fmpq(x.numerator, x.denominator) for x in corner) for corner in corners)
     values = [[_form(own, exact) for own in (i.value, *i.pushes)] for i in claim.inequalities]
     guards = [{name: _form(own, exact) for name, own in i.guards.items() if name[0] == "s"} for i in claim.inequalities]
@@ -113,7 +113,7 @@ def _form(value: Polynomial, corners: Sequence[Corner]) -> Form:
     return in_generators(terms, corners)
 
 
-def _leaf(claim: Claim, sought: Sought, part: Part) -> Leaf | None:
+def _leaf(claim: Claim, sought: Sought, part: SubCone) -> Leaf | None:
     """What shows all inequalities on a part: without functions mu, or with values that a linear program proposes."""
     found = [shown_by(part, sought, k, own.open) for k, own in enumerate(claim.inequalities)]
     shown = [own for own in found if own is not None]
@@ -172,7 +172,7 @@ def _times_coordinate(form: Form, k: int) -> Form:
     return {(*e[:k], e[k] + 1, *e[k + 1 :]): value for e, value in form.items()}
 
 
-def _place_to_cut(part: Part) -> tuple[int, int, fmpq] | None:
+def _place_to_cut(part: SubCone) -> tuple[int, int, fmpq] | None:
     """Where an affine guard changes its sign on an edge; in one variable, where a polynomial is zero."""
     size = len(part.corners)
     for guards in part.guards:
@@ -187,7 +187,7 @@ def _place_to_cut(part: Part) -> tuple[int, int, fmpq] | None:
     return None if share is None else (0, 1, share)
 
 
-def _rational_root(part: Part) -> fmpq | None:
+def _rational_root(part: SubCone) -> fmpq | None:
     """Where a polynomial vanishes inside an interval, as a share of it: halving alone would never meet that place."""
     forms = [form for own in part.values for form in own[:1]] + [form for own in part.guards for form in own.values()]
     for form in forms:
@@ -201,9 +201,9 @@ def _rational_root(part: Part) -> fmpq | None:
     return None
 
 
-def _tree(part: Part) -> Any:
+def _tree(part: SubCone) -> Any:
     """The tree below a part, as certificates write it."""
-    if isinstance(part.node, Cut):
+    if isinstance(part.node, ConeCut):
         cut = part.node
         return [cut.first, cut.second, str(cut.share), _tree(cut.near), _tree(cut.far)]
     leaf: dict[str, Any] = {}
