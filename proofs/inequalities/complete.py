@@ -24,16 +24,7 @@ from typing import Any, TypeAlias
 from flint import fmpq
 
 from nonsmooth.proofs.inequalities.effort import effort_left, take_effort
-from nonsmooth.proofs.inequalities.forms import (
-    LONG_BITS,
-    NEARBY_STEPS,
-    Problem,
-    Role,
-    Stuck,
-    SubCone,
-    Vector,
-    Violation,
-)
+from nonsmooth.proofs.inequalities.forms import Problem
 from nonsmooth.proofs.inequalities.real_roots import (
     Coefficients,
     RealRoot,
@@ -41,6 +32,15 @@ from nonsmooth.proofs.inequalities.real_roots import (
     samples_between,
     trimmed,
     value,
+)
+from nonsmooth.proofs.inequalities.subdivision import (
+    LONG_BITS,
+    NEARBY_STEPS,
+    Role,
+    Stuck,
+    SubCone,
+    Vector,
+    Violation,
 )
 from nonsmooth.symbolic.constraints import cofactors
 from nonsmooth.symbolic.numbers.coefficients import height
@@ -197,7 +197,7 @@ def zero_cut(problem: Problem, part: SubCone) -> tuple[int, int, Any] | Violatio
     """Where to cut a part, ``(first, second, weight)``; or a point on an edge that refutes the claim."""
     if part.depth > CUT_DEPTH:
         return None
-    generators = [tuple(map(evaluated, g)) for g in part.generators]
+    generators = [tuple(map(evaluated, g)) for g in part.corners]
     for edge in combinations(range(len(generators)), 2):
         line = edge_line(problem, part.form, edge)
         for t, is_zero in _suspects(line):

@@ -22,10 +22,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cache
-from typing import Any, TypeAlias
+from typing import Any, Generic, TypeAlias, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.region import Region, Triple
 from nonsmooth.proofs.inequalities.complete import decide_binary, decide_quadratic, zero_cut
@@ -35,16 +34,14 @@ from nonsmooth.proofs.inequalities.forms import (
     Problem,
     Question,
     Sense,
-    Stuck,
-    Violation,
     build_parts,
     place_of,
-    subdivide,
     triangles,
 )
 from nonsmooth.proofs.inequalities.real_roots import RealRoot
+from nonsmooth.proofs.inequalities.subdivision import Stuck, Violation
 from nonsmooth.symbolic.number_text import place_text
-from nonsmooth.symbolic.numbers.polynomial import Polynomial
+from nonsmooth.symbolic.numbers.polynomial import Polynomial, float_values, float_values_and_sizes
 from nonsmooth.symbolic.surfaces import factorize
 
 PARTS = 12  # of each side of a triangle
@@ -83,25 +80,15 @@ def _suspects(question: Question, triangle: Sequence[Triple]) -> Iterator[Weight
     x, y, w = (weights @ np.array([[float(v) for v in g] for g in triangle])).T
     inside = w > 0
     with np.errstate(all="ignore"):
-        x, y = x / w, y / w
+        points = np.column_stack([x / w, y / w])
         for guard in question.region.guards:
-            inside &= _values(guard, x, y)[0] > 0
-        values, sizes = _values(question.claimed, x, y)
+            inside &= float_values(guard.terms, points) > 0
+        values, sizes = float_values_and_sizes(question.claimed.terms, points)
         share = values / sizes
     fails = (share <= 0 if question.sense.strict else share < 0) & inside & np.isfinite(share)
     order = np.argsort(np.where(fails, share, np.inf), kind="stable")
     for k in order[: min(CONFIRMED, int(fails.sum()))]:
         yield _grid()[int(k)]
-
-
-def _values(polynomial: Polynomial, x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[Any, Any]:
-    """Values, and the sums of the terms' sizes."""
-    total, size = np.zeros_like(x), np.zeros_like(x)
-    for (a, b), c in polynomial.terms.items():
-        term = float(c) * x**a * y**b
-        total += term
-        size += np.abs(term)
-    return total, size
 
 
 def _point(triangle: Sequence[Triple], weights: Weights) -> tuple[Any, Any]:
@@ -114,24 +101,33 @@ MUCH_WORK = 50_000  # about a second
 MAX_EXACT_ROOTS = 6  # square roots in the field up to which quotients of two generators are carried out
 
 
-@dataclass(frozen=True)
-class Proof:
-    """The claim holds."""
-
-    question: Question
+QuestionT = TypeVar("QuestionT")  # a question about the plane, or a claim of a certificate
 
 
 @dataclass(frozen=True)
-class Counterexample:
+class Proof(Generic[QuestionT]):
+    """The claim holds.
+
+    Attributes:
+        question: the claim.
+        evidence: as a certificate holds it; None of a question about the plane.
+    """
+
+    question: QuestionT
+    evidence: Any = None
+
+
+@dataclass(frozen=True)
+class Counterexample(Generic[QuestionT]):
     """A point of the closed cell at which the claim is false.
 
     Attributes:
         question: the claim.
-        point: (x, y).
+        point: in the claim's variables.
         value: the polynomial there.
     """
 
-    question: Question
+    question: QuestionT
     point: tuple[Any, ...]
     value: Any
 
@@ -159,7 +155,7 @@ class ZeroBetween:
 
 
 @dataclass(frozen=True)
-class Undecided:
+class Undecided(Generic[QuestionT]):
     """Neither proved nor refuted.
 
     Attributes:
@@ -167,8 +163,8 @@ class Undecided:
         part: corners ``(x, y)`` of the part on which the search ended; directions where unbounded.
     """
 
-    question: Question
-    part: tuple[tuple[Any, ...], ...]
+    question: QuestionT
+    part: tuple[tuple[Any, ...], ...] = ()
 
     @property
     def reason(self) -> str:
@@ -177,7 +173,7 @@ class Undecided:
         return f"the sign was not found on the part of the cell with corners {corners}"
 
 
-Outcome: TypeAlias = Proof | Counterexample | ZeroBetween | Undecided
+Outcome: TypeAlias = Proof[Question] | Counterexample[Question] | ZeroBetween | Undecided[Question]
 
 
 def prove(sense: Sense | str, polynomial: Polynomial, region: Region, *, except_origin: bool = False) -> Outcome:
@@ -201,7 +197,7 @@ def prove(sense: Sense | str, polynomial: Polynomial, region: Region, *, except_
     refuting = counterexample(question) if region.guards else None
     if refuting is not None:
         return _witness(question, refuting)
-    stuck: Undecided | None = None
+    stuck: Undecided[Question] | None = None
     for part in build_parts(question):
         found = decide(part)
         if isinstance(found, Violation):
@@ -209,7 +205,7 @@ def prove(sense: Sense | str, polynomial: Polynomial, region: Region, *, except_
         if isinstance(found, RealRoot):
             return ZeroBetween(question, part, found)
         if isinstance(found, Stuck):
-            stuck = stuck or Undecided(question, tuple(place_of(g, part, question) for g in found.generators))
+            stuck = stuck or Undecided(question, tuple(place_of(g, part, question) for g in found.corners))
     if stuck is not None and not region.guards and (refuting := counterexample(question)) is not None:
         return _witness(question, refuting)
     return stuck or Proof(question)
@@ -217,7 +213,7 @@ def prove(sense: Sense | str, polynomial: Polynomial, region: Region, *, except_
 
 def decide(problem: Problem) -> Violation | RealRoot | Stuck | None:
     """Decide one simplicial part: what refutes it, or where the search ended; None where it is proved."""
-    found = subdivide(problem, LITTLE_WORK)
+    found = problem.subdivided(LITTLE_WORK)
     if not isinstance(found, Stuck):
         return found
     if len(problem.generators) == 2 and len(problem.form.field.radicands) <= MAX_EXACT_ROOTS:
@@ -231,7 +227,7 @@ def decide(problem: Problem) -> Violation | RealRoot | Stuck | None:
         if of_rest is None or (isinstance(of_rest, Violation) and problem.is_violated_at(of_rest.point)):
             return of_rest
     work = min(MUCH_WORK, effort_left())
-    return subdivide(problem, work, lambda part: zero_cut(problem, part)) if work else found
+    return problem.subdivided(work, lambda part: zero_cut(problem, part)) if work else found
 
 
 def _without_square(problem: Problem) -> Problem | None:
@@ -245,7 +241,7 @@ def _without_square(problem: Problem) -> Problem | None:
     return replace(problem, form=rest)
 
 
-def _witness(question: Question, point: tuple[Any, ...]) -> Counterexample:
+def _witness(question: Question, point: tuple[Any, ...]) -> Counterexample[Question]:
     return Counterexample(question, point, question.polynomial(point))
 
 

@@ -23,6 +23,7 @@ from scipy.optimize import nnls
 from nonsmooth.proofs.checker.cells import Face, SurfaceSigns
 from nonsmooth.proofs.checker.polynomials import Polynomial, unit, variable
 from nonsmooth.proofs.kernel.search import NotShownError
+from nonsmooth.symbolic.numbers.polynomial import float_values
 
 LEAST = 2.0**-10  # of a ratio to a power that is worth to be stated
 POWERS = (2, 4, 6, 8)
@@ -76,7 +77,7 @@ class Bounds:
         number, factors = factorized(rate)
         total: list[Term] = [(Fraction(1), ())]
         for factor, exponent in factors:
-            values = evaluated(factor, self.points)
+            values = float_values(factor.terms, self.points)
             turned = exponent % 2 == 1 and values.max(initial=0.0) <= TINY
             if exponent % 2 == 1 and not turned and values.min(initial=0.0) < -TINY:
                 return None
@@ -151,7 +152,7 @@ class Bounds:
         bases: list[tuple[Polynomial | int, Polynomial]] = list(self.guards.items())
         bases += [(variable(size, k), variable(size, k)) for k in range(size)]
         for name, base in bases:
-            against = np.abs(evaluated(base, places))
+            against = np.abs(float_values(base.terms, places))
             at = against > TINY
             for power in (1, *POWERS) if isinstance(name, int) else POWERS:
                 least = float(np.min(values[at] / against[at] ** power, initial=1.0))
@@ -240,14 +241,6 @@ def squares_of(value: Polynomial) -> list[Term] | None:
 
 def _square(count: int, k: int) -> tuple[int, ...]:
     return tuple(2 * e for e in unit(count, k))
-
-
-def evaluated(value: Polynomial, points: Floats) -> Floats:
-    """A polynomial at points of shape (m, d), in floats."""
-    total = np.zeros(len(points))
-    for exponents, c in value.terms.items():
-        total += float(c) * np.prod(points ** np.array(exponents, dtype=float), axis=1)
-    return total
 
 
 def _rounded_down(value: float) -> Fraction:

@@ -25,10 +25,10 @@ from nonsmooth.proofs.checker.cells import Domain, Inclusion, Pattern, Surfaces,
 from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.inequalities.linear_program import Mixture, best_mixture
-from nonsmooth.proofs.kernel.search import Floats, NotShownError, Search, sample_points, values_at
+from nonsmooth.proofs.kernel.search import Floats, NotShownError, Search, sample_points
 from nonsmooth.proofs.kernel.subject import NoCertificateError, about
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.numbers.polynomial import Exponents, Polynomial
+from nonsmooth.symbolic.numbers.polynomial import Exponents, Polynomial, float_values
 from nonsmooth.symbolic.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.switched_system import MAX_PATTERNS, SwitchedSystem, UnknownSign, signs_by_factors
 
@@ -193,13 +193,7 @@ def _signs_in_floats(surfaces: Sequence[Polynomial], radius: Number) -> NDArray[
         return np.zeros((1, 0))
     count = len(surfaces[0].variables)
     cloud = np.random.default_rng(0).uniform(-1, 1, (SAMPLES, count)) * float(radius)
-    columns = []
-    for surface in surfaces:
-        value = np.zeros(SAMPLES)
-        for exponents, coefficient in surface.terms.items():
-            value += float(coefficient) * np.prod(cloud**exponents, axis=1)
-        columns.append(np.sign(value))
-    return np.column_stack(columns)
+    return np.column_stack([np.sign(float_values(surface.terms, cloud)) for surface in surfaces])
 
 
 def is_empty(forms: Sequence[Polynomial], radius: Number) -> bool:
@@ -374,7 +368,7 @@ def sharpened(stated: StatedCells, subject: System, search: Search) -> StatedCel
 def _sampled_signs(surfaces: Surfaces) -> Floats:
     """The signs of all surfaces at random points, one row for each point."""
     points = np.concatenate([sample_points(surfaces.domain.system.count, bounded=True, seed=k) for k in range(20)])
-    return np.stack([np.sign(values_at(own, points)[0]) for own in surfaces.listed], axis=1)
+    return np.stack([np.sign(float_values(own.terms, points)) for own in surfaces.listed], axis=1)
 
 
 def _holds(signs: Pattern, mark: str) -> bool:

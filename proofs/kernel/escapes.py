@@ -24,8 +24,9 @@ from nonsmooth.proofs.checker.lyapunov import sign_along
 from nonsmooth.proofs.checker.polynomials import Polynomial, constant, lie_derivative, solve, variable
 from nonsmooth.proofs.kernel.cells import SignCell, SignCells, adjoining, build_cells, rational_terms, started
 from nonsmooth.proofs.kernel.first_terms import MIDDLE, lyapunov_solution, quadratic_form
-from nonsmooth.proofs.kernel.search import Entry, NotShownError, SampledProofs, Search, values_at
+from nonsmooth.proofs.kernel.search import Entry, NotShownError, SampledProofs, Search
 from nonsmooth.proofs.kernel.written import as_checked, formula_text
+from nonsmooth.symbolic.numbers.polynomial import float_values
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 Floats: TypeAlias = NDArray[np.float64]
@@ -403,4 +404,4 @@ def _planar_rays(field: Field, degree: int) -> Iterator[Floats]:
 
 
 def _at(value: Polynomial, place: Floats) -> float:
-    return float(values_at(value, place[None, :])[0][0])
+    return float(float_values(value.terms, place[None, :])[0])

@@ -46,11 +46,11 @@ from nonsmooth.proofs.kernel.search import (
     Search,
     sample_points,
     stability_hypotheses,
-    values_at,
 )
 from nonsmooth.proofs.kernel.second_function import find_second
 from nonsmooth.proofs.kernel.tangents import form_lines, lowest_form
 from nonsmooth.symbolic.numbers.polynomial import Polynomial as Form
+from nonsmooth.symbolic.numbers.polynomial import float_values
 from nonsmooth.symbolic.piecewise import parse_piecewise
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
@@ -247,7 +247,7 @@ def _velocities(cells: Sequence[Cell], degree: int, place: Floats) -> list[Float
     for cell in cells:
         for _, field in cell.fields:
             first = [Polynomial(2, {e: c for e, c in p.terms.items() if sum(e) == degree}) for p in field]
-            found.append(np.array([float(values_at(own, place[None, :])[0][0]) for own in first]))
+            found.append(np.array([float(float_values(own.terms, place[None, :])[0]) for own in first]))
     return found
 
 
@@ -403,11 +403,11 @@ def _rates(inclusion: Inclusion) -> Floats:
     """The derivatives of the functions at points of the cells, one row for each point and field."""
     points = sample_points(inclusion.count, bounded=True)
     listed = inclusion.surfaces.listed
-    signs = np.stack([values_at(own, points)[0] > 0 for own in listed], axis=1)
+    signs = np.stack([float_values(own.terms, points) > 0 for own in listed], axis=1)
     found = []
     for cell in inclusion.cells:
         inside = points[(signs == (np.array(cell.signs) > 0)).all(axis=1)]
         for _, field in cell.fields:
-            columns = [values_at(lie_derivative(own, field), inside)[0] for own in cell.functions]
+            columns = [float_values(lie_derivative(own, field).terms, inside) for own in cell.functions]
             found.append(np.stack(columns, axis=1))
     return np.vstack(found)

@@ -29,8 +29,10 @@ from nonsmooth.proofs.checker.statements import THEOREMS
 from nonsmooth.proofs.checker.theorems import Statement
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.inequalities.linear_program import best_mixture
+from nonsmooth.proofs.inequalities.prover import Counterexample, Proof, Undecided
 from nonsmooth.proofs.kernel import simplices, squares
 from nonsmooth.symbolic.numbers.number_field import NumberField
+from nonsmooth.symbolic.numbers.polynomial import float_values, float_values_and_sizes
 
 WORK = 20_000  # coefficients that the search for simplices may look at, for one claim
 FLAT = 2  # variables up to which simplices are tried before sums of squares
@@ -69,14 +71,20 @@ class Search(Proofs):
         """
         found = self.found.get(claim.name)
         if found is None or found[0] != claim:
-            missed = self.missed.get(claim.name) == claim
-            evidence = None if missed else self.known.get(claim.name) or prove(claim, self.work)
+            evidence = self._evidence(claim)
             if evidence is None:
                 self.missed[claim.name] = claim
                 raise NotShownError(f"no proof was found of {claim.name}")
             self.found[claim.name] = claim, evidence
         self.used.append(claim.name)
         self.note_form(claim)
+
+    def _evidence(self, claim: Claim) -> Any:
+        if self.missed.get(claim.name) == claim:
+            return None
+        known = self.known.get(claim.name)
+        outcome = Proof(claim, known) if known else prove(claim, self.work)
+        return outcome.evidence if isinstance(outcome, Proof) else None
 
     def shows(self, claim: Claim) -> bool:
         """Find evidence of a claim that nothing needs, if there is any; whether it was found."""
@@ -126,11 +134,11 @@ class Kind:
     """A kind of evidence.
 
     Attributes:
-        search: evidence of a claim, with some work; None where none is found.
+        search: evidence of a claim, with some work, or a point that refutes it; None where neither is found.
         place: of the kind in the order for a claim, the lowest first; None where it is not tried.
     """
 
-    search: Callable[[Claim, int], dict[str, Any] | None]
+    search: Callable[[Claim, int], dict[str, Any] | Counterexample[Claim] | None]
     place: Callable[[Claim], int | None]
 
 
@@ -152,8 +160,10 @@ KINDS = [
 ]
 
 
-def prove(claim: Claim, work: int = WORK, *, but: Kind | None = None) -> dict[str, Any] | None:
-    """Evidence of a claim by the first kind that shows it; None where none does, which refutes nothing.
+def prove(
+    claim: Claim, work: int = WORK, *, but: Kind | None = None
+) -> Proof[Claim] | Counterexample[Claim] | Undecided[Claim]:
+    """Decide a claim by the first kind of evidence that shows it, or meets a point at which it is false.
 
     Args:
         claim: as a theorem states it.
@@ -164,8 +174,8 @@ def prove(claim: Claim, work: int = WORK, *, but: Kind | None = None) -> dict[st
     for _, kind in sorted(((place, kind) for place, kind in places if place is not None), key=lambda own: own[0]):
         found = kind.search(claim, work)
         if found is not None:
-            return found
-    return None
+            return found if isinstance(found, Counterexample) else Proof(claim, found)
+    return Undecided(claim)
 
 
 def search_mixture(claim: Claim) -> dict[str, Any] | None:
@@ -258,24 +268,14 @@ def _is_refuted(claim: Claim, inequality: Inequality, points: Floats) -> bool:
         points = _nearer(zero[0], points)
     inside = (np.abs(points) <= 1).all(axis=1) if claim.bounded else np.ones(len(points), dtype=bool)
     for guard in guards:
-        value, size = values_at(guard, points)
+        value, size = float_values_and_sizes(guard.terms, points)
         inside &= (np.abs(value) <= SLACK * size) if guard in zero else (value > SLACK * size)
-    value, size = values_at(inequality.value, points[inside])
+    value, size = float_values_and_sizes(inequality.value.terms, points[inside])
     return bool((value < -SLACK * size).any()) or (claim.strict and bool(((size > 0) & (value < SLACK * size)).any()))
 
 
 def _nearer(surface: Polynomial, points: Floats) -> Floats:
     """Points nearer to where a polynomial is zero: one step of Newton's method along its gradient."""
-    slopes = np.stack([values_at(surface.derivative(k), points)[0] for k in range(surface.count)], axis=1)
-    steps = values_at(surface, points)[0] / np.maximum((slopes**2).sum(axis=1), TINY)
+    slopes = np.stack([float_values(surface.derivative(k).terms, points) for k in range(surface.count)], axis=1)
+    steps = float_values(surface.terms, points) / np.maximum((slopes**2).sum(axis=1), TINY)
     return np.asarray(points - steps[:, None] * slopes)
-
-
-def values_at(polynomial: Polynomial, points: Floats) -> tuple[Floats, Floats]:
-    """The values at some points, and the sums of the absolute values of the terms there."""
-    value, size = np.zeros(len(points)), np.zeros(len(points))
-    for exponents, coefficient in polynomial.terms.items():
-        term = float(coefficient) * np.prod(points ** np.array(exponents), axis=1)
-        value += term
-        size += np.abs(term)
-    return value, size

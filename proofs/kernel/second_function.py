@@ -27,11 +27,12 @@ from nonsmooth.proofs.checker.invariance import MAX_OTHERS, Bound, Chain, common
 from nonsmooth.proofs.checker.polynomials import Exponents, Polynomial
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE
 from nonsmooth.proofs.checker.work import RejectedError
-from nonsmooth.proofs.kernel.bounds import Bounds, evaluated, formula
+from nonsmooth.proofs.kernel.bounds import Bounds, formula
 from nonsmooth.proofs.kernel.cells import BeyondReachError, sharpened, started, stated_cells, surfaces_of
 from nonsmooth.proofs.kernel.search import NotShownError, Search, stability_hypotheses
 from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.polynomial import float_values
 from nonsmooth.symbolic.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
@@ -181,7 +182,7 @@ class Survey(Chain):
         found = sampled(place, cells)
         if self.below is None:
             return found
-        return found.where(evaluated(cells[0].functions[0], found.points) < float(self.below))
+        return found.where(float_values(cells[0].functions[0].terms, found.points) < float(self.below))
 
     def bound(self, name: str, step: int, place: Face, cells: Sequence[Cell]) -> Bound | None:
         """Propose a bound of the rate of a step; None where it is positive at all points that are looked at."""
@@ -217,7 +218,7 @@ def rates(functions: Sequence[Polynomial], step: int, points: Floats, velocities
 
 def gradient(function: Polynomial, points: Floats) -> Floats:
     """Of shape (m, n)."""
-    return np.stack([evaluated(function.derivative(k), points) for k in range(function.count)], axis=1)
+    return np.stack([float_values(function.derivative(k).terms, points) for k in range(function.count)], axis=1)
 
 
 @dataclass(frozen=True)
@@ -251,19 +252,21 @@ def sampled(place: Face, cells: Sequence[Cell]) -> Samples:
     """Points of a place off the origin, with the extreme velocities that keep its surfaces zero."""
     listed, count = place.inclusion.surfaces.listed, place.inclusion.count
     coordinates = points_of(place)
-    points = np.stack([evaluated(form, coordinates) for form in place.coordinates], axis=1)
+    points = np.stack([float_values(form.terms, coordinates) for form in place.coordinates], axis=1)
     inside = np.all(np.abs(points) <= 1 + NEAR, axis=1) & np.any(np.abs(points) > NEAR, axis=1)
     for j in place.curved:
-        inside &= np.abs(evaluated(listed[j], points)) <= NEAR
+        inside &= np.abs(float_values(listed[j].terms, points)) <= NEAR
     coordinates, points = coordinates[inside], points[inside]
-    values = [evaluated(surface, points) for surface in listed]
+    values = [float_values(surface.terms, points) for surface in listed]
     normals = [gradient(listed[j], points) for j in place.zero]
     fields: list[tuple[NDArray[np.bool_], Floats]] = []
     for cell in cells:
         beside = np.ones(len(points), dtype=bool)
         for j, sign in enumerate(cell.signs):
             beside &= (sign * values[j] >= -NEAR) | (j in place.zero)
-        fields += [(beside, np.stack([evaluated(part, points) for part in field], axis=1)) for _, field in cell.fields]
+        fields += [
+            (beside, np.stack([float_values(part.terms, points) for part in field], axis=1)) for _, field in cell.fields
+        ]
     found: list[tuple[Floats, Floats, Floats]] = []
     for i in range(len(points)):
         own = [field[i] for beside, field in fields if beside[i]]
@@ -287,7 +290,7 @@ def points_of(place: Face) -> Floats:
         own = place.restricted(surface)
         if own.degree == 1:
             slopes = np.array([float(own.slope(k)) for k in range(size)])
-            projected.append(points - np.outer(evaluated(own, points), slopes) / (slopes @ slopes))
+            projected.append(points - np.outer(float_values(own.terms, points), slopes) / (slopes @ slopes))
     return np.unique(np.round(np.vstack(projected), 12), axis=0)
 
 

@@ -11,8 +11,9 @@ from typing import Any
 
 from flint import fmpq
 
-from nonsmooth.proofs.checker.polynomials import Exponents, Polynomial, constant
+from nonsmooth.proofs.checker.polynomials import Exponents, constant
 from nonsmooth.proofs.checker.positivity import Claim, Inequality
+from nonsmooth.proofs.kernel.written import terms_of
 from nonsmooth.proofs.sums_of_squares.ansatz import Condition, build_blocks, monomials_between
 from nonsmooth.proofs.sums_of_squares.conic_program import solve_inside
 from nonsmooth.proofs.sums_of_squares.prove import Effort, SumOfSquares, normalized, prove_positive
@@ -103,11 +104,6 @@ def _guard_names(inequality: Inequality) -> list[str]:
     sides = _sides(inequality)
     surfaces = [name for name in inequality.guards if name[0] == "s"]
     return [*surfaces, *(f"b{k}" for k in sides), *(f"{letter}{k}" for k in sides for letter in "ud")]
-
-
-def terms_of(value: Polynomial) -> Terms:
-    """The terms of a polynomial of the checker with numbers of flint."""
-    return {e: fmpq(c.numerator, c.denominator) for e, c in value.terms.items()}
 
 
 def _proposals(conditions: Sequence[Condition], parameters: int, *, weakly: bool) -> Iterator[tuple[fmpq, ...]]:

@@ -15,6 +15,11 @@ def as_checked(terms: Mapping[Exponents, fmpq], count: int) -> Polynomial:
     return Polynomial(count, {e: Fraction(int(c.p), int(c.q)) for e, c in terms.items()})
 
 
+def terms_of(value: Polynomial) -> dict[Exponents, fmpq]:
+    """The terms of a polynomial of the checker with numbers of flint."""
+    return {e: fmpq(c.numerator, c.denominator) for e, c in value.terms.items()}
+
+
 def formula_text(value: Polynomial, names: Sequence[str]) -> str:
     """A polynomial as a formula, such as ``-3/4*x**2*y + 1``."""
     written = []

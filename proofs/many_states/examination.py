@@ -11,6 +11,8 @@ from flint import fmpq
 from nonsmooth.proofs.checker.cells import read_system
 from nonsmooth.proofs.checker.positivity import Claim
 from nonsmooth.proofs.checker.work import MALFORMED, RejectedError
+from nonsmooth.proofs.inequalities.prover import Counterexample, Proof
+from nonsmooth.proofs.inequalities.subdivision import value_at
 from nonsmooth.proofs.kernel.cells import (
     BeyondReachError,
     SignCells,
@@ -23,7 +25,7 @@ from nonsmooth.proofs.kernel.search import SQUARES, prove, stability_hypotheses
 from nonsmooth.proofs.kernel.second_function import find_attraction
 from nonsmooth.proofs.kernel.squares import Shown, condition_of, find
 from nonsmooth.proofs.kernel.subject import NoCertificateError, about
-from nonsmooth.proofs.many_states.witnesses import Point, as_fractions, exact_value, refuting_point, rising_slide
+from nonsmooth.proofs.many_states.witnesses import Point, as_fractions, refuting_point, rising_slide
 from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.derivatives import Decrease, Refutation
 from nonsmooth.proofs.systems.domain import Domain
@@ -51,10 +53,12 @@ class Asked:
     Attributes:
         claim: as the theorem states it, strict.
         found: its evidence, strict or not; None where there is none.
+        against: a point that refutes the weakest claim that was asked, if one was met.
     """
 
     claim: Claim
     found: Shown | None
+    against: Counterexample[Claim] | None = None
 
     @property
     def is_about_fall(self) -> bool:
@@ -189,7 +193,9 @@ def examine(
     while failure is None and len(asked) < len(claims):
         asked.append(answer(claims[len(asked)], effort))
         if asked[-1].found is None:
-            failure = find_slide(system, conditions, asked[-1].claim) if effort is Effort.FULL else None
+            failure = _met_failure(stated.cells, asked[-1])
+            if failure is None and effort is Effort.FULL:
+                failure = find_slide(system, conditions, asked[-1].claim)
             break
     return replace(examined, asked=tuple(asked) if failure is None else (), failure=failure)
 
@@ -232,12 +238,13 @@ def answer(claim: Claim, effort: Effort) -> Asked:
     """
     if effort is Effort.FULL and claim.name.split()[0] == POSITIVE:
         effort = Effort.STRICT
-    found = find(claim, effort)
+    found, against = find(claim, effort), None
     for strict in SENSES[effort]:
         if found is None:
-            evidence = prove(replace(claim, strict=strict), WORK, but=SQUARES)
-            found = None if evidence is None else Shown(evidence, strict)
-    return Asked(claim, found)
+            outcome = prove(replace(claim, strict=strict), WORK, but=SQUARES)
+            found = Shown(outcome.evidence, strict) if isinstance(outcome, Proof) else None
+            against = outcome if isinstance(outcome, Counterexample) else None
+    return Asked(claim, found, against)
 
 
 def find_failure(cells: SignCells, claims: Sequence[Claim]) -> Refutation | None:
@@ -250,9 +257,17 @@ def find_failure(cells: SignCells, claims: Sequence[Claim]) -> Refutation | None
         condition = condition_of(claim, inequality, ())
         point = refuting_point(condition, strictly=kind != POSITIVE)
         if point is not None:
-            value = exact_value(condition.constant, point)
+            value = value_at(condition.constant, point)
             return _failure(cells, point, value, positive=kind == POSITIVE)
     return None
+
+
+def _met_failure(cells: SignCells, own: Asked) -> Refutation | None:
+    """A point that was met in the search of a proof about a cell, at which V is not positive or increases."""
+    kind, met = own.claim.name.split()[0], own.against
+    if met is None or kind == FACE or (kind != POSITIVE and not met.value):
+        return None
+    return _failure(cells, met.point, met.value, positive=kind == POSITIVE)
 
 
 def find_slide(system: SwitchedSystem, conditions: Functions, claim: Claim) -> Refutation | None:

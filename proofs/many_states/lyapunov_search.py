@@ -39,8 +39,8 @@ from nonsmooth.proofs.kernel.cells import (
     stated_cells,
 )
 from nonsmooth.proofs.kernel.claims import Functions
-from nonsmooth.proofs.kernel.squares import Shape, condition_of, mu_shapes, terms_of
-from nonsmooth.proofs.kernel.written import as_checked
+from nonsmooth.proofs.kernel.squares import Shape, condition_of, mu_shapes
+from nonsmooth.proofs.kernel.written import as_checked, terms_of
 from nonsmooth.proofs.many_states.examination import (
     ExaminedLyapunov,
     answer,

@@ -18,15 +18,17 @@ import numpy as np
 
 from nonsmooth.proofs.checker.positivity import Claim
 from nonsmooth.proofs.checker.theorems import show_rate
+from nonsmooth.proofs.inequalities.prover import Proof
 from nonsmooth.proofs.kernel.claims import Collected
 from nonsmooth.proofs.kernel.search import SQUARES, prove
-from nonsmooth.proofs.kernel.squares import Shown, condition_of, find, mu_shapes, terms_of, with_values
+from nonsmooth.proofs.kernel.squares import Shown, condition_of, find, mu_shapes, with_values
+from nonsmooth.proofs.kernel.written import terms_of
 from nonsmooth.proofs.many_states.examination import Asked, ExaminedLyapunov, are_about_forms
-from nonsmooth.proofs.many_states.witnesses import values_at
 from nonsmooth.proofs.sums_of_squares.ansatz import Condition
 from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.decay_rate import DecayKind, DecayRate, rates_below
 from nonsmooth.proofs.systems.sublevel_region import SublevelRegion
+from nonsmooth.symbolic.numbers.polynomial import float_values
 
 POINTS = 4_000
 LEVEL_SHARES = tuple(Fraction(k, 64) for k in (63, 60, 48, 32, 16, 4))  # of the least sampled value, tried in turn
@@ -64,11 +66,11 @@ def _least(condition: Condition) -> float:
     for _ in range(4):
         inside = np.ones(len(points), dtype=bool)
         for guard in condition.guards:
-            inside &= values_at(guard, points) >= 0
+            inside &= float_values(guard, points) >= 0
         if not inside.any():
             return float("inf")
         points = points[inside]
-        values = values_at(condition.constant, points)
+        values = float_values(condition.constant, points)
         best = points[np.argsort(values)[: POINTS // 40]]
         spread = np.random.default_rng(1).normal(scale=1 / 16, size=(40, *best.shape))
         points = np.clip((best + spread).reshape(-1, condition.variables), -1, 1)
@@ -131,7 +133,8 @@ def _proofs(
 def _evidence(claim: Claim, known: Shown | None) -> dict[str, Any] | None:
     """Of a claim with kappa, by the kind that showed the one without."""
     if known is None or known.mu is None:
-        return None if known is None else prove(claim, but=SQUARES)
+        outcome = None if known is None else prove(claim, but=SQUARES)
+        return outcome.evidence if isinstance(outcome, Proof) else None
     found = find(claim, Effort.HASTY, known.mu)
     return None if found is None else found.evidence
 
@@ -159,10 +162,10 @@ def _ratios(own: Asked, unit: Claim) -> Iterator[float]:
         points = rng.uniform(-1, 1, (POINTS, condition.variables)) * 0.5 ** rng.integers(0, 12, (POINTS, 1))
         inside = np.ones(POINTS, dtype=bool)
         for guard in condition.guards:
-            inside &= values_at(guard, points) >= 0
+            inside &= float_values(guard, points) >= 0
         for form in condition.bounds:
-            inside &= np.abs(values_at(form, points)) <= 1
+            inside &= np.abs(float_values(form, points)) <= 1
         points = points[inside]
         if len(points):
-            below = values_at(terms_of(inequality.value - other.value), points)
-            yield float(np.min(values_at(condition.constant, points) / below))
+            below = float_values(terms_of(inequality.value - other.value), points)
+            yield float(np.min(float_values(condition.constant, points) / below))

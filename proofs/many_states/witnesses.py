@@ -12,21 +12,21 @@ point: there is a solution along the face, and V rises along it.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
 
 import numpy as np
 from flint import fmpq, fmpq_mat
-from numpy.typing import NDArray
 
 from nonsmooth.proofs.checker.cells import Cell, Face, Inclusion
 from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.inequalities.linear_program import best_mixture
+from nonsmooth.proofs.inequalities.subdivision import value_at
 from nonsmooth.proofs.kernel.claims import Functions
-from nonsmooth.proofs.kernel.squares import terms_of
+from nonsmooth.proofs.kernel.written import terms_of
 from nonsmooth.proofs.sums_of_squares.ansatz import Condition
 from nonsmooth.symbolic.numbers.number_field import NumberField
-from nonsmooth.symbolic.numbers.polynomial import Exponents
+from nonsmooth.symbolic.numbers.polynomial import float_values
 
 POINTS = 1_500
 HALVINGS = 10  # of the distance from the point
@@ -51,44 +51,20 @@ def refuting_point(condition: Condition, *, strictly: bool) -> Point | None:
     points = cloud * halved[:, None]
     inside = np.ones(len(points), dtype=bool)
     for guard in condition.guards:
-        inside &= values_at(guard, points) > 0
+        inside &= float_values(guard, points) > 0
     points, halved = points[inside], halved[inside]
     if not len(points):
         return None
     order = min(map(sum, condition.constant), default=0)
-    value = values_at(condition.constant, points) / halved**order
+    value = float_values(condition.constant, points) / halved**order
     for k in np.argsort(value)[:TRIES]:
         step = FINE * round(1 / float(halved[k]))
         point = tuple(fmpq(round(float(x) * step), step) for x in points[k])
-        found = exact_value(condition.constant, point)
+        found = value_at(condition.constant, point)
         fails = found < 0 or (not found and not strictly and any(point))
-        if fails and all(exact_value(guard, point) > 0 for guard in condition.guards):
+        if fails and all(value_at(guard, point) > 0 for guard in condition.guards):
             return point
     return None
-
-
-def values_at(terms: Mapping[Exponents, fmpq], points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """A polynomial at many points, in floats."""
-    total = np.zeros(len(points))
-    for exponents, value in terms.items():
-        product = np.full(len(points), float(value))
-        for k, exponent in enumerate(exponents):
-            if exponent:
-                product *= points[:, k] ** exponent
-        total += product
-    return total
-
-
-def exact_value(terms: Mapping[Exponents, fmpq], point: Sequence[fmpq]) -> fmpq:
-    """A polynomial at a rational point."""
-    total = fmpq(0)
-    for exponents, value in terms.items():
-        product = value
-        for x, exponent in zip(point, exponents, strict=True):
-            if exponent:
-                product *= x**exponent
-        total += product
-    return total
 
 
 def as_fractions(point: Sequence[fmpq]) -> tuple[Fraction, ...]:
@@ -180,7 +156,7 @@ def _largest_rise(
 
 
 def _value(polynomial: Polynomial, point: Sequence[fmpq]) -> fmpq:
-    return exact_value(terms_of(polynomial), point)
+    return fmpq(value_at(terms_of(polynomial), point))
 
 
 def _slopes(form: Polynomial) -> list[fmpq]:

@@ -44,7 +44,7 @@ from nonsmooth.analysis.cells.region import Region, common_edges
 from nonsmooth.analysis.cells.switched_cells import LyapunovCell, distinct, gradients_at, velocities_at
 from nonsmooth.proofs.inequalities.curved_regions import Adherence, adherence, is_empty
 from nonsmooth.proofs.inequalities.effort import effort_of_its_own, shared_effort
-from nonsmooth.proofs.inequalities.forms import Question, Sense, build_parts, subdivide
+from nonsmooth.proofs.inequalities.forms import Question, Sense, build_parts
 from nonsmooth.proofs.inequalities.kinks import Interval, Kink, Ladder, Trend, Trends, ladder_at, worst
 from nonsmooth.proofs.inequalities.prover import Counterexample, Outcome, Proof, Undecided, ZeroBetween, prove
 from nonsmooth.proofs.inequalities.real_roots import RealRoot
@@ -131,7 +131,7 @@ def is_seen_empty(region: Region, like: Polynomial, work: int, *, except_origin:
     """
     minus_one = Polynomial.constant(like.field, like.variables, -1)
     parts = build_parts(Question(Sense.POSITIVE, minus_one, region, except_origin))
-    return all(subdivide(part, work) is None for part in parts)
+    return all(part.subdivided(work) is None for part in parts)
 
 
 BEND_EFFORT = 100_000  # for all edges on which V bends: a few seconds

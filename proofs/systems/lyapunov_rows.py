@@ -28,7 +28,7 @@ from nonsmooth.analysis.cells.region import Region, Segment, common_edges
 from nonsmooth.analysis.cells.switched_cells import LyapunovCell, sign_on
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.number_field import NumberField
-from nonsmooth.symbolic.numbers.polynomial import Polynomial
+from nonsmooth.symbolic.numbers.polynomial import Polynomial, float_values
 from nonsmooth.symbolic.piecewise import PiecewiseExpression, SignOf, parse_piecewise
 from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
 
@@ -196,10 +196,7 @@ def normalized(rows: Floats) -> Floats:
 @BEYOND_FLOATS
 def values_at(polynomial: Polynomial, points: Floats) -> Floats:
     """A polynomial at many points, in floats."""
-    total = np.zeros(len(points))
-    for (a, b), c in polynomial.terms.items():
-        total += float(c) * points[:, 0] ** a * points[:, 1] ** b
-    return total
+    return float_values(polynomial.terms, points)
 
 
 def _cell_rows(side: Sides, points: Floats) -> Iterator[Floats]:

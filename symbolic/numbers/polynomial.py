@@ -8,12 +8,15 @@ generators may hold lazy quotients (:mod:`nonsmooth.symbolic.numbers.lazy`); coe
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from math import comb
 from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
 
 from nonsmooth.symbolic.numbers.exact_real import ExactRing
 from nonsmooth.symbolic.numbers.number import Number
@@ -85,6 +88,28 @@ def _powers(base: Any, terms: Mapping[Exponents, Any], index: int) -> list[Any]:
     for _ in range(max((e[index] for e in terms), default=0)):
         powers.append(powers[-1] * base)
     return powers
+
+
+def float_values(terms: Mapping[Exponents, Any], points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """A polynomial at points of shape (m, n), in floats."""
+    return sum(_float_terms(terms, points), np.zeros(len(points)))
+
+
+def float_values_and_sizes(
+    terms: Mapping[Exponents, Any], points: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The same, and the sums of the absolute values of the terms, by which rounding is told."""
+    listed = list(_float_terms(terms, points))
+    return sum(listed, np.zeros(len(points))), sum(map(np.abs, listed), np.zeros(len(points)))
+
+
+def _float_terms(terms: Mapping[Exponents, Any], points: NDArray[np.float64]) -> Iterator[NDArray[np.float64]]:
+    for exponents, coefficient in terms.items():
+        term = np.full(len(points), float(coefficient))
+        for k, exponent in enumerate(exponents):
+            if exponent:
+                term *= points[:, k] ** exponent
+        yield term
 
 
 @dataclass(frozen=True)

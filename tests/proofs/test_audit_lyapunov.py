@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from fractions import Fraction
 from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,10 +16,11 @@ from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.proofs.clauses.translation.on_cells import decide_translation
 from nonsmooth.proofs.system_audit import AuditResult, AuditVerdict, audit
+from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.derivatives import Refutation
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
-from nonsmooth.symbolic.files.system_file import load_system
+from nonsmooth.symbolic.files.system_file import build_system, load_system
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import SceneError
@@ -218,6 +220,28 @@ def test_rule_ellipse_is_not_audited() -> None:
 def test_plain_systems(name: str, lyapunov: str, verdict: AuditVerdict, proves: Translation | None) -> None:
     result = audited(load_system(name), lyapunov)
     assert (result.verdict, result.proves) == (verdict, proves)
+
+
+@pytest.mark.parametrize("drift", ["0", "-x*y**2"])
+@pytest.mark.parametrize("guard", ["(y - x**2)*(y + x**2)", "(y - x**2)*(y + 2*x**2)"])
+def test_a_line_of_rest_between_curves_does_not_attract(drift: str, guard: str) -> None:
+    """All points of ``y = 0`` rest, inside cells whose guards are negative or positive there."""
+    document = {"system": {"states": ["x", "y"], "rhs": [drift, f"-y*(2 + sign({guard}))"]}}
+    system = build_system(document, "rest", Path("rest.toml"))
+    result = audited(system, "x**2 + y**2")
+    assert (result.verdict, result.proves) == (AuditVerdict.VALID, Translation.STABLE)
+    assert decide_system(system).verdict is Translation.STABLE
+
+
+def test_a_rise_at_a_corner_of_the_cube_is_met() -> None:
+    """``V' = -2 (x^2 + y^2 + z^2) (2999/1000 - x - y - z)`` is positive near (1, 1, 1) only, where samples miss it."""
+    rhs = [f"-{name}*(2999/1000 - x - y - z)" for name in "xyz"]
+    document = {"system": {"states": ["x", "y", "z"], "rhs": rhs}, "check": {"radius": "1"}}
+    result = audited(build_system(document, "corner", Path("corner.toml")), "x**2 + y**2 + z**2")
+    assert result.verdict is AuditVerdict.INVALID
+    assert result.witness is not None
+    assert sum(result.witness.point) > Fraction(2999, 1000)
+    assert result.witness.value > 0
 
 
 def test_states_name_the_variables_of_v(tmp_path: Path) -> None:

@@ -19,7 +19,7 @@ from hypothesis import strategies as st
 from nonsmooth.analysis.cells.polygon import square
 from nonsmooth.analysis.cells.region import Region, cone_region, polygon_region, quadrants
 from nonsmooth.proofs.inequalities.complete import line_of
-from nonsmooth.proofs.inequalities.forms import PLANE, Question, Sense, multiplier
+from nonsmooth.proofs.inequalities.forms import PLANE, Question, Sense
 from nonsmooth.proofs.inequalities.prover import (
     Counterexample,
     Outcome,
@@ -29,6 +29,7 @@ from nonsmooth.proofs.inequalities.prover import (
     counterexample,
     prove,
 )
+from nonsmooth.proofs.inequalities.subdivision import multiplier
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.polynomial import Polynomial, in_generators
@@ -273,7 +274,7 @@ def check_outcome(outcome: Outcome, points: list[tuple[float, ...]]) -> None:
         refutes(question, outcome)
 
 
-def refutes(question: Question, witness: Counterexample) -> None:
+def refutes(question: Question, witness: Counterexample[Question]) -> None:
     x, y = witness.point
     assert question.region.contains((x, y))
     point = (float(x), float(y))
@@ -353,7 +354,7 @@ def test_agrees_with_z3(data: st.DataObject, sense: Sense, apex: bool, bounded: 
 # ---- evidence ----------------------------------------------------------------------------------
 
 
-def proof_of(text: str, region: Callable[[NumberField], Region]) -> Proof:
+def proof_of(text: str, region: Callable[[NumberField], Region]) -> Proof[Question]:
     proof = decide(">=0", text, region)
     assert isinstance(proof, Proof)
     return proof
@@ -482,3 +483,19 @@ def test_terms_with_coefficient_zero_take_nothing_off() -> None:
     taken: dict[tuple[int, ...], Any] = {(2, 0): fmpq(1), (0, 2): fmpq(0)}
     assert multiplier({(2, 0): fmpq(1), (0, 2): fmpq(-1)}, taken) is None
     assert multiplier({(2, 0): fmpq(1), (0, 2): fmpq(1)}, taken) == fmpq(1, 2)
+
+
+@RANDOM
+@given(
+    st.integers(1, 31), st.sampled_from((1, 3, 10)), st.sampled_from(("x**2 + 1", "3 - x**2 - y**2", "x + y**2 + 1"))
+)
+def test_a_zero_on_a_side_is_found_beside_guards_that_are_positive_there(k: int, steep: int, guard: str) -> None:
+    """``(x - k/32)^2 + c y`` is zero at one point of the triangle, which cuts make a corner of the parts."""
+    field = NumberField()
+    region = Region(tuple((field(x), field(y), field(1)) for x, y in ((0, 0), (1, 0), (0, 1))))
+    guarded = replace(region, guards=(polynomial(guard, field=field),))
+    form = polynomial(f"(x - {k}/32)**2 + {steep}*y", field=field)
+    outcome = prove(">0", form, guarded)
+    assert not isinstance(outcome, Proof)
+    assert agrees(outcome)
+    assert isinstance(prove(">=0", form, guarded), Proof)

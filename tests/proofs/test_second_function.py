@@ -22,6 +22,7 @@ from nonsmooth.proofs.checker.polynomials import variable
 from nonsmooth.proofs.checker.positivity import Claim, Inequality, cube_guards, identity, show
 from nonsmooth.proofs.checker.statements import VERSION, refusal
 from nonsmooth.proofs.checker.work import MALFORMED, RejectedError
+from nonsmooth.proofs.inequalities.prover import Counterexample
 from nonsmooth.proofs.kernel import simplices
 from nonsmooth.proofs.kernel.cells import stated_cells, surfaces_of
 from nonsmooth.proofs.kernel.search import NotShownError, Search
@@ -363,9 +364,12 @@ def test_a_guard_that_is_positive_nowhere_has_a_multiplier() -> None:
     on_the_line = Inequality(value, {"s0": x, "s1": -x, **cube_guards(identity(2), 2)})
     claim = Claim("line", (on_the_line,), strict=False)
     evidence = simplices.search(claim, 10_000)
-    assert evidence is not None
+    assert isinstance(evidence, dict)
     show(claim, evidence)
     half = Claim("half", (replace(on_the_line, guards={"s0": x, **cube_guards(identity(2), 2)}),), strict=False)
-    assert simplices.search(half, 10_000) is None
+    against = simplices.search(half, 10_000)
+    assert isinstance(against, Counterexample)
+    px, py = against.point
+    assert px > 0 > py * py - 5 * px + px * py == against.value
     with pytest.raises(RejectedError):
         show(half, evidence)
