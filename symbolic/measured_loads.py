@@ -80,7 +80,7 @@ class MeasuredTable(LoadTable):
 
     measured: tuple[Number, ...] = ()
 
-    def on(self, places: Sequence[int]) -> LoadModel:
+    def on(self, places: Sequence[int]) -> LoadModel | None:
         """What some of the springs carry without the others."""
         return super().on(places) or RaisedSprings(tuple(self.measured[k] for k in places))
 

@@ -168,7 +168,7 @@ class LoadTable(LoadModel):
         number = arithmetic.number
         return [(number(a), number(b), number(c)) for a, b, c in self.rows]
 
-    def on(self, places: Sequence[int]) -> LoadTable | None:
+    def on(self, places: Sequence[int]) -> LoadModel | None:
         """Only of all of them: what some carry without the others is not in a table."""
         return self if list(places) == list(range(len(self.rows))) else None
 

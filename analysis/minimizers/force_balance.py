@@ -48,7 +48,8 @@ def balance_forces(functional: Functional, model: ContactRows, loads: Floats, fo
     limits, sets = model.limits(loads), functional.unit_sets(model.cuts)
     for _ in range(PASSES):
         for k in np.flatnonzero(imbalance(model, shares * limits) > BALANCED):
-            shares[k] = _repaired(sets.room(*shares[k].T, TURNING), limits[k], model.rows, shares[k])
+            along, across = shares[k].T
+            shares[k] = _repaired(sets.room(along, across, TURNING), limits[k], model.rows, shares[k])
     shares = np.where(np.abs(shares) > NEGLIGIBLE, shares, 0.0)
     excess = usage(functional, model, loads, shares * limits).max(axis=-1)
     return np.asarray(shares * limits / np.maximum(1.0, excess)[:, None, None])
