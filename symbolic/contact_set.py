@@ -42,6 +42,14 @@ class TipsError(SceneError):
         self.carrying, self.why = carrying, why
 
 
+class NoLoadsError(SceneError):
+    """Loads that are known of all wheels together only."""
+
+    def __init__(self, scene: Scene) -> None:
+        expected = "elastic loads, or a body that covers every wheel"
+        super().__init__(scene.origin, "contact.loads", expected, StatedFact("a table of wheels that do not all carry"))
+
+
 @dataclass(frozen=True)
 class ContactSet:
     """The wheels that carry a body at the checked pose, and how far it may move before that changes.
@@ -131,6 +139,21 @@ def whole(scene: Scene) -> Scene:
     return replace(scene, wheels=tuple(sorted((*scene.wheels, *scene.idle), key=_number)), idle=())
 
 
+def with_only(scene: Scene, wheels: Sequence[Wheel]) -> Scene:
+    """The array of some of its wheels, with the loads that these carry without the others.
+
+    Raises:
+        NoLoadsError: where these loads are not known.
+    """
+    every = whole(scene)
+    loads = every.contact.loads
+    if isinstance(loads, LoadModel):
+        loads = loads.on([every.places[wheel.index] for wheel in wheels])
+        if loads is None:
+            raise NoLoadsError(scene)
+    return replace(every, wheels=tuple(wheels), contact=replace(every.contact, loads=loads))
+
+
 def require_no_outline(scene: Scene) -> None:
     """For simulations that do not follow wheels under an edge.
 
@@ -142,14 +165,14 @@ def require_no_outline(scene: Scene) -> None:
         raise SceneError(scene.origin, "body", expected, StatedFact("another simulation"))
 
 
-def require_elastic(scene: Scene) -> None:
-    """For bodies that other wheels carry on the way.
+def require_springs(scene: Scene) -> None:
+    """For bodies that other wheels carry on the way: wheels lift off and come to carry.
 
     Raises:
         SceneError: for loads that are known for one set of wheels only, and for unknown ones.
     """
     loads = scene.contact.loads
-    if loads is not None:
+    if loads is not None and not (isinstance(loads, LoadModel) and loads.lifts_off):
         expected = "elastic loads on the way of a body with an outline"
         received = "a table" if isinstance(loads, LoadTable) else loads.words
         raise SceneError(scene.origin, "contact.loads", expected, StatedFact(received))
@@ -164,8 +187,9 @@ def alone(scene: Scene) -> Scene:
     if scene.body is None:
         return scene
     stands = standing(scene)
+    own = with_only(scene, stands.wheels)
     wheels = tuple(replace(wheel, index=number) for number, wheel in enumerate(stands.wheels, 1))
-    return replace(stands, wheels=wheels, idle=(), body=None)
+    return replace(stands, wheels=wheels, contact=own.contact, idle=(), body=None)
 
 
 def on_wheels(scene: Scene, numbers: Sequence[int]) -> Scene:
@@ -185,16 +209,12 @@ def on_wheels(scene: Scene, numbers: Sequence[int]) -> Scene:
     inner = default_radius([wheel.position for wheel in carrying], point)
     if inner < check.radius:
         check = replace(check, radius=inner)
-    return replace(scene, wheels=carrying, idle=(), body=None, check=check)
+    return replace(with_only(scene, carrying), body=None, check=check)
 
 
 def _require_no_table(scene: Scene) -> None:
-    loads = scene.contact.loads
-    if isinstance(loads, LoadModel):
-        expected = "elastic loads, or a body that covers every wheel"
-        received = "a table" if isinstance(loads, LoadTable) else loads.words
-        stated = StatedFact(f"{received} of wheels that do not all carry")
-        raise SceneError(scene.origin, "contact.loads", expected, stated)
+    if isinstance(scene.contact.loads, LoadTable):
+        raise NoLoadsError(scene)
 
 
 def _carries(scene: Scene, body: Body, wheel: Wheel, point: Vector) -> bool:

@@ -141,6 +141,51 @@ class CutEllipse(Generic[X]):
         sizes = self._length(x, y)
         return sizes if self.is_whole else np.maximum(sizes, np.abs(y) / self.cut)
 
+    def slip_cone(self, x: X, y: X, slack: float) -> tuple[Floats, NDArray[np.bool_]]:
+        """Which slips go with a force of the set, ``-(alpha x, beta y)``: its normal cone; of arrays of floats (...).
+
+        Inside the set none; on the arc a non-negative multiple of ``-(x, y)``; on a straight side one across against y;
+        at a corner any between these two.
+
+        Args:
+            x: of the force.
+            y: of the force.
+            slack: a force so close to the border, in parts, counts as on it.
+
+        Returns:
+            two linear forms of ``(X, Y)``, shape (..., 2, 2), and which of them are zero, (..., 2); the others are at
+            least zero.
+        """
+        slips, zero = np.hypot(x, y) >= 1 - slack, np.zeros_like(x)
+        first = np.where(slips, [-x, -y], [zero + 1, zero])
+        second = np.where(slips, [-y, x], [zero, zero + 1])
+        equations = np.array([~slips, np.ones_like(slips)])
+        if not self.is_whole:
+            at_cut = (np.abs(y) >= (1 - slack) * self.cut) & (self.cut < 1)
+            side, corner = at_cut & ~slips, at_cut & slips
+            first = np.where(corner, [-np.sign(x), zero], first)
+            second = np.where(side, [zero, -np.sign(y)], second)
+            second = np.where(corner, [np.abs(y) * np.sign(x), -np.abs(x) * np.sign(y)], second)
+            equations[1] &= ~at_cut
+        return np.moveaxis(np.array([first, second]), (0, 1), (-2, -1)), np.moveaxis(equations, 0, -1)
+
+    def room(self, x: X, y: X, turning: float) -> Floats:
+        """How far a force of the set may move in each direction, symmetric matrices (n, 2, 2); of arrays of floats.
+
+        Its slack; but a force on the arc may turn (by ``turning`` at least), since that lengthens it by the square
+        only.  One at a cut moves along the cut, one at a corner not at all.
+        """
+        size, shares = np.hypot(x, y), np.column_stack([x, y])
+        unit = shares / _divisor(size)[:, None]
+        slack = 1 - np.minimum(size, 1.0)[:, None, None]
+        along = unit[:, :, None] * unit[:, None, :]
+        room = slack * along + np.maximum(slack, turning) * (np.eye(2) - along)
+        if not self.is_whole:
+            to_cut = np.where(self.cut < 1, 1 - np.minimum(np.abs(y) / self.cut, 1.0), 1.0)
+            narrow = np.column_stack([np.maximum(to_cut, slack[:, 0, 0]), to_cut])
+            room *= narrow[:, :, None] * narrow[:, None, :]
+        return np.asarray(room)
+
     def rounded_gradient(self, r: X, s: X, third: X) -> tuple[X, X]:
         """Forces inside the sets: the gradient of the support function of a slip with a third part; arrays of floats.
 
@@ -234,6 +279,16 @@ class Box(CutEllipse[X]):
     def gauge(self, x: X, y: X) -> X:
         """As of the ellipse."""
         return np.maximum(np.abs(x), np.abs(y))
+
+    def slip_cone(self, x: X, y: X, slack: float) -> tuple[Floats, NDArray[np.bool_]]:
+        """As of the ellipse, each direction on its own."""
+        force = np.stack([x, y], axis=-1)
+        at_limit = np.abs(force) >= 1 - slack
+        return np.where(at_limit, -np.sign(force), 1.0)[..., None] * np.eye(2), ~at_limit
+
+    def room(self, x: X, y: X, turning: float) -> Floats:
+        """The slack in each direction."""
+        return np.asarray((1 - np.minimum(np.abs(np.column_stack([x, y])), 1.0))[..., None] * np.eye(2))
 
     def rounded_gradient(self, r: X, s: X, third: X) -> tuple[X, X]:
         """That of ``alpha sqrt(r^2 + w^2) + beta sqrt(s^2 + w^2)`` with ``w = Z/alpha``."""

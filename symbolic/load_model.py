@@ -57,6 +57,13 @@ class LoadModel(ABC):
             arithmetic: of the moments.
         """
 
+    @abstractmethod
+    def on(self, places: Sequence[int]) -> LoadModel | None:
+        """The law of the wheels at some places, in this order, where the others carry nothing and touch nothing.
+
+        None where it is not known what these carry without the others; a law that lets wheels lift off knows.
+        """
+
     def moved(self, x: Any, y: Any) -> LoadModel:
         """The law after wheels and centre of mass have moved by (x, y)."""
         return self

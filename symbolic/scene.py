@@ -168,13 +168,17 @@ class LoadTable(LoadModel):
         number = arithmetic.number
         return [(number(a), number(b), number(c)) for a, b, c in self.rows]
 
+    def on(self, places: Sequence[int]) -> LoadModel | None:
+        """Only of all of them: what some carry without the others is not in a table."""
+        return self if list(places) == list(range(len(self.rows))) else None
+
     def moved(self, x: Number | Fraction, y: Number | Fraction) -> LoadTable:
         """With the wheels."""
-        return LoadTable(tuple((a - b * x - c * y, b, c) for a, b, c in self.rows))
+        return replace(self, rows=tuple((a - b * x - c * y, b, c) for a, b, c in self.rows))
 
     def scaled(self, factor: Fraction) -> LoadTable:
         """With all lengths."""
-        return LoadTable(tuple((a, b / factor, c / factor) for a, b, c in self.rows))
+        return replace(self, rows=tuple((a, b / factor, c / factor) for a, b, c in self.rows))
 
 
 @dataclass(frozen=True)
@@ -264,6 +268,12 @@ class Scene(ShortRepr):
     def places(self) -> dict[int, int]:
         """Where each wheel stands in ``wheels``, by its number: a body leaves some out."""
         return {wheel.index: k for k, wheel in enumerate(self.wheels)}
+
+    @cached_property
+    def carrying_places(self) -> tuple[int, ...]:
+        """Where the wheels that carry stand among all wheels by their numbers, the idle ones too."""
+        numbers = sorted(wheel.index for wheel in (*self.wheels, *self.idle))
+        return tuple(numbers.index(wheel.index) for wheel in self.wheels)
 
     def under(self, rule: str) -> Scene:
         """The same array with all wheels under one contact rule; as it is under the rule that it has."""

@@ -33,6 +33,10 @@ class EqualSprings(LoadModel):
         x, y, z = columns
         return [(inner(x, m), inner(y, m), inner(z, m)) for m in moments]
 
+    def on(self, places: Sequence[int]) -> EqualSprings:
+        """As all of them."""
+        return self
+
 
 def exact_inverse(a: Triple, b: Triple, c: Triple) -> tuple[Triple, Triple, Triple] | None:
     """The columns of the inverse of the matrix with rows a, b, c, by its cofactors."""
@@ -53,12 +57,18 @@ def exact_moments(scene: Scene) -> list[Triple]:
 
 
 def load_model(scene: Scene) -> LoadModel:
-    """The loads of a scene, which are known.
+    """The loads of the wheels of a scene that carry, which are known.
 
     Raises:
         TypeError: for loads that the scene leaves open.
+        ValueError: where some wheels are idle, and it is not known what the others carry without them.
     """
     loads = scene.contact.loads
     if isinstance(loads, UnknownLoads):
         raise TypeError(f"required loads that are known, received {loads.words}")
-    return EqualSprings() if loads is None else loads
+    if loads is None:
+        return EqualSprings()
+    own = loads.on(scene.carrying_places) if scene.idle else loads
+    if own is None:
+        raise ValueError(f"required loads that are known of some wheels alone, received {loads.words}")
+    return own

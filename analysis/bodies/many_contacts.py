@@ -1,7 +1,7 @@
 """The contacts under many poses of one body at once, in floats: which wheels are near, their loads, who tips.
 
 Each pose keeps a list of wheels near enough to come under the outline soon; one row of every array is one pose.
-Loads are elastic.  The centre of mass lies strictly inside the hull of the carrying wheels
+Loads are those of springs.  The centre of mass lies strictly inside the hull of the carrying wheels
 iff no two of them that follow each other around it are half a turn or more apart; else the body tips over the line
 through the two with the widest gap.
 """
@@ -11,8 +11,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
+from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.spring_loads import spring_loads
+from nonsmooth.symbolic.springs import EqualSprings
 
 Mask = NDArray[np.bool_]
 Numbers = NDArray[np.int_]
@@ -58,8 +61,30 @@ def widest_gaps(levers: Floats, carrying: Mask) -> tuple[Floats, Numbers, Number
     return wide, order[rows, widest], order[rows, following]
 
 
+def loads_of(model: ContactModel, wheels: Numbers, carrying: Mask, levers: Floats) -> tuple[Floats, Mask]:
+    """``N`` of shape (m, k), zero beside the body, and whether it balances the weight.
+
+    Args:
+        model: whose law lets wheels lift off.
+        wheels: numbers of wheels, shape (m, k).
+        carrying: which of them are under the body.
+        levers: ``p_i - c``, shape (m, k, 2).
+    """
+    loads, balanced = elastic_loads_of(levers, carrying)
+    if model.law == EqualSprings():
+        return loads, balanced
+    for k in np.flatnonzero(balanced):  # one after the other: a law is known by its forms on one set
+        under = np.flatnonzero(carrying[k])
+        own = model.on(wheels[k, under].tolist())
+        try:
+            loads[k, under] = loads_at(own, own.positions[:1] - levers[k, under[:1]])
+        except LoadError:
+            balanced[k] = False
+    return loads, balanced
+
+
 def elastic_loads_of(levers: Floats, carrying: Mask) -> tuple[Floats, Mask]:
-    """``N`` of shape (m, k), zero beside the body, and whether it balances the weight."""
+    """The same of equal springs."""
     sizes = np.abs(np.where(carrying[..., None], levers, 0.0)).max(axis=(1, 2))
     sizes[sizes == 0] = 1.0
     moments = np.concatenate([np.ones((*carrying.shape, 1)), levers / sizes[:, None, None]], axis=2)

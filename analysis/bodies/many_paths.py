@@ -31,7 +31,7 @@ from nonsmooth.analysis.bodies.moving_outline import MovingOutline
 from nonsmooth.analysis.bodies.set_cells import CellsBySet, SetCells
 from nonsmooth.analysis.contact_rule import CellRule, SmoothRule
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contact_model
-from nonsmooth.symbolic.contact_set import require_elastic
+from nonsmooth.symbolic.contact_set import require_springs
 from nonsmooth.symbolic.scene import Scene
 
 STEP = 0.04  # of the wheels' spacing at the fastest wheel's speed
@@ -120,7 +120,7 @@ class ManyPaths:
         if scene.body is None:
             raise ValueError("required a scene with a body")
         if rule.needs_loads:
-            require_elastic(scene)
+            require_springs(scene)
         self._numbers = np.array([*(wheel.index for wheel in scene.wheels), 0])
         self._scene, self._rule = scene, rule
         self._model = rule.contacts(scene) if isinstance(rule, SmoothRule) else contact_model(scene)

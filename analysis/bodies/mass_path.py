@@ -37,7 +37,7 @@ from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.trajectories.follow import DenseStep, Mode, Path, follow
 from nonsmooth.analysis.trajectories.result import EndReason, TrajectoryError
 from nonsmooth.analysis.trajectories.steppers import Integrator
-from nonsmooth.symbolic.contact_set import require_elastic
+from nonsmooth.symbolic.contact_set import require_springs
 from nonsmooth.symbolic.scene import Scene
 
 HELD = 1e-6  # of the body's size: a wheel that swings across the edge by less is held there
@@ -88,7 +88,7 @@ class MassPath(CarriedBody):
         """
         super().__init__(model, scene)
         if scene is not None:
-            require_elastic(scene)
+            require_springs(scene)
         self._body = body
         self._equations: dict[Wheels, NewtonEuler] = {}
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nonsmooth.analysis.bodies.many_contacts import Mask, Numbers, RowsOfWheels, elastic_loads_of, widest_gaps
+from nonsmooth.analysis.bodies.many_contacts import Mask, Numbers, RowsOfWheels, loads_of, widest_gaps
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
 from nonsmooth.analysis.minimizers.many_twists import ManyTwists, turning_rollers, with_rollers
 
@@ -34,7 +34,7 @@ class LeastTwists:
 
     def __init__(self, model: ContactModel, size: float) -> None:
         """With a length that stands for the body's size."""
-        self._rows, self._cuts, self._size = RowsOfWheels(model), model.cuts, size
+        self._model, self._rows, self._cuts, self._size = model, RowsOfWheels(model), model.cuts, size
         speed = float(np.abs(model.friction * model.targets).max())
         self._twists = ManyTwists(speed, rollers=bool((model.cuts < 1).any()))
 
@@ -47,7 +47,7 @@ class LeastTwists:
             levers: where they are.
             start: rates (m, 3) to start from.
         """
-        loads, balanced = elastic_loads_of(levers, carrying)
+        loads, balanced = loads_of(self._model, wheels, carrying, levers)
         rows, targets = self._rows.at(wheels, levers, self._size)
         cuts, pressing = self._cuts[wheels], loads
         if (cuts < 1).any():

@@ -28,7 +28,7 @@ from nonsmooth.analysis.trajectories.faces import FaceChoice
 from nonsmooth.analysis.trajectories.follow import Mode, Path
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory, TrajectoryError
 from nonsmooth.analysis.trajectories.smooth_path import MAX_EVENTS, MAX_WORK, FilippovFaces, Weights, near_rounding
-from nonsmooth.symbolic.contact_set import require_elastic
+from nonsmooth.symbolic.contact_set import require_springs
 from nonsmooth.symbolic.numbers.work_limit import WorkMeter
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.similar_scenes import counted_in_own_length
@@ -270,7 +270,7 @@ class CellPath:
         if scene.body is None:
             raise ValueError("required a scene with a body")
         if rule.needs_loads:
-            require_elastic(scene)
+            require_springs(scene)
         self._length = float(scene.check.length)
         self._scene = own = counted_in_own_length(scene)
         names = [str(wheel.index) for wheel in own.wheels]

@@ -17,6 +17,7 @@ from nonsmooth.analysis.fields.constant_field import array_field
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.switched_field import Member, Surface, affine_surface
+from nonsmooth.symbolic.contact_set import with_only
 from nonsmooth.symbolic.number_text import numbers_text
 from nonsmooth.symbolic.plane import around, cross
 from nonsmooth.symbolic.scene import Scene
@@ -125,6 +126,8 @@ class CellsBySet:
 
     def __init__(self, scene: Scene, rule: CellRule) -> None:
         """For an array with all its wheels."""
+        if not rule.needs_loads:
+            scene = replace(scene, contact=replace(scene.contact, loads=None))
         self._scene, self._rule = scene, rule
         places = np.array([[float(x) for x in wheel.position] for wheel in scene.wheels])
         self.size = float(np.abs(places).max())
@@ -134,8 +137,8 @@ class CellsBySet:
     def of(self, wheels: frozenset[int]) -> SetCells:
         """The cells of the wheels at these places in the scene's list."""
         if wheels not in self._known:
-            chosen = tuple(self._scene.wheels[k] for k in sorted(wheels))
-            self._known[wheels] = SetCells(replace(self._scene, wheels=chosen), self._rule, self._lines)
+            chosen = [self._scene.wheels[k] for k in sorted(wheels)]
+            self._known[wheels] = SetCells(with_only(self._scene, chosen), self._rule, self._lines)
         return self._known[wheels]
 
 

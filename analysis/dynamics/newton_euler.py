@@ -117,14 +117,11 @@ class EllipseFriction:
         """Rows ``(e, e . J(p_i - c))`` for e = d_i, n_i, acting on ``(w, omega)``; shape (2n, 3)."""
         offsets = self._model.positions - centre  # first, so that an array far from the origin loses no digits
         arms = -(self._turned.reshape(-1, 2, 2) @ offsets[..., None]).reshape(-1)
-        return np.column_stack([self._frames, arms])
+        return np.concatenate([self._frames, arms[:, None]], axis=1)
 
     def forces(self, centre: Floats, velocity: Floats, loads: Floats) -> Floats:
         """Forces along and across every rim, shape (n, 2)."""
-        slips = self._slips(self.rows(centre), velocity)
-        return -np.column_stack(
-            [loads * force for force in self._sets.rounded_gradient(slips[0], slips[1], self._third)]
-        )
+        return np.asarray(loads[:, None] * self._shares(*self._slips(self.rows(centre), velocity)))
 
     def total(self, centre: Floats, velocity: Floats, loads: Floats) -> Floats:
         """Force and torque about the centre of mass ``(F_x, F_y, tau)``, in units of the body's weight."""
@@ -140,9 +137,9 @@ class EllipseFriction:
             by_centre: their derivative with respect to c, (n, 2).
         """
         rows = self.rows(centre)
-        pairs, slips = rows.reshape(-1, 2, 3), self._slips(rows, velocity)
-        share = -np.column_stack(self._sets.rounded_gradient(slips[0], slips[1], self._third))
-        rr, rs, ss = self._sets.rounded_hessian(slips[0], slips[1], self._third)
+        pairs, (r, s) = rows.reshape(-1, 2, 3), self._slips(rows, velocity)
+        share = self._shares(r, s)
+        rr, rs, ss = self._sets.rounded_hessian(r, s, self._third)
         # by the slip of each wheel, which changes with c as its row's moment arm does, by omega J e
         by_slip = -loads[:, None, None] * (np.array([[rr, rs], [rs, ss]]).transpose(2, 0, 1) @ pairs)
         by_velocity = np.einsum("nij,nik->jk", pairs, by_slip)
@@ -150,6 +147,10 @@ class EllipseFriction:
         moved = np.einsum("nij,nik->jk", by_slip, velocity[2] * self._turned.reshape(-1, 2, 2)) + bent.T @ by_centre
         moved[2] += self._turned.T @ (loads[:, None] * share).reshape(-1)
         return moved, by_velocity
+
+    def _shares(self, r: Floats, s: Floats) -> Floats:
+        """Forces per unit of load, (n, 2)."""
+        return -np.array(self._sets.rounded_gradient(r, s, self._third)).T
 
     def _slips(self, rows: Floats, velocity: Floats) -> Floats:
         """Along and across the axes, shape (2, n)."""

@@ -26,7 +26,7 @@ from nonsmooth.symbolic.friction_set import CutEllipse, FrictionSet, float_sets
 from nonsmooth.symbolic.load_model import LoadModel
 from nonsmooth.symbolic.notebook import ShortRepr
 from nonsmooth.symbolic.scene import LoadTable, Scene
-from nonsmooth.symbolic.springs import EqualSprings
+from nonsmooth.symbolic.springs import EqualSprings, load_model
 from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
 Floats = NDArray[np.float64]
@@ -137,8 +137,14 @@ class ContactModel(ShortRepr, ContactRows):
             object.__setattr__(self, "heads", np.tile([1.0, 0.0], (self.wheels, 1)))
 
     def on(self, wheels: Sequence[int]) -> ContactModel:
-        """The contacts of the wheels at some places; a table of loads stays only with all of its wheels."""
-        chosen, table = list(wheels), self.load_table
+        """The contacts of the wheels at some places, with their loads; a table stays only with all of its wheels.
+
+        Raises:
+            ValueError: for a law that does not say what these carry without the others.
+        """
+        chosen, table, law = list(wheels), self.load_table, self.law.on(wheels)
+        if law is None:
+            raise ValueError(f"required loads of some wheels without the others, received {self.law.words}")
         rows = np.array([[2 * k, 2 * k + 1] for k in chosen]).ravel()
         return replace(
             self,
@@ -150,6 +156,7 @@ class ContactModel(ShortRepr, ContactRows):
             rims=self.rims[chosen],
             heads=self.heads[chosen],
             load_table=table if table is None or len(table) != self.wheels else table[chosen],
+            law=law,
         )
 
     @classmethod
@@ -242,6 +249,8 @@ def _friction_axes(rims: Floats, axes: Sequence[ArrayLike | None] | None) -> tup
 def contact_model(scene: Scene) -> ContactModel:
     """The scene in floats, each exact number rounded once."""
     loads = scene.contact.loads
+    if isinstance(loads, LoadModel):
+        loads = load_model(scene)
     table = loads.rows if isinstance(loads, LoadTable) else None
     directions = np.array([[float(x) for x in wheel.direction] for wheel in scene.wheels])
     speeds = [

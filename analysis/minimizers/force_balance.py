@@ -16,7 +16,6 @@ from nonsmooth.analysis.minimizers.dissipation import Functional, share_of_limit
 BALANCED = 1e-14  # relative imbalance that is rounding: nothing to repair
 NEGLIGIBLE = 1e-40  # share of a limit that is zero: a force so small balances nothing
 TURNING = 1e-2  # room of a force at its ellipse to turn: the forces of sticking wheels move first
-TINY = 1e-300  # keeps 0/0 at 0
 PASSES = 3  # each pass repairs all but the rounding of the one before
 
 
@@ -46,32 +45,14 @@ def balance_forces(functional: Functional, model: ContactRows, loads: Floats, fo
     """Admissible, balanced forces (m, n, 2) next to the given ones, for loads (m, n)."""
     shares = share_of_limit(model, loads, forces)
     shares = np.where(np.isfinite(shares), shares, 0.0)
-    limits = model.limits(loads)
+    limits, sets = model.limits(loads), functional.unit_sets(model.cuts)
     for _ in range(PASSES):
         for k in np.flatnonzero(imbalance(model, shares * limits) > BALANCED):
-            shares[k] = _repaired(_room(functional, shares[k], model.cuts), limits[k], model.rows, shares[k])
+            along, across = shares[k].T
+            shares[k] = _repaired(sets.room(along, across, TURNING), limits[k], model.rows, shares[k])
     shares = np.where(np.abs(shares) > NEGLIGIBLE, shares, 0.0)
     excess = usage(functional, model, loads, shares * limits).max(axis=-1)
     return np.asarray(shares * limits / np.maximum(1.0, excess)[:, None, None])
-
-
-def _room(functional: Functional, shares: Floats, cuts: Floats) -> Floats:
-    """Symmetric matrices (n, 2, 2): how far a force may move in each direction.
-
-    Its slack; but a force at its ellipse may turn, since that lengthens it by the square only.  One at a cut moves
-    along the cut, one at a corner not at all.
-    """
-    if functional is Functional.BOX:
-        return np.asarray((1 - np.minimum(np.abs(shares), 1.0))[..., None] * np.eye(2))
-    size = np.hypot(shares[:, 0], shares[:, 1])
-    unit = shares / np.maximum(size, TINY)[:, None]
-    slack = 1 - np.minimum(size, 1.0)[:, None, None]
-    along = unit[:, :, None] * unit[:, None, :]
-    room = slack * along + np.maximum(slack, TURNING) * (np.eye(2) - along)
-    to_cut = (1 - np.minimum(np.abs(shares[:, 1]) / cuts, 1.0))[cuts < 1, None]
-    narrow = np.concatenate([np.maximum(to_cut, slack[cuts < 1, 0]), to_cut], axis=1)  # (x, y) for each cut
-    room[cuts < 1] *= narrow[:, :, None] * narrow[:, None, :]
-    return np.asarray(room)
 
 
 def _repaired(room: Floats, limits: Floats, rows: Floats, shares: Floats) -> Floats:

@@ -7,10 +7,16 @@ not slip.  With columns ``N mu_R [d; d . J p]`` and ``N mu_S [n; n . J p]`` the 
 equations, many unknowns, curved.  Newton steps of least norm from many random starts at once find points of that
 set.  Of those that keep a margin to all limits the one is taken whose fastest rim is slowest: a force almost along the
 rim asks the rim to spin many times as fast as its wheel slips across.  The search may fail where the margins are small.
+
+The unknowns are phi and the forces inside themselves (:class:`_Angles`).  The random forces of many wheels all add up
+to nearly the same, far from zero, and such steps would leave the half circles.  So of many wheels they are z with
+``cos phi = tanh z``, ``sin phi = sech z``, and q in the plane with the force ``q / sqrt(1 + |q|^2)``: no step leaves
+the half circle or the disc (:class:`_Plane`).
 """
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,12 +26,18 @@ Floats = NDArray[np.float64]
 
 STARTS = 256
 STEPS = 15
-LONGEST_STEP = 0.5  # radian, or parts of an axis
+LONGEST_STEP = 0.5  # of an unknown: radian, or parts of an axis
 BALANCED = 1e-9  # residual, relative to the largest entries of columns: Newton ends at 1e-15 or does not converge
 LEAST_MARGIN = 0.01  # parts of an axis: with less a wheel would have to spin a hundred times as fast as it slips
 AMPLE_MARGIN = 0.15  # parts of an axis: of forces with as much, or with the most there is, slow rims are preferred
 REGULARIZATION = 1e-12  # of the normal matrix, in units of the largest column, where columns do not span
 SEED = 0
+
+# Of many wheels.
+MANY = 34  # wheels; of so many or fewer the search in angles finds forces
+FEWEST_STARTS = 16
+UNKNOWNS = 8_192  # of all starts together: of many wheels most starts lead to forces with a margin
+FARTHEST_START = 2.0  # of z: there a wheel spins four times as fast as it slips
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,16 +85,16 @@ def search_forces(
         demand: the speeds of the rims by their forces.
     """
     along, across = in_common_units(along, across)
-    balance = _AngleBalance(along, across, signs, cuts)
-    angles, sticking = balance.starts(np.random.default_rng(SEED))
+    balance = (_Angles if len(signs) <= MANY else _Plane)(along, across, signs, cuts)
+    unknowns = balance.starts(np.random.default_rng(SEED))
     for _ in range(STEPS):
-        angles, sticking = balance.stepped(angles, sticking)
-    pairs = np.stack(np.split(sticking, 2, axis=1), axis=-1)
-    inside = ((angles > 0) & (angles < np.pi)).all(axis=1)
-    inside &= np.abs(balance.force(angles, sticking)).max(axis=1) < BALANCED
-    margin = np.minimum(balance.slipping_margin(np.sin(angles)), balance.sticking_margin(pairs))
-    best = balance.slowest(np.where(inside, margin, -1), 1 / np.tan(angles), demand)
-    return None if best is None else FrictionForces(angles[best], pairs[best])
+        unknowns = balance.stepped(unknowns)
+    forces = balance.forces(unknowns)
+    balanced = np.abs(balance.total(forces)).max(axis=1) < BALANCED
+    margin = np.minimum(balance.slipping_margin(forces.sines), balance.sticking_margin(forces.sticking))
+    inside = balanced & ((forces.angles > 0) & (forces.angles < np.pi)).all(axis=1)
+    best = balance.slowest(np.where(inside, margin, -1), forces, demand)
+    return None if best is None else FrictionForces(forces.angles[best], forces.sticking[best])
 
 
 def in_common_units(along: Floats, across: Floats) -> tuple[Floats, Floats]:
@@ -92,28 +104,62 @@ def in_common_units(along: Floats, across: Floats) -> tuple[Floats, Floats]:
     return along / unit, across / unit
 
 
-class ForceMargins:
-    """How far forces are from their limits: by the cuts of the wheels that slip across, and of the others."""
+@dataclass(frozen=True)
+class _Forces:
+    """Of m starts: phi (m, k) of the wheels that slip across, its cosine and sine, and the other forces (m, l, 2)."""
 
-    slips: NDArray[np.int_]  # places of the wheels that slip across
-    cuts: Floats
-    still_cuts: Floats
-    turns: NDArray[np.bool_]  # of the wheels that slip, those whose rims grip; the force of another is all across
+    angles: Floats
+    cosines: Floats
+    sines: Floats
+    sticking: Floats
 
-    def heights(self, sines: Floats) -> Floats:
-        """``sin phi`` up to the cut, (m, k)."""
-        return np.where(self.turns, np.minimum(sines, self.cuts), self.cuts)
 
-    def slowest(self, margins: Floats, cotangents: Floats, demand: RimDemand) -> int | None:
-        """Of forces with margins (m,) and cotangents of phi (m, k) those of the slowest rims; None without a margin.
+class _Balance(ABC):
+    """The sum of all forces for many starts at once; unknowns are (m, k + 2l), those of wheels that slip first."""
+
+    def __init__(self, along: Floats, across: Floats, signs: NDArray[np.int_], cuts: Floats) -> None:
+        slips, still = np.flatnonzero(signs), np.flatnonzero(signs == 0)
+        self.slips, self.cuts, self.still_cuts = slips, cuts[slips], cuts[still]
+        self.turns = np.asarray(along[slips].any(axis=1))  # whose rims grip; the force of another is all across
+        self.first, self.second = along[slips], across[slips] * signs[slips, None]
+        self.fixed = np.stack([along[still], across[still]], axis=1)
+
+    @abstractmethod
+    def starts(self, rng: np.random.Generator) -> Floats:
+        """Random unknowns."""
+
+    @abstractmethod
+    def forces(self, unknowns: Floats) -> _Forces:
+        """What they mean."""
+
+    @abstractmethod
+    def slopes(self, unknowns: Floats, forces: _Forces) -> Floats:
+        """The derivative of the total by each unknown, (m, k + 2l, 3)."""
+
+    def total(self, forces: _Forces) -> Floats:
+        """What is left of the balance, (m, 3)."""
+        slipping = forces.cosines @ self.first + self._heights(forces.sines) @ self.second
+        return np.asarray(slipping + forces.sticking.reshape(len(slipping), -1) @ self.fixed.reshape(-1, 3))
+
+    def stepped(self, unknowns: Floats) -> Floats:
+        """A Newton step of least norm, shortened where it is long."""
+        forces = self.forces(unknowns)
+        columns = self.slopes(unknowns, forces)
+        normal = columns.transpose(0, 2, 1) @ columns + REGULARIZATION * np.eye(3)
+        step = -(columns @ np.linalg.solve(normal, self.total(forces)[..., None]))[..., 0]
+        step *= np.minimum(1, LONGEST_STEP / np.maximum(np.abs(step).max(axis=1, keepdims=True), LONGEST_STEP))
+        return np.asarray(unknowns + step)
+
+    def slowest(self, margins: Floats, forces: _Forces, demand: RimDemand) -> int | None:
+        """Of forces with margins (m,) those of the slowest rims; None without a margin.
 
         On the straight side of a cut ellipse (rollers turn) the rim does not slip.
         """
         ample = min(margins.max(), AMPLE_MARGIN)
         if ample < LEAST_MARGIN:
             return None
-        heights = 1 / np.sqrt(1 + cotangents**2)
-        fastest = demand.fastest(self.slips, np.where(heights < self.cuts, cotangents, 0))
+        cotangents = np.where(forces.sines < self.cuts, forces.cosines / forces.sines, 0)
+        fastest = demand.fastest(self.slips, cotangents)
         return int(np.argmin(np.where(margins >= ample, fastest, np.inf)))
 
     def slipping_margin(self, heights: Floats) -> Floats:
@@ -127,37 +173,63 @@ class ForceMargins:
         to_cut = np.where(self.still_cuts < 1, 1 - np.abs(pairs[..., 1]) / self.still_cuts, 1)
         return np.minimum((1 - np.linalg.norm(pairs, axis=-1)).min(axis=1, initial=1), to_cut.min(axis=1, initial=1))
 
+    def _heights(self, sines: Floats) -> Floats:
+        """``sin phi`` up to the cut, (m, k)."""
+        return np.where(self.turns, np.minimum(sines, self.cuts), self.cuts)
 
-class _AngleBalance(ForceMargins):
-    """The sum of all forces for many starts at once: angles (m, k) of slipping wheels, sticking (m, 2l) of others."""
+    def _turning(self, forces: _Forces) -> Floats:
+        """The derivative of the total by each phi, (m, k, 3)."""
+        rising = np.where(self.turns & (forces.sines < self.cuts), forces.cosines, 0)
+        return np.asarray(rising[..., None] * self.second - forces.sines[..., None] * self.first)
 
-    def __init__(self, along: Floats, across: Floats, signs: NDArray[np.int_], cuts: Floats) -> None:
-        slips, still = np.flatnonzero(signs), np.flatnonzero(signs == 0)
-        self.slips, self.cuts, self.still_cuts = slips, cuts[slips], cuts[still]
-        self.turns = np.asarray(along[slips].any(axis=1))
-        self.first, self.second = along[slips], across[slips] * signs[slips, None]
-        self.fixed = np.concatenate([along[still], across[still]])
+    def _drawn(self, rng: np.random.Generator, count: int) -> tuple[Floats, Floats, Floats]:
+        """Random angles (m, k), and random points of discs by their angles and lengths, (m, l)."""
+        shape = (count, len(self.fixed))
+        angles = rng.uniform(0, np.pi, (count, len(self.first)))
+        turns = rng.uniform(0, 2 * np.pi, shape)
+        return angles, turns, np.sqrt(rng.uniform(0, 1, shape))
 
-    def starts(self, rng: np.random.Generator) -> tuple[Floats, Floats]:
-        """Random angles, and random points of the discs."""
-        still = len(self.fixed) // 2
-        angles = np.where(self.turns, rng.uniform(0, np.pi, (STARTS, len(self.first))), np.pi / 2)
-        turns, lengths = rng.uniform(0, 2 * np.pi, (STARTS, still)), np.sqrt(rng.uniform(0, 1, (STARTS, still)))
-        across = self.still_cuts * lengths * np.sin(turns)
-        return angles, np.concatenate([lengths * np.cos(turns), across], axis=1)
+    def _split(self, unknowns: Floats) -> tuple[Floats, Floats]:
+        """Those of wheels that slip (m, k), and of the others (m, l, 2)."""
+        slipping, others = np.split(unknowns, [len(self.first)], axis=1)
+        return slipping, others.reshape(len(unknowns), -1, 2)
 
-    def force(self, angles: Floats, sticking: Floats) -> Floats:
-        """What is left of the balance, (m, 3)."""
-        heights = self.heights(np.sin(angles))
-        return np.asarray(np.cos(angles) @ self.first + heights @ self.second + sticking @ self.fixed)
 
-    def stepped(self, angles: Floats, sticking: Floats) -> tuple[Floats, Floats]:
-        """A Newton step of least norm, shortened where it is long."""
-        rising = np.where(self.turns & (np.sin(angles) < self.cuts), np.cos(angles), 0)
-        turning = rising[..., None] * self.second - np.sin(angles)[..., None] * self.first
-        columns = np.concatenate([turning, np.broadcast_to(self.fixed, (len(angles), *self.fixed.shape))], axis=1)
-        normal = np.einsum("ska,skb->sab", columns, columns) + REGULARIZATION * np.eye(3)
-        multipliers = np.linalg.solve(normal, self.force(angles, sticking)[..., None])[..., 0]
-        step = -np.einsum("ska,sa->sk", columns, multipliers)
-        step *= np.minimum(1, LONGEST_STEP / np.maximum(np.abs(step).max(axis=1, keepdims=True), LONGEST_STEP))
-        return angles + step[:, : len(self.first)], sticking + step[:, len(self.first) :]
+class _Angles(_Balance):
+    """By phi, and the forces inside."""
+
+    def starts(self, rng: np.random.Generator) -> Floats:
+        angles, turns, lengths = self._drawn(rng, STARTS)
+        sticking = np.stack([lengths * np.cos(turns), self.still_cuts * lengths * np.sin(turns)], axis=-1)
+        return np.concatenate([np.where(self.turns, angles, np.pi / 2), sticking.reshape(STARTS, -1)], axis=1)
+
+    def forces(self, unknowns: Floats) -> _Forces:
+        angles, sticking = self._split(unknowns)
+        return _Forces(angles, np.cos(angles), np.sin(angles), sticking)
+
+    def slopes(self, unknowns: Floats, forces: _Forces) -> Floats:
+        fixed = self.fixed.reshape(-1, 3)
+        return np.concatenate([self._turning(forces), np.broadcast_to(fixed, (len(unknowns), *fixed.shape))], axis=1)
+
+
+class _Plane(_Balance):
+    """By z and q."""
+
+    def starts(self, rng: np.random.Generator) -> Floats:
+        count = int(np.clip(UNKNOWNS // (len(self.first) + 2 * len(self.fixed)), FEWEST_STARTS, STARTS))
+        angles, turns, lengths = self._drawn(rng, count)
+        z = np.where(self.turns, np.arctanh(np.cos(angles)), 0).clip(-FARTHEST_START, FARTHEST_START)
+        q = np.stack([lengths * np.cos(turns), lengths * np.sin(turns)], axis=-1) / np.sqrt(1 - lengths**2)[..., None]
+        return np.concatenate([z, q.reshape(count, -1)], axis=1)
+
+    def forces(self, unknowns: Floats) -> _Forces:
+        z, q = self._split(unknowns)
+        sticking = q / np.sqrt(1 + (q**2).sum(axis=-1, keepdims=True))
+        return _Forces(2 * np.arctan(np.exp(-z)), np.tanh(z), 1 / np.cosh(z), sticking)
+
+    def slopes(self, unknowns: Floats, forces: _Forces) -> Floats:
+        _, q = self._split(unknowns)
+        turning = -forces.sines[..., None] * self._turning(forces)  # d phi = -sin phi dz
+        size = np.sqrt(1 + (q**2).sum(axis=-1))[..., None, None]
+        discs = (np.eye(2) - forces.sticking[..., :, None] * forces.sticking[..., None, :]) / size
+        return np.concatenate([turning, (discs @ self.fixed).reshape(len(q), -1, 3)], axis=1)

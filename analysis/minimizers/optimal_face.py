@@ -2,7 +2,7 @@
 
 Every pair of a minimizer and optimal forces is complementary: a force strictly inside its limit means zero slip,
 a force at its limit means a slip against it.  So with any one optimal f the set of minimizers is a polyhedron in
-the space of twists:
+the space of twists (:meth:`nonsmooth.symbolic.friction_set.CutEllipse.slip_cone`):
 
 - box: ``a_k . xi = b_k`` where ``|f_k| < mu N``, and ``-f_k (a_k . xi - b_k) >= 0`` where ``|f_k| = mu N``;
 - ellipse, slips weighted by the limits: zero where the force is inside the ellipse, else a non-negative multiple
@@ -50,47 +50,11 @@ class Conditions(NamedTuple):
 
 def conditions(functional: Functional, model: ContactRows, loads: Floats, forces: Floats) -> Conditions:
     """Conditions on the minimizers from optimal forces (m, n, 2) at loads (m, n)."""
-    limits, shares = model.limits(loads), share_of_limit(model, loads, forces)
-    idle = limits == 0
-    if functional is Functional.BOX:
-        at_limit = np.abs(shares) >= 1 - AT_LIMIT
-        sign = np.where(at_limit, -np.sign(shares), 1.0)
-        return Conditions(sign[..., None] * np.eye(2), ~at_limit & ~idle, idle)
-    slips = np.hypot(shares[..., 0], shares[..., 1]) >= 1 - AT_LIMIT
-    mix = np.zeros((*limits.shape, 2))
-    mix[..., 0, 0] = np.where(slips, -shares[..., 0], 1.0) * limits[..., 0]
-    mix[..., 0, 1] = np.where(slips, -shares[..., 1], 0.0) * limits[..., 1]
-    mix[..., 1, 0] = np.where(slips, -shares[..., 1], 0.0) * limits[..., 0]
-    mix[..., 1, 1] = np.where(slips, shares[..., 0], 1.0) * limits[..., 1]
-    idle = np.where(slips[..., None], idle.all(axis=-1, keepdims=True), idle)
-    equation = ~idle
-    equation[..., 0] &= ~slips
-    _cut_conditions(mix, equation, shares, limits, slips & ~idle.any(axis=-1), model.cuts)
-    return Conditions(mix, equation, idle)
-
-
-def _cut_conditions(
-    mix: Floats,
-    equation: NDArray[np.bool_],
-    shares: Floats,
-    limits: Floats,
-    slips: NDArray[np.bool_],
-    cuts: Floats,
-) -> None:
-    """Change the conditions of forces at a cut, in place.
-
-    On the straight side: no slip along the rim, and across it against the force.  At a corner (x, y): a slip against
-    x, and at least ``|y/x|`` times as much against y.
-    """
-    x, y = shares[..., 0], shares[..., 1]
-    at_cut = (np.abs(y) >= (1 - AT_LIMIT) * cuts) & (cuts < 1)
-    side, corner = at_cut & ~slips, at_cut & slips
-    mix[side, 1] = np.stack([np.zeros_like(x), -np.sign(y) * limits[..., 1]], axis=-1)[side]
-    equation[side, 1] = False
-    mix[corner, 0] = np.stack([-np.sign(x) * limits[..., 0], np.zeros_like(x)], axis=-1)[corner]
-    across = [np.abs(y) * np.sign(x) * limits[..., 0], -np.abs(x) * np.sign(y) * limits[..., 1]]
-    mix[corner, 1] = np.stack(across, axis=-1)[corner]
-    equation[corner, 1] = False
+    x, y = np.moveaxis(share_of_limit(model, loads, forces), -1, 0)
+    cone, equation = functional.unit_sets(model.cuts).slip_cone(x, y, AT_LIMIT)
+    mix = cone * model.limits(loads)[..., None, :]
+    idle = np.asarray(~mix.any(axis=-1))
+    return Conditions(mix, equation & ~idle, idle)
 
 
 def undetermined(functional: Functional, model: ContactRows, loads: Floats, forces: Floats) -> NDArray[np.bool_]:

@@ -11,7 +11,7 @@ sticks where its slip is zero to within :data:`STICKS`; floats tell no more.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import IntEnum
 
 import numpy as np
@@ -120,9 +120,8 @@ def _loaded(scene: Scene, model: ContactModel, poses: Floats) -> NDArray[np.bool
     loaded = np.zeros_like(under)
     for carrying in np.unique(under, axis=0):
         places, frames = np.flatnonzero(carrying), np.flatnonzero((under == carrying).all(axis=1))
-        own = contact_model(replace(scene, wheels=tuple(scene.wheels[k] for k in places)))
         try:
-            loads = loads_at(own, poses[frames, :2])
+            loads = loads_at(model.on(places.tolist()), poses[frames, :2])
         except LoadError:  # where it tips
             loads = np.ones((len(frames), len(places)))
         loaded[np.ix_(frames, places)] = loads > LOADED

@@ -3,7 +3,7 @@
 A stopped wheel has speed zero and no drive.  Answers about position and heading are those of that array.  About the
 pose: what holds with every drive to command may fail with one less, so *can be held* becomes *undecided*, while
 *cannot be held* stays.  A lifted wheel carries nothing and touches nothing: the others carry the body, as far as it
-stands on them.
+stands on them and it is known what they carry (:meth:`nonsmooth.symbolic.load_model.LoadModel.on`).
 """
 
 from __future__ import annotations
@@ -12,13 +12,14 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 
 from nonsmooth.analysis.cells.partition import RefusalError
+from nonsmooth.analysis.contact_rule import rule_of
 from nonsmooth.proofs.answers.answer import Heading, Pose, Position
 from nonsmooth.proofs.answers.answers import answers_of
 from nonsmooth.proofs.answers.contradictions import reconciled
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.verdicts import Theorem4
-from nonsmooth.symbolic.contact_set import TipsError, require_standing, standing, whole
-from nonsmooth.symbolic.scene import LoadTable, Scene, Wheel
+from nonsmooth.symbolic.contact_set import NoLoadsError, TipsError, require_standing, standing, whole, with_only
+from nonsmooth.symbolic.scene import Scene, Wheel
 from nonsmooth.symbolic.scene_error import SceneError
 from nonsmooth.symbolic.support_polygon import default_radius
 
@@ -93,10 +94,10 @@ def worst_failure(failures: tuple[Failure, ...]) -> Failure:
 def _failure(scene: Scene, wheel: Wheel, kind: FailureKind) -> Failure:
     if kind is FailureKind.STOPPED:
         return _decided(_stopped(scene, wheel), wheel.index, kind)
-    if isinstance(scene.contact.loads, LoadTable):
-        return _undecided(wheel.index, kind, NO_TABLE)
     try:
         left = _lifted(scene, wheel)
+    except NoLoadsError:
+        return _undecided(wheel.index, kind, NO_TABLE)
     except TipsError as tipping:
         return Failure(
             wheel.index,
@@ -122,9 +123,12 @@ def _lifted(scene: Scene, failed: Wheel) -> Scene:
 
     Raises:
         TipsError: where the body does not stand on the others.
+        NoLoadsError: where it is not known what these carry without the wheel.
     """
     every = whole(scene)
-    rest = replace(every, wheels=tuple(wheel for wheel in every.wheels if wheel.index != failed.index))
+    if not rule_of(scene).needs_loads:
+        every = replace(every, contact=replace(every.contact, loads=None))
+    rest = with_only(every, [wheel for wheel in every.wheels if wheel.index != failed.index])
     point = scene.check.equilibrium
     carrying = standing(rest)
     require_standing(rest, carrying.wheels, point)

@@ -13,8 +13,7 @@ from flint import fmpq
 from nonsmooth.analysis.cells.arrangement import Arrangement, is_multiple
 from nonsmooth.analysis.cells.loads import load_regions, value_at
 from nonsmooth.analysis.cells.slopes import Slopes
-from nonsmooth.analysis.minimizers.friction_search import RimDemand
-from nonsmooth.analysis.minimizers.many_forces import MANY, search_many_forces
+from nonsmooth.analysis.minimizers.friction_search import MANY, RimDemand, search_forces
 from nonsmooth.proofs.clauses.feedback.balanced_twists import wheel_forces
 from nonsmooth.proofs.clauses.feedback.box_twists import candidate_twists
 from nonsmooth.proofs.clauses.feedback.by_friction import decide_driven_feedback
@@ -82,7 +81,7 @@ def test_forces_of_many_wheels_balance_within_their_limits(tmp_path: Path) -> No
     along, across = (np.array([[float(x) for x in getattr(w, name)] for w in wheels]) for name in ("along", "across"))
     signs = np.array([wheel.side for wheel in wheels])
     still = RimDemand(np.zeros(len(wheels)), np.zeros(len(wheels)))
-    forces = search_many_forces(along, across, signs, np.ones(len(wheels)), still)
+    forces = search_forces(along, across, signs, np.ones(len(wheels)), still)
     assert forces is not None
     rho, tau = np.empty(len(wheels)), np.empty(len(wheels))
     slips = signs != 0

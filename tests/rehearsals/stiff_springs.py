@@ -25,6 +25,10 @@ class StiffSprings(LoadModel):
         """For people."""
         return f"springs of stiffness {', '.join(map(str, self.stiffness))}"
 
+    def on(self, places: Sequence[int]) -> StiffSprings:
+        """With the stiffness of these wheels."""
+        return StiffSprings(tuple(self.stiffness[k] for k in places))
+
     def forms(
         self, moments: Sequence[Three[X]], carrying: Collection[int], arithmetic: Arithmetic[X]
     ) -> list[Three[X]] | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
@@ -12,15 +13,23 @@ import pytest
 from flint import arb
 from scipy.optimize import minimize
 
+from nonsmooth.analysis.bodies.many_contacts import loads_of
+from nonsmooth.analysis.bodies.many_paths import ManyPaths
+from nonsmooth.analysis.bodies.mass_path import MassPath
+from nonsmooth.analysis.bodies.path import BodyPath
 from nonsmooth.analysis.cells.loads import LoadError, load_regions, value_at
 from nonsmooth.analysis.contact_rule import contact_rule, smooth_rule_of
 from nonsmooth.analysis.dynamics.moving_loads import MovingLoads
+from nonsmooth.analysis.dynamics.newton_euler import RigidBody
 from nonsmooth.analysis.fields.contact_model import Floats, contact_model
 from nonsmooth.analysis.minimizers.float_loads import loads_at
+from nonsmooth.proofs.answers.answers import answers_of
+from nonsmooth.proofs.answers.failures import failures_of
 from nonsmooth.proofs.boxes.load_box import load_box
 from nonsmooth.proofs.certificate import build_certificate
 from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.theorem4 import check_theorem4
+from nonsmooth.symbolic.contact_set import with_only
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.similar_scenes import moved, scaled
@@ -44,10 +53,10 @@ def places(scene: Scene) -> Floats:
     return np.random.default_rng(0).dirichlet(np.full(len(wheels), 0.4), 12) @ wheels
 
 
-def least_energy(scene: Scene, place: Floats) -> Floats:
+def least_energy(scene: Scene, place: Floats, springs: Sequence[int] = STIFFNESS) -> Floats:
     """``min sum N_i^2/(2 k_i)`` over the loads that balance, by a general method that knows no springs."""
     wheels = np.array([[1.0, *(float(x) for x in wheel.position)] for wheel in scene.wheels])
-    stiffness = np.array(STIFFNESS[: len(wheels)], float)
+    stiffness = np.array(springs[: len(wheels)], float)
     balance = {"type": "eq", "fun": lambda n: n @ wheels - [1.0, *place], "jac": lambda n: wheels.T}
     found = minimize(
         lambda n: (n * n / stiffness).sum() / 2,
@@ -122,6 +131,70 @@ def test_clauses_and_paths_take_it(rule: str) -> None:
         assert np.abs(path.array[-1] - other.array[-1]).max() > 1e-4
     with pytest.raises(NoCertificateError, match="springs of stiffness 1, 3, 2, 5"):
         build_certificate(result)
+
+
+def outlined(stiffness: Sequence[int], rule: str = "ellipse") -> Scene:
+    scene = load_scene("carton-on-6x6", rule=rule)
+    springs = StiffSprings(tuple(scene.field(stiffness[k % len(stiffness)]) for k in range(len(scene.wheels))))
+    return replace(scene, contact=replace(scene.contact, loads=springs))
+
+
+POSE = (0.3, 0.2, 0.4)
+
+
+@pytest.mark.parametrize("rule", ["box", "ellipse"])
+def test_a_body_with_an_outline_goes_on_equal_stiffness_as_on_equal_springs(rule: str) -> None:
+    equal, like = load_scene("carton-on-6x6", rule=rule), outlined([2], rule)
+    for scene in (equal, like):
+        assert check_theorem4(scene, beside=False).check()
+    assert answers(like) == answers(equal)
+    if rule == "box":
+        assert failures_of(like) == failures_of(equal)
+    else:
+        ends = [
+            BodyPath(smooth_rule_of(scene).contacts(scene), scene).follow(POSE, 20.0).end for scene in (equal, like)
+        ]
+        assert ends[1].t == pytest.approx(ends[0].t, abs=1e-9)
+        np.testing.assert_allclose(ends[1].state, ends[0].state, atol=1e-9)
+
+
+def answers(scene: Scene) -> list[tuple[str, str]]:
+    return [(answer.name, str(answer.verdict)) for answer in answers_of(check_theorem4(scene, beside=False))]
+
+
+def test_the_loads_of_many_bodies_have_the_least_energy() -> None:
+    scene = outlined(STIFFNESS)
+    model = smooth_rule_of(scene).contacts(scene)
+    chance = np.random.default_rng(3)
+    wheels = np.array([chance.choice(len(scene.wheels), 7, replace=False) for _ in range(8)])
+    carrying = chance.random(wheels.shape) < 0.8
+    weights = np.where(carrying, chance.random(wheels.shape), 0.0)
+    centres = (weights[..., None] * model.positions[wheels]).sum(axis=1) / weights.sum(axis=1)[:, None]
+    found, balanced = loads_of(model, wheels, carrying, model.positions[wheels] - centres[:, None])
+    assert balanced.all()
+    assert not found[~carrying].any()
+    for row, centre, own, under in zip(found, centres, wheels, carrying, strict=True):
+        alone = with_only(scene, [scene.wheels[k] for k in own[under]])
+        stiffness = [STIFFNESS[k % len(STIFFNESS)] for k in own[under]]
+        np.testing.assert_allclose(row[under], least_energy(alone, centre, stiffness), atol=1e-6)
+
+
+def test_paths_and_maps_of_a_body_on_unequal_springs_end_alike() -> None:
+    scene = outlined((1, 2, 3))
+    law = smooth_rule_of(scene)
+    end = BodyPath(law.contacts(scene), scene).follow(POSE, 20.0).end
+    other = load_scene("carton-on-6x6", rule="ellipse")
+    assert np.abs(end.state[2] - BodyPath(law.contacts(other), other).follow(POSE, 20.0).end.state[2]) > 1e-3
+    many = ManyPaths(scene, law).follow(np.array([POSE]))
+    np.testing.assert_allclose(many.poses[0], end.state, atol=0.01)
+
+
+def test_a_dynamic_body_on_equal_stiffness_goes_as_on_equal_springs() -> None:
+    paths = []
+    for scene in (load_scene("carton-on-6x6", rule="ellipse"), outlined([3])):
+        model = smooth_rule_of(scene).contacts(scene)
+        paths.append(MassPath(model, RigidBody(0.1, 0.1), scene).follow(POSE, 0.5))
+    np.testing.assert_allclose(paths[1].states[-1], paths[0].states[-1], atol=1e-9)
 
 
 def test_no_loads_exist_outside_the_wheels() -> None:

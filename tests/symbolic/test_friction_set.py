@@ -209,3 +209,45 @@ def test_a_box_is_the_same_in_every_arithmetic() -> None:
     assert exact.piece(field(0), field(1)) is BorderPiece.KINK
     assert exact.holds_strictly(field(Fraction(1, 2)), field(Fraction(9, 10)))
     assert not exact.holds_strictly(field(1), field(0))
+
+
+@pytest.mark.parametrize("shape", [CutEllipse, Box])
+@pytest.mark.parametrize("cut", [1.0, 0.4])
+def test_the_slips_of_a_force_are_those_from_which_it_takes_the_most(shape: Any, cut: float) -> None:
+    """Exactly these satisfy the linear conditions, at forces inside, on the arc, on a straight side and at a corner."""
+    limits = shape(np.ones(1), np.ones(1), np.full(1, 1.0 if shape is Box else cut))
+    corner = (1.0, 1.0) if shape is Box else (np.sqrt(1 - cut * cut), cut)
+    heights = (0.0, 0.1, 0.3, 0.9 * corner[1], corner[1])
+    arcs = [(np.sqrt(1 - y * y), y) for y in heights]
+    sides = [(share * corner[0], corner[1]) for share in (0.0, 0.5, 1.0)]
+    directions = np.array([0, 0.3, 0.5, 0.8, np.pi / 4, 1.2, np.pi / 2, *np.arctan2(*np.transpose(arcs)[::-1])])
+    turned = np.concatenate([directions + k * np.pi / 2 for k in range(4)] + [-directions, np.pi - directions])
+    slips = np.concatenate([np.column_stack([np.cos(turned), np.sin(turned)]), np.zeros((1, 2))])
+    for place in [(0.2, 0.1), (0.0, 0.0), *arcs, *sides]:
+        for signs in ((1, 1), (1, -1), (-1, 1), (-1, -1)):
+            x, y = np.array(place) * signs
+            if limits.gauge(np.array([x]), np.array([y]))[0] > 1 + 1e-12:
+                continue
+            (forms,), (equations,) = limits.slip_cone(np.array([x]), np.array([y]), 1e-9)
+            values = slips @ forms.T
+            meant = np.where(equations, np.abs(values) < 1e-9, values > -1e-9).all(axis=1)
+            most = np.array([limits.support(*slip[:, None])[0] for slip in slips])
+            np.testing.assert_array_equal(meant, most + slips @ (x, y) < 1e-9)
+
+
+def test_forces_on_the_border_may_move_along_it_alone() -> None:
+    # on the arc, in the middle, at a cut, at a corner
+    limits, turning = CutEllipse(np.ones(4), np.ones(4), np.array([1.0, 1.0, 0.6, 0.6])), 1e-2
+    x, y = (
+        np.array([0.6, 0.0, 0.5, 0.8]),
+        np.array([0.8, 0.0, 0.6, -0.6]),
+    )
+    arc, middle, side, corner = limits.room(x, y, turning)
+    np.testing.assert_allclose(arc @ [0.6, 0.8], 0, atol=1e-15)
+    np.testing.assert_allclose(arc @ [-0.8, 0.6], turning * np.array([-0.8, 0.6]), atol=1e-15)
+    np.testing.assert_array_equal(middle, np.eye(2))
+    np.testing.assert_allclose(side @ [0, 1], 0, atol=1e-15)
+    assert side[0, 0] > turning**2
+    np.testing.assert_allclose(corner, 0, atol=1e-15)
+    box = Box(np.ones(2), np.ones(2), np.ones(2)).room(np.array([1.0, 0.25]), np.array([-0.5, 1.0]), turning)
+    np.testing.assert_allclose(box, [np.diag([0, 0.5]), np.diag([0.75, 0])], atol=1e-15)

@@ -47,7 +47,6 @@ from flint import arb, arb_mat, ctx
 from nonsmooth.analysis.cells.loads import LoadRegion
 from nonsmooth.analysis.contact_rule import smooth_rule_of
 from nonsmooth.analysis.minimizers.friction_search import RimDemand, search_forces
-from nonsmooth.analysis.minimizers.many_forces import MANY, search_many_forces
 from nonsmooth.proofs.clauses.feedback.rational_bounds import ball_of
 from nonsmooth.symbolic.constraints import Triple, inner, roll_row, scaled, side_row
 from nonsmooth.symbolic.friction_set import CutEllipse, FrictionSet
@@ -245,9 +244,10 @@ def balance_twist(scene: Scene, region: LoadRegion, twist: Triple) -> BalancedTw
         return BalancedTwist(twist, wheels)  # too few forces to fix a motion
     along = np.array([[float(x) for x in wheel.along] for wheel in wheels])
     across = np.array([[float(x) for x in wheel.across] for wheel in wheels])
-    search = search_forces if len(wheels) <= MANY else search_many_forces
     cuts = np.array([float(wheel.limits.cut) for wheel in wheels])
-    forces = search(along, across, np.array([wheel.side for wheel in wheels]), cuts, _demand(scene, wheels, twist))
+    forces = search_forces(
+        along, across, np.array([wheel.side for wheel in wheels]), cuts, _demand(scene, wheels, twist)
+    )
     if forces is None:
         return BalancedTwist(twist, wheels)
     angles, sticking = iter(forces.angles), iter(forces.sticking)
