@@ -76,7 +76,7 @@ def decide_robust(scene: Scene) -> Robust | None:
     proof = _proof(scene)
     if isinstance(proof, str):
         return Robust(Certainty.UNDECIDED, proof)
-    found = proof.statement(scene.tolerances)
+    found = proof.all_that_is_shown(scene.tolerances)
     factor = largest_factor(proof.holds, scene.tolerances)
     binding = binding_entry(proof.holds, scene.tolerances, factor)
     return replace(found or Robust(Certainty.UNDECIDED, proof.no_proof), factor=factor, binding=binding)
@@ -130,6 +130,10 @@ class BoxProof(ABC):
     def statement(self, box: Tolerance) -> Robust | None:
         """The statement with its numbers; None where it is not proved."""
 
+    def all_that_is_shown(self, box: Tolerance) -> Robust | None:
+        """The same with what takes longer to show, and is asked for the scene's own tolerances only."""
+        return self.statement(box)
+
 
 class NearestProof(BoxProof):
     """Rule ``nearest``: a disc in which every body ends."""
@@ -152,7 +156,7 @@ class NearestProof(BoxProof):
         if bound is None:
             return None
         radius, start = root_above(as_fraction(bound.squared)), as_fraction(inner_radius(self.scene))
-        found = _ends(box, radius, start, as_fraction(bound.kappa))
+        found = _ends(box, radius, start, (start - radius) / as_fraction(bound.kappa))
         if found is None or found.within is None or bound.turning is None:
             return found
         return replace(found, turning=as_fraction(bound.turning) * found.within)
@@ -179,7 +183,7 @@ class DiscProof(BoxProof):
 
     def _disc(self, box: Tolerance) -> Robust | None:
         disc = self.rings.disc(box, self._most(box)) if self.rings is not None and self._follows(box) else None
-        return None if disc is None else _ends(box, disc.radius, disc.start, disc.kappa)
+        return None if disc is None else _ends(box, disc.radius, disc.start, disc.within)
 
     def _follows(self, box: Tolerance) -> bool:
         """Whether a body that turns on its way keeps its wheels, as one without an outline does."""
@@ -214,6 +218,13 @@ class SmoothProof(DiscProof):
     def statement(self, box: Tolerance) -> Robust | None:
         """The equilibrium, else the disc."""
         return self._equilibrium(box) or self._disc(box)
+
+    def all_that_is_shown(self, box: Tolerance) -> Robust | None:
+        """The equilibrium, and the disc from which bodies come near it."""
+        equilibrium, disc = self._equilibrium(box), self._disc(box)
+        if equilibrium is None or disc is None:
+            return equilibrium or disc
+        return replace(disc, equilibrium=equilibrium.equilibrium, drift=equilibrium.drift)
 
     @cached_property
     def _has_equilibrium(self) -> bool:
@@ -273,12 +284,12 @@ PROOFS: dict[str, type[BoxProof]] = {
 }
 
 
-def _ends(box: Tolerance, radius: Fraction, start: Fraction, kappa: Fraction) -> Robust | None:
+def _ends(box: Tolerance, radius: Fraction, start: Fraction, within: Fraction) -> Robust | None:
     """A disc in which bodies end, about the nominal centre of mass of the body, which may be beside the true one."""
     off = beside(box)
     if start <= radius + 2 * off:
         return None
-    return Robust(Certainty.CERTIFIED, "", radius + off, start - off, (start - radius) / kappa)
+    return Robust(Certainty.CERTIFIED, "", radius + off, start - off, within)
 
 
 def beside(box: Tolerance) -> Fraction:

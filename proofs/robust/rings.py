@@ -2,7 +2,7 @@
 
 On a ring ``inner <= |c| <= outer`` let ``c . v <= -kappa |c|`` for every array and every possible velocity.  It is
 shown on quadrangles that cover the ring, each divided where that is not enough.  ``(c . c)' = 2 c . v``, so that bodies
-within the largest ring come to the smallest one, in the time (outer - inner)/kappa, and do not leave.
+within the largest ring come to the smallest one, in the sum of the times (outer - inner)/kappa, and do not leave.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import pairwise
 from typing import Generic, TypeVar
 
 from flint import arb, ctx
@@ -32,14 +33,31 @@ class EndDisc:
     """What holds for every array of the box.
 
     Attributes:
-        radius: of the disc in which bodies end.
         start: radius of the disc of starts.
-        kappa: rate at which the distance falls between the two (length/time).
+        inner: radius of the inner border of each ring, from there inward.
+        rates: at which the distance falls on each (length/time).
     """
 
-    radius: Fraction
     start: Fraction
-    kappa: Fraction
+    inner: tuple[Fraction, ...]
+    rates: tuple[Fraction, ...]
+
+    @property
+    def radius(self) -> Fraction:
+        """Of the disc in which bodies end."""
+        return self.inner[-1]
+
+    @property
+    def kappa(self) -> Fraction:
+        """The least rate at which the distance falls outside it."""
+        return min(self.rates)
+
+    @property
+    def within(self) -> Fraction:
+        """After which bodies have come from the disc of starts to that of ends: ring after ring."""
+        outer = (self.start, *self.inner)
+        widths = (far - near for far, near in pairwise(outer))
+        return sum((width / rate for width, rate in zip(widths, self.rates, strict=True)), Fraction(0))
 
 
 class RingProof(ABC, Generic[Bound]):
@@ -123,9 +141,9 @@ class RingProof(ABC, Generic[Bound]):
 
 
 def _fastest(found: list[tuple[Fraction, arb]], start: Fraction) -> EndDisc:
-    """Nearly the smallest disc, with the rate outside it that is largest."""
+    """Nearly the smallest disc: slow rings at the end, which would bring bodies hardly nearer, are left out."""
     radius = max(found[-1][0], LEAST * start)
     kept = [k for k, (inner, _) in enumerate(found) if inner <= GROWTH * radius] or [len(found) - 1]
-    rates = {k: min(rational_below(rate) for _, rate in found[: k + 1]) for k in kept}
-    best = max(kept, key=lambda k: (rates[k], -found[k][0]))
-    return EndDisc(found[best][0], start, rates[best])
+    rates = [rational_below(rate) for _, rate in found]
+    last = max(kept, key=lambda k: (min(rates[: k + 1]), -found[k][0]))
+    return EndDisc(start, tuple(inner for inner, _ in found[: last + 1]), tuple(rates[: last + 1]))

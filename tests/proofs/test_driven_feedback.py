@@ -28,7 +28,7 @@ from nonsmooth.proofs.clauses.feedback.balanced_twists import (
     separates,
 )
 from nonsmooth.proofs.clauses.feedback.box_twists import BoxTwist, Drives, candidate_twists
-from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback, decide_driven_feedback
+from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback, decide_driven_feedback, decided_around
 from nonsmooth.proofs.clauses.feedback.driven_law import (
     LawCone,
     best_three,
@@ -125,6 +125,41 @@ def test_under_ellipse_the_speeds_impose_their_twist_at_the_equilibrium(name: st
         exact, speeds = np.array([float(x) for x in imposed.twist]), np.array(rim_speeds(scene, imposed))
         assert np.abs(minimizer("ellipse", model, np.zeros(2), speeds) - exact).max() < ELLIPSE_ERROR
         assert np.abs(minimizer("ellipse", model, near, speeds) - exact).max() < 1e-2
+
+
+@pytest.mark.parametrize(("name", "rule", "size"), [("ring-6", "roller", -3), ("elliptic", "ellipse", -6)])
+def test_about_places_nearby_speeds_impose_the_same_twists(name: str, rule: str, size: int) -> None:
+    """A twist is about the origin: about another place its velocity is another, and other speeds impose it there."""
+    scene = centred(load_scene(name), rule)
+    distance = Fraction(10) ** size
+    feedback = decide_driven_feedback(scene)
+    assert decided_around(feedback, distance) is feedback
+    (cone,) = feedback.cones
+    zero = scene.field.zero
+    for k in range(3):
+        angle = 2 * np.pi * k / 3 + 0.3
+        x, y = (scene.field(Fraction(part) * distance) for part in (np.cos(angle), np.sin(angle)))
+        there = replace(scene, check=replace(scene.check, equilibrium=(x, y))).recentred()
+        (region, *_), model = load_regions(there, (zero, zero)), contact_model(there)
+        for imposed in cone.twists:
+            vx, vy, omega = imposed.twist
+            moved = balance_twist(there, region, (vx - omega * y, vy + omega * x, omega))
+            assert moved.is_unique
+            found = minimizer("ellipse", model, np.zeros(2), np.array(rim_speeds(there, moved)))
+            assert np.abs(found - np.array([float(entry) for entry in moved.twist])).max() < ELLIPSE_ERROR
+
+
+def test_what_other_loads_may_undo_is_not_said_of_places_nearby() -> None:
+    scene = centred(load_scene("four-wheel"), "ellipse")
+    feedback = decide_driven_feedback(scene)
+    around = decided_around(feedback, Fraction(1, 5))
+    assert around.verdict is Feedback.UNDECIDED
+    assert around.reason.startswith("rounding decides: ")
+    assert not around.cones
+    side = decide_driven_feedback(centred(load_scene("four-wheel-side"), "ellipse"))
+    assert side.beyond is not None
+    assert decided_around(side, Fraction(1, 10**9)) == side
+    assert decided_around(side, Fraction(3)).holding.verdict is Feedback.UNDECIDED
 
 
 @pytest.mark.parametrize("rule", ["box", "ellipse"])
@@ -301,6 +336,8 @@ def test_under_ellipse_it_is_a_unicycle_too(arrays: Arrays) -> None:
     feedback = decide_driven_feedback(scene)
     assert feedback.verdict is Feedback.NO_CERTIFICATE
     assert [str(x) for x in feedback.obstruction or ()] == ["0", "1", "0"]
+    assert decided_around(feedback, Fraction(1, 1000)) is feedback
+    assert decided_around(feedback, Fraction(10)).verdict is Feedback.UNDECIDED
     model, rng = contact_model(scene), np.random.default_rng(1)
     for _ in range(20):
         speeds = rng.normal(size=4) * 10 ** rng.uniform(-2, 2, 4)

@@ -34,8 +34,8 @@ are none near c* either.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property, reduce
 from itertools import permutations
@@ -66,7 +66,8 @@ Force: TypeAlias = tuple[arb, arb]  # rho, tau
 Coordinate = TypeVar("Coordinate", Fraction, arb)
 Real = TypeVar("Real")
 
-_RADIUS = arb(0, 2.0**-40)  # of the box in which forces are proved: far above the rounding of floats, far below room
+# Of the box in which forces are proved: far above the rounding of floats, far below room; more where loads vary.
+_RADII = tuple(arb(0, 2.0**-k) for k in (40, 20, 8, 4))
 
 
 @dataclass(frozen=True)
@@ -79,6 +80,7 @@ class WheelForces:
         across: ``N beta b``.
         side: sign of its side slip.
         limits: its friction set.
+        nearby: N at other places of the body, over N at the point.
     """
 
     index: int
@@ -86,12 +88,13 @@ class WheelForces:
     across: Triple
     side: int
     limits: FrictionSet
+    nearby: arb = field(default_factory=lambda: arb(1), compare=False)
 
     @cached_property
     def balls(self) -> tuple[tuple[arb, ...], tuple[arb, ...]]:
-        """The columns, as balls."""
+        """The columns, as balls that hold those of all places that are meant."""
         with ctx.workprec(PRECISION):
-            return tuple(x.ball() for x in self.along), tuple(x.ball() for x in self.across)
+            return tuple(x.ball() * self.nearby for x in self.along), tuple(x.ball() * self.nearby for x in self.across)
 
     @cached_property
     def unit_set(self) -> CutEllipse[arb]:
@@ -189,25 +192,33 @@ class BalancedTwist:
 
         So it is where balls around the values hold forces in balance within their limits (interval Newton).
         """
-        if not self.values:
-            return False
+        wide = any(wheel.nearby.rad() > 0 for wheel in self.wheels)
         with ctx.workprec(PRECISION):
-            centre = [ball_of(value) for value in self.values]
-            pivots = _best_pivots(self._slopes(centre))
-            box = [x + _RADIUS if k in pivots else x for k, x in enumerate(centre)]
-            slopes = self._slopes(box)
-            try:
-                matrix = arb_mat([[slopes[k][r] for k in pivots] for r in range(3)])
-                step = matrix.solve(arb_mat([[entry] for entry in self._force(centre)]))
-            except ZeroDivisionError:
-                return False
-            inside = all(_RADIUS.contains_interior(step[row, 0]) for row in range(3))
-            return inside and all(wheel.admits(part) for wheel, part in self._parts(box))
+            return bool(self.values) and any(map(self._is_unique_within, _RADII if wide else _RADII[:1]))
+
+    def _is_unique_within(self, radius: arb) -> bool:
+        """The same by a box of forces with a radius."""
+        centre = [ball_of(value) for value in self.values]
+        pivots = _best_pivots(self._slopes(centre))
+        box = [x + radius if k in pivots else x for k, x in enumerate(centre)]
+        slopes = self._slopes(box)
+        try:
+            matrix = arb_mat([[slopes[k][r] for k in pivots] for r in range(3)])
+            step = matrix.solve(arb_mat([[entry] for entry in self._force(centre)]))
+        except ZeroDivisionError:
+            return False
+        inside = all(radius.contains_interior(step[row, 0]) for row in range(3))
+        return inside and all(wheel.admits(part) for wheel, part in self._parts(box))
 
     @property
     def slip_ratios(self) -> dict[int, float]:
         """Slip along over slip across the rim, of each wheel that slips across, by its number."""
         return {wheel.index: wheel.slip_ratio(part[0]) for wheel, part in self._parts(self.values) if wheel.side}
+
+    def around(self, loads: Mapping[int, arb]) -> BalancedTwist:
+        """The same at all places of a disc about the point, with the loads there over those at the point, by wheel."""
+        wheels = tuple(replace(wheel, nearby=loads[wheel.index]) for wheel in self.wheels)
+        return replace(self, wheels=wheels, is_excluded=False)
 
     def _parts(self, values: Sequence[Real]) -> Iterator[tuple[WheelForces, list[Real]]]:
         remaining = list(values)

@@ -16,6 +16,10 @@ in every unit.  A twist ``(v, omega)`` there is ``(v, omega/l)`` in the scene's 
 - *Unknown loads.*  Where the loads are only known to lie in a set, other loads than those of level springs turn the
   motions away from the ``xi_l``; the law works under every load as long as they stay in pyramids about the ``xi_l``, at
   the rate ``(1 - eta) kappa`` (module ``every_load_law``).  A plane that no twist leaves on level springs refutes too.
+- *A place of rest beside c*.*  A twist is about the origin, whichever point the body is brought to: a law about a point
+  c_1 needs that the ``xi_l`` are the only minimizers at c_1, and only loads differ there.  Forces in balance are proved
+  with the loads of a whole disc at once; about each of its points, and for every member of what was rounded, the same
+  twists then make a law, with ``(c - c_1, theta)`` for g (:func:`decided_around`).
 - *Not stabilizable.*  Let all twists that speeds can impose at c* lie in a plane.  Near c* there are no others, so
   Brockett's condition refutes every static feedback (:mod:`nonsmooth.proofs.clauses.feedback.obstruction`).
 
@@ -32,10 +36,14 @@ from fractions import Fraction
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
+from flint import arb, ctx
+
 from nonsmooth.analysis.cells.fan import by_angle
 from nonsmooth.analysis.cells.loads import LoadRegion, load_regions
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.contact_rule import CellRule, rule_of
+from nonsmooth.proofs.boxes.load_box import load_box
+from nonsmooth.proofs.clauses.feedback.balanced_twists import PRECISION, BalancedTwist, exclude_twist
 from nonsmooth.proofs.clauses.feedback.box_twists import BoxTwist, Drives, inscribed_boxes
 from nonsmooth.proofs.clauses.feedback.control_fields import askew_reason, side_friction_rules
 from nonsmooth.proofs.clauses.feedback.control_lyapunov import ControlLyapunov, sum_of_squares
@@ -47,6 +55,7 @@ from nonsmooth.proofs.clauses.feedback.driven_law import (
     in_scene,
 )
 from nonsmooth.proofs.clauses.feedback.obstruction import common_normal, obstruction_text
+from nonsmooth.proofs.clauses.feedback.rational_bounds import ball_of
 from nonsmooth.proofs.clauses.feedback.twist_candidates import (
     ImposedTwist,
     candidates_of,
@@ -55,12 +64,14 @@ from nonsmooth.proofs.clauses.feedback.twist_candidates import (
     with_exclusions,
 )
 from nonsmooth.proofs.clauses.witness import Witness
+from nonsmooth.proofs.enclosures import UNIT
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.constraints import Triple
 from nonsmooth.symbolic.free_rollers import with_rims_along_axes
 from nonsmooth.symbolic.number_text import brief_text, lower_text
 from nonsmooth.symbolic.numbers.lazy import Lazy, divided, quotient
 from nonsmooth.symbolic.numbers.number import Number, sign
+from nonsmooth.symbolic.numbers.rounded import BY_ROUNDING
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, work_limit
 from nonsmooth.symbolic.plane import around, cross, dot
 from nonsmooth.symbolic.scene import Scene
@@ -92,6 +103,7 @@ NOT_FOR_EVERY_LOAD = "no law of three imposed twists is shown to work under ever
 UNITS = 5_000_000  # of exact arithmetic for a law that Theorem 4 does not ask for
 TOO_LONG = f"whether a law holds the pose is not decided within {UNITS} operations of exact arithmetic"
 ENOUGH_FOR_EVERY_LOAD = 24  # candidates, of which no more than sixteen are combined
+BESIDE_OPEN = f"{BY_ROUNDING}what is shown at the point is not shown at a place of rest so close to it"
 ON_LEVEL_SPRINGS = "on level springs, which are among the loads: {}"
 STALL = "V' = 0 for every input at small multiples of this (c, theta)"
 
@@ -216,6 +228,41 @@ def decide_driven_feedback(scene: Scene) -> DrivenFeedback:
     except WorkLimitError:
         beyond = DrivenFeedback(Feedback.UNDECIDED, TOO_LONG, scene)
     return DrivenFeedback(Feedback.NOT_APPLICABLE, blocked, scene, beyond=beyond)
+
+
+def decided_around(found: DrivenFeedback, distance: Fraction) -> DrivenFeedback:
+    """What was decided at the checked point, where the same is so about every point that near; else undecided.
+
+    The speeds, and the rate, stay those about the checked point: about others they differ as little as the points.
+
+    Args:
+        found: the decision at the point, of loads that are known, under a rule without cells.
+        distance: of a place of rest from the point, at most.
+    """
+    if found.beyond is not None:
+        return replace(found, beyond=decided_around(found.beyond, distance))
+    if found.verdict is Feedback.UNDECIDED or _holds_around(found, distance):
+        return found
+    return found.undecided(BESIDE_OPEN)
+
+
+def _holds_around(found: DrivenFeedback, distance: Fraction) -> bool:
+    """Whether the twists of a law are imposed, or those off its plane excluded, with the body at all places so near."""
+    scene = found.scene
+    with ctx.workprec(PRECISION):
+        forms, disc = load_box(scene, arb(0)), ball_of(distance) * UNIT
+        loads = [] if forms is None else forms.at((disc, disc))
+        if forms is None or not all(load > 0 for load in loads):
+            return False
+        pairs = zip(scene.wheels, loads, forms.forms, strict=True)
+        shares = {wheel.index: load / form[0] for wheel, load, form in pairs}
+    if found.verdict is Feedback.NO_CERTIFICATE:
+        off = [candidate for candidate in found.candidates if candidate.is_excluded]
+        return all(isinstance(one, BalancedTwist) and exclude_twist(one.around(shares)).is_excluded for one in off)
+    if found.reach is not None:
+        return all(cone.rays is None for cone in found.cones) and found.reach > distance
+    twists = [twist for cone in found.cones for twist in cone.twists]
+    return all(isinstance(twist, BalancedTwist) and twist.around(shares).is_unique for twist in twists)
 
 
 def decide_whatever_friction(scene: Scene) -> DrivenFeedback:

@@ -67,10 +67,15 @@ class FeedbackClause(Clause[AnyFeedback]):
 
 
 def _driven(work: Workspace) -> DrivenFeedback:
-    from nonsmooth.proofs.clauses.feedback.by_friction import decide_driven_feedback
+    """About the checked point, and about a place of rest that only rounding tells from it."""
+    from nonsmooth.proofs.clauses.feedback.by_friction import BESIDE_OPEN, decide_driven_feedback, decided_around
     from nonsmooth.proofs.clauses.feedback.sampled_laws import with_samples
 
-    found = decide_driven_feedback(work.scene)
+    at_point = decide_driven_feedback(work.scene)
+    distance = getattr(work.earlier["equilibrium"], "rounding_distance", None)
+    found = at_point if distance is None else decided_around(at_point, distance)
+    if found.holding.reason == BESIDE_OPEN:
+        work.by_rounding.add(FeedbackClause.name)
     if found.verdict is Feedback.NOT_APPLICABLE or work.leaves_loads_open:
         return found
     if found.verdict is Feedback.UNDECIDED or not work.prune:

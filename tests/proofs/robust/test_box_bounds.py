@@ -91,7 +91,7 @@ def test_paths_end_in_the_disc_in_time(monkeypatch: pytest.MonkeyPatch) -> None:
     """Euler's steps; a path may be outside by a step, for it slides along borders of cells."""
     scene, found = disc_of("four-wheel", "7/10", monkeypatch)
     within, rng = small_box(scene), np.random.default_rng(2)
-    time = float((found.start - found.radius) / found.kappa)
+    time = float(found.within)
     for k in range(3):
         model = drawn(scene, within, rng, corner=k < 2)
         angles = rng.uniform(0, 2 * np.pi, 4)

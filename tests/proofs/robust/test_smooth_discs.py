@@ -14,7 +14,7 @@ from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.proofs.answers.robust import robust_facts
 from nonsmooth.proofs.boxes.intervals import Intervals, cosine
-from nonsmooth.proofs.robust.decide import Robust, decided_statement
+from nonsmooth.proofs.robust.decide import Robust, SmoothProof
 from nonsmooth.proofs.robust.friction_forces import FORCE_LAWS
 from nonsmooth.proofs.robust.nearest import inner_radius
 from nonsmooth.proofs.robust.rings import EndDisc
@@ -25,11 +25,12 @@ from nonsmooth.symbolic.contact_set import standing
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.tolerances import Tolerance
-from tests.proofs.robust.test_smooth_bounds import drawn
+from tests.proofs.robust.test_smooth_bounds import Floats, drawn
 from tests.thorough import thorough
 
 DRAWN, PLACES = 12, 24
 QUARTER = Fraction(1, 4)  # of the tolerances
+NEAR = Fraction(1, 16)  # the same, for an array of which several rings are shown in a second
 SLACK = 1e-6  # of the speeds: velocities of numerical minimizers
 
 CASES = [("four-wheel", "ellipse"), ("four-wheel", "roller"), ("ring-6", "ellipse"), ("elliptic", "roller")]
@@ -47,32 +48,15 @@ def box_of(scene: Scene, share: Fraction) -> Tolerance:
 
 
 @cache
-def statement_of(name: str, rule: str, share: Fraction) -> Robust:
-    """What is said about a scene; kept, since it takes many seconds."""
-    scene = load_scene(name, rule=rule)
-    return decided_statement(replace(scene, tolerances=box_of(scene, share)))
-
-
-def disc_said(said: Robust) -> EndDisc:
-    """The disc of a statement, with the rate that its time tells."""
-    assert said.radius is not None
-    assert said.start is not None
-    assert said.within is not None
-    return EndDisc(said.radius, said.start, (said.start - said.radius) / said.within)
-
-
-@cache
 def disc_of(name: str, rule: str, share: Fraction) -> tuple[Scene, EndDisc | None]:
-    """A scene about its point, and the disc in which bodies end; from what is said where that is about this disc."""
-    scene, said = standing(load_scene(name, rule=rule)).recentred(), statement_of(name, rule, share)
-    if said.start is not None:
-        return scene, disc_said(said)
+    """A scene about its point, and the rings on which bodies come nearer."""
+    scene = standing(load_scene(name, rule=rule)).recentred()
     return scene, SmoothDisc(scene).disc(box_of(scene, share), Fraction(str(inner_radius(scene))))
 
 
 @pytest.fixture(scope="module")
-def nearby() -> tuple[Scene, Robust]:
-    """An array with a small square, and what is said of it where the proof divides neither quadrangles nor rings.
+def nearby() -> tuple[Scene, EndDisc, Robust]:
+    """An array with a small square, its rings, and what is said where the proof divides neither quadrangles nor rings.
 
     The disc is then larger than it need be, and found in a second.
     """
@@ -80,13 +64,37 @@ def nearby() -> tuple[Scene, Robust]:
         patch.setattr(SmoothDisc, "depth", 0)
         patch.setattr(SmoothDisc, "halvings", 0)
         scene = load_scene("four-wheel", rule="ellipse", radius="1/10")
-        said = decided_statement(replace(scene, tolerances=box_of(scene, QUARTER)))
-    return standing(scene).recentred(), said
+        about = standing(scene).recentred()
+        proof = SmoothProof(about)
+        assert proof.rings is not None
+        disc = proof.rings.disc(box_of(about, NEAR), Fraction(str(inner_radius(about))))
+        patch.setattr(proof.rings, "disc", lambda *_: disc)  # not to look for it twice
+        said = proof.all_that_is_shown(box_of(about, NEAR))
+    assert disc is not None
+    assert said is not None
+    return about, disc, said
 
 
-def test_every_array_comes_nearer_outside_a_disc_nearby(nearby: tuple[Scene, Robust]) -> None:
-    scene, said = nearby
-    assert_nearer_outside(scene, disc_said(said))
+def test_every_array_comes_nearer_outside_a_disc_nearby(nearby: tuple[Scene, EndDisc, Robust]) -> None:
+    scene, disc, said = nearby
+    assert (said.radius, said.start, said.within) == (disc.radius, disc.start, disc.within)
+    assert_nearer_outside(scene, disc, NEAR)
+
+
+def test_bodies_are_there_in_the_sum_of_the_times_of_the_rings(nearby: tuple[Scene, EndDisc, Robust]) -> None:
+    """Small steps from the border of the disc of starts; one rate for all rings would ask for more time."""
+    scene, disc, _ = nearby
+    assert disc.within < (disc.start - disc.radius) / disc.kappa
+    rng, step = np.random.default_rng(6), float(disc.within) / 40
+    for corner in (True, False):
+        model = drawn(scene, box_of(scene, NEAR), rng, corner=corner)
+        angles = rng.uniform(0, 2 * np.pi, 8)
+        places = float(disc.start) * np.column_stack([np.cos(angles), np.sin(angles)])
+        for _ in range(40):
+            twists = EllipseMinimizer().minimize(model, loads_at(model, places)).twists
+            turned = np.column_stack([-places[:, 1], places[:, 0]])
+            places = places + step * (twists[:, :2] + twists[:, 2:] * turned)
+        assert np.hypot(*places.T).max() <= float(disc.radius) * (1 + 1e-3)
 
 
 @thorough  # the small one: test_every_array_comes_nearer_outside_a_disc_nearby
@@ -94,20 +102,26 @@ def test_every_array_comes_nearer_outside_a_disc_nearby(nearby: tuple[Scene, Rob
 def test_every_array_comes_nearer_outside_the_disc(name: str, rule: str) -> None:
     scene, disc = disc_of(name, rule, QUARTER)
     assert disc is not None
-    assert_nearer_outside(scene, disc)
+    assert_nearer_outside(scene, disc, QUARTER)
 
 
-def assert_nearer_outside(scene: Scene, disc: EndDisc) -> None:
-    """At places on the disc's border and beyond it, for corners of the box and arrays inside it."""
+def assert_nearer_outside(scene: Scene, disc: EndDisc, share: Fraction) -> None:
+    """At places on the disc's border and beyond it, for corners of the box and arrays inside it, ring by ring."""
     rng = np.random.default_rng(5)
     for k in range(DRAWN):
-        model = drawn(scene, box_of(scene, QUARTER), rng, corner=k % 3 != 0)
+        model = drawn(scene, box_of(scene, share), rng, corner=k % 3 != 0)
         radii = np.r_[float(disc.radius), rng.uniform(float(disc.radius), float(disc.start), PLACES - 1)]
         angles = rng.uniform(0, 2 * np.pi, PLACES)
         places = radii[:, None] * np.column_stack([np.cos(angles), np.sin(angles)])
         twists = EllipseMinimizer().minimize(model, loads_at(model, places)).twists
         rates = (places * twists[:, :2]).sum(axis=1) / radii
-        assert rates.max() <= -float(disc.kappa) + SLACK
+        assert (rates <= -kappas(disc, radii) + SLACK).all()
+
+
+def kappas(disc: EndDisc, radii: Floats) -> Floats:
+    """The rate of the ring of each radius."""
+    ring = (radii[:, None] < np.array([float(inner) for inner in disc.inner])).sum(axis=1)
+    return np.array([float(rate) for rate in disc.rates])[np.minimum(ring, len(disc.rates) - 1)]
 
 
 @thorough
@@ -139,15 +153,16 @@ def test_the_disc_reaches_further_than_the_equilibrium() -> None:
     assert 0 < farthest <= float(disc.radius)
 
 
-def test_what_is_said(nearby: tuple[Scene, Robust]) -> None:
+def test_what_is_said(nearby: tuple[Scene, EndDisc, Robust]) -> None:
     scene = load_scene("four-wheel", rule="ellipse")
     large = replace(scene, tolerances=box_of(scene, QUARTER))
     small = replace(scene, tolerances=box_of(scene, Fraction(1, 32)))
-    _, wide = nearby
+    *_, wide = nearby
     found = replace(wide, equilibrium=Fraction(1, 50), drift=Fraction(0))
     assert wide.verdict is Certainty.CERTIFIED
     assert wide.start is not None
-    assert wide.equilibrium is None
+    assert wide.equilibrium is not None
+    wide = replace(wide, equilibrium=None, drift=None)
     words = " ".join(fact.words for fact in robust_facts(small, found))
     assert "the body ends within" in words
     assert "has one equilibrium within" in words
