@@ -8,6 +8,7 @@ stands on them.
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
@@ -92,7 +93,7 @@ def worst_failure(failures: tuple[Failure, ...]) -> Failure:
 
 def _failure(scene: Scene, wheel: Wheel, kind: FailureKind) -> Failure:
     if kind is FailureKind.STOPPED:
-        return _decided(_stopped(scene, wheel), wheel.index, kind)
+        return _decided(stopped(scene, (wheel.index,)), wheel.index, kind)
     if isinstance(scene.contact.loads, LoadTable):
         return _undecided(wheel.index, kind, NO_TABLE)
     try:
@@ -110,11 +111,17 @@ def _failure(scene: Scene, wheel: Wheel, kind: FailureKind) -> Failure:
     return _decided(left, wheel.index, kind)
 
 
-def _stopped(scene: Scene, failed: Wheel) -> Scene:
-    """The array in which the rim of a wheel stands still."""
-    still = replace(failed, given_speed=scene.field.zero)
-    wheels = tuple(still if wheel.index == failed.index else wheel for wheel in whole(scene).wheels)
-    return replace(whole(scene), wheels=wheels)
+def stopped(scene: Scene, failed: Collection[int]) -> Scene:
+    """The array in which the rims of wheels, given by their numbers, stand still."""
+    every = whole(scene)
+    still = [replace(w, given_speed=scene.field.zero) if w.index in failed else w for w in every.wheels]
+    return replace(every, wheels=tuple(still))
+
+
+def without(scene: Scene, failed: Collection[int]) -> Scene:
+    """The array without wheels, given by their numbers, in the square of the whole one."""
+    every = whole(scene)
+    return replace(every, wheels=tuple(wheel for wheel in every.wheels if wheel.index not in failed))
 
 
 def _lifted(scene: Scene, failed: Wheel) -> Scene:
@@ -123,8 +130,7 @@ def _lifted(scene: Scene, failed: Wheel) -> Scene:
     Raises:
         TipsError: where the body does not stand on the others.
     """
-    every = whole(scene)
-    rest = replace(every, wheels=tuple(wheel for wheel in every.wheels if wheel.index != failed.index))
+    rest = without(scene, (failed.index,))
     point = scene.check.equilibrium
     carrying = standing(rest)
     require_standing(rest, carrying.wheels, point)
