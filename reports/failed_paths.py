@@ -19,8 +19,7 @@ from nonsmooth.analysis.trajectories.result import EndReason, Trajectory, Trajec
 from nonsmooth.proofs.answers.failures import NO_TABLE, FailureKind, stopped, without
 from nonsmooth.reports.document import Block, Paragraph, table
 from nonsmooth.reports.refusals import OptionError
-from nonsmooth.reports.result import DataTable, Record, Result
-from nonsmooth.reports.short_text import short_lines
+from nonsmooth.reports.result import DataTable, Record, Result, short_lines
 from nonsmooth.reports.simulate_options import SimulateOptions
 from nonsmooth.symbolic.contact_set import whole
 from nonsmooth.symbolic.number_text import float_text, numbers_text, place_text
