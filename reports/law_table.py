@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.partition import Cell
 from nonsmooth.analysis.fields.kinematics import Kinematics
-from nonsmooth.analysis.fields.limited_law import demand
+from nonsmooth.analysis.motion.saturation import demand
 from nonsmooth.analysis.plane_arrays import turned
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult

@@ -22,7 +22,7 @@ Place = Annotated[
 ]
 
 
-class Frame(StrEnum):
+class ExportFrame(StrEnum):
     """In whose frame the file is written."""
 
     BODY = "body"
@@ -30,7 +30,7 @@ class Frame(StrEnum):
 
 
 Frames = Annotated[
-    Frame,
+    ExportFrame,
     typer.Option(
         "--frame",
         help="body: the array rides on the body, any friction axis. world: the table stands, a free body lies on it, "
@@ -43,7 +43,7 @@ def export(
     scene: SceneText,
     output: Output = None,
     place: Place = None,
-    frame: Frames = Frame.BODY,
+    frame: Frames = ExportFrame.BODY,
     rule: Annotated[str | None, offered(SceneOptions, "rule")] = None,
     allow_outside: Annotated[bool, offered(SceneOptions, "allow_outside")] = False,
 ) -> int:
@@ -71,7 +71,7 @@ def export(
     stated = place is not None or is_vehicle
     with refusals_named(loaded):
         start = loaded.check.equilibrium if stated else None
-        exported = export_world(loaded, start) if frame is Frame.WORLD else export_scene(loaded, start)
+        exported = export_world(loaded, start) if frame is ExportFrame.WORLD else export_scene(loaded, start)
     if path is None:
         write(exported.text())
         return 0
