@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 
+from nonsmooth.reports.choices import LawName
 from nonsmooth.reports.files import output_path, write_whole
 from nonsmooth.reports.progress import end_progress, progress, steps
 from nonsmooth.reports.refusals import RefusedError, bad_input, refusals_named
@@ -34,8 +35,8 @@ AUTO = "auto"  # for --at: the best rest point of the square
 THEOREM = "theorem4"
 # The questions, and the theorem; tests hold them to the registry.
 REQUIRABLE = ("position", "heading", "pose", "tolerances", THEOREM)
-CERTIFICATES, LAWS = (".json",), (".py", ".csv")  # what these files may end in
-OF_ONE_ARRAY = ("law", "continuum", "headings", "fail")
+CERTIFICATES, LAWS = (".json",), (".py", ".c", ".st", ".csv")  # what these files may end in
+OF_ONE_ARRAY = ("law", "law_name", "continuum", "headings", "fail")
 OF_ONE_SCENE = ("certificate", "evidence", *OF_ONE_ARRAY)
 
 
@@ -59,8 +60,14 @@ class CheckOptions(Options):
     )
     law: str | None = option(
         None,
-        "Write the certified feedback law: .py a program, .csv a table of regions and speeds (one scene).",
+        "Write the certified feedback law as a program, .py, .c or .st (Structured Text of IEC 61131-3), or as a .csv "
+        "table of regions and speeds (one scene).",
         metavar="FILE",
+    )
+    law_name: LawName = option(
+        LawName.CERTIFIED,
+        "With --law: another law (rule nearest), certified or not, which the file then says.",
+        LawName,
     )
     require: str | None = option(
         None,
@@ -111,6 +118,8 @@ class CheckStudy(SceneStudy[CheckOptions]):
                 if options.rule == ALL_RULES:
                     raise RefusedError(f"{flag}: required one contact rule, received all")
                 output_path(file, endings)
+        if options.law is None:
+            asked.refuse(("law_name",), "--law", "none")
         for scene in scenes:
             if scene.kind is SceneKind.SYSTEM:
                 _require_array(scene, f"--rule {ALL_RULES}" * (options.rule == ALL_RULES), "a plain system")
@@ -269,7 +278,7 @@ def _with_files(result: CheckResult, options: CheckOptions) -> CheckResult:
         from nonsmooth.reports.law_table import NoLawError
 
         try:
-            result.law().save(options.law)
+            result.law(options.law_name).save(options.law)
         except NoLawError as error:
             raise RefusedError(f"{result.scene.origin}: --law: {error}") from None
     return result

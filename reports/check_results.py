@@ -230,15 +230,20 @@ class CheckResult(ArrayAnswers):
         """At which headings a body with an outline rests, and which of them attract; None where none matters."""
         return self.answers.headings
 
-    def law(self) -> LawResult:
-        """The certified feedback law as a table of regions and speeds, or a program.
+    def law(self, name: str = "certified") -> LawResult:
+        """The certified feedback law: a function of the pose, a table of regions and speeds, programs.
+
+        Args:
+            name: under rule ``nearest`` also of another law, certified or not: printed, corrected, gradient, cascade.
 
         Raises:
-            NoLawError: where the feedback clause certifies none.
+            NoLawError: where the feedback clause certifies none, or the array has none of this name.
+            ValueError: for another name.
         """
-        from nonsmooth.reports.law_program import certified_law_of
+        from nonsmooth.reports.choices import LawName
+        from nonsmooth.reports.law_program import law_of
 
-        return certified_law_of(self.evidence)
+        return law_of(self.evidence, LawName(name))
 
     def certificate(self) -> Record:
         """What ``--certificate`` writes; see :meth:`Result.certificate`."""

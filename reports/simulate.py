@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 OF_LOOPS = ("feedback", "law", "gain")
 OF_BODIES = ("mass", "inertia", "compare_masses")
-OF_ARRAYS = ("heading", "kinematics", *OF_LOOPS, "rule", "radius", "at", *OF_BODIES)
+OF_ARRAYS = ("fail", "heading", "kinematics", *OF_LOOPS, "rule", "radius", "at", *OF_BODIES)
 
 
 class Simulate(SceneStudy[SimulateOptions]):
@@ -37,7 +37,7 @@ class Simulate(SceneStudy[SimulateOptions]):
         """A table or a picture; of one path a film too."""
         from nonsmooth.reports.result import FORMATS
 
-        is_path = options.grid is None and not options.compare_masses
+        is_path = options.grid is None and not options.compare_masses and options.fail is None
         return (*FORMATS, *(FILMS if is_path else ()))
 
     def refuse(self, asked: StudyRequest[SimulateOptions], path: Path | None) -> None:
@@ -80,6 +80,9 @@ def _refuse_of_array(asked: StudyRequest[SimulateOptions]) -> None:
         of_paths = ("start", "method", "width", *OF_LOOPS, *OF_BODIES)
         asked.refuse(of_paths, "one path (maps are of the open loop, by events)", "--grid")
     asked.refuse(("orbit",), SceneKind.SYSTEM, SceneKind.ARRAY)
+    if options.fail is not None:
+        open_loop = ("kinematics", "method", "width", *OF_LOOPS, *OF_BODIES)
+        asked.refuse(open_loop, "the open loop by events with exact kinematics", "--fail")
     if options.grid is not None:
         return
     asked.refuse(("heading",), "--grid", "none")
@@ -112,6 +115,11 @@ def _run_array(scene: Any, options: SimulateOptions) -> Result:
     from nonsmooth.analysis.cells.partition import RefusalError
     from nonsmooth.analysis.trajectories.result import TrajectoryError
 
+    if options.fail is not None:
+        from nonsmooth.reports.failed_paths import follow_failures
+
+        with bad_input(scene, RefusalError, ValueError, TrajectoryError):
+            return follow_failures(scene, options)
     if options.grid is not None:
         with bad_input(scene, RefusalError):
             return _map(scene, options)

@@ -16,6 +16,7 @@ from nonsmooth.reports.study_options import Options, option
 PATH = "One path"
 LOOP = "Closed loop of an array"
 MAP = "Map of many starts of an array"
+FAILED = "Failed wheels of an array"
 ORBIT = "Periodic orbit of a plain system"
 BODY = "A body with mass (--method dynamics)"
 
@@ -83,6 +84,14 @@ class SimulateOptions(Options):
         "With --method dynamics: its distance from each rule's path, for M, M/10, ..., M/10000.",
         bool,
         heading=BODY,
+    )
+    fail: str | None = option(
+        None,
+        "Also with these wheels failed together, such as 5,7, or every wheel alone (any): stopped, and lifted. How far "
+        "the end moves, and what no longer comes home, --from one start or those of --grid.",
+        str | None,
+        heading=FAILED,
+        metavar="N,...|any",
     )
     orbit: bool = option(
         False,

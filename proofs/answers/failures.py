@@ -8,6 +8,7 @@ stands on them and it is known what they carry (:meth:`nonsmooth.symbolic.load_m
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
@@ -93,7 +94,7 @@ def worst_failure(failures: tuple[Failure, ...]) -> Failure:
 
 def _failure(scene: Scene, wheel: Wheel, kind: FailureKind) -> Failure:
     if kind is FailureKind.STOPPED:
-        return _decided(_stopped(scene, wheel), wheel.index, kind)
+        return _decided(stopped(scene, (wheel.index,)), wheel.index, kind)
     try:
         left = _lifted(scene, wheel)
     except NoLoadsError:
@@ -111,11 +112,23 @@ def _failure(scene: Scene, wheel: Wheel, kind: FailureKind) -> Failure:
     return _decided(left, wheel.index, kind)
 
 
-def _stopped(scene: Scene, failed: Wheel) -> Scene:
-    """The array in which the rim of a wheel stands still."""
-    still = replace(failed, given_speed=scene.field.zero)
-    wheels = tuple(still if wheel.index == failed.index else wheel for wheel in whole(scene).wheels)
-    return replace(whole(scene), wheels=wheels)
+def stopped(scene: Scene, failed: Collection[int]) -> Scene:
+    """The array in which the rims of wheels, given by their numbers, stand still."""
+    every = whole(scene)
+    still = [replace(w, given_speed=scene.field.zero) if w.index in failed else w for w in every.wheels]
+    return replace(every, wheels=tuple(still))
+
+
+def without(scene: Scene, failed: Collection[int]) -> Scene:
+    """The array without wheels, given by their numbers, in the square of the whole one.
+
+    Raises:
+        NoLoadsError: where it is not known what the others carry without them.
+    """
+    every = whole(scene)
+    if not rule_of(scene).needs_loads:
+        every = replace(every, contact=replace(every.contact, loads=None))
+    return with_only(every, [wheel for wheel in every.wheels if wheel.index not in failed])
 
 
 def _lifted(scene: Scene, failed: Wheel) -> Scene:
@@ -125,10 +138,7 @@ def _lifted(scene: Scene, failed: Wheel) -> Scene:
         TipsError: where the body does not stand on the others.
         NoLoadsError: where it is not known what these carry without the wheel.
     """
-    every = whole(scene)
-    if not rule_of(scene).needs_loads:
-        every = replace(every, contact=replace(every.contact, loads=None))
-    rest = with_only(every, [wheel for wheel in every.wheels if wheel.index != failed.index])
+    rest = without(scene, (failed.index,))
     point = scene.check.equilibrium
     carrying = standing(rest)
     require_standing(rest, carrying.wheels, point)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from enum import StrEnum
 from typing import Annotated
 
 import typer
@@ -21,10 +22,29 @@ Place = Annotated[
 ]
 
 
+class ExportFrame(StrEnum):
+    """In whose frame the file is written."""
+
+    BODY = "body"
+    WORLD = "world"
+
+
+Frames = Annotated[
+    ExportFrame,
+    typer.Option(
+        "--frame",
+        help="body: the array rides on the body, any friction axis. world: the table stands, a free body lies on it, "
+        "and its path is predicted (rule ellipse; friction axes at right angles).",
+    ),
+]
+
+
 def export(
     scene: SceneText,
     output: Output = None,
     place: Place = None,
+    frame: Frames = ExportFrame.BODY,
+    rule: Annotated[str | None, offered(SceneOptions, "rule")] = None,
     allow_outside: Annotated[bool, offered(SceneOptions, "allow_outside")] = False,
 ) -> int:
     """Export a scene to MuJoCo's MJCF; comments state the predicted twist and motion, and a bound on creep.
@@ -33,6 +53,7 @@ def export(
     """
     from nonsmooth.reports.files import output_path, write_whole
     from nonsmooth.reports.mjcf import export_scene
+    from nonsmooth.reports.mjcf_world import export_world
     from nonsmooth.symbolic.files.scene_file import build_scene, deep_nesting_refused, read_document
     from nonsmooth.symbolic.files.vehicle_file import build_vehicle
 
@@ -46,9 +67,11 @@ def export(
             loaded = build_vehicle(data, label, file).scene
         else:
             loaded = build_scene(data, label, file, allow_outside=allow_outside)
+        loaded = loaded if rule is None else loaded.under(rule)
     stated = place is not None or is_vehicle
     with refusals_named(loaded):
-        exported = export_scene(loaded, loaded.check.equilibrium if stated else None)
+        start = loaded.check.equilibrium if stated else None
+        exported = export_world(loaded, start) if frame is ExportFrame.WORLD else export_scene(loaded, start)
     if path is None:
         write(exported.text())
         return 0

@@ -131,11 +131,14 @@ def read_document(
     """The TOML document of a scene with the given replacements, the scene's name for messages, and its file.
 
     Raises:
-        SceneError: for a file that cannot be read.
+        SceneError: for a file that cannot be read, and a point that is not two numbers.
     """
     file = str(source) or "''"
     path = _path(source)
     equilibrium = None if at is None else at.split(",")
+    if equilibrium is not None and len(equilibrium) != len("xy"):
+        expected = "two numbers with a comma between them, such as 240,0"
+        raise SceneError(file, "check.equilibrium", expected, at)
     changes: dict[str, dict[str, object]] = {
         "contact": {"rule": rule},
         "check": {"radius": radius, "equilibrium": equilibrium, "accuracy": accuracy},

@@ -29,7 +29,7 @@ from nonsmooth.symbolic.scene_error import SceneError, StatedFact, requirement, 
 PLANE = ("x", "y")  # the variables of a formula in the plane
 MAX_ROOTS = 64  # independent square roots in one file: each is proved new against all earlier ones,
 MAX_ROOT_WORK = 2_048  # in a time that grows with their number times the degree of the base field
-WITH_UNIT = re.compile(r"(.*\S)\s*(deg|rad)", re.DOTALL)
+WITH_UNIT = re.compile(r"(.*\S)\s*(deg(?:rees?)?|rad(?:ians?)?|\N{DEGREE SIGN})", re.DOTALL)
 _PLAIN_DECIMAL = re.compile(r"[+-]?([0-9]{1,60}(\.[0-9]{0,60})?([eE][+-]?[0-9]{1,3})?|nan|inf(inity)?)", re.I)
 
 Exact: TypeAlias = Expression | Fraction
@@ -93,13 +93,18 @@ def read_angle(value: object, unit: AngleUnit | None = None) -> Angle:
     named = WITH_UNIT.fullmatch(value.strip()) if isinstance(value, str) else None
     number = read_exact(value if named is None else named[1])
     constant, multiple = (number, Fraction(0)) if isinstance(number, Fraction) else number.parts_in_pi()
-    stated = unit if named is None else AngleUnit(named[2])
+    stated = unit if named is None else unit_named(named[2])
     if multiple:
         return _angle_in_pi(constant, multiple, stated, is_named=named is not None, text=value)
     if stated is AngleUnit.RADIAN:
         return _angle_in_radians(constant, Fraction(0))
     is_assumed = stated is None and constant != 0
     return Angle(constant / 180, AngleReading.WITHOUT_UNIT if is_assumed else AngleReading.AS_WRITTEN)
+
+
+def unit_named(word: str) -> AngleUnit:
+    """The unit that a word of :data:`WITH_UNIT` names: ``deg``, ``degrees``, their sign, ``rad``, ``radians``."""
+    return AngleUnit.RADIAN if word.startswith("rad") else AngleUnit.DEGREE
 
 
 def _angle_in_pi(

@@ -7,7 +7,7 @@ from fractions import Fraction
 from flint import arb, ctx, fmpq
 
 from nonsmooth.symbolic.expression import Expression, ExpressionError
-from nonsmooth.symbolic.files.scene_values import WITH_UNIT, AngleUnit, field_of, read_angle, read_exact
+from nonsmooth.symbolic.files.scene_values import WITH_UNIT, AngleUnit, field_of, read_angle, read_exact, unit_named
 
 _PRECISION = 128  # bits of a sum with pi, beyond those that a large rational part needs
 
@@ -26,7 +26,7 @@ def read_start_value(text: str) -> float:
 def read_start_angle(text: str) -> float:
     """An angle (radian): a number, a formula, one with pi such as ``pi/6``, or ``10 deg``; raises as above."""
     named = WITH_UNIT.fullmatch(text.strip())
-    if named is not None and named[2] == AngleUnit.DEGREE:
+    if named is not None and unit_named(named[2]) is AngleUnit.DEGREE:
         turn = read_angle(text).turn
         return _sum_with_pi(Fraction(0), turn) if turn else 0.0
     number = read_exact(text.strip() if named is None else named[1])

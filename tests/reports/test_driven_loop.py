@@ -22,7 +22,7 @@ from nonsmooth.proofs.clauses.feedback.by_friction import decide_driven_feedback
 from nonsmooth.proofs.own_paths import ContradictionError
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.reports.driven_loop import DrivenLoop
-from nonsmooth.reports.law_program import certified_law_of
+from nonsmooth.reports.law_program import law_of
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
 from tests.thorough import few, keep, thorough
@@ -91,7 +91,7 @@ def test_small_steps_with_a_minimizer_lead_the_same_way(
 ) -> None:
     loop = loop_of(name, rule)
     start = start_of(loop, (0.4, 0.8, 0.3), 0.9)
-    law = runpy.run_path(str(certified_law_of(check_theorem4(loop.scene)).save(tmp_path / "law.py")))
+    law = runpy.run_path(str(law_of(check_theorem4(loop.scene)).save(tmp_path / "law.py")))
     found = stepped(loop.scene, law["speeds"], start, until, minimizer)
     path = loop.follow(start, until)
     assert np.abs(found - np.array(path.end.state, dtype=float)).max() <= CHATTERED * np.abs(start).max()

@@ -25,7 +25,7 @@ from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.theorem4_result import Check
-from nonsmooth.reports.law_program import certified_law_of
+from nonsmooth.reports.law_program import law_of
 from nonsmooth.reports.paths import follow_array
 from nonsmooth.reports.simulate_options import SimulateOptions
 from nonsmooth.symbolic.scene import Scene
@@ -142,7 +142,7 @@ def test_where_a_pose_is_held_there_is_a_law(arrays: Arrays, rule: str, number: 
         assert not check.feedback.holding.cones
         return
     assert evidence_holds(check.feedback)
-    law = certified_law_of(check)
+    law = law_of(check)
     assert law.rows()
     law.save(tmp_path / "law.csv")
     program = runpy.run_path(str(law.save(tmp_path / "law.py")))
@@ -165,7 +165,7 @@ def test_rims_without_friction_turn_no_force(arrays: Arrays, rule: str, number: 
     check = check_theorem4(scene)
     numbers = said(check)
     assert numbers["verdict"] is Pose.CAN_BE_HELD
-    program = runpy.run_path(str(certified_law_of(check).save(tmp_path / "law.py")))
+    program = runpy.run_path(str(law_of(check).save(tmp_path / "law.py")))
     assert_moved_as_wanted(scene, check, program, numbers)
 
 
@@ -175,5 +175,5 @@ def test_under_nearest_too(arrays: Arrays, seed: int, tmp_path: Path) -> None:
     check = check_theorem4(scene)
     numbers = said(check)
     assert numbers["verdict"] is Pose.CAN_BE_HELD
-    runpy.run_path(str(certified_law_of(check).save(tmp_path / "law.py")))["speeds"](0.001, 0.002, 0.003)
+    runpy.run_path(str(law_of(check).save(tmp_path / "law.py")))["speeds"](0.001, 0.002, 0.003)
     assert_brought_home(scene, check, numbers)

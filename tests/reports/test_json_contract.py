@@ -35,6 +35,7 @@ CASES = {
     "simulate eq-3 --from 0.2,0.4": "nonsmooth-trajectory/1",
     "simulate four-wheel --from 0.2,0.4,0 --method dynamics": "nonsmooth-trajectory/1",
     "simulate four-wheel --from 0.2,0.4,0 --until 0.01 --method dynamics --compare-masses": "nonsmooth-masses/1",
+    "simulate four-wheel --from 0.2,0.1,0 --fail 3": "nonsmooth-failed-paths/1",
     "simulate stick-slip --from 2,0 --orbit": "nonsmooth-orbit/1",
     "simulate four-wheel --grid 4": "nonsmooth-map/1",
     "simulate eq-4 --grid 2 --until 1": "nonsmooth-system-map/1",

@@ -67,12 +67,23 @@ TOO_WRONG = "the errors are too large for the disc in which the law is certified
 
 
 def wheel_speed(feedback: AnyFeedback, scene: Scene) -> Fraction | None:
-    """The largest speed of a rim over sqrt(V), at gain one; None without a V that falls under the law."""
+    """The largest speed of a rim over sqrt(V), at gain one; None without a V that falls under the law.
+
+    Under rule ``nearest`` wheel w is asked for ``(P c, m theta) . g + g_theta c^T P J c`` with its field g, at most
+    ``sqrt(V(g)) sqrt(V) + |g_theta| rho V/(1 - rho)``: the second part is bounded in the certified region.  None where
+    V is no sum of squares (rho > 0) and that region is not known.
+    """
     if not feedback.has_lyapunov:
         return None
     if isinstance(feedback, FeedbackResult):
-        fields = (field for data in feedback.cells for field in data.fields)
+        fields = [field for data in feedback.cells for field in data.fields]
         fastest = max(feedback.lyapunov.value(field) for field in fields) ** 0.5
+        rho = float(feedback.lyapunov.eccentricity)
+        if rho and feedback.region is None:
+            return None
+        if rho and feedback.region is not None:
+            turn = max(abs(float(field[2])) for field in fields)
+            fastest += turn * rho / (1 - rho) * float(feedback.region.level) ** 0.5
     else:
         from nonsmooth.proofs.clauses.feedback.driven_law import effort
 

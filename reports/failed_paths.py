@@ -1,0 +1,354 @@
+"""Paths of a body from starts with wheels failed, stopped or lifted, beside those of the whole table.
+
+A stopped wheel stands still and keeps its friction; a lifted one touches nothing.  Each path is followed as
+``simulate`` follows it, so what is said here is sampled, from these starts, without inertia.  A body is home whose
+path ends, or still is when the time is over, within the scene's accuracy of the checked point.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+from nonsmooth.analysis.bodies.mass_study import rule_path
+from nonsmooth.analysis.cells.partition import RefusalError
+from nonsmooth.analysis.trajectories.result import EndReason, Trajectory, TrajectoryError
+from nonsmooth.proofs.answers.failures import NO_TABLE, FailureKind, stopped, without
+from nonsmooth.reports.document import Block, Paragraph, table
+from nonsmooth.reports.refusals import OptionError
+from nonsmooth.reports.result import DataTable, Record, Result, short_lines
+from nonsmooth.reports.simulate_options import SimulateOptions
+from nonsmooth.symbolic.contact_set import NoLoadsError, whole
+from nonsmooth.symbolic.number_text import float_text, numbers_text, place_text
+from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.scene_error import SceneError, one_line
+from nonsmooth.symbolic.support_polygon import support_polygon
+from nonsmooth.symbolic.under_way import tell_count
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+
+SCHEMA = "nonsmooth-failed-paths/1"
+ANY = "any"
+ENOUGH = 20.0  # times in which the fastest rim runs the half-width of the square: paths from a grid of starts
+INSIDE = 1e-9  # of a side's length: a centre of mass as near to the edge of its support does not stand, as in a check
+LEGEND = 8  # failures that are named in a picture
+
+
+@dataclass(frozen=True)
+class Failed:
+    """Wheels that fail together, and how; none for the whole table."""
+
+    wheels: tuple[int, ...] = ()
+    kind: FailureKind | None = None
+
+    def __str__(self) -> str:
+        if self.kind is None:
+            return "none"
+        return f"wheel{'s' * (len(self.wheels) > 1)} {numbers_text(self.wheels)} {self.kind}"
+
+
+@dataclass(frozen=True)
+class FailedPath:
+    """One path.
+
+    Attributes:
+        failed: what failed.
+        start: the pose it starts from.
+        path: it; None where it cannot be followed.
+        why_not: why.
+        tips: the time at which the centre of mass leaves the support of the wheels that are left, where the rule's
+            own path does not say so.
+        home: whether it ends within the accuracy of the checked point; false where it is not followed.
+    """
+
+    failed: Failed
+    start: tuple[float, float, float]
+    path: Trajectory | None
+    why_not: str = ""
+    tips: float | None = None
+    home: bool = False
+
+    @property
+    def end(self) -> tuple[float, float, float] | None:
+        """The last pose; None without a path, and of a body that tips."""
+        if self.path is None or self.does_tip:
+            return None
+        x, y, theta = (float(value) for value in self.path.end.state)
+        return x, y, theta
+
+    @property
+    def does_tip(self) -> bool:
+        """Whether the body falls."""
+        return self.tips is not None or (self.path is not None and self.path.end.reason is EndReason.TIPS)
+
+    @property
+    def how(self) -> str:
+        """How it ends, in words."""
+        if self.path is None:
+            return f"not followed: {self.why_not}"
+        return str(EndReason.TIPS if self.does_tip else self.path.end.reason)
+
+
+@dataclass(frozen=True, repr=False)
+class FailedPathsResult(Result):
+    """Paths with wheels failed.
+
+    Attributes:
+        scene: the whole table.
+        until: last time.
+        whole: the paths of the whole table, one for each start.
+        paths: those with wheels failed, in the order of failures, and of starts for each.
+    """
+
+    scene: Scene
+    until: float
+    whole: tuple[FailedPath, ...]
+    paths: tuple[FailedPath, ...]
+
+    @property
+    def failures(self) -> tuple[Failed, ...]:
+        """What fails, in order."""
+        return tuple(dict.fromkeys(path.failed for path in self.paths))
+
+    def pairs(self, failed: Failed) -> list[tuple[FailedPath, FailedPath]]:
+        """The path of the whole table and that of the failed one, start by start."""
+        return list(zip(self.whole, (path for path in self.paths if path.failed == failed), strict=True))
+
+    def lost(self, failed: Failed) -> int:
+        """How many starts that came home no longer do."""
+        return sum(before.home and not after.home for before, after in self.pairs(failed))
+
+    def farthest(self, failed: Failed) -> float | None:
+        """How far the end moves at most; None where it is known from no start."""
+        return max((move[0] for move in (moved(*pair) for pair in self.pairs(failed)) if move), default=None)
+
+    def facts(self) -> Record:
+        """The record of ``--json``."""
+        rows = [_record(path, None) for path in self.whole]
+        for failed in self.failures:
+            rows += [_record(after, moved(before, after)) for before, after in self.pairs(failed)]
+        summary = [
+            {
+                "wheels": list(failed.wheels),
+                "kind": failed.kind,
+                "moved": self.farthest(failed),
+                "no_longer_home": self.lost(failed),
+                "tips": sum(after.does_tip for _, after in self.pairs(failed)),
+            }
+            for failed in self.failures
+        ]
+        head = {"schema": SCHEMA, "scene": self.scene.name, "rule": str(self.scene.contact.rule), "status": "sampled"}
+        numbers = {"until": self.until, "accuracy": float(self.scene.accuracy), "home": sum(p.home for p in self.whole)}
+        return head | numbers | {"failures": summary, "rows": rows}
+
+    def table(self) -> DataTable:
+        """One line for each path."""
+        names = ("failed", "kind", "x0", "y0", "theta0", "x", "y", "theta", "moved", "turned", "home", "end")
+        lines = []
+        for path in self.facts()["rows"]:
+            wheels = " ".join(map(str, path["wheels"]))
+            end = path["end"] or (None, None, None)
+            tail = (path["moved"], path["turned"], path["home"], path["reason"])
+            lines.append((wheels, path["kind"] or "", *path["start"], *end, *tail))
+        return DataTable(names, lines)
+
+    def blocks(self) -> Sequence[Block]:
+        """Of one start each end; of many the farthest move, and how many no longer come home."""
+        unit = f" {self.scene.units.length}".rstrip()
+        accuracy = f"home: within {float_text(self.scene.accuracy, 3)}{unit} of the checked point"
+        said = Paragraph((f"sampled, without inertia, until t = {self.until:.4g}; {accuracy}",))
+        if len(self.whole) == 1:
+            return [said, self._of_one_start(), *self._worst()]
+        names = ("failed", "end moves at most", "no longer home", "tip", "not followed")
+        lines = []
+        for failed in self.failures:
+            after = [path for _, path in self.pairs(failed)]
+            counts = (self.lost(failed), sum(p.does_tip for p in after), sum(p.path is None for p in after))
+            lines.append([str(failed), _text(self.farthest(failed)), *map(str, counts)])
+        home = f"{sum(path.home for path in self.whole)} of {len(self.whole)} starts come home with all wheels"
+        return [said, Paragraph((home,)), table(names, lines, (1.5, 1.0, 1.0, 0.5, 0.7)), *self._worst()]
+
+    def _of_one_start(self) -> Block:
+        (before,) = self.whole
+        lines = []
+        for path in (before, *self.paths):
+            move = moved(before, path) if path.failed.wheels else None
+            place = "-" if path.end is None else place_text(path.end[:2], 4)
+            heading = "-" if path.end is None else float_text(math.degrees(path.end[2]), 4)
+            home = "yes" if path.home else "no"
+            lines.append([str(path.failed), place, heading, _text(move and move[0]), home, path.how])
+        return table(
+            ("failed", "ends at", "heading (deg)", "moved", "home", "how it ends"),
+            lines,
+            (1.0, 1.0, 0.7, 0.6, 0.4, 1.6),
+        )
+
+    def _worst(self) -> list[Block]:
+        """The failure with which the fewest bodies come home; of equal ones that which moves the end farthest."""
+        if not self.failures:
+            return []
+        worst = max(self.failures, key=lambda failed: (self.lost(failed), self.farthest(failed) or 0.0))
+        lost = self.lost(worst)
+        came = sum(path.home for path in self.whole)
+        said = f"{lost} of {came} no longer come home" if lost else "all that came home still do"
+        return [Paragraph((f"the worst: {worst}: {said}",))]
+
+    def summary(self) -> str:
+        """How many paths."""
+        return f"{len(self.paths)} paths with wheels failed"
+
+    def draw(self, ax: Axes) -> None:
+        """All paths over the wheels: black of the whole table, full with wheels stopped, dashed with wheels lifted."""
+        from nonsmooth.reports.figures.style import length_label
+
+        for wheel in whole(self.scene).wheels:
+            x, y = map(float, wheel.position)
+            ax.plot(x, y, "s", color="0.6", markersize=4)
+            ax.annotate(str(wheel.index), (x, y), xytext=(3, 3), textcoords="offset points", fontsize=7, color="0.4")
+        named = len(self.failures) <= LEGEND
+        for number, failed in enumerate(self.failures):
+            style = "--" if failed.kind is FailureKind.LIFTED else "-"
+            label = str(failed) if named else None
+            for path in (after for _, after in self.pairs(failed)):
+                _draw(ax, path, color=f"C{number % 10}", linestyle=style, label=label, linewidth=1)
+                label = None
+        for k, path in enumerate(self.whole):
+            _draw(ax, path, color="black", linewidth=1.6, label="all wheels" if k == 0 else None)
+        x, y = map(float, self.scene.check.equilibrium)
+        ax.plot(x, y, "+", color="black", markersize=12, label="checked point")
+        ax.set_aspect("equal", adjustable="datalim")
+        ax.set_xlabel(length_label("x", self.scene.units))
+        ax.set_ylabel(length_label("y", self.scene.units))
+        ax.set_title(f"{one_line(self.scene.name)}: paths with wheels failed", fontsize=10)
+        ax.legend(fontsize=7)
+
+    def __repr__(self) -> str:
+        said = [(str(failed), f"end moves {_text(self.farthest(failed))}") for failed in self.failures]
+        return short_lines(f"paths of {self.scene.name} with wheels failed", said)
+
+
+def moved(before: FailedPath, after: FailedPath) -> tuple[float, float] | None:
+    """How far the end moves (length), and turns (radian); None where one of both has no end."""
+    if before.end is None or after.end is None:
+        return None
+    (x, y, theta), (u, v, phi) = before.end, after.end
+    return math.hypot(u - x, v - y), phi - theta
+
+
+def follow_failures(scene: Scene, options: SimulateOptions) -> FailedPathsResult:
+    """Paths from one start or a grid of them, with the wheels failed that ``fail`` names.
+
+    Raises:
+        OptionError: for a start that is no pose, and wheels that the scene has not.
+        RefusalError: where the motion of the whole table is not determined.
+        ValueError: for a start outside the checked square.
+        TrajectoryError: where a path of the whole table cannot be followed.
+    """
+    cases = list(_cases(scene, str(options.fail)))
+    starts = [options.pose] if options.grid is None else _grid(scene, options.grid, float(options.heading))
+    until = options.until or (options.last if options.grid is None else _long(scene))
+    total = len(starts) * (1 + len(cases))
+    before: list[FailedPath] = []
+    for start in starts:
+        tell_count(len(before), total, "paths")
+        path = rule_path(scene, scene.contact.rule, start, until)
+        before.append(FailedPath(Failed(), start, path, home=_is_home(scene, path)))
+    after: list[FailedPath] = []
+    for failed in cases:
+        for start in starts:
+            tell_count(len(before) + len(after), total, "paths")
+            after.append(_followed(scene, failed, start, until))
+    return FailedPathsResult(scene, until, tuple(before), tuple(after))
+
+
+def _cases(scene: Scene, text: str) -> Iterator[Failed]:
+    """Every wheel alone, or the ones that are listed together; stopped and lifted."""
+    known = [wheel.index for wheel in whole(scene).wheels]
+    if text.strip() == ANY:
+        groups: list[tuple[int, ...]] = [(number,) for number in known]
+    else:
+        parts = [part.strip() for part in text.split(",")]
+        wrong = next((part for part in parts if not part.isdecimal() or int(part) not in known), None)
+        if wrong is not None:
+            required = f"numbers of wheels among {numbers_text(tuple(known))}, or {ANY}"
+            raise OptionError(f"--fail: required {required}, received {wrong[:60]!r}")
+        groups = [tuple(sorted(set(map(int, parts))))]
+    for group in groups:
+        yield from (Failed(group, kind) for kind in FailureKind)
+
+
+def _grid(scene: Scene, count: int, heading: float) -> list[tuple[float, float, float]]:
+    """Centres of equal squares that tile the checked one."""
+    x, y = map(float, scene.check.equilibrium)
+    radius = float(scene.check.radius)
+    offsets = [radius * ((2 * k + 1) / count - 1) for k in range(count)]
+    return [(x + a, y + b, heading) for b in offsets for a in offsets]
+
+
+def _long(scene: Scene) -> float:
+    fastest = max((abs(float(wheel.speed)) for wheel in scene.wheels), default=0.0) or 1.0
+    return ENOUGH * float(scene.check.radius) / fastest
+
+
+def _followed(scene: Scene, failed: Failed, start: tuple[float, float, float], until: float) -> FailedPath:
+    """The path with wheels failed, or why there is none."""
+    lifted = failed.kind is FailureKind.LIFTED
+    try:
+        array = without(scene, failed.wheels) if lifted else stopped(scene, failed.wheels)
+        if lifted and scene.body is None and _leaves_support(array, [start[:2]]) is not None:
+            return FailedPath(failed, start, None, "the body does not stand on the wheels that are left", 0.0)
+        path = rule_path(array, scene.contact.rule, start, until)
+    except NoLoadsError:
+        return FailedPath(failed, start, None, NO_TABLE)
+    except (RefusalError, SceneError, TrajectoryError, ValueError) as error:
+        return FailedPath(failed, start, None, one_line(str(error)))
+    out = _leaves_support(array, [state[:2] for state in path.states]) if lifted and scene.body is None else None
+    tips = None if out is None else float(path.times[out])
+    home = tips is None and path.end.reason is not EndReason.TIPS and _is_home(scene, path)
+    return FailedPath(failed, start, path, tips=tips, home=home)
+
+
+def _leaves_support(array: Scene, places: Sequence[Sequence[object]]) -> int | None:
+    """The first of some places that is not strictly inside the hull of the wheels; None where all are."""
+    corners = [(float(x), float(y)) for x, y in support_polygon([wheel.position for wheel in array.wheels])]
+    if len(corners) < 3:
+        return 0
+    sides = list(pairwise([*corners, corners[0]]))
+    for index, (px, py) in enumerate(places):
+        x, y = float(px), float(py)  # type: ignore[arg-type]
+        for (ax, ay), (bx, by) in sides:
+            if (bx - ax) * (y - ay) - (by - ay) * (x - ax) <= INSIDE * ((bx - ax) ** 2 + (by - ay) ** 2):
+                return index
+    return None
+
+
+def _is_home(scene: Scene, path: Trajectory) -> bool:
+    x, y = (float(value) for value in path.end.state[:2])
+    a, b = map(float, scene.check.equilibrium)
+    return math.hypot(x - a, y - b) <= float(scene.accuracy)
+
+
+def _record(path: FailedPath, move: tuple[float, float] | None) -> Record:
+    distance, turn = move or (None, None)
+    said = {"wheels": list(path.failed.wheels), "kind": path.failed.kind, "start": list(path.start)}
+    end = None if path.end is None else list(path.end)
+    return said | {"end": end, "moved": distance, "turned": turn, "home": path.home, "reason": path.how}
+
+
+def _draw(ax: Axes, path: FailedPath, **style: object) -> None:
+    """A line with a dot at its end, or a cross where the body tips."""
+    if path.path is None:
+        return
+    points = [(float(state[0]), float(state[1])) for state in path.path.states]
+    points.append((float(path.path.end.state[0]), float(path.path.end.state[1])))
+    (line,) = ax.plot(*zip(*points, strict=True), **style)  # type: ignore[arg-type]
+    ax.plot(*points[-1], "x" if path.does_tip else "o", color=line.get_color(), markersize=4)
+
+
+def _text(value: float | None) -> str:
+    return "-" if value is None else float_text(value, 4)

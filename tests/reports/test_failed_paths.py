@@ -1,0 +1,107 @@
+"""``simulate --fail``: paths with wheels failed, beside those of tables that are written down without them."""
+
+from __future__ import annotations
+
+import csv
+import math
+from typing import TYPE_CHECKING
+
+import pytest
+
+import nonsmooth as ns
+from tests.thorough import keep
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from tests.reports.conftest import Invoke
+
+PLACES = ((1.0, 0.9), (-1.1, 1.0), (-0.9, -1.0), (1.0, -1.1), (0.0, 1.4))
+START = "0.1,-0.05,0.2"
+
+
+def table(left_out: int | None = None, stopped: int | None = None, rule: str = "ellipse") -> str:
+    """Five inward rims, as a scene file, without one of them or with one that stands still."""
+    lines = [f'[contact]\nrule = "{rule}"\n[friction]\nmu_roll = 1\nmu_side = 0.5\n[check]\nradius = 0.25\n']
+    for number, (x, y) in enumerate(PLACES, 1):
+        if number != left_out:
+            speed = 0 if number == stopped else 1
+            lines.append(f"[[wheel]]\nposition = [{x}, {y}]\nheading = [{-x}, {-y}]\nspeed = {speed}\n")
+    return "".join(lines)
+
+
+def end_of(invoke: Invoke, folder: Path, text: str) -> list[float]:
+    """Where a path ends, by ``simulate`` of a table as it stands."""
+    (folder / "other.toml").write_text(text, encoding="utf-8")
+    record = invoke("simulate", "other.toml", "--from", START, "--until", "0.5", "--json").record
+    end: list[float] = record["end"]["state"]
+    return end
+
+
+@pytest.mark.parametrize("rule", ["ellipse", *keep(0, ["box", "nearest"])])
+def test_every_path_is_that_of_the_table_without_the_wheel(invoke: Invoke, tmp_path: Path, rule: str) -> None:
+    (tmp_path / "table.toml").write_text(table(rule=rule), encoding="utf-8")
+    found = invoke("simulate", "table.toml", "--from", START, "--until", "0.5", "--fail", "any", "--json").record
+    whole, *rows = found["rows"]
+    assert whole["end"] == pytest.approx(end_of(invoke, tmp_path, table(rule=rule)), abs=1e-9)
+    assert [(row["wheels"], row["kind"]) for row in rows] == [
+        ([w], k) for w in range(1, 6) for k in ("stopped", "lifted")
+    ]
+    compared = 0
+    for row in rows:
+        (wheel,) = row["wheels"]
+        text = table(stopped=wheel, rule=rule) if row["kind"] == "stopped" else table(left_out=wheel, rule=rule)
+        if row["end"] is None:
+            continue
+        end = end_of(invoke, tmp_path, text)
+        assert row["end"] == pytest.approx(end, abs=1e-9)
+        assert row["moved"] == pytest.approx(math.dist(end[:2], whole["end"][:2]), abs=1e-9)
+        assert row["turned"] == pytest.approx(end[2] - whole["end"][2], abs=1e-9)
+        compared += 1
+    assert compared >= 8
+
+
+def test_what_no_longer_comes_home_is_counted(invoke: Invoke, tmp_path: Path) -> None:
+    command = ("simulate", "four-wheel", "--grid", "2", "--fail", "any")
+    record = invoke(*command, "--json").record
+    assert record["home"] == 4
+    homes = [row["home"] for row in record["rows"]]
+    assert homes[:4] == [True] * 4
+    for number, failure in enumerate(record["failures"]):
+        own = record["rows"][4 * (number + 1) : 4 * (number + 2)]
+        assert failure["no_longer_home"] == sum(not row["home"] for row in own)
+        assert failure["kind"] == own[0]["kind"]
+    out = invoke(*command).out
+    assert "4 of 4 starts come home with all wheels" in out
+    assert "the worst: wheel" in out
+    assert invoke(*command, "-o", "failed.csv").status == 0
+    with (tmp_path / "failed.csv").open(encoding="utf-8", newline="") as file:
+        assert len(list(csv.DictReader(file))) == 4 * 9
+    assert invoke(*command, "-o", "failed.svg").status == 0
+    assert "wheel 1 stopped" in (tmp_path / "failed.svg").read_text(encoding="utf-8")
+
+
+def test_a_body_tips_where_a_check_says_so(invoke: Invoke) -> None:
+    """At the middle of four wheels every lifted one leaves the centre of mass on the edge of the others."""
+    rows = invoke("simulate", "four-wheel", "--from", "0.2,0.1,0", "--fail", "any", "--json").record["rows"]
+    assert all(row["end"] is None and not row["home"] for row in rows if row["kind"] == "lifted")
+    assert {row["kind"] for row in rows if row["end"] is not None} == {None, "stopped"}
+
+
+def test_wheels_fail_together() -> None:
+    found = ns.load("four-wheel").simulate((0.2, 0.1, 0.0), fail="1,2").to_dict()
+    assert [failure["wheels"] for failure in found["failures"]] == [[1, 2], [1, 2]]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("four-wheel", "--fail", "7"), "--fail: required numbers of wheels among 1-4, or any, received '7'"),
+        (("four-wheel", "--fail", "any", "--feedback"), "--feedback: required the open loop"),
+        (("four-wheel", "--fail", "any", "--method", "dynamics"), "--method: required the open loop"),
+    ],
+)
+def test_what_cannot_fail_is_refused(invoke: Invoke, arguments: tuple[str, ...], said: str) -> None:
+    done = invoke("simulate", *arguments, "--from", "0.1,0.1,0")
+    assert done.status == 2
+    assert said in done.err
