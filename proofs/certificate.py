@@ -213,7 +213,7 @@ def _bounds(partition: Partition, results: Mapping[str, Any], disc: CertifiedDis
     translation, rotation = results["translation"], results["rotation"]
     rests = rotation.drift is not None and not any(rotation.drift.interval)
     found = {
-        "drift": None if rotation.drift is None else list(rotation.drift.interval),
+        "drift": None if rotation.drift is None else list(homogeneous(rotation.drift.interval)),
         "rate": disc.rate,
         "turn": turning_factor(partition, rotation) if rests and disc.squared_radius is not None else None,
         "ellipse": ellipse_record(translation, rotation),

@@ -40,7 +40,7 @@ def short_above(value: Fraction) -> Fraction:
 
 
 def turning_factor(partition: Partition, rotation: RotationResult) -> Fraction | None:
-    """A short K with ``K c . v + |omega| |c| <= 0`` at all corners of cells that turn the body; None where none is shown.
+    """A short K with ``K c . v + |omega| |c| <= 0`` at all corners of cells that turn the body, if there is one.
 
     So a body that comes home through the square turns by at most ``K |c_0|``.
     """

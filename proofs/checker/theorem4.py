@@ -15,9 +15,9 @@ from .feedback import NO_CERTIFICATE, show_feedback, show_feedback_rate
 from .positivity import Proofs
 from .regions import show_arrival, show_disc, show_ellipse, show_turning
 from .theorems import ASYMPTOTICALLY_STABLE, STABLE, UNSTABLE, Statement
-from .tower import dot, is_zero, signs
+from .tower import Vector, dot, is_zero, signs
 from .wheels import Array
-from .work import items, require, take
+from .work import require, take
 
 CLAUSES = ("equilibrium", "translation", "rotation", "feedback", "theorem 4")  # kinds of claims
 HOLDS, FAILS, HYPOTHESES_NOT_MET = "holds", "fails", "hypotheses not met"
@@ -92,20 +92,21 @@ class Clauses:
         """
         separator = self.proofs.evidence_if_any("separator")
         if separator is None:
-            low, high = (None, None) if drift is None else items(drift, 2)
-            self.drift = [self._end_of_drift(-1, "lowest", low), self._end_of_drift(1, "highest", high)]
+            stated = None if drift is None else self.cells.vector(drift, 3)
+            self.drift = [self._end_of_drift(-1, "lowest", stated), self._end_of_drift(1, "highest", stated)]
             return True
         direction = self.cells.vector(separator, 2)
         sound = drift is None and all(dot(direction, motion.twist).sign() > 0 for motion in self.here)
         require(sound, "a direction in which all velocities at the point lead")
         return False
 
-    def _end_of_drift(self, side: int, name: str, end: Any) -> int:
+    def _end_of_drift(self, side: int, name: str, stated: Vector | None) -> int:
         """The claim: one end of the range of omega over the members of F(c*) with zero velocity; here its sign.
 
         The weights (not negative, not all zero) mix the velocities to zero, and omega to an end ``w``.  Multipliers
         ``(a, b, t, q)``, q > 0, with ``a vx + b vy - side q omega + t >= 0`` at every twist show that no mixture with
-        zero velocity passes ``side omega = t/q``, and the mixture attains it.  Where w is stated, it is that number.
+        zero velocity passes ``side omega = t/q``, and the mixture attains it.  Where the range is stated, as
+        ``[a/w, b/w]`` by three numbers, it ends there.
         """
         weights, multipliers = take(self.proofs.evidence(name), "weights multipliers")
         a, b, shift, scale = self.cells.vector(multipliers, 4)
@@ -114,8 +115,10 @@ class Clauses:
         x, y, omega, whole = (dot(shares, [twist[k] for twist in twists]) for k in range(4))
         outward = omega if side > 0 else -omega
         attained = [x, y, shift * whole - scale * outward]
-        if end is not None:
-            attained.append(self.cells.parse(end) * whole - omega)
+        if stated is not None:
+            low, high, bottom = stated
+            require(bottom.sign() > 0, "a drift over a positive denominator")
+            attained.append((low if side < 0 else high) * whole - omega * bottom)
         form = (a, b, -scale if side > 0 else scale, shift)
         above = [dot(form, twist) for twist in twists]
         convex = min(signs([*shares, *above])) >= 0 and min(signs((whole, scale))) > 0
