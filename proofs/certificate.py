@@ -4,9 +4,10 @@ The statement names the wheels and the clauses that are decided.  The evidence o
 of the cells, with the wheels that act in each and the twists; and for each clause what shows its verdict: weights and
 multipliers of the drift, or a separating direction; the squared radius of the disc on which V* keeps its sign, with
 barriers; signs of translations along the nearest rims, three imposed twists, or the normal of a plane of twists for the
-feedback.  Of a scene with tolerances the certificate states the disc in which bodies end for every array, where rule
-``nearest`` shows one.  All else (reasons, the witness where no certificate for feedback was found) lies under
-``notes``, which the checker does not read.
+feedback; and what shows the numbers of the answers (:mod:`nonsmooth.proofs.certified_bounds`).  Of a scene with
+tolerances the certificate states the disc in which bodies end for every array, where rule ``nearest`` shows one.  All
+else (reasons, the witness where no certificate for feedback was found) lies under ``notes``, which the checker does not
+read.
 
 Every cell lists all corners of the partition that lie on its sides, and the checked point where it lies on them.  So
 the sides of neighbours are the same pairs of points, once in each sense: that shows that the cells tile.  Cells that
@@ -18,7 +19,7 @@ The form of the numbers is described in :mod:`nonsmooth.proofs.exact_json`.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, Protocol, TypeAlias
 
 from nonsmooth.analysis.cells.contact_partition import build_partition
@@ -26,6 +27,7 @@ from nonsmooth.analysis.cells.loads import load_regions
 from nonsmooth.analysis.cells.partition import Cell, Partition
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.contact_rule import contact_rule, rule_of
+from nonsmooth.proofs.certified_bounds import ellipse_record, law_record, turning_factor
 from nonsmooth.proofs.checker.statements import VERSION, show_entry
 from nonsmooth.proofs.checker.theorem4 import CLAUSES
 from nonsmooth.proofs.checker.wheels import read_array
@@ -171,7 +173,7 @@ def _document(scene: Scene, partition: Partition, results: Mapping[str, Any]) ->
         "points": [homogeneous(point) for point in points],
         "cells": _cells(partition, chains),
         "disc": disc.squared_radius,
-        **({} if disc.rate is None else {"rate": disc.rate}),
+        **_bounds(partition, results, disc),
     }
     proofs = {
         **_at_rest(partition, here),
@@ -180,7 +182,7 @@ def _document(scene: Scene, partition: Partition, results: Mapping[str, Any]) ->
     }
     return {
         "version": VERSION,
-        "statement": {"subject": _subject(scene), "claims": _claims(results, of_feedback, disc)},
+        "statement": {"subject": _subject(scene), "claims": _claims(results, of_feedback, disc, hypotheses)},
         "evidence": [{"theorem": "theorem 4", "hypotheses": hypotheses, "proofs": proofs}],
         "notes": _notes(scene, results),
     }
@@ -206,8 +208,24 @@ def _subject(scene: Scene) -> Record:
     }
 
 
-def _claims(results: Mapping[str, Any], of_feedback: Sequence[Record], disc: CertifiedDisc) -> list[Record]:
-    """Every clause that is decided, the disc, and the conclusion."""
+def _bounds(partition: Partition, results: Mapping[str, Any], disc: CertifiedDisc) -> Record:
+    """The numbers that are stated beside the verdicts, with what they need; without those that are not shown."""
+    translation, rotation = results["translation"], results["rotation"]
+    rests = rotation.drift is not None and not any(rotation.drift.interval)
+    found = {
+        "drift": None if rotation.drift is None else list(homogeneous(rotation.drift.interval)),
+        "rate": disc.rate,
+        "turn": turning_factor(partition, rotation) if rests and disc.squared_radius is not None else None,
+        "ellipse": ellipse_record(translation, rotation),
+        "law": law_record(results["feedback"]),
+    }
+    return {name: own for name, own in found.items() if own is not None}
+
+
+def _claims(
+    results: Mapping[str, Any], of_feedback: Sequence[Record], disc: CertifiedDisc, bounds: Record
+) -> list[Record]:
+    """Every clause that is decided, the bounds, the disc, and the conclusion."""
     verdicts = {name: result.verdict for name, result in results.items()} | {"theorem 4": conclude(results)[0]}
     claims: list[Record] = []
     if verdicts["equilibrium"] is not Equilibrium.UNDECIDED:
@@ -218,14 +236,31 @@ def _claims(results: Mapping[str, Any], of_feedback: Sequence[Record], disc: Cer
     if disc.squared_radius is not None:
         sign = "strictly" if disc.strictly else "weakly"
         claims.append({"disc": {"squared_radius": disc.squared_radius, "decreases": sign}})
-    if disc.rate is not None:
-        claims.append({"arrival": {"squared_radius": disc.squared_radius, "rate": disc.rate}})
+    claims += _bound_claims(disc, bounds)
     is_known = set(results) <= set(CLAUSES)  # a conclusion from other clauses is none that the checker draws
     if is_known and verdicts["theorem 4"] != UNDECIDED:
         claims.append({"theorem 4": str(verdicts["theorem 4"])})
     if not claims:
         raise NoCertificateError("certificate: required a clause that is decided, received none")
     return claims
+
+
+def _bound_claims(disc: CertifiedDisc, bounds: Record) -> Iterator[Record]:
+    """The claims that rest on the bounds of :func:`_bounds`."""
+    if "drift" in bounds:
+        yield {"drift": bounds["drift"]}
+    for name, claim, key in (("rate", "arrival", "rate"), ("turn", "turning", "per_distance")):
+        if name in bounds:
+            yield {claim: {"squared_radius": disc.squared_radius, key: bounds[name]}}
+    if "ellipse" in bounds:
+        own = bounds["ellipse"]
+        start = {"squared_radius": own["squared_radius"]}
+        yield {"swing": {**start, "squared_swing": own["squared_swing"]}}
+        yield {"arrival": {**start, "rate": own["arrival"]["rate"]}}
+        if "turn" in own:
+            yield {"turning": {**start, "per_distance": own["turn"]}}
+    if "law" in bounds:
+        yield {"feedback rate": {key: bounds["law"][key] for key in ("form", "weight", "kappa", "squared_reach")}}
 
 
 def _disc(partition: Partition) -> CertifiedDisc:

@@ -64,17 +64,19 @@ class Cells:
         listed: the cells.
         motions: of all of them.
         here: the motions of the cells whose closures hold the checked point.
+        highest: the largest sign of V* near the point, for ``V = |c|^2``.
     """
 
     def __init__(self, array: Array, points: Any, cells: Any) -> None:
-        self.array = array
-        self.points = [array.field.vector(point, 3) for point in items(points)]
+        self.array, self.zero, self.one = array, array.field.constant(0), array.field.constant(1)
+        self.parse, self.vector, self.rational = array.field.parse, array.field.vector, array.field.rational
+        self.points = [self.vector(point, 3) for point in items(points)]
         require(min(signs(point[2] for point in self.points), default=0) > 0, "points with positive weights")
         self._rule = _Nearest(array) if array.rule == NEAREST else _Box(array)
         self.listed = [self._read(number, data) for number, data in enumerate(items(cells))]
         self._require_cover()
-        self.motions = [motion for cell in self.listed for motion in cell.motions]
-        self.here = [motion for motion in self.motions if self.listed[motion.cell].rays is not None]
+        self.here = [motion for cell in self.listed if cell.rays is not None for motion in cell.motions]
+        self.highest = max(max(motion.rates) for motion in self.here)
 
     def _read(self, number: int, data: Any) -> Cell:
         polygon_data, acting, twists_data = take(data, "polygon wheels twists")
@@ -82,8 +84,7 @@ class Cells:
         polygon = [whole(k, len(self.points) - 1) for k in items(polygon_data)]
         corners = [self.points[k] for k in polygon]
         self._require_convex(name, corners)
-        one = self.array.field.constant(1)
-        twists = [(*self.array.field.vector(twist, 3), one) for twist in items(twists_data)]
+        twists = [(*self.vector(twist, 3), self.one) for twist in items(twists_data)]
         rows = self._rule.rows(name, acting, twists, corners)
         origin = [k for k, corner in enumerate(corners) if is_zero(corner[:2])]
         away = [corner[:2] for k, corner in enumerate(corners) if k not in origin]

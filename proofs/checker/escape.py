@@ -22,10 +22,8 @@ which anything may switch it follows a mixture of them.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from math import prod
 from typing import Any
 
 from .cells import Domain, Surfaces, System, no_switching
@@ -33,7 +31,7 @@ from .formulas import Formula
 from .polynomials import Polynomial, constant, lie_derivative, solve
 from .positivity import Claim, Inequality, Proofs, cube_guards
 from .theorems import UNSTABLE, Statement
-from .work import BUDGET, items, longest, rational, require, take, text, whole
+from .work import items, rational, require, take, text, whole
 
 MAX_BARRIERS, MAX_FIELDS = 40, 16
 
@@ -159,9 +157,7 @@ class Escape:
             require(not slope, "a direction along the subspace")
         require(not self._on(self.rise).at_origin, "a function that is zero at the point")
         for own in (self.rise, *(p for p, _ in self.barriers)):
-            require(
-                lowest_form_at(own, self.direction) > 0, "barriers and a function that are positive in the direction"
-            )
+            require(own.lowest_at(self.direction) > 0, "barriers and a function that are positive in the direction")
 
 
 def show_escape(system: System, hypotheses: Any, proofs: Proofs) -> list[Statement]:
@@ -193,14 +189,3 @@ def is_multiple(value: Polynomial, other: Polynomial) -> bool:
     key = max(value.terms)
     factor = value.terms[key] / other.terms[key] if key in other.terms else Fraction(0)
     return factor > 0 and other.times(factor) == value
-
-
-def lowest_form_at(value: Polynomial, direction: Sequence[Fraction]) -> Fraction:
-    """The terms of lowest degree of a polynomial, added at a vector."""
-    lowest = min(map(sum, value.terms), default=0)
-    BUDGET.spend(len(value.terms) * (1 + (value.degree * longest(direction)) ** 2 // 4096))
-    total = Fraction(0)
-    for exponents, coefficient in value.terms.items():
-        if sum(exponents) == lowest:
-            total += coefficient * prod(x**exponent for x, exponent in zip(direction, exponents, strict=True))
-    return total

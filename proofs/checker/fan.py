@@ -8,12 +8,13 @@ stable; if one leads outward, unstable.  The checker decides all of it by signs 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 from fractions import Fraction
 from itertools import product
 
+from .contact import Cells, Motion
 from .theorems import ASYMPTOTICALLY_STABLE, STABLE, UNSTABLE
 from .tower import Number, Vector, cross, dot, is_zero
 
@@ -63,6 +64,12 @@ class Crossing:
 
     order: Fraction
     gain: tuple[Number, Number] | None = None
+
+
+def fan_at_point(cells: Cells, velocity: Callable[[Motion], Vector]) -> str | None:
+    """What the fan of cones at the point says where each motion there moves the body with a velocity."""
+    cones = [Cone(*cell.rays, tuple(map(velocity, cell.motions))) for cell in cells.listed if cell.rays is not None]
+    return Fan(cones, cells.points).verdict()
 
 
 class Fan:

@@ -19,13 +19,12 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from fractions import Fraction
 from functools import cached_property
-from math import prod
 from typing import TypeAlias
 
 from .cells import Cell, Face, Inclusion, SurfaceSigns, components, pattern, whole_domain
 from .polynomials import Polynomial, constant, lie_derivative, solve, variable
 from .positivity import Claim, Inequality, Proofs
-from .work import BUDGET, longest, require
+from .work import BUDGET, require
 
 Shift: TypeAlias = Callable[[Cell], Polynomial]
 
@@ -231,10 +230,6 @@ def _is_settled(face: Face, cells: Sequence[Cell]) -> bool:
 
 def sign_along(value: Polynomial, direction: Sequence[Fraction]) -> int:
     """The sign of a polynomial at all small distances from the origin in a direction."""
-    by_degree: dict[int, Fraction] = {}
-    BUDGET.spend(len(value.terms) * (1 + (value.degree * longest(direction)) ** 2 // 4096))
-    for exponents, coefficient in value.terms.items():
-        own = coefficient * prod(x**exponent for x, exponent in zip(direction, exponents, strict=True))
-        by_degree[sum(exponents)] = by_degree.get(sum(exponents), Fraction(0)) + own
-    first = next((by_degree[degree] for degree in sorted(by_degree) if by_degree[degree]), Fraction(0))
+    parts = value.parts_at(direction)
+    first = next((parts[degree] for degree in sorted(parts) if parts[degree]), Fraction(0))
     return (first > 0) - (first < 0)

@@ -1,13 +1,15 @@
-"""Polygons in the plane with exact corners: chains that go around once, convex hulls, discs that they hold."""
+"""The plane with exact numbers: chains that go around once, convex hulls, and ellipses that they hold."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from functools import cmp_to_key
 from itertools import pairwise
 from typing import Any
 
 from .tower import Number, Vector, cross, dot
+from .work import require
 
 
 def around(values: Sequence[Any]) -> list[tuple[Any, Any]]:
@@ -54,11 +56,67 @@ def _turn(a: Vector, b: Vector, c: Vector) -> int:
     return cross((b[0] - a[0], b[1] - a[1]), (c[0] - a[0], c[1] - a[1])).sign()
 
 
-def holds_disc(hull: Sequence[Vector], squared_radius: Number) -> bool:
-    """Whether a disc about the origin lies in a convex polygon: left of each side, no nearer than its radius."""
-    for a, b in around(hull):
-        step = (b[0] - a[0], b[1] - a[1])
-        reach = cross(a, b)  # the distance of the side times its length
-        if reach.sign() <= 0 or (reach * reach - squared_radius * dot(step, step)).sign() < 0:
-            return False
-    return len(hull) > 2
+@dataclass(frozen=True)
+class Form:
+    """A quadratic form ``c^T P c`` that is positive off the origin, by ``P = [[p, q], [q, s]]``.
+
+    Raises:
+        RejectedError: for another one.
+    """
+
+    p: Number
+    q: Number
+    s: Number
+
+    def __post_init__(self) -> None:
+        require(self.p.sign() > 0 and self.determinant.sign() > 0, "a positive quadratic form")
+
+    @property
+    def determinant(self) -> Number:
+        """Of P."""
+        return self.p * self.s - self.q * self.q
+
+    @property
+    def spread(self) -> Number:
+        """The squared difference of the eigenvalues of P."""
+        gap = self.p - self.s
+        return gap * gap + (self.q + self.q) * (self.q + self.q)
+
+    def image(self, c: Vector) -> Vector:
+        """``P c``."""
+        return self.p * c[0] + self.q * c[1], self.q * c[0] + self.s * c[1]
+
+    def at(self, c: Vector) -> Number:
+        """``c^T P c``."""
+        return dot(self.image(c), c)
+
+    def scaled(self, factor: Number) -> Form:
+        """A multiple by a positive number."""
+        return Form(self.p * factor, self.q * factor, self.s * factor)
+
+    def is_at_most(self, bound: Number) -> bool:
+        """Whether ``c^T P c <= bound |c|^2`` everywhere."""
+        return _is_not_negative(bound - self.p, self.q, bound - self.s)
+
+    def is_at_least(self, bound: Number) -> bool:
+        """Whether ``c^T P c >= bound |c|^2`` everywhere."""
+        return _is_not_negative(self.p - bound, self.q, self.s - bound)
+
+    def margins(self, level: Number, sides: Iterable[tuple[Vector, Vector]]) -> list[int]:
+        """For each side from a to b, points ``(X, Y, W)``: whether ``c^T P c <= level`` lies left of its line.
+
+        1 where it lies left of it, 0 where it touches it, else -1.  With the step ``e = b - a`` and the normal n of the
+        line, ``n^T P^-1 n = e^T P e / det P``, so the ellipse reaches ``sqrt(level e^T P e / det P)`` along n, and the
+        line ``a x b``.
+        """
+        found = []
+        for a, b in sides:
+            step = (b[0] * a[2] - a[0] * b[2], b[1] * a[2] - a[1] * b[2])
+            reach = cross(a, b)
+            found.append(min(reach.sign(), (self.determinant * reach * reach - level * self.at(step)).sign()))
+        return found
+
+
+def _is_not_negative(p: Number, q: Number, s: Number) -> bool:
+    """Whether ``[[p, q], [q, s]]`` is positive semidefinite."""
+    return min(p.sign(), s.sign(), (p * s - q * q).sign()) >= 0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
+from math import prod
 from typing import TypeAlias
 
 from .work import BUDGET, longest, product_cost, require
@@ -107,6 +108,20 @@ class Polynomial:
         for _ in range(exponent):
             value *= self
         return value
+
+    def parts_at(self, direction: Sequence[Fraction]) -> dict[int, Fraction]:
+        """The terms of each degree, added at a vector."""
+        BUDGET.spend(len(self.terms) * (1 + (self.degree * longest(direction)) ** 2 // 4096))
+        found: dict[int, Fraction] = {}
+        for exponents, coefficient in self.terms.items():
+            own = coefficient * prod(x**exponent for x, exponent in zip(direction, exponents, strict=True))
+            found[sum(exponents)] = found.get(sum(exponents), Fraction(0)) + own
+        return found
+
+    def lowest_at(self, direction: Sequence[Fraction]) -> Fraction:
+        """The terms of lowest degree, added at a vector."""
+        parts = self.parts_at(direction)
+        return parts[min(parts)] if parts else Fraction(0)
 
     def derivative(self, k: int) -> Polynomial:
         """By the k-th variable."""

@@ -19,7 +19,6 @@ from numpy.typing import NDArray
 from scipy.linalg import eig
 
 from nonsmooth.proofs.checker.cells import pattern
-from nonsmooth.proofs.checker.escape import lowest_form_at
 from nonsmooth.proofs.checker.lyapunov import sign_along
 from nonsmooth.proofs.checker.polynomials import Polynomial, constant, lie_derivative, solve, variable
 from nonsmooth.proofs.kernel.cells import SignCell, SignCells, adjoining, build_cells, rational_terms, started
@@ -349,7 +348,7 @@ def _chetaev(matrix: Floats, mu: float) -> Iterator[BarrierRegion]:
     if found is None:
         return
     quadratic, direction = quadratic_form(-found, FINE), rounded(np.linalg.eigh(-found)[1][:, -1])
-    if lowest_form_at(quadratic, direction) > 0:
+    if quadratic.lowest_at(direction) > 0:
         yield BarrierRegion((), quadratic, direction)
 
 
@@ -368,7 +367,7 @@ def _half_cones(matrix: Floats, mu: float, vector: Floats, lead: Floats) -> Iter
         for side in (1, -1):
             rise = sum((variable(size, k, x) for k, x in enumerate(rounded(side * lead))), constant(size, 0))
             direction = rounded(side * vector)
-            if lowest_form_at(barrier, direction) > 0:
+            if barrier.lowest_at(direction) > 0:
                 yield BarrierRegion(((barrier, factor),), rise, direction)
 
 

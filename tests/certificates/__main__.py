@@ -21,7 +21,7 @@ from tests.certificates.inclusion import contradiction
 from tests.proofs.test_checker import assert_still_true
 
 MOST_BYTES = 20_000
-EACH = 5  # forgeries of a good certificate
+EACH, EACH_ARRAY = 5, 12  # forgeries of a good certificate
 
 
 def write(*, arrays_only: bool) -> None:
@@ -34,8 +34,8 @@ def write(*, arrays_only: bool) -> None:
     for old in GOOD.glob(f"{PREFIX}*.json" if arrays_only else "*.json"):
         old.unlink()
     if not arrays_only:
-        write_part(((case.name, case.certificate()) for case in cases()), BAD, KINDS, texts)
-    write_part(array_certificates(), BAD_ARRAYS, ARRAY_KINDS, array_texts)
+        write_part(((case.name, case.certificate()) for case in cases()), BAD, KINDS, texts, EACH)
+    write_part(array_certificates(), BAD_ARRAYS, ARRAY_KINDS, array_texts, EACH_ARRAY)
 
 
 def write_part(
@@ -43,8 +43,9 @@ def write_part(
     file: Path,
     kinds: Kinds,
     texts_of: Callable[[], Iterator[Forgery]],
+    each: int,
 ) -> None:
-    """Write good certificates, and what is forged of them."""
+    """Write good certificates, and so many that are forged of each."""
     good: dict[str, Record] = {}
     for name, certificate in certificates:
         text = text_of(certificate)
@@ -59,7 +60,7 @@ def write_part(
     for name, certificate in good.items():
         by_kind = forgeries(name, certificate, kinds)
         names = list(by_kind)
-        for _ in range(EACH):
+        for _ in range(each):
             turn += 1
             kept.append(source.choice(by_kind[names[turn % len(names)]]))
     kept = [own for own in (*kept, *texts_of()) if is_rejected(own, good)]

@@ -29,6 +29,7 @@ from tests.certificates.forgeries import (
     without_evidence,
     without_one_proof,
 )
+from tests.conftest import Arrays
 
 SCENES = (
     ("four-wheel", "nearest"),
@@ -62,6 +63,7 @@ SCENES = (
     ("roller-bed", "nearest"),
     ("roller-bed", "box"),
 )
+BY_ANOTHER_FUNCTION = (16, 63)  # arrays that attract although |c|^2 grows; the law of the second is by another P
 TOLERANCES = '[tolerance]\nposition = "1/50"\nheading = "1 deg"\nspeed = "1/50"\nmu_roll = "1/5"\nmu_side = "1/5"\n'
 BUILT_IN = FilePath(nonsmooth.symbolic.__path__[0]) / "scenes"
 
@@ -70,6 +72,8 @@ def array_certificates() -> Iterator[tuple[str, Record]]:
     """Certificates of small arrays by name, written now."""
     for name, rule in SCENES:
         yield f"{PREFIX}{name}-{rule}", build_certificate(check_cells(load_scene(name, rule=rule)))
+    for seed in BY_ANOTHER_FUNCTION:
+        yield f"{PREFIX}cocircular-{seed}", build_certificate(check_cells(Arrays().cocircular(seed)))
     with tempfile.TemporaryDirectory() as folder:
         path = FilePath(folder) / "four-wheel-tolerances.toml"
         text = (BUILT_IN / "four-wheel.toml").read_text(encoding="utf-8")
@@ -218,6 +222,81 @@ def other_rate(good: Record) -> Iterator[Any]:
         yield [([*CLAIMS, place], {"arrival": arrival})]
 
 
+def restated(good: Record, where: tuple[str, ...], value: Any) -> Any:
+    """The hypotheses with another value at a place, and the claims that repeat it."""
+    changes: list[Any] = [([*HYPOTHESES, *where], value)]
+    for k, claim in enumerate(good["statement"]["claims"]):
+        ((kind, about),) = claim.items()
+        if (kind, where) == ("drift", ("drift",)):
+            changes.append(([*CLAIMS, k, kind], value))
+        elif kind in REPEATED.get(where[:-1], ()) and where[-1] in about:
+            changes.append(([*CLAIMS, k, kind, where[-1]], value))
+        elif (kind, where) in (("turning", ("turn",)), ("turning", ("ellipse", "turn"))):
+            changes.append(([*CLAIMS, k, kind, "per_distance"], value))
+    return changes
+
+
+REPEATED: dict[tuple[str, ...], tuple[str, ...]] = {
+    ("ellipse",): ("swing", "arrival", "turning"),
+    ("ellipse", "arrival"): ("arrival",),
+    ("law",): ("feedback rate",),
+}
+BOUNDS: tuple[tuple[tuple[str, ...], tuple[Any, ...]], ...] = (
+    (("drift",), (["-1000", "1000", "1"], ["0", "0", "1/2"], ["1", "1", "0"], ["1", "-1", "-1"], [])),
+    (("turn",), ("1000003", "-1", "0", "NaN", [])),
+    (("ellipse", "squared_radius"), ("1000", "0", "-1")),
+    (("ellipse", "form"), (["1", "2", "1"], ["0", "0", "0"], ["-1", "0", "-1"], ["1"])),
+    (("ellipse", "level"), ("1000", "0", "-1", "1/1000000")),
+    (("ellipse", "squared_swing"), ("1/1000000", "0", "-1")),
+    (("ellipse", "bend"), ("0", "-1")),
+    (("ellipse", "turn"), ("1000003", "0")),
+    (("ellipse", "arrival", "rate"), ("1000", "0", "-1")),
+    (("ellipse", "arrival", "speeds"), ([], ["1000"], ["1/9", "1/8"], ["0"], ["1/1000"] * 65)),
+    (("ellipse", "arrival", "bend"), ("0", "-1")),
+    (("ellipse", "arrival", "level"), ("1/1000000", "-1")),
+    (("ellipse", "arrival", "form"), (["1", "2", "1"],)),
+    (("law", "kappa"), ("1000", "0", "-1", "1/0")),
+    (("law", "weight"), ("0", "-1", "1/1000003")),
+    (("law", "form"), (["1", "1/3", "1"], ["1", "0", "-1"])),
+    (("law", "squared_reach"), ("1000003", "0", "-1")),
+    (("law", "least"), ("1000", "0")),
+    (("law", "slack"), ("0", "-1/2")),
+)
+
+
+def other_bounds(good: Record) -> Iterator[Any]:
+    """Numbers beside the verdicts that are too good, or none; the claims say the same."""
+    hypotheses = good["evidence"][0]["hypotheses"]
+    for where, values in BOUNDS:
+        holder: Any = hypotheses
+        for key in where[:-1]:
+            holder = holder.get(key) if isinstance(holder, dict) else None
+        if not isinstance(holder, dict) or where[-1] not in holder:
+            continue
+        for value in values:
+            if value != holder[where[-1]]:
+                yield restated(good, where, value)
+        yield [([*HYPOTHESES, *where], GONE)]
+
+
+def bounds_elsewhere(good: Record) -> Iterator[Any]:
+    """Bounds of another array, and claims of bounds without any."""
+    claims, hypotheses = good["statement"]["claims"], good["evidence"][0]["hypotheses"]
+    law = {"form": ["1", "0", "1"], "weight": "1", "kappa": "1000", "squared_reach": None}
+    yield [([*HYPOTHESES, "law"], law), ([*CLAIMS, len(claims)], {"feedback rate": law})]
+    start = {"squared_radius": "1/1000"}
+    for claim in (
+        {"swing": {**start, "squared_swing": "1/1000"}},
+        {"turning": {**start, "per_distance": "1/1000"}},
+        {"feedback rate": law},
+        {"drift": ["0", "0", "7"]},
+    ):
+        yield [([*CLAIMS, len(claims)], claim)]
+    if hypotheses["disc"] is None or good["statement"]["claims"][-1] != {"theorem 4": "fails"}:
+        turning = {"squared_radius": hypotheses["disc"], "per_distance": "1000003"}
+        yield [([*HYPOTHESES, "turn"], "1000003"), ([*CLAIMS, len(claims)], {"turning": turning})]
+
+
 LAWS: tuple[Record, ...] = (
     {"signs": [1]},
     {"twists": [["1", "0", "0"]] * 3},
@@ -294,6 +373,8 @@ ARRAY_KINDS: Kinds = (
     other_claims,
     other_disc,
     other_rate,
+    other_bounds,
+    bounds_elsewhere,
     other_proofs,
     other_tolerances,
     other_theorem,

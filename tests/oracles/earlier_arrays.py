@@ -27,7 +27,7 @@ def earlier_array(certificate: Record) -> Record | None:
     subject, evidence = certificate["statement"]["subject"], certificate["evidence"][0]
     hypotheses, proofs = evidence["hypotheses"], evidence["proofs"]
     cells = Cells(read_array(subject), hypotheses["points"], hypotheses["cells"])
-    of_pairs = [motion.rows[0][1] == motion.rows[1][1] for motion in cells.motions]
+    of_pairs = [motion.rows[0][1] == motion.rows[1][1] for cell in cells.listed for motion in cell.motions]
     if subject["rule"] == "nearest" and not all(of_pairs):
         return None
     said = {kind: about for claim in certificate["statement"]["claims"] for kind, about in claim.items()}

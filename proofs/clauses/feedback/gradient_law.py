@@ -146,10 +146,11 @@ class FeedbackRate:
     @property
     def reach(self) -> Fraction | None:
         """The rate holds within this distance of c*, in the cells there; None where they alone bound it."""
-        bounds = [bound for bound in (self._shape_reach(), self.limit) if bound is not None]
+        bounds = [bound for bound in (self.shape_reach, self.limit) if bound is not None]
         return min(bounds, default=None)
 
-    def _shape_reach(self) -> Fraction | None:
+    @property
+    def shape_reach(self) -> Fraction | None:
         """Where exact kinematics turn V no more than the rate allows; None for ``P = I``, which they do not turn."""
         rho, weight = self.cones[0].lyapunov.eccentricity, self.cones[0].lyapunov.weight
         if not rho:
