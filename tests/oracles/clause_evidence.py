@@ -13,6 +13,7 @@ from typing import Any
 
 from flint import ctx
 
+from nonsmooth.analysis.bodies.gyration import squared_radius_of_disc
 from nonsmooth.analysis.cells.fan import CellCone, by_angle, is_plane
 from nonsmooth.analysis.cells.load_sets import load_set
 from nonsmooth.proofs.boxes.linearization import inward_pull
@@ -24,7 +25,6 @@ from nonsmooth.proofs.clauses.at_point.mass import (
     MassLimit,
     _is_confirmed,
     hurwitz_determinant,
-    squared_radius_of_disc,
 )
 from nonsmooth.proofs.clauses.cocircular import cocircular_array
 from nonsmooth.proofs.clauses.equilibrium.on_cells import EquilibriumResult

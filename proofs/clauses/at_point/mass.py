@@ -34,7 +34,6 @@ from nonsmooth.proofs.enclosures import holds_on, is_positive_definite, linear_s
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.number_text import lower_text, upper_text
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.scene import Scene
 
 PRECISION = 256  # bits of the balls
 DIGITS = 4  # of the masses between which stability is lost
@@ -60,19 +59,6 @@ class MassLimit:
     squared_radius: Number
     stable_to: Fraction
     unstable_at: Fraction | None
-
-
-def squared_radius_of_disc(scene: Scene) -> Number:
-    """``rho^2`` of a uniform disc as large as the array.
-
-    That is half the mean squared distance of the wheels from their middle, as the full dynamics takes it unless told
-    otherwise (:func:`nonsmooth.analysis.dynamics.newton_euler.disc`).
-    """
-    count, zero = len(scene.wheels), scene.field.zero
-    places = [wheel.position for wheel in scene.wheels]
-    middle = [sum((place[axis] for place in places), zero) / count for axis in range(2)]
-    offsets = [(x - middle[0], y - middle[1]) for x, y in places]
-    return sum((x * x + y * y for x, y in offsets), zero) / (2 * count)
 
 
 def decide_mass_limit(linearization: Linearization, squared_radius: Number) -> MassLimit | None:
