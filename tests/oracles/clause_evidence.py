@@ -23,6 +23,7 @@ from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, Situation, m
 from nonsmooth.proofs.clauses.at_point.mass import (
     PRECISION,
     MassLimit,
+    Pencil,
     _is_confirmed,
     hurwitz_determinant,
 )
@@ -239,8 +240,8 @@ def _(result: EllipseTranslation) -> bool:
 def _(limit: MassLimit) -> bool:
     """Both masses by the determinant."""
     with ctx.workprec(PRECISION):
-        determinant = hurwitz_determinant(limit.linearization, limit.squared_radius)
-    return _is_confirmed(limit, determinant)
+        determinant = hurwitz_determinant(Pencil.of(limit.linearization, limit.squared_radius))
+        return _is_confirmed(limit.stable_to, limit.unstable_at, determinant)
 
 
 @evidence_holds.register
