@@ -179,13 +179,14 @@ def simulated(scene: Scene, near: NearRest) -> Simulated:
 
 
 def _chunk(near: NearRest, crossing: float) -> tuple[float, bool]:
-    """How long a chunk is, and whether what is slow fades or grows in it."""
+    """How long a chunk is, and whether swings fade or grow in it."""
     shortest, longest = (times * crossing for times in CROSSINGS)
     slow = min((abs(value.real) for value in near.eigenvalues), default=0.0)
-    fades = FADES / slow if slow else math.inf
-    swings = [abs(value.imag) for value in near.eigenvalues if value.imag]
-    most = min(longest, PERIODS * 2 * math.pi / min(swings)) if swings else longest
-    return max(shortest, min(fades, most)), fades <= max(most, shortest)
+    swings = [value for value in near.eigenvalues if value.imag > 0]
+    most = PERIODS * 2 * math.pi / min(value.imag for value in swings) if swings else longest
+    chunk = max(shortest, min(FADES / slow if slow else math.inf, most))
+    slowest = min((abs(value.real) for value in swings), default=0.0)
+    return chunk, slowest * chunk >= FADES
 
 
 def _massless(scene: Scene, body: RigidBody, bodies: list[Settled], accuracy: float) -> float | None:
