@@ -60,7 +60,7 @@ def mass_note(scene: Scene) -> str:
 
 
 def _chosen_body(scene: Scene, options: SimulateOptions) -> RigidBody:
-    """What the user asked for; else as the scene says (:func:`nonsmooth.analysis.bodies.plate.body_of`)."""
+    """What the user asked for; else as the scene says (:func:`nonsmooth.analysis.bodies.mass_study.body_of`)."""
     chosen = mass_per_weight(scene) if options.mass is None else options.mass
     try:
         return body_of(scene, chosen) if options.inertia is None else RigidBody(chosen, options.inertia)

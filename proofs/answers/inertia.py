@@ -281,8 +281,8 @@ def _seen(scene: Scene, found: Simulated) -> Iterator[Fact]:
     if cycles and size is not None:
         parts.append(f"{len(cycles)} on a limit cycle, up to {float_text(size, 3)}{unit} from its middle")
     for kind in (Settling.THROWN_OFF, Settling.OPEN):
-        count = len(found.those(kind))
-        parts += [f"{count} {kind}"] if count else []
+        those = len(found.those(kind))
+        parts += [f"{those} {kind}"] if those else []
     parts += [f"not all are followed: {found.why_not}"] if found.why_not else []
     yield said(f"{ring}: {', '.join(parts)}")
     if found.massless_holds_to is not None:

@@ -87,13 +87,18 @@ def compared(drawn: Drawn) -> Comparison:
     scene, table = drawn.scene(), drawn.table
     near = near_rest(scene)
     found = simulated(scene, near)
-    until = 1.02 * max((body.until for body in found.bodies), default=1.0)
+    until = max((_until(body) for body in found.bodies), default=1.0)
     times, states = table.follow(np.array([body.start for body in found.bodies]), until)
     wrong: list[str] = []
     for k, body in enumerate(found.bodies):
-        seen = times <= body.until * 1.02
+        seen = times <= _until(body)
         wrong += _wrong_of(table, body, float(scene.accuracy), times[seen], states[seen, k, :2])
     return Comparison(near, found, (*wrong, *_wrong_near(table, near)))
+
+
+def _until(body: Settled) -> float:
+    """How long one body is followed: some time after it settles, or as long as it was followed."""
+    return 1.02 * body.until if body.settles_after is None else 2 * body.settles_after + 0.3
 
 
 def _wrong_of(table: HeavyTable, body: Settled, accuracy: float, times: Floats, places: Floats) -> list[str]:
@@ -122,12 +127,13 @@ def _wrong_near(table: HeavyTable, near: NearRest) -> list[str]:
         return []
     slow = min(abs(value.real) for value in near.eigenvalues)
     start = np.array([[near.place[0] + BESIDE * np.abs(table.places).max(), near.place[1], 0.0]])
-    times, states = table.follow(start, min(6 / slow, 20.0))
+    until = min(4 / slow, 10.0)
+    times, states = table.follow(start, until)
     distances = np.hypot(*(states[:, 0, :2] - near.place).T)
     late = np.nanmax(distances[times > 0.8 * times[-1]], initial=0.0) if not np.isnan(distances).any() else np.inf
     if near.verdict is Inertia.STABLE:
         return [] if late <= distances[0] else [f"said stable, {distances[0]} to {late}"]
-    fading = late < distances[0] / 4 and 6 / slow < 20
+    fading = late < distances[0] / 4 and 4 / slow <= until
     return ["said unstable, comes nearer"] if fading else []
 
 

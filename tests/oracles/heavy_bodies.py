@@ -7,7 +7,7 @@ wheels; under rule roller they are cut at the bearings' friction.  Many bodies a
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 
 ROUNDED = 0.03  # slips beside the largest speed of a wheel below which forces are less than they may be
-STIFF = 0.5  # of the time in which the fastest slip decays where a turn adds as much again: a step
+STIFF = 1.0  # of the time in which the fastest slip decays where a turn adds as much again: a step
 
 
 @dataclass(frozen=True)
@@ -39,6 +39,11 @@ class HeavyTable:
     gravity: float
     squared_radius: float
     bearings: Floats | None = None
+    rounded: float = ROUNDED
+
+    def exactly(self) -> HeavyTable:
+        """Without rounding: for derivatives where every wheel slips."""
+        return replace(self, rounded=0.0)
 
     def loads(self, centres: Floats) -> Floats:
         """Shares of the weight (m, n) at centres of mass (m, 2); nan where fewer than three wheels would carry."""
@@ -67,7 +72,7 @@ class HeavyTable:
         points = states[:, None, 3:5] + states[:, None, 5:] * np.stack([-arms[..., 1], arms[..., 0]], axis=2)
         r = (points * along).sum(axis=2) - self.speeds
         s = (points * across).sum(axis=2)
-        mu, most = self.friction, self.friction.max(axis=1) * ROUNDED * np.abs(self.speeds).max()
+        mu, most = self.friction, self.friction.max(axis=1) * self.rounded * np.abs(self.speeds).max()
         if self.bearings is None:
             root = np.sqrt((mu[:, 0] * r) ** 2 + (mu[:, 1] * s) ** 2 + most**2)
             pull, push = -(mu[:, 0] ** 2) * r / root, -(mu[:, 1] ** 2) * s / root
@@ -86,7 +91,7 @@ class HeavyTable:
     @property
     def step(self) -> float:
         """Of time: a share of that in which the fastest slip decays."""
-        return STIFF * ROUNDED * float(np.abs(self.speeds).max()) / (self.gravity * float(self.friction.max()))
+        return STIFF * self.rounded * float(np.abs(self.speeds).max()) / (self.gravity * float(self.friction.max()))
 
     def follow(self, starts: Floats, until: float, looks: int = 2000) -> tuple[Floats, Floats]:
         """Times (k,) and states (k, m, 6) from rest at ``(x, y, theta)`` (m, 3): the classical Runge-Kutta method."""
