@@ -114,8 +114,8 @@ def _row(answer: Answer) -> tuple[str, str, str]:
 def answers_record(answers: Sequence[Answer], answered: Answers | None) -> Record:
     """JSON: every answer by its name; destinations and other rules are null where nobody asked."""
     record = {answer.name: _answer_record(answer) for answer in answers}
-    if answered is not None and "position" in record:
-        record["position"] = {**record["position"], "inertia": _inertia_record(answered)}
+    if answered is not None and answered.inertia is not None:
+        record["position"] = {**record["position"], "inertia": _answer_record(answered.inertia)}
     destinations = None if answered is None else answered.destinations
     others = () if answered is None else answered.others
     headings = None if answered is None else answered.headings
@@ -134,10 +134,6 @@ def answers_record(answers: Sequence[Answer], answered: Answers | None) -> Recor
 def robust_record(answered: Answers | None) -> Record | None:
     """JSON of what holds within the tolerances; null where none are stated, or nobody asked."""
     return None if answered is None or answered.robust is None else _answer_record(answered.robust)
-
-
-def _inertia_record(answered: Answers) -> Record | None:
-    return None if answered.inertia is None else _answer_record(answered.inertia)
 
 
 def _answer_record(answer: Answer) -> Record:

@@ -303,10 +303,6 @@ def _record(one: Settled) -> dict[str, object]:
 def _alike(factor: float, accuracy: str) -> str:
     """Up to which speeds it moves as one without inertia."""
     if not factor:
-        return (
-            f"a body without inertia moves otherwise, by more than {accuracy}, even at {FACTORS[0]:g} of these speeds"
-        )
+        return f"without inertia it moves otherwise, by more than {accuracy}, even at {FACTORS[0]:g} of these speeds"
     most = "at least " if factor == FACTORS[-1] else ""
-    return (
-        f"a body without inertia moves alike, within {accuracy}, up to {most}{float_text(factor, 3)} times these speeds"
-    )
+    return f"without inertia it moves alike, within {accuracy}, up to {most}{float_text(factor, 3)} times these speeds"
