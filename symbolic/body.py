@@ -64,7 +64,7 @@ class Body:
 
 
 @dataclass(frozen=True)
-class Inertia:
+class BodyInertia:
     """How heavy a body is, as far as that matters: loads are its weight, so its mass cancels.
 
     Attributes:

@@ -19,7 +19,7 @@ from fractions import Fraction
 from functools import cached_property
 from typing import ClassVar, Literal
 
-from nonsmooth.symbolic.body import Body, Inertia
+from nonsmooth.symbolic.body import Body, BodyInertia
 from nonsmooth.symbolic.characteristic_length import default_length
 from nonsmooth.symbolic.continuum import ContinuousField
 from nonsmooth.symbolic.load_model import Arithmetic, LoadModel, Three, X
@@ -237,7 +237,7 @@ class Scene(ShortRepr):
     idle: tuple[Wheel, ...] = ()
     tolerances: Tolerance | None = None
     loop_errors: LoopErrors | None = None
-    inertia: Inertia | None = None
+    inertia: BodyInertia | None = None
 
     @property
     def speed_limits(self) -> dict[int, Number]:

@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 
 from pydantic import PlainValidator
 
-from nonsmooth.symbolic.body import Body, Inertia, is_convex
+from nonsmooth.symbolic.body import Body, BodyInertia, is_convex
 from nonsmooth.symbolic.continuum import Disc, Footprint, PolygonShape
 from nonsmooth.symbolic.files.scene_values import Angle, AngleField, Exact, Numbers, OptionalExact, TomlTable, read_pair
 from nonsmooth.symbolic.numbers.number import Number
@@ -57,7 +57,7 @@ class BodyTable(TomlTable):
         return any(value is not None for value in (self.mass, self.inertia, self.gravity))
 
 
-def build_inertia(table: BodyTable | None, metres: Fraction | None, numbers: Numbers) -> Inertia | None:
+def build_inertia(table: BodyTable | None, metres: Fraction | None, numbers: Numbers) -> BodyInertia | None:
     """How heavy the body of a scene is; None where no unit of length says what gravity is.
 
     Args:
@@ -80,7 +80,7 @@ def build_inertia(table: BodyTable | None, metres: Fraction | None, numbers: Num
         raise SceneError(numbers.file, "body.inertia", "body.mass beside it: I/m counts", StatedFact("no mass"))
     gravity = found["gravity"] if "gravity" in found else numbers.field.rational(STANDARD_GRAVITY / metres)
     radius = found["inertia"] / found["mass"] if "inertia" in found else None
-    return Inertia(gravity, radius, is_stated=bool(found))
+    return BodyInertia(gravity, radius, is_stated=bool(found))
 
 
 def build_body(table: BodyTable, numbers: Numbers) -> Body | None:

@@ -87,18 +87,15 @@ def compared(drawn: Drawn) -> Comparison:
     scene, table = drawn.scene(), drawn.table
     near = near_rest(scene)
     found = simulated(scene, near)
-    until = max((_until(body) for body in found.bodies), default=1.0)
-    times, states = table.follow(np.array([body.start for body in found.bodies]), until)
+    settled = max((body.settles_after or 0.0 for body in found.bodies), default=0.0)
+    longest = 4 * settled + 0.5
+    ends = [1.02 * body.until if body.settles_after is None else min(body.until, longest) for body in found.bodies]
+    times, states = table.follow(np.array([body.start for body in found.bodies]), max(ends))
     wrong: list[str] = []
-    for k, body in enumerate(found.bodies):
-        seen = times <= _until(body)
+    for k, (body, end) in enumerate(zip(found.bodies, ends, strict=True)):
+        seen = times <= end
         wrong += _wrong_of(table, body, float(scene.accuracy), times[seen], states[seen, k, :2])
     return Comparison(near, found, (*wrong, *_wrong_near(table, near)))
-
-
-def _until(body: Settled) -> float:
-    """How long one body is followed: some time after it settles, or as long as it was followed."""
-    return 1.02 * body.until if body.settles_after is None else min(1.02 * body.until, 4 * body.settles_after + 0.5)
 
 
 def _wrong_of(table: HeavyTable, body: Settled, accuracy: float, times: Floats, places: Floats) -> list[str]:
