@@ -45,10 +45,11 @@ class Drawn:
         count = int(rng.integers(5, 11))
         angles = 2 * np.pi * (np.arange(count) + rng.uniform(-0.2, 0.2, count)) / count
         radii = rng.uniform(80, 200, count)
-        places = np.round(np.column_stack([radii * np.cos(angles), radii * np.sin(angles)]))
+        corners = np.column_stack([radii * np.cos(angles), radii * np.sin(angles)])
+        places = np.asarray(np.round(corners), np.float64)
         off = rng.choice([0.0, 2.0, 10.0, 30.0])
         inward = np.degrees(np.arctan2(-places[:, 1], -places[:, 0]))
-        headings = np.round(inward + off + rng.normal(0, 1, count))
+        headings = np.asarray(np.round(inward + off + rng.normal(0, 1, count)), np.float64)
         speeds = np.round(self.speed * rng.uniform(0.98, 1.02, count), 1)
         friction = [(0.6, 0.6), (0.6, 0.3), (0.5, 0.05)][int(rng.integers(3))]
         return places, headings, speeds, friction, float(np.round(rng.uniform(3e3, 2e4)))
