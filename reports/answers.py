@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -10,7 +10,7 @@ from rich.console import Group, RenderableType
 from rich.text import Text
 
 from nonsmooth.analysis.contact_rule import rule_notes, rule_of
-from nonsmooth.proofs.answers.answer import Answer, Position
+from nonsmooth.proofs.answers.answer import Answer, Position, has_dynamics
 from nonsmooth.proofs.answers.answers import Answers
 from nonsmooth.proofs.answers.bounds import at_least, of_length
 from nonsmooth.proofs.answers.contact_wheels import contact_facts
@@ -39,7 +39,7 @@ class StatedAnswers(NamedTuple):
     """The answers to a check in words, which a terminal and a report set each in its way.
 
     Attributes:
-        answers: position, heading and pose, and that about tolerances where some are stated.
+        answers: position, heading and pose, and those about inertia and tolerances where some is stated.
         contact: which wheels carry the body.
         rule: the contact rule, with what it means.
         notes: what users of the rule must know.
@@ -57,10 +57,10 @@ def stated_answers(result: Check, answers: Answers) -> StatedAnswers:
     """What there is to say of a check beside its tables."""
     rule = rule_of(result.scene)
     return StatedAnswers(
-        (*answers.answers, *([answers.robust] if answers.robust else [])),
+        answers.rows,
         "; ".join(fact.words for fact in contact_facts(result) if fact.words),
         f"rule {rule.name}: {rule.summary}",
-        tuple(rule_notes(result.scene)),
+        (*rule_notes(result.scene), *inertia_notes(result.scene)),
         tuple(map(contradiction_lines, result.contradictions)),
     )
 
@@ -75,7 +75,8 @@ def answers_view(result: Check, answers: Answers) -> RenderableType:
         parts += [Text(line, "bold red") for line in lines]
     if answers.destinations is not None:
         starts = answers.destinations.starts
-        parts.append(Text(f"where bodies go that start in the square (shares sampled from {starts} starts):"))
+        bodies = "bodies without inertia" if has_dynamics(result.scene) else "bodies"
+        parts.append(Text(f"where {bodies} go that start in the square (shares sampled from {starts} starts):"))
         parts.append(blocks_view([destinations_table(answers.destinations, GOES)]))
     if answers.headings is not None:
         parts.append(blocks_view(headings_blocks(answers.headings)))
@@ -85,6 +86,13 @@ def answers_view(result: Check, answers: Answers) -> RenderableType:
         parts.append(Text(f"other rules: {'; '.join(map(_in_short, answers.others))}"))
     parts.append(Text(THEOREM).append_text(verdict_text(result.verdict, bold=True)))
     return Group(*parts)
+
+
+def inertia_notes(scene: Scene) -> Iterator[str]:
+    """That an inertia is stated under a rule which no body with inertia follows."""
+    if scene.inertia is not None and scene.inertia.is_stated and not has_dynamics(scene):
+        rule = scene.contact.rule
+        yield f"dynamics are refused under rule {rule}: [body] inertia counts under rules ellipse and roller only"
 
 
 def contradiction_lines(found: Contradiction) -> tuple[str, str, str]:
@@ -106,6 +114,8 @@ def _row(answer: Answer) -> tuple[str, str, str]:
 def answers_record(answers: Sequence[Answer], answered: Answers | None) -> Record:
     """JSON: every answer by its name; destinations and other rules are null where nobody asked."""
     record = {answer.name: _answer_record(answer) for answer in answers}
+    if answered is not None and answered.inertia is not None:
+        record["position"] = {**record["position"], "inertia": _answer_record(answered.inertia)}
     destinations = None if answered is None else answered.destinations
     others = () if answered is None else answered.others
     headings = None if answered is None else answered.headings

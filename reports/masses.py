@@ -8,23 +8,21 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass
-from fractions import Fraction
 from itertools import cycle
 from typing import TYPE_CHECKING
 
 from nonsmooth.analysis.bodies.mass_study import (
     MassStudy,
     PathDistance,
+    body_of,
     body_path,
     mass_ladder,
     mass_study,
     massless_limit,
-    plate,
     rules_by_limit,
 )
 from nonsmooth.analysis.contact_rule import smooth_rules
-from nonsmooth.analysis.dynamics.newton_euler import DynamicPath, RigidBody, disc
-from nonsmooth.analysis.fields.contact_model import contact_model
+from nonsmooth.analysis.dynamics.newton_euler import DynamicPath, RigidBody
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.reports.document import Block, Paragraph, table
 from nonsmooth.reports.paths import ArrayPath
@@ -43,7 +41,6 @@ if TYPE_CHECKING:
     from nonsmooth.reports.figures.path import PathPicture
 
 MASSES_SCHEMA = "nonsmooth-masses/1"
-GRAVITY = Fraction("9.80665")  # standard, m/s^2
 MASS = 0.1  # per weight, of a scene that states no unit of length: about 1/g in metres and seconds
 MOMENTS = 5  # of a path that are listed on a terminal
 SIZE = (6.4, 5.0)  # inches, of the picture of distances
@@ -51,25 +48,22 @@ MARKS = (("#D55E00", "o"), ("#0072B2", "s"), ("#009E73", "^"), ("#CC79A7", "D"),
 
 
 def mass_per_weight(scene: Scene) -> float:
-    """``1/g`` in the scene's unit of length and seconds, by standard gravity; :data:`MASS` where it states no unit."""
-    metres = scene.units.metres
-    return MASS if metres is None else float(metres / GRAVITY)
+    """``1/g`` in the scene's unit of length and seconds; :data:`MASS` where it states no unit."""
+    return MASS if scene.inertia is None else 1 / float(scene.inertia.gravity)
 
 
 def mass_note(scene: Scene) -> str:
     """What a mass is, in words: in the scene's units, or that a scene without any is given one."""
-    if scene.units.metres is None:
+    if scene.inertia is None:
         return f"mass per weight (1/g): {MASS:g} unless stated, 0.102 in metres and seconds; the scene names no [units]"
     return f"mass per weight (1/g): {mass_per_weight(scene):.3g} in {scene.units.length} and seconds"
 
 
 def _chosen_body(scene: Scene, options: SimulateOptions) -> RigidBody:
-    """What the user asked for; else a uniform plate of the outline, or a disc as large as the array, under gravity."""
+    """What the user asked for; else as the scene says (:func:`nonsmooth.analysis.bodies.mass_study.body_of`)."""
     chosen = mass_per_weight(scene) if options.mass is None else options.mass
     try:
-        if options.inertia is not None:
-            return RigidBody(chosen, options.inertia)
-        return disc(contact_model(scene), chosen) if scene.body is None else plate(scene.body, chosen)
+        return body_of(scene, chosen) if options.inertia is None else RigidBody(chosen, options.inertia)
     except ValueError as error:
         raise OptionError(f"--{error}") from None
 

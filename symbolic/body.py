@@ -63,6 +63,22 @@ class Body:
         return c * x - s * y, s * x + c * y
 
 
+@dataclass(frozen=True)
+class BodyInertia:
+    """How heavy a body is, as far as that matters: loads are its weight, so its mass cancels.
+
+    Attributes:
+        gravity: g (length/time^2); per unit of weight the mass is ``1/g``.
+        squared_radius: ``rho^2 = I/m``, the squared radius of gyration (length^2); None where it is not stated, and is
+            that of a uniform plate of the outline, or of a disc as large as the array.
+        is_stated: whether the scene states a mass or an inertia, so that somebody asks for dynamics.
+    """
+
+    gravity: Number
+    squared_radius: Number | None = None
+    is_stated: bool = False
+
+
 def outline_text(outline: Footprint) -> str:
     """An outline in words, with its sizes."""
     if isinstance(outline, Disc):

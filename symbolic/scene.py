@@ -19,7 +19,7 @@ from fractions import Fraction
 from functools import cached_property
 from typing import ClassVar, Literal
 
-from nonsmooth.symbolic.body import Body
+from nonsmooth.symbolic.body import Body, BodyInertia
 from nonsmooth.symbolic.characteristic_length import default_length
 from nonsmooth.symbolic.continuum import ContinuousField
 from nonsmooth.symbolic.load_model import Arithmetic, LoadModel, Three, X
@@ -224,6 +224,7 @@ class Scene(ShortRepr):
     not carry it at the checked pose, where they were set apart (:func:`nonsmooth.symbolic.contact_set.standing`).
     ``tolerances`` are how far the array that is built may be from this one, None where nothing is said of it;
     ``loop_errors`` are how late and how wrong the pose is that a feedback law acts on, None where it is exact.
+    ``inertia`` is how heavy the body is, None where no unit of length is stated: then it has none, as in the paper.
     """
 
     kind: ClassVar[Literal[SceneKind.ARRAY]] = SceneKind.ARRAY
@@ -240,6 +241,7 @@ class Scene(ShortRepr):
     idle: tuple[Wheel, ...] = ()
     tolerances: Tolerance | None = None
     loop_errors: LoopErrors | None = None
+    inertia: BodyInertia | None = None
 
     @property
     def speed_limits(self) -> dict[int, Number]:

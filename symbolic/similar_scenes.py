@@ -30,7 +30,7 @@ def with_wheels(scene: Scene, change: Callable[[Wheel], Wheel]) -> Scene:
 
 
 def scaled(scene: Scene, factor: Fraction) -> Scene:
-    """All lengths times a positive factor; surface speeds stay."""
+    """All lengths times a positive factor; surface speeds stay, and inertia is left out: it would count otherwise."""
 
     def larger(wheel: Wheel) -> Wheel:
         x, y = wheel.position
@@ -50,7 +50,7 @@ def scaled(scene: Scene, factor: Fraction) -> Scene:
     body = None if scene.body is None else _scaled_body(scene.body, factor)
     box = None if scene.tolerances is None else scene.tolerances.scaled(factor)
     contact = replace(scene.contact, loads=loads)
-    return replace(with_wheels(scene, larger), contact=contact, check=check, body=body, tolerances=box)
+    return replace(with_wheels(scene, larger), contact=contact, check=check, body=body, tolerances=box, inertia=None)
 
 
 def _scaled_body(body: Body, factor: Fraction) -> Body:

@@ -79,8 +79,10 @@ class MassPath(CarriedBody):
 
     method, shown = "dynamics", 3
 
-    def __init__(self, model: ContactModel, body: RigidBody, scene: Scene | None = None) -> None:
+    def __init__(self, model: ContactModel, body: RigidBody, scene: Scene | None = None, coarser: float = 1.0) -> None:
         """For contacts, and the scene of a body with an outline, with the same wheels.
+
+        Tolerances are ``coarser`` times as large as for a path that is shown.
 
         Raises:
             ValueError: for a scene without a body.
@@ -89,7 +91,7 @@ class MassPath(CarriedBody):
         super().__init__(model, scene)
         if scene is not None:
             require_springs(scene)
-        self._body = body
+        self._body, self._coarser = body, coarser
         self._equations: dict[Wheels, NewtonEuler] = {}
 
     def follow(self, start: Sequence[float], until: float, velocity: Sequence[float] = (0.0, 0.0, 0.0)) -> DynamicPath:
@@ -111,7 +113,8 @@ class MassPath(CarriedBody):
         elif not self._carry(self._support.carrying, state):
             raise self.refusal(LoadError("required loads"))
         size = array_size(self.model) if self.scene is None else self.outline.size
-        stepper = Integrator("BDF", RELATIVE_TOLERANCE, absolute_tolerances(size, self._speed))
+        absolute = self._coarser * absolute_tolerances(size, self._speed)
+        stepper = Integrator("BDF", self._coarser * RELATIVE_TOLERANCE, absolute)
         path = follow(self, (0.0, state), until, stepper)
         times, states = path.ends_of_steps()
         trajectory = path.trajectory(Kinematics.EXACT.value, self.method)

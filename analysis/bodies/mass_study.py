@@ -26,13 +26,13 @@ from functools import partial
 
 import numpy as np
 
+from nonsmooth.analysis.bodies.gyration import squared_radius_of_plate
 from nonsmooth.analysis.bodies.mass_path import MassPath, simulate_dynamics
 from nonsmooth.analysis.bodies.outline_field import CellPath
 from nonsmooth.analysis.bodies.path import RELATIVE_TOLERANCE
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.contact_rule import CellRule, SmoothRule, all_rules, contact_rule
-from nonsmooth.analysis.continuum import moments
 from nonsmooth.analysis.dynamics.newton_euler import DynamicPath, RigidBody, disc
 from nonsmooth.analysis.fields.constant_field import array_field
 from nonsmooth.analysis.fields.contact_model import Floats, contact_model
@@ -233,12 +233,23 @@ def path_distance(
 # ---- a plate -------------------------------------------------------------------------------------
 
 
+def body_of(scene: Scene, mass: float) -> RigidBody:
+    """The body of a scene with a mass per weight.
+
+    Its inertia is ``rho^2`` times as large where the scene states that, else that of a uniform plate of the outline,
+    else that of a disc as large as the array.
+
+    Raises:
+        ValueError: for a mass that cannot be used.
+    """
+    if scene.inertia is not None and scene.inertia.squared_radius is not None:
+        return RigidBody(mass, mass * float(scene.inertia.squared_radius))
+    return disc(contact_model(scene), mass) if scene.body is None else plate(scene.body, mass)
+
+
 def plate(outlined: Body, mass: float) -> RigidBody:
-    """``I = m ((int x^2 + int y^2)/area + |o|^2)``, o from the centre of mass to the centroid (per unit of weight)."""
-    of = moments(outlined.outline)
-    spread = float(of.xx + of.yy) / float(of.area)
-    x, y = (float(entry) for entry in outlined.centre)
-    return RigidBody(mass, mass * (spread + x * x + y * y))
+    """``I = m rho^2`` of a uniform plate (:func:`nonsmooth.analysis.bodies.gyration.squared_radius_of_plate`)."""
+    return RigidBody(mass, mass * float(squared_radius_of_plate(outlined)))
 
 
 # ---- the study of precision ----------------------------------------------------------------------

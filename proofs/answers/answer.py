@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any, TypeAlias
 
+from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
 from nonsmooth.proofs.clauses.workspace import ClauseResult
 from nonsmooth.proofs.facts import Fact, Quantity
 from nonsmooth.proofs.verdicts import Certainty
@@ -47,7 +48,17 @@ class Pose(StrEnum):
     UNDECIDED = "undecided"
 
 
-GOOD = frozenset({Position.COMES_HOME, Position.COMES_NEAR, Heading.KEEPS, Pose.CAN_BE_HELD, Certainty.CERTIFIED})
+class Inertia(StrEnum):
+    """What a body with inertia does near its place of rest, by the linearized full dynamics."""
+
+    STABLE = "stable"
+    UNSTABLE = "unstable"  # which does not say that it leaves
+    UNDECIDED = "undecided"
+
+
+GOOD = frozenset(
+    {Inertia.STABLE, Position.COMES_HOME, Position.COMES_NEAR, Heading.KEEPS, Pose.CAN_BE_HELD, Certainty.CERTIFIED}
+)
 
 
 @dataclass(frozen=True, repr=False)
@@ -61,7 +72,7 @@ class Answer:
     """
 
     name: str
-    verdict: Position | Heading | Pose | Certainty
+    verdict: Position | Heading | Pose | Certainty | Inertia
     facts: tuple[Fact, ...]
 
     @property
@@ -108,3 +119,8 @@ Question: TypeAlias = Callable[[Scene, Results], Answer]
 def is_by_rounding(results: Results, *names: str) -> bool:
     """Whether rounding would decide one of these clauses."""
     return any(BY_ROUNDING in results[name].reason for name in names)
+
+
+def has_dynamics(scene: Scene) -> bool:
+    """Whether answers are asked of a body with inertia: its gravity is known, and its rule says which forces act."""
+    return scene.inertia is not None and isinstance(rule_of(scene), SmoothRule)

@@ -37,6 +37,8 @@ class Answers:
         headings: at which headings a body with an outline rests; None where its heading does not matter.
         rest_points: the places of rest among which the checked point was chosen, the best first; None where it was
             not chosen.
+        inertia: what a body with inertia does; None where the scene does not say what gravity is, and under rules that
+            do not say which forces act.
     """
 
     answers: tuple[Answer, ...]
@@ -45,6 +47,14 @@ class Answers:
     robust: Answer | None = None
     headings: HeadingsOfRest | None = None
     rest_points: tuple[RestPoint, ...] | None = None
+    inertia: Answer | None = None
+
+    @property
+    def rows(self) -> tuple[Answer, ...]:
+        """All that is a verdict with a sentence, in the order in which it is said."""
+        first, *others = self.answers
+        beside = [answer for answer in (self.inertia,) if answer is not None]
+        return (first, *beside, *others, *([] if self.robust is None else [self.robust]))
 
 
 def answers_of(check: Theorem4Result) -> tuple[Answer, ...]:
@@ -78,7 +88,15 @@ def full_answers(
     others = other_rules(check.scene) if ask_others else ()
     headings = _headings_of(check, around=around)
     robust = robust_answer(check.scene, check.results)
-    return Answers(answers, destinations, others, robust, headings, rest_points)
+    return Answers(answers, destinations, others, robust, headings, rest_points, _inertia_of(check))
+
+
+def _inertia_of(check: Theorem4Result) -> Answer | None:
+    if check.scene.inertia is None:
+        return None
+    from nonsmooth.proofs.answers.inertia import inertia_answer  # full dynamics: only a scene with units loads them
+
+    return inertia_answer(check.scene)
 
 
 def _headings_of(check: Theorem4Result, *, around: bool) -> HeadingsOfRest | None:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from fractions import Fraction
 from typing import cast
 
-from nonsmooth.proofs.answers.answer import Answer, Position, Results, is_by_rounding
+from nonsmooth.proofs.answers.answer import Answer, Position, Results, has_dynamics, is_by_rounding
 from nonsmooth.proofs.answers.bounds import DIGITS, at_least, at_most, half_life, of_length
 from nonsmooth.proofs.answers.nearness import HomeDisc, Nearness, nearness
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
@@ -42,10 +43,19 @@ def position_answer(scene: Scene, results: Results, *, may_look: bool = True) ->
     verdict = _by_clauses(results)
     if (verdict is Position.COMES_HOME and not _is_beside(results)) or not may_look:
         verdict = Position.UNDECIDED if verdict is Position.LEAVES else verdict
-        return Answer("position", verdict, tuple(_facts(scene, results, verdict, None)))
+        return Answer("position", verdict, _without_inertia(scene, _facts(scene, results, verdict, None)))
     found = nearness(scene, results)
     verdict = _to_the_accuracy(verdict, found)
-    return Answer("position", verdict, tuple(_facts(scene, results, verdict, found)))
+    return Answer("position", verdict, _without_inertia(scene, _facts(scene, results, verdict, found)))
+
+
+def _without_inertia(scene: Scene, facts: Iterable[Fact]) -> tuple[Fact, ...]:
+    """The same, with words that say of which body they are, where one with inertia is spoken of beside it."""
+    found = list(facts)
+    first = next((k for k, fact in enumerate(found) if fact.words), None)
+    if first is not None and has_dynamics(scene):
+        found[first] = replace(found[first], words=f"without inertia: {found[first].words}")
+    return tuple(found)
 
 
 def _by_clauses(results: Results) -> Position:
@@ -89,7 +99,7 @@ def _facts(scene: Scene, results: Results, verdict: Position, looked: Nearness |
         yield from _place(scene, Quantity(Fraction(0)), (Fraction(0), Fraction(0)))
         yield from _homecoming(found, unit)
         yield said(found.support_note)
-        if isinstance(found, EllipseTranslation):
+        if isinstance(found, EllipseTranslation) and not has_dynamics(scene):
             yield said(mass_words(found.mass, scene.units))
         return
     ends = None if looked is None else looked.ends

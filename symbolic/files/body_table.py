@@ -1,4 +1,4 @@
-"""``[body]`` of a scene file: outline, heading and centre of mass of the body on the array."""
+"""``[body]`` of a scene file: outline, heading, centre of mass and inertia of the body on the array."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 
 from pydantic import PlainValidator
 
-from nonsmooth.symbolic.body import Body, is_convex
+from nonsmooth.symbolic.body import Body, BodyInertia, is_convex
 from nonsmooth.symbolic.continuum import Disc, Footprint, PolygonShape
 from nonsmooth.symbolic.files.scene_values import Angle, AngleField, Exact, Numbers, OptionalExact, TomlTable, read_pair
 from nonsmooth.symbolic.numbers.number import Number
@@ -16,6 +16,7 @@ from nonsmooth.symbolic.plane import Vector, around, cross, dot, minus, same_dir
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact
 
 MAX_VERTICES = 200  # every pair of sides is tested for crossing, exactly
+STANDARD_GRAVITY = Fraction("9.80665")  # m/s^2
 _KEYS = {"disc": ("radius",), "rectangle": ("width", "height"), "polygon": ("vertices",)}
 
 
@@ -34,25 +35,67 @@ class BodyTable(TomlTable):
     """``[body]``: a disc, a rectangle (width along its own x axis) or a convex polygon.
 
     ``heading`` is the angle of the body's own frame at the checked pose, ``centre_of_mass`` a point of that frame: the
-    centroid unless it is stated.
+    centroid unless it is stated.  ``mass`` (kg), ``inertia`` about the centre of mass (kg length^2) and ``gravity``
+    (length/s^2) say how it moves where it is not slow; with these alone, and no shape, it covers all wheels at every
+    pose.
     """
 
-    shape: Literal["disc", "rectangle", "polygon"]
+    shape: Literal["disc", "rectangle", "polygon"] | None = None
     radius: OptionalExact = None
     width: OptionalExact = None
     height: OptionalExact = None
     vertices: Annotated[tuple[tuple[Exact, Exact], ...] | None, PlainValidator(read_vertices)] = None
     heading: AngleField = Angle(Fraction(0))
     centre_of_mass: Annotated[tuple[Exact, Exact] | None, PlainValidator(read_pair)] = None
+    mass: OptionalExact = None
+    inertia: OptionalExact = None
+    gravity: OptionalExact = None
+
+    @property
+    def states_inertia(self) -> bool:
+        """Whether anything is said of how heavy the body is."""
+        return any(value is not None for value in (self.mass, self.inertia, self.gravity))
 
 
-def build_body(table: BodyTable, numbers: Numbers) -> Body:
-    """The body of a scene.
+def build_inertia(table: BodyTable | None, metres: Fraction | None, numbers: Numbers) -> BodyInertia | None:
+    """How heavy the body of a scene is; None where no unit of length says what gravity is.
+
+    Args:
+        table: ``[body]``, if there is one.
+        metres: the scene's unit of length.
+        numbers: of the scene.
 
     Raises:
-        SceneError: for keys that do not fit the shape, polygons that are not convex, and a centre of mass that is not
-            strictly inside the outline.
+        SceneError: for a number that is not positive, one without a unit of length, and an inertia without a mass.
     """
+    stated = BodyTable() if table is None else table
+    named = {key: getattr(stated, key) for key in ("mass", "inertia", "gravity")}
+    found = {key: numbers.positive(value, f"body.{key}") for key, value in named.items() if value is not None}
+    if metres is None:
+        if found:
+            key = next(iter(found))
+            raise SceneError(numbers.file, f"body.{key}", "units.length beside it", StatedFact("no unit of length"))
+        return None
+    if "inertia" in found and "mass" not in found:
+        raise SceneError(numbers.file, "body.inertia", "body.mass beside it: I/m counts", StatedFact("no mass"))
+    gravity = found["gravity"] if "gravity" in found else numbers.field.rational(STANDARD_GRAVITY / metres)
+    radius = found["inertia"] / found["mass"] if "inertia" in found else None
+    return BodyInertia(gravity, radius, is_stated=bool(found))
+
+
+def build_body(table: BodyTable, numbers: Numbers) -> Body | None:
+    """The body of a scene; None where its table says only how heavy it is, so that all wheels carry it.
+
+    Raises:
+        SceneError: for keys that do not fit the shape or need one, polygons that are not convex, and a centre of mass
+            that is not strictly inside the outline.
+    """
+    if table.shape is None:
+        of_outline = table.model_fields_set - {"mass", "inertia", "gravity"}
+        if of_outline or not table.states_inertia:
+            received = StatedFact(f"none, beside {', '.join(sorted(of_outline))}" if of_outline else "none")
+            raise SceneError(numbers.file, "body.shape", "'disc', 'rectangle' or 'polygon'", received)
+        return None
     outline, centroid = _outline(table, numbers)
     centre = numbers.field.zero, numbers.field.zero
     if table.centre_of_mass is not None:
@@ -78,7 +121,7 @@ def _outline(table: BodyTable, numbers: Numbers) -> tuple[Footprint, Vector]:
     """The outline about its centroid, and the centroid in the frame of the file."""
     origin = numbers.field.zero, numbers.field.zero
     for key in ("radius", "width", "height", "vertices"):
-        wanted, given = key in _KEYS[table.shape], getattr(table, key) is not None
+        wanted, given = key in _KEYS[table.shape or ""], getattr(table, key) is not None
         if wanted != given:
             expected = f"{'a value' if wanted else 'no value'} for shape {table.shape}"
             raise SceneError(numbers.file, f"body.{key}", expected, StatedFact("one" if given else "nothing"))

@@ -16,7 +16,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-from nonsmooth.symbolic.files.body_table import build_body
+from nonsmooth.symbolic.files.body_table import build_body, build_inertia
 from nonsmooth.symbolic.files.layouts import Layout, WheelList
 from nonsmooth.symbolic.files.scene_document import (
     SceneDocument,
@@ -271,6 +271,7 @@ def build_scene(
         continuum=build_continuum(document, numbers, built),
         units=document.units.labels,
         body=body,
+        inertia=build_inertia(document.body, document.units.labels.metres, numbers),
         tolerances=None if document.tolerances is None else build_tolerance(document.tolerances, numbers),
         loop_errors=None if document.feedback is None else build_loop_errors(document.feedback, numbers),
     )

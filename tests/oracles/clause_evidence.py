@@ -13,6 +13,7 @@ from typing import Any
 
 from flint import ctx
 
+from nonsmooth.analysis.bodies.gyration import squared_radius_of_disc
 from nonsmooth.analysis.cells.fan import CellCone, by_angle, is_plane
 from nonsmooth.analysis.cells.load_sets import load_set
 from nonsmooth.proofs.boxes.linearization import inward_pull
@@ -22,9 +23,9 @@ from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, Situation, m
 from nonsmooth.proofs.clauses.at_point.mass import (
     PRECISION,
     MassLimit,
+    Pencil,
     _is_confirmed,
     hurwitz_determinant,
-    squared_radius_of_disc,
 )
 from nonsmooth.proofs.clauses.cocircular import cocircular_array
 from nonsmooth.proofs.clauses.equilibrium.on_cells import EquilibriumResult
@@ -239,8 +240,8 @@ def _(result: EllipseTranslation) -> bool:
 def _(limit: MassLimit) -> bool:
     """Both masses by the determinant."""
     with ctx.workprec(PRECISION):
-        determinant = hurwitz_determinant(limit.linearization, limit.squared_radius)
-    return _is_confirmed(limit, determinant)
+        determinant = hurwitz_determinant(Pencil.of(limit.linearization, limit.squared_radius))
+        return _is_confirmed(limit.stable_to, limit.unstable_at, determinant)
 
 
 @evidence_holds.register

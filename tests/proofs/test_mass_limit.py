@@ -17,6 +17,8 @@ from nonsmooth.analysis.cells.loads import load_regions
 from nonsmooth.analysis.dynamics.moving_loads import MovingLoads
 from nonsmooth.analysis.dynamics.newton_euler import CREEP, NewtonEuler, RigidBody
 from nonsmooth.analysis.fields.contact_model import contact_model
+from nonsmooth.proofs.answers.bounds import at_least
+from nonsmooth.proofs.answers.inertia import inertia_answer
 from nonsmooth.proofs.clauses.at_point.ellipse import ellipse_point
 from nonsmooth.proofs.clauses.at_point.mass import MassLimit
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation, decide_translation_at
@@ -162,11 +164,13 @@ def test_limits_of_another_array_are_refused() -> None:
 
 
 @few(2)
-@pytest.mark.parametrize(
-    ("length", "speed", "words"), [("m", 1, "up to 2.83 times"), ("mm", 1, "up to"), ("m", 10, "only at speeds below")]
-)
-def test_answers_say_it_in_speeds(length: str, speed: int, words: str) -> None:
-    array = SPIRAL.with_(units={"length": length})
-    faster = array.with_(field={"kind": "spiral", "angle": "pi/6", "speed": speed})
-    answer = " ".join(fact.words for fact in faster.check().position.facts)
-    assert words in answer
+@pytest.mark.parametrize(("length", "metres", "speed"), [("m", 1, 1), ("mm", 0.001, 1), ("m", 1, 10)])
+def test_answers_say_it_in_speeds(length: str, metres: float, speed: int) -> None:
+    faster = SPIRAL.with_(units={"length": length}, field={"kind": "spiral", "angle": "pi/6", "speed": speed})
+    limit, answer = limit_of(faster.scene), inertia_answer(faster.scene)
+    assert limit is not None
+    assert answer is not None
+    factor = np.sqrt(float(limit.stable_to) * 9.80665 / metres)
+    assert float(answer["stable_to"]) == pytest.approx(factor, rel=1e-3)
+    assert answer.verdict == ("stable" if factor > 1 else "unstable")
+    assert f"it is stable up to {at_least(answer['stable_to'])} times these speeds" in answer.sentence

@@ -8,6 +8,7 @@ import pytest
 
 from nonsmooth.symbolic.continuum import Disc, Footprint, PolygonShape
 from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import SceneError
 
 HEAD = '[friction]\nmu_roll = 1\nmu_side = "1/2"\n[ring]\ncount = 4\n[body]\n'
@@ -84,4 +85,57 @@ def test_bad_objects_are_refused(text: str, key: str, tmp_path: Path) -> None:
     with pytest.raises(SceneError) as caught:
         footprint(tmp_path, text)
     assert caught.value.key == key
+    assert "\n" not in str(caught.value)
+
+
+MILLIMETRES = '[units]\nlength = "mm"\n'
+
+
+def heavy(folder: Path, text: str, units: str = MILLIMETRES) -> Scene:
+    file = folder / "heavy.toml"
+    wheels = '[ring]\ncount = 4\n[friction]\nmu_roll = "1/2"\nmu_side = "1/4"\n[contact]\nrule = "ellipse"\n'
+    file.write_text(f"{units}{wheels}{text and '[body]'}\n{text}")
+    return load_scene(file)
+
+
+def test_gravity_is_known_where_a_unit_of_length_is_stated(tmp_path: Path) -> None:
+    known = heavy(tmp_path, "").inertia
+    assert known is not None
+    assert (float(known.gravity), known.squared_radius, known.is_stated) == (9806.65, None, False)
+    assert heavy(tmp_path, "", units="").inertia is None
+    on_the_moon = heavy(tmp_path, "gravity = 1620").inertia
+    assert on_the_moon is not None
+    assert float(on_the_moon.gravity) == 1620
+
+
+def test_mass_cancels_and_inertia_counts_by_its_share(tmp_path: Path) -> None:
+    light, heavier = (heavy(tmp_path, f"mass = {mass}\ninertia = {mass * 300}") for mass in (1, 7))
+    for scene in (light, heavier):
+        assert scene.inertia is not None
+        assert scene.inertia.squared_radius == 300
+    assert light.body is None
+    plain = heavy(tmp_path, "mass = 3").inertia
+    assert plain is not None
+    assert plain.squared_radius is None
+
+
+@pytest.mark.parametrize(
+    ("text", "units", "key", "received"),
+    [
+        ("mass = 0", MILLIMETRES, "body.mass", "0"),
+        ("gravity = -1", MILLIMETRES, "body.gravity", "-1"),
+        ("mass = 1\ninertia = -2", MILLIMETRES, "body.inertia", "-2"),
+        ("inertia = 2", MILLIMETRES, "body.inertia", "no mass"),
+        ("mass = 2", "", "body.mass", "no unit of length"),
+        ("gravity = 9", "", "body.gravity", "no unit of length"),
+        ("mass = 2\nheading = 3", MILLIMETRES, "body.shape", "none, beside heading"),
+    ],
+)
+def test_numbers_that_say_nothing_of_inertia_are_refused(
+    text: str, units: str, key: str, received: str, tmp_path: Path
+) -> None:
+    with pytest.raises(SceneError) as caught:
+        heavy(tmp_path, text, units)
+    assert caught.value.key == key
+    assert str(caught.value).endswith(f"received {received}")
     assert "\n" not in str(caught.value)

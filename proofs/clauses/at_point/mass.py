@@ -18,23 +18,26 @@ a polynomial in m.  It is proved positive on an interval in balls of its parts, 
 
 Speeds count as the square root of m: with all speeds s times as large, H is divided by s, and in times s times as long
 the same equations have the mass ``s^2 m``.
+
+At a place of rest beside the origin, where only balls tell it, the twist is ``xi = T (w, omega)``, and with ``T^T`` for
+moments about the place itself the same pencil has ``T^T H T`` for H and ``T^T K`` for K.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
-from flint import arb, arb_poly, ctx, fmpq
+from flint import arb, arb_mat, arb_poly, ctx, fmpq
 
 from nonsmooth.proofs.boxes.linearization import Linearization
 from nonsmooth.proofs.enclosures import holds_on, is_positive_definite, linear_stability
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.number_text import lower_text, upper_text
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.scene import Scene
 
 PRECISION = 256  # bits of the balls
 DIGITS = 4  # of the masses between which stability is lost
@@ -62,17 +65,65 @@ class MassLimit:
     unstable_at: Fraction | None
 
 
-def squared_radius_of_disc(scene: Scene) -> Number:
-    """``rho^2`` of a uniform disc as large as the array.
+@dataclass(frozen=True, eq=False)
+class Pencil:
+    """The linearized full dynamics, in balls: ``diag(m, m, m rho^2) (w, omega)' = -C (w, omega) - K c``, ``c' = w``.
 
-    That is half the mean squared distance of the wheels from their middle, as the full dynamics takes it unless told
-    otherwise (:func:`nonsmooth.analysis.dynamics.newton_euler.disc`).
+    Attributes:
+        damping: C (3 x 3), positive definite where the motion is determined.
+        stiffness: K (3 x 2).
+        squared_radius: ``rho^2``.
     """
-    count, zero = len(scene.wheels), scene.field.zero
-    places = [wheel.position for wheel in scene.wheels]
-    middle = [sum((place[axis] for place in places), zero) / count for axis in range(2)]
-    offsets = [(x - middle[0], y - middle[1]) for x, y in places]
-    return sum((x * x + y * y for x, y in offsets), zero) / (2 * count)
+
+    damping: arb_mat
+    stiffness: arb_mat
+    squared_radius: arb
+
+    @classmethod
+    def of(cls, linear: Linearization, squared_radius: Number) -> Pencil:
+        """At the origin of a scene: ``C = H`` and ``K = G - omega_0 (H_1 H_2) J``."""
+        damping = arb_mat([[entry.ball() for entry in row] for row in linear.hessian])
+        slope = arb_mat([[column[row].ball() for column in linear.slope] for row in range(3)])
+        return cls.about(damping, slope, (arb(0), arb(0)), linear.omega.ball(), squared_radius.ball())
+
+    @classmethod
+    def about(cls, bend: arb_mat, slope: arb_mat, place: tuple[arb, arb], spin: arb, squared_radius: arb) -> Pencil:
+        """At a place of rest, from H and G with their rows about the origin."""
+        x, y = place
+        twists = arb_mat([[1, 0, y], [0, 1, -x], [0, 0, 1]])  # T: xi of (w, omega)
+        turning = arb_mat([[0, spin], [-spin, 0], [0, 0]])  # of xi by the place, where w = 0
+        moments = twists.transpose()
+        return cls(moments * bend * twists, moments * (slope + bend * turning), squared_radius)
+
+    def characteristic(self, mass: arb) -> list[arb]:
+        """The coefficients of the quintic at one mass, constant term first."""
+        rows = []
+        for r, inertia in enumerate((arb(1), arb(1), self.squared_radius)):
+            masses = [mass * inertia if r == column else arb(0) for column in range(3)]
+            entries = [arb_poly([self.stiffness[r, k], self.damping[r, k], masses[k]]) for k in range(2)]
+            rows.append((*entries, arb_poly([self.damping[r, 2], masses[2]])))
+        return [_determinant(rows)[k] for k in range(6)]
+
+    def stability(self, mass: arb) -> Translation:
+        """Whether all five eigenvalues have negative real parts (Hurwitz), or one has a positive one.
+
+        Where no zero of a polynomial with a positive leading coefficient has a positive real part, none of its
+        coefficients and none of its Hurwitz determinants is negative.
+        """
+        quintic = self.characteristic(mass)
+        entries = [[quintic[5 - k] if 0 <= (k := 2 * j - i + 1) <= 5 else arb(0) for j in range(5)] for i in range(5)]
+        minors = [arb_mat([row[:size] for row in entries[:size]]).det() for size in range(1, 6)]
+        signs = [*quintic, *minors]
+        if not quintic[5] > 0:
+            return Translation.UNDECIDED
+        if all(value > 0 for value in signs):
+            return Translation.ASYMPTOTICALLY_STABLE
+        return Translation.UNSTABLE if any(value < 0 for value in signs) else Translation.UNDECIDED
+
+
+def _determinant(rows: Sequence[Sequence[arb_poly]]) -> arb_poly:
+    (a, b, c), (d, e, f), (p, q, s) = rows
+    return a * (e * s - f * q) - b * (d * s - f * p) + c * (d * q - e * p)
 
 
 def decide_mass_limit(linearization: Linearization, squared_radius: Number) -> MassLimit | None:
@@ -86,32 +137,36 @@ def decide_mass_limit(linearization: Linearization, squared_radius: Number) -> M
     if not (is_hurwitz and is_positive_definite(linearization.hessian)):
         return None
     with ctx.workprec(PRECISION):
-        determinant = hurwitz_determinant(linearization, squared_radius)
-    end, root = _far(linearization), _least_positive_root(determinant)
+        limits = mass_limits(Pencil.of(linearization, squared_radius))
+    return None if limits is None else MassLimit(linearization, squared_radius, *limits)
+
+
+def mass_limits(pencil: Pencil) -> tuple[Fraction, Fraction | None] | None:
+    """``stable_to`` and ``unstable_at`` of :class:`MassLimit`, for C positive definite and A Hurwitz; None where open.
+
+    To be called with the precision of its balls set.
+    """
+    determinant = hurwitz_determinant(pencil)
+    end, root = _far(pencil), _least_positive_root(determinant)
     if root is None or root >= end:
-        found = MassLimit(linearization, squared_radius, end, None)
-    else:
-        low, high = (Fraction(text(Fraction(root), DIGITS)) for text in (lower_text, upper_text))
-        found = MassLimit(linearization, squared_radius, low, high)
-    return found if _is_confirmed(found, determinant) else None
+        return (end, None) if _is_confirmed(end, None, determinant) else None
+    low, high = (Fraction(text(Fraction(root), DIGITS)) for text in (lower_text, upper_text))
+    return (low, high) if _is_confirmed(low, high, determinant) else None
 
 
-def _is_confirmed(found: MassLimit, determinant: arb_poly) -> bool:
+def _is_confirmed(stable_to: Fraction, unstable_at: Fraction | None, determinant: arb_poly) -> bool:
     """Whether the determinant is positive up to the lower mass, and negative at the upper one, in balls."""
-    with ctx.workprec(PRECISION):
-        if found.stable_to <= 0 or not _is_positive_to(determinant, found.stable_to):
-            return False
-        if found.unstable_at is None:
-            return True
-        return found.unstable_at > found.stable_to and bool(determinant(_ball(found.unstable_at)) < 0)
+    if stable_to <= 0 or not _is_positive_to(determinant, stable_to):
+        return False
+    return unstable_at is None or (unstable_at > stable_to and bool(determinant(_ball(unstable_at)) < 0))
 
 
-def hurwitz_determinant(linear: Linearization, squared_radius: Number) -> arb_poly:
+def hurwitz_determinant(pencil: Pencil) -> arb_poly:
     """The fourth Hurwitz determinant as a polynomial in m, without its factor ``m^3``.
 
     To be called with the precision of its balls set.
     """
-    quintic = _characteristic(linear, squared_radius.ball()).coeffs()
+    quintic = _characteristic(pencil).coeffs()
     mass = arb_poly([0, 1])
     # a power of lambda above the second comes with a power of m, which is left out
     p = [arb_poly(quintic[POWERS * k + max(0, k - 2) : POWERS * (k + 1)]) for k in range(6)]
@@ -120,21 +175,17 @@ def hurwitz_determinant(linear: Linearization, squared_radius: Number) -> arb_po
     return first * second - mass * third * third
 
 
-def _characteristic(linear: Linearization, squared_radius: arb) -> arb_poly:
+def _characteristic(pencil: Pencil) -> arb_poly:
     """The quintic in lambda, whose coefficients are polynomials in m: with ``lambda = m^4`` all in one.
 
     Rows: balance of forces and of moments; columns: c, which moves at ``w = lambda c``, and omega.
     """
-    rate, rows = linear.omega.ball(), []
-    for r, (inertia, row) in enumerate(zip((arb(1), arb(1), squared_radius), linear.hessian, strict=True)):
-        h = [entry.ball() for entry in row]
-        x, y = (column[r].ball() for column in linear.slope)
-        pull = x - rate * h[1], y + rate * h[0]  # K = G - omega_0 (H_1 H_2) J
-        mass, zero = [inertia if r == column else arb(0) for column in range(3)], arb(0)
-        entries = [arb_poly([pull[k], *[zero] * 3, h[k], *[zero] * 4, mass[k]]) for k in range(2)]
-        rows.append([*entries, arb_poly([h[2], *[zero] * 4, mass[2]])])
-    (a, b, c), (d, e, f), (p, q, s) = rows
-    return a * (e * s - f * q) - b * (d * s - f * p) + c * (d * q - e * p)
+    damping, stiffness, rows, zero = pencil.damping, pencil.stiffness, [], arb(0)
+    for r, inertia in enumerate((arb(1), arb(1), pencil.squared_radius)):
+        mass = [inertia if r == column else zero for column in range(3)]
+        entries = [arb_poly([stiffness[r, k], *[zero] * 3, damping[r, k], *[zero] * 4, mass[k]]) for k in range(2)]
+        rows.append((*entries, arb_poly([damping[r, 2], *[zero] * 4, mass[2]])))
+    return _determinant(rows)
 
 
 def _least_positive_root(determinant: arb_poly) -> float | None:
@@ -148,9 +199,9 @@ def _least_positive_root(determinant: arb_poly) -> float | None:
     return min(real, default=None)
 
 
-def _far(linear: Linearization) -> Fraction:
-    """A power of ten far above ``H_xx^2/|K|``, the order of the mass at which friction damps critically."""
-    damping, pull = float(linear.hessian[0][0]), max(abs(float(entry)) for column in linear.slope for entry in column)
+def _far(pencil: Pencil) -> Fraction:
+    """A power of ten far above ``C_xx^2/|K|``, the order of the mass at which friction damps critically."""
+    damping, pull = float(pencil.damping[0, 0].mid()), max(abs(float(e.mid())) for e in pencil.stiffness.entries())
     return Fraction(10) ** (round(math.log10(damping) * 2 - math.log10(pull)) + FAR)
 
 

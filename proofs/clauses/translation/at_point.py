@@ -10,11 +10,12 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
+from nonsmooth.analysis.bodies.gyration import squared_radius_of_disc
 from nonsmooth.analysis.cells.loads import LoadRegion
 from nonsmooth.analysis.cells.polygon import HalfPlane
 from nonsmooth.proofs.boxes.linearization import Linearization, inward_pull
 from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint
-from nonsmooth.proofs.clauses.at_point.mass import MassLimit, decide_mass_limit, squared_radius_of_disc
+from nonsmooth.proofs.clauses.at_point.mass import MassLimit, decide_mass_limit
 from nonsmooth.proofs.clauses.cocircular import CocircularArray
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.number_text import Real, brief_text

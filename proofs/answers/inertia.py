@@ -1,0 +1,308 @@
+"""What does a body with inertia do, of a scene whose units say what gravity is?
+
+The clauses and the answers from them are about bodies without inertia, the limit of slow wheels.  Here the body is
+heavy: near its place of rest by the five eigenvalues of the linearized full dynamics, in balls
+(:class:`nonsmooth.proofs.clauses.at_point.mass.Pencil`), which is a proof; how long it swings from a ring of starts is
+simulated (:mod:`nonsmooth.analysis.bodies.settling`), and called so.  The slowest eigenvalue would be wrong by a factor
+of two there.  *Unstable* does not say that the body leaves: it may stay on a small limit cycle, which is followed.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import lru_cache
+
+import numpy as np
+from flint import arb, arb_mat, ctx, fmpq
+
+from nonsmooth.analysis.bodies.gyration import squared_radius
+from nonsmooth.analysis.bodies.mass_study import body_of
+from nonsmooth.analysis.bodies.settling import FACTORS, Settled, Settling, massless_holds_to, settle
+from nonsmooth.analysis.cells.loads import LoadError
+from nonsmooth.analysis.dynamics.newton_euler import RigidBody
+from nonsmooth.analysis.trajectories.result import TrajectoryError
+from nonsmooth.proofs.answers.answer import Answer, Inertia, has_dynamics
+from nonsmooth.proofs.answers.bounds import DIGITS, at_least, at_most, of_length
+from nonsmooth.proofs.boxes.enclosed_rest import EnclosedRest, enclosed_rest, unknowns_at_rest
+from nonsmooth.proofs.clauses.at_point.mass import PRECISION, Pencil, mass_limits
+from nonsmooth.proofs.enclosures import is_positive_definite
+from nonsmooth.proofs.facts import Fact, Quantity, said
+from nonsmooth.proofs.verdicts import Translation
+from nonsmooth.symbolic.contact_set import alone, contact_set
+from nonsmooth.symbolic.edge_headings import ball_of
+from nonsmooth.symbolic.number_text import float_text
+from nonsmooth.symbolic.numbers.rounded import either_way
+from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.unknown_loads import UnknownLoads
+
+STARTS = 4  # on a circle about the point, of half the half-width of the checked square
+COMPARED = 1  # of them, with its massless path
+BESIDE = 0.5  # of the accuracy: from an unstable place of rest to one more start
+FIRST = 0.4  # radian, of the first of them: off the lines of symmetry of most arrays
+FADES = 4.0  # time constants of the slowest motion in a chunk
+PERIODS = 12.0  # of the slowest swing at most
+CROSSINGS = (
+    2.0,
+    40.0,
+)  # times in which the body crosses the circle at the wheels' speed: a chunk takes at least and most
+MOST_WORK = 20_000  # evaluations of all forces on all starts: some seconds; those that are left are not followed
+DISC, PLATE, STATED = "that of a disc as large as the array", "that of a uniform plate", "as stated"
+
+
+# ---- proved, near the place of rest ------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class NearRest:
+    """The linearized full dynamics at an enclosed place of rest.
+
+    Attributes:
+        verdict: by five eigenvalues.
+        why_not: why it is undecided; empty where it is not.
+        place: of rest, from the checked point; None where none is enclosed.
+        spin: the rotation rate there.
+        eigenvalues: in floats, of the middle of the enclosure; empty where there is none.
+        stable_to: with the speeds of all wheels up to this factor times as large it is stable; None where that is open.
+        unstable_at: with this factor it is not; None where ``stable_to`` is only as far as was looked.
+    """
+
+    verdict: Inertia
+    why_not: str = ""
+    place: tuple[float, float] | None = None
+    spin: float = 0.0
+    eigenvalues: tuple[complex, ...] = ()
+    stable_to: Fraction | None = None
+    unstable_at: Fraction | None = None
+
+
+VERDICTS = {
+    Translation.ASYMPTOTICALLY_STABLE: Inertia.STABLE,
+    Translation.UNSTABLE: Inertia.UNSTABLE,
+    Translation.UNDECIDED: Inertia.UNDECIDED,
+}
+
+
+def near_rest(scene: Scene) -> NearRest:
+    """What a body with inertia does near the place of rest at or beside the checked point of a scene with gravity."""
+    array, kept = alone(scene).recentred(), contact_set(scene)
+    with either_way(scene.field):
+        rest = enclosed_rest(array)
+    if rest is None:
+        return NearRest(Inertia.UNDECIDED, "no place of rest is enclosed at which forces have derivatives")
+    place, spin = (float(rest.place[0]), float(rest.place[1])), float(rest.spin)
+    if rest.balance.size > 3:
+        return NearRest(Inertia.UNDECIDED, "a wheel sticks at the place of rest: no linearization", place, spin)
+    turns = None if 0 not in rest.spin else Fraction(0)
+    if not kept.keeps(rest.distance, turns):
+        return NearRest(Inertia.UNDECIDED, "other wheels come under it at the place of rest", place, spin)
+    with ctx.workprec(PRECISION):
+        return _linearized(scene, rest, place, spin)
+
+
+def _linearized(scene: Scene, rest: EnclosedRest, place: tuple[float, float], spin: float) -> NearRest:
+    (x, y), omega = rest.place, rest.spin
+    found = rest.balance.at(unknowns_at_rest(arb_mat([[x], [y], [omega]])), rest.place)
+    if found is None or scene.inertia is None:
+        return NearRest(Inertia.UNDECIDED, "a wheel may stick or lift off at the place of rest", place, spin)
+    pencil = Pencil.about(found[1], found[2], rest.place, omega, ball_of(squared_radius(scene)))
+    mass = 1 / ball_of(scene.inertia.gravity)
+    verdict = VERDICTS[pencil.stability(mass)]
+    values = tuple(np.roots([float(value.mid()) for value in reversed(pencil.characteristic(mass))]).tolist())
+    why_not = "five eigenvalues: the signs of their real parts are not told" if verdict is Inertia.UNDECIDED else ""
+    near = NearRest(verdict, why_not, place, spin, values)
+    is_light = rest.stability is Translation.ASYMPTOTICALLY_STABLE
+    limits = mass_limits(pencil) if is_light and is_positive_definite(pencil.damping.tolist()) else None
+    if limits is None:
+        return near
+    stable_to, unstable_at = limits
+    low = Fraction(at_least(_factor(stable_to, mass)))
+    high = None if unstable_at is None else Fraction(at_most(_factor(unstable_at, mass)))
+    return NearRest(verdict, why_not, place, spin, values, low, high)
+
+
+def _factor(limit: Fraction, mass: arb) -> arb:
+    """Speeds count as the square root of the mass."""
+    return (arb(fmpq(limit.numerator, limit.denominator)) / mass).sqrt()
+
+
+# ---- simulated ---------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Simulated:
+    """What becomes of bodies from a ring of starts.
+
+    Attributes:
+        radius: of the ring (length).
+        bodies: one for each start that was followed.
+        asked: how many starts there are.
+        massless_holds_to: factor of the speeds of all wheels up to which bodies keep within the accuracy of their
+            massless paths, one of a few that were tried, 0 where the lowest does not; None where that is not known.
+        why_not: why some were not followed.
+    """
+
+    radius: float
+    bodies: tuple[Settled, ...]
+    asked: int
+    massless_holds_to: float | None
+    why_not: str = ""
+
+    def those(self, kind: Settling) -> list[Settled]:
+        """The bodies of which this becomes."""
+        return [body for body in self.bodies if body.kind is kind]
+
+
+def simulated(scene: Scene, near: NearRest) -> Simulated:
+    """Follow bodies from the ring, heading as checked."""
+    radius, accuracy = float(scene.check.radius) / 2, float(scene.accuracy)
+    at_x, at_y = map(float, scene.check.equilibrium)
+    angles = [FIRST + 2 * math.pi * k / STARTS for k in range(STARTS)]
+    starts = [(at_x + radius * math.cos(angle), at_y + radius * math.sin(angle), 0.0) for angle in angles]
+    if near.verdict is Inertia.UNSTABLE and near.place is not None:  # beside it, for a small limit cycle
+        starts.insert(0, (at_x + near.place[0] + BESIDE * accuracy, at_y + near.place[1], 0.0))
+    body = body_of(scene, 1 / float(scene.inertia.gravity)) if scene.inertia is not None else None
+    bodies: list[Settled] = []
+    crossing = radius / max(float(abs(wheel.speed)) for wheel in scene.wheels)
+    if body is None:
+        return Simulated(radius, (), len(starts), None)
+    try:
+        for start in starts:
+            if sum(one.work for one in bodies) > MOST_WORK:
+                return Simulated(radius, tuple(bodies), len(starts), None, "it takes long")
+            bodies.append(settle(scene, body, start, accuracy, *_chunk(near, crossing)))
+        return Simulated(radius, tuple(bodies), len(starts), _massless(scene, body, bodies, accuracy))
+    except (ValueError, TrajectoryError, LoadError) as error:
+        return Simulated(radius, tuple(bodies), len(starts), None, str(error))
+
+
+def _chunk(near: NearRest, crossing: float) -> tuple[float, bool]:
+    """How long a chunk is, and whether swings fade or grow in it."""
+    shortest, longest = (times * crossing for times in CROSSINGS)
+    slow = min((abs(value.real) for value in near.eigenvalues), default=0.0)
+    swings = [value for value in near.eigenvalues if value.imag > 0]
+    most = PERIODS * 2 * math.pi / min(value.imag for value in swings) if swings else longest
+    chunk = max(shortest, min(FADES / slow if slow else math.inf, most))
+    slowest = min((abs(value.real) for value in swings), default=0.0)
+    return chunk, slowest * chunk >= FADES
+
+
+def _massless(scene: Scene, body: RigidBody, bodies: list[Settled], accuracy: float) -> float | None:
+    """Over the time in which bodies settle, from the first starts; None where some do not settle."""
+    times = [one.settles_after for one in bodies if one.settles_after is not None]
+    until = max(times, default=0.0)
+    if len(times) < len(bodies) or not until:
+        return None
+    return massless_holds_to(scene, body, [one.start for one in bodies[:COMPARED]], accuracy, until)
+
+
+# ---- the answer --------------------------------------------------------------------------------
+
+
+def inertia_answer(scene: Scene) -> Answer | None:
+    """Of a body with inertia, beside the answer on the position; None where its scene does not say what gravity is."""
+    if not has_dynamics(scene):
+        return None
+    if isinstance(scene.contact.loads, UnknownLoads):
+        return Answer("inertia", Inertia.UNDECIDED, (said("loads are not known: no path is followed"),))
+    return _answered(_Asked(scene))
+
+
+@dataclass(frozen=True, eq=False)
+class _Asked:
+    """A question, the same where it is about the same object."""
+
+    scene: Scene
+
+    def __hash__(self) -> int:
+        return id(self.scene)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Asked) and self.scene is other.scene
+
+
+@lru_cache(maxsize=16)  # an answer is asked for several times
+def _answered(asked: _Asked) -> Answer:
+    scene = asked.scene
+    near = near_rest(scene)
+    found = simulated(scene, near)
+    return Answer("inertia", near.verdict, (*_proved(scene, near), *_seen(scene, found)))
+
+
+def _proved(scene: Scene, near: NearRest) -> Iterator[Fact]:
+    """What the linearization says, and of which body."""
+    unit, inertia = of_length(scene), scene.inertia
+    gravity = 0.0 if inertia is None else float(inertia.gravity)
+    stated = inertia is not None and inertia.squared_radius is not None
+    kind = STATED if stated else DISC if scene.body is None else PLATE
+    radius = squared_radius(scene)
+    yield Fact("gravity", Quantity(None if inertia is None else inertia.gravity))
+    yield Fact("squared_radius", Quantity(radius))
+    of = f"g = {float_text(gravity, DIGITS)}{unit}/s^2, I/m = {float_text(float(radius), DIGITS)}{unit}^2, {kind}"
+    yield said(f"a body with inertia ({of})")
+    if near.verdict is Inertia.STABLE:
+        yield said("close to its place of rest it comes to rest there, by enclosed eigenvalues")
+    elif near.verdict is Inertia.UNSTABLE:
+        yield said("close to its place of rest it swings or drifts away from it, by enclosed eigenvalues")
+    else:
+        yield said(near.why_not)
+    yield Fact("stable_to", Quantity(near.stable_to))
+    yield Fact("unstable_at", Quantity(near.unstable_at))
+    if near.stable_to is not None and near.unstable_at is not None:
+        low, high = at_least(near.stable_to), at_most(near.unstable_at)
+        yield said(f"it is stable up to {low} times these speeds, and unstable at {high} times")
+
+
+def _seen(scene: Scene, found: Simulated) -> Iterator[Fact]:
+    """What the simulation says."""
+    unit, accuracy = of_length(scene), float_text(float(scene.accuracy), DIGITS)
+    at_rest, cycles = found.those(Settling.AT_REST), found.those(Settling.LIMIT_CYCLE)
+    after = max((one.settles_after or 0.0 for one in at_rest), default=None)
+    swings = max((one.swings or 0 for one in at_rest), default=None)
+    size = max((one.amplitude or 0.0 for one in cycles), default=None)
+    every = len(found.bodies) == found.asked
+    settles = every and len(at_rest) == found.asked
+    yield Fact("status", "simulated")
+    yield Fact("swings", swings if settles else None)
+    yield Fact("settles_after", after if settles else None)
+    yield Fact("limit_cycle", size)
+    yield Fact("massless_holds_to", found.massless_holds_to)
+    yield Fact("from", [_record(one) for one in found.bodies])
+    beside = " and one beside it" if found.asked > STARTS else ""
+    ring = f"simulated from {STARTS} starts {float_text(found.radius, DIGITS)}{unit} away{beside}"
+    parts = []
+    if at_rest and after is not None:
+        count = "" if settles else f"{len(at_rest)} "
+        times = f"{swings} swing{'' if swings == 1 else 's'}"
+        within = f"within {accuracy}{unit} of where it ends"
+        parts.append(f"{count}{within} after {float_text(after, 3)} s, with up to {times}")
+    if cycles and size is not None:
+        parts.append(f"{len(cycles)} on a limit cycle, up to {float_text(size, 3)}{unit} from its middle")
+    for kind in (Settling.THROWN_OFF, Settling.OPEN):
+        those = len(found.those(kind))
+        parts += [f"{those} {kind}"] if those else []
+    parts += [f"not all are followed: {found.why_not}"] if found.why_not else []
+    yield said(f"{ring}: {', '.join(parts)}")
+    if found.massless_holds_to is not None:
+        yield said(_alike(found.massless_holds_to, accuracy + unit))
+
+
+def _record(one: Settled) -> dict[str, object]:
+    return {
+        "start": list(one.start),
+        "end": list(one.end),
+        "what": str(one.kind),
+        "settles_after": one.settles_after,
+        "swings": one.swings,
+        "limit_cycle": one.amplitude,
+    }
+
+
+def _alike(factor: float, accuracy: str) -> str:
+    """Up to which speeds it moves as one without inertia."""
+    if not factor:
+        return f"without inertia it moves otherwise, by more than {accuracy}, even at {FACTORS[0]:g} of these speeds"
+    most = "at least " if factor == FACTORS[-1] else ""
+    return f"without inertia it moves alike, within {accuracy}, up to {most}{float_text(factor, 3)} times these speeds"

@@ -1,0 +1,124 @@
+"""Bodies with inertia by Newton's law in a few lines, with fixed steps: shares nothing with the product.
+
+Loads are those of equal springs that only push: least squares on the wheels that carry, those that would pull left out.
+Forces are on the friction ellipse, against its gradient, rounded where slips are some per cent of the speed of the
+wheels; under rule roller they are cut at the bearings' friction.  Many bodies are followed at once, in any units.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+ROUNDED = 0.03  # slips beside the largest speed of a wheel below which forces are less than they may be
+STIFF = 1.0  # of the time in which the fastest slip decays where a turn adds as much again: a step
+
+
+@dataclass(frozen=True)
+class HeavyTable:
+    """A table of omniwheels or rubber wheels, and how heavy its body is.
+
+    Attributes:
+        places: of the wheels (n, 2).
+        headings: of the rims (n,), radian.
+        speeds: of the surfaces (n,).
+        friction: along and across the rim (n, 2).
+        gravity: g.
+        squared_radius: I/m.
+        bearings: forces across the rim are cut there, as a share of the load (n,); None under rule ellipse.
+    """
+
+    places: Floats
+    headings: Floats
+    speeds: Floats
+    friction: Floats
+    gravity: float
+    squared_radius: float
+    bearings: Floats | None = None
+    rounded: float = ROUNDED
+
+    def exactly(self) -> HeavyTable:
+        """Without rounding: for derivatives where every wheel slips."""
+        return replace(self, rounded=0.0)
+
+    def loads(self, centres: Floats) -> Floats:
+        """Shares of the weight (m, n) at centres of mass (m, 2); nan where fewer than three wheels would carry."""
+        rows = np.column_stack([np.ones(len(self.places)), self.places])
+        size = np.abs(self.places).max()
+        rows[:, 1:] /= size
+        goal = np.column_stack([np.ones(len(centres)), centres / size])
+        carries = np.ones((len(centres), len(rows)), bool)
+        for _ in range(len(rows)):
+            normal = np.einsum("mn,ni,nj->mij", carries.astype(float), rows, rows)
+            fails = (carries.sum(axis=1) < 3) | (np.abs(np.linalg.det(normal)) < 1e-9)
+            normal[fails] = np.eye(3)
+            loads = carries * (np.linalg.solve(normal, goal[..., None])[..., 0] @ rows.T)
+            loads[fails] = np.nan
+            pulls = loads < 0
+            if not pulls.any():
+                break
+            carries &= ~pulls
+        return loads
+
+    def rate(self, states: Floats) -> Floats:
+        """Time derivatives of states ``(x, y, theta, w_x, w_y, omega)``, (m, 6)."""
+        along = np.column_stack([np.cos(self.headings), np.sin(self.headings)])
+        across = np.column_stack([-along[:, 1], along[:, 0]])
+        arms = self.places - states[:, None, :2]
+        points = states[:, None, 3:5] + states[:, None, 5:] * np.stack([-arms[..., 1], arms[..., 0]], axis=2)
+        r = (points * along).sum(axis=2) - self.speeds
+        s = (points * across).sum(axis=2)
+        mu, most = self.friction, self.friction.max(axis=1) * self.rounded * np.abs(self.speeds).max()
+        if self.bearings is None:
+            root = np.sqrt((mu[:, 0] * r) ** 2 + (mu[:, 1] * s) ** 2 + most**2)
+            pull, push = -(mu[:, 0] ** 2) * r / root, -(mu[:, 1] ** 2) * s / root
+        else:  # the disc of mu_roll, its rollers turn where it would be cut
+            root = np.sqrt((mu[:, 0] * r) ** 2 + (mu[:, 0] * s) ** 2 + most**2)
+            pull, push = -(mu[:, 0] ** 2) * r / root, -(mu[:, 0] ** 2) * s / root
+            turns = np.abs(push) > self.bearings
+            rest = np.sqrt(mu[:, 0] ** 2 - self.bearings**2)
+            pull = np.where(turns, -rest * r / np.sqrt(r**2 + (most / mu[:, 0]) ** 2), pull)
+            push = np.where(turns, np.sign(push) * self.bearings, push)
+        loads = self.gravity * self.loads(states[:, :2])
+        forces = loads[..., None] * (pull[..., None] * along + push[..., None] * across)
+        torque = (arms[..., 0] * forces[..., 1] - arms[..., 1] * forces[..., 0]).sum(axis=1)
+        return np.column_stack([states[:, 3:], forces.sum(axis=1), torque / self.squared_radius])
+
+    @property
+    def step(self) -> float:
+        """Of time: a share of that in which the fastest slip decays."""
+        return STIFF * self.rounded * float(np.abs(self.speeds).max()) / (self.gravity * float(self.friction.max()))
+
+    def follow(self, starts: Floats, until: float, looks: int = 2000) -> tuple[Floats, Floats]:
+        """Times (k,) and states (k, m, 6) from rest at ``(x, y, theta)`` (m, 3): the classical Runge-Kutta method."""
+        states = np.column_stack([starts, np.zeros((len(starts), 3))])
+        count = int(np.ceil(until / self.step))
+        every, h = max(1, count // looks), until / count
+        times, seen = [0.0], [states]
+        for k in range(count):
+            a = self.rate(states)
+            b = self.rate(states + h / 2 * a)
+            c = self.rate(states + h / 2 * b)
+            d = self.rate(states + h * c)
+            states = states + h / 6 * (a + 2 * b + 2 * c + d)
+            if (k + 1) % every == 0:
+                times.append((k + 1) * h)
+                seen.append(states)
+        return np.array(times), np.array(seen)
+
+
+def eigenvalues_by_differences(table: HeavyTable, state: Floats) -> NDArray[np.complex128]:
+    """Of the rates by the five entries without theta, by central differences about a state (6,)."""
+    size, speed = np.abs(table.places).max(), np.abs(table.speeds).max()
+    steps = 1e-5 * np.array([size, size, 1.0, speed, speed, speed / size])
+    columns = []
+    for k in (0, 1, 3, 4, 5):
+        off = np.zeros(6)
+        off[k] = steps[k]
+        ahead, behind = table.rate(np.array([state + off, state - off]))
+        columns.append((ahead - behind)[[0, 1, 3, 4, 5]] / (2 * steps[k]))
+    return np.asarray(np.linalg.eigvals(np.column_stack(columns)))
