@@ -31,9 +31,8 @@ from nonsmooth.symbolic.scene import Scene
 
 Pose = tuple[float, float, float]
 
-COARSER = (
-    1e3  # tolerances beside those of a path that is shown; still larger ones take more steps where bodies are light
-)
+# Tolerances beside those of a path that is shown; still larger ones take more steps where bodies are light.
+COARSER = 1e3
 STILL = 0.05  # of the accuracy: a chunk that stays within it has settled
 STEADY = 0.02  # relative change of the size of swings from one half of a chunk to the other on a limit cycle
 MOST_CHUNKS = 12

@@ -44,10 +44,7 @@ BESIDE = 0.5  # of the accuracy: from an unstable place of rest to one more star
 FIRST = 0.4  # radian, of the first of them: off the lines of symmetry of most arrays
 FADES = 4.0  # time constants of the slowest motion in a chunk
 PERIODS = 12.0  # of the slowest swing at most
-CROSSINGS = (
-    2.0,
-    40.0,
-)  # times in which the body crosses the circle at the wheels' speed: a chunk takes at least and most
+CROSSINGS = 2.0, 40.0  # least and most length of a chunk, in times of crossing the circle at the wheels' speed
 MOST_WORK = 20_000  # evaluations of all forces on all starts: some seconds; those that are left are not followed
 DISC, PLATE, STATED = "that of a disc as large as the array", "that of a uniform plate", "as stated"
 

@@ -108,8 +108,13 @@ def test_what_is_said() -> None:
     found = decide_robust(replace(scene, tolerances=small_box(scene)))
     assert found is not None
     assert found.verdict is Certainty.CERTIFIED
-    assert found.start is None
-    assert found.equilibrium == found.radius
+    # beside the equilibrium, where bodies from how far end, and after how long
+    assert found.start is not None
+    assert found.within is not None
+    assert found.radius is not None
+    assert found.equilibrium is not None
+    assert found.radius < found.start
+    assert found.within > 0
     assert found.factor is not None
     assert found.factor >= 1
     assert found.binding in ("mu_roll", "mu_side", "position", "heading")
