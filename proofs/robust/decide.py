@@ -24,6 +24,7 @@ from nonsmooth.proofs.robust.ultimate_bound import root_above
 from nonsmooth.proofs.verdicts import Certainty
 from nonsmooth.symbolic.contact_set import contact_set
 from nonsmooth.symbolic.numbers.enclosures import rational_below
+from nonsmooth.symbolic.rule import MIXED
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.tolerances import Tolerance
 from nonsmooth.symbolic.unknown_loads import UnknownLoads
@@ -196,7 +197,7 @@ class DiscProof(BoxProof):
 
 
 class SmoothProof(DiscProof):
-    """Rules ``ellipse`` and ``roller``: one equilibrium of every array nearby, which attracts; else a disc of ends."""
+    """Rules with friction sets: one equilibrium of every array nearby, which attracts; else a disc of ends."""
 
     no_proof = (
         "it is not shown that every array has one equilibrium nearby that attracts, nor that every body comes nearer "
@@ -281,6 +282,7 @@ PROOFS: dict[str, type[BoxProof]] = {
     "box": BoxRuleProof,
     "ellipse": SmoothProof,
     "roller": SmoothProof,
+    MIXED: SmoothProof,
 }
 
 

@@ -28,7 +28,7 @@ from nonsmooth.proofs.boxes.load_box import LoadBox, load_box
 from nonsmooth.proofs.robust.box_bound import BoxBound
 from nonsmooth.proofs.robust.box_corners import MAX_WHEELS, BoxCorners
 from nonsmooth.proofs.robust.box_wheel import BoxWheel, box_wheels
-from nonsmooth.proofs.robust.friction_forces import FORCE_LAWS
+from nonsmooth.proofs.robust.friction_forces import FOLLOWED
 from nonsmooth.proofs.robust.imposed_twist import distance_of_minimizers
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.free_rollers import with_rims_along_axes
@@ -83,7 +83,7 @@ def decide_robust_loop(scene: Scene, feedback: AnyFeedback) -> RobustLoop | None
     if kappa is None:
         return None
     centred = scene.recentred()
-    if scene.contact.rule in FORCE_LAWS:
+    if scene.contact.rule in FOLLOWED:
         own = in_own_length(centred)
         shrunk = box.scaled(1 / scene.check.length)
         return _decided(own, shrunk, kappa, partial(_smooth_error, own, shrunk, cones[0], kappa))
@@ -95,7 +95,7 @@ def decide_robust_loop(scene: Scene, feedback: AnyFeedback) -> RobustLoop | None
 
 def _why_not(scene: Scene, box: Tolerance, cones: Sequence[LawCone]) -> str:
     """Why no law is followed; empty where it is."""
-    if scene.contact.rule not in ("box", *FORCE_LAWS):
+    if scene.contact.rule not in ("box", *FOLLOWED):
         return ONE_PAIR
     if isinstance(scene.contact.loads, UnknownLoads):
         return "the loads are not known"
@@ -114,7 +114,7 @@ def _box_error(scene: Scene, box: Tolerance, cone: LawCone, number: int, loads: 
 def _smooth_error(
     own: Scene, box: Tolerance, cone: LawCone, kappa: Fraction, number: int, loads: LoadBox
 ) -> arb | None:
-    """Under the rules ``ellipse`` and ``roller``."""
+    """Under the rules ``ellipse``, ``roller`` and ``mixed``."""
     return distance_of_minimizers(own, box, loads, cone.twists[number], math.sqrt(kappa))
 
 

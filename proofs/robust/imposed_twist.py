@@ -19,7 +19,7 @@ from nonsmooth.proofs.clauses.feedback.driven_law import rim_speeds
 from nonsmooth.proofs.enclosures import UNIT
 from nonsmooth.proofs.robust.array_forces import ArrayBox, PieceForces, Triple
 from nonsmooth.proofs.robust.box_wheel import box_wheels
-from nonsmooth.proofs.robust.friction_forces import FORCE_LAWS
+from nonsmooth.proofs.robust.friction_forces import force_law
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.tolerances import Tolerance
 
@@ -36,13 +36,13 @@ def distance_of_minimizers(
     """A bound of ``|xi - xi_m|``, below ``most``, in the unit l of the scene; None where none is shown.
 
     Args:
-        own: a centred scene under rule ``ellipse`` or ``roller``, with l for the unit of length.
+        own: a centred scene under rule ``ellipse``, ``roller`` or ``mixed``, with l for the unit of length.
         box: its tolerances.
         loads: of all its arrays.
         imposed: the twist, with the speeds that impose it.
         most: the largest bound that is of use.
     """
-    arrays = ArrayBox(box_wheels(own, box), loads, FORCE_LAWS[own.contact.rule])
+    arrays = ArrayBox(box_wheels(own, box), loads, force_law(own))
     forces = replace(PieceForces.at_point(arrays), speeds=_speeds(own, box, imposed))
     middle = np.array([float(entry) for entry in imposed.twist])
     rounding = 2.0**-40 * (most + float(np.abs(middle).max()))  # of the cube to floats

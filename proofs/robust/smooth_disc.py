@@ -30,7 +30,7 @@ from nonsmooth.proofs.boxes.load_box import load_box
 from nonsmooth.proofs.robust.annulus import AnnulusPiece
 from nonsmooth.proofs.robust.array_forces import ArrayBox, Pair, PieceForces, Triple
 from nonsmooth.proofs.robust.box_wheel import box_wheels
-from nonsmooth.proofs.robust.friction_forces import FORCE_LAWS
+from nonsmooth.proofs.robust.friction_forces import force_law
 from nonsmooth.proofs.robust.plane_minimum import PlaneMinima, PlaneMinimum
 from nonsmooth.proofs.robust.rings import RingProof
 from nonsmooth.symbolic.numbers.coefficients import as_fmpq
@@ -69,8 +69,7 @@ class SmoothDisc(RingProof[ArrayBox]):
     def over(self, box: Tolerance) -> ArrayBox | None:
         """The arrays of a box; None where springs may not fix the loads."""
         loads = load_box(self._scene, box.position.ball())
-        law = FORCE_LAWS[self._scene.contact.rule]
-        return None if loads is None else ArrayBox(box_wheels(self._scene, box), loads, law)
+        return None if loads is None else ArrayBox(box_wheels(self._scene, box), loads, force_law(self._scene))
 
     def rates(self, bound: ArrayBox, pieces: Sequence[AnnulusPiece]) -> Iterator[arb | None]:
         """A few at a time: where one fails in the end, the others are not looked at."""

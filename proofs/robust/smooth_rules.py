@@ -1,4 +1,4 @@
-"""Rules ``ellipse`` and ``roller`` over a box of parameters: one equilibrium nearby for every array, which attracts.
+"""Rules with friction sets over a box of parameters: one equilibrium nearby for every array, which attracts.
 
 With g the gradient of D in the twist (force and moment), an equilibrium is a zero of ``F(c, omega) = g(xi; c)`` at the
 twist of a body that turns about its own centre, ``xi = (omega c_y, -omega c_x, omega)``.  Krawczyk's operator ::
@@ -42,6 +42,7 @@ from nonsmooth.proofs.enclosures import (
     unit_vector,
 )
 from nonsmooth.proofs.robust.box_wheel import half_widths
+from nonsmooth.proofs.robust.friction_forces import rollers
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.scene import Scene, Wheel
@@ -53,8 +54,6 @@ GROWTH = 1.125  # of the image of the box, which is the next one
 LEAST = 2.0**-50  # of its half-widths
 NEWTON_STEPS = 20  # to the middle of the box
 
-# The rules whose forces are written here, and whether rollers cut the disc; another rule has no entry and is a fault.
-HAS_ROLLERS = {"ellipse": False, "roller": True}
 TWIST = 3  # entries; then x, y, angle, speed and the two frictions of a wheel, and its load
 
 
@@ -113,8 +112,8 @@ class _Arrays:
     """All arrays of a box."""
 
     def __init__(self, scene: Scene, box: Tolerance, loads: LoadBox, nominal: LoadBox) -> None:
-        self._rolls = HAS_ROLLERS[scene.contact.rule]
-        self._wheels = [(wheel, half_widths(wheel, box)) for wheel in scene.wheels]
+        wheels = zip(scene.wheels, rollers(scene), strict=True)
+        self._wheels = [(wheel, rolls, half_widths(wheel, box)) for wheel, rolls in wheels]
         self._loads, self._nominal = loads, nominal
 
     def nominal_map(self, z: arb_mat) -> tuple[arb_mat, arb_mat] | None:
@@ -129,10 +128,12 @@ class _Arrays:
         x, y, omega = z.entries()
         loads, middles = self._loads.at((x, y)), self._nominal.at((x, y))
         value, spread, by_twist, by_place = arb_mat(3, 1), arb_mat(3, 1), arb_mat(3, 3), arb_mat(3, 2)
-        for (wheel, own), load, middle, form in zip(self._wheels, loads, middles, self._loads.forms, strict=True):
+        for (wheel, rolls, own), load, middle, form in zip(
+            self._wheels, loads, middles, self._loads.forms, strict=True
+        ):
             shifts = [size * UNIT if whole else arb(0) for size in own]
             at = [omega * y, -omega * x, omega, *shifts, load if whole else middle]
-            wrench = _wrench(wheel, at, has_rollers=self._rolls)
+            wrench = _wrench(wheel, at, has_rollers=rolls)
             if wrench is None or not load > 0:
                 return None
             sizes = [*own, abs(load - middle)]

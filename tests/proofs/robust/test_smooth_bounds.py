@@ -56,8 +56,10 @@ def drawn(scene: Scene, box: Tolerance, rng: np.random.Generator, *, corner: boo
     rims = np.column_stack([np.cos(angles), np.sin(angles)])
     if scene.contact.rule == "ellipse":
         return ContactModel.build(places, rims, speeds, np.column_stack([roll, side]))
-    model = ContactModel.build(places, rims, speeds, np.column_stack([roll, roll]))
-    sets = [FrictionSet(a, a, min(b / a, 1.0)) for a, b in zip(roll, side, strict=True)]
+    rolls = [(wheel.friction.rule or scene.contact.rule) == "roller" for wheel in scene.wheels]
+    model = ContactModel.build(places, rims, speeds, np.column_stack([roll, np.where(rolls, roll, side)]))
+    of_wheels = zip(rolls, roll, side, strict=True)
+    sets = [FrictionSet(a, a, min(b / a, 1.0)) if cut else FrictionSet(a, b, 1.0) for cut, a, b in of_wheels]
     return with_friction_sets(model, sets)
 
 
@@ -66,13 +68,41 @@ def velocity(model: ContactModel, c: Floats) -> Floats:
     return np.array([vx - omega * c[1], vy + omega * c[0]])
 
 
+def mixed(name: str) -> Scene:
+    """A built-in array in which every second wheel has rollers."""
+    scene = load_scene(name, rule="ellipse")
+    kinds = ("ellipse", "roller")
+    wheels = [
+        replace(wheel, friction=replace(wheel.friction, rule=kinds[k % 2])) for k, wheel in enumerate(scene.wheels)
+    ]
+    return replace(scene, wheels=tuple(wheels), contact=replace(scene.contact, rule="mixed"))
+
+
 @few(1)
 @pytest.mark.parametrize("rule", ["ellipse", "roller"])
 @pytest.mark.parametrize("name", keep(2, ["four-wheel", "elliptic", "ring-6", "grid-4x4"]))
 @pytest.mark.parametrize("count", keep(1, [4, 12]))
 def test_every_array_has_its_equilibrium_in_the_disc_and_it_attracts(name: str, rule: str, count: int) -> None:
-    scene = standing(load_scene(name, rule=rule)).recentred()
-    box = small_box(scene)
+    assert_each_attracts(standing(load_scene(name, rule=rule)).recentred(), count)
+
+
+@pytest.mark.parametrize("name", ["four-wheel", "ring-6"])
+def test_every_array_of_mixed_wheels_has_its_equilibrium_in_the_disc_and_it_attracts(name: str) -> None:
+    scene = mixed(name).recentred()
+    assert_each_attracts(scene, 6, small_box(scene).times(Fraction(1, 10)))
+
+
+def test_tolerances_of_mixed_wheels_are_followed() -> None:
+    scene = mixed("four-wheel")
+    found = decide_robust(replace(scene, tolerances=small_box(scene)))
+    assert found is not None
+    assert found.verdict is Certainty.CERTIFIED
+    assert found.start is not None
+
+
+def assert_each_attracts(scene: Scene, count: int, tolerances: Tolerance | None = None) -> None:
+    """Every array that is drawn rests in the disc that is proved, and near it the body comes to that place."""
+    box = tolerances or small_box(scene)
     found = equilibrium_box(scene, box)
     assert found is not None
     reach, rng = float(found.squared) ** 0.5, np.random.default_rng(2)
