@@ -57,9 +57,9 @@ def drawn(scene: Scene, box: Tolerance, rng: np.random.Generator, *, corner: boo
     if scene.contact.rule == "ellipse":
         return ContactModel.build(places, rims, speeds, np.column_stack([roll, side]))
     rolls = [(wheel.friction.rule or scene.contact.rule) == "roller" for wheel in scene.wheels]
-    model = ContactModel.build(places, rims, speeds, np.column_stack([roll, np.where(rolls, roll, side)]))
-    of_wheels = zip(rolls, roll, side, strict=True)
-    sets = [FrictionSet(a, a, min(b / a, 1.0)) if cut else FrictionSet(a, b, 1.0) for cut, a, b in of_wheels]
+    across, cuts = np.where(rolls, roll, side), np.where(rolls, np.minimum(side / roll, 1.0), 1.0)
+    model = ContactModel.build(places, rims, speeds, np.column_stack([roll, across]))
+    sets = [FrictionSet(*axes) for axes in zip(roll, across, cuts, strict=True)]
     return with_friction_sets(model, sets)
 
 

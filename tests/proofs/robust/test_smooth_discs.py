@@ -15,7 +15,7 @@ from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.proofs.answers.robust import robust_facts
 from nonsmooth.proofs.boxes.intervals import Intervals, cosine
 from nonsmooth.proofs.robust.decide import Robust, SmoothProof
-from nonsmooth.proofs.robust.friction_forces import FORCE_LAWS
+from nonsmooth.proofs.robust.friction_forces import ellipse_force, roller_force
 from nonsmooth.proofs.robust.nearest import inner_radius
 from nonsmooth.proofs.robust.rings import EndDisc
 from nonsmooth.proofs.robust.smooth_disc import SmoothDisc
@@ -34,6 +34,8 @@ NEAR = Fraction(1, 16)  # the same, for an array of which several rings are show
 SLACK = 1e-6  # of the speeds: velocities of numerical minimizers
 
 CASES = [("four-wheel", "ellipse"), ("four-wheel", "roller"), ("ring-6", "ellipse"), ("elliptic", "roller")]
+
+LAWS = {"ellipse": ellipse_force, "roller": roller_force}
 
 
 def box_of(scene: Scene, share: Fraction) -> Tolerance:
@@ -229,14 +231,15 @@ def test_forces_are_slopes_of_the_support_function(rule: str) -> None:
     roll, side = 1.0, rng.uniform(0.1, 1.3, 300)
     at = rng.normal(size=(2, 300)) * 10.0 ** rng.integers(-6, 1, 300)
     point = [Intervals.of(entry) for entry in (np.full(300, roll), side, *at)]
-    along, across = FORCE_LAWS[rule](*point)
+    force = LAWS[rule]
+    along, across = force(*point)
     for _ in range(40):
         other = rng.normal(size=(2, 300))
         step = other - at
         gain = along.middle * step[0] + across.middle * step[1]
         assert (support(other) - support(at) - gain > -1e-9).all()
     reach = rng.uniform(0, 0.3, (2, 300))
-    wide = FORCE_LAWS[rule](point[0], point[1], *(Intervals(x - d, x + d) for x, d in zip(at, reach, strict=True)))
+    wide = force(point[0], point[1], *(Intervals(x - d, x + d) for x, d in zip(at, reach, strict=True)))
     for narrow, whole in zip((along, across), wide, strict=True):
         assert (whole.low <= narrow.high).all()
         assert (narrow.low <= whole.high).all()
@@ -245,7 +248,7 @@ def test_forces_are_slopes_of_the_support_function(rule: str) -> None:
 def test_a_slip_that_may_vanish_leaves_the_whole_friction_set() -> None:
     about = Intervals(np.array([-0.1]), np.array([0.1]))
     for rule, most in (("ellipse", 0.5), ("roller", 0.5)):
-        along, across = FORCE_LAWS[rule](Intervals.of(np.ones(1)), Intervals.of(np.full(1, most)), about, about)
+        along, across = LAWS[rule](Intervals.of(np.ones(1)), Intervals.of(np.full(1, most)), about, about)
         assert along.low[0] <= -1 <= 1 <= along.high[0]
         assert across.low[0] <= -most <= most <= across.high[0]
 
