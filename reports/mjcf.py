@@ -49,6 +49,11 @@ CONFORMS = 2e-3
 AT_REST = 1e-9  # of the wheels' speed: slower is rounding of rest
 
 
+def model_name(scene: Scene) -> str:
+    """The name of a scene on one line, without the two hyphens that end a comment of XML."""
+    return one_line(scene.name).replace("--", "- ")
+
+
 class Motion(StrEnum):
     """What the body does at the exported place."""
 
@@ -139,7 +144,7 @@ class Export:
         wheels = "\n".join(self._wheel(wheel) for wheel in self.scene.wheels)
         pairs = "\n".join(self._pair(wheel) for wheel in self.scene.wheels)
         x, y = (value / self.scale for value in self.place)
-        return f"""<mujoco model={quoteattr(self._name())}>
+        return f"""<mujoco model={quoteattr(model_name(self.scene))}>
   <!--
 {self._comment()}
   -->
@@ -158,14 +163,12 @@ class Export:
 </mujoco>
 """
 
-    def _name(self) -> str:
-        return one_line(self.scene.name).replace("--", "- ")
-
     def _comment(self) -> str:
         vx, vy, omega = (float(value) + 0.0 for value in self.file_twist)
         unit = f" {self.scene.units.length}".rstrip()
         lines = [
-            f"{self._name()}, rule {RULE}, exported by nonsmooth: the frame is reversed, the array rides on the body.",
+            f"{model_name(self.scene)}, rule {RULE}, exported by nonsmooth: "
+            "the frame is reversed, the array rides on the body.",
             f"centre of mass in the scene: {self._where}",
             f"scale: 1 in this file is {float_text(self.scale, 9)}{unit} in the scene; "
             f"speeds are those of the scene times {float_text(self.pace, 9)}",

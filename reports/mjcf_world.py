@@ -21,13 +21,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 from xml.sax.saxutils import quoteattr
 
-from nonsmooth.reports.mjcf import LEAST_FRICTION, RULE
+from nonsmooth.reports.mjcf import LEAST_FRICTION, RULE, model_name
 from nonsmooth.symbolic.contact_set import whole
 from nonsmooth.symbolic.continuum import Disc
 from nonsmooth.symbolic.number_text import float_text, place_text
 from nonsmooth.symbolic.plane import cross, dot
 from nonsmooth.symbolic.scene import require_known_loads
-from nonsmooth.symbolic.scene_error import SceneError, StatedFact, one_line
+from nonsmooth.symbolic.scene_error import SceneError, StatedFact
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.trajectories.result import Trajectory
@@ -84,7 +84,7 @@ class WorldExport:
         wheels = "\n".join(map(self._wheel, self.scene.wheels))
         pairs = "\n".join(map(self._pair, self.scene.wheels))
         x, y = self._in_file(self.place)
-        return f"""<mujoco model={quoteattr(self._name())}>
+        return f"""<mujoco model={quoteattr(model_name(self.scene))}>
   <!--
 {self._comment()}
   -->
@@ -104,9 +104,6 @@ class WorldExport:
 </mujoco>
 """
 
-    def _name(self) -> str:
-        return one_line(self.scene.name).replace("--", "- ")
-
     def _comment(self) -> str:
         unit = f" {self.scene.units.length}".rstrip()
         turn = math.degrees(math.atan2(self.axis[1], self.axis[0]))
@@ -116,7 +113,8 @@ class WorldExport:
             "errors of a feedback loop": self.scene.loop_errors,
         }
         lines = [
-            f"{self._name()}, rule {RULE}, exported by nonsmooth: the frame is that of the world, the table stands.",
+            f"{model_name(self.scene)}, rule {RULE}, exported by nonsmooth: "
+            "the frame is that of the world, the table stands.",
             "It needs MuJoCo 3.11 or later: wheels are static geoms whose surfaces run (surfacevel).",
             f"scale: 1 in this file is {float_text(self.scale, 9)}{unit} in the scene; "
             f"speeds are those of the scene times {float_text(self.pace, 9)}",
