@@ -67,15 +67,16 @@ class Question:
         return MeasuredTable.random(self.seed, self.rule, off=OFF[self.seed % len(OFF)])
 
 
-def questions(seeds: range, kinds: list[str]) -> Iterator[Question]:
-    """Seed by seed.
+def questions(seeds: range, kinds: list[str], *, in_turn: bool) -> Iterator[Question]:
+    """Seed by seed, every table under all rules, or (in turn) the first under the first rule, the next under the next.
 
     Tables that a half turn does not change are asked about under the smooth rules: where two wheels are equally near
     none is the nearer one, and under rule ``box`` bodies stick.
     """
     for seed in seeds:
         for kind in kinds:
-            for rule in RULES if kind == "measured" else ("ellipse", "roller"):
+            rules = RULES if kind == "measured" else ("ellipse", "roller")
+            for rule in (rules[seed % len(rules)],) if in_turn else rules:
                 yield Question(kind, seed, rule)
 
 
@@ -214,7 +215,9 @@ if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--seeds", default="0,40")
     parser.add_argument("--kinds", default=",".join(KINDS))
+    parser.add_argument("--in-turn", action="store_true", help="each table under one rule, in turn")
     parser.add_argument("--into", type=Path, default=Path("build/measured_tables"))
     chosen = parser.parse_args()
     first, last = (int(part) for part in chosen.seeds.split(","))
-    raise SystemExit(1 if study(questions(range(first, last), chosen.kinds.split(",")), chosen.into) else 0)
+    asked = questions(range(first, last), chosen.kinds.split(","), in_turn=chosen.in_turn)
+    raise SystemExit(1 if study(asked, chosen.into) else 0)
