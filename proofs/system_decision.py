@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
+from nonsmooth.proofs import kernel_strategies as kernel
 from nonsmooth.proofs.kernel.cells import BeyondReachError
 from nonsmooth.proofs.many_states import decision as space
 from nonsmooth.proofs.many_states.decision import SpacePoint
@@ -117,7 +118,7 @@ def _equilibrium(point: CheckedPoint, verdict: Translation) -> Equilibrium:
 # where there is no other.
 
 
-ONE, TWO, MORE = range(1, 2), range(2, 3), range(3, 9)  # states
+ONE, TWO, MORE, SEVERAL = range(1, 2), range(2, 3), range(3, 9), range(2, 9)  # states
 
 STRATEGIES = [
     Strategy("signs on either side", ONE, line.decide_by_signs),
@@ -133,10 +134,14 @@ STRATEGIES = [
     Strategy("fan of cones", TWO, plane.decide_by_fan),
     Strategy("leading terms", TWO, plane.decide_by_leading_terms),
     Strategy("ray of escape", TWO, plane.decide_by_ray),
+    Strategy("centre manifold", TWO, kernel.decide_beside_stable_subspace),
     Strategy("searched V", TWO, plane.search_function),
     Strategy("searched V", MORE, space.search_function),
     Strategy("sum of squares of the states", MORE, space.decide_by_sum_of_squares),
     Strategy("function that shows instability", MORE, space.search_growth),
     Strategy("invariance principle", TWO, plane.search_attraction),
     Strategy("invariance principle", MORE, space.decide_by_invariance),
+    Strategy("centre manifold", SEVERAL, kernel.decide_by_center_manifold),
+    Strategy("V by sums of squares", TWO, kernel.decide_by_squares),
+    Strategy("function that shows instability", TWO, kernel.decide_by_growth),
 ]

@@ -84,6 +84,10 @@ class Lyapunov:
         for face, name, cells in self.bends:
             self._show_falls_on(face, name, cells, prefix, shift, strict=strict)
 
+    def show_falls_by_square(self, speed: Fraction) -> None:
+        """``V' <= -speed V^2``."""
+        self.show_falls("", lambda cell: self.potential(cell).power(2).times(speed), strict=False)
+
     def _show_on_cell(self, name: str, value: Polynomial, guards: dict[str, Polynomial], *, strict: bool) -> None:
         inside = Inequality(value, guards, open=frozenset(guards))
         self.proofs.show(Claim(name, (inside,), strict, bounded=self.bounded, border=self.border))

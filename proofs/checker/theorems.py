@@ -96,14 +96,18 @@ def show_instability(system: System, hypotheses: Any, proofs: Proofs) -> list[St
     From there V falls, so it stays negative and the solution away from the point, where V is zero; away from it V falls
     at a speed that is bounded from below, and is bounded on the cube: the solution leaves it.  A V that does not rise
     is enough with further functions, as for stability: a solution that stayed in the cube would tend to the point,
-    where V is zero.
+    where V is zero.  And so is ``V' <= -speed V^2``, with a positive number: V falls below all bounds (Chetaev 1934).
     """
-    cells, function, second, direction = take(hypotheses, "cells function second direction")
+    cells, function, second, direction, speed = take(hypotheses, "cells function second direction", "speed")
     own = read_functions(system, cells, function, second, proofs)
     require(own.bounded, "a cube")
     own.below = Fraction(0)
     own.show_zero()
-    show_falling(own, strict=True)
+    if speed is None:
+        show_falling(own, strict=True)
+    else:
+        require(second is None and rational(speed) > 0, "a positive speed, and no further functions")
+        own.show_falls_by_square(rational(speed))
     ray = [rational(value) for value in items(direction, own.count)]
     require(own.is_negative_along(ray), "a V that is negative in the direction")
     return [{"stability": UNSTABLE}]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
+from fractions import Fraction
 from typing import Any
 
 from nonsmooth.proofs.checker.cells import Cell, Face, Inclusion, SurfaceSigns, System
@@ -64,4 +65,11 @@ class Functions(Lyapunov):
         if positive:
             self.show_positive()
         self.show_falls("", self.zero, strict=strict)
+        return self.collected.claims
+
+    def claims_by_square(self, speed: Fraction) -> list[Claim]:
+        """That ``V' <= -speed V^2`` where V is not positive, of the first function."""
+        self.number, self.below = 0, Fraction(0)
+        self.proofs = self.collected = Collected()
+        self.show_falls_by_square(speed)
         return self.collected.claims

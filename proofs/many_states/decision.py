@@ -286,9 +286,8 @@ def search_growth(point: SpacePoint, known: Known) -> Finding | None:
     growth = find_growth(point.system) if known.standing is None else None
     if growth is None:
         return None
-    reason = "V falls along every solution, from negative values at all distances"
-    facts = growth.facts(point.system.states)
-    return Finding(Method.INSTABILITY, Translation.UNSTABLE, reason, proofs=growth, entry=growth.entry, facts=facts)
+    facts, entry = growth.facts(point.system.states), growth.entry
+    return Finding(Method.INSTABILITY, Translation.UNSTABLE, growth.reason, proofs=growth, entry=entry, facts=facts)
 
 
 def decide_by_invariance(point: SpacePoint, known: Known) -> Finding | None:

@@ -10,6 +10,8 @@ coefficients and for all Gram matrices together.  Without the condition that V i
 along every solution and is negative somewhere at every distance: then the point is unstable (Lyapunov's first theorem
 on instability, Chetaev), because a solution that starts there cannot stay near.
 
+*Products* ``+-x_i x_j`` and differences of squares are asked as they are: ``V' <= -V^2/16`` where V is negative.
+
 *Instability.*  Where V falls along every solution and is negative at some points at every distance, a solution from
 such a point has ``V < V(start) < 0`` from then on, so it stays away from the equilibrium, where V is zero; between
 there and the border of the cube V falls at a rate that is bounded from below, so it leaves.
@@ -265,6 +267,7 @@ def _unscaled(basis: Sequence[PiecewiseFunction], found: Sequence[fmpq], radius:
     return values
 
 
+SPEED = Fraction(1, 16)  # of a product that falls where it is negative
 DIRECTIONS = 600  # drawn at random, beside those of the most negative curvature
 FINE = 1 << 10  # denominator of a direction
 
@@ -279,6 +282,7 @@ class GrowthEvidence:
         direction: V is negative at all points near the equilibrium in this direction.
         stated: the cells of the cube.
         proofs: the evidence that V falls, by the names of claims.
+        speed: with which ``V' <= -speed V^2`` is shown where V is negative, instead.
     """
 
     formula: PiecewiseExpression
@@ -286,6 +290,14 @@ class GrowthEvidence:
     direction: tuple[fmpq, ...]
     stated: StatedCells
     proofs: dict[str, Any]
+    speed: Fraction | None = None
+
+    @property
+    def reason(self) -> str:
+        """What V shows, as a sentence."""
+        if self.speed is not None:
+            return "where V is negative, at points at all distances, it falls along every solution"
+        return "V falls along every solution, from negative values at all distances"
 
     def facts(self, states: Sequence[str]) -> tuple[Fact, ...]:
         """V, and where it falls."""
@@ -299,6 +311,7 @@ class GrowthEvidence:
         direction = [str(x) for x in self.direction]
         cells, function = self.stated.record, self.formula.text
         hypotheses = {"cells": cells, "function": function, "second": None, "direction": direction}
+        hypotheses |= {} if self.speed is None else {"speed": str(self.speed)}
         return {"theorem": "instability", "hypotheses": hypotheses, "proofs": {**self.stated.proofs, **self.proofs}}
 
 
@@ -308,23 +321,50 @@ def find_growth(system: SwitchedSystem) -> GrowthEvidence | None:
     Raises:
         BeyondReachError: for a system that is not decided here.
     """
+    return _falling(system) or _falling_by_square(system)
+
+
+def _falling(system: SwitchedSystem) -> GrowthEvidence | None:
+    """By a V that falls along every solution."""
     for radius, formula in proposals(system, positive=False):
         stated, conditions = conditions_on(system, formula, radius)
         falls = conditions.claims(positive=False)
         direction = negative_direction(conditions)
         if direction is None or find_failure(stated.cells, falls) is not None:
             continue
-        proofs = _proofs(falls)
+        proofs = _proofs(falls, Effort.STRICT)
         if proofs is not None:
             return GrowthEvidence(formula, radius, direction, stated, proofs)
     return None
 
 
-def _proofs(claims: Sequence[Claim]) -> dict[str, Any] | None:
+def _falling_by_square(system: SwitchedSystem) -> GrowthEvidence | None:
+    """By one of some products, which falls where it is negative."""
+    for radius, _ in _cubes(system):
+        for formula in _products(system):
+            stated, conditions = conditions_on(system, formula, radius)
+            falls = conditions.claims_by_square(SPEED)
+            direction = negative_direction(conditions)
+            if direction is None or find_failure(stated.cells, falls) is not None:
+                continue
+            proofs = _proofs(falls, Effort.FULL)
+            if proofs is not None:
+                return GrowthEvidence(formula, radius, direction, stated, proofs, SPEED)
+    return None
+
+
+def _products(system: SwitchedSystem) -> Iterator[PiecewiseExpression]:
+    """Products of two states, and differences of their squares, with both signs."""
+    for first, second in combinations(system.states, 2):
+        for text in (f"{first}*{second}", f"{first}**2 - {second}**2"):
+            yield from (parse_piecewise(own, system.states) for own in (text, f"-({text})"))
+
+
+def _proofs(claims: Sequence[Claim], effort: Effort) -> dict[str, Any] | None:
     """Evidence of all claims; None where that of one is not found."""
     proofs = {}
     for claim in claims:
-        found = answer(claim, Effort.STRICT).found
+        found = answer(claim, effort).found
         if found is None:
             return None
         proofs[claim.name] = found.evidence

@@ -40,6 +40,7 @@ class Method(StrEnum):
     LYAPUNOV = "Lyapunov function"
     INVARIANCE = "invariance principle"
     LINEARIZATION = "linearization"
+    CENTER = "centre manifold"
     FAN = "fan of cones"
     LEADING = "leading terms"
     RAY = "ray of escape"

@@ -64,8 +64,8 @@ class PlaneFunction(ExaminedFunction):
 
     @property
     def suprema(self) -> dict[str, Supremum]:
-        """The largest values of the derivatives."""
-        return {name: self.result.supremum(name) for name in DERIVATIVES}
+        """The largest values of the derivatives; none where other evidence shows the conditions."""
+        return {name: self.result.supremum(name) for name in DERIVATIVES} if self.result.strata else {}
 
 
 def potential_pieces(cells: Sequence[LyapunovCell], states: tuple[str, ...]) -> tuple[PotentialPiece, ...]:

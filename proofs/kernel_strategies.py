@@ -1,0 +1,114 @@
+"""Strategies of the kernel, for the points that the theory of their number of states leaves open.
+
+In two states the theory of the plane is asked first (:mod:`nonsmooth.proofs.systems.system_stability`).  What it leaves
+open is often smooth and degenerate: ``x' = -x + y^2, y' = -y^3`` has ``V = x^2 + y^2``, whose derivative
+``-2 (x^2 - x y^2 + y^4)`` no subdivision shows to be negative beside the point, where a sum of squares does.
+"""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from fractions import Fraction
+
+from nonsmooth.proofs.facts import row_fact
+from nonsmooth.proofs.kernel.cells import BeyondReachError, started
+from nonsmooth.proofs.kernel.search import NotShownError
+from nonsmooth.proofs.many_states.center_manifold import show_by_center_manifold
+from nonsmooth.proofs.many_states.decision import SpacePoint, search_growth
+from nonsmooth.proofs.many_states.examination import ExaminedLyapunov
+from nonsmooth.proofs.many_states.lyapunov_search import find_lyapunov
+from nonsmooth.proofs.sums_of_squares.prove import Effort
+from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult
+from nonsmooth.proofs.systems.domain import Domain, cube_text
+from nonsmooth.proofs.systems.findings import CheckedPoint, ExaminedFunction, Finding, Known, Method
+from nonsmooth.proofs.systems.lyapunov_search import searched_cells
+from nonsmooth.proofs.systems.plane_function import PlaneFunction
+from nonsmooth.proofs.theorem_searches import find_weak_growth
+from nonsmooth.proofs.verdicts import Translation
+from nonsmooth.symbolic.enclosed_numbers import NoEnclosureError, enclose_numbers
+from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
+
+
+def decide_by_center_manifold(point: CheckedPoint, known: Known) -> Finding | None:
+    """A V that the reduced field on the centre manifold suggests."""
+    return _by_center_manifold(point, known, attracts=False) or _by_center_manifold(point, known, attracts=True)
+
+
+def decide_beside_stable_subspace(point: CheckedPoint, known: Known) -> Finding | None:
+    """The same in two states, before long searches.
+
+    A focus is left to these: a positive V that grows shows that all solutions leave, which says more.
+    """
+    found = decide_by_center_manifold(point, known)
+    return None if found is None or found.proofs.is_whole else found
+
+
+def _by_center_manifold(point: CheckedPoint, known: Known, *, attracts: bool) -> Finding | None:
+    if not known.attraction_is_open:
+        return None
+    shown = show_by_center_manifold(_rational(point.system), attracts=attracts)
+    if shown is None:
+        return None
+    proposal = shown.proposal
+    if shown.function is not None:
+        reason, function = f"{proposal.words}; {shown.function.reason}", _of_point(point, shown.function)
+        return Finding(Method.CENTER, Translation.ASYMPTOTICALLY_STABLE, reason, function, proofs=proposal)
+    reason = f"{proposal.words}; where V is negative, at points at all distances, it falls"
+    facts = shown.facts(point.system.states)
+    return Finding(Method.CENTER, Translation.UNSTABLE, reason, proofs=proposal, entry=shown.entry, facts=facts)
+
+
+def decide_by_squares(point: CheckedPoint, known: Known) -> Finding | None:
+    """The V of the scene and one that is searched, in two states, where sums of squares show that it falls."""
+    if not known.attraction_is_open:
+        return None
+    space = SpacePoint(point.system)
+    stated = space.examine(point.system.check.lyapunov, point.system.check.radius, Effort.STRICT)
+    for found in (stated, find_lyapunov(space.system)):
+        if found is not None and found.decrease is Decrease.STRICT:
+            function = _of_point(point, found)
+            return Finding(Method.LYAPUNOV, Translation.ASYMPTOTICALLY_STABLE, function.reason, function)
+    return None
+
+
+def decide_by_growth(point: CheckedPoint, known: Known) -> Finding | None:
+    """A V that falls, or does not rise, and is negative near the point, in two states."""
+    if known.standing is not None:
+        return None
+    space = SpacePoint(point.system)
+    with suppress(BeyondReachError):
+        found = search_growth(space, known)
+        if found is not None:
+            return found
+    return _weak_growth(space.system)
+
+
+def _weak_growth(system: SwitchedSystem) -> Finding | None:
+    """By a V that does not rise, and further functions."""
+    with suppress(NotShownError, BeyondReachError):
+        subject, search = started(system, None)
+        hypotheses = find_weak_growth(system, search)
+        if hypotheses is not None:
+            entry, _ = search.entry(subject, "instability", hypotheses)
+            reason = "V does not rise, is negative at points at all distances, and nothing stays where it is kept"
+            half, direction = hypotheses["cells"]["within"], ", ".join(hypotheses["direction"])
+            where = f"{cube_text(Fraction(half), system.states)}; V < 0 in the direction ({direction})"
+            facts = row_fact("with", f"V = {hypotheses['function']}"), row_fact("on", where)
+            return Finding(Method.INSTABILITY, Translation.UNSTABLE, reason, entry=entry, facts=facts)
+    return None
+
+
+def _rational(system: SwitchedSystem) -> SwitchedSystem:
+    """The system in rational numbers, or one that encloses it, where there is one."""
+    with suppress(NoEnclosureError):
+        return enclose_numbers(system)
+    return system
+
+
+def _of_point(point: CheckedPoint, function: ExaminedLyapunov) -> ExaminedFunction:
+    """A V with its conditions as results in two states hold it: with its polynomials on the cells of the square."""
+    if len(point.system.states) != len(PLANE):
+        return function
+    cells = searched_cells(point.system, function.formula, function.radius)
+    shown = LyapunovResult(cells, (), (), function.decrease, None, function.reason)
+    return PlaneFunction(shown, Domain(function.radius), function.formula, point.system.states)

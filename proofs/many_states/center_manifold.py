@@ -1,0 +1,521 @@
+"""Functions V for a point whose linearization has one eigenvalue zero, or one pair ``+-i w``, and else stable ones.
+
+Let ``x' = f(x)`` be smooth near the point with the Jacobian A.  With the projection ``u = L x`` on the d centre
+coordinates and ``w = x - R u - h(u)`` in the stable subspace, where h solves
+
+    ``Dh(u) L f(R u + h) = (I - R L) f(R u + h)``    up to some order,
+
+the point behaves as that of the reduced field ``u' = g(u) = L f(R u + h(u))`` (Carr 1981).
+
+*d = 1*: ``g = a u^m + ...``.  *d = 2*: a normal form is sought as ``W = W_2 + W_3 + W_4`` with ``W_2`` a form that the
+linear rotation keeps, and ``W' = c W_2^2 + ...`` (Lyapunov's first quantity c).  Then
+
+    ``V = W(u) + q(u) w + k w^T P w``
+
+falls near the point, for k large, where W falls along g: ``W = +-u^2/2``, ``+-u`` for even m, ``+-(W_2 + W_3 + W_4)``.
+The row q takes away what is linear in w and of lower weight than ``u^m W'``, w weighing half of that.  V is a
+proposal in rational numbers; the claims of the theorem on stability or on instability are proved of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import combinations_with_replacement
+from typing import Any, TypeAlias
+
+import numpy as np
+from flint import fmpq, fmpq_mat
+from numpy.typing import NDArray
+
+from nonsmooth.proofs.checker.cells import System
+from nonsmooth.proofs.checker.polynomials import Exponents, Polynomial, constant, variable
+from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE
+from nonsmooth.proofs.facts import Fact, row_fact
+from nonsmooth.proofs.kernel.cells import StatedCells, sharpened, started, stated_cells
+from nonsmooth.proofs.kernel.first_terms import fields_around, lyapunov_solution, quadratic_form
+from nonsmooth.proofs.kernel.search import NotShownError, SampledProofs, Search, stability_hypotheses
+from nonsmooth.proofs.kernel.written import formula_text
+from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, examine
+from nonsmooth.proofs.sums_of_squares.prove import Effort
+from nonsmooth.proofs.systems.derivatives import Decrease
+from nonsmooth.proofs.systems.domain import cube_text
+from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
+from nonsmooth.symbolic.scene_error import one_line
+from nonsmooth.symbolic.switched_system import SwitchedSystem
+
+MOST_ORDER = 7  # of the first term of a reduced field in one coordinate
+STILL = 2.0**-30  # real parts, over the largest eigenvalue, that are called zero in floats
+GAINS = (1, 8, 64, 1024)  # k, tried in turn
+DENOMINATOR = 1 << 6  # of P
+SHARES = (Fraction(1), Fraction(1, 4), Fraction(1, 16))  # of the checked cube, tried in turn
+
+Vector: TypeAlias = list[Polynomial]
+
+
+@dataclass(frozen=True)
+class Proposal:
+    """A V that the reduced field suggests.
+
+    Attributes:
+        function: V.
+        attracts: whether it shows asymptotic stability, not instability.
+        direction: along which V is negative near the point, where it shows instability.
+        words: what the reduced field does.
+        is_whole: whether there is no stable subspace beside it.
+    """
+
+    function: Polynomial
+    attracts: bool
+    direction: tuple[Fraction, ...]
+    words: str
+    is_whole: bool
+
+
+def center_functions(field: Sequence[Polynomial]) -> Iterator[Proposal]:
+    """Proposals of V for a polynomial field that vanishes at the origin; none where the eigenvalues are others.
+
+    Args:
+        field: n polynomials in n variables.
+    """
+    split = split_at(field)
+    if split is None:
+        return
+    reduced = Reduction(split, field)
+    found = reduced.line() if split.size == 1 else reduced.circle()
+    if found is not None:
+        yield from reduced.functions(found)
+
+
+# ---- centre and stable subspace ------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Split:
+    """The centre subspace and the stable one of a matrix A.
+
+    Attributes:
+        matrix: A, of shape (n, n).
+        right: R, a basis of the centre subspace, of shape (n, d).
+        left: L, with ``L R = I``, which vanishes on the stable subspace, of shape (d, n).
+        center: ``L A R``, of shape (d, d).
+    """
+
+    matrix: fmpq_mat
+    right: fmpq_mat
+    left: fmpq_mat
+    center: fmpq_mat
+
+    @property
+    def count(self) -> int:
+        """The dimension n."""
+        return int(self.matrix.nrows())
+
+    @property
+    def size(self) -> int:
+        """The dimension d of the centre subspace."""
+        return int(self.right.ncols())
+
+    @property
+    def onto_center(self) -> fmpq_mat:
+        """``R L``."""
+        return self.right * self.left
+
+    @property
+    def hurwitz(self) -> fmpq_mat:
+        """A on the stable subspace, and -1 on the centre."""
+        return self.matrix * (_identity(self.count) - self.onto_center) - self.onto_center
+
+
+def split_at(field: Sequence[Polynomial]) -> Split | None:
+    """The subspaces at the origin; None unless one eigenvalue is zero, or a pair imaginary, and all others stable.
+
+    Of a pair ``+-i w`` the number ``w^2`` has to be rational.
+    """
+    count = len(field)
+    matrix = fmpq_mat([[_flint(part.slope(k)) for k in range(count)] for part in field])
+    values = np.linalg.eigvals(np.array([[float(part.slope(k)) for k in range(count)] for part in field]))
+    size = max(float(np.abs(values).max()), np.finfo(float).tiny)
+    still = [value for value in values if abs(value.real) <= STILL * size]
+    if any(part.at_origin for part in field) or max(value.real for value in values) > STILL * size:
+        return None
+    if len(still) == 1:
+        return _split_by(matrix, matrix, 1)
+    if len(still) == 2 and min(abs(value.imag) for value in still) > STILL * size:
+        square = Fraction(float(abs(still[0]) ** 2)).limit_denominator(1 << 16)
+        return _split_by(matrix, matrix * matrix + _identity(count) * _flint(square), 2)
+    return None
+
+
+def _split_by(matrix: fmpq_mat, vanishing: fmpq_mat, size: int) -> Split | None:
+    """The split where a polynomial in A vanishes on the centre subspace alone."""
+    right, left = _null_basis(vanishing), _null_basis(vanishing.transpose()).transpose()
+    if right.ncols() != size or left.nrows() != size:
+        return None
+    try:
+        left = (left * right).inv() * left
+    except ZeroDivisionError:
+        return None
+    return Split(matrix, right, left, left * matrix * right)
+
+
+def _null_basis(matrix: fmpq_mat) -> fmpq_mat:
+    """A basis of the null space, in columns."""
+    reduced, rank = matrix.rref()
+    count = matrix.ncols()
+    pivots = [next(k for k in range(count) if reduced[i, k]) for i in range(rank)]
+    free = [k for k in range(count) if k not in pivots]
+    rows = [[fmpq(0)] * len(free) for _ in range(count)]
+    for column, k in enumerate(free):
+        rows[k][column] = fmpq(1)
+        for i, pivot in enumerate(pivots):
+            rows[pivot][column] = -reduced[i, k]
+    return fmpq_mat(count, len(free), [value for row in rows for value in row])
+
+
+def _identity(count: int) -> fmpq_mat:
+    return fmpq_mat([[fmpq(int(i == j)) for j in range(count)] for i in range(count)])
+
+
+def _flint(value: Fraction) -> fmpq:
+    return fmpq(value.numerator, value.denominator)
+
+
+def _fraction(value: fmpq) -> Fraction:
+    return Fraction(int(value.p), int(value.q))
+
+
+# ---- the reduced field ---------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Leading:
+    """What the reduced field does.
+
+    Attributes:
+        potential: W, which falls along it, in the centre coordinates.
+        weight: the degree of the first term of its derivative.
+        factor: a, or c.
+        attracts: whether W is positive.
+        words: the same as a clause.
+    """
+
+    potential: Polynomial
+    weight: int
+    factor: Fraction
+    attracts: bool
+    words: str
+
+
+class Reduction:
+    """The centre manifold of a field, and the functions V that it suggests.
+
+    Args:
+        split: the subspaces.
+        field: vanishing at the origin.
+    """
+
+    def __init__(self, split: Split, field: Sequence[Polynomial]) -> None:
+        self.split, self.field = split, field
+        self.manifold = self._manifold(MOST_ORDER if split.size == 1 else 3)
+
+    def _manifold(self, order: int) -> Vector:
+        """The manifold h up to an order: its terms of degree j solve ``Dh_j A_c u - A h_j = r_j``."""
+        split = self.split
+        found = [constant(split.size, 0)] * split.count
+        for degree in range(2, order + 1):
+            moved = self._along(found, degree)
+            carried = [self._carried(own, moved, degree) for own in found]
+            stable = _times(_identity(split.count) - split.onto_center, moved)
+            missing = [_part(own - other, degree) for own, other in zip(stable, carried, strict=True)]
+            found = [own + more for own, more in zip(found, self._homological(missing, degree), strict=True)]
+        return found
+
+    def _along(self, manifold: Sequence[Polynomial], degree: int) -> Vector:
+        """``f(R u + h(u))`` up to a degree."""
+        size = self.split.size
+        places = _times(self.split.right, [variable(size, k) for k in range(size)])
+        places = [own + more for own, more in zip(places, manifold, strict=True)]
+        return [_cut(part.on(places, size), degree) for part in self.field]
+
+    def _carried(self, value: Polynomial, moved: Sequence[Polynomial], degree: int) -> Polynomial:
+        """``grad(value) . L f`` up to a degree."""
+        total = constant(self.split.size, 0)
+        for k, speed in enumerate(_times(self.split.left, moved)):
+            total += value.derivative(k) * speed
+        return _cut(total, degree)
+
+    def _homological(self, missing: Sequence[Polynomial], degree: int) -> Vector:
+        """The forms h in the stable subspace with ``Dh A_c u - A h = r``, for r there."""
+        split = self.split
+        monomials = _monomials(split.size, degree)
+        place = {key: i for i, key in enumerate(monomials)}
+        count, width = split.count, len(monomials)
+        rows = [[fmpq(0)] * (count * width) for _ in range(count * width)]
+        for j, key in enumerate(monomials):
+            rotated = self._rotated(Polynomial(split.size, {key: Fraction(1)}))
+            for k in range(count):
+                for other, value in rotated.terms.items():
+                    rows[k * width + place[other]][k * width + j] += _flint(value)
+                for i in range(count):
+                    rows[i * width + j][k * width + j] -= split.hurwitz[i, k]
+        right = [_flint(own.terms.get(key, Fraction(0))) for own in missing for key in monomials]
+        solved = fmpq_mat(rows).solve(fmpq_mat(len(right), 1, right))
+        parts = [[_fraction(solved[k * width + j, 0]) for j in range(width)] for k in range(count)]
+        return [Polynomial(split.size, dict(zip(monomials, part, strict=True))) for part in parts]
+
+    def _rotated(self, value: Polynomial) -> Polynomial:
+        """``grad(value) . A_c u``."""
+        size = self.split.size
+        turning = _times(self.split.center, [variable(size, k) for k in range(size)])
+        total = constant(size, 0)
+        for k, speed in enumerate(turning):
+            total += value.derivative(k) * speed
+        return total
+
+    # -- what it does
+
+    def line(self) -> Leading | None:
+        """One centre coordinate: the first term of the reduced field decides."""
+        (speed,) = _times(self.split.left, self._along(self.manifold, MOST_ORDER))
+        if not speed:
+            return None
+        order = min(map(sum, speed.terms))
+        factor = speed.terms[(order,)]
+        attracts = bool(order % 2) and factor < 0
+        sign = 1 if attracts else -1
+        words = f"on the centre manifold u' = {_multiple(factor, 'u', order)} + ..."
+        if order % 2:
+            return Leading(variable(1, 0).power(2).times(Fraction(sign, 2)), order + 1, factor, attracts, words)
+        return Leading(variable(1, 0, -1 if factor > 0 else 1), order, factor, False, words)
+
+    def circle(self) -> Leading | None:
+        """Two centre coordinates that turn: Lyapunov's first quantity decides, where it is not zero."""
+        moved = self._along(self.manifold, 3)
+        found = self._kept()
+        square = found
+        for degree in (3, 4):
+            missing = _part(self._carried(found, moved, degree), degree)
+            solved = self._averaged(missing, degree, square if degree == 4 else None)
+            if solved is None:
+                return None
+            found, quantity = found - solved[0], solved[1]
+        if not quantity:
+            return None
+        words = f"on the centre manifold W = u**2 + ... has W' = {_multiple(quantity, 'W', 2)} + ..."
+        return Leading(found if quantity < 0 else -found, 4, quantity, quantity < 0, words)
+
+    def _kept(self) -> Polynomial:
+        """The form ``u_1^2 + ...`` that the linear rotation ``A_c = (a, b; c, -a)`` keeps, where ``b c < -a^2``."""
+        a, b, c = (_fraction(self.split.center[i, j]) for i, j in ((0, 0), (0, 1), (1, 0)))
+        form = Polynomial(2, {(2, 0): c, (1, 1): -2 * a, (0, 2): -b})
+        return form.times(1 / c)
+
+    def _averaged(
+        self, missing: Polynomial, degree: int, square: Polynomial | None
+    ) -> tuple[Polynomial, Fraction] | None:
+        """The form F and the number c with ``grad F . A_c u + c W_2^2 = r``; c is 0 without W_2."""
+        monomials = _monomials(2, degree)
+        columns = [self._rotated(Polynomial(2, {key: Fraction(1)})) for key in monomials]
+        rows = [[_flint(own.terms.get(key, Fraction(0))) for own in columns] for key in monomials]
+        right = [_flint(missing.terms.get(key, Fraction(0))) for key in monomials]
+        if square is not None:
+            doubled = square * square
+            rows = [
+                [*row, _flint(doubled.terms.get(key, Fraction(0)))] for row, key in zip(rows, monomials, strict=True)
+            ]
+            rows.append([fmpq(1), *[fmpq(0)] * len(monomials)])  # multiples of W_2^2 may be added to F
+            right.append(fmpq(0))
+        try:
+            solved = fmpq_mat(rows).solve(fmpq_mat(len(right), 1, right))
+        except ZeroDivisionError:
+            return None
+        values = [_fraction(solved[i, 0]) for i in range(len(rows))]
+        form = Polynomial(2, dict(zip(monomials, values, strict=False)))
+        return form, values[-1] if square is not None else Fraction(0)
+
+    # -- the functions
+
+    def functions(self, leading: Leading) -> Iterator[Proposal]:
+        """V for some k."""
+        split = self.split
+        count, half = split.count, leading.weight // 2
+        center = _times(split.left, [variable(count, k) for k in range(count)])
+        beside = _times(_identity(count) - split.onto_center, [variable(count, k) for k in range(count)])
+        manifold = [_cut(own, half).on(center, count) for own in self.manifold]
+        off = [own - other for own, other in zip(beside, manifold, strict=True)]
+        base = leading.potential.on(center, count)
+        for row, own in zip(self._mixed(leading), off, strict=True):
+            base += row.on(center, count) * own
+        for gain in GAINS if count > split.size else (0,):
+            function = base + self._square(off).times(gain) if gain else base
+            whole = count == split.size
+            yield Proposal(function, leading.attracts, self._direction(leading), leading.words, whole)
+
+    def _direction(self, leading: Leading) -> tuple[Fraction, ...]:
+        """Of the centre subspace, in which W is least near the point."""
+        side = 1 if leading.potential.slope(0) <= 0 else -1
+        return tuple(side * _fraction(self.split.right[i, 0]) for i in range(self.split.count))
+
+    def _square(self, off: Sequence[Polynomial]) -> Polynomial:
+        """``w^T P w`` with ``A^T P + P A = -I`` on the stable subspace, rounded."""
+        count, hurwitz = self.split.count, self.split.hurwitz
+        floats: NDArray[np.float64] = np.array(
+            [[float(_fraction(hurwitz[i, j])) for j in range(count)] for i in range(count)]
+        )
+        solution = lyapunov_solution(floats, 0.0, np.eye(count))
+        if solution is None:
+            return constant(count, 0)
+        return quadratic_form(solution, DENOMINATOR).on(off, count)
+
+    def _mixed(self, leading: Leading) -> Vector:
+        """The row q, for one centre coordinate: ``q A = -(W' L Df + q (B - A) + q' g)``, degree by degree.
+
+        B is the derivative by w of ``w' = (I - R L) f - Dh L f``.
+        """
+        split, half = self.split, leading.weight // 2
+        found = [constant(split.size, 0)] * split.count
+        if split.size > 1 or split.count == 1:
+            return found
+        beside = _identity(split.count) - split.onto_center
+        places = _times(split.right, [variable(1, 0)])
+        places = [own + more for own, more in zip(places, self.manifold, strict=True)]
+        jacobian = [[_cut(part.derivative(k).on(places, 1), half) for k in range(split.count)] for part in self.field]
+        (speed,) = _times(split.left, self._along(self.manifold, half + 1))
+        slope = leading.potential.derivative(0)
+        for degree in range(1, half):
+            total = [constant(1, 0)] * split.count
+            for k in range(split.count):
+                column = [row[k] for row in jacobian]
+                (center,) = _times(split.left, column)
+                own = slope * center
+                for i, part in enumerate(_times(beside, column)):
+                    own += found[i] * (part - self.manifold[i].derivative(0) * center)
+                total[k] = own
+            total = _times(beside.transpose(), total)
+            total = [_part(own + found[k].derivative(0) * speed, degree) for k, own in enumerate(total)]
+            solved = _times(split.hurwitz.transpose().inv(), total)
+            found = [own - more for own, more in zip(found, solved, strict=True)]
+        return found
+
+
+# ---- polynomials in the centre coordinates -------------------------------------------------------
+
+
+def _times(matrix: fmpq_mat, vector: Sequence[Polynomial]) -> Vector:
+    """A matrix times a vector of polynomials."""
+    found = []
+    for i in range(matrix.nrows()):
+        total = constant(vector[0].count, 0)
+        for k, own in enumerate(vector):
+            total += own.times(_fraction(matrix[i, k]))
+        found.append(total)
+    return found
+
+
+def _cut(value: Polynomial, degree: int) -> Polynomial:
+    """The terms up to a degree."""
+    return Polynomial(value.count, {e: c for e, c in value.terms.items() if sum(e) <= degree})
+
+
+def _part(value: Polynomial, degree: int) -> Polynomial:
+    """The terms of a degree."""
+    return Polynomial(value.count, {e: c for e, c in value.terms.items() if sum(e) == degree})
+
+
+def _multiple(factor: Fraction, name: str, power: int) -> str:
+    """Such as ``-3/4*u**3``."""
+    return formula_text(Polynomial(1, {(power,): factor}), [name]).replace("-1*", "-")
+
+
+def _monomials(count: int, degree: int) -> list[Exponents]:
+    chosen = combinations_with_replacement(range(count), degree)
+    return [tuple(own.count(k) for k in range(count)) for own in chosen]
+
+
+# ---- functions that are proved -------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class ShownByManifold:
+    """A V that is proved on a cube.
+
+    Attributes:
+        proposal: from which it comes.
+        formula: V in the displacement.
+        radius: half the side of the cube.
+        function: with its conditions, where the point attracts.
+        entry: the theorem on instability with its evidence, as a certificate holds it, where it does not.
+    """
+
+    proposal: Proposal
+    formula: PiecewiseExpression
+    radius: Number
+    function: ExaminedLyapunov | None = None
+    entry: dict[str, Any] | None = None
+
+    def facts(self, states: Sequence[str]) -> tuple[Fact, ...]:
+        """V, and where it falls."""
+        return (
+            row_fact("with", f"V = {one_line(self.formula.text)}"),
+            row_fact("on", cube_text(self.radius, states)),
+        )
+
+
+def show_by_center_manifold(system: SwitchedSystem, *, attracts: bool) -> ShownByManifold | None:
+    """A V that the reduced field suggests and that is proved.
+
+    None where the field is not smooth near the point, where its eigenvalues are others, and where nothing is shown.
+
+    Args:
+        system: in two states or more.
+        attracts: whether asymptotic stability is asked, not instability.
+
+    Raises:
+        BeyondReachError: for irrational numbers, and for too many surfaces or cells.
+    """
+    for share in SHARES:
+        try:
+            subject, search = started(system, None)
+            stated = sharpened(stated_cells(system, system.check.radius * share), subject, search)
+            around = {tuple(own) for own in fields_around(stated, subject.stated, search)}
+        except NotShownError:
+            return None
+        for proposal in center_functions(_unscaled(*around, stated)) if len(around) == 1 else ():
+            if proposal.attracts is not attracts:
+                break
+            found = _shown(system, subject, stated, proposal, search)
+            if found is not None:
+                return found
+    return None
+
+
+def _unscaled(field: Sequence[Polynomial], stated: StatedCells) -> Vector:
+    """A field of the displacement, from one of the displacement in units of half the side of the cube."""
+    size = _fraction(stated.cells.radius)
+    return [Polynomial(part.count, {e: c / size ** sum(e) for e, c in part.terms.items()}) for part in field]
+
+
+def _shown(
+    system: SwitchedSystem, subject: System, stated: StatedCells, proposal: Proposal, search: Search
+) -> ShownByManifold | None:
+    """A proposal as a formula, if it is proved; floats refute most that are not."""
+    radius = system.field(stated.cells.radius)
+    text = formula_text(proposal.function, system.states).replace("+ -", "- ")
+    formula = parse_piecewise(text, system.states)
+    if proposal.attracts:
+        theorem, hypotheses = "lyapunov", stability_hypotheses(stated.record, text, ASYMPTOTICALLY_STABLE)
+    else:
+        direction = list(map(str, proposal.direction))
+        theorem = "instability"
+        hypotheses = {"cells": stated.record, "function": text, "second": None, "direction": direction}
+    try:
+        SampledProofs().entry(subject, theorem, hypotheses)
+        if not proposal.attracts:
+            return ShownByManifold(proposal, formula, radius, entry=search.entry(subject, theorem, hypotheses)[0])
+    except NotShownError:
+        return None
+    function = examine(system, formula, radius, effort=Effort.STRICT)
+    return ShownByManifold(proposal, formula, radius, function) if function.decrease is Decrease.STRICT else None

@@ -1,0 +1,150 @@
+"""Centre manifolds: published reductions and quantities, verdicts against integrated paths, certificates."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+
+import numpy as np
+import pytest
+import sympy as sp
+from scipy.integrate import solve_ivp
+
+import nonsmooth as ns
+from nonsmooth.proofs.checker.polynomials import Polynomial
+from nonsmooth.proofs.many_states.center_manifold import Leading, Reduction, split_at
+from nonsmooth.proofs.system_certificates import certificate_of
+from nonsmooth.proofs.system_decision import StabilityResult, decide_system
+from nonsmooth.proofs.systems.findings import Method
+from nonsmooth.proofs.verdicts import Translation
+from tests.certificates.inclusion import contradiction
+
+STATES = ("x", "y", "z", "w")
+NEAR, FAR, UNTIL = 0.06, 0.15, 100_000.0
+
+
+def decided(rhs: Sequence[str]) -> StabilityResult:
+    return decide_system(ns.System(list(STATES[: len(rhs)]), list(rhs)).system)
+
+
+def leading(rhs: Sequence[str]) -> Leading:
+    names = sp.symbols(STATES[: len(rhs)])
+    polynomials = [sp.Poly(sp.sympify(text), *names) for text in rhs]
+    field = [
+        Polynomial(len(rhs), {e: Fraction(int(c.p), int(c.q)) for e, c in polynomial.terms()})
+        for polynomial in polynomials
+    ]
+    split = split_at(field)
+    assert split is not None
+    reduced = Reduction(split, field)
+    found = reduced.line() if split.size == 1 else reduced.circle()
+    assert found is not None
+    return found
+
+
+# ---- the reduced field ---------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_carrs_example(seed: int) -> None:
+    """``x' = x y + a x^3 + b x y^2, y' = -y + c x^2 + d x^2 y`` reduces to ``(a + c) x^3 + ...`` (Carr 1981, 1.3)."""
+    a, b, c, d = map(int, np.random.default_rng(seed).integers(-4, 5, size=4))
+    if a + c == 0:  # then to (c d + b c^2) x^5
+        c += 1
+    found = leading([f"x*y + {a}*x**3 + {b}*x*y**2", f"-y + {c}*x**2 + {d}*x**2*y"])
+    assert found.factor == a + c
+    assert found.weight == 4
+
+
+def test_carrs_example_to_the_fifth_order() -> None:
+    found = leading(["x*y - 2*x**3 + 3*x*y**2", "-y + 2*x**2 + 5*x**2*y"])
+    assert (found.factor, found.weight) == (2 * 5 + 3 * 4, 6)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_first_quantity_of_a_planar_focus(seed: int) -> None:
+    """``x' = -w y + f, y' = w x + g`` has ``r' = l r^3 + ...`` (Guckenheimer and Holmes 1983, (3.4.11))."""
+    x, y = sp.symbols("x y")
+    source = np.random.default_rng(seed)
+    powers = [(i, j) for i in range(4) for j in range(4) if 2 <= i + j <= 3]
+    f, g = (sum(int(source.integers(-3, 4)) * x**i * y**j for i, j in powers) for _ in range(2))
+    w = int(source.integers(1, 4))
+
+    def at(value: sp.Expr, *by: sp.Symbol) -> sp.Expr:
+        return sp.diff(value, *by).subs({x: 0, y: 0})
+
+    cubic = at(f, x, x, x) + at(f, x, y, y) + at(g, x, x, y) + at(g, y, y, y)
+    mixed = at(f, x, y) * (at(f, x, x) + at(f, y, y)) - at(g, x, y) * (at(g, x, x) + at(g, y, y))
+    mixed += -at(f, x, x) * at(g, x, x) + at(f, y, y) * at(g, y, y)
+    published = cubic / 16 + mixed / (16 * sp.Integer(w))
+    found = leading([str(-w * y + f), str(w * x + g)])
+    assert found.factor == Fraction(str(2 * published))  # W = r^2 + ... has W' = 2 l W^2 + ...
+
+
+# ---- verdicts ------------------------------------------------------------------------------------
+
+REPELS = [
+    ["x*z", "-y", "-z + x**2"],
+    ["x*y", "-y + x**2"],
+    ["x**2", "-y"],
+    ["x**3", "-y + x*y"],
+    ["x**2 - y*z", "-y + x*z", "-3*z + y + x**2"],
+    ["x*y + x**2*y", "-y + x**4 + x*y"],
+    ["-y + x*z", "x + y*z", "-z + x**2 + y**2"],
+]
+ATTRACTS = [
+    ["-x*y + z*x**2", "-y + x**4", "-2*z - y + x**3"],
+    ["-x + y**2", "-y**3"],
+    ["-y + x*z", "x + y*z", "-z - 2*x**2 - y**2 + x**3"],
+]
+
+
+def ends(rhs: Sequence[str], start: Sequence[float], until: float = UNTIL) -> float:
+    """How far a solution is in the end, or when it is far, over its distance at the start."""
+    names = sp.symbols(STATES[: len(rhs)])
+    field = sp.lambdify([names], [sp.sympify(text) for text in rhs])
+
+    def far(_: float, place: np.ndarray) -> float:
+        return float(np.hypot.reduce(place) - FAR)
+
+    far.terminal = True  # type: ignore[attr-defined]
+    solved = solve_ivp(lambda _, place: field(place), (0, until), start, "LSODA", rtol=1e-9, atol=1e-12, events=far)
+    return float(np.linalg.norm(solved.y[:, -1]) / np.linalg.norm(start))
+
+
+@pytest.mark.parametrize("rhs", REPELS, ids="; ".join)
+def test_points_that_repel(rhs: list[str]) -> None:
+    result = decided(rhs)
+    assert (result.verdict, result.method) == (Translation.UNSTABLE, Method.CENTER)
+    assert result.check()
+    start = [NEAR, *[0.0] * (len(rhs) - 1)]
+    assert ends(rhs, start) * NEAR >= 0.99 * FAR
+
+
+@pytest.mark.parametrize("rhs", ATTRACTS, ids="; ".join)
+def test_points_that_attract(rhs: list[str]) -> None:
+    result = decided(rhs)
+    assert (result.verdict, result.method) == (Translation.ASYMPTOTICALLY_STABLE, Method.CENTER)
+    assert result.reach.near is not None
+    assert result.check()
+    assert ends(rhs, [FAR / 2] * len(rhs), 4000.0) < 0.95
+
+
+@pytest.mark.parametrize(
+    "rhs",
+    [
+        ["x*y", "-y"],  # a line of rest
+        ["-y + y*z", "x - x*z", "-z"],  # circles
+        ["y + x**2", "-x**2"],  # a double eigenvalue
+        ["y", "-x**3", "-z"],  # another one
+    ],
+    ids="; ".join,
+)
+def test_nothing_is_said_of_others(rhs: list[str]) -> None:
+    assert decided(rhs).method is not Method.CENTER
+
+
+@pytest.mark.parametrize("rhs", [REPELS[0], ATTRACTS[1]], ids="; ".join)
+def test_certificates_obey_their_inclusion(rhs: list[str]) -> None:
+    certificate = certificate_of(decided(rhs))
+    assert not contradiction(certificate["statement"])

@@ -1,0 +1,72 @@
+"""What the theory of the plane leaves open and the kernel decides: verdicts, certificates, forged ones."""
+
+from __future__ import annotations
+
+from copy import deepcopy
+from typing import Any
+
+import pytest
+
+import nonsmooth as ns
+from nonsmooth.proofs.checker.statements import refusal
+from nonsmooth.proofs.system_certificates import certificate_of
+from nonsmooth.proofs.system_decision import StabilityResult, decide_system
+from nonsmooth.proofs.systems.findings import Method
+from nonsmooth.proofs.verdicts import Translation
+from tests.certificates.inclusion import contradiction
+
+SIZE = 1 << 20  # of a file, for which there is enough work
+
+
+def decided(*rhs: str) -> StabilityResult:
+    return decide_system(ns.System(["x", "y"], list(rhs)).system)
+
+
+@pytest.mark.parametrize(
+    "rhs",
+    [
+        ("y", "sign(x) - sign(y)"),  # V = -x y falls where it is negative
+        ("y", "-2*sign(x) + y**3"),  # energy grows, and nothing stays where it does not
+        ("x + y**2", "-y**3"),
+        ("x*y", "x**2 + y**2"),
+    ],
+    ids="; ".join,
+)
+def test_instability(rhs: tuple[str, str]) -> None:
+    result = decided(*rhs)
+    assert result.verdict is Translation.UNSTABLE
+    assert result.check()
+    assert not contradiction(certificate_of(result)["statement"])
+
+
+def test_what_stays_near_is_not_called_unstable() -> None:
+    """Beside points from which solutions leave: with another sign, and where only some move."""
+    for rhs in (("y", "-sign(x) - sign(y)"), ("-x*y", "-y + x**2"), ("0", "-y"), ("y", "-2*sign(x) - y**3")):
+        assert decided(*rhs).verdict is not Translation.UNSTABLE
+
+
+def product() -> dict[str, Any]:
+    result = decided("y", "sign(x) - sign(y)")
+    assert result.method is Method.INSTABILITY
+    return certificate_of(result)
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("speed", "0"),
+        ("speed", "-1/16"),
+        ("speed", "1000000"),
+        ("speed", None),
+        ("second", {"functions": [], "zeros": {}}),
+        ("function", "x*y"),
+        ("function", "-(x*y) - x"),
+        ("direction", ["1", "-1"]),
+    ],
+)
+def test_forged_products_are_rejected(key: str, value: object) -> None:
+    certificate = product()
+    assert not refusal(certificate, SIZE)
+    forged = deepcopy(certificate)
+    forged["evidence"][0]["hypotheses"][key] = value
+    assert refusal(forged, SIZE)
