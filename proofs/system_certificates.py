@@ -107,6 +107,7 @@ def certificate_of(result: DecidedSystem) -> Record:
                 continue
             for further in _further(result):
                 draft.add(system, further)
+            draft.add_global(result.reach.global_entry)
             draft.left_out += _beyond_words(result, draft)
             return _checked(result.scene, subject, draft)
     except IrrationalError:
@@ -196,6 +197,12 @@ class Draft:
             self.statements += [own for own in statements if own not in self.statements]
             return
 
+    def add_global(self, entry: Record | None) -> None:
+        """That every start reaches the point, by a V on the whole space, where that is shown."""
+        if entry is not None:
+            self.evidence.append(entry)
+            self.statements += [{"attracts": "everywhere"}]
+
 
 def _checked(system: SwitchedSystem, subject: Record, draft: Draft) -> Record:
     """A certificate that the checker accepts.
@@ -263,7 +270,8 @@ def _by_function(result: DecidedSystem, function: ExaminedFunction) -> Candidate
         own, proofs = known["hypotheses"], known["proofs"]
         hypotheses = stability_hypotheses(own["cells"], own["function"], verdict)
     options = []
-    if reach.everywhere and (known is None or function.domain.radius is None):
+    homogeneous = reach.everywhere and reach.global_entry is None
+    if homogeneous and (known is None or function.domain.radius is None):
         options.append(Option({"everywhere": True}, f"all starts in {_whole(system)} reach the equilibrium"))
     if reach.near is not None:
         options.append(Option({"level": exact_text(reach.near.level)}, reached_words(reach.near, states)))

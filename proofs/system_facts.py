@@ -5,7 +5,7 @@ Rows of the terminal and keys of JSON are the same facts (:mod:`nonsmooth.proofs
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from nonsmooth.proofs.facts import Fact, Quantity, row_fact, text_fact, unsaid
@@ -51,6 +51,8 @@ def system_facts(result: DecidedSystem) -> Iterator[Fact]:
     if scene.by_roots is not None and len(states) > 1:  # in one state no time of arrival is looked for
         yield _roots(result, scene.by_roots.roots)
     reach = result.reach
+    if reach.global_entry is not None:
+        yield row_fact("from everywhere", global_words(reach.global_entry))
     if reach.region is not None:
         yield row_fact("region", region_words(reach.region, states))
     if reach.rate is not None:
@@ -156,6 +158,12 @@ def _piece(piece: PotentialPiece) -> dict[str, object]:
 def reached_words(region: SublevelRegion, states: Sequence[str]) -> str:
     """What is certified of a sublevel set of V."""
     return f"every start with {region} within {cube_text(region.radius, states)} reaches the equilibrium"
+
+
+def global_words(entry: Mapping[str, Any]) -> str:
+    """Which V shows that every start reaches the point."""
+    function = one_line(entry["hypotheses"]["function"])
+    return f"V = {function} falls in the whole space too, where its level sets are bounded"
 
 
 def region_words(region: SublevelRegion, states: Sequence[str]) -> str:

@@ -13,6 +13,7 @@ from nonsmooth.proofs.system_facts import (
     audit_facts,
     displacement_facts,
     gain_words,
+    global_words,
     rate_words,
     reached_words,
     region_rate_words,
@@ -228,7 +229,8 @@ def _from_where(result: StabilityResult) -> SystemAnswer:
     """The most starts that are certified to reach an asymptotically stable point."""
     question, reach, states = "from where", result.reach, result.scene.states
     if reach.everywhere:
-        return SystemAnswer(question, "everywhere", "every start reaches the equilibrium")
+        why = "" if reach.global_entry is None else f": {global_words(reach.global_entry)}"
+        return SystemAnswer(question, "everywhere", f"every start reaches the equilibrium{why}")
     if reach.region is not None:
         return SystemAnswer(question, "a region", reached_words(reach.region, states))
     for fact in result.deciding.facts:

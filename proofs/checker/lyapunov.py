@@ -201,6 +201,16 @@ class Lyapunov:
                         place = f"border {name} {'-0+'[side + 1]}{k}"
                         self.proofs.show(Claim(place, (Inequality(above, guards),), strict=False))
 
+    def show_proper(self, factor: Fraction) -> None:
+        """``V + 1 >= factor |x|^2`` in the whole space."""
+        require(not self.bounded and factor > 0, "the whole space, and a positive factor")
+        square = constant(self.count, -1)
+        for k in range(self.count):
+            square += variable(self.count, k, factor) * variable(self.count, k)
+        for name, signs, cell in self.inclusion.pieces():
+            guards = self._guards(whole_domain(self.inclusion), signs, cell) or {}
+            self._show_on_cell(f"proper {name}", self.potential(cell) - square, guards, strict=False)
+
     def is_negative_along(self, direction: Sequence[Fraction]) -> bool:
         """Whether a direction leads from the point into a cell in which V is negative at all small distances."""
         surfaces = self.inclusion.surfaces

@@ -23,6 +23,7 @@ from typing import Any
 
 from nonsmooth.proofs.inequalities.linear_program import best_mixture, mixtures_to_zero
 from nonsmooth.proofs.kernel.cells import BeyondReachError, SignCells, adjoining, build_cells
+from nonsmooth.proofs.kernel.whole_space import find_global_attraction
 from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, examine
 from nonsmooth.proofs.many_states.first_terms import (
     LinearPart,
@@ -120,8 +121,16 @@ class SpacePoint(CheckedPoint):
             return None
 
     def reach(self, found: Finding) -> Reach:
-        """Region and rate of a V that falls on a cube."""
-        function, everywhere = found.function, self._holds_everywhere(found)
+        """Region and rate of a V that falls on a cube, and whether it falls in the whole space."""
+        everywhere, entry = self._holds_everywhere(found), None
+        if found.verdict is Translation.ASYMPTOTICALLY_STABLE and not everywhere:
+            own = None if found.function is None else found.function.formula
+            entry = find_global_attraction(self.system, (own, self.system.check.lyapunov))
+        reach = self._near(found, everywhere=everywhere or entry is not None)
+        return replace(reach, global_entry=entry)
+
+    def _near(self, found: Finding, *, everywhere: bool) -> Reach:
+        function = found.function
         if function is None or function.decrease is not Decrease.STRICT:
             return Reach(everywhere)
         region = largest_sublevel(function)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Any
 
@@ -181,6 +181,8 @@ class Reach:
 
     Attributes:
         everywhere: whether every start of the whole space reaches the point.
+        global_entry: the theorem that shows it by a V on the whole space, as a certificate holds it; None where forms
+            on cones do.
         near: starts that stay where V is proved to fall, and reach the point.
         region: the most starts that are certified to reach the point: these, or more in the checked square.
         rate: of V where it is proved to fall, hence from the starts of ``near``.
@@ -198,6 +200,7 @@ class Reach:
     region_rate: RegionRate | None = None
     gain: DisturbanceGain | None = None
     in_finite_time: bool = False
+    global_entry: dict[str, Any] | None = field(default=None, hash=False)
 
 
 @dataclass(frozen=True)

@@ -28,6 +28,7 @@ from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell, squ
 from nonsmooth.proofs.inequalities.effort import effort_of_its_own, shared_effort
 from nonsmooth.proofs.inequalities.real_roots import dense, germ_sign, positive_roots
 from nonsmooth.proofs.kernel.second_function import find_attraction
+from nonsmooth.proofs.kernel.whole_space import find_global_attraction
 from nonsmooth.proofs.systems.decay_rate import decay_rate, disturbance_gain, region_rate
 from nonsmooth.proofs.systems.denominators import require_denominators
 from nonsmooth.proofs.systems.derivatives import EFFORT, Decrease, examine, inhabited
@@ -248,7 +249,11 @@ class PlanePoint(CheckedPoint):
         """With what holds beyond the domain of V."""
         everywhere = holds_everywhere(self.system, found.verdict, self.cells)
         in_time = arrives_in_finite_time(self.system, self.cells, found.verdict, found.function)
-        return replace(reach, everywhere=everywhere, in_finite_time=in_time)
+        entry = None
+        if not everywhere:
+            own = None if found.function is None else found.function.formula
+            entry = find_global_attraction(self.system, (own, self.system.check.lyapunov))
+        return replace(reach, everywhere=everywhere or entry is not None, in_finite_time=in_time, global_entry=entry)
 
 
 # ---- what shows itself near the point --------------------------------------------------------------

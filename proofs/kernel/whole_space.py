@@ -1,0 +1,64 @@
+"""Evidence that every solution of the whole space comes to the point: a V that falls everywhere and is proper.
+
+Conditions on a V that hold on a cube about the point are asked again without the cube, and beside them that
+``V + 1 >= factor |x|^2``, so that the level sets of V are bounded.  Where V and the field are forms on cones, the
+conditions on the cube say enough (:func:`nonsmooth.proofs.checker.lyapunov.Lyapunov.require_all_of_space`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from fractions import Fraction
+from typing import Any
+
+from nonsmooth.proofs.checker.cells import System
+from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE
+from nonsmooth.proofs.kernel.cells import BeyondReachError, started, stated_cells, surfaces_of
+from nonsmooth.proofs.kernel.search import NotShownError, SampledProofs, Search, stability_hypotheses
+from nonsmooth.symbolic.enclosed_numbers import NoEnclosureError, enclose_numbers
+from nonsmooth.symbolic.piecewise import PiecewiseExpression
+from nonsmooth.symbolic.switched_system import SwitchedSystem
+
+FACTORS = (Fraction(1, 4), Fraction(1, 64))  # tried in turn
+WORK = 2_000  # coefficients looked at for one claim beside sums of squares
+
+
+def find_global_attraction(
+    system: SwitchedSystem, potentials: Iterable[PiecewiseExpression | None]
+) -> dict[str, Any] | None:
+    """The entry of a certificate that shows that every solution comes to the point; None where none is found.
+
+    Args:
+        system: in two states or more.  Right-hand sides that were rewritten, because of sines, fractions or roots, are
+            those of the checked square: of these nothing is shown.
+        potentials: V in the displacement, tried in turn.
+    """
+    if system.waves or system.denominators or system.scale is not None or system.by_roots is not None:
+        return None
+    try:
+        system = enclose_numbers(system)
+        subject, _ = started(system, None)
+    except (NoEnclosureError, NotShownError):
+        return None
+    texts = {own.text: own for own in potentials if own is not None}
+    for potential in texts.values():
+        found = _shown(system, subject, potential)
+        if found is not None:
+            return found
+    return None
+
+
+def _shown(system: SwitchedSystem, subject: System, potential: PiecewiseExpression) -> dict[str, Any] | None:
+    try:
+        cells = stated_cells(system, None, surfaces_of(system, potential)).record
+    except BeyondReachError:
+        return None
+    own = stability_hypotheses(cells, potential.text, ASYMPTOTICALLY_STABLE) | {"everywhere": True}
+    for factor in FACTORS:
+        hypotheses = {**own, "proper": str(factor)}
+        try:
+            SampledProofs().entry(subject, "lyapunov", hypotheses)
+            return Search(WORK).entry(subject, "lyapunov", hypotheses)[0]
+        except NotShownError:
+            continue
+    return None

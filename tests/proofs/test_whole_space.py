@@ -1,0 +1,89 @@
+"""Attraction of every start by a V on the whole space: against other points of rest, paths from afar, forged claims."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from copy import deepcopy
+
+import numpy as np
+import pytest
+import sympy as sp
+from scipy.integrate import solve_ivp
+
+import nonsmooth as ns
+from nonsmooth.proofs.checker.statements import refusal
+from nonsmooth.proofs.system_certificates import certificate_of
+from nonsmooth.proofs.system_decision import StabilityResult, decide_system
+
+SIZE = 1 << 20  # of a file, for which there is enough work
+FAR = 30.0
+EVERYWHERE = {"attracts": "everywhere"}
+GLOBAL = [
+    ["-x**3 - y", "x - y**3"],
+    ["-x*(1 + y**2)", "-y*(1 + x**2)"],
+    ["-y - x*(x**2 + y**2)", "x - y*(x**2 + y**2)", "-z + x*y/2"],
+    ["y - x**3 - sign(x)", "-x - y"],
+]
+
+
+def decided(rhs: Sequence[str]) -> StabilityResult:
+    return decide_system(ns.System(list("xyz"[: len(rhs)]), list(rhs)).system)
+
+
+@pytest.mark.parametrize("rhs", GLOBAL, ids="; ".join)
+def test_every_start_arrives(rhs: list[str]) -> None:
+    result = decided(rhs)
+    assert result.reach.everywhere
+    certificate = certificate_of(result)
+    assert EVERYWHERE in certificate["statement"]["claims"]
+    assert not refusal(certificate, SIZE)
+    names = sp.symbols("x y z")[: len(rhs)]
+    field = sp.lambdify([names], [sp.sympify(text) for text in rhs])
+    start = np.random.default_rng(0).normal(size=len(rhs))
+    start *= FAR / np.linalg.norm(start)
+    solved = solve_ivp(lambda _, place: field(place), (0, 60), start, max_step=0.05)
+    assert np.linalg.norm(solved.y[:, -1]) < FAR / 60
+
+
+@pytest.mark.parametrize(
+    "rhs",
+    [
+        ["-x + x**3", "-y"],  # other points of rest
+        ["-x + x**2*y", "-y"],  # solutions that go to infinity
+        ["-x/(1 + x**2)", "-y"],  # stated with a denominator: a scaled field
+        ["-sin(x) - x/8", "-y"],  # enclosed on the square alone
+        ["-x*(1 - relu(x - 3))", "-y"],  # rests at x = 4, beyond the square
+    ],
+    ids="; ".join,
+)
+def test_what_holds_on_the_square_need_not_hold_beyond(rhs: list[str]) -> None:
+    assert not decided(rhs).reach.everywhere
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("proper", "0"),
+        ("proper", "-1"),
+        ("proper", "1000"),
+        ("proper", None),
+        ("everywhere", False),
+        ("function", "x**2"),
+    ],
+)
+def test_forged_claims_are_rejected(key: str, value: object) -> None:
+    certificate = certificate_of(decided(GLOBAL[0]))
+    assert not refusal(certificate, SIZE)
+    forged = deepcopy(certificate)
+    entry = next(own for own in forged["evidence"] if "proper" in own["hypotheses"])
+    entry["hypotheses"][key] = value
+    assert refusal(forged, SIZE)
+
+
+def test_a_square_is_not_the_space() -> None:
+    """Cells of a square under a claim about the whole space."""
+    certificate = certificate_of(decided(GLOBAL[0]))
+    for entry in certificate["evidence"]:
+        if "proper" in entry["hypotheses"]:
+            entry["hypotheses"]["cells"]["within"] = "1/2"
+    assert refusal(certificate, SIZE)
