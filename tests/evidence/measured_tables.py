@@ -6,17 +6,20 @@ the folder ``--into``: what stands there is not computed again, so that a study 
 that were followed once serve every later version of the answers (to ask anew, remove ``answers.jsonl``).
 
 An answer is *wrong* where bodies contradict it, *open* where it is ``undecided`` though all bodies from within twice
-the accuracy end within it.  The study ends with status 1 where an answer is wrong.  A table takes about two seconds.
+the accuracy end within it, *not followed* where following bodies takes longer than ``--most`` seconds of a processor.
+The study ends with status 1 where an answer is wrong.  A table takes about two seconds.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+import signal
 import tempfile
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -42,6 +45,7 @@ LATER = (1.0, 1.2, 1.6, 2.4)  # of a time after which bodies are said to be some
 CLOSE = 0.01  # accuracies: starts that are close by
 # of a distance: steps across lines where the field jumps are a 25th of it, and bodies go to and fro over such a line
 STEPS = {"nearest": 1.1, "box": 1.1, "ellipse": 1.001, "roller": 1.001}
+MOST = 90.0  # seconds of a processor
 FINER = 4.0  # times as small are steps where coarser ones do not confirm an answer
 NUMBERS = ("accuracy", "ends_within", "within", "swings_out_to", "after", "stays_within")
 
@@ -194,14 +198,38 @@ def _confirms(answer: Record, bodies: Bodies, finer: float) -> bool:
 # ---- the study -----------------------------------------------------------------------------------
 
 
-def study(asked: Iterator[Question], folder: Path) -> int:
-    """Print what is wrong or open, and the shares; how much is wrong."""
+class TooLongError(RuntimeError):
+    """Bodies take too long to follow."""
+
+
+@contextmanager
+def at_most(seconds: float) -> Iterator[None]:
+    """Raise :class:`TooLongError` after some seconds of the processor."""
+
+    def stop(*_: object) -> None:
+        raise TooLongError
+
+    before = signal.signal(signal.SIGVTALRM, stop)
+    signal.setitimer(signal.ITIMER_VIRTUAL, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_VIRTUAL, 0)
+        signal.signal(signal.SIGVTALRM, before)
+
+
+def study(asked: Iterator[Question], folder: Path, most: float = MOST) -> int:
+    """Print what is wrong, open or not followed, and the shares; how much is wrong."""
     folder.mkdir(parents=True, exist_ok=True)
     answers, bodies = Lines(folder / "answers.jsonl"), Lines(folder / "bodies.jsonl")
     counts: Counter[tuple[str, str, str]] = Counter()
     for question in asked:
         answer = answers.of(question.name, lambda asked=question: answered(asked))  # type: ignore[misc]
-        found = judged(answer, Bodies(question, bodies))
+        try:
+            with at_most(most):
+                found = judged(answer, Bodies(question, bodies))
+        except TooLongError:
+            found = "not followed"
         counts[question.kind, question.rule, answer["verdict"]] += 1
         if found:
             counts[question.kind, question.rule, found] += 1
@@ -217,7 +245,8 @@ if __name__ == "__main__":
     parser.add_argument("--kinds", default=",".join(KINDS))
     parser.add_argument("--in-turn", action="store_true", help="each table under one rule, in turn")
     parser.add_argument("--into", type=Path, default=Path("build/measured_tables"))
+    parser.add_argument("--most", type=float, default=MOST, help="seconds for the bodies on one table")
     chosen = parser.parse_args()
     first, last = (int(part) for part in chosen.seeds.split(","))
     asked = questions(range(first, last), chosen.kinds.split(","), in_turn=chosen.in_turn)
-    raise SystemExit(1 if study(asked, chosen.into) else 0)
+    raise SystemExit(1 if study(asked, chosen.into, chosen.most) else 0)
