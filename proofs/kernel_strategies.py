@@ -8,22 +8,21 @@ open is often smooth and degenerate: ``x' = -x + y^2, y' = -y^3`` has ``V = x^2 
 from __future__ import annotations
 
 from contextlib import suppress
-from fractions import Fraction
 
 from nonsmooth.proofs.facts import row_fact
-from nonsmooth.proofs.kernel.cells import BeyondReachError, started
+from nonsmooth.proofs.kernel.escapes import show_escape_of
 from nonsmooth.proofs.kernel.search import NotShownError
 from nonsmooth.proofs.many_states.center_manifold import show_by_center_manifold
-from nonsmooth.proofs.many_states.decision import SpacePoint, search_growth
+from nonsmooth.proofs.many_states.decision import SpacePoint, conclude_function, search_growth
 from nonsmooth.proofs.many_states.examination import ExaminedLyapunov
 from nonsmooth.proofs.many_states.lyapunov_search import find_lyapunov
+from nonsmooth.proofs.many_states.weak_functions import find_weak_growth, find_weak_lyapunov
 from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult
 from nonsmooth.proofs.systems.domain import Domain, cube_text
 from nonsmooth.proofs.systems.findings import CheckedPoint, ExaminedFunction, Finding, Known, Method
 from nonsmooth.proofs.systems.lyapunov_search import searched_cells
 from nonsmooth.proofs.systems.plane_function import PlaneFunction
-from nonsmooth.proofs.theorem_searches import find_weak_growth
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.enclosed_numbers import NoEnclosureError, enclose_numbers
 from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
@@ -71,31 +70,42 @@ def decide_by_squares(point: CheckedPoint, known: Known) -> Finding | None:
     return None
 
 
+def decide_by_energy(point: SpacePoint, known: Known) -> Finding | None:
+    """A positive V that does not rise."""
+    found = find_weak_lyapunov(point.system) if known.standing is None else None
+    return None if found is None else conclude_function(known, found)
+
+
 def decide_by_growth(point: CheckedPoint, known: Known) -> Finding | None:
-    """A V that falls, or does not rise, and is negative near the point, in two states."""
-    if known.standing is not None:
+    """A V that falls and is negative near the point, in two states."""
+    return search_growth(SpacePoint(point.system), known) if known.standing is None else None
+
+
+def decide_by_solution(point: CheckedPoint, known: Known) -> Finding | None:
+    """One solution that leaves, of a mixture of right-hand sides inside a cell or along a face."""
+    system = _rational(point.system)
+    if known.standing is not None or system.only_encloses:  # a solution of an enclosure may be none of the system
         return None
-    space = SpacePoint(point.system)
-    with suppress(BeyondReachError):
-        found = search_growth(space, known)
-        if found is not None:
-            return found
-    return _weak_growth(space.system)
+    try:
+        entry, _ = show_escape_of(system, str(Translation.UNSTABLE))
+    except NotShownError:
+        return None
+    direction = ", ".join(entry["hypotheses"]["direction"])
+    reason = f"from as near the point as one likes a solution leaves, at first along ({direction})"
+    return Finding(Method.ESCAPE, Translation.UNSTABLE, reason, entry=entry)
 
 
-def _weak_growth(system: SwitchedSystem) -> Finding | None:
-    """By a V that does not rise, and further functions."""
-    with suppress(NotShownError, BeyondReachError):
-        subject, search = started(system, None)
-        hypotheses = find_weak_growth(system, search)
-        if hypotheses is not None:
-            entry, _ = search.entry(subject, "instability", hypotheses)
-            reason = "V does not rise, is negative at points at all distances, and nothing stays where it is kept"
-            half, direction = hypotheses["cells"]["within"], ", ".join(hypotheses["direction"])
-            where = f"{cube_text(Fraction(half), system.states)}; V < 0 in the direction ({direction})"
-            facts = row_fact("with", f"V = {hypotheses['function']}"), row_fact("on", where)
-            return Finding(Method.INSTABILITY, Translation.UNSTABLE, reason, entry=entry, facts=facts)
-    return None
+def decide_by_turned_energy(point: CheckedPoint, known: Known) -> Finding | None:
+    """A V that does not rise and is negative near the point, with further functions."""
+    found = find_weak_growth(_rational(point.system)) if known.standing is None else None
+    if found is None:
+        return None
+    (entry, _), text, radius = found
+    reason = "V does not rise, is negative at points at all distances, and nothing stays where it is kept"
+    direction = ", ".join(entry["hypotheses"]["direction"])
+    where = f"{cube_text(radius, point.system.states)}; V < 0 in the direction ({direction})"
+    facts = row_fact("with", f"V = {text}"), row_fact("on", where)
+    return Finding(Method.INSTABILITY, Translation.UNSTABLE, reason, entry=entry, facts=facts)
 
 
 def _rational(system: SwitchedSystem) -> SwitchedSystem:

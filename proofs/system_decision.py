@@ -140,8 +140,11 @@ STRATEGIES = [
     Strategy("sum of squares of the states", MORE, space.decide_by_sum_of_squares),
     Strategy("function that shows instability", MORE, space.search_growth),
     Strategy("invariance principle", TWO, plane.search_attraction),
+    Strategy("energy", MORE, kernel.decide_by_energy),
     Strategy("invariance principle", MORE, space.decide_by_invariance),
     Strategy("centre manifold", SEVERAL, kernel.decide_by_center_manifold),
+    Strategy("solution that leaves", SEVERAL, kernel.decide_by_solution),
     Strategy("V by sums of squares", TWO, kernel.decide_by_squares),
     Strategy("function that shows instability", TWO, kernel.decide_by_growth),
+    Strategy("energy with its sign turned", SEVERAL, kernel.decide_by_turned_energy),
 ]

@@ -19,7 +19,7 @@ SIZE = 1 << 20  # of a file, for which there is enough work
 
 
 def decided(*rhs: str) -> StabilityResult:
-    return decide_system(ns.System(["x", "y"], list(rhs)).system)
+    return decide_system(ns.System(list("xyzuv"[: len(rhs)]), list(rhs)).system)
 
 
 @pytest.mark.parametrize(
@@ -29,14 +29,39 @@ def decided(*rhs: str) -> StabilityResult:
         ("y", "-2*sign(x) + y**3"),  # energy grows, and nothing stays where it does not
         ("x + y**2", "-y**3"),
         ("x*y", "x**2 + y**2"),
+        ("y", "-sign(x) + y/2", "-z"),  # the same energy beside a third state
     ],
     ids="; ".join,
 )
-def test_instability(rhs: tuple[str, str]) -> None:
+def test_instability(rhs: tuple[str, ...]) -> None:
     result = decided(*rhs)
     assert result.verdict is Translation.UNSTABLE
     assert result.check()
     assert not contradiction(certificate_of(result)["statement"])
+
+
+def test_a_solution_in_a_thin_cell() -> None:
+    """For ``0 < y < x^2`` the field is ``x^2, -y``: x = 1 / (1 / x_0 - t) grows while y falls, so it stays there."""
+    result = decided("(1 + sign(y)*sign(x**2 - y))*x**2/2 - x*(1 - sign(y)*sign(x**2 - y))", "-y")
+    assert (result.verdict, result.method) == (Translation.UNSTABLE, Method.ESCAPE)
+    assert result.check()
+
+
+def test_a_mixture_of_stable_systems_may_leave() -> None:
+    """Under arbitrary switching: both are Hurwitz, and half of each has the eigenvalue 3/2."""
+    system = ns.System(["x", "y"], [["-x + 5*y", "-y"], ["-x", "5*x - y"]]).system
+    result = decide_system(system)
+    assert (result.verdict, result.method) == (Translation.UNSTABLE, Method.ESCAPE)
+    assert result.check()
+    calm = ns.System(["x", "y"], [["-x + y", "-y"], ["-x", "y*0 + x - y"]]).system
+    assert decide_system(calm).verdict is Translation.ASYMPTOTICALLY_STABLE
+
+
+@pytest.mark.parametrize("rhs", [("y", "-sign(x) - y/2 + z", "-z"), ("y - x", "-sign(x) + z", "-z - y")], ids="; ".join)
+def test_energies_of_three_states(rhs: tuple[str, ...]) -> None:
+    result = decided(*rhs)
+    assert (result.verdict, result.method) == (Translation.ASYMPTOTICALLY_STABLE, Method.INVARIANCE)
+    assert result.check()
 
 
 def test_what_stays_near_is_not_called_unstable() -> None:

@@ -1,0 +1,164 @@
+"""A search for a V that does not rise along any solution, in many states: energies, with their sign turned or not.
+
+At points of cells and of faces on which the functions of a basis bend, V' is at most zero along the extreme velocities
+of the solutions there; that is linear in the coefficients of V.  The least weighted sum of coefficients is proposed for
+which V is at least a norm at points of all cells (an energy that shows stability), or at most minus one at a point
+of an axis (one that shows instability).  Energies have simple coefficients, so that rounding meets the equalities; what
+is proposed is proved, or is dropped.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import suppress
+from fractions import Fraction
+
+import numpy as np
+from flint import fmpq
+from scipy.optimize import linprog
+
+from nonsmooth.proofs.checker.cells import Inclusion, whole_domain
+from nonsmooth.proofs.checker.lyapunov import Lyapunov
+from nonsmooth.proofs.checker.work import RejectedError
+from nonsmooth.proofs.kernel.cells import started, stated_cells, surfaces_of
+from nonsmooth.proofs.kernel.claims import Functions
+from nonsmooth.proofs.kernel.search import Entry, NotShownError
+from nonsmooth.proofs.kernel.second_function import Floats, find_second, gradient, rounded, sampled
+from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, examine, functions_on
+from nonsmooth.proofs.many_states.lyapunov_search import families, formula_text
+from nonsmooth.proofs.systems.derivatives import Decrease
+from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.polynomial import float_values
+from nonsmooth.symbolic.piecewise import parse_piecewise
+from nonsmooth.symbolic.switched_system import SwitchedSystem
+
+SHARES = (Fraction(1), Fraction(1, 8))  # of the checked cube
+MOST = 64.0  # of a coefficient
+SLACK = 2.0**-30  # by which floats may miss an equality
+DIRECTIONS = 200
+
+
+def weak_functions(system: SwitchedSystem, radius: Number, *, positive: bool) -> Iterator[str]:
+    """Proposals of V as formulas in the displacement.
+
+    Args:
+        system: in two states or more.
+        radius: half the side of a cube.
+        positive: whether V is to be positive; else it is to be negative at a point of an axis.
+
+    Raises:
+        BeyondReachError: for irrational numbers, and for too many surfaces or cells.
+    """
+    stated, seen = stated_cells(system, radius), {"0"}
+    for basis in families(stated.cells):
+        conditions = functions_on(system, stated, [own.text for own in basis])
+        costs = np.array([1.0 + own.degree / 8 + ("Abs" in own.text) for own in basis])
+        for found in _solved(_rates(conditions), conditions, costs, positive=positive):
+            text = formula_text(basis, [fmpq(c.numerator, c.denominator) for c in found])
+            if text not in seen:
+                seen.add(text)
+                yield text
+
+
+def _rates(conditions: Functions) -> Floats:
+    """The rates of all functions along extreme velocities, of shape (m, k), each row over its largest entry."""
+    inclusion = conditions.inclusion
+    space = whole_domain(inclusion)
+    places = [(space, [cell]) for cell in inclusion.cells]
+    places += [(face, list(cells)) for face, _, cells in conditions.bends]
+    found = []
+    for place, cells in places:
+        own = sampled(place, cells)
+        if len(own.points):
+            slopes = [np.sum(gradient(value, own.points) * own.velocities, axis=1) for value in cells[0].functions]
+            found.append(np.stack(slopes, axis=1))
+    rows = np.vstack(found)
+    largest = np.max(np.abs(rows), axis=1, keepdims=True)
+    return np.unique(np.round(rows[largest[:, 0] > 0] / largest[largest[:, 0] > 0], 12), axis=0)
+
+
+def _values(conditions: Functions) -> tuple[Floats, Floats]:
+    """Points of all cells, and the values of the functions there, of shapes (m, n) and (m, k)."""
+    places, values = [], []
+    for cell in conditions.inclusion.cells:
+        points = sampled(whole_domain(conditions.inclusion), [cell]).points
+        if len(points):
+            places.append(points)
+            values.append(np.stack([float_values(own.terms, points) for own in cell.functions], axis=1))
+    return np.vstack(places), np.vstack(values)
+
+
+def _solved(rates: Floats, conditions: Functions, costs: Floats, *, positive: bool) -> Iterator[list[Fraction]]:
+    """The least coefficients with which V rises along no row, and is positive, or negative somewhere."""
+    points, values = _values(conditions)
+    sizes = np.sum(points**2, axis=1)
+    if positive:
+        asked = [(-values, -sizes)]
+    else:
+        axes = [
+            int(np.argmax(side * points[:, k] / np.sqrt(sizes))) for k in range(points.shape[1]) for side in (1, -1)
+        ]
+        asked = [(values[[k]], -sizes[[k]]) for k in axes]
+    for matrix, limits in asked:
+        rows = np.vstack([rates, matrix])
+        bounds = np.r_[np.zeros(len(rates)), limits]
+        solved = linprog(np.r_[costs, costs], A_ub=np.hstack([rows, -rows]), b_ub=bounds, bounds=(0, MOST))
+        if solved.status == 0:
+            size = len(costs)
+            values_of = solved.x[:size] - solved.x[size:]
+            found = rounded(values_of, lambda own: bool(np.all(rates @ own <= SLACK)))
+            if found is not None:
+                yield found
+
+
+# ---- functions that are proved -------------------------------------------------------------------
+
+
+def find_weak_lyapunov(system: SwitchedSystem) -> ExaminedLyapunov | None:
+    """A positive V that does not rise; None where none is found.
+
+    Raises:
+        BeyondReachError: for irrational numbers, and for too many surfaces or cells.
+    """
+    for share in SHARES:
+        radius = system.check.radius * share
+        for text in weak_functions(system, radius, positive=True):
+            examined = examine(system, parse_piecewise(text, system.states), radius)
+            if examined.decrease in (Decrease.STRICT, Decrease.WEAK):
+                return examined
+    return None
+
+
+def find_weak_growth(system: SwitchedSystem) -> tuple[Entry, str, Number] | None:
+    """The theorem on instability by a V that does not rise, V as a formula, and half the side of its cube.
+
+    Args:
+        system: in two states or more, with rational numbers.
+
+    Raises:
+        BeyondReachError: for irrational numbers, and for too many surfaces or cells.
+    """
+    for share in SHARES:
+        radius = system.check.radius * share
+        for text in weak_functions(system, radius, positive=False):
+            try:
+                subject, search = started(system, None)
+                cells = stated_cells(system, radius, surfaces_of(system, parse_piecewise(text, system.states))).record
+                second = find_second(subject, cells, text, search)
+                stated = Lyapunov(Inclusion(subject, cells, [text], search), search)
+            except (NotShownError, RejectedError):
+                continue
+            direction = _negative(stated) if second is not None else None
+            if direction is None:
+                continue
+            hypotheses = {"cells": cells, "function": text, "second": second, "direction": list(map(str, direction))}
+            with suppress(NotShownError):
+                return search.entry(subject, "instability", hypotheses), text, radius
+    return None
+
+
+def _negative(stated: Lyapunov) -> tuple[Fraction, ...] | None:
+    """A direction into a cell in which V is negative near the point."""
+    drawn = np.random.default_rng(0).integers(-9, 10, size=(DIRECTIONS, stated.count))
+    rays = (tuple(Fraction(int(value)) for value in own) for own in drawn if np.any(own))
+    return next((own for own in rays if stated.is_negative_along(own)), None)
