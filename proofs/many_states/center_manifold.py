@@ -483,7 +483,9 @@ def show_by_center_manifold(system: SwitchedSystem, *, attracts: bool) -> ShownB
             around = {tuple(own) for own in fields_around(stated, subject.stated, search)}
         except NotShownError:
             return None
-        for proposal in center_functions(_unscaled(*around, stated)) if len(around) == 1 else ():
+        if len(around) != 1:
+            continue
+        for proposal in center_functions(_unscaled(around.pop(), stated)):
             if proposal.attracts is not attracts:
                 break
             found = _shown(system, subject, stated, proposal, search)
