@@ -56,7 +56,7 @@ Vector: TypeAlias = list[Polynomial]
 
 
 @dataclass(frozen=True)
-class Proposal:
+class SuggestedFunction:
     """A V that the reduced field suggests.
 
     Attributes:
@@ -74,7 +74,7 @@ class Proposal:
     is_whole: bool
 
 
-def center_functions(field: Sequence[Polynomial]) -> Iterator[Proposal]:
+def center_functions(field: Sequence[Polynomial]) -> Iterator[SuggestedFunction]:
     """Proposals of V for a polynomial field that vanishes at the origin; none where the eigenvalues are others.
 
     Args:
@@ -338,7 +338,7 @@ class Reduction:
 
     # -- the functions
 
-    def functions(self, leading: Leading) -> Iterator[Proposal]:
+    def functions(self, leading: Leading) -> Iterator[SuggestedFunction]:
         """V for some k."""
         split = self.split
         count, half = split.count, leading.weight // 2
@@ -352,7 +352,7 @@ class Reduction:
         for gain in GAINS if count > split.size else (0,):
             function = base + self._square(off).times(gain) if gain else base
             whole = count == split.size
-            yield Proposal(function, leading.attracts, self._direction(leading), leading.words, whole)
+            yield SuggestedFunction(function, leading.attracts, self._direction(leading), leading.words, whole)
 
     def _direction(self, leading: Leading) -> tuple[Fraction, ...]:
         """Of the centre subspace, in which W is least near the point."""
@@ -450,7 +450,7 @@ class ShownByManifold:
         entry: the theorem on instability with its evidence, as a certificate holds it, where it does not.
     """
 
-    proposal: Proposal
+    proposal: SuggestedFunction
     formula: PiecewiseExpression
     radius: Number
     function: ExaminedLyapunov | None = None
@@ -501,7 +501,7 @@ def _unscaled(field: Sequence[Polynomial], stated: StatedCells) -> Vector:
 
 
 def _shown(
-    system: SwitchedSystem, subject: System, stated: StatedCells, proposal: Proposal, search: Search
+    system: SwitchedSystem, subject: System, stated: StatedCells, proposal: SuggestedFunction, search: Search
 ) -> ShownByManifold | None:
     """A proposal as a formula, if it is proved; floats refute most that are not."""
     radius = system.field(stated.cells.radius)
