@@ -158,3 +158,8 @@ class Form:
 def _is_not_negative(p: Number, q: Number, s: Number) -> bool:
     """Whether ``[[p, q], [q, s]]`` is positive semidefinite."""
     return min(p.sign(), s.sign(), (p * s - q * q).sign()) >= 0
+
+
+def outweighs(inward: Number, outward: Number, square: Number) -> bool:
+    """Whether ``inward >= |outward| sqrt(square)``, by signs of numbers without that root; ``square >= 0``."""
+    return inward.sign() >= 0 and (inward * inward - outward * outward * square).sign() >= 0
