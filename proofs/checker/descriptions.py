@@ -28,21 +28,16 @@ def describe(statement: Any, notes: Any = None) -> list[str]:
 
 def _of_array(statement: Any, name: Any) -> list[str]:
     """The array, the verdicts of all clauses, and every further claim."""
-    subject, claims = statement["subject"], statement["claims"]
-    field = Field(subject["field"])
+    subject, field = statement["subject"], Field(statement["subject"]["field"])
     x, y, side = (_number(data, field) for data in (*subject["at"], subject["radius"]))
     head = f"array: {len(subject['wheels'])} wheels, rule {subject['rule']}, at ({x}, {y}), square of half side {side}"
     named = f", noted as {str(name)[:60]!r}" if name is not None else ""
-    words, further = dict[str, Any](), list[str]()
-    for claim in claims:
-        ((kind, about),) = claim.items()
-        if kind in CLAUSES:
-            words[kind] = about
-        else:
-            further.append(OF_ARRAYS[kind](about, field))
-    if "equilibrium" in words:
+    claims = [pair for claim in statement["claims"] for pair in claim.items()]
+    words = dict.fromkeys(CLAUSES, "undecided") | {kind: said for kind, said in claims if kind in CLAUSES}
+    if type(words["equilibrium"]) is bool:
         words["equilibrium"] = "holds" if words["equilibrium"] else "fails"
-    return [f"{head}{named}", *(f"{clause}: {words.get(clause, 'undecided')}" for clause in CLAUSES), *further]
+    further = [_further(kind, said, field) for kind, said in claims if kind not in CLAUSES]
+    return [head + named, *(f"{clause}: {words[clause]}" for clause in CLAUSES), *further]
 
 
 def _number(data: Any, field: Field) -> str:
@@ -54,64 +49,33 @@ def _decimal(data: Any, field: Field) -> float:
     return field.parse(data).enclosure(BITS)[0] / (1 << BITS)
 
 
-def _disc(said: Any, field: Field) -> str:
-    falls = "falls off the point" if said["decreases"] == "strictly" else "does not grow"
-    return f"disc: abs(c) {falls} where abs(c)^2 <= {_number(said['squared_radius'], field)}"
-
-
-def _drift(said: Any, field: Field) -> str:
-    low, high, bottom = (_decimal(data, field) for data in said)
-    rates = f"from about {low / bottom:.6g} to about {high / bottom:.6g}" if low or high else "0"
-    return f"drift: a body that rests at the point turns at rates {rates}"
-
-
-def _starts(said: Any, field: Field) -> str:
-    return f"from abs(c0)^2 <= {_number(said['squared_radius'], field)} a body"
-
-
-def _arrival(said: Any, field: Field) -> str:
-    rate = _number(said["rate"], field)
-    return f"arrival: {_starts(said, field)} is at the point after abs(c0)/({rate}) at the latest"
-
-
-def _swing(said: Any, field: Field) -> str:
-    return f"swing: {_starts(said, field)} keeps to abs(c)^2 <= {_number(said['squared_swing'], field)}"
-
-
-def _turning(said: Any, field: Field) -> str:
-    factor = _number(said["per_distance"], field)
-    return f"turning: {_starts(said, field)} turns by at most ({factor}) abs(c0) in all"
-
-
-def _obstruction(said: Any, field: Field) -> str:
-    normal = ", ".join(_number(data, field) for data in said)
-    return f"obstruction: no static law serves, ({normal}) . (v_x, v_y, omega) = 0 for all motions near the point"
-
-
-def _feedback_rate(said: Any, field: Field) -> str:
-    """With ``V = p x^2 + 2 q x y + s y^2 + w theta^2``."""
-    p, q, s, weight, kappa = (_number(data, field) for data in (*said["form"], said["weight"], said["kappa"]))
-    reach = said["squared_reach"]
-    where = "" if reach is None else f" where abs(c)^2 <= {_number(reach, field)}"
-    function = f"V = ({p}) x^2 + 2 ({q}) x y + ({s}) y^2 + ({weight}) theta^2"
-    return f"feedback rate: V' <= -2 K kappa V{where}, kappa = {kappa}, by the law of gain K for {function}"
-
-
-def _tolerances(said: Any, field: Field) -> str:
+def _further(kind: str, said: Any, field: Field) -> str:
+    """A claim beside the clauses: c is the centre of mass from the point, c0 a start."""
+    if type(said) is list:  # of three numbers
+        a, b, c = (_decimal(data, field) for data in said)
+        if kind == "obstruction":
+            plane = f"{a:.6g} v_x + {b:.6g} v_y + {c:.6g} omega = 0"
+            return f"obstruction: no static law serves, near the point all motions obey {plane}, rounded"
+        return f"drift: a body that rests at the point turns at rates from {a / c:.6g} to {b / c:.6g}, rounded"
+    own = {key: _number(data, field) for key, data in said.items() if data is not None and key != "form"}
+    starts = f"from abs(c0)^2 <= {own.get('squared_radius')} a body"
+    match kind:
+        case "disc":
+            falls = "falls off the point" if said["decreases"] == "strictly" else "does not grow"
+            return f"disc: abs(c) {falls} where abs(c)^2 <= {own['squared_radius']}"
+        case "arrival":
+            return f"arrival: {starts} is at the point after abs(c0)/({own['rate']}) at the latest"
+        case "swing":
+            return f"swing: {starts} keeps to abs(c)^2 <= {own['squared_swing']}"
+        case "turning":
+            return f"turning: {starts} turns by at most ({own['per_distance']}) abs(c0) in all"
+        case "feedback rate":
+            p, q, s = (_number(data, field) for data in said["form"])
+            where = f" where abs(c)^2 <= {own['squared_reach']}" if "squared_reach" in own else ""
+            function = f"V = ({p}) x^2 + 2 ({q}) x y + ({s}) y^2 + ({own['weight']}) theta^2"
+            return f"feedback rate: the law of gain K has V' <= -2 K ({own['kappa']}) V{where}, {function}"
     radius, start, rate = (f"{float(rational(said[key])):.4g}" for key in ("radius", "start", "rate"))
     return f"within the tolerances: bodies from within {start} end within {radius}, at a rate of at least {rate}"
-
-
-OF_ARRAYS: dict[str, Callable[[Any, Field], str]] = {
-    "disc": _disc,
-    "drift": _drift,
-    "arrival": _arrival,
-    "swing": _swing,
-    "turning": _turning,
-    "obstruction": _obstruction,
-    "feedback rate": _feedback_rate,
-    "tolerances": _tolerances,
-}
 
 
 # ---- plain systems -------------------------------------------------------------------------------

@@ -58,11 +58,6 @@ class Interval:
 ZERO, ONE = Interval(0, 0), Interval(GRID, GRID)
 
 
-def up_to(size: int) -> Interval:
-    """All numbers of at most a size."""
-    return Interval(-size, size)
-
-
 def interval(number: Number) -> Interval:
     """Bounds of an exact number, which must be smaller than G."""
     found = Interval(*number.enclosure(BITS))

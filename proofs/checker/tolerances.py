@@ -12,16 +12,17 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cache
 from itertools import permutations
 from math import ceil, isqrt
 from typing import Any, TypeAlias
 
-from .intervals import GRID, ONE, ZERO, Interval, Jet, above, interval, mean_value, up_to
+from .intervals import GRID, ONE, ZERO, Interval, Jet, above, interval, mean_value
 from .plane import Point, Side, clipped, corners
 from .positivity import Proofs
 from .theorems import Statement
 from .tower import charge
-from .wheels import NEAREST, Array, Wheel
+from .wheels import NEAREST, Array
 from .work import limit, rational, require, take
 
 MAX_BOUND = 200  # characters of a bound
@@ -46,13 +47,14 @@ def show_tolerances(array: Array, hypotheses: Any, proofs: Proofs) -> list[State
     within = 0 < radius < start and rate > 0 and (array.radius - array.field.rational(start)).sign() >= 0
     require(within, SOUND)
     limit(start < MAX_RATIO * radius, "discs of sizes that differ less")
-    motions: dict[tuple[int, int], list[Pair]] = {}
+
+    @cache
+    def motions(i: int, j: int) -> list[Pair]:
+        return [motion(builds[i], builds[j], kind) for kind in builds[j].kinds]
+
     for quadrant, pair, sides in regions(builds, radius, start):
         ends = list(outer_ends(sides))
-        if ends and pair not in motions:
-            first, second = (builds[k] for k in pair)
-            motions[pair] = [motion(first, second, kind) for kind in second.kinds]
-        for velocity in motions[pair] if ends else ():
+        for velocity in motions(*pair) if ends else ():
             require(leads_inward(velocity, quadrant, ends, ceil(rate * GRID)), "a rate outside the disc")
     return [{"tolerances": hypotheses}]
 
@@ -95,7 +97,7 @@ class Build:
         An angle of at most t has a cosine of at least ``1 - t^2/2`` and a sine of at most t.  The slope of a rim (a, b)
         in the angle is (-b, a).
         """
-        speed, angle, x, y = map(up_to, self.sizes)
+        speed, angle, x, y = (Interval(-size, size) for size in self.sizes)
         cosine = Interval(GRID - (above(angle.size * angle.size) + 1) // 2, GRID)
         a = self.rim[0] * cosine - self.rim[1] * angle
         b = self.rim[0] * angle + self.rim[1] * cosine
@@ -115,17 +117,17 @@ def read_builds(array: Array) -> list[Build]:
     sound = min(sizes) >= 0 and max(shares) < GRID and 2 * turn < GRID
     require(sound and all(wheel.drive is None for wheel in array.wheels.values()), SOUND)
     angle = -(-turn * 355 // 113)  # more than pi times the half turns
-    return [_read_build(wheel, step, angle, *shares) for wheel in array.wheels.values()]
-
-
-def _read_build(wheel: Wheel, step: int, angle: int, speed: int, roll: int, side: int) -> Build:
-    p, q, _ = map(interval, wheel.place)
-    a, b, _, u = map(interval, wheel.rows[0])
-    along, across = map(interval, wheel.friction)
-    require(along.low > 0 and across.low > 0, "friction in both directions")
-    kinds = "R" * (along.high * (GRID + roll) >= across.low * (GRID - side))
-    kinds += "S" * (across.high * (GRID + side) >= along.low * (GRID - roll))
-    return Build(-u, (a, b), (p, q), (above(u.size * speed), angle, step, step), kinds)
+    speed, roll, side = shares
+    builds = []
+    for wheel in array.wheels.values():
+        p, q, _ = map(interval, wheel.place)
+        a, b, _, u = map(interval, wheel.rows[0])
+        along, across = map(interval, wheel.friction)
+        require(along.low > 0 and across.low > 0, "friction in both directions")
+        kinds = "R" * (along.high * (GRID + roll) >= across.low * (GRID - side))
+        kinds += "S" * (across.high * (GRID + side) >= along.low * (GRID - roll))
+        builds.append(Build(-u, (a, b), (p, q), (above(u.size * speed), angle, step, step), kinds))
+    return builds
 
 
 def motion(first: Build, second: Build, kind: str) -> Pair:

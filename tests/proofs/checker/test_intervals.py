@@ -13,7 +13,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from nonsmooth.proofs.checker.intervals import GRID, ONE, Interval, Jet, interval, mean_value, up_to
+from nonsmooth.proofs.checker.intervals import GRID, ONE, Interval, Jet, interval, mean_value
 from nonsmooth.proofs.checker.plane import Side, clipped, corners
 from nonsmooth.proofs.checker.tolerances import outer_ends
 from nonsmooth.proofs.checker.tower import Field
@@ -54,7 +54,7 @@ def test_slopes_bound_what_a_function_may_change() -> None:
     zero = Interval(0, 0)
     middle = [Interval(2 * GRID, 2 * GRID), Interval(3 * GRID, 3 * GRID)]
     x, y = (
-        Jet(own + up_to(size), slopes)
+        Jet(Interval(own.low - size, own.high + size), slopes)
         for own, size, slopes in zip(middle, sizes, ((ONE, zero), (zero, ONE)), strict=True)
     )
     found = mean_value(middle[0] * middle[1] / (middle[0] + middle[1]), x * y / (x + y), sizes)
