@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from fractions import Fraction
 from itertools import combinations
 from typing import Any
 
@@ -164,8 +165,7 @@ def show_feedback_rate(cells: Cells, data: Any) -> Any:
     if reach_data is not None:
         reach, slack, least = map(cells.parse, (reach_data, slack_data, least_data))
         kappa = kappa + kappa * slack
-        four = cells.one + cells.one + cells.one + cells.one
-        room = four * slack * slack * least * weight - reach * (cells.one + slack) * form.spread
+        room = cells.rational(Fraction(4)) * slack * slack * least * weight - reach * (cells.one + slack) * form.spread
         is_near = min(signs((reach, slack, least))) > 0 and form.is_at_least(least) and room.sign() >= 0
         require(is_near, "a distance at which the rotation adds little to V")
     else:

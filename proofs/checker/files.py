@@ -9,7 +9,8 @@ import json
 from collections.abc import Sequence
 from typing import Any
 
-from .statements import VERSION, describe, is_of_array, refusal
+from .descriptions import describe
+from .statements import VERSION, is_of_array, refusal
 from .work import MALFORMED, MAX_BYTES, limit, take_once
 
 EARLIER = {  # versions that are written no more, with what the subject of one is called on the command line

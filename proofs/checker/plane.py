@@ -1,4 +1,4 @@
-"""The plane with exact numbers: chains that go around once, convex hulls, and ellipses that they hold."""
+"""The plane with exact numbers: chains that go around once, convex polygons, and ellipses that they hold."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cmp_to_key
 from itertools import pairwise
-from typing import Any
+from typing import Any, TypeAlias
 
-from .tower import Number, Vector, cross, dot
+from .tower import Number, Vector, charge, cross, dot
 from .work import require
 
 
@@ -54,6 +54,44 @@ def _half_hull(ordered: Sequence[Vector]) -> list[Vector]:
 def _turn(a: Vector, b: Vector, c: Vector) -> int:
     """Sign of the turn from a over b to c, positive to the left."""
     return cross((b[0] - a[0], b[1] - a[1]), (c[0] - a[0], c[1] - a[1])).sign()
+
+
+# ---- convex polygons by their sides, in whole numbers ---------------------------------------------
+
+Side: TypeAlias = tuple[int, int, int]  # a, b, c of a x + b y <= c
+Point: TypeAlias = tuple[int, int, int]  # X, Y, W of (X/W, Y/W), W > 0
+
+
+def corners(sides: Sequence[Side]) -> list[Point]:
+    """Where each side of a convex polygon ends, and the next one counterclockwise starts.
+
+    There the polygon turns left by less than a half turn, because sides have lengths and it has an area: so ``W > 0``.
+    """
+    return [(c * e - f * b, a * f - d * c, a * e - d * b) for (a, b, c), (d, e, f) in around(sides)]
+
+
+def clipped(sides: list[Side], half_planes: Iterable[Side]) -> list[Side]:
+    """The part of a convex polygon in half planes; no sides where it has no area.
+
+    Sides that reach into a half plane remain, and its own line follows the one on which the polygon leaves it.
+    """
+    for line in half_planes:
+        if not sides:
+            break
+        charge(40 * len(sides))
+        a, b, c = line
+        ends = [a * x + b * y - c * w for x, y, w in corners(sides)]
+        if max(ends) <= 0:
+            continue
+        kept: list[Side] = []
+        for side, start, end in zip(sides, [ends[-1], *ends[:-1]], ends, strict=True):
+            kept += [side] if min(start, end) < 0 else []
+            kept += [line] if start < 0 <= end else []
+        sides = kept
+    return sides
+
+
+# ---- ellipses ------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -120,3 +158,8 @@ class Form:
 def _is_not_negative(p: Number, q: Number, s: Number) -> bool:
     """Whether ``[[p, q], [q, s]]`` is positive semidefinite."""
     return min(p.sign(), s.sign(), (p * s - q * q).sign()) >= 0
+
+
+def outweighs(inward: Number, outward: Number, square: Number) -> bool:
+    """Whether ``inward >= |outward| sqrt(square)``, by signs of numbers without that root; ``square >= 0``."""
+    return inward.sign() >= 0 and (inward * inward - outward * outward * square).sign() >= 0

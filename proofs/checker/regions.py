@@ -6,12 +6,12 @@ docstring, what it shows of the solutions of ``c' = v + omega J c``, with v and 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from typing import Any
 
-from .contact import Cell, Cells
-from .plane import Form, around, convex_hull
+from .contact import Cell, Cells, Motion
+from .plane import Form, around, convex_hull, outweighs
 from .positivity import Proofs
 from .theorems import Statement
 from .tower import Number, Vector, dot, is_zero, signs
@@ -61,13 +61,9 @@ def show_arrival(cells: Cells, rate: Number) -> None:
     ``c . v + rate |c|`` is convex on a closed cell: not positive at its corners, it is so in all of it.
     """
     require(rate.sign() > 0, "a positive rate")
-    margins = []
-    for cell in cells.listed:
-        for x, y, _ in cell.corners:
-            for motion in cell.motions:
-                inward = -dot((x, y), motion.twist)
-                margins += [inward, inward * inward - rate * rate * (x * x + y * y)]
-    require(min(signs(margins)) >= 0, "a rate at which the distance falls in the square")
+    for c, motion in _at_corners(cells):
+        falls = outweighs(-dot(c, motion.twist), rate, dot(c, c))
+        require(falls, "a rate at which the distance falls in the square")
 
 
 def show_turning(cells: Cells, factor: Number) -> None:
@@ -78,15 +74,19 @@ def show_turning(cells: Cells, factor: Number) -> None:
     -factor times the derivative of ``|c|`` off the point, for mixtures of motions too.  At the point itself the body
     stays without turning: its drift is {0}.
     """
-    require(factor.sign() >= 0, "a bound of the rotation that is not negative")
-    margins = [factor]
+    bound = "a bound of the rotation for each unit of distance"
+    require(factor.sign() >= 0, bound)
+    for c, motion in _at_corners(cells):
+        turn = motion.twist[2]
+        require(not turn.sign() or outweighs(-dot(c, motion.twist) * factor, turn, dot(c, c)), bound)
+
+
+def _at_corners(cells: Cells) -> Iterator[tuple[Vector, Motion]]:
+    """Every corner of every cell with every motion there."""
     for cell in cells.listed:
         for motion in cell.motions:
-            turn = motion.twist[2]
-            for x, y, _ in cell.corners if turn.sign() else ():
-                inward = -dot((x, y), motion.twist) * factor
-                margins += [inward, inward * inward - turn * turn * (x * x + y * y)]
-    require(min(signs(margins)) >= 0, "a bound of the rotation for each unit of distance")
+            for x, y, _ in cell.corners:
+                yield (x, y), motion
 
 
 # ---- ellipses ------------------------------------------------------------------------------------
@@ -158,8 +158,7 @@ def _require_falls(cells: Cells, form: Form, level: Number, bend: Fraction, spee
     the eigenvalues of P.  So with a bend of at least ``m sqrt(level)`` it is enough that ``c^T P v + s sqrt(V) <= 0``
     for ``s = speed + |omega| bend k/n``, which is convex and homogeneous: it suffices at the corners of the cell.
     """
-    four = cells.one + cells.one + cells.one + cells.one
-    square = cells.rational(bend * bend) * four * form.determinant
+    square = cells.rational(4 * bend * bend) * form.determinant
     require(bend >= 0 and (square - form.spread * level).sign() >= 0, "a bound of what the rotation adds to V")
     for motion in cells.here:
         turn = motion.twist[2] if motion.twist[2].sign() > 0 else -motion.twist[2]
@@ -169,5 +168,4 @@ def _require_falls(cells: Cells, form: Form, level: Number, bend: Fraction, spee
             down, size = -dot(form.image(corner), motion.twist), form.at(corner)
             for k, speed in enumerate(speeds, 1):
                 least = cells.rational(speed) + turn * cells.rational(bend * k / len(speeds))
-                falls = down.sign() >= 0 and (down * down - least * least * size).sign() >= 0
-                require(falls, "a speed at which V falls in the cells at the point")
+                require(outweighs(down, least, size), "a speed at which V falls in the cells at the point")

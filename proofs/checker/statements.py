@@ -17,11 +17,11 @@ from .cells import System
 from .escape import show_escape
 from .positivity import Proofs
 from .roots import read_subject
-from .theorem4 import CLAUSES, show_theorem4
+from .theorem4 import show_theorem4
 from .theorems import Statement, show_departure, show_instability, show_stability
 from .tolerances import show_tolerances
 from .wheels import Array, read_array
-from .work import BUDGET, MALFORMED, RejectedError, items, rational, require, take
+from .work import BUDGET, MALFORMED, RejectedError, items, require, take
 
 VERSION = "nonsmooth-certificate/2"
 MAX_THEOREMS = 20
@@ -112,92 +112,3 @@ def refusal(data: Any, size: int) -> str:
     except MALFORMED as error:
         return f"well-formed data, not a {type(error).__name__}"
     return ""
-
-
-def describe(statement: Any, notes: Any = None) -> list[str]:
-    """What a valid certificate states, in lines; the name of an array is told by the notes, which show nothing."""
-    if is_of_array(statement["subject"]):
-        return _of_array(statement, notes.get("scene") if type(notes) is dict else None)
-    return _of_system(statement)
-
-
-def _of_array(statement: Any, name: Any) -> list[str]:
-    """The array, the verdicts of all clauses, and what is said of arrays within tolerances."""
-    subject, named = statement["subject"], f", noted as {str(name)[:60]!r}" if name is not None else ""
-    x, y = map(_number, subject["at"])
-    side = _number(subject["radius"])
-    head = f"array: {len(subject['wheels'])} wheels, rule {subject['rule']}, at ({x}, {y}), square of half side {side}"
-    said = {clause: word for claim in statement["claims"] for clause, word in claim.items()}
-    if "equilibrium" in said:
-        said["equilibrium"] = "holds" if said["equilibrium"] else "fails"
-    lines = [f"{head}{named}", *(f"{clause}: {said.get(clause, 'undecided')}" for clause in CLAUSES)]
-    if "tolerances" in said:
-        radius, start, rate = (f"{float(rational(said['tolerances'][key])):.4g}" for key in ("radius", "start", "rate"))
-        lines.append(
-            f"within the tolerances: bodies from within {start} end within {radius}, at a rate of at least {rate}"
-        )
-    return lines
-
-
-def _number(data: Any) -> str:
-    return data if type(data) is str and len(data) < 30 else "an exact number of its field"
-
-
-def _of_system(statement: Any) -> list[str]:
-    """The system with its first claim, and every further claim on a line."""
-    system = read_subject(statement["subject"])
-    point = ", ".join(map(str, system.at))
-    pairs = zip(system.coordinates, system.states, strict=True)
-    roots = "".join(f", {own} = sign({name})*sqrt(Abs({name}))" for own, name in pairs if own != name)
-    said = []
-    for claim in statement["claims"]:
-        ((kind, about),) = claim.items()
-        said.append(_DESCRIBED[kind](about, system))
-    return [f"system in {', '.join(system.states)} at ({point}){roots}: {said[0]}", *said[1:]]
-
-
-def _stability(said: str, system: System) -> str:
-    return said
-
-
-def _equilibrium(said: bool, system: System) -> str:
-    return "0 is not in F at the point: every solution leaves it"
-
-
-def _attracts(said: Any, system: System) -> str:
-    if said == "everywhere":
-        return "every solution tends to the point"
-    starts = f"every start with V < {said['below']} within {_cube(said, system)}"
-    return f"{starts} tends to the point, {_function(said, system)}"
-
-
-def _rate(said: Any, system: System) -> str:
-    fall = f"{said['kappa']} V" if said["kind"] == "exponential" else said["kappa"]
-    where = "the whole space" if said["within"] is None else _cube(said, system)
-    below = f" where V < {said['below']}" if "below" in said else ""
-    rise = f" + {said['gamma']} |d|" if "gamma" in said else ""
-    return f"V' <= -{fall}{rise} on {where}{below}, {_function(said, system)}"
-
-
-def _gain(said: Any, system: System) -> str:
-    return f"with x' in F + d: {_rate(said, system)}"
-
-
-def _cube(said: Any, system: System) -> str:
-    away = (name if not at else f"{name} - {at}" for name, at in zip(system.coordinates, system.origin, strict=True))
-    return f"{', '.join(f'abs({own})' for own in away)} <= {said['within']}"
-
-
-def _function(said: Any, system: System) -> str:
-    own = said["function"]
-    words = f"V = {own}" if type(own) is str else f"V in {len(own)} pieces"
-    return f"{words} of the displacement" if any(system.origin) else words
-
-
-_DESCRIBED: dict[str, Callable[[Any, System], str]] = {
-    "stability": _stability,
-    "equilibrium": _equilibrium,
-    "attracts": _attracts,
-    "rate": _rate,
-    "gain": _gain,
-}

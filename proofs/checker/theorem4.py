@@ -41,11 +41,8 @@ def show_theorem4(array: Array, hypotheses: Any, proofs: Proofs) -> list[Stateme
     feedback, plane = show_feedback(cells, proofs)
     words = {"translation": translation, "rotation": rotation, "feedback": feedback}
     shown: list[Statement] = [{"equilibrium": equilibrium}]
-    shown += [{clause: word} for clause, word in words.items() if word is not None]
-    if drift is not None:
-        shown.append({"drift": drift})
-    if plane is not None:
-        shown.append({"obstruction": plane})
+    stated = {**words, "drift": drift, "obstruction": plane}
+    shown += [{kind: said} for kind, said in stated.items() if said is not None]
     if law is not None:
         shown.append({"feedback rate": show_feedback_rate(cells, law)})
     if disc is not None:

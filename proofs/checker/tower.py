@@ -207,11 +207,10 @@ class Number:
                 return 1 if low > 0 else -1
         raise RejectedError(f"a sign that {PRECISIONS[-1]} bits show")
 
-    def enclosure(self) -> tuple[Fraction, Fraction]:
-        """Rational bounds, close to each other."""
-        bits = PRECISIONS[1]
+    def enclosure(self, bits: int) -> tuple[int, int]:
+        """Bounds in units of 2^-bits."""
         low, high = self._interval(bits)
-        return Fraction(low, self.bottom << bits), Fraction(high, self.bottom << bits)
+        return low // self.bottom, -(-high // self.bottom)
 
     def _interval(self, bits: int) -> tuple[int, int]:
         """Bounds of the numerator in units of 2^-bits."""

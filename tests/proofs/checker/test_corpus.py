@@ -11,8 +11,10 @@ from pathlib import Path
 import pytest
 
 from nonsmooth.proofs import checker
+from nonsmooth.proofs.checker.descriptions import describe
 from nonsmooth.proofs.checker.files import check_file
 from nonsmooth.proofs.checker.statements import OF_ARRAYS, THEOREMS, refusal
+from nonsmooth.proofs.checker.theorem4 import CLAUSES
 from tests.certificates.cases import GROUPS, cases
 from tests.certificates.corpus import (
     GOOD,
@@ -160,3 +162,16 @@ def test_a_case_of_each_group_can_be_written_again() -> None:
         case = next(group())
         assert case.certificate()["statement"] == good_certificates()[case.name]["statement"], case.name
         assert json.loads(text_of(case.certificate()))
+
+
+def test_each_claim_of_an_array_is_said_on_a_line() -> None:
+    """The array, five clauses, whether they are decided or not, and a line for every further claim."""
+    kinds = set()
+    for name, record in good_arrays().items():
+        further = [kind for claim in record["statement"]["claims"] for kind in claim if kind not in CLAUSES]
+        kinds |= set(further)
+        lines = describe(record["statement"])
+        assert len(lines) == 6 + len(further), name
+        starts = [line.partition(":")[0] for line in lines[6:]]
+        assert [start.replace("within the tolerances", "tolerances") for start in starts] == further, name
+    assert kinds == {"disc", "drift", "arrival", "swing", "turning", "obstruction", "feedback rate", "tolerances"}

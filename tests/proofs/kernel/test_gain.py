@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from nonsmooth.proofs.checker.cells import read_system
-from nonsmooth.proofs.checker.statements import describe, refusal
+from nonsmooth.proofs.checker.descriptions import describe
+from nonsmooth.proofs.checker.statements import refusal
 from nonsmooth.proofs.kernel.search import NotShownError, Search
 from nonsmooth.proofs.system_certificates import certificate_of
 from tests.proofs.mutants import Record

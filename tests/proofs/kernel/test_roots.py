@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from nonsmooth.proofs.checker.descriptions import describe
 from nonsmooth.proofs.checker.roots import read_subject
-from nonsmooth.proofs.checker.statements import VERSION, describe, refusal
+from nonsmooth.proofs.checker.statements import VERSION, refusal
 from nonsmooth.proofs.kernel.search import NotShownError, Search
 from nonsmooth.proofs.system_certificates import certificate_of, left_out
 from nonsmooth.proofs.system_decision import decide_system

@@ -1,0 +1,138 @@
+"""What a valid certificate states, in words: one line for each claim.  Nothing is shown here."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from .cells import System
+from .roots import read_subject
+from .statements import is_of_array
+from .theorem4 import CLAUSES
+from .tower import Field
+from .work import rational
+
+SHORT = 20  # characters of a number that is printed as it is written
+BITS = 64  # to which another one is enclosed
+
+
+def describe(statement: Any, notes: Any = None) -> list[str]:
+    """What a valid certificate states, in lines; the name of an array is told by the notes, which show nothing."""
+    if is_of_array(statement["subject"]):
+        return _of_array(statement, notes.get("scene") if type(notes) is dict else None)
+    return _of_system(statement)
+
+
+# ---- arrays --------------------------------------------------------------------------------------
+
+
+def _of_array(statement: Any, name: Any) -> list[str]:
+    """The array, the verdicts of all clauses, and every further claim."""
+    subject, field = statement["subject"], Field(statement["subject"]["field"])
+    x, y, side = (_number(data, field) for data in (*subject["at"], subject["radius"]))
+    head = f"array: {len(subject['wheels'])} wheels, rule {subject['rule']}, at ({x}, {y}), square of half side {side}"
+    named = f", noted as {str(name)[:60]!r}" if name is not None else ""
+    claims = [pair for claim in statement["claims"] for pair in claim.items()]
+    words = dict.fromkeys(CLAUSES, "undecided") | {kind: said for kind, said in claims if kind in CLAUSES}
+    if type(words["equilibrium"]) is bool:
+        words["equilibrium"] = "holds" if words["equilibrium"] else "fails"
+    further = [_further(kind, said, field) for kind, said in claims if kind not in CLAUSES]
+    return [head + named, *(f"{clause}: {words[clause]}" for clause in CLAUSES), *further]
+
+
+def _number(data: Any, field: Field) -> str:
+    """A number as it is written, if that is short."""
+    return data if type(data) is str and len(data) <= SHORT else f"about {_decimal(data, field):.6g}"
+
+
+def _decimal(data: Any, field: Field) -> float:
+    return field.parse(data).enclosure(BITS)[0] / (1 << BITS)
+
+
+def _further(kind: str, said: Any, field: Field) -> str:
+    """A claim beside the clauses: c is the centre of mass from the point, c0 a start."""
+    if type(said) is list:  # of three numbers
+        a, b, c = (_decimal(data, field) for data in said)
+        if kind == "obstruction":
+            plane = f"{a:.6g} v_x + {b:.6g} v_y + {c:.6g} omega = 0"
+            return f"obstruction: no static law serves, near the point all motions obey {plane}, rounded"
+        return f"drift: a body that rests at the point turns at rates from {a / c:.6g} to {b / c:.6g}, rounded"
+    own = {key: _number(data, field) for key, data in said.items() if data is not None and key != "form"}
+    starts = f"from abs(c0)^2 <= {own.get('squared_radius')} a body"
+    match kind:
+        case "disc":
+            falls = "falls off the point" if said["decreases"] == "strictly" else "does not grow"
+            return f"disc: abs(c) {falls} where abs(c)^2 <= {own['squared_radius']}"
+        case "arrival":
+            return f"arrival: {starts} is at the point after abs(c0)/({own['rate']}) at the latest"
+        case "swing":
+            return f"swing: {starts} keeps to abs(c)^2 <= {own['squared_swing']}"
+        case "turning":
+            return f"turning: {starts} turns by at most ({own['per_distance']}) abs(c0) in all"
+        case "feedback rate":
+            p, q, s = (_number(data, field) for data in said["form"])
+            where = f" where abs(c)^2 <= {own['squared_reach']}" if "squared_reach" in own else ""
+            function = f"V = ({p}) x^2 + 2 ({q}) x y + ({s}) y^2 + ({own['weight']}) theta^2"
+            return f"feedback rate: the law of gain K has V' <= -2 K ({own['kappa']}) V{where}, {function}"
+    radius, start, rate = (f"{float(rational(said[key])):.4g}" for key in ("radius", "start", "rate"))
+    return f"within the tolerances: bodies from within {start} end within {radius}, at a rate of at least {rate}"
+
+
+# ---- plain systems -------------------------------------------------------------------------------
+
+
+def _of_system(statement: Any) -> list[str]:
+    """The system with its first claim, and every further claim on a line."""
+    system = read_subject(statement["subject"])
+    point = ", ".join(map(str, system.at))
+    pairs = zip(system.coordinates, system.states, strict=True)
+    roots = "".join(f", {own} = sign({name})*sqrt(Abs({name}))" for own, name in pairs if own != name)
+    said = [OF_SYSTEMS[kind](about, system) for claim in statement["claims"] for kind, about in claim.items()]
+    return [f"system in {', '.join(system.states)} at ({point}){roots}: {said[0]}", *said[1:]]
+
+
+def _stability(said: str, system: System) -> str:
+    return said
+
+
+def _equilibrium(said: bool, system: System) -> str:
+    return "0 is not in F at the point: every solution leaves it"
+
+
+def _attracts(said: Any, system: System) -> str:
+    if said == "everywhere":
+        return "every solution tends to the point"
+    starts = f"every start with V < {said['below']} within {_cube(said, system)}"
+    return f"{starts} tends to the point, {_function(said, system)}"
+
+
+def _rate(said: Any, system: System) -> str:
+    fall = f"{said['kappa']} V" if said["kind"] == "exponential" else said["kappa"]
+    where = "the whole space" if said["within"] is None else _cube(said, system)
+    below = f" where V < {said['below']}" if "below" in said else ""
+    rise = f" + {said['gamma']} |d|" if "gamma" in said else ""
+    return f"V' <= -{fall}{rise} on {where}{below}, {_function(said, system)}"
+
+
+def _gain(said: Any, system: System) -> str:
+    return f"with x' in F + d: {_rate(said, system)}"
+
+
+def _cube(said: Any, system: System) -> str:
+    away = (name if not at else f"{name} - {at}" for name, at in zip(system.coordinates, system.origin, strict=True))
+    return f"{', '.join(f'abs({own})' for own in away)} <= {said['within']}"
+
+
+def _function(said: Any, system: System) -> str:
+    own = said["function"]
+    words = f"V = {own}" if type(own) is str else f"V in {len(own)} pieces"
+    return f"{words} of the displacement" if any(system.origin) else words
+
+
+OF_SYSTEMS: dict[str, Callable[[Any, System], str]] = {
+    "stability": _stability,
+    "equilibrium": _equilibrium,
+    "attracts": _attracts,
+    "rate": _rate,
+    "gain": _gain,
+}
