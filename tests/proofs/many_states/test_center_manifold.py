@@ -49,7 +49,7 @@ def leading(rhs: Sequence[str]) -> Leading:
 def test_carrs_example(seed: int) -> None:
     """``x' = x y + a x^3 + b x y^2, y' = -y + c x^2 + d x^2 y`` reduces to ``(a + c) x^3 + ...`` (Carr 1981, 1.3)."""
     a, b, c, d = map(int, np.random.default_rng(seed).integers(-4, 5, size=4))
-    if a + c == 0:  # then to (c d + b c^2) x^5
+    if a + c == 0:  # then the fifth order decides, as below
         c += 1
     found = leading([f"x*y + {a}*x**3 + {b}*x*y**2", f"-y + {c}*x**2 + {d}*x**2*y"])
     assert found.factor == a + c
@@ -67,7 +67,7 @@ def test_the_first_quantity_of_a_planar_focus(seed: int) -> None:
     x, y = sp.symbols("x y")
     source = np.random.default_rng(seed)
     powers = [(i, j) for i in range(4) for j in range(4) if 2 <= i + j <= 3]
-    f, g = (sum(int(source.integers(-3, 4)) * x**i * y**j for i, j in powers) for _ in range(2))
+    f, g = (sp.Integer(0) + sum(int(source.integers(-3, 4)) * x**i * y**j for i, j in powers) for _ in range(2))
     w = int(source.integers(1, 4))
 
     def at(value: sp.Expr, *by: sp.Symbol) -> sp.Expr:
