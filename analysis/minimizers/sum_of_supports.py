@@ -245,7 +245,9 @@ class Smoothed(NamedTuple):
         return Smoothed(*(array[..., chosen] for array in self))
 
 
-def by_smoothing(weights: Floats, maps: Floats, targets: Floats, sets: UnitDiscs) -> tuple[Floats, Floats]:
+def by_smoothing(
+    weights: Floats, maps: Floats, targets: Floats, sets: UnitDiscs, passes: int = PASSES
+) -> tuple[Floats, Floats]:
     """Minimizers y, shape (m, 3), and forces, shape (m, n, 2), with ``sum_i w_i E_i^T p_i = 0``.
 
     Args:
@@ -253,6 +255,7 @@ def by_smoothing(weights: Floats, maps: Floats, targets: Floats, sets: UnitDiscs
         maps: E_i, shape (n, 2, 3), columns of comparable size.
         targets: e_i of order 1, shape (n, 2), or (m, n, 2) where every problem has its own.
         sets: K_i.
+        passes: of multipliers, from nothing, for what smoothing does not finish.
     """
     size = max(SMALLEST_BLOCK, CACHED // weights.shape[1])
     found = []
@@ -261,12 +264,13 @@ def by_smoothing(weights: Floats, maps: Floats, targets: Floats, sets: UnitDiscs
             block = slice(first, first + size)
             own = targets[block] if targets.ndim == 3 else targets[None]
             columns = np.ascontiguousarray(own.transpose(2, 1, 0))
-            found.append(_solved(SupportSums(np.ascontiguousarray(weights[block].T), maps, columns, sets), sets))
+            sums = SupportSums(np.ascontiguousarray(weights[block].T), maps, columns, sets)
+            found.append(_solved(sums, sets, passes))
     forces = [each.forces.transpose(2, 1, 0) for each in found]
     return np.concatenate([each.y.T for each in found]), np.concatenate(forces)
 
 
-def _solved(sums: SupportSums, sets: UnitDiscs) -> Solutions:
+def _solved(sums: SupportSums, sets: UnitDiscs, passes: int) -> Solutions:
     """The problems of one block."""
     n, m = sums.weights.shape
     found, at = Solutions(n, m), np.arange(m)
@@ -280,7 +284,8 @@ def _solved(sums: SupportSums, sets: UnitDiscs) -> Solutions:
             if not going.any():
                 return found
             at, sums, state = at[going], sums.take(going), state.take(going)
-    rest = by_multipliers(sums, np.zeros((3, len(at))), np.zeros((2, n, len(at))), np.full(len(at), FIRST_STIFFNESS))
+    stiffness = np.full(len(at), FIRST_STIFFNESS)
+    rest = by_multipliers(sums, np.zeros((3, len(at))), np.zeros((2, n, len(at))), stiffness, passes)
     found.keep(at, rest.y, rest.forces, rest.lacks, rest.proved)
     return found
 
