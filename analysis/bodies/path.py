@@ -12,11 +12,12 @@ differentiation formulas where drag stands in for jumps of the twist.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from itertools import islice, pairwise
+from typing import Any
 
 import numpy as np
 
@@ -308,6 +309,7 @@ class Regimes:
         Raises:
             TrajectoryError: where the last method stops.
         """
+        methods: list[tuple[Callable[[Any, float, Floats, float], Iterator[DenseStep]], int]]
         methods = [(Integrator("BDF", *rough).steps, MANY_STIFF_STEPS) for rough in ROUGH]
         if not rate.drags:
             methods = [(self._in_regimes, MANY_STEPS), (Integrator("LSODA", *STIFF).steps, MANY_STIFF_STEPS), *methods]

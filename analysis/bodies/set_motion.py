@@ -45,7 +45,7 @@ class SetMotion:
         """
         self.model, self._loads = model, MovingLoads(model, pose[:2])
         self._minimizer = path_minimizer(model)
-        self._quick = None if needs_drag(model) else SmoothNewton(model)
+        self._quick = SmoothNewton(model) if model.has_whole_ellipses else None
         self._regime = NOBODY
 
     @property
@@ -271,6 +271,7 @@ class DraggedMinimizer(WarmMinimizer):
             np.concatenate([model.targets, np.tile([0.0, speed], 3)]),
             np.concatenate([model.friction, np.full(6, model.friction.max())]),
             cuts=np.concatenate([model.cuts, np.ones(3)]),
+            shape=model.shape,
         )
         super().__init__(dragged)
 

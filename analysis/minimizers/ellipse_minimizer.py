@@ -17,7 +17,6 @@ from nonsmooth.analysis.minimizers.dissipation import Functional
 from nonsmooth.analysis.minimizers.minimum import Minima
 from nonsmooth.analysis.minimizers.optimal_face import row_frame
 from nonsmooth.analysis.minimizers.sum_of_supports import SETTLED, SupportSums, by_smoothing, finished
-from nonsmooth.symbolic.friction_set import UnitDiscs
 
 # Relative to the value at rest: the gap that rounding makes of the slips of wheels that stick.  A result with such a
 # gap is verified by its forces before it is taken.
@@ -49,7 +48,7 @@ class _Scaled:
     """The problem in coordinates in which columns are orthonormal and speeds of order 1."""
 
     def __init__(self, model: ContactRows) -> None:
-        self.model, self.sets = model, UnitDiscs(model.cuts)
+        self.model, self.sets = model, model.shape.searched(model.cuts)
         rows, self.to_twists = row_frame(model.rows)
         grip = model.friction / (float(model.friction.max()) or 1.0)
         self.speeds = np.abs(grip * model.targets).max(axis=-1, keepdims=True)
