@@ -49,7 +49,7 @@ from nonsmooth.symbolic.scene import Scene
 
 COMPARED = 1001  # times at which two paths are compared, both ends included
 LADDER = 5  # masses of a ladder, each a tenth of the one before
-BROKEN_OFF = frozenset({EndReason.OUTSIDE, EndReason.TIPS, EndReason.LOADS, EndReason.EVENTS})
+BROKEN_OFF = frozenset({EndReason.OUTSIDE, EndReason.TIPS, EndReason.LOADS, EndReason.EVENTS, EndReason.STEPS})
 
 
 @dataclass(frozen=True)

@@ -261,6 +261,7 @@ class DraggedMinimizer(WarmMinimizer):
     """The minimizer of D plus drag, one after the other along a path."""
 
     def __init__(self, model: ContactModel) -> None:
+        """For contacts of which a strip cuts some friction sets."""
         # three contacts more: along x, along y and around, each with a slip g across that never vanishes
         size = float(np.hypot(*(model.positions - model.positions.mean(axis=0)).T).max())
         speed = float(np.abs(model.targets).max()) or 1.0
