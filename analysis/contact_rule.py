@@ -40,7 +40,8 @@ class ContactRule(ABC):
             they do not exist (the body tips); the regions of any other rule are cut at the support polygon.
         keeps_rows: whether the motion satisfies the rows of its contact state exactly, so that inputs act through the
             control vector fields of that state (feedback clause).
-        is_massless_limit: whether paths under full dynamics tend to those of the rule as the mass goes to zero.
+        is_massless_limit: whether paths under full dynamics tend to those of the rule as the mass goes to zero, in
+            scenes whose own rule has cells and states no friction forces (:func:`massless_rule`).
     """
 
     name: ClassVar[str]
@@ -194,6 +195,16 @@ def smooth_rule_of(scene: Scene) -> SmoothRule:
     if not isinstance(rule, SmoothRule):
         raise TypeError(f"required a rule without cells, received {rule.name}")
     return rule
+
+
+def massless_rule(scene: Scene) -> SmoothRule:
+    """The rule whose friction forces move a body with mass, and whose paths are the limit as the mass goes to zero.
+
+    That is the scene's own rule where it has friction sets (rollers that turn, wheels of several kinds), else friction
+    ellipses.
+    """
+    own = rule_of(scene)
+    return own if isinstance(own, SmoothRule) else next(rule for rule in smooth_rules() if rule.is_massless_limit)
 
 
 def friction_sets(scene: Scene) -> list[FrictionSet]:

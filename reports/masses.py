@@ -18,10 +18,9 @@ from nonsmooth.analysis.bodies.mass_study import (
     body_path,
     mass_ladder,
     mass_study,
-    massless_limit,
     rules_by_limit,
 )
-from nonsmooth.analysis.contact_rule import smooth_rules
+from nonsmooth.analysis.contact_rule import massless_rule
 from nonsmooth.analysis.dynamics.newton_euler import DynamicPath, RigidBody
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.reports.document import Block, Paragraph, table
@@ -117,9 +116,9 @@ class NewtonEulerPath(ArrayPath):
         from nonsmooth.reports.figures.path import wheels_picture
 
         body, path, beside = self.motion.body, self.trajectory, None
-        limit = next(rule for rule in smooth_rules() if rule.is_massless_limit)
+        limit = massless_rule(self.scene)
         with suppress(TrajectoryError):
-            beside = limit.path(self.scene, path.states[0], float(path.end.t)), "rule ellipse (mass 0)"
+            beside = limit.path(self.scene, path.states[0], float(path.end.t)), f"rule {limit.name} (mass 0)"
         title = f"{one_line(self.name)}: full dynamics, mass {body.mass:.6g}, inertia {body.inertia:.6g}"
         return wheels_picture(self.scene, path, title, beside)
 
@@ -153,6 +152,11 @@ class MassResult(Result):
     scene: Scene
     study: MassStudy
 
+    @property
+    def limit(self) -> str:
+        """The rule that bodies approach as their mass goes to zero."""
+        return massless_rule(self.scene).name
+
     def facts(self) -> Record:
         """Distances by mass and rule."""
         rows = [
@@ -171,29 +175,29 @@ class MassResult(Result):
         }
 
     def table(self) -> DataTable:
-        """One line per mass and rule; mass 0 stands for the path of rule ellipse itself."""
+        """One line per mass and rule; mass 0 stands for the path of the rule that is the limit."""
         found = [(row.body.mass, distance) for row in self.study.rows for distance in row.distances]
         found += [(0.0, limit) for limit in self.study.limits or ()]
         lines = [(mass, own.rule, own.position, own.rotation, own.until) for mass, own in found]
         return DataTable(("mass", "rule", "position", "rotation", "until"), lines)
 
     def summary(self) -> str:
-        """The distance from rule ellipse of the lightest body."""
-        last, limit = self.study.rows[-1], massless_limit()
+        """The distance of the lightest body from the rule that is the limit."""
+        last, limit = self.study.rows[-1], self.limit
         return f"distance {last.distance(limit).position:.3g} from rule {limit} at mass {last.body.mass:.3g}"
 
     def blocks(self) -> Sequence[Block]:
         """Distances by mass, and what they tend to."""
         study = self.study
-        rules = [rule for rule in rules_by_limit() if rule not in study.skipped]
+        rules = [rule for rule in rules_by_limit(self.scene) if rule not in study.skipped]
         rows = [[float_text(row.body.mass, 3), *(_pair(row.distance(rule)) for rule in rules)] for row in study.rows]
         if study.limits is not None:
             limits = {limit.rule: limit for limit in study.limits}
-            rows.append(["-> 0", *("0, 0" if rule == massless_limit() else _pair(limits[rule]) for rule in rules)])
+            rows.append(["-> 0", *("0, 0" if rule == self.limit else _pair(limits[rule]) for rule in rules)])
         x, y, theta = study.start
         head = f"{one_line(self.scene.name)}: full dynamics from rest at ({x:g}, {y:g}), theta = {theta:g}"
         what = f"largest distance from the path of each contact rule until t = {study.until:g}: of (x, y), of theta"
-        limit = "" if study.limits is None else "-> 0: the distance of rule ellipse's own path from the others; "
+        limit = "" if study.limits is None else f"-> 0: the distance of rule {self.limit}'s own path from the others; "
         names = ("mass", *(f"rule {rule}" for rule in rules))
         said = [*self._notes(), limit + mass_note(self.scene)]
         distances = table(names, rows, (1.0,) * len(names))
@@ -205,7 +209,7 @@ class MassResult(Result):
             if own.until < self.study.until:
                 yield f"rule {own.rule}: compared until t = {own.until:.6g}, where a path leaves the square or tips"
         if self.study.limits is None:
-            rule = massless_limit()
+            rule = self.limit
             yield f"rule {rule}: its path slides along an edge, where light bodies move otherwise: no limit is stated"
         for rule, why in self.study.skipped.items():
             yield f"rule {rule}: no path: {one_line(why)}"
@@ -216,7 +220,7 @@ class MassResult(Result):
 
         study, units = self.study, self.scene.units
         masses = [row.body.mass for row in study.rows]
-        marks = dict(zip(rules_by_limit(), cycle(MARKS), strict=False))
+        marks = dict(zip(rules_by_limit(self.scene), cycle(MARKS), strict=False))
         for rule, (color, marker) in marks.items():
             if rule not in study.skipped:
                 distances = [row.distance(rule).position for row in study.rows]
@@ -224,7 +228,7 @@ class MassResult(Result):
         for limit in study.limits or ():
             ax.axhline(limit.position, color=marks[limit.rule][0], linewidth=1, linestyle=":")
         if study.limits is not None:
-            nearest = study.rows[-1].distance(massless_limit()).position
+            nearest = study.rows[-1].distance(self.limit).position
             slope = [nearest * mass / masses[-1] for mass in masses]
             ax.plot(masses, slope, color="0.6", linewidth=1, linestyle="--", zorder=0, label="in proportion to mass")
         unit = f"{units.time or 'time'}\N{SUPERSCRIPT TWO}/{units.length or 'length'}"

@@ -30,7 +30,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, fields
 from enum import StrEnum
 from functools import cached_property
-from typing import Any, Generic, NamedTuple, TypeAlias, TypeVar, cast
+from typing import Any, Generic, NamedTuple, Protocol, TypeAlias, TypeVar, cast
 
 import numpy as np
 from flint import arb
@@ -85,6 +85,17 @@ class CutEllipse(Generic[X]):
     def corner(self) -> X:
         """``sqrt(1 - kappa^2)``: x at a corner."""
         return _root((1 - self.cut) * (1 + self.cut))
+
+    @classmethod
+    def units(cls, cut: Floats) -> CutEllipse[Any]:
+        """The sets of n wheels in units of their half-axes, kappa (n,), for arrays (..., n)."""
+        shape: type[CutEllipse[Any]] = cls
+        return shape(1.0, 1.0, cut)
+
+    @classmethod
+    def searched(cls, cut: Floats) -> FrictionSets:
+        """The same for minimizers, which ask for the nearest force of a set too; for points (2, n, m)."""
+        return UnitDiscs(cut)
 
     def piece(self, r: X, s: X) -> BorderPiece:
         """Where the force of slips r along and s across lies, of one wheel."""
@@ -333,6 +344,19 @@ class NearestForce(NamedTuple):
         """The derivative times a change of the given point, shape (2, ...)."""
         x, y = self.normal
         return np.asarray(self.rate * (change - self.normal * (x * change[0] + y * change[1])))
+
+
+class FrictionSets(Protocol):
+    """The sets of n contacts in units of their half-axes, arrays of shape (n, m) in and out."""
+
+    def support(self, r: Floats, s: Floats) -> Floats:
+        """``max p . (r, s)`` over the set."""
+
+    def nearest(self, x: Floats, y: Floats) -> NearestForce:
+        """The nearest points of the sets, and how they move."""
+
+    def excess(self, x: Floats, y: Floats) -> Floats:
+        """How far, in parts, a point must shrink towards zero to lie in the set; at most zero inside."""
 
 
 class UnitDiscs(CutEllipse[Any]):

@@ -1,12 +1,13 @@
 """Full dynamics against the quasi-static contact rules: distance of the paths against mass.
 
 As the mass goes to 0 at a fixed weight (or, which is the same, as the wheels turn more slowly) the velocity settles in
-a time of order m on the one at which friction balances: the minimizer of the ellipse functional.  So the distance to
-the path of rule ``ellipse`` falls like m (a slow manifold in the sense of Fenichel 1979), once m is small enough: where
-the functional is nearly flat in one direction, friction barely damps it, the rule's own field turns around within a
-narrow strip, and until m is small beside that strip the distance falls like ``sqrt(m)`` (measured, not derived: three
-wheels in a ring, from (0.2, 0.4), down to m = 1e-7).  The distances to the paths of rules ``nearest`` and ``box`` do
-not go to zero: they go to the distance of these paths from that of ``ellipse``, which is listed as their limit.
+a time of order m on the one at which friction balances: the minimizer of the dissipation, for the friction sets of the
+scene's own rule, or for ellipses where that has cells.  So the distance to the path of that rule falls like m (a slow
+manifold in the sense of Fenichel 1979), once m is small enough: where the functional is nearly flat in one direction,
+friction barely damps it, the rule's own field turns around within a narrow strip, and until m is small beside that
+strip the distance falls like ``sqrt(m)`` (measured, not derived: three wheels in a ring, from (0.2, 0.4), down to
+m = 1e-7).  The distances to the paths of other rules do not go to zero: they go to the distance of these paths from
+that of the limit, which is listed as theirs.
 
 Of a body with an outline both sides follow the wheels that enter and leave
 (:mod:`nonsmooth.analysis.bodies.mass_path`, :mod:`nonsmooth.analysis.bodies.path`,
@@ -32,7 +33,7 @@ from nonsmooth.analysis.bodies.outline_field import CellPath
 from nonsmooth.analysis.bodies.path import RELATIVE_TOLERANCE
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.partition import RefusalError
-from nonsmooth.analysis.contact_rule import CellRule, SmoothRule, all_rules, contact_rule
+from nonsmooth.analysis.contact_rule import CellRule, SmoothRule, all_rules, contact_rule, massless_rule
 from nonsmooth.analysis.dynamics.newton_euler import DynamicPath, RigidBody, disc
 from nonsmooth.analysis.fields.constant_field import array_field
 from nonsmooth.analysis.fields.contact_model import Floats, contact_model
@@ -48,7 +49,7 @@ from nonsmooth.symbolic.scene import Scene
 
 COMPARED = 1001  # times at which two paths are compared, both ends included
 LADDER = 5  # masses of a ladder, each a tenth of the one before
-BROKEN_OFF = frozenset({EndReason.OUTSIDE, EndReason.TIPS, EndReason.LOADS, EndReason.EVENTS})
+BROKEN_OFF = frozenset({EndReason.OUTSIDE, EndReason.TIPS, EndReason.LOADS, EndReason.EVENTS, EndReason.STEPS})
 
 
 @dataclass(frozen=True)
@@ -99,8 +100,8 @@ class MassStudy(ShortRepr):
         start: ``(x, y, theta)``, at rest.
         until: last time.
         rows: one per mass, in the order given.
-        limits: distances of the other rules' paths from that of rule ``ellipse``: what their columns tend to; None
-            where that path slides along an edge of the body's outline.
+        limits: distances of the other rules' paths from that of the rule that is the limit, what their columns tend to;
+            None where that path slides along an edge of the body's outline.
         skipped: rules without a path, and why.
     """
 
@@ -146,20 +147,23 @@ def rule_path(scene: Scene, rule: str, start: Sequence[float], until: float) -> 
 def body_path(scene: Scene, body: RigidBody, start: Sequence[float], until: float) -> DynamicPath:
     """Full dynamics from rest: on all wheels, or of a body with an outline on those under it.
 
+    Friction forces are those of :func:`nonsmooth.analysis.contact_rule.massless_rule`.
+
     Raises:
         ValueError: for a start at which a body with an outline tips.
         SceneError: for a table of loads beside an outline.
         TrajectoryError: where the path cannot be followed.
     """
     outlined = None if scene.body is None else whole(scene)
-    return MassPath(contact_model(outlined or scene), body, outlined).follow(start, until)
+    contacts = massless_rule(scene).contacts(outlined or scene)
+    return MassPath(contacts, body, outlined).follow(start, until)
 
 
 def mass_study(scene: Scene, bodies: Sequence[RigidBody], start: Sequence[float], until: float) -> MassStudy:
     """Follow full dynamics for every body, and every contact rule, from one start.
 
     Args:
-        scene: the array; its own rule does not matter.
+        scene: the array.
         bodies: see :func:`mass_ladder`.
         start: ``(x, y, theta)``.
         until: last time.
@@ -172,11 +176,12 @@ def mass_study(scene: Scene, bodies: Sequence[RigidBody], start: Sequence[float]
     x, y, theta = (float(value) for value in start)
     paths: dict[str, Trajectory] = {}
     skipped: dict[str, str] = {}
+    limit = massless_rule(scene).name
     for rule in all_rules(scene):
         try:
             paths[rule.name] = rule_path(scene, rule.name, (x, y, theta), until)
         except (RefusalError, ValueError, TrajectoryError) as error:
-            if rule.is_massless_limit:
+            if rule.name == limit:
                 raise
             skipped[rule.name] = str(error)
     samples, rows = PathSamples(), []
@@ -184,7 +189,7 @@ def mass_study(scene: Scene, bodies: Sequence[RigidBody], start: Sequence[float]
         path = body_path(scene, body, (x, y, theta), until)
         apart = (path_distance(rule, path.trajectory, other, until, samples) for rule, other in paths.items())
         rows.append(MassRow(body, tuple(apart), path.evaluations))
-    return MassStudy((x, y, theta), float(until), tuple(rows), _limits(paths, until, samples), skipped)
+    return MassStudy((x, y, theta), float(until), tuple(rows), _limits(limit, paths, until, samples), skipped)
 
 
 class PathSamples:
@@ -201,23 +206,20 @@ class PathSamples:
         return self._found[key][1]
 
 
-def _limits(paths: Mapping[str, Trajectory], until: float, samples: PathSamples) -> tuple[PathDistance, ...] | None:
+def _limits(
+    limit: str, paths: Mapping[str, Trajectory], until: float, samples: PathSamples
+) -> tuple[PathDistance, ...] | None:
     """What the columns of the other rules tend to; None where the path that should be the limit slides on an edge."""
-    limit = massless_limit()
     if any(event.kind is EventKind.SLIDE for event in paths[limit].events):
         return None
     others = [(rule, path) for rule, path in paths.items() if rule != limit]
     return tuple(path_distance(rule, paths[limit], path, until, samples) for rule, path in others)
 
 
-def massless_limit() -> str:
-    """The name of the rule that full dynamics approach as the mass goes to zero."""
-    return next(rule.name for rule in all_rules() if rule.is_massless_limit)
-
-
-def rules_by_limit() -> tuple[str, ...]:
+def rules_by_limit(scene: Scene) -> tuple[str, ...]:
     """The names of all rules, the one that full dynamics approach first."""
-    return tuple(rule.name for rule in sorted(all_rules(), key=lambda rule: not rule.is_massless_limit))
+    limit = massless_rule(scene).name
+    return (limit, *(rule.name for rule in all_rules(scene) if rule.name != limit))
 
 
 def path_distance(
@@ -271,36 +273,37 @@ def build_masses(scene: Scene) -> StudyPlan:
     """Full dynamics and the quasi-static rules from one start in every scene's own units.
 
     Raises:
-        LeftOut: where nothing drives the body, or rule ``ellipse`` has no path.
+        LeftOut: where nothing drives the body, or the rule that is the limit has no path.
     """
-    model, radius = contact_model(scene), float(scene.check.radius)
+    rule = massless_rule(scene)
+    model, radius = rule.contacts(scene), float(scene.check.radius)
     speed = float(abs(model.speeds).max())
     if not speed:
         raise LeftOut("no wheel is driven")
     x, y = (float(at) + radius * share for at, share in zip(scene.check.equilibrium, MASS_START, strict=True))
     start, until = (x, y, 0.0), TIMES * radius / speed
     try:
-        limit = rule_path(scene, massless_limit(), start, until)
+        limit = rule_path(scene, rule.name, start, until)
     except (RefusalError, TrajectoryError) as error:
         raise LeftOut(str(error)) from None
 
     def judge(followed: tuple[Trajectory, dict[str, int]]) -> Assessment:
         path, work = followed
-        apart = path_distance(massless_limit(), path, limit, until)
+        apart = path_distance(rule.name, path, limit, until)
         return Assessment(apart.position, {"theta": apart.rotation}, work)
 
     def with_mass(mass: float, clock: Clock) -> tuple[Trajectory, dict[str, int]]:
         path = simulate_dynamics(model, disc(model, mass), start, until)
         return path.trajectory, {"evaluations": path.evaluations}
 
-    def by_rule(rule: str, clock: Clock) -> tuple[Trajectory, dict[str, int]]:
-        return rule_path(scene, rule, start, until), {}
+    def by_rule(other: str, clock: Clock) -> tuple[Trajectory, dict[str, int]]:
+        return rule_path(scene, other, start, until), {}
 
     unit = radius / speed**2
     trials = [Trial("full dynamics", partial(with_mass, mass * unit), judge, "mass", mass) for mass in MASSES]
-    others = [rule.name for rule in all_rules() if not rule.is_massless_limit]
-    trials += [Trial(f"rule {rule}", partial(by_rule, rule), judge) for rule in others]
-    reference = f"path of rule ellipse, {RELATIVE_TOLERANCE:g} per step, from ({x:g}, {y:g}) until t = {until:g}"
+    others = [other.name for other in all_rules() if other.name != rule.name]
+    trials += [Trial(f"rule {other}", partial(by_rule, other), judge) for other in others]
+    reference = f"path of rule {rule.name}, {RELATIVE_TOLERANCE:g} per step, from ({x:g}, {y:g}) until t = {until:g}"
     return StudyPlan(reference, tuple(trials), {"full dynamics": LIKE_MASS}, rounding=RELATIVE_TOLERANCE * 100)
 
 

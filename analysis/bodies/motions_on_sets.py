@@ -33,7 +33,12 @@ class LeastTwists:
     """The motions of least dissipation of many bodies, each on wheels of its own."""
 
     def __init__(self, model: ContactModel, size: float) -> None:
-        """With a length that stands for the body's size."""
+        """With a length that stands for the body's size.
+
+        Raises:
+            ValueError: for friction sets of another shape than ellipses, cut or whole.
+        """
+        model.require_ellipses()
         self._model, self._rows, self._cuts, self._size = model, RowsOfWheels(model), model.cuts, size
         speed = float(np.abs(model.friction * model.targets).max())
         self._twists = ManyTwists(speed, rollers=bool((model.cuts < 1).any()))

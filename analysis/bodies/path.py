@@ -2,8 +2,8 @@
 
 Between events the same wheels carry, and the pose follows the minimizer at their loads.  Where a wheel comes to the
 edge of an outline, Filippov's construction says how the body goes on (:mod:`nonsmooth.analysis.bodies.switching`).
-Events: ``enter``, ``leave``, ``slide``.  The path ends in time or where the body tips; with an outline also at rest, or
-after so much work.
+Events: ``enter``, ``leave``, ``slide``.  The path ends in time, where the body tips, or after so much work; with an
+outline also at rest.
 
 A plain array is a body that covers all its wheels.  Its field is continuous and has few kinks, so LSODA follows it,
 which turns implicit where that pays (near an equilibrium it decays like ``(mu_R/mu_S)^2``), and backward
@@ -12,10 +12,12 @@ differentiation formulas where drag stands in for jumps of the twist.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from itertools import islice, pairwise
+from typing import Any
 
 import numpy as np
 
@@ -52,10 +54,12 @@ from nonsmooth.symbolic.number_text import numbers_text
 from nonsmooth.symbolic.scene import Scene
 
 MOST_EVENTS = 2_000  # stretches between events; a path that needs more may switch for ever
-# Evaluations of pose rates along a path, a step counted as some: twenty seconds; with drag each takes ten times longer.
+# Work along a path in evaluations of pose rates, steps in regimes and minimizers from nothing counted as some: twenty
+# seconds; with drag each evaluation takes ten times longer.
 MOST_RATES, MOST_DRAGGED = 50_000, 6_000
 OF_A_STEP = 12  # stages of a Runge-Kutta step, which follow regimes without asking for rates
 RESTS = 1e-10  # speed relative to the fastest wheel's below which the body rests
+ON_BORDER = 1e-9  # of the body's size: a centre of mass as near to the border of its support does not stand
 RELATIVE_TOLERANCE = 1e-9  # per step of a plain array's path; the minimizer itself is right to about 1e-12
 ABSOLUTE_TOLERANCE = 1e-11  # length and radians
 LOOSER = 100.0  # of both with drag, which moves a path by more, and turns rounding of forces into 1e-9 of a twist
@@ -91,7 +95,7 @@ class BodyPath(CarriedBody):
         self._slow = RESTS * fastest
         self._scale = self.outline.size / (fastest or 1.0)
         self._support: CarryingWheels | None = None
-        self._steps = 0
+        self._steps = self._before = 0
 
     def follow(self, start: Sequence[float], until: float) -> Trajectory:
         """The path from ``(x, y, theta)``, theta measured from the checked heading.
@@ -103,7 +107,7 @@ class BodyPath(CarriedBody):
             TrajectoryError: where the path cannot be followed.
         """
         pose, self._support = finite_start(start, until), None
-        self._steps = self._sets.evaluations = 0
+        self._steps, self._before = 0, self._sets.work
         return follow(self, (0.0, pose), until, self._stepper()).trajectory(Kinematics.EXACT.value, self.method)
 
     def _stepper(self) -> Stepper:
@@ -138,10 +142,19 @@ class BodyPath(CarriedBody):
         return mode
 
     def arrive(self, path: Path, mode: Mode, met: int | None) -> EndReason | None:
-        """The body tips where its centre of mass leaves the hull of the wheels."""
-        if isinstance(mode, SupportMode) and met == mode.guards.margin:
+        """The body tips where its centre of mass leaves the hull of the wheels, or comes to its border."""
+        if isinstance(mode, SupportMode) and (met == mode.guards.margin or self._hangs(mode.support, path.state)):
             return self.tipped(path, mode.support.carrying)
         return None
+
+    def _hangs(self, support: CarryingWheels, pose: Floats) -> bool:
+        """Whether the centre of mass has come to the border of its support, which it may approach for ever.
+
+        There two wheels carry all the weight, and what moves the body is rounding.
+        """
+        if self.model.load_table is not None:
+            return False
+        return float(self.margins(support.carrying, pose[None])[0]) <= ON_BORDER * self.outline.size
 
     def _support_at(self, pose: Floats) -> CarryingWheels:
         """How the body goes on from a pose; wheels that slide stay under the edge whatever rounding says."""
@@ -176,16 +189,16 @@ class BodyPath(CarriedBody):
         return self._sets.motion(carrying, states[0]).margins(states)
 
     def passed(self, step: DenseStep, end: float) -> EndReason | None:
-        """With an outline the path ends where the body hardly moves in a step, or has taken all the work it may."""
-        if self.scene is None:
-            return None
-        if self._is_slow(step.last - step.first, step.end - step.start):
+        """The path ends at the border of its support, at rest (with an outline), or when it has taken all its work."""
+        if self._support is not None and end == step.end and self._hangs(self._support, step.last):
+            return EndReason.TIPS
+        if self.scene is not None and self._is_slow(step.last - step.first, step.end - step.start):
             return EndReason.REST
-        self._steps += 1
+        self._steps += self.scene is not None
         if self._sets.is_stiff:
-            is_spent = self._sets.evaluations >= MOST_DRAGGED
+            is_spent = self._sets.work - self._before >= MOST_DRAGGED
         else:
-            is_spent = self._sets.evaluations + OF_A_STEP * self._steps >= MOST_RATES
+            is_spent = self._sets.work - self._before + OF_A_STEP * self._steps >= MOST_RATES
         return EndReason.STEPS if is_spent else None
 
 
@@ -201,10 +214,12 @@ class BodyPath(CarriedBody):
 
 TOLERANCE = 1e-12  # of the body's size, per step, with which events are right to 1e-10
 STIFF = 1e-12, 1e-14  # tolerances of LSODA, relative and absolute
-ROUGH = 1e-10, 1e-12  # of the last method, where the field is so stiff that its rounding counts
+# Of the last method, where the field is so stiff that its rounding counts; the next where that needs too many steps.
+ROUGH = ((1e-10, 1e-12), (1e-8, 1e-10), (1e-6, 1e-8))
 MANY_STEPS = 150  # of Runge-Kutta in one stretch, after which the field is taken for stiff
-MANY_STIFF_STEPS = 1_000  # of LSODA, after which rounding is taken for the field
+MANY_STIFF_STEPS = 1_000  # of LSODA, or of the last at one tolerance, after which rounding is taken for the field
 DIFFERENCE = 1e-7  # of the body's size: for slopes of the field
+ROUNDING = 1e-12  # the same: shorter ones show but rounding
 AHEAD = 1e-7  # of the time in which the body crosses itself: where the next regime is read off
 UNKNOWNS = 1e-9  # error of twists and forces within a step; after it they are exact again
 
@@ -237,7 +252,8 @@ class SupportRate:
         exact = None if self._support.sliding else self.motions[0].jacobian(pose)
         if exact is not None:
             return exact
-        step = DIFFERENCE * self._size
+        room = min(float(motion.margins(pose[None])[0]) for motion in self.motions)
+        step = min(DIFFERENCE * self._size, max(room / 2, ROUNDING * self._size))  # loads end with the support
         ahead = [self(time, pose + step * unit) - self(time, pose - step * unit) for unit in np.eye(3)]
         return np.column_stack(ahead) / (2 * step)
 
@@ -293,15 +309,19 @@ class Regimes:
         Raises:
             TrajectoryError: where the last method stops.
         """
+        methods: list[tuple[Callable[[Any, float, Floats, float], Iterator[DenseStep]], int]]
+        methods = [(Integrator("BDF", *rough).steps, MANY_STIFF_STEPS) for rough in ROUGH]
         if not rate.drags:
-            lsoda = Integrator("LSODA", *STIFF)
-            for method, most in ((self._in_regimes, MANY_STEPS), (lsoda.steps, MANY_STIFF_STEPS)):
+            methods = [(self._in_regimes, MANY_STEPS), (Integrator("LSODA", *STIFF).steps, MANY_STIFF_STEPS), *methods]
+        *others, (last, _) = methods
+        for method, most in others:
+            with suppress(TrajectoryError):  # the next method goes on from where this one gives up
                 for step in islice(method(rate, t, x, until), most):
                     t, x = step.end, step.last
                     yield step
                 if t >= until:
                     return
-        yield from Integrator("BDF", *ROUGH).steps(rate, t, x, until)
+        yield from last(rate, t, x, until)
 
     def _in_regimes(self, rate: SupportRate, time: float, pose: Floats, until: float) -> Iterator[DenseStep]:
         """Runge-Kutta steps, each in one regime; they end early where a regime cannot be held."""

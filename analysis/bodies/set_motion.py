@@ -27,6 +27,8 @@ from nonsmooth.symbolic.number_text import place_text
 
 Wheels = frozenset[int]  # places in the scene's list of wheels
 
+COLD, COLD_BESIDE_DRAG = 100, 12  # evaluations that take as long as a minimizer that is found from nothing
+
 
 class SetMotion:
     """Pose rates ``(c', theta')`` on one set of wheels.
@@ -42,9 +44,14 @@ class SetMotion:
             nonsmooth.analysis.cells.loads.LoadError: where they do not.
         """
         self.model, self._loads = model, MovingLoads(model, pose[:2])
-        self._minimize = path_minimizer(model)
-        self._quick = None if needs_drag(model) else SmoothNewton(model)
+        self._minimizer = path_minimizer(model)
+        self._quick = SmoothNewton(model) if model.has_whole_ellipses else None
         self._regime = NOBODY
+
+    @property
+    def cold(self) -> int:
+        """Minimizers so far that were found from nothing."""
+        return self._minimizer.cold
 
     def margins(self, poses: Floats) -> Floats:
         """Distance of the centre of mass from the border of the support polygon, negative outside; poses (m, 3)."""
@@ -62,7 +69,7 @@ class SetMotion:
             TrajectoryError: where the minimizer is not proved to be the motion.
         """
         loads = self._loads.at(pose[:2])[0]
-        return with_kinematics(proved_twist(self.model, self._quick, self._minimize, loads, pose), pose)
+        return with_kinematics(proved_twist(self.model, self._quick, self._minimizer.minimize, loads, pose), pose)
 
     @property
     def _newton(self) -> SmoothNewton:
@@ -136,13 +143,19 @@ class ContactSets:
         """For the contacts of all wheels, with their friction sets."""
         self._model = model
         self._motions: dict[Wheels, SetMotion] = {}
-        self.evaluations = 0  # of rates so far: what a path costs
+        self.evaluations = 0  # of rates so far
         self._last = np.zeros(3)  # twist of any set: where Newton's method begins on a new one
 
     @property
     def is_stiff(self) -> bool:
         """Whether a little drag stands in for jumps of the twist, which makes the field very stiff."""
         return needs_drag(self._model)
+
+    @property
+    def work(self) -> int:
+        """What all rates so far cost, in evaluations from the last minimizer."""
+        one = COLD_BESIDE_DRAG if self.is_stiff else COLD
+        return self.evaluations + one * sum(motion.cold for motion in self._motions.values())
 
     def rate(self, wheels: Wheels, pose: Floats) -> Floats:
         """:meth:`nonsmooth.analysis.bodies.set_motion.SetMotion.rate` of a set.
@@ -244,20 +257,30 @@ def needs_drag(model: ContactModel) -> bool:
     return bool((model.cuts < 1).any())
 
 
-def path_minimizer(model: ContactModel) -> Minimize:
+class DraggedMinimizer(WarmMinimizer):
+    """The minimizer of D plus drag, one after the other along a path."""
+
+    def __init__(self, model: ContactModel) -> None:
+        """For contacts of which a strip cuts some friction sets."""
+        # three contacts more: along x, along y and around, each with a slip g across that never vanishes
+        size = float(np.hypot(*(model.positions - model.positions.mean(axis=0)).T).max())
+        speed = float(np.abs(model.targets).max()) or 1.0
+        rows = np.zeros((6, 3))
+        rows[[0, 2, 4], [0, 1, 2]] = 1.0, 1.0, size
+        dragged = ContactRows(
+            np.concatenate([model.rows, rows]),
+            np.concatenate([model.targets, np.tile([0.0, speed], 3)]),
+            np.concatenate([model.friction, np.full(6, model.friction.max())]),
+            cuts=np.concatenate([model.cuts, np.ones(3)]),
+            shape=model.shape,
+        )
+        super().__init__(dragged)
+
+    def minimize(self, loads: Floats) -> Minima:
+        """At loads (n,) of the wheels."""
+        return super().minimize(np.concatenate([loads, np.full(3, DRAG * loads.sum())]))
+
+
+def path_minimizer(model: ContactModel) -> WarmMinimizer:
     """The minimizer at loads (n,), one after the other along a path: of D, plus drag where the twist may jump."""
-    if not needs_drag(model):
-        return WarmMinimizer(model).minimize
-    # three contacts more: along x, along y and around, each with a slip g across that never vanishes
-    size = float(np.hypot(*(model.positions - model.positions.mean(axis=0)).T).max())
-    speed = float(np.abs(model.targets).max()) or 1.0
-    rows = np.zeros((6, 3))
-    rows[[0, 2, 4], [0, 1, 2]] = 1.0, 1.0, size
-    dragged = ContactRows(
-        np.concatenate([model.rows, rows]),
-        np.concatenate([model.targets, np.tile([0.0, speed], 3)]),
-        np.concatenate([model.friction, np.full(6, model.friction.max())]),
-        cuts=np.concatenate([model.cuts, np.ones(3)]),
-    )
-    minimizer = WarmMinimizer(dragged)
-    return lambda loads: minimizer.minimize(np.concatenate([loads, np.full(3, DRAG * loads.sum())]))
+    return DraggedMinimizer(model) if needs_drag(model) else WarmMinimizer(model)

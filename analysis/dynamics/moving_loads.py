@@ -13,8 +13,11 @@ accelerates (L the size of the array), and not at all in steady motion.
 
 from __future__ import annotations
 
+from contextlib import suppress
+
 import numpy as np
 
+from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
 from nonsmooth.analysis.minimizers.float_loads import affine_loads, loads_at
 
@@ -41,7 +44,8 @@ class MovingLoads:
     def at(self, centre: Floats) -> tuple[Floats, Floats]:
         """Loads (n,) and their slope with respect to the centre (n, 2); continued beyond the border."""
         if self.margin(centre) >= 0 and self.validities(centre[None])[0] < 0:
-            self._table, self._valid = self._tables(centre)
+            with suppress(LoadError):  # of a centre over the line through two wheels, where the last table serves
+                self._table, self._valid = self._tables(centre)
         loads = self._table @ np.array([1.0, *centre])
         return np.maximum(loads, 0.0), np.where(loads[:, None] > 0, self._table[:, 1:], 0.0)
 

@@ -1,4 +1,4 @@
-"""Full dynamics of a body on driven wheels: Newton-Euler equations with friction-ellipse forces.
+"""Full dynamics of a body on driven wheels: Newton-Euler equations with forces in the wheels' friction sets.
 
 With mass m, moment of inertia I about the centre of mass, loads ``N_i(c)`` and friction forces f_i on the body::
 
@@ -15,7 +15,7 @@ hundred times as many evaluations where wheels stick.  Sticking is a creep of at
 rest that the true law keeps for ever is left slowly: see :class:`EllipseFriction`.
 
 Scaling: with speeds ``s u`` and mass ``m/s^2`` the same path is followed s times faster.  Slow wheels and light bodies
-are one limit, and in it the path is that of rule ``ellipse``
+are one limit, and in it the path is that of the rule with the same friction sets, ``ellipse`` or ``roller``
 (:mod:`nonsmooth.analysis.bodies.mass_study` measures how fast).
 """
 
@@ -89,7 +89,7 @@ def speed_scale(model: ContactModel, velocity: Floats) -> float:
 
 
 class EllipseFriction:
-    """Friction of all wheels as one force and one torque on the body: the friction ellipse, regularized.
+    """Friction of all wheels as one force and one torque on the body: friction ellipses, cut or whole, regularized.
 
     With slips ``r = d . v(p) - u`` and ``s = n . v(p)`` the associated law of the friction ellipse is minus the
     gradient of the dissipation, ``f = -N (mu_R^2 r, mu_S^2 s)/sqrt(mu_R^2 r^2 + mu_S^2 s^2)``: among all forces of the

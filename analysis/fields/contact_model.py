@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -43,12 +44,14 @@ class ContactRows:
         cuts: share of the half-axis across the rim at which a strip cuts the ellipse of each wheel
             (:class:`nonsmooth.symbolic.friction_set.FrictionSet`), shape (n,), above 0 and at most 1; all 1 unless
             given.
+        shape: of the friction sets, ellipses that a strip may cut unless given.
     """
 
     rows: Floats
     targets: Floats
     friction: Floats
     cuts: Floats = field(default_factory=lambda: np.ones(0), kw_only=True)
+    shape: type[CutEllipse[Any]] = field(default=CutEllipse, kw_only=True)
 
     def __post_init__(self) -> None:
         for name in ("rows", "targets", "friction", "cuts"):  # own copies, so that nobody else can change them
@@ -78,7 +81,21 @@ class ContactRows:
     @property
     def sets(self) -> CutEllipse[Floats]:
         """The friction sets of all contacts, per unit of load."""
-        return CutEllipse(self.friction[::2], self.friction[1::2], self.cuts)
+        return self.shape(self.friction[::2], self.friction[1::2], self.cuts)
+
+    @property
+    def has_whole_ellipses(self) -> bool:
+        """Whether no strip cuts a friction set, and none has another shape."""
+        return self.shape is CutEllipse and self.sets.is_whole
+
+    def require_ellipses(self) -> None:
+        """Refuse friction sets that a method does not know.
+
+        Raises:
+            ValueError: for sets of another shape than ellipses, cut or whole.
+        """
+        if self.shape is not CutEllipse:
+            raise ValueError(f"required friction ellipses, cut or whole, received {self.shape.__name__}")
 
     def at_point(self, k: int) -> ContactRows:
         """The rows with the speeds of one point."""
@@ -86,7 +103,7 @@ class ContactRows:
 
     def with_targets(self, targets: Floats) -> ContactRows:
         """The same contacts, without their geometry, with other speeds."""
-        return ContactRows(self.rows, targets, self.friction, cuts=self.cuts)
+        return ContactRows(self.rows, targets, self.friction, cuts=self.cuts, shape=self.shape)
 
     def slips(self, twists: ArrayLike) -> Floats:
         """``a_k . xi - b_k`` for twists of shape (..., 3); shape (..., n, 2): (along, across) the axis."""
@@ -273,4 +290,5 @@ def contact_model(scene: Scene) -> ContactModel:
 def with_friction_sets(model: ContactModel, sets: Sequence[FrictionSet]) -> ContactModel:
     """The contacts with the friction forces that a contact rule allows them."""
     rounded = float_sets(sets)
-    return replace(model, friction=np.column_stack([rounded.along, rounded.across]).reshape(-1), cuts=rounded.cut)
+    friction = np.column_stack([rounded.along, rounded.across]).reshape(-1)
+    return replace(model, friction=friction, cuts=rounded.cut, shape=type(rounded))

@@ -32,15 +32,15 @@ class Functional(StrEnum):
     BOX = "box"
     ELLIPSE = "ellipse"
 
-    def unit_sets(self, cuts: Floats) -> CutEllipse[Any]:
-        """The friction sets of wheels in units of their half-axes, ellipses cut at kappa (n,)."""
-        return Box(1.0, 1.0, np.ones_like(cuts)) if self is Functional.BOX else CutEllipse(1.0, 1.0, cuts)
+    def unit_sets(self, model: ContactRows) -> CutEllipse[Any]:
+        """The friction sets of wheels in units of their half-axes: boxes, or the sets of the contacts."""
+        return Box.units(np.ones_like(model.cuts)) if self is Functional.BOX else model.shape.units(model.cuts)
 
 
 def dissipation(functional: Functional, model: ContactRows, loads: ArrayLike, twists: ArrayLike) -> Floats:
     """``D`` for loads (..., n) and twists (..., 3), broadcast against each other; power."""
     weighted = np.moveaxis(model.limits(loads) * model.slips(twists), -1, 0)
-    return np.asarray(functional.unit_sets(model.cuts).support(*weighted).sum(axis=-1))
+    return np.asarray(functional.unit_sets(model).support(*weighted).sum(axis=-1))
 
 
 def input_power(model: ContactRows, forces: ArrayLike) -> Floats:
@@ -56,7 +56,7 @@ def usage(functional: Functional, model: ContactRows, loads: ArrayLike, forces: 
     The gauge of the friction set.  A force without a limit (0/0) uses nothing, one beyond a zero limit infinity.
     """
     shares = np.moveaxis(share_of_limit(model, loads, forces), -1, 0)
-    return np.asarray(functional.unit_sets(model.cuts).gauge(*shares))
+    return np.asarray(functional.unit_sets(model).gauge(*shares))
 
 
 def share_of_limit(model: ContactRows, loads: ArrayLike, forces: ArrayLike) -> Floats:

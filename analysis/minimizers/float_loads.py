@@ -58,11 +58,18 @@ def table_loads(model: ContactModel, points: ArrayLike) -> Floats:
 
 
 def affine_loads(model: ContactModel, carrying: NDArray[np.int_]) -> Floats:
-    """The forms (n, 3) of the loads of all wheels by (1, c), while the wheels at some places carry."""
+    """The forms (n, 3) of the loads of all wheels by (1, c), while the wheels at some places carry.
+
+    Raises:
+        LoadError: for wheels that do not fix the loads, as two do.
+    """
     middle, radius = _frame(model)
     to_middle = np.array([[1, 0, 0], [-middle[0] / radius, 1 / radius, 0], [-middle[1] / radius, 0, 1 / radius]])
     moments = _affine((model.positions - middle) / radius).tolist()
-    return np.array(model.law.forms(list(map(tuple, moments)), carrying.tolist(), FLOATS)) @ to_middle
+    forms = model.law.forms(list(map(tuple, moments)), carrying.tolist(), FLOATS)
+    if forms is None:
+        raise LoadError(f"required three wheels that carry and are not collinear, received {len(carrying)}")
+    return np.array(forms) @ to_middle
 
 
 def loads_of_law(model: ContactModel, points: ArrayLike) -> Floats:

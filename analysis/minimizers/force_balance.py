@@ -45,7 +45,7 @@ def balance_forces(functional: Functional, model: ContactRows, loads: Floats, fo
     """Admissible, balanced forces (m, n, 2) next to the given ones, for loads (m, n)."""
     shares = share_of_limit(model, loads, forces)
     shares = np.where(np.isfinite(shares), shares, 0.0)
-    limits, sets = model.limits(loads), functional.unit_sets(model.cuts)
+    limits, sets = model.limits(loads), functional.unit_sets(model)
     for _ in range(PASSES):
         for k in np.flatnonzero(imbalance(model, shares * limits) > BALANCED):
             along, across = shares[k].T

@@ -193,7 +193,12 @@ class MovingTwists:
     """Twists ``(v, omega)`` of bodies that move over all wheels of an array, each from the last one of its path."""
 
     def __init__(self, model: ContactModel, paths: int) -> None:
-        """For the contacts of an array whose loads are known."""
+        """For the contacts of an array whose loads are known.
+
+        Raises:
+            ValueError: for friction sets of another shape than ellipses, cut or whole.
+        """
+        model.require_ellipses()
         self._model, self._size = model, float(np.hypot(*model.positions.T).max()) or 1.0
         self._unit = np.array([1.0, 1.0, self._size])
         weights = model.friction.reshape(-1, 2)

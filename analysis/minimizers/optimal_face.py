@@ -51,7 +51,7 @@ class Conditions(NamedTuple):
 def conditions(functional: Functional, model: ContactRows, loads: Floats, forces: Floats) -> Conditions:
     """Conditions on the minimizers from optimal forces (m, n, 2) at loads (m, n)."""
     x, y = np.moveaxis(share_of_limit(model, loads, forces), -1, 0)
-    cone, equation = functional.unit_sets(model.cuts).slip_cone(x, y, AT_LIMIT)
+    cone, equation = functional.unit_sets(model).slip_cone(x, y, AT_LIMIT)
     mix = cone * model.limits(loads)[..., None, :]
     idle = np.asarray(~mix.any(axis=-1))
     return Conditions(mix, equation & ~idle, idle)

@@ -46,9 +46,9 @@ class SmoothNewton:
         """For a model whose friction sets are whole ellipses.
 
         Raises:
-            ValueError: where a strip cuts one.
+            ValueError: where a strip cuts one, or one has another shape.
         """
-        if (model.cuts < 1).any():
+        if not model.has_whole_ellipses:
             raise ValueError("required whole friction ellipses")
         self._rows = model.friction[:, None] * model.rows
         self._targets = model.friction * model.targets

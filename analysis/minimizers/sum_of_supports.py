@@ -22,13 +22,13 @@ References: Rockafellar (1976), Math. Oper. Res. 1; Chan, Golub, Mulet (1999), S
 
 from __future__ import annotations
 
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.fields.contact_model import Floats
-from nonsmooth.symbolic.friction_set import NearestForce, UnitDiscs
+from nonsmooth.symbolic.friction_set import FrictionSets, UnitDiscs
 
 TINY = 1e-300  # keeps 0/0 at 0
 ROUNDING = 1e-16  # multiple of the identity beside a Hessian, of its trace: a singular one (a face) stays solvable
@@ -42,19 +42,6 @@ GAP = 1e-13  # relative to the value: rounding of the sum
 GAP_FLOOR = 2e-18  # relative to the value at y = 0: below lies the rounding of the slips themselves
 EXCESS = 1e-15  # of a force over its set: rounding of a unit vector
 IMBALANCE = 4e-15  # relative to the sum of the weights: rounding of the sum
-
-
-class FrictionSets(Protocol):
-    """The sets of n contacts in units of their half-axes, arrays of shape (n, m) in and out."""
-
-    def support(self, r: Floats, s: Floats) -> Floats:
-        """``max p . (r, s)`` over the set."""
-
-    def nearest(self, x: Floats, y: Floats) -> NearestForce:
-        """The nearest points of the sets, and how they move."""
-
-    def excess(self, x: Floats, y: Floats) -> Floats:
-        """How far, in parts, a point must shrink towards zero to lie in the set; at most zero inside."""
 
 
 class SupportSums:
@@ -245,14 +232,17 @@ class Smoothed(NamedTuple):
         return Smoothed(*(array[..., chosen] for array in self))
 
 
-def by_smoothing(weights: Floats, maps: Floats, targets: Floats, sets: UnitDiscs) -> tuple[Floats, Floats]:
+def by_smoothing(
+    weights: Floats, maps: Floats, targets: Floats, sets: FrictionSets, passes: int = PASSES
+) -> tuple[Floats, Floats]:
     """Minimizers y, shape (m, 3), and forces, shape (m, n, 2), with ``sum_i w_i E_i^T p_i = 0``.
 
     Args:
         weights: w, shape (m, n), at least 0.
         maps: E_i, shape (n, 2, 3), columns of comparable size.
         targets: e_i of order 1, shape (n, 2), or (m, n, 2) where every problem has its own.
-        sets: K_i.
+        sets: K_i; of others than cut discs multipliers find all.
+        passes: of multipliers, from nothing, for what smoothing does not finish.
     """
     size = max(SMALLEST_BLOCK, CACHED // weights.shape[1])
     found = []
@@ -261,15 +251,31 @@ def by_smoothing(weights: Floats, maps: Floats, targets: Floats, sets: UnitDiscs
             block = slice(first, first + size)
             own = targets[block] if targets.ndim == 3 else targets[None]
             columns = np.ascontiguousarray(own.transpose(2, 1, 0))
-            found.append(_solved(SupportSums(np.ascontiguousarray(weights[block].T), maps, columns, sets), sets))
+            sums = SupportSums(np.ascontiguousarray(weights[block].T), maps, columns, sets)
+            found.append(_solved(sums, sets, passes))
     forces = [each.forces.transpose(2, 1, 0) for each in found]
     return np.concatenate([each.y.T for each in found]), np.concatenate(forces)
 
 
-def _solved(sums: SupportSums, sets: UnitDiscs) -> Solutions:
+def _solved(sums: SupportSums, sets: FrictionSets, passes: int) -> Solutions:
     """The problems of one block."""
     n, m = sums.weights.shape
     found, at = Solutions(n, m), np.arange(m)
+    if isinstance(sets, UnitDiscs):
+        at, sums = _smoothed(found, at, sums, sets)
+        if not len(at):
+            return found
+    stiffness = np.full(len(at), FIRST_STIFFNESS)
+    rest = by_multipliers(sums, np.zeros((3, len(at))), np.zeros((2, n, len(at))), stiffness, passes)
+    found.keep(at, rest.y, rest.forces, rest.lacks, rest.proved)
+    return found
+
+
+def _smoothed(
+    found: Solutions, at: NDArray[np.int_], sums: SupportSums, sets: UnitDiscs
+) -> tuple[NDArray[np.int_], SupportSums]:
+    """The problems that steps of smoothing leave without a proof; the others are found."""
+    n, m = sums.weights.shape
     first = np.broadcast_to(np.maximum(sums.start, TINY), m)
     state = Smoothed(np.zeros((3, m)), np.zeros((2, n, m)), np.zeros((n, m)), first)
     for count in range(1, SMOOTHER_STEPS + 1):
@@ -277,12 +283,10 @@ def _solved(sums: SupportSums, sets: UnitDiscs) -> Solutions:
         if count in FINISHES:
             _finish(found, at, sums, state, LESS_STIFF if FINISHES.index(count) % 2 == 0 else STIFFEST)
             going = ~found.proved[at]
-            if not going.any():
-                return found
             at, sums, state = at[going], sums.take(going), state.take(going)
-    rest = by_multipliers(sums, np.zeros((3, len(at))), np.zeros((2, n, len(at))), np.full(len(at), FIRST_STIFFNESS))
-    found.keep(at, rest.y, rest.forces, rest.lacks, rest.proved)
-    return found
+            if not len(at):
+                break
+    return at, sums
 
 
 def _finish(found: Solutions, at: NDArray[np.int_], sums: SupportSums, state: Smoothed, stiffest: float) -> None:

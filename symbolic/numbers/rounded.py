@@ -59,16 +59,11 @@ class Rounded(Number):
         member: the value of another member.
     """
 
-    __slots__ = ("box", "member")
+    __slots__ = ("box", "exact", "member")
 
     def __init__(self, exact: Number, box: arb, member: arb) -> None:
         super().__init__(exact.field, exact.terms)
-        self.box, self.member = box, member
-
-    @property
-    def exact(self) -> Number:
-        """The rounded member, as a number of width zero."""
-        return Number(self.field, self.terms)
+        self.exact, self.box, self.member = exact, box, member
 
     # ---- arithmetic ------------------------------------------------------------------------------
 
@@ -166,8 +161,10 @@ def _computed(operation: Callable[..., Any], *numbers: Number) -> Number:
     """
     exact: Number = operation(*(plain(number) for number in numbers))
     with ctx.workprec(_PRECISION):
-        box: arb = operation(*(number.ball() for number in numbers))
-        member: arb = operation(*(n.member if isinstance(n, Rounded) else n.ball() for n in numbers))
+        balls = [number.ball() for number in numbers]
+        box: arb = operation(*balls)
+        pairs = zip(numbers, balls, strict=True)
+        member: arb = operation(*(n.member if isinstance(n, Rounded) else ball for n, ball in pairs))
         distance = abs(member - exact.ball())
         is_constant = box.is_finite() and bool(distance <= box.rad() * _CONSTANT)
     return exact if is_constant else Rounded(exact, box, member)

@@ -15,6 +15,7 @@ from nonsmooth.analysis.minimizers.dissipation import Functional, dissipation
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import elastic_loads, loads_at
 from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.friction_set import CutEllipse
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.scene import Friction
 from nonsmooth.symbolic.similar_scenes import with_friction_ratio
@@ -36,7 +37,7 @@ def of_rolling(roll: float, side: float, r: float, s: float) -> float:
 
 def size_of(weighted: Floats, cuts: Floats) -> Floats:
     """The dissipation per unit of load and limit, of slips in units of the half-axes."""
-    return np.asarray(Functional.ELLIPSE.unit_sets(cuts).support(*np.moveaxis(weighted, -1, 0)))
+    return np.asarray(CutEllipse.units(cuts).support(*np.moveaxis(weighted, -1, 0)))
 
 
 @few(2)

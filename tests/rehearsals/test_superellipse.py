@@ -1,4 +1,4 @@
-"""A friction set of another shape needs nothing but itself: superellipses ``x^4 + y^4 <= 1``, and their minimizer."""
+"""A friction set of another shape needs nothing but itself: dissipation, forces, paths and bodies with mass follow."""
 
 from __future__ import annotations
 
@@ -6,52 +6,29 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
+from nonsmooth.analysis.bodies.mass_study import body_path, rule_path
+from nonsmooth.analysis.dynamics.newton_euler import EllipseFriction, RigidBody
 from nonsmooth.analysis.fields.contact_model import Floats
+from nonsmooth.analysis.minimizers.dissipation import Functional, dissipation, usage
+from nonsmooth.analysis.minimizers.many_twists import MovingTwists
 from nonsmooth.analysis.minimizers.sum_of_supports import SupportSums, by_multipliers
-from nonsmooth.symbolic.friction_set import NearestForce
+from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.rule import CONTACT_RULES
+from nonsmooth.symbolic.scene import Scene
+from tests.rehearsals.superellipse import Superellipse, SuperellipseRule
 
-HALVINGS = 50
-NEWTON = 40
-
-
-class Superellipses:
-    """``x^4 + y^4 <= 1`` for every contact."""
-
-    def support(self, r: Floats, s: Floats) -> Floats:
-        """The dual norm of the fourth one."""
-        return np.asarray((np.abs(r) ** (4 / 3) + np.abs(s) ** (4 / 3)) ** 0.75)
-
-    def excess(self, x: Floats, y: Floats) -> Floats:
-        """By the norm itself."""
-        return np.asarray((x**4 + y**4) ** 0.25 - 1)
-
-    def nearest(self, x: Floats, y: Floats) -> NearestForce:
-        """``(x, y) - force = t grad(x^4 + y^4)``, by halving an interval of t; the derivative by the curvature."""
-        given = np.array([x, y])
-        outside = self.excess(x, y) > 0
-        low, high = np.zeros_like(x), np.abs(given).max(axis=0) + 1
-        for _ in range(HALVINGS):
-            middle = (low + high) / 2
-            beyond = self.excess(*_damped(given, middle)) > 0
-            low, high = np.where(beyond, middle, low), np.where(beyond, high, middle)
-        force = np.where(outside, _damped(given, high), given)
-        gradient = 4 * force**3
-        normal = np.where(outside, gradient / np.maximum(np.sqrt((gradient**2).sum(axis=0)), 1e-300), 0.0)
-        bend = 1 + 12 * high * (force[0] ** 2 * normal[1] ** 2 + force[1] ** 2 * normal[0] ** 2)
-        return NearestForce(force, np.where(outside, 1 / bend, 1.0), normal)
+PLACES = np.array([[0.2, 0.4], [-0.3, 0.1], [0.05, -0.6]])
 
 
-def _damped(given: Floats, t: Floats) -> Floats:
-    """The roots z of ``z + 4 t z^3 = given``, by Newton's method from beyond."""
-    size = np.abs(given)
-    z = size.copy()
-    for _ in range(NEWTON):
-        z = z - (z + 4 * t * z**3 - size) / (1 + 12 * t * z**2)
-    return np.asarray(np.sign(given) * z)
+@pytest.fixture
+def scene(monkeypatch: pytest.MonkeyPatch) -> Scene:
+    """Four wheels under the rule, which is listed in one line."""
+    monkeypatch.setitem(CONTACT_RULES, "superellipse", "tests.rehearsals.superellipse:SuperellipseRule")
+    return load_scene("four-wheel").under("superellipse")
 
 
 def test_the_nearest_point_moves_as_it_says() -> None:
-    sets, rng = Superellipses(), np.random.default_rng(0)
+    sets, rng = Superellipse.searched(np.ones(1)), np.random.default_rng(0)
     points, change = rng.normal(size=(2, 50)) * 2, rng.normal(size=(2, 50)) * 1e-6
     near, after = sets.nearest(*points), sets.nearest(*(points + change))
     np.testing.assert_allclose(after.force - near.force, near.along(change), atol=1e-10)
@@ -60,7 +37,7 @@ def test_the_nearest_point_moves_as_it_says() -> None:
 @pytest.mark.parametrize("seed", range(4))
 def test_multipliers_find_the_least_sum(seed: int) -> None:
     """Against a general minimizer that knows the sum alone; the proof is that of any other set."""
-    rng, sets = np.random.default_rng(seed), Superellipses()
+    rng, sets = np.random.default_rng(seed), Superellipse.searched(np.ones(5))
     maps, targets, weights = rng.normal(size=(5, 2, 3)), rng.normal(size=(2, 5, 1)), rng.dirichlet(np.ones(5), 2).T
     sums = SupportSums(weights, maps, targets, sets)
     found = by_multipliers(sums, np.zeros((3, 2)), np.zeros((2, 5, 2)), np.full(2, 10.0))
@@ -70,9 +47,46 @@ def test_multipliers_find_the_least_sum(seed: int) -> None:
 
         def value(y: Floats, k: int = k) -> float:
             slips = np.einsum("nij,j->in", maps, y) - targets[..., 0]
-            return float((weights[:, k] * sets.support(*slips)).sum())
+            return float((weights[:, k] * sets.support(*slips[..., None])[:, 0]).sum())
 
         other = minimize(value, rng.normal(size=3), method="Nelder-Mead", options={"xatol": 1e-7, "fatol": 1e-11})
         assert values[k] == pytest.approx(value(found.y[:, k]), abs=1e-14)
         assert values[k] <= other.fun + 1e-12
         assert values[k] >= other.fun - 1e-4
+
+
+def test_minima_are_proved_by_their_forces(scene: Scene) -> None:
+    """Of the dissipation written anew: the fourth norm's dual, wheel by wheel."""
+    minima = SuperellipseRule().minima(scene, PLACES)
+    assert minima.check().all()
+    model = minima.model
+    slips = np.abs(model.slips(minima.twists) * model.friction.reshape(-1, 2)) ** (4 / 3)
+    losses = (minima.loads * slips.sum(axis=2) ** 0.75).sum(axis=1)
+    np.testing.assert_allclose(minima.values, losses, rtol=1e-12)
+    used = ((minima.forces / model.limits(minima.loads)) ** 4).sum(axis=2) ** 0.25
+    np.testing.assert_allclose(usage(Functional.ELLIPSE, model, minima.loads, minima.forces), used, atol=1e-12)
+    beside = minima.twists + 1e-3 * np.random.default_rng(1).normal(size=(20, 1, 3))
+    assert (dissipation(Functional.ELLIPSE, model, minima.loads, beside) > minima.values).all()
+
+
+def test_bodies_with_mass_follow_its_forces(scene: Scene) -> None:
+    """The Jacobian by differences, and a light body on the path of the rule, away from that of the ellipse."""
+    model = SuperellipseRule().contacts(scene)
+    friction, loads, moves = EllipseFriction(model, 1e-3), np.full(4, 0.25), np.eye(3) * 1e-6
+    centre, velocity = np.array([0.1, 0.2]), np.array([0.3, -0.2, 0.4])
+    slopes = friction.slopes(centre, velocity, loads, np.zeros((4, 2)))[1]
+    ahead = [
+        friction.total(centre, velocity + move, loads) - friction.total(centre, velocity - move, loads)
+        for move in moves
+    ]
+    np.testing.assert_allclose(slopes, np.array(ahead).T / 2e-6, rtol=1e-5, atol=1e-6)
+    start, until = (0.2, 0.4, 0.0), 0.1
+    path, ellipse = (rule_path(scene, rule, start, until).end.state for rule in ("superellipse", "ellipse"))
+    light = body_path(scene, RigidBody(1e-4, 1e-4), start, until).trajectory.end.state
+    off, apart = (float(np.hypot(*np.subtract(path, other)[:2])) for other in (light, ellipse))
+    assert off < apart / 10
+
+
+def test_methods_of_ellipses_alone_refuse_it(scene: Scene) -> None:
+    with pytest.raises(ValueError, match="required friction ellipses, cut or whole, received Superellipse"):
+        MovingTwists(SuperellipseRule().contacts(scene), 1)
