@@ -273,11 +273,12 @@ def _cases(scene: Scene, text: str) -> Iterator[Failed]:
         groups: list[tuple[int, ...]] = [(number,) for number in known]
     else:
         parts = [part.strip() for part in text.split(",")]
-        wrong = next((part for part in parts if not part.isdecimal() or int(part) not in known), None)
+        named = {str(number): number for number in known}
+        wrong = next((part for part in parts if part not in named), None)
         if wrong is not None:
-            required = f"numbers of wheels among {numbers_text(tuple(known))}, or {ANY}"
+            required = f"wheels among {numbers_text(tuple(known))}, or {ANY}"
             raise OptionError(f"--fail: required {required}, received {wrong[:60]!r}")
-        groups = [tuple(sorted(set(map(int, parts))))]
+        groups = [tuple(sorted({named[part] for part in parts}))]
     for group in groups:
         yield from (Failed(group, kind) for kind in FailureKind)
 

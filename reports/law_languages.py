@@ -167,7 +167,7 @@ class _Tables:
 
     def __init__(self, law: LawTable) -> None:
         """Of a law."""
-        self.wheels = [wheel.index for wheel in law.scene.wheels]
+        self.wheels = [int(wheel.index) for wheel in law.scene.wheels]
         limits = law.scene.speed_limits
         self.limits = [float(limits[wheel]) if wheel in limits else 0.0 for wheel in self.wheels]
         self.side_counts = [len(region.sides) for region in law.regions]

@@ -147,7 +147,9 @@ def decimal_latex(decimal: str) -> str:
 
 
 def numbers_text(numbers: tuple[int, ...]) -> str:
-    """``1-3, 7, 9-12``: numbers in ascending order, runs of three and more shortened."""
+    """``1-3, 7, 9-12``: numbers in ascending order, runs of three and more shortened; named wheels one by one."""
+    if any(str(number) != f"{number:d}" for number in numbers):
+        return ", ".join(map(str, numbers))
     breaks = [k for k, (a, b) in enumerate(pairwise(numbers), 1) if b != a + 1]
     runs = [numbers[start:end] for start, end in pairwise([0, *breaks, len(numbers)])]
     return ", ".join(f"{run[0]}-{run[-1]}" if len(run) > 2 else ", ".join(map(str, run)) for run in runs if run)

@@ -1,5 +1,6 @@
 """A CSV table of wheels: ``x,y`` and, where wanted, any of the other names in ``COLUMNS``, in any order.
 
+The first column of ``NAMES`` holds what the wheels are called wherever something is said of them.
 Cells are separated by commas, semicolons or tabs; lines that begin with ``#`` are comments; other columns are not read,
 and a note says so.  Empty cells name nothing.  Equal cells are read once, and plain decimals never reach the formula
 parser, so ten thousand wheels take a fraction of a second.
@@ -14,7 +15,7 @@ from collections.abc import Iterator
 from fractions import Fraction
 from typing import Any, NamedTuple
 
-from nonsmooth.symbolic.files.layouts import MAX_WHEELS, Own, WheelPlace
+from nonsmooth.symbolic.files.layouts import MAX_WHEELS, Own, WheelPlace, read_name
 from nonsmooth.symbolic.files.scene_values import AngleUnit, Exact, Numbers, angles, read_exact
 from nonsmooth.symbolic.files.velocity_fields import Heading, read_heading
 from nonsmooth.symbolic.rule import read_rule
@@ -22,6 +23,7 @@ from nonsmooth.symbolic.scene_error import SceneError, StatedFact, requirement
 from nonsmooth.symbolic.suggestions import is_meant
 
 COLUMNS = ("x", "y", "heading", "speed", "mu_roll", "mu_side", "speed_limit", "axis", "contact")
+NAMES = ("name", "wheel", "roller", "motor", "label", "number", "id", "nr", "no")
 DIRECTIONS = ("heading", "axis")
 SEPARATORS = (",", ";", "\t")
 MOST_SHOWN = 4  # columns that a note lists
@@ -35,6 +37,7 @@ class _Row(NamedTuple):
     x: Exact
     y: Exact
     own: Own
+    name: str
 
 
 class WheelRows(NamedTuple):
@@ -53,7 +56,7 @@ class WheelRows(NamedTuple):
         """See :class:`nonsmooth.symbolic.files.layouts.Layout`."""
         for row in self.rows:
             key = f"{self.name}:{row.line}"
-            yield WheelPlace(key, (numbers(row.x, f"{key}.x"), numbers(row.y, f"{key}.y")), row.own)
+            yield WheelPlace(key, (numbers(row.x, f"{key}.x"), numbers(row.y, f"{key}.y")), row.own, row.name)
 
     @property
     def remarks(self) -> tuple[str, ...]:
@@ -84,7 +87,8 @@ class _Cells:
             if values.get(column) is None:
                 raise self.error(line, column, "a number", StatedFact("an empty cell"))
         x, y = values.pop("x"), values.pop("y")
-        return _Row(line, x, y, Own(**values))
+        name = values.pop(NAMES[0], None) or ""
+        return _Row(line, x, y, Own(**values), name)
 
     def value(self, line: int, column: str, text: str) -> Any:
         """Value of a cell, None where it is blank."""
@@ -100,6 +104,8 @@ class _Cells:
         """A number, a contact rule, or a heading as in a scene file; a direction is one quoted cell, "[a, b]"."""
         if column == "contact":
             return read_rule(text)
+        if column == NAMES[0]:
+            return read_name(text)
         if _DECIMAL_COMMA.fullmatch(text):
             raise ValueError("required a decimal point instead of a comma")
         if column not in DIRECTIONS:
@@ -175,7 +181,9 @@ def _columns(header: list[str], key: str, file: str) -> list[str | None]:
     """
     if len(header) > MAX_COLUMNS:
         raise SceneError(file, key, f"at most {MAX_COLUMNS} columns", StatedFact(f"{len(header)}"))
-    columns = [name if name in COLUMNS else None for name in map(_plain, header)]
+    named = min((NAMES.index(name) for name in map(_plain, header) if name in NAMES), default=None)
+    called = None if named is None else NAMES[named]
+    columns = [NAMES[0] if name == called else name if name in COLUMNS else None for name in map(_plain, header)]
     for k, column in enumerate(columns):
         if column is not None and column in columns[:k]:
             raise SceneError(file, key, "each column once", column)
