@@ -14,7 +14,7 @@ from typing import TypeAlias
 
 from nonsmooth.symbolic.formulas import number_latex
 from nonsmooth.symbolic.notebook import ShortRepr
-from nonsmooth.symbolic.number_text import SHORT, Real, decimal_latex, decimal_text, real_text, settled
+from nonsmooth.symbolic.number_text import SHORT, Real, decimal_latex, decimal_text, plain_decimal, real_text, settled
 from nonsmooth.symbolic.numbers.number import Number
 
 
@@ -209,6 +209,8 @@ def number(value: Real) -> Math:
     """An exact number where it is short, a decimal value otherwise (the JSON report holds it exactly)."""
     fixed = settled(value)
     plain = real_text(fixed)
+    if isinstance(fixed, Number) and fixed.field.writes_decimals:
+        return decimal(plain_decimal(fixed))
     if isinstance(fixed, Number) and len(plain) <= SHORT:
         return Math(number_latex(fixed), plain)
     rounded = decimal_text(value)

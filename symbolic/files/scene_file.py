@@ -257,7 +257,8 @@ def build_scene(
     _require_array(data, file)
     document = _document(data, file)
     layout = _layout(document, file, lambda: wheels or wheel_table(data, file, path, allow_outside=allow_outside) or "")
-    numbers = Numbers(file, field_of(_turns(document, layout), _remarks(document, layout)))
+    has_units = document.units.length is not None
+    numbers = Numbers(file, field_of(_turns(document, layout), _remarks(document, layout), decimals=has_units))
     builder = WheelBuilder(document, numbers)
     built = builder.build(layout.places(numbers))
     body = None if document.body is None else build_body(document.body, numbers)
