@@ -5,7 +5,7 @@
 | :func:`real_text` | JSON, whatever must lose nothing | exact, or an enclosure where that is endless |
 | :func:`brief_text` | sentences, tables of a report | exact up to SHORT characters, else ``~`` and ten digits |
 | :func:`short_text` | lines and columns of the terminal | exact up to TERSE characters, else ``~`` and six digits |
-| :func:`plain_decimal` | both of these in scenes with units | a decimal, exact up to PLAIN characters, else six digits |
+| :func:`plain_decimal` | both in scenes with units | a decimal, exact up to PLAIN characters, else six digits |
 | :func:`decimal_text` | an exact number as a decimal, whatever its size | significant digits, rounded to nearest |
 | :func:`lower_text`, :func:`upper_text` | a bound that must stay true | significant digits, never above, never below |
 | :func:`float_text`, :func:`place_text` | what is sampled, drawn or integrated | six significant digits unless told |

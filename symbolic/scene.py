@@ -60,6 +60,7 @@ class WheelNumber(int):
     """
 
     def __new__(cls, number: int, name: str = "") -> Self:
+        """A number with a name, or none."""
         made = super().__new__(cls, number)
         made.name = name
         return made

@@ -98,7 +98,7 @@ def _units(scene: Scene) -> str:
     units = scene.units
     if not units.length:
         return "lengths and times in the units of the scene"
-    return f"lengths in {units.length}, times in {units.time}, angles in rad"
+    return f"lengths in {units.length}, times in {units.time}, angles in {units.angle}"
 
 
 def conventions_section(scene: Scene) -> Section:

@@ -37,8 +37,8 @@ class WheelBuilder:
         """Wheels numbered from 1.
 
         Raises:
-            SceneError: for fewer than two wheels, two wheels at one place or of one name, no heading or axis, bad friction, contact
-                rules that do not mix, and a speed above its limit.
+            SceneError: for fewer than two wheels, two wheels at one place or of one name, no heading or axis, bad
+                friction, contact rules that do not mix, and a speed above its limit.
         """
         wheels: list[Wheel] = []
         taken: dict[Vector, int] = {}

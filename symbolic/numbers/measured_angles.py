@@ -101,7 +101,7 @@ def angle_notes(field: NumberField) -> tuple[str, ...]:
 
 
 def _shown(turn: Fraction, decimals: bool) -> str:
-    """An angle between minus and plus a half turn, as a multiple of pi where that is short and decimals are not asked."""
+    """An angle between minus and plus a half turn, in degrees or as a short multiple of pi."""
     turn = 1 - (1 - turn) % 2
     return f"{turn}*pi" if turn.denominator <= SHORT and not decimals else f"{float(180 * turn):.10g} deg"
 
