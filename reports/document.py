@@ -8,9 +8,9 @@ what a section, a row or a piece of a figure is about; a format that can link ti
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 from nonsmooth.symbolic.formulas import number_latex
 from nonsmooth.symbolic.notebook import ShortRepr
@@ -181,6 +181,16 @@ def table(
     """A table whose entries are single inlines or texts."""
     body = tuple(tuple(_text(entry) for entry in row) for row in rows)
     return Table(tuple(_text(entry) for entry in header), body, widths, tuple(marks))
+
+
+def without_empty_columns(shown: Table) -> Table:
+    """The table without the columns in which no row says anything."""
+    kept = [k for k in range(len(shown.header)) if any(plain_text(row[k]) for row in shown.rows)]
+
+    def of(parts: Sequence[Any]) -> tuple[Any, ...]:
+        return tuple(parts[k] for k in kept)
+
+    return replace(shown, header=of(shown.header), rows=tuple(map(of, shown.rows)), widths=of(shown.widths))
 
 
 def findings(rows: Iterable[tuple[str, str]]) -> Table:

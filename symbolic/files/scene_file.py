@@ -28,6 +28,7 @@ from nonsmooth.symbolic.files.scene_document import (
 from nonsmooth.symbolic.files.scene_parts import build_check, build_contact, build_continuum
 from nonsmooth.symbolic.files.scene_validation import validate
 from nonsmooth.symbolic.files.scene_values import Numbers, angle_remarks, angles, field_of
+from nonsmooth.symbolic.files.unit_hints import unit_hints
 from nonsmooth.symbolic.files.wheel_builder import WheelBuilder
 from nonsmooth.symbolic.files.wheel_csv import WheelRows, parse_wheels
 from nonsmooth.symbolic.scene import Scene
@@ -262,6 +263,7 @@ def build_scene(
     builder = WheelBuilder(document, numbers)
     built = builder.build(layout.places(numbers))
     body = None if document.body is None else build_body(document.body, numbers)
+    numbers.field.remarks += tuple(unit_hints(built, body, document.units.labels))
     return Scene(
         name=document.name or path.stem,
         field=numbers.field,

@@ -12,6 +12,7 @@ import csv
 import io
 import re
 from collections.abc import Iterator
+from decimal import Decimal, InvalidOperation
 from fractions import Fraction
 from typing import Any, NamedTuple
 
@@ -24,6 +25,7 @@ from nonsmooth.symbolic.suggestions import is_meant
 
 COLUMNS = ("x", "y", "heading", "speed", "mu_roll", "mu_side", "speed_limit", "axis", "contact")
 NAMES = ("name", "wheel", "roller", "motor", "label", "number", "id", "nr", "no")
+WORDS = (NAMES[0], "contact")  # columns without numbers
 DIRECTIONS = ("heading", "axis")
 SEPARATORS = (",", ";", "\t")
 MOST_SHOWN = 4  # columns that a note lists
@@ -38,6 +40,7 @@ class _Row(NamedTuple):
     y: Exact
     own: Own
     name: str
+    texts: dict[str, str]  # the cells that are not blank, by their columns
 
 
 class WheelRows(NamedTuple):
@@ -57,6 +60,16 @@ class WheelRows(NamedTuple):
         for row in self.rows:
             key = f"{self.name}:{row.line}"
             yield WheelPlace(key, (numbers(row.x, f"{key}.x"), numbers(row.y, f"{key}.y")), row.own, row.name)
+
+    def documents(self) -> list[dict[str, Any]]:
+        """The wheels one by one, as tables ``[[wheel]]`` of a scene file: numbers and angles as they are."""
+        found = []
+        for row in self.rows:
+            texts = dict(row.texts)
+            position = [_written(texts.pop("x")), _written(texts.pop("y"))]
+            own = {column: text if column in WORDS else _written(text) for column, text in texts.items()}
+            found.append({"position": position, **own})
+        return found
 
     @property
     def remarks(self) -> tuple[str, ...]:
@@ -88,7 +101,8 @@ class _Cells:
                 raise self.error(line, column, "a number", StatedFact("an empty cell"))
         x, y = values.pop("x"), values.pop("y")
         name = values.pop(NAMES[0], None) or ""
-        return _Row(line, x, y, Own(**values), name)
+        texts = {c: t.strip() for c, t in zip(self.columns, cells, strict=True) if c and t.strip()}
+        return _Row(line, x, y, Own(**values), name, texts)
 
     def value(self, line: int, column: str, text: str) -> Any:
         """Value of a cell, None where it is blank."""
@@ -152,6 +166,17 @@ def parse_wheels(text: str, name: str, file: str, unit: AngleUnit | None = None)
         raise SceneError(file, f"{name}:{reader.line_num}", "a CSV table", StatedFact(str(error))) from None
     values = [value for known in cells.known.values() for value in known.values()]
     return WheelRows(name, rows, values, _unread(header, columns))
+
+
+def _written(text: str) -> Any:
+    """The value of a scene file for a cell: a number where the cell is one, two entries of a direction, else a text."""
+    if text.startswith("[") and text.endswith("]"):
+        return [_written(part.strip()) for part in text[1:-1].split(",")]
+    try:
+        value = Decimal(text)
+    except InvalidOperation:
+        return text
+    return value if value.is_finite() else text
 
 
 def _uncommented(text: str) -> Iterator[str]:
