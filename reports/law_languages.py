@@ -51,6 +51,8 @@ def header(law: LawTable, at: str) -> list[str]:
         "Wheels that are not named in a region do not carry the body there and may run at any speed.",
         f"It is certified {law.certified}." if law.is_certified else "It is NOT certified: simulate it before use.",
     ]
+    named = [f"{w.index:d} {_plain(str(w.index))}" for w in law.scene.wheels if str(w.index) != f"{w.index:d}"]
+    said += [f"The wheels by number and name: {', '.join(named)}."] if named else []
     if units.length:
         said.append(f"Lengths are in {units.length}, speeds in {units.speed}, times in {units.time}.")
     said += [f"Rate: {law.rate}."] if law.rate else []
