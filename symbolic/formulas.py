@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from nonsmooth.symbolic.number_text import decimal_latex, decimal_text, plain_decimal
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.printing import Summand, latex_sum, number_summands, plain_sum, signed
+from nonsmooth.symbolic.numbers.rounded import Rounded
 
 if TYPE_CHECKING:
     import sympy
@@ -88,6 +89,8 @@ def symbol_latex(name: str) -> str:
 
 
 def _rounded(number: Number) -> Summand:
+    if isinstance(number, Rounded):
+        number = number.exact  # to be written is no decision, which would be counted
     decimal = plain_decimal(abs(number)) if number.field.writes_decimals else decimal_text(abs(number))
     return Summand(number.sign() < 0, decimal, decimal_latex(decimal))
 

@@ -31,6 +31,7 @@ from flint import arb, ctx, fmpq
 from nonsmooth.symbolic.numbers.enclosures import EXACT_ROOTS, MOST_BITS, PRECISION
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number, sign
+from nonsmooth.symbolic.numbers.rounded import Rounded
 
 DIGITS = 10  # significant digits of a rounded exact number
 FLOAT_DIGITS = 6  # of a sampled one
@@ -81,6 +82,8 @@ def short_text(shown: Any) -> str:
 def plain_decimal(value: Number | Lazy) -> str:
     """A decimal: exact where it ends within PLAIN characters, as one that a user entered, else to six digits."""
     fixed = settled(value)
+    if isinstance(fixed, Rounded):
+        fixed = fixed.exact  # to be written is no decision, which would be counted
     rational = fixed.as_rational() if isinstance(fixed, Number) else None
     if rational is not None:
         with localcontext(prec=PLAIN):

@@ -120,13 +120,13 @@ def name_wheel(axes: Axes, place: XY, along: XY, name: str, color: str = INK, si
     )
 
 
-def name_offset(along: Sequence[float] | Floats, name: str, size: float) -> XY:
+def name_offset(along: XY, name: str, size: float) -> XY:
     """Where the middle of a name is from its wheel (points): on the left of the rim, not touching it nor its arrow.
 
     The box of the text, ``width x size``, stays on one side of the line of the rim where its middle is
     ``(width |n_x| + size |n_y|)/2`` away from it along the normal n.
     """
-    nx, ny = -float(along[1]), float(along[0])
+    nx, ny = -along[1], along[0]
     away = (name_width(name, size) * abs(nx) + size * abs(ny)) / 2 + RIM_WIDTH
     return away * nx, away * ny
 
@@ -233,10 +233,10 @@ def draw_names(axes: Axes, scene: Scene, points: float) -> None:
     carrying, lines = {wheel.index for wheel in scene.wheels}, _lines(scene) * points / (right - left)
     for wheel in wheels:
         color = INK if wheel.index in carrying else IDLE_NAME
-        place, along, name = np.array(floats(wheel.position)), np.array(floats(wheel.unit_direction)), str(wheel.index)
-        near = lines - place * points / (right - left)
-        side = min((1.0, -1.0), key=lambda side: _covered(near, name_offset(side * along, name, size), name, size))
-        name_wheel(axes, floats(place), floats(side * along), name, color, size)
+        place, (dx, dy), name = floats(wheel.position), floats(wheel.unit_direction), str(wheel.index)
+        near = lines - np.array(place) * points / (right - left)
+        along = min(((dx, dy), (-dx, -dy)), key=lambda way: _covered(near, name_offset(way, name, size), name, size))
+        name_wheel(axes, place, along, name, color, size)
 
 
 def _lines(scene: Scene) -> Floats:

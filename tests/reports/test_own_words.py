@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.formulas import constant
 from nonsmooth.symbolic.number_text import brief_text, numbers_text, short_text
 from nonsmooth.symbolic.scene import WheelNumber
 from nonsmooth.symbolic.scene_error import SceneError
@@ -89,3 +90,15 @@ def test_sizes_a_thousand_times_off_are_told(tmp_path: Path, changed: str, hint:
 def test_a_body_of_another_unit_than_its_wheels_is_told(tmp_path: Path) -> None:
     body = '[body]\nshape = "rectangle"\nwidth = 0.3\nheight = 0.3\n'
     assert any("[body]" in remark for remark in load_scene(write(tmp_path, scene=SCENE + body)).field.remarks)
+
+
+def test_writing_a_number_decides_nothing(tmp_path: Path) -> None:
+    """Numbers of measured angles count decisions that rounding made: one more, and verdicts would be `undecided`."""
+    angles = (206, -26.3, 26.1, 154.7)
+    rows = [f"{x},{y},{angle}" for (x, y), angle in zip(((2, 1), (-2, 1), (-2, -1), (2, -1)), angles, strict=True)]
+    scene = load_scene(write(tmp_path, "\n".join(["x,y,heading", *rows])))
+    direction = scene.wheels[1].unit_direction[0]
+    before = scene.field.rounded_signs
+    assert (brief_text(direction), short_text(-direction)) == ("0.896486", "-0.896486")
+    assert constant(direction).latex(longest=30) == "0.896486"
+    assert scene.field.rounded_signs == before
