@@ -6,6 +6,7 @@ from itertools import combinations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import pytest
 
 from nonsmooth.reports.figures.style import lay_out
@@ -94,7 +95,7 @@ def test_names_of_an_array_are_inside_and_apart(tmp_path: Path, scene: str) -> N
     assert {name.partition(": ")[2] for name in named} >= wanted
     names_alone = {name: box for name, box in named.items() if name.partition(": ")[2] not in ticks}
     assert not overlapping(names_alone)
-    rims = [line for line in figure.axes[0].lines if line.get_linewidth() == 5 and len(line.get_xdata()) == 2]
+    rims = [line for line in figure.axes[0].lines if line.get_linewidth() == 5 and np.size(line.get_xdata()) == 2]
     assert len(rims) == len(wanted)
     for line in rims:
         ends = figure.axes[0].transData.transform(line.get_xydata())
