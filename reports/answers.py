@@ -17,7 +17,7 @@ from nonsmooth.proofs.answers.contact_wheels import contact_facts
 from nonsmooth.proofs.answers.other_rules import OtherRule
 from nonsmooth.proofs.facts import Quantity
 from nonsmooth.proofs.theorem4_result import Check, Contradiction
-from nonsmooth.reports.document import Table, table
+from nonsmooth.reports.document import Table, table, without_empty_columns
 from nonsmooth.reports.equilibrium_headings import headings_blocks, headings_record
 from nonsmooth.reports.facts import Record, as_record, fact_record
 from nonsmooth.reports.terminal import answers_table, blocks_view, verdict_text
@@ -201,7 +201,7 @@ def destinations_table(destinations: Destinations, header: Sequence[str]) -> Tab
     if more:
         share = share_text(sum(one.share for one in found[MOST_SHOWN:]))
         rows[MOST_SHOWN:] = [(f"{len(more)} more (--json lists them)", share, "", "")]
-    return table(header, rows, (5, 2, 2, 2))
+    return without_empty_columns(table(header, rows, (5, 2, 2, 2)))
 
 
 def _word(verdict: object) -> str:

@@ -360,8 +360,9 @@ class TippedResult(ArrayAnswers):
     def views(self) -> Sequence[RenderableType]:
         """The answers."""
         from nonsmooth.reports.answers import tipped_view
+        from nonsmooth.reports.terminal import notes_lines
 
-        return [tipped_view(self.scene, [*self._answers.values()])]
+        return [tipped_view(self.scene, [*self._answers.values()]), *notes_lines(self.scene.field)]
 
 
 # ---- under every contact rule --------------------------------------------------------------------

@@ -191,6 +191,7 @@ class DesignStudy(SceneStudy[DesignOptions]):
     """A search for a better array."""
 
     options: ClassVar[type[Any]] = DesignOptions
+    changes: ClassVar[Sequence[str]] = tuple(name for name in SceneStudy.changes if name != "exact")
 
     def load(self, scene: Any, options: DesignOptions, *, allow_outside: bool = False, **changes: Any) -> GivenArray:
         """The given array."""

@@ -8,13 +8,13 @@ what a section, a row or a piece of a figure is about; a format that can link ti
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 from nonsmooth.symbolic.formulas import number_latex
 from nonsmooth.symbolic.notebook import ShortRepr
-from nonsmooth.symbolic.number_text import SHORT, Real, decimal_latex, decimal_text, real_text, settled
+from nonsmooth.symbolic.number_text import SHORT, Real, decimal_latex, decimal_text, plain_decimal, real_text, settled
 from nonsmooth.symbolic.numbers.number import Number
 
 
@@ -183,6 +183,16 @@ def table(
     return Table(tuple(_text(entry) for entry in header), body, widths, tuple(marks))
 
 
+def without_empty_columns(shown: Table) -> Table:
+    """The table without the columns in which no row says anything."""
+    kept = [k for k in range(len(shown.header)) if any(plain_text(row[k]) for row in shown.rows)]
+
+    def of(parts: Sequence[Any]) -> tuple[Any, ...]:
+        return tuple(parts[k] for k in kept)
+
+    return replace(shown, header=of(shown.header), rows=tuple(map(of, shown.rows)), widths=of(shown.widths))
+
+
 def findings(rows: Iterable[tuple[str, str]]) -> Table:
     """Names, each with what is found, as literal text."""
     return table((), rows, (1.0, 3.0))
@@ -209,6 +219,8 @@ def number(value: Real) -> Math:
     """An exact number where it is short, a decimal value otherwise (the JSON report holds it exactly)."""
     fixed = settled(value)
     plain = real_text(fixed)
+    if isinstance(fixed, Number) and fixed.field.writes_decimals:
+        return decimal(plain_decimal(fixed))
     if isinstance(fixed, Number) and len(plain) <= SHORT:
         return Math(number_latex(fixed), plain)
     rounded = decimal_text(value)

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+from math import degrees
 from typing import TYPE_CHECKING
+
+from flint import arb
 
 from nonsmooth.proofs.facts import Quantity
 from nonsmooth.reports.document import Block, Paragraph, Table, table
 from nonsmooth.reports.facts import Record, as_record
 from nonsmooth.symbolic.number_text import float_text, lower_text, numbers_text, place_text, upper_text
 from nonsmooth.symbolic.numbers.enclosures import rational_below
+from nonsmooth.symbolic.units import Units
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-
-    from flint import arb
 
     from nonsmooth.proofs.answers.headings import HeadingOfRest, HeadingsOfRest
     from nonsmooth.proofs.headings.at_point import OpenHeadings
@@ -32,7 +34,7 @@ def headings_blocks(headings: HeadingsOfRest) -> list[Block]:
 
 def headings_table(headings: HeadingsOfRest) -> list[Table]:
     """The entries, where there are any."""
-    rows = [row(entry) for entry in headings.found[:MOST_SHOWN]]
+    rows = [row(entry, headings.units) for entry in headings.found[:MOST_SHOWN]]
     return [table(HEADER, rows, (3, 3, 4, 2, 2, 2))] if rows else []
 
 
@@ -42,7 +44,7 @@ def title(headings: HeadingsOfRest) -> str:
     if headings.reach is not None:
         where += f" and, as a search found, within {float_text(headings.reach, DIGITS)} of it along x and y"
     found = "" if headings.found else " none"
-    return f"equilibrium headings {where} (theta in rad from the checked heading):{found}"
+    return f"equilibrium headings {where} (theta in {headings.units.angle} from the checked heading):{found}"
 
 
 def notes(headings: HeadingsOfRest) -> list[str]:
@@ -51,7 +53,7 @@ def notes(headings: HeadingsOfRest) -> list[str]:
     said = [f"{hidden} more (--json lists them)"] if hidden > 0 else []
     every = any(entry.is_every_heading for entry in headings.found)
     if headings.undecided:
-        said.append(f"not decided at the checked point: theta = {_open_text(headings.undecided)}")
+        said.append(f"not decided at the checked point: theta = {_open_text(headings.undecided, headings.units)}")
     if not every:
         listed = ["those listed, with the ends of ranges"] if any(entry.rests for entry in headings.found) else []
         besides = [*listed, *(["those not decided"] if headings.undecided else [])]
@@ -67,24 +69,24 @@ def notes(headings: HeadingsOfRest) -> list[str]:
     return said
 
 
-def _open_text(undecided: Sequence[OpenHeadings]) -> str:
+def _open_text(undecided: Sequence[OpenHeadings], units: Units) -> str:
     """The first of them."""
     texts = [
-        float_text(_plain(float(one.low)), DIGITS) if one.edge else f"{_below(one.low)} to {_above(one.high)}"
+        _heading(float(one.low), units) if one.edge else f"{_below(one.low, units)} to {_above(one.high, units)}"
         for one in undecided[:MOST_SHOWN]
     ]
     more = len(undecided) - MOST_SHOWN
     return ", ".join(texts) + (f" and {more} more" if more > 0 else "")
 
 
-def row(entry: HeadingOfRest) -> tuple[str, str, str, str, str, str]:
+def row(entry: HeadingOfRest, units: Units) -> tuple[str, str, str, str, str, str]:
     """One entry in words, under :data:`HEADER`."""
     wheels = numbers_text(entry.wheels)
     if entry.low is None and entry.edge:
         wheels += f"; under the edge {numbers_text(entry.edge)}"
     status = "proved" if entry.proved else "sampled"
     return (
-        theta_text(entry),
+        theta_text(entry, units),
         place_text((_plain(float(value)) for value in entry.at), DIGITS),
         wheels,
         str(entry.position),
@@ -93,14 +95,14 @@ def row(entry: HeadingOfRest) -> tuple[str, str, str, str, str, str]:
     )
 
 
-def theta_text(entry: HeadingOfRest) -> str:
+def theta_text(entry: HeadingOfRest, units: Units) -> str:
     """``0.1 to 0.3``, rounded inward; or one heading."""
     if entry.is_every_heading:
         return "every heading"
     if entry.low is not None and entry.high is not None:
-        return f"{_above(entry.low)} to {_below(entry.high)}"
+        return f"{_above(entry.low, units)} to {_below(entry.high, units)}"
     about = "about " if not entry.proved else ""
-    return about + float_text(0.0 if entry.heading is None else float(entry.heading), DIGITS)
+    return about + _heading(0.0 if entry.heading is None else float(entry.heading), units)
 
 
 def headings_record(headings: HeadingsOfRest) -> Record:
@@ -137,12 +139,20 @@ def headings_record(headings: HeadingsOfRest) -> Record:
     }
 
 
-def _above(ball: arb) -> str:
-    return upper_text(-rational_below(-ball), DIGITS)
+def _heading(theta: float, units: Units) -> str:
+    return float_text(_plain(degrees(theta) if units.in_degrees else theta), DIGITS)
 
 
-def _below(ball: arb) -> str:
-    return lower_text(rational_below(ball), DIGITS)
+def _above(ball: arb, units: Units) -> str:
+    return upper_text(-rational_below(-_in_unit(ball, units)), DIGITS)
+
+
+def _below(ball: arb, units: Units) -> str:
+    return lower_text(rational_below(_in_unit(ball, units)), DIGITS)
+
+
+def _in_unit(ball: arb, units: Units) -> arb:
+    return ball * 180 / arb.pi() if units.in_degrees else ball
 
 
 def _plain(value: float) -> float:

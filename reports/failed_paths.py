@@ -30,6 +30,7 @@ from nonsmooth.symbolic.under_way import tell_count
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 
 SCHEMA = "nonsmooth-failed-paths/1"
@@ -203,13 +204,11 @@ class FailedPathsResult(Result):
         return f"{len(self.paths)} paths with wheels failed"
 
     def draw(self, ax: Axes) -> None:
-        """All paths over the wheels: black of the whole table, full with wheels stopped, dashed with wheels lifted."""
-        from nonsmooth.reports.figures.style import length_label
+        """All paths over the array: black of the whole table, full with wheels stopped, dashed with wheels lifted."""
+        from nonsmooth.reports.figures.style import title_axes
+        from nonsmooth.reports.figures.wheels import draw_array
 
-        for wheel in whole(self.scene).wheels:
-            x, y = map(float, wheel.position)
-            ax.plot(x, y, "s", color="0.6", markersize=4)
-            ax.annotate(str(wheel.index), (x, y), xytext=(3, 3), textcoords="offset points", fontsize=7, color="0.4")
+        draw_array(ax, self.scene)
         named = len(self.failures) <= LEGEND
         for number, failed in enumerate(self.failures):
             style = "--" if failed.kind is FailureKind.LIFTED else "-"
@@ -218,14 +217,20 @@ class FailedPathsResult(Result):
                 _draw(ax, path, color=f"C{number % 10}", linestyle=style, label=label, linewidth=1)
                 label = None
         for k, path in enumerate(self.whole):
-            _draw(ax, path, color="black", linewidth=1.6, label="all wheels" if k == 0 else None)
-        x, y = map(float, self.scene.check.equilibrium)
-        ax.plot(x, y, "+", color="black", markersize=12, label="checked point")
-        ax.set_aspect("equal", adjustable="datalim")
-        ax.set_xlabel(length_label("x", self.scene.units))
-        ax.set_ylabel(length_label("y", self.scene.units))
-        ax.set_title(f"{one_line(self.scene.name)}: paths with wheels failed", fontsize=10)
-        ax.legend(fontsize=7)
+            _draw(ax, path, color="black", linewidth=2.6, zorder=2.4, label="all wheels" if k == 0 else None)
+        title_axes(ax, f"{one_line(self.scene.name)}: paths with wheels failed")
+
+    def figure(self) -> Figure:
+        """The same with a legend below, which covers nothing."""
+        from nonsmooth.reports.figures.style import LABEL, LEGEND_ROW, PICTURE, legend_below, mark_entry, new_figure
+
+        figure = new_figure(PICTURE, PICTURE)
+        axes = figure.subplots()
+        self.draw(axes)
+        entries = [*axes.get_legend_handles_labels()[0], mark_entry("+", "checked point", markersize=9)]
+        figure.set_figheight(PICTURE + LEGEND_ROW * -(-len(entries) // 2))
+        legend_below(figure, entries, fontsize=LABEL - 1)
+        return figure
 
     def __repr__(self) -> str:
         said = [(str(failed), f"end moves {_text(self.farthest(failed))}") for failed in self.failures]
@@ -273,11 +278,12 @@ def _cases(scene: Scene, text: str) -> Iterator[Failed]:
         groups: list[tuple[int, ...]] = [(number,) for number in known]
     else:
         parts = [part.strip() for part in text.split(",")]
-        wrong = next((part for part in parts if not part.isdecimal() or int(part) not in known), None)
+        named = {str(number): number for number in known}
+        wrong = next((part for part in parts if part not in named), None)
         if wrong is not None:
-            required = f"numbers of wheels among {numbers_text(tuple(known))}, or {ANY}"
+            required = f"wheels among {numbers_text(tuple(known))}, or {ANY}"
             raise OptionError(f"--fail: required {required}, received {wrong[:60]!r}")
-        groups = [tuple(sorted(set(map(int, parts))))]
+        groups = [tuple(sorted({named[part] for part in parts}))]
     for group in groups:
         yield from (Failed(group, kind) for kind in FailureKind)
 

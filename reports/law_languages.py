@@ -51,6 +51,8 @@ def header(law: LawTable, at: str) -> list[str]:
         "Wheels that are not named in a region do not carry the body there and may run at any speed.",
         f"It is certified {law.certified}." if law.is_certified else "It is NOT certified: simulate it before use.",
     ]
+    named = [f"{w.index:d} {_plain(str(w.index))}" for w in law.scene.wheels if str(w.index) != f"{w.index:d}"]
+    said += [f"The wheels by number and name: {', '.join(named)}."] if named else []
     if units.length:
         said.append(f"Lengths are in {units.length}, speeds in {units.speed}, times in {units.time}.")
     said += [f"Rate: {law.rate}."] if law.rate else []
@@ -167,7 +169,7 @@ class _Tables:
 
     def __init__(self, law: LawTable) -> None:
         """Of a law."""
-        self.wheels = [wheel.index for wheel in law.scene.wheels]
+        self.wheels = [int(wheel.index) for wheel in law.scene.wheels]
         limits = law.scene.speed_limits
         self.limits = [float(limits[wheel]) if wheel in limits else 0.0 for wheel in self.wheels]
         self.side_counts = [len(region.sides) for region in law.regions]

@@ -302,11 +302,12 @@ def _draw_heading(axes: Axes, scale: Axes, result: SettleMapResult) -> None:
     from matplotlib.colors import CenteredNorm
 
     found, start = result.found, result.options.heading
-    values = np.where(found.settled, found.theta, np.nan)
+    values = np.degrees(np.where(found.settled, found.theta, np.nan))
+    start = math.degrees(start)
     turned = np.abs(values[found.settled] - start)
     norm = CenteredNorm(start, float(turned.max(initial=0.0)) or 1.0)
-    axes.set_title(f"heading at rest (theta = {start:.6g} at the start)")
-    _draw_numbers(axes, scale, found.starts, values, "theta_inf [rad]", cmap=HEADINGS, norm=norm)
+    axes.set_title(f"heading at rest ({start:.6g} deg at the start)")
+    _draw_numbers(axes, scale, found.starts, values, "heading at rest [deg]", cmap=HEADINGS, norm=norm)
 
 
 def _draw_arrival(axes: Axes, scale: Axes, result: SettleMapResult) -> None:

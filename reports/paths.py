@@ -306,7 +306,7 @@ class ArrayPath(PathResult):
         columns, lines = super().table()
         if self.loop is None:
             return DataTable(columns, lines)
-        names = (f"u_{wheel.index}" for wheel in self._carrying.wheels)
+        names = (f"u_{wheel.index:d}" for wheel in self._carrying.wheels)
         return DataTable((*columns, *names), [[*a, *b] for a, b in zip(lines, self._speed_rows(), strict=True)])
 
     def head(self) -> Sequence[str]:

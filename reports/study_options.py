@@ -67,6 +67,7 @@ class SceneOptions(Options):
     )
     at: str | None = option(None, "The point to check, such as 0,1/4; replaces the scene's.", metavar="X,Y")
     allow_outside: bool = option(False, "Read a table of wheels from outside the scene's folder too (wheels.file).")
+    exact: bool = option(False, "Exact forms of numbers of a scene with units, not decimals (JSON has both).")
 
 
 def options_of(options: type[Options]) -> dict[str, OfferedOption]:

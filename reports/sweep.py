@@ -140,6 +140,8 @@ class SweepStudy(SceneStudy[SweepOptions]):
         "Table: .csv, .parquet (needs pyarrow) or .json; picture over one or two numbers: .svg, .png or .pdf."
     )
 
+    changes: ClassVar[Sequence[str]] = tuple(name for name in SceneStudy.changes if name != "exact")
+
     def load(self, scene: Any, options: SweepOptions, *, allow_outside: bool = False, **changes: Any) -> Base:
         """The scene before anything varies."""
         from nonsmooth.symbolic.files.scene_file import deep_nesting_refused, read_document

@@ -65,7 +65,7 @@ class Row:
     @property
     def name(self) -> str:
         """``R3`` is the roll row of wheel 3, ``S3`` its side row."""
-        return f"{self.kind}{self.wheel.index}"
+        return f"{self.kind}{self.wheel.index:d}"
 
     @property
     def unit_normal(self) -> Triple:

@@ -26,7 +26,7 @@ from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.plane import Vector, around, cross, dot, minus
 from nonsmooth.symbolic.scene import LoadTable, Scene, Wheel
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact
-from nonsmooth.symbolic.support_polygon import default_radius, outer_positions, support_polygon
+from nonsmooth.symbolic.support_polygon import chosen, default_radius, outer_positions, support_polygon
 
 
 class TipsError(SceneError):
@@ -123,10 +123,10 @@ def standing(scene: Scene) -> Scene:
     positions = [wheel.position for wheel in carrying]
     check = scene.check
     if check.has_default_radius:
-        check = replace(check, radius=default_radius(positions, point))
+        check = replace(check, radius=chosen(default_radius(positions, point), scene.units))
     if check.has_default_length:
         check = replace(check, length=default_length(positions, point))
-    widest = free_half_width(scene.body, [minus(wheel.position, point) for wheel in wheels], scene)
+    widest = chosen(free_half_width(scene.body, [minus(wheel.position, point) for wheel in wheels], scene), scene.units)
     if widest < check.radius:
         check = replace(check, radius=widest)
     return replace(scene, wheels=carrying, idle=idle, check=check)
@@ -206,7 +206,7 @@ def on_wheels(scene: Scene, numbers: Sequence[int]) -> Scene:
     require_standing(scene, carrying, point)
     if len(carrying) < len(wheels):
         _require_no_table(scene)
-    inner = default_radius([wheel.position for wheel in carrying], point)
+    inner = chosen(default_radius([wheel.position for wheel in carrying], point), scene.units)
     if inner < check.radius:
         check = replace(check, radius=inner)
     return replace(with_only(scene, carrying), body=None, check=check)

@@ -86,7 +86,7 @@ def governing_equations(
     """
     fields: list[tuple[Triple, Monomial]] = [((state.twist.vx, state.twist.vy, state.twist.omega), ())]
     if symbolic_inputs:
-        fields = [(g, (f"u_{wheel}",)) for wheel, g in sorted(state.control_fields.items())]
+        fields = [(g, (f"u_{wheel:d}",)) for wheel, g in sorted(state.control_fields.items())]
     vx, vy, omega = (tuple((g[k], inputs) for g, inputs in fields) for k in range(3))
     if coordinates is Coordinates.BODY:
         vx += tuple((-g[2], (*inputs, "y")) for g, inputs in fields)
@@ -148,7 +148,7 @@ def input_symbol(wheel: int) -> sympy.Symbol:
     """``u_w``, the surface speed of wheel w."""
     import sympy
 
-    return sympy.Symbol(f"u_{wheel}", real=True)
+    return sympy.Symbol(f"u_{wheel:d}", real=True)
 
 
 def derive_control_fields(scene: Scene) -> dict[str, dict[int, Triple]]:

@@ -10,9 +10,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias
 
-from nonsmooth.symbolic.number_text import decimal_latex, decimal_text
+from nonsmooth.symbolic.number_text import decimal_latex, decimal_text, plain_decimal
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.printing import Summand, latex_sum, number_summands, plain_sum, signed
+from nonsmooth.symbolic.numbers.rounded import Rounded
 
 if TYPE_CHECKING:
     import sympy
@@ -33,7 +34,8 @@ class Formula:
         """On one line, ``0`` where nothing is left.
 
         Args:
-            longest: round coefficients of more characters to ten digits; None keeps all exact.
+            longest: round coefficients of more characters to ten digits, and all of a scene with units to six; None
+                keeps all exact.
         """
         return plain_sum(self.summands(longest))
 
@@ -62,7 +64,7 @@ class Formula:
         for number, monomial in self.terms:
             coefficients = number_summands(number)
             inner = plain_sum(coefficients)
-            if longest is not None and len(inner) > longest:
+            if longest is not None and (len(inner) > longest or number.field.writes_decimals):
                 coefficients = [_rounded(number)]
             elif len(coefficients) > 1 and monomial and len(inner) <= LINE_LENGTH:
                 coefficients = [Summand(False, f"({inner})", rf"\left({latex_sum(coefficients)}\right)")]
@@ -87,7 +89,9 @@ def symbol_latex(name: str) -> str:
 
 
 def _rounded(number: Number) -> Summand:
-    decimal = decimal_text(abs(number))
+    if isinstance(number, Rounded):
+        number = number.exact  # to be written is no decision, which would be counted
+    decimal = plain_decimal(abs(number)) if number.field.writes_decimals else decimal_text(abs(number))
     return Summand(number.sign() < 0, decimal, decimal_latex(decimal))
 
 

@@ -5,6 +5,7 @@
 | :func:`real_text` | JSON, whatever must lose nothing | exact, or an enclosure where that is endless |
 | :func:`brief_text` | sentences, tables of a report | exact up to SHORT characters, else ``~`` and ten digits |
 | :func:`short_text` | lines and columns of the terminal | exact up to TERSE characters, else ``~`` and six digits |
+| :func:`plain_decimal` | both in scenes with units | a decimal, exact up to PLAIN characters, else six digits |
 | :func:`decimal_text` | an exact number as a decimal, whatever its size | significant digits, rounded to nearest |
 | :func:`lower_text`, :func:`upper_text` | a bound that must stay true | significant digits, never above, never below |
 | :func:`float_text`, :func:`place_text` | what is sampled, drawn or integrated | six significant digits unless told |
@@ -20,7 +21,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from decimal import Decimal
+from decimal import Decimal, localcontext
 from fractions import Fraction
 from itertools import pairwise
 from typing import Any, SupportsFloat, TypeAlias
@@ -30,11 +31,13 @@ from flint import arb, ctx, fmpq
 from nonsmooth.symbolic.numbers.enclosures import EXACT_ROOTS, MOST_BITS, PRECISION
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number, sign
+from nonsmooth.symbolic.numbers.rounded import Rounded
 
 DIGITS = 10  # significant digits of a rounded exact number
 FLOAT_DIGITS = 6  # of a sampled one
 SHORT = 44  # characters of exact text that fit a sentence or a table
 TERSE = 24  # characters of exact text that fit a line of the terminal
+PLAIN = 12  # characters of an exact decimal of a scene with units
 BALL_DIGITS = 20  # digits of an enclosure
 
 Real: TypeAlias = Number | Lazy | arb
@@ -60,6 +63,8 @@ def real_text(value: Real) -> str:
 
 def brief_text(value: Real) -> str:
     """Exact text where it fits a sentence, otherwise a decimal value such as ``~1.61803399``."""
+    if not isinstance(value, arb) and value.field.writes_decimals:
+        return plain_decimal(value)
     text = real_text(value)
     return text if len(text) <= SHORT else f"~{decimal_text(value)}"
 
@@ -68,8 +73,25 @@ def short_text(shown: Any) -> str:
     """A number exactly where that fits a line of the terminal, else to six digits; a text as it is."""
     if not isinstance(shown, Number | Lazy | arb):
         return str(shown)
+    if not isinstance(shown, arb) and shown.field.writes_decimals:
+        return plain_decimal(shown)
     text = real_text(shown)
     return text if len(text) <= TERSE else f"~{decimal_text(shown, FLOAT_DIGITS)}"
+
+
+def plain_decimal(value: Number | Lazy) -> str:
+    """A decimal: exact where it ends within PLAIN characters, as one that a user entered, else to six digits."""
+    fixed = settled(value)
+    if isinstance(fixed, Rounded):
+        fixed = fixed.exact  # to be written is no decision, which would be counted
+    rational = fixed.as_rational() if isinstance(fixed, Number) else None
+    if rational is not None:
+        with localcontext(prec=PLAIN):
+            decimal = Decimal(int(rational.p)) / Decimal(int(rational.q))
+        text = f"{decimal:f}".rstrip("0").rstrip(".") if "." in f"{decimal:f}" else f"{decimal:f}"
+        if Fraction(text) == Fraction(int(rational.p), int(rational.q)) and len(text) <= PLAIN:
+            return text
+    return decimal_text(value, FLOAT_DIGITS)
 
 
 def decimal_text(value: Real, digits: int = DIGITS) -> str:
@@ -147,7 +169,9 @@ def decimal_latex(decimal: str) -> str:
 
 
 def numbers_text(numbers: tuple[int, ...]) -> str:
-    """``1-3, 7, 9-12``: numbers in ascending order, runs of three and more shortened."""
+    """``1-3, 7, 9-12``: numbers in ascending order, runs of three and more shortened; named wheels one by one."""
+    if any(str(number) != f"{number:d}" for number in numbers):
+        return ", ".join(map(str, numbers))
     breaks = [k for k, (a, b) in enumerate(pairwise(numbers), 1) if b != a + 1]
     runs = [numbers[start:end] for start, end in pairwise([0, *breaks, len(numbers)])]
     return ", ".join(f"{run[0]}-{run[-1]}" if len(run) > 2 else ", ".join(map(str, run)) for run in runs if run)

@@ -17,7 +17,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
-from typing import ClassVar, Literal
+from typing import ClassVar, Literal, Self
 
 from nonsmooth.symbolic.body import Body, BodyInertia
 from nonsmooth.symbolic.characteristic_length import default_length
@@ -53,12 +53,30 @@ class Friction:
     rule: str = ""
 
 
+class WheelNumber(int):
+    """The number of a wheel, counted from 1; in words (``str``) its name, where the scene gives it one.
+
+    ``f"{number:d}"`` is the number of a named wheel too, for symbols such as ``u_3``; JSON holds numbers.
+    """
+
+    def __new__(cls, number: int, name: str = "") -> Self:
+        """A number with a name, or none."""
+        made = super().__new__(cls, number)
+        made.name = name
+        return made
+
+    name: str
+
+    def __str__(self) -> str:
+        return self.name or int.__repr__(self)
+
+
 @dataclass(frozen=True)
 class Wheel:
     """One driven wheel.
 
     Attributes:
-        index: 1-based number, as in the paper.
+        index: 1-based number, as in the paper; a :class:`WheelNumber` where the wheel has a name.
         position: ``p_i`` (length).
         direction: ``D_i``, the rim direction, of any nonzero length.
         given_speed: ``u_i`` along the rim (length/time); None means the magnitude ``|D_i|`` of a velocity field.

@@ -2,23 +2,27 @@
 
 That square is a part of the array, whatever the unit of length: its half-width is ``s/n`` for the array's size s, the
 larger extent along x or y, and the least whole n such that a square twice as wide about the point lies in the support
-polygon.  So it is exact, and the same square in every unit.
+polygon.  So it is exact, and the same square in every unit; in a scene that states units it is shortened to two digits.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from fractions import Fraction
 from functools import cmp_to_key
 from itertools import pairwise
 
+from nonsmooth.symbolic.number_text import lower_text
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.plane import Vector, cross, minus
+from nonsmooth.symbolic.units import Units
 
 FEW = 64  # positions of which the hull is found exactly at once
 DIRECTIONS = 32  # the farthest wheels in so many directions span a polygon; wheels well inside it are no corners
 MARGIN = 2.0**-29  # relative to the coordinates: floats err by far less, so a wheel this deep inside is inside
 
 SQUARES_THAT_FIT = 2  # a default square this many times as wide still lies in the support polygon
+DIGITS = 2  # of a half-width that the program chooses in a scene with units
 PARTS_WITHOUT_SUPPORT = 4  # n where the point is not inside the support polygon: that of the middle of a square array
 
 
@@ -65,6 +69,11 @@ def default_radius(positions: Sequence[Vector], point: Vector) -> Number:
     corners = support_polygon(outer_positions(positions))
     size = max(extent(corners, 0), extent(corners, 1))
     return size / (_parts_of_size(corners, size, point) or PARTS_WITHOUT_SUPPORT)
+
+
+def chosen(radius: Number, units: Units) -> Number:
+    """A half-width that the program chooses: in a scene with units its first two digits, so that it can be read."""
+    return radius.field.rational(Fraction(lower_text(radius, DIGITS))) if units.length else radius
 
 
 def _parts_of_size(corners: Sequence[Vector], size: Number, point: Vector) -> int | None:

@@ -54,9 +54,16 @@ class Units:
 
     Attributes:
         length: of positions, distances and the half-width of the square.
+        in_degrees: whether people read its angles in degrees; JSON and tables of data hold radians.
     """
 
     length: str = ""
+    in_degrees: bool = False
+
+    @property
+    def angle(self) -> str:
+        """Of angles and turns."""
+        return "deg" if self.in_degrees else "rad"
 
     @property
     def metres(self) -> Fraction | None:

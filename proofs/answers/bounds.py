@@ -12,6 +12,7 @@ from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.units import Units
 
 DIGITS = 4
 LN_2 = Fraction(693_147_180_560, 10**12)  # just above the natural logarithm of 2
@@ -41,6 +42,24 @@ def _comparable(value: Positive) -> Number | Lazy | Fraction:
 
 
 # ---- units ---------------------------------------------------------------------------------------
+
+HALF_TURN = 180, Fraction(355, 113), Fraction(3_141_592_653, 10**9)  # degrees; just above pi, just below
+
+
+def angle_at_least(value: Positive, units: Units) -> str:
+    """An angle (radian) or a rate of one in the unit of the scene, not above it: ``5.13 deg``."""
+    degrees, above, _ = HALF_TURN
+    shown = _comparable(value) * (degrees / above) if units.in_degrees else value
+    return f"{at_least(shown)} {units.angle}"
+
+
+def angle_at_most(value: Positive, units: Units) -> str:
+    """An angle (radian) or a rate of one in the unit of the scene, not below it."""
+    degrees, _, below = HALF_TURN
+    shown: Positive = value
+    if units.in_degrees:
+        shown = (-rational_below(-value) if isinstance(value, arb) else value) * (degrees / below)
+    return f"{at_most(shown)} {units.angle}"
 
 
 def of_length(scene: Scene) -> str:

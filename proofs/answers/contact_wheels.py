@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from nonsmooth.proofs.answers.bounds import at_least, of_length
+from nonsmooth.proofs.answers.bounds import angle_at_least, at_least, of_length
 from nonsmooth.proofs.facts import Fact, Quantity
 from nonsmooth.proofs.verdicts import Rotation
 from nonsmooth.symbolic.contact_set import contact_set
@@ -41,7 +41,7 @@ def _facts(check: Theorem4Result) -> Iterator[Fact]:
         f"the answers hold while no wheel enters or leaves: for certain within {at_least(found.margin)}{unit} of here"
     )
     if found.angle is not None:
-        words += f", or {at_least(found.angle)} rad of this heading (of both: shares that add up to 1)"
+        words += f", or {angle_at_least(found.angle, scene.units)} of this heading (of both: shares that add up to 1)"
     yield Fact("margin", Quantity(found.margin), words)
     yield Fact("angle", Quantity(found.angle))
     turn = check.rotation.rotation_per_distance if check.rotation.verdict is Rotation.NEUTRAL else None

@@ -8,12 +8,13 @@ is the answer.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from fractions import Fraction
 from typing import cast
 
 from nonsmooth.proofs.answers.answer import Answer, Heading, Results, is_by_rounding
-from nonsmooth.proofs.answers.bounds import DIGITS, at_most, of_length
+from nonsmooth.proofs.answers.bounds import DIGITS, angle_at_most, at_most, of_length
 from nonsmooth.proofs.answers.nearness import nearness, place_of_rest
 from nonsmooth.proofs.boxes.enclosed_rest import EnclosedRest
 from nonsmooth.proofs.clauses.rotation.on_cells import RotationResult
@@ -34,7 +35,7 @@ def heading_answer(scene: Scene, results: Results) -> Answer:
     """From the clause on theta; where the point itself is no place of rest, from the one beside it."""
     beside = _beside(scene, results)
     if beside is not None:
-        return Answer("heading", _of_rates(beside.rates), tuple(_facts_beside(beside.rates)))
+        return Answer("heading", _of_rates(beside.rates), tuple(_facts_beside(scene, beside.rates)))
     return Answer("heading", OF_ROTATION[_rotation(results).verdict], tuple(_facts(scene, results)))
 
 
@@ -52,15 +53,16 @@ def _of_rates(rates: tuple[Fraction, Fraction]) -> Heading:
     return Heading.DRIFTS if low > 0 or high < 0 else Heading.UNDECIDED
 
 
-def _facts_beside(rates: tuple[Fraction, Fraction]) -> Iterator[Fact]:
+def _facts_beside(scene: Scene, rates: tuple[Fraction, Fraction]) -> Iterator[Fact]:
     """The rotation rate at the place of rest."""
     low, high = rates
-    most = at_most(max(-low, high))
+    fastest = max(-low, high)
+    most = angle_at_most(fastest, scene.units)
     if _of_rates(rates) is Heading.DRIFTS:
-        words = f"where it ends it turns all the time, at {most} rad/s"
+        words = f"where it ends it turns all the time, at {most}/s"
     else:
-        words = f"where it ends it turns at up to {most} rad/s, if at all"
-    yield Fact("largest_rate", Quantity(Fraction(most)), words)
+        words = f"where it ends it turns at up to {most}/s, if at all"
+    yield Fact("largest_rate", Quantity(Fraction(at_most(fastest))), words)
     yield Fact("turn_per_distance", Quantity(None))
 
 
@@ -71,10 +73,11 @@ def _rotation(results: Results) -> RotationResult:
 def _facts(scene: Scene, results: Results) -> Iterator[Fact]:
     """The largest rate of the drift, and how far the way home may turn the body."""
     found = _rotation(results)
-    yield from _drift(found)
+    yield from _drift(scene, found)
     turn = found.rotation_per_distance if found.verdict is Rotation.NEUTRAL else None
     if turn:
-        words = f"the way home turns it by at most {at_most(turn)} rad for each 1{of_length(scene)} of distance"
+        most = angle_at_most(turn, scene.units)
+        words = f"the way home turns it by at most {most} for each 1{of_length(scene)} of distance"
         yield Fact("turn_per_distance", Quantity(turn), words)
     else:
         yield Fact("turn_per_distance", Quantity(turn))
@@ -82,11 +85,12 @@ def _facts(scene: Scene, results: Results) -> Iterator[Fact]:
         yield said(_why_undecided(results))
 
 
-def _drift(found: RotationResult) -> Iterator[Fact]:
+def _drift(scene: Scene, found: RotationResult) -> Iterator[Fact]:
     """The rates at which the body can turn while it rests, or the sentence that it cannot."""
     if found.verdict is Rotation.UNSTABLE and found.spin is not None:
-        most = at_most(max(map(abs, found.spin)))
-        yield Fact("largest_rate", Quantity(Fraction(most)), f"at rest it turns all the time, at up to {most} rad/s")
+        spin = max(map(abs, found.spin))
+        words = f"at rest it turns all the time, at up to {angle_at_most(spin, scene.units)}/s"
+        yield Fact("largest_rate", Quantity(Fraction(at_most(spin))), words)
         return
     if found.verdict is not Rotation.UNSTABLE or found.drift is None:
         yield Fact("largest_rate", Quantity(None))
@@ -95,12 +99,14 @@ def _drift(found: RotationResult) -> Iterator[Fact]:
         return
     low, high = found.drift.interval
     fastest = max(-low, high)
+    most = angle_at_most(fastest, scene.units)
     if low == high:
-        words = f"at rest it turns all the time, at {float_text(fastest, DIGITS)} rad/s"
+        rate = math.degrees(float(fastest)) if scene.units.in_degrees else fastest
+        words = f"at rest it turns all the time, at {float_text(rate, DIGITS)} {scene.units.angle}/s"
     elif low.sign() > 0 or high.sign() < 0:
-        words = f"at rest it turns all the time, at up to {at_most(fastest)} rad/s"
+        words = f"at rest it turns all the time, at up to {most}/s"
     else:
-        words = f"at rest it may turn, at up to {at_most(fastest)} rad/s"
+        words = f"at rest it may turn, at up to {most}/s"
     yield Fact("largest_rate", Quantity(fastest), words)
 
 

@@ -6,7 +6,7 @@ A list for people of what :mod:`nonsmooth.proofs.headings` proves, and of what i
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import TYPE_CHECKING
 
@@ -19,6 +19,7 @@ from nonsmooth.proofs.headings.search import can_search, equilibrium_headings
 from nonsmooth.proofs.headings.stay import Stays
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.units import Units
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.headings.at_point import EquilibriumHeadings, OpenHeadings, RestInterval, SampledRest
@@ -88,6 +89,7 @@ class HeadingsOfRest:
         reach: half-width of the square of places about the checked point that was searched; None: that point alone.
         left_out: points of rest that were seen and not decided, for there were too many.
         can_search: whether the surroundings of the point could be searched.
+        units: those in which headings are read.
     """
 
     found: tuple[HeadingOfRest, ...]
@@ -95,6 +97,7 @@ class HeadingsOfRest:
     reach: float | None
     left_out: int
     can_search: bool = False
+    units: Units = field(default_factory=Units)
 
 
 def headings_of_rest(scene: Scene, *, around: bool = False) -> HeadingsOfRest | None:
@@ -108,7 +111,7 @@ def headings_of_rest(scene: Scene, *, around: bool = False) -> HeadingsOfRest | 
     if found is None:
         return None
     entries = sorted(_entries(found), key=_rank)
-    return HeadingsOfRest(tuple(entries), found.undecided, found.reach, found.left_out, can_search(scene))
+    return HeadingsOfRest(tuple(entries), found.undecided, found.reach, found.left_out, can_search(scene), scene.units)
 
 
 def _entries(found: EquilibriumHeadings) -> Iterator[HeadingOfRest]:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, cast
 
 from nonsmooth.proofs.answers.answer import Answer, Results
-from nonsmooth.proofs.answers.bounds import at_least, at_most, half_life, of_length
+from nonsmooth.proofs.answers.bounds import angle_at_most, at_least, at_most, half_life, of_length
 from nonsmooth.proofs.facts import Fact, Quantity
 from nonsmooth.proofs.verdicts import Certainty
 from nonsmooth.symbolic.scene import Scene
@@ -66,7 +66,7 @@ def robust_facts(scene: Scene, found: Robust) -> Iterator[Fact]:
         found.drift,
         found.rests,
     )
-    words = dict.fromkeys(KEYS, "") | _words_of_ends(found, unit) | _words_of_equilibria(scene, found, unit)
+    words = dict.fromkeys(KEYS, "") | _words_of_ends(scene, found, unit) | _words_of_equilibria(scene, found, unit)
     if found.rests:
         words["at_rest_within"] = (
             f"for every array within them, a body within {at_least(found.rests)}{unit} of the point stays where it is"
@@ -79,7 +79,7 @@ def robust_facts(scene: Scene, found: Robust) -> Iterator[Fact]:
     )
 
 
-def _words_of_ends(found: Robust, unit: str) -> dict[str, str]:
+def _words_of_ends(scene: Scene, found: Robust, unit: str) -> dict[str, str]:
     """Where every body ends."""
     if found.start is None or found.radius is None or found.within is None:
         return {}
@@ -89,7 +89,7 @@ def _words_of_ends(found: Robust, unit: str) -> dict[str, str]:
         "within": f"after at most {at_most(found.within)} s",
     }
     if found.turning is not None:
-        words["turning"] = f"on the way it turns by at most {at_most(found.turning)} rad"
+        words["turning"] = f"on the way it turns by at most {angle_at_most(found.turning, scene.units)}"
     return words
 
 
@@ -104,7 +104,7 @@ def _words_of_equilibria(scene: Scene, found: Robust, unit: str) -> dict[str, st
     attracts = f"it attracts, exponentially, bodies that start close to it{kept}"
     return {
         "equilibrium": f"{near}; {attracts}",
-        "drift": f"there a body turns at no more than {at_most(found.drift)} rad/s",
+        "drift": f"there a body turns at no more than {angle_at_most(found.drift, scene.units)}/s",
     }
 
 

@@ -12,13 +12,14 @@ import numpy as np
 from nonsmooth.analysis.motion.frames import WheelContact
 from nonsmooth.reports.animation.film import RATE, Film
 from nonsmooth.reports.figures.path import MARKERS, PATH, marked
-from nonsmooth.reports.figures.style import INK, INKED, LABEL, floats, length_label, wrapped
-from nonsmooth.reports.figures.wheels import AXIS_COLOR, draw_axis, placed
+from nonsmooth.reports.figures.style import INK, INKED, LABEL, POINTS_PER_INCH, floats, length_label, wrapped
+from nonsmooth.reports.figures.wheels import AXIS_COLOR, draw_axis, name_size, nearest_gap, placed
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SIZE, DPI = (5.0, 5.6), 100  # inches, and pixels for each
+PLANE = 0.13, 0.25, 0.84, 0.66  # left, low, width and height of the plane, in parts of the picture
 SLIP, STICK, QUIET = "#D55E00", "#009E73", "0.65"  # of Okabe and Ito's palette, as in all figures
 RING = 2.4  # radius of the mark of a wheel that carries, in half-lengths of the rim
 HEADING = 7.0  # length of the heading's line in half-lengths of the rim
@@ -106,13 +107,13 @@ class Stage:
     def _points(self, length: float) -> float:
         """A length of the plane in points of the figure, as a diameter."""
         left, right, low, high = self.film.view
-        pixels = min(0.84 * SIZE[0] / (right - left), 0.66 * SIZE[1] / (high - low))
+        pixels = min(PLANE[2] * SIZE[0] / (right - left), PLANE[3] * SIZE[1] / (high - low))
         return 2 * length * pixels * 72
 
 
 def _plane(figure: Figure, film: Film) -> Any:
     """Axes of the plane, at the same place in every figure."""
-    axes = figure.add_axes((0.13, 0.25, 0.84, 0.66))
+    axes = figure.add_axes(PLANE)
     left, right, low, high = film.view
     axes.set(xlim=(left, right), ylim=(low, high), aspect="equal")
     return axes
@@ -139,12 +140,28 @@ def _still_picture(film: Film) -> Any:
         axes.plot([x - half * dx, x + half * dx], [y - half * dy, y + half * dy], color=INK, linewidth=4, zorder=4)
         if film.scene.wheels[k].axis is not None:
             draw_axis(axes, (x, y), floats(film.axes[k]), half)
+    _name_wheels(axes, film)
+    axes.plot(*floats(film.scene.check.equilibrium), marker="+", color=INK, markersize=11, markeredgewidth=1.6)
     axes.plot(*film.trail.T, color=PATH, linewidth=0.8, alpha=0.6, zorder=2)
     _draw_time_line(figure, film)
     _explain(figure, film)
     canvas = FigureCanvasAgg(figure)
     canvas.draw()
     return np.asarray(canvas.buffer_rgba())
+
+
+def _name_wheels(axes: Any, film: Film) -> None:
+    """The names of the wheels outside of their rings, as large as their distances allow."""
+    from matplotlib.patheffects import withStroke
+
+    (left, right, low, high), shown = film.view, [film.scene.wheels[k] for k in film.shown]
+    scale = min(PLANE[2] * SIZE[0] / (right - left), PLANE[3] * SIZE[1] / (high - low)) * POINTS_PER_INCH
+    size = name_size(shown, nearest_gap(film.places[film.shown], right - left) * scale)
+    for wheel in shown if size else ():
+        x, y = floats(wheel.position)
+        away = (RING + 0.3) * film.rim
+        style: Any = {"ha": "center", "va": "top", "fontsize": size, "fontweight": "bold", "color": INK, "zorder": 8}
+        axes.text(x, y - away, str(wheel.index), path_effects=[withStroke(linewidth=2, foreground="white")], **style)
 
 
 def _draw_time_line(figure: Figure, film: Film) -> None:
@@ -167,6 +184,7 @@ def _explain(figure: Figure, film: Film) -> None:
         Line2D([], [], label="carries, slips", markeredgecolor=SLIP, **ring),
         Line2D([], [], label="slip", color=SLIP, marker=r"$\rightarrow$", linestyle="none", markersize=10),
         Line2D([], [], label="speed of the rim", color=INK, marker=r"$\rightarrow$", linestyle="none", markersize=10),
+        Line2D([], [], label="checked point", color=INK, marker="+", linestyle="none", markersize=9),
         Line2D([], [], label="body and heading", color=PATH, marker="o", linewidth=2),
     ]
     if any(film.scene.wheels[k].axis is not None for k in film.shown):

@@ -21,6 +21,7 @@ from nonsmooth.reports.figures.cells import fill_cells, view_square
 from nonsmooth.reports.figures.style import (
     INK,
     LINES,
+    TO_SHOW,
     centre_labels,
     drawn,
     floats,
@@ -33,7 +34,7 @@ from nonsmooth.reports.figures.style import (
     time_label,
     title_figure,
 )
-from nonsmooth.reports.figures.wheels import draw_axis, outline_of, placed
+from nonsmooth.reports.figures.wheels import draw_axis, draw_names, outline_of, placed
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import one_line
 from nonsmooth.symbolic.switched_system import SwitchedSystem
@@ -44,8 +45,10 @@ if TYPE_CHECKING:
 
 WIDE, ARRAY = 9.6, (8.0, 4.6)  # inches: width of a plain system's picture; size of an array's
 LEAST_HEIGHT, CURVE = 5.6, 1.5  # inches: of a plain system's picture at least, of one of its curves
+PLANE = 230.0  # points that the plane of an array's path is wide
 TALL = 7.0  # inches: height with the speeds of a closed loop
 PATH = "#0072B2"
+IN_A_ROW = 5  # entries of the legend
 MOST_NAMED = 8  # wheels up to which the lines of their speeds are told apart
 MARKERS = {  # a form for every kind, so that color is not needed to tell them apart
     EventKind.CROSS: "|",
@@ -62,6 +65,10 @@ SAMPLES = 400  # times at which the curves are drawn
 MOST_MARKS = 60  # events that are marked, evenly among all: accumulating switches would cover the curve
 SURFACE: dict[str, Any] = {"color": "#D55E00", "linestyle": "--"}
 BESIDE: dict[str, Any] = {"color": "#D55E00", "linewidth": 1.4, "linestyle": "--"}
+BODY: dict[str, dict[str, Any]] = {
+    "body at the start": {"color": INK, "linewidth": 1.4, "linestyle": "--"},
+    "body at the end": {"color": INK, "linewidth": 1.4},
+}
 RIM: dict[str, Any] = {"color": "0.45", "linewidth": 4, "solid_capstyle": "butt"}
 
 Ground = Callable[["Axes"], None]
@@ -139,8 +146,7 @@ def wheels_picture(
 ) -> PathPicture:
     """A path of an array between its wheels, with the outline of the body; another path beside it."""
     picture = array_picture(scene, trajectory, title, lambda axes: draw_wheels(axes, scene, trajectory))
-    own = {} if beside is None else {trajectory.method: {"color": PATH}}
-    return replace(picture, beside=beside, explained={"rim of a wheel": RIM, **own})
+    return replace(picture, beside=beside, explained={"rim of a wheel": RIM} | (BODY if scene.body is not None else {}))
 
 
 def centre_picture(scene: Scene, trajectory: Trajectory, law: str) -> PathPicture:
@@ -204,6 +210,8 @@ def draw_plane(axes: Axes, picture: PathPicture) -> None:
         axes.plot(*_dense(picture.beside[0])[1][:, :2].T, **BESIDE, zorder=3)
     _draw_path(axes, picture.trajectory, _dense(picture.trajectory)[1])
     picture.ground(axes)
+    if picture.home:
+        axes.plot(*picture.home[:2], marker="+", color=INK, markersize=11, markeredgewidth=1.6, zorder=5)
 
 
 def _draw_path(axes: Axes, path: Trajectory, states: NDArray[np.float64], mark: str | None = None) -> None:
@@ -223,27 +231,34 @@ def _draw_path(axes: Axes, path: Trajectory, states: NDArray[np.float64], mark: 
 def _draw_curves(curves: Sequence[Axes], picture: PathPicture) -> None:
     """The states over time, one under the other, with the events marked, and lines at the checked point."""
     times, states = _dense(picture.trajectory)
+    shown = TO_SHOW if picture.home else np.ones(len(curves))
     for k, axes in enumerate(curves):
-        axes.axhline(picture.home[k] if picture.home else 0, color="0.8", linewidth=0.8, zorder=0)
         if picture.beside is not None:
             others, values = _dense(picture.beside[0])
-            axes.plot(others, values[:, k], **BESIDE)
-        axes.plot(times, states[:, k], color=PATH, linewidth=1.6)
+            axes.plot(others, values[:, k] * shown[k], **BESIDE)
+        axes.plot(times, states[:, k] * shown[k], color=PATH, linewidth=1.6)
         for event in marked(picture.trajectory.events):
-            place = [float(event.t)], [float(event.state[k])]
+            place = [float(event.t)], [float(event.state[k]) * shown[k]]
             axes.plot(*place, marker=MARKERS[event.kind], color=INK, markersize=5, fillstyle="none", linestyle="none")
         axes.set_ylabel(picture.labels[k])
         axes.margins(x=0.02, y=0.15)
+        _draw_home(axes, picture.home[k] if picture.home else 0.0)
         if axes is not curves[-1]:
             axes.tick_params(labelbottom=False)
             axes.sharex(curves[-1])
     curves[-1].set_xlabel(picture.time)
 
 
+def _draw_home(axes: Axes, home: float) -> None:
+    """A line at the checked point, where it lies in the view: no axis is stretched to hold it."""
+    low, high = axes.get_ylim()
+    if low <= home <= high:
+        axes.axhline(home, color="0.6", linewidth=0.8, zorder=0)
+
+
 def _draw_speeds(axes: Axes, curves: SpeedCurves) -> None:
     """The speeds over time, a line for each wheel that acts at some time, and dashed lines at their limits."""
     acting = [k for k in range(curves.speeds.shape[1]) if np.isfinite(curves.speeds[:, k]).any()]
-    axes.axhline(0, color="0.8", linewidth=0.8, zorder=0)
     for place, k in enumerate(acting):
         color = LINES[place % len(LINES)]
         axes.plot(curves.times, curves.speeds[:, k], color=color, linewidth=1.4, label=f"u_{curves.wheels[k]}")
@@ -257,19 +272,24 @@ def _draw_speeds(axes: Axes, curves: SpeedCurves) -> None:
                 axes.axhline(side, color=INK, linewidth=0.9, linestyle="--")
     axes.set(xlabel=curves.labels[0], ylabel=curves.labels[1])
     axes.margins(x=0.02, y=0.12)
+    _draw_home(axes, 0.0)
     if 0 < len(acting) <= MOST_NAMED:
         axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False, fontsize="small")
 
 
 def _explain(figure: Figure, picture: PathPicture) -> None:
-    """The legend of what occurs."""
-    entries = [line_entry(name, **style) for name, style in picture.explained.items()]
+    """The legend of all lines and marks."""
+    entries = [line_entry("path" if picture.beside is None else picture.trajectory.method, color=PATH, linewidth=1.8)]
+    if picture.home:
+        entries += [line_entry("at the checked point", color="0.6", linewidth=0.8)]
+        entries += [mark_entry("+", "checked point", markersize=9)] * (picture.ground is not None)
+    entries += [line_entry(name, **style) for name, style in picture.explained.items()]
     if picture.beside is not None:
         entries.append(line_entry(picture.beside[1], **BESIDE))
     entries.append(mark_entry(">", "start", color=PATH))
     for kind in dict.fromkeys(event.kind for event in picture.trajectory.events):
         entries.append(mark_entry(MARKERS[kind], str(kind), fillstyle="none"))
-    legend_below(figure, entries, len(entries))
+    legend_below(figure, entries, min(len(entries), IN_A_ROW))
 
 
 def marked(events: Sequence[Event]) -> Sequence[Event]:
@@ -318,6 +338,7 @@ def draw_wheels(axes: Axes, scene: Scene, trajectory: Trajectory) -> None:
     """The rims of the wheels, and the body where it starts, at its events, and where it ends."""
     _draw_rims(axes, contact_model(scene))
     axes.set(aspect="equal", **centre_labels(scene.units))
+    draw_names(axes, scene, PLANE)
     outline = outline_of(scene)
     if outline is None:
         return
@@ -346,7 +367,6 @@ def _draw_rims(axes: Axes, model: ContactModel) -> None:
 
 def draw_centre(axes: Axes, scene: Scene) -> None:
     """The checked point."""
-    axes.plot(*floats(scene.check.equilibrium), marker="+", color=INK, markersize=10)
     axes.set(aspect="equal", **centre_labels(scene.units))
     axes.margins(0.2)
 
@@ -408,13 +428,13 @@ def _draw_curves_of(curves: list[Axes], path: Trajectory, mark: str, last: float
     if times[-1] < last:
         times, states = np.append(times, last), np.vstack([states, states[-1:]])
     for k, axes in enumerate(curves):
-        axes.plot(times, states[:, k], color=PATH, linewidth=1.6, gid=f"{mark}--{'xyt'[k]}")
+        axes.plot(times, states[:, k] * TO_SHOW[k], color=PATH, linewidth=1.6, gid=f"{mark}--{'xyt'[k]}")
 
 
 def _label(curves: list[Axes], partition: Partition) -> None:
     units, home = partition.scene.units, (*(float(x) for x in partition.scene.check.equilibrium), 0.0)
     for k, axes in enumerate(curves):
-        axes.axhline(home[k], color="0.6", linewidth=0.6, zorder=0)
+        _draw_home(axes, home[k])
         axes.set_ylabel(pose_labels(units)[k])
         axes.tick_params(labelbottom=k == 2)
     curves[2].set_xlabel(time_label("t", units))

@@ -48,11 +48,14 @@ PICTURE = 5.2  # inches, both ways: readable in a column of a page and on a phon
 LEGEND_LINE = 0.22  # inches for each line of a legend in two columns
 LEGEND_ROW = 0.2  # inches that a row of the legend needs below the picture
 POINTS_PER_INCH = 72
+ROOM = 6  # points above and below: what is laid out before it is drawn is some points off
 DOTS = 150  # to an inch, of a picture of dots
 LABEL = 9  # points, the size of a label
 LARGEST, RESOLUTION = 1e100, 1e-9  # what Matplotlib draws faithfully with floats
 TITLE = 64  # characters of a line of a title over one picture
 WIDE_TITLE = 100  # over several side by side
+
+TO_SHOW = np.array([1.0, 1.0, 180 / np.pi])  # from poses to what pictures show: headings in degrees
 
 # ---- words ---------------------------------------------------------------------------------------
 
@@ -78,8 +81,8 @@ def square_rate_label(name: str, units: Units) -> str:
 
 
 def pose_labels(units: Units) -> tuple[str, str, str]:
-    """Of the position and the heading of a body."""
-    return length_label("x", units), length_label("y", units), "theta [rad]"
+    """Of the position and the heading of a body: see :data:`TO_SHOW`."""
+    return length_label("x", units), length_label("y", units), "theta [deg]"
 
 
 def centre_labels(units: Units) -> dict[str, str]:
@@ -99,8 +102,9 @@ def wrapped(title: str, width: int = TITLE) -> str:
 def new_figure(width: float, height: float) -> Figure:
     """An empty figure of a size in inches."""
     from matplotlib.figure import Figure
+    from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-    return Figure(figsize=(width, height), layout="constrained")
+    return Figure(figsize=(width, height), layout=ConstrainedLayoutEngine(h_pad=ROOM / POINTS_PER_INCH))
 
 
 def title_axes(axes: Axes, title: str) -> None:

@@ -5,7 +5,7 @@ A wheel is a rim with an arrow for its surface speed, a number, and a friction a
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
@@ -16,6 +16,7 @@ from nonsmooth.reports.figures.style import (
     LEGEND_ROW,
     PALETTE,
     PICTURE,
+    POINTS_PER_INCH,
     TINT,
     XY,
     Floats,
@@ -40,10 +41,14 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 ARROW = {"arrowstyle": "-|>", "color": INK, "shrinkA": 0, "shrinkB": 0, "linewidth": 1.2}
+RIM_WIDTH = 5  # points, as drawn
+ON_SIDE = 200  # points on a side of an outline at which names are kept off it
+BOLD = 0.72  # width of a bold letter, of the size
+LEAST_NAME, NAME_SHARE = 5.0, 0.75  # points; of the gap between neighbours that a name may take
 RIM_SHARE = 0.16  # half of a rim's length of the distance to the next wheel, so that arrows stay apart
 AXIS, AXIS_COLOR = 1.5, "#d95f02"  # half of a friction axis, in half-lengths of the rim
 TIP = 2.1  # where an arrowhead lies, in half-lengths of the rim
-IDLE = "0.7"  # color of wheels that do not carry the body
+IDLE, IDLE_NAME = "0.7", "0.4"  # colors of wheels that do not carry the body, and of their names
 CORNERS = 72  # of the polygon that a disc is drawn as: its sides leave the circle by less than 0.1 % of the radius
 
 Segment: TypeAlias = tuple[XY, XY]
@@ -70,11 +75,11 @@ def draw_rim(axes: Axes, wheel: Wheel, half: float, color: str = INK) -> None:
     """The rim as a thick line."""
     (x, y), (dx, dy) = floats(wheel.position), floats(wheel.unit_direction)
     rim = ([x - half * dx, x + half * dx], [y - half * dy, y + half * dy])
-    axes.plot(*rim, color=color, linewidth=5, solid_capstyle="butt", zorder=3)
+    axes.plot(*rim, color=color, linewidth=RIM_WIDTH, solid_capstyle="butt", zorder=3)
 
 
 def draw_wheel(axes: Axes, wheel: Wheel, half: float, *, tip: float = TIP, named: bool = True) -> list[Segment]:
-    """The rim as a thick line, its surface speed as an arrow, its number beside it; returns what they cover.
+    """The rim as a thick line, its surface speed as an arrow, its name beside it; returns what they cover.
 
     A friction axis that is not the rim is a thin line.
 
@@ -83,7 +88,7 @@ def draw_wheel(axes: Axes, wheel: Wheel, half: float, *, tip: float = TIP, named
         wheel: the wheel.
         half: half of the rim's length.
         tip: where the arrowhead lies, in half-lengths of the rim.
-        named: whether its number is written.
+        named: whether its name, or its number, is written.
     """
     (x, y), (dx, dy) = floats(wheel.position), floats(wheel.unit_direction)
     draw_rim(axes, wheel, half)
@@ -93,11 +98,49 @@ def draw_wheel(axes: Axes, wheel: Wheel, half: float, *, tip: float = TIP, named
     end = (x + tip * half * sense * dx, y + tip * half * sense * dy)
     if sense:
         axes.annotate("", xy=end, xytext=(x, y), arrowprops=ARROW, zorder=3)
-    side = (x - 1.1 * half * dy, y + 1.1 * half * dx)
     if named:
-        axes.text(*side, str(wheel.index), ha="center", va="center", color=INK, fontweight="bold", zorder=4)
+        name_wheel(axes, (x, y), (dx, dy), str(wheel.index))
     back = (x - half * (sense or 1) * dx, y - half * (sense or 1) * dy)
     return [(back, end), ((x, y), (x - 1.6 * half * dy, y + 1.6 * half * dx))]
+
+
+def name_wheel(axes: Axes, place: XY, along: XY, name: str, color: str = INK, size: float = LABEL) -> None:
+    """The name of a wheel beside its rim."""
+    axes.annotate(
+        name,
+        place,
+        name_offset(along, name, size),
+        textcoords="offset points",
+        ha="center",
+        va="center",
+        color=color,
+        fontsize=size,
+        fontweight="bold",
+        zorder=4,
+    )
+
+
+def name_offset(along: XY, name: str, size: float) -> XY:
+    """Where the middle of a name is from its wheel (points): on the left of the rim, not touching it nor its arrow.
+
+    The box of the text, ``width x size``, stays on one side of the line of the rim where its middle is
+    ``(width |n_x| + size |n_y|)/2`` away from it along the normal n.
+    """
+    nx, ny = -along[1], along[0]
+    away = (name_width(name, size) * abs(nx) + size * abs(ny)) / 2 + RIM_WIDTH
+    return away * nx, away * ny
+
+
+def name_width(name: str, size: float = LABEL) -> float:
+    """About the width of a name in bold letters (points)."""
+    return BOLD * size * len(name)
+
+
+def name_size(wheels: Sequence[Wheel], gap: float) -> float:
+    """Size of the names of wheels so that the longest fits the gap between neighbours, both in points; 0: none fits."""
+    longest = max(name_width(str(wheel.index), 1.0) for wheel in wheels)
+    size = min(float(LABEL), NAME_SHARE * gap / longest)
+    return size if size >= LEAST_NAME else 0.0
 
 
 # ---- outlines ------------------------------------------------------------------------------------
@@ -126,7 +169,7 @@ def placed(points: Floats, pose: Floats) -> Floats:
 
 LARGEST_RIM = 0.035  # half of a rim's length, of the width of the view
 SLOWEST, FASTEST = 1.4, 2.6  # where the arrowheads of the slowest and fastest wheels lie, in half-lengths of the rim
-MOST_NAMES = 60  # wheels up to which each has its number
+AXES_SHARE = 0.8  # of the width of the picture that the axes take
 
 
 def array_figure(scene: Scene) -> Figure:
@@ -161,23 +204,67 @@ def draw_array(axes: Axes, scene: Scene) -> None:
     draw_checked_point(axes, scene)
     if len(body):
         axes.fill(*body.T, fill=False, edgecolor=INK, linewidth=1, zorder=2)
+    draw_names(axes, scene, AXES_SHARE * PICTURE * POINTS_PER_INCH)
     for wheel in scene.idle:
         draw_rim(axes, wheel, rim, IDLE)
     largest = max(abs(float(wheel.speed)) for wheel in scene.wheels) or 1.0
     for wheel in scene.wheels:
         tip = SLOWEST + (FASTEST - SLOWEST) * abs(float(wheel.speed)) / largest
-        draw_wheel(axes, wheel, rim, tip=tip, named=len(scene.wheels) <= MOST_NAMES)
+        draw_wheel(axes, wheel, rim, tip=tip, named=False)
     axes.set(xlabel=length_label("x", scene.units), ylabel=length_label("y", scene.units))
     carried = f"{len(scene.wheels)} of {len(places)}" if scene.idle else f"{len(places)}"
     title_axes(axes, f"{one_line(scene.name)}: {carried} wheels")
 
 
+def draw_names(axes: Axes, scene: Scene, points: float) -> None:
+    """The names of all wheels beside their rims, as large as their distances allow; none where they are too many.
+
+    Args:
+        axes: with the limits of the view.
+        scene: the array.
+        points: that the view is wide.
+    """
+    wheels = whole(scene).wheels
+    left, right = axes.get_xlim()
+    gap = nearest_gap(corners_of(wheel.position for wheel in wheels), right - left)
+    size = name_size(wheels, gap * points / (right - left))
+    if not size:
+        return
+    carrying, lines = {wheel.index for wheel in scene.wheels}, _lines(scene) * points / (right - left)
+    for wheel in wheels:
+        color = INK if wheel.index in carrying else IDLE_NAME
+        place, (dx, dy), name = floats(wheel.position), floats(wheel.unit_direction), str(wheel.index)
+        near = lines - np.array(place) * points / (right - left)
+        along = min(((dx, dy), (-dx, -dy)), key=lambda way: _covered(near, name_offset(way, name, size), name, size))
+        name_wheel(axes, place, along, name, color, size)
+
+
+def _lines(scene: Scene) -> Floats:
+    """Points (m, 2) on the outline of the body at the checked point and on the border of the checked square."""
+    centre, radius = np.array(floats(scene.check.equilibrium)), float(scene.check.radius)
+    outline = outline_of(scene)
+    rings = [centre + radius * np.array([(1, 1), (-1, 1), (-1, -1), (1, -1)])]
+    rings += [] if outline is None else [outline + centre]
+    shares = np.linspace(0, 1, ON_SIDE)[:, None, None]
+    return np.concatenate([(ring + shares * (np.roll(ring, -1, axis=0) - ring)).reshape(-1, 2) for ring in rings])
+
+
+def _covered(points: Floats, middle: XY, name: str, size: float) -> int:
+    """How many of some points the name covers whose middle is there, all in points from its wheel."""
+    room = np.array([name_width(name, size) / 2 + 1, size / 2 + 1])
+    return int((np.abs(points - middle) < room).all(axis=1).sum())
+
+
+def nearest_gap(places: Floats, width: float) -> float:
+    """The smallest distance of two wheels; the width of the view where they are all in one place."""
+    apart = np.hypot(*(places[:, None] - places[None, :]).transpose(2, 0, 1))
+    return float(apart[apart > 0].min(initial=width))
+
+
 def _rim(places: Floats, shown: Floats) -> float:
     """Half of a rim's length: small beside the view and beside the distance of neighbours."""
     width = float(np.ptp(shown, axis=0).max())
-    apart = np.hypot(*(places[:, None] - places[None, :]).transpose(2, 0, 1))
-    nearest = apart[apart > 0].min(initial=width)
-    return min(LARGEST_RIM * width, float(nearest) * RIM_SHARE)
+    return min(LARGEST_RIM * width, nearest_gap(places, width) * RIM_SHARE)
 
 
 def _set_view(axes: Axes, shown: Floats) -> None:

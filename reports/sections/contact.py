@@ -81,7 +81,7 @@ def _constraint(wheel: Wheel) -> Display:
     latex = r" \\ ".join(" & ".join(number_latex(entry, LONGEST_ENTRY) for entry in row) for row in rows)
     plain = "; ".join(", ".join(str(entry) for entry in row) for row in rows)
     return display(
-        rf"\Omega_{{{wheel.index}}} = \begin{{pmatrix}} {latex} \end{{pmatrix}}", f"Omega_{wheel.index} = [{plain}]"
+        rf"\Omega_{{{wheel.index:d}}} = \begin{{pmatrix}} {latex} \end{{pmatrix}}", f"Omega_{wheel.index:d} = [{plain}]"
     )
 
 

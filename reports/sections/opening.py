@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import platform
 from importlib.metadata import version
 
@@ -27,10 +28,12 @@ from nonsmooth.reports.prose import paragraph, prose, with_formulas
 from nonsmooth.reports.references import how_to_cite
 from nonsmooth.reports.subject import ArraySubject, ReportSubject
 from nonsmooth.symbolic.free_rollers import askew_wheels
+from nonsmooth.symbolic.number_text import decimal_latex, float_text
 from nonsmooth.symbolic.numbers.measured_angles import angle_notes
 from nonsmooth.symbolic.rule import MIXED
-from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.scene import Scene, Wheel
 from nonsmooth.symbolic.springs import EqualSprings
+from nonsmooth.symbolic.units import Units
 
 ANSWERS = "answers"  # the section that shows the array first
 
@@ -50,9 +53,9 @@ def array_section(subject: ArraySubject) -> Section:
     header += [prose(f"`{name}`") for name in ("mu_R", "mu_S")]
     rows: list[tuple[Entry, ...]] = [
         (
-            str(wheel.index),
+            str(wheel.index) if str(wheel.index) == f"{wheel.index:d}" else f"{wheel.index:d}: {wheel.index}",
             point(wheel.position),
-            point(wheel.unit_direction),
+            _heading(wheel, scene.units),
             number(wheel.speed),
             number(wheel.friction.roll),
             number(wheel.friction.side),
@@ -82,6 +85,15 @@ def array_section(subject: ArraySubject) -> Section:
     return Section("The array", (intro, *notes, *picture, listing))
 
 
+def _heading(wheel: Wheel, units: Units) -> Math:
+    """The direction of a rim: its vector, or its angle where the scene's angles are read in degrees."""
+    if not units.in_degrees:
+        return point(wheel.unit_direction)
+    x, y = (float(value) for value in wheel.direction)
+    angle = float_text(math.degrees(math.atan2(y, x)))
+    return Math(rf"{decimal_latex(angle)}^\circ", f"{angle} deg")
+
+
 def array_figure(subject: ArraySubject) -> Figure:
     """The wheels from above."""
     scene = subject.scene
@@ -98,7 +110,7 @@ def _units(scene: Scene) -> str:
     units = scene.units
     if not units.length:
         return "lengths and times in the units of the scene"
-    return f"lengths in {units.length}, times in {units.time}, angles in rad"
+    return f"lengths in {units.length}, times in {units.time}, angles in {units.angle}"
 
 
 def conventions_section(scene: Scene) -> Section:

@@ -9,21 +9,19 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Mapping
 from decimal import Decimal
-from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from nonsmooth.reports.designs.toml_text import toml_text
 from nonsmooth.reports.entries import as_json
 from nonsmooth.reports.workbench.requests import RequestError
-from nonsmooth.symbolic.files.scene_document import UnitsTable
-from nonsmooth.symbolic.files.scene_file import toml_excess
+from nonsmooth.symbolic.files.scene_file import toml_excess, wheel_table
+from nonsmooth.symbolic.files.wheel_csv import parse_wheels
 
 if TYPE_CHECKING:
     from nonsmooth.reports.interface.array import Array
     from nonsmooth.reports.interface.scene import PythonScene
     from nonsmooth.reports.interface.system import System
-    from nonsmooth.symbolic.scene import Scene, Wheel
 
 Document: TypeAlias = dict[str, Any]
 
@@ -154,6 +152,8 @@ def document_of(source: str | Path) -> Document:
 def expanded(document: Mapping[str, Any], made: PythonScene) -> Document:
     """The document of a scene, with the wheels of an array one by one: the same scene exactly.
 
+    Numbers and angles of a table of wheels stay as they are.
+
     Raises:
         RequestError: for too many wheels.
     """
@@ -163,31 +163,15 @@ def expanded(document: Mapping[str, Any], made: PythonScene) -> Document:
     wheels = scene.wheels
     if len(wheels) > MAX_WHEELS:
         raise RequestError(f"required at most {MAX_WHEELS} wheels, received {len(wheels)}")
-    is_table = "wheels" in document
-    unit = UnitsTable.model_validate(document.get("units", {})).speed_factor
-    tables = [_own_table(wheel, scene, unit) if is_table else {"position": _pair(wheel.position)} for wheel in wheels]
+    table = wheel_table(document, *made.origin)
+    if table is None:
+        tables: list[Document] = [{"position": _pair(wheel.position)} for wheel in wheels]
+    else:
+        tables = parse_wheels(table, "wheels", "").documents()
     out: Document = {}
     for key, value in document.items():
         out.update({"wheel": tables} if key in LAYOUTS else {key: value})
     return dict(canonical(out))
-
-
-def _own_table(wheel: Wheel, scene: Scene, unit: Fraction) -> Document:
-    """Everything that a row of a table may say of its wheel, speeds in the document's unit of so many lengths/s."""
-    table: Document = {
-        "position": _pair(wheel.position),
-        "heading": _pair(wheel.direction),
-        "speed": str(wheel.speed / unit),
-        "mu_roll": str(wheel.friction.roll),
-        "mu_side": str(wheel.friction.side),
-    }
-    if wheel.speed_limit is not None:
-        table["speed_limit"] = str(wheel.speed_limit / unit)
-    if wheel.axis is not None:
-        table["axis"] = _pair(wheel.axis)
-    if "contact" in wheel.named:
-        table["contact"] = scene.rule_of_wheel(wheel)
-    return table
 
 
 def _pair(vector: tuple[Any, Any]) -> list[Any]:

@@ -53,6 +53,7 @@ def loads_at_point(scene: Scene) -> dict[int, float]:
 def _wheel_record(wheel: Wheel, carries: bool, load: float | None) -> dict[str, Any]:
     x, y = point(wheel.position)
     return {
+        "name": str(wheel.index),
         "x": x,
         "y": y,
         "rim": point(wheel.unit_direction),

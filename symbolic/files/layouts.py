@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from fractions import Fraction
 from typing import Annotated, NamedTuple, Protocol
@@ -26,7 +27,25 @@ from nonsmooth.symbolic.scene_error import SceneError, StatedFact
 
 MAX_WHEELS = 250_000  # about 10 s to load; a larger array would not be checked in a day
 MAX_RING = 360  # the degree of the number field grows with the count: up to 358 below this bound
+MAX_NAME = 30  # characters of a wheel's name
+_NAME = re.compile(rf"\w(?:[\w .:/+#()-]{{0,{MAX_NAME - 2}}}[\w)])?")  # no comma: lists of names are parted by them
+
+
+def read_name(value: object) -> str:
+    """The name of a wheel.
+
+    Raises:
+        ValueError: for an empty one, a long one, and characters that lists and formulas use.
+    """
+    if isinstance(value, int) and not isinstance(value, bool):
+        return str(value)
+    if not isinstance(value, str) or not _NAME.fullmatch(value):
+        raise ValueError(f"required a name of at most {MAX_NAME} letters, digits, blanks and .:/+#()-_")
+    return value
+
+
 RuleName = Annotated[str, PlainValidator(read_rule)]
+WheelName = Annotated[str, PlainValidator(read_name)]
 _ONE = Fraction(1)
 
 
@@ -43,11 +62,12 @@ class Own(NamedTuple):
 
 
 class WheelPlace(NamedTuple):
-    """A wheel whose position is known; ``key`` names it in errors."""
+    """A wheel whose position is known; ``key`` names it in errors, ``name`` in all that is said of it."""
 
     key: str
     position: Vector
     own: Own
+    name: str = ""
 
 
 class Layout(Protocol):
@@ -71,12 +91,13 @@ class WheelTable(TomlTable):
     speed_limit: OptionalExact = None
     axis: HeadingField | None = None
     contact: RuleName | None = None
+    name: WheelName = ""
 
     def place(self, numbers: Numbers, key: str) -> WheelPlace:
         """This wheel at its exact position."""
         x, y = (numbers(value, f"{key}.position") for value in self.position)
         own = Own(self.heading, self.speed, self.mu_roll, self.mu_side, self.speed_limit, self.axis, self.contact)
-        return WheelPlace(key, (x, y), own)
+        return WheelPlace(key, (x, y), own, self.name)
 
 
 class WheelList(NamedTuple):

@@ -67,8 +67,12 @@ class UnitsTable(TomlTable):
 
     @property
     def labels(self) -> Units:
-        """What the numbers of the scene are in; speeds that are stated otherwise are converted."""
-        return Units(self.length or "")
+        """What the numbers of the scene are in; speeds that are stated otherwise are converted.
+
+        Angles are read in degrees, by people, where the scene states these, or a length and no radians.
+        """
+        in_degrees = self.angle is AngleUnit.DEGREE or (self.length is not None and self.angle is None)
+        return Units(self.length or "", in_degrees)
 
     @property
     def speed_factor(self) -> Fraction:

@@ -28,6 +28,7 @@ from nonsmooth.symbolic.files.scene_document import (
 from nonsmooth.symbolic.files.scene_parts import build_check, build_contact, build_continuum
 from nonsmooth.symbolic.files.scene_validation import validate
 from nonsmooth.symbolic.files.scene_values import Numbers, angle_remarks, angles, field_of
+from nonsmooth.symbolic.files.unit_hints import unit_hints
 from nonsmooth.symbolic.files.wheel_builder import WheelBuilder
 from nonsmooth.symbolic.files.wheel_csv import WheelRows, parse_wheels
 from nonsmooth.symbolic.scene import Scene
@@ -257,10 +258,12 @@ def build_scene(
     _require_array(data, file)
     document = _document(data, file)
     layout = _layout(document, file, lambda: wheels or wheel_table(data, file, path, allow_outside=allow_outside) or "")
-    numbers = Numbers(file, field_of(_turns(document, layout), _remarks(document, layout)))
+    has_units = document.units.length is not None
+    numbers = Numbers(file, field_of(_turns(document, layout), _remarks(document, layout), decimals=has_units))
     builder = WheelBuilder(document, numbers)
     built = builder.build(layout.places(numbers))
     body = None if document.body is None else build_body(document.body, numbers)
+    numbers.field.remarks += tuple(unit_hints(built, body, document.units.labels))
     return Scene(
         name=document.name or path.stem,
         field=numbers.field,

@@ -15,7 +15,7 @@ from nonsmooth.symbolic.number_text import short_text
 from nonsmooth.symbolic.plane import dot
 from nonsmooth.symbolic.scene import CheckedSquare, Contact, Wheel
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact
-from nonsmooth.symbolic.support_polygon import default_radius
+from nonsmooth.symbolic.support_polygon import chosen, default_radius
 
 
 def build_contact(table: ContactTable, rule: str, numbers: Numbers, wheels: tuple[Wheel, ...]) -> Contact:
@@ -55,7 +55,7 @@ def build_check(document: SceneDocument, numbers: Numbers, wheels: tuple[Wheel, 
     table = document.check
     x, y = (numbers(value, "check.equilibrium") for value in table.equilibrium)
     if table.radius is None:
-        radius = default_radius([wheel.position for wheel in wheels], (x, y))
+        radius = chosen(default_radius([wheel.position for wheel in wheels], (x, y)), document.units.labels)
     else:
         radius = numbers.positive(table.radius, "check.radius")
     defaults = {"has_default_radius": table.radius is None, "has_default_length": table.length is None}

@@ -191,10 +191,12 @@ def _parts(value: object) -> Iterator[Angle | Expression | PiecewiseExpression]:
                 yield from _parts(item)
 
 
-def field_of(turns: Iterable[Fraction], remarks: Iterable[str] = ()) -> NumberField:
+def field_of(turns: Iterable[Fraction], remarks: Iterable[str] = (), *, decimals: bool = False) -> NumberField:
     """The number field of a scene with these angles ``pi * turn``, exact or measured, and remarks on its file."""
     choice = choose_angles(turns)
-    return NumberField(choice.order, choice.measured, remarks)
+    field = NumberField(choice.order, choice.measured, remarks)
+    field.writes_decimals = decimals
+    return field
 
 
 class Numbers:

@@ -41,8 +41,11 @@ def load_any(
     at: str | None = None,
     accuracy: str | None = None,
     allow_outside: bool = False,
+    exact: bool = False,
 ) -> Scene | SwitchedSystem:
     """Read a wheel array or a plain switched system, whichever the file holds; arguments as for ``load_scene``.
+
+    With ``exact`` numbers of a scene with units are written in exact forms, as those of all other scenes are.
 
     Raises:
         SceneError: for whatever cannot be used.
@@ -50,7 +53,9 @@ def load_any(
     with deep_nesting_refused(source):
         data, file, path = read_document(source, rule=rule, radius=radius, at=at, accuracy=accuracy)
         if "system" not in data:
-            return build_scene(data, file, path, allow_outside=allow_outside)
+            scene = build_scene(data, file, path, allow_outside=allow_outside)
+            scene.field.writes_decimals &= not exact
+            return scene
         if rule is not None:
             raise SceneError(file, "contact.rule", "no contact rule for a plain switched system", str(rule))
         if accuracy is not None:

@@ -12,7 +12,7 @@ from nonsmooth.symbolic.number_text import short_text
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.plane import Vector, cross, dot
 from nonsmooth.symbolic.rule import BY_FRICTION_SET, MIXED
-from nonsmooth.symbolic.scene import Friction, Wheel
+from nonsmooth.symbolic.scene import Friction, Wheel, WheelNumber
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact
 
 
@@ -37,14 +37,16 @@ class WheelBuilder:
         """Wheels numbered from 1.
 
         Raises:
-            SceneError: for fewer than two wheels, two wheels at one place, no heading or axis, bad friction, contact
-                rules that do not mix, and a speed above its limit.
+            SceneError: for fewer than two wheels, two wheels at one place or of one name, no heading or axis, bad
+                friction, contact rules that do not mix, and a speed above its limit.
         """
         wheels: list[Wheel] = []
         taken: dict[Vector, int] = {}
         listed = list(places)
         self.rule = self._rule_of(listed)
-        for index, place in enumerate(listed, 1):
+        self._refuse_equal_names(listed)
+        for number, place in enumerate(listed, 1):
+            index = WheelNumber(number, place.name) if place.name else number
             first = taken.setdefault(place.position, index)
             if first != index:
                 where = StatedFact(f"{_text(place.position)}, the place of wheel {first}")
@@ -53,6 +55,18 @@ class WheelBuilder:
         if len(wheels) < 2:
             raise self._error("wheel", "at least two wheels", StatedFact(f"{len(wheels)}"))
         return tuple(wheels)
+
+    def _refuse_equal_names(self, places: Iterable[WheelPlace]) -> None:
+        """Refuse two wheels of one name.
+
+        Raises:
+            SceneError: naming both places.
+        """
+        first: dict[str, str] = {}
+        for place in places:
+            taken = first.setdefault(place.name, place.key) if place.name else place.key
+            if taken != place.key:
+                raise self._error(f"{place.key}.name", f"each name once (it is that of {taken})", place.name)
 
     def _wheel(self, index: int, place: WheelPlace) -> Wheel:
         own = place.own

@@ -1,5 +1,6 @@
 """A CSV table of wheels: ``x,y`` and, where wanted, any of the other names in ``COLUMNS``, in any order.
 
+The first column of ``NAMES`` holds what the wheels are called wherever something is said of them.
 Cells are separated by commas, semicolons or tabs; lines that begin with ``#`` are comments; other columns are not read,
 and a note says so.  Empty cells name nothing.  Equal cells are read once, and plain decimals never reach the formula
 parser, so ten thousand wheels take a fraction of a second.
@@ -11,10 +12,11 @@ import csv
 import io
 import re
 from collections.abc import Iterator
+from decimal import Decimal, InvalidOperation
 from fractions import Fraction
 from typing import Any, NamedTuple
 
-from nonsmooth.symbolic.files.layouts import MAX_WHEELS, Own, WheelPlace
+from nonsmooth.symbolic.files.layouts import MAX_WHEELS, Own, WheelPlace, read_name
 from nonsmooth.symbolic.files.scene_values import AngleUnit, Exact, Numbers, angles, read_exact
 from nonsmooth.symbolic.files.velocity_fields import Heading, read_heading
 from nonsmooth.symbolic.rule import read_rule
@@ -22,6 +24,8 @@ from nonsmooth.symbolic.scene_error import SceneError, StatedFact, requirement
 from nonsmooth.symbolic.suggestions import is_meant
 
 COLUMNS = ("x", "y", "heading", "speed", "mu_roll", "mu_side", "speed_limit", "axis", "contact")
+NAMES = ("name", "wheel", "roller", "motor", "label", "number", "id", "nr", "no")
+WORDS = (NAMES[0], "contact")  # columns without numbers
 DIRECTIONS = ("heading", "axis")
 SEPARATORS = (",", ";", "\t")
 MOST_SHOWN = 4  # columns that a note lists
@@ -35,6 +39,8 @@ class _Row(NamedTuple):
     x: Exact
     y: Exact
     own: Own
+    name: str
+    texts: dict[str, str]  # the cells that are not blank, by their columns
 
 
 class WheelRows(NamedTuple):
@@ -53,7 +59,17 @@ class WheelRows(NamedTuple):
         """See :class:`nonsmooth.symbolic.files.layouts.Layout`."""
         for row in self.rows:
             key = f"{self.name}:{row.line}"
-            yield WheelPlace(key, (numbers(row.x, f"{key}.x"), numbers(row.y, f"{key}.y")), row.own)
+            yield WheelPlace(key, (numbers(row.x, f"{key}.x"), numbers(row.y, f"{key}.y")), row.own, row.name)
+
+    def documents(self) -> list[dict[str, Any]]:
+        """The wheels one by one, as tables ``[[wheel]]`` of a scene file: numbers and angles as they are."""
+        found = []
+        for row in self.rows:
+            texts = dict(row.texts)
+            position = [_written(texts.pop("x")), _written(texts.pop("y"))]
+            own = {column: text if column in WORDS else _written(text) for column, text in texts.items()}
+            found.append({"position": position, **own})
+        return found
 
     @property
     def remarks(self) -> tuple[str, ...]:
@@ -84,7 +100,9 @@ class _Cells:
             if values.get(column) is None:
                 raise self.error(line, column, "a number", StatedFact("an empty cell"))
         x, y = values.pop("x"), values.pop("y")
-        return _Row(line, x, y, Own(**values))
+        name = values.pop(NAMES[0], None) or ""
+        texts = {c: t.strip() for c, t in zip(self.columns, cells, strict=True) if c and t.strip()}
+        return _Row(line, x, y, Own(**values), name, texts)
 
     def value(self, line: int, column: str, text: str) -> Any:
         """Value of a cell, None where it is blank."""
@@ -100,6 +118,8 @@ class _Cells:
         """A number, a contact rule, or a heading as in a scene file; a direction is one quoted cell, "[a, b]"."""
         if column == "contact":
             return read_rule(text)
+        if column == NAMES[0]:
+            return read_name(text)
         if _DECIMAL_COMMA.fullmatch(text):
             raise ValueError("required a decimal point instead of a comma")
         if column not in DIRECTIONS:
@@ -148,6 +168,17 @@ def parse_wheels(text: str, name: str, file: str, unit: AngleUnit | None = None)
     return WheelRows(name, rows, values, _unread(header, columns))
 
 
+def _written(text: str) -> Any:
+    """The value of a scene file for a cell: a number where the cell is one, two entries of a direction, else a text."""
+    if text.startswith("[") and text.endswith("]"):
+        return [_written(part.strip()) for part in text[1:-1].split(",")]
+    try:
+        value = Decimal(text)
+    except InvalidOperation:
+        return text
+    return value if value.is_finite() else text
+
+
 def _uncommented(text: str) -> Iterator[str]:
     """The lines of a table; comments are empty, so that lines keep their numbers."""
     return ("\n" if line.lstrip().startswith("#") else line for line in io.StringIO(text, newline=""))
@@ -175,7 +206,9 @@ def _columns(header: list[str], key: str, file: str) -> list[str | None]:
     """
     if len(header) > MAX_COLUMNS:
         raise SceneError(file, key, f"at most {MAX_COLUMNS} columns", StatedFact(f"{len(header)}"))
-    columns = [name if name in COLUMNS else None for name in map(_plain, header)]
+    named = min((NAMES.index(name) for name in map(_plain, header) if name in NAMES), default=None)
+    called = None if named is None else NAMES[named]
+    columns = [NAMES[0] if name == called else name if name in COLUMNS else None for name in map(_plain, header)]
     for k, column in enumerate(columns):
         if column is not None and column in columns[:k]:
             raise SceneError(file, key, "each column once", column)

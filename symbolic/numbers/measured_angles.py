@@ -91,7 +91,7 @@ def angle_notes(field: NumberField) -> tuple[str, ...]:
     """What a reader must know about the numbers of a scene: the remarks on its file, and the measured angles."""
     if not field.measured:
         return field.remarks
-    shown = [_shown(turn) for turn in field.measured[:MOST_SHOWN]]
+    shown = [_shown(turn, field.writes_decimals) for turn in field.measured[:MOST_SHOWN]]
     more = [f"and {len(field.measured) - MOST_SHOWN} more"] * (len(field.measured) > MOST_SHOWN)
     return (
         *field.remarks,
@@ -100,10 +100,10 @@ def angle_notes(field: NumberField) -> tuple[str, ...]:
     )
 
 
-def _shown(turn: Fraction) -> str:
-    """An angle between minus and plus a half turn, as a multiple of pi where that is short."""
+def _shown(turn: Fraction, decimals: bool) -> str:
+    """An angle between minus and plus a half turn, in degrees or as a short multiple of pi."""
     turn = 1 - (1 - turn) % 2
-    return f"{turn}*pi" if turn.denominator <= SHORT else f"{float(180 * turn):.10g} deg"
+    return f"{turn}*pi" if turn.denominator <= SHORT and not decimals else f"{float(180 * turn):.10g} deg"
 
 
 @cache

@@ -356,7 +356,13 @@ class Tower(ABC):
         order: N of the base ``Q(2 cos(2 pi/N))``; 1 gives the rationals.
         measured: turns t of angles ``pi t`` that stand for rational directions
             (:mod:`nonsmooth.symbolic.numbers.measured_angles`).
+
+    Attributes:
+        writes_decimals: whether people read its numbers as decimals, as those of scenes with units; JSON holds them
+            exactly in any case.
     """
+
+    writes_decimals = False
 
     def __init__(self, order: int, measured: Iterable[Fraction]) -> None:
         self.order = order

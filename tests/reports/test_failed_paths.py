@@ -96,7 +96,7 @@ def test_wheels_fail_together() -> None:
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (("four-wheel", "--fail", "7"), "--fail: required numbers of wheels among 1-4, or any, received '7'"),
+        (("four-wheel", "--fail", "7"), "--fail: required wheels among 1-4, or any, received '7'"),
         (("four-wheel", "--fail", "any", "--feedback"), "--feedback: required the open loop"),
         (("four-wheel", "--fail", "any", "--method", "dynamics"), "--method: required the open loop"),
     ],

@@ -58,7 +58,7 @@ def test_every_speed_is_converted(
     units = f'[units]\nlength = "{length}"\nspeed = "{speed}"\n'
     scene = load(tmp_path, f'{WHEELS}{units}[field]\nkind = "radial"\n{field}\n')
     assert [wheel.speed for wheel in scene.wheels] == [2 * factor, at_field * factor, factor]
-    assert scene.units == Units(length)
+    assert scene.units == Units(length, in_degrees=True)
     assert scene.continuum is not None
     assert scene.continuum.speed == at_field * factor
 
@@ -80,7 +80,7 @@ def test_units_follow_the_scene_and_are_no_part_of_equality_or_certificates(tmp_
     plain = replace(scene, units=Units())
     assert scene == plain
     assert scene_record(scene) == scene_record(plain)
-    assert scene.recentred().units == Units("mm")
+    assert scene.recentred().units == Units("mm", in_degrees=True)
 
 
 @pytest.mark.parametrize(

@@ -120,7 +120,7 @@ class CascadeLaw:
         if self.descent is Descent.SLOW_TURNS:
             return SLOW_LAW
         signs = ", ".join(
-            f"{'+' if s > 0 else '-'}d_{wheel.index}" for s, wheel in zip(self.signs, self.wheels, strict=True)
+            f"{'+' if s > 0 else '-'}d_{wheel.index:d}" for s, wheel in zip(self.signs, self.wheels, strict=True)
         )
         return LAW.format(signs)
 

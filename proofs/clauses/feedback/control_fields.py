@@ -27,6 +27,7 @@ from nonsmooth.proofs.clauses.feedback.obstruction import common_normal
 from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.symbolic.constraints import RowKind, Triple, independent
 from nonsmooth.symbolic.contact_states import ContactState
+from nonsmooth.symbolic.number_text import brief_text
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.plane import around, between, dot, minus, turned
 from nonsmooth.symbolic.scene import Wheel
@@ -199,8 +200,8 @@ def side_friction_rules(wheels: Iterable[Wheel]) -> str | None:
     for wheel in wheels:
         if wheel.friction.side >= wheel.friction.roll:
             return (
-                f"mu_side < mu_roll is required, received mu_side = {wheel.friction.side}, "
-                f"mu_roll = {wheel.friction.roll} at wheel {wheel.index}"
+                f"mu_side < mu_roll is required, received mu_side = {brief_text(wheel.friction.side)}, "
+                f"mu_roll = {brief_text(wheel.friction.roll)} at wheel {wheel.index}"
             )
     return None
 

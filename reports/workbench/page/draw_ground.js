@@ -5,10 +5,11 @@ import { attr, pool, s, say } from "./dom.js";
 import { niceStep, roundTo, shown } from "./values.js";
 
 const BETWEEN = 70; // pixels between grid lines, at least
+const CORNER = 60; // pixels that the unit in the corner takes
 const CROSS = 7; // half of the checked point's mark, in pixels
 
-/** Grid lines at round coordinates with their numbers along the left and lower edge. */
-export function drawGrid(lines, labels, view) {
+/** Grid lines at round coordinates with their numbers along the left and lower edge, and the unit where these meet. */
+export function drawGrid(lines, labels, view, unit) {
   const step = niceStep((BETWEEN * view.unit) / view.scale);
   const [left, top] = view.under(0, 0);
   const [right, low] = view.under(view.width, view.height);
@@ -16,7 +17,10 @@ export function drawGrid(lines, labels, view) {
   const ys = multiples(low, top, step);
   const all = [...xs.map((x) => ["x", x]), ...ys.map((y) => ["y", y])];
   const drawn = pool(lines, all.length, () => s("path"));
-  const named = pool(labels, all.length, () => s("text"));
+  const named = pool(labels, all.length + 1, () => s("text"));
+  const corner = named[all.length];
+  say(corner, unit ? `[${unit}]` : "");
+  for (const [name, value] of [["x", 6], ["y", view.height - 6], ["class", "unit"]]) attr(corner, name, value);
   all.forEach(([along, value], k) => {
     const [px, py] = view.at(value, value);
     attr(drawn[k], "d", along === "x" ? `M${px.toFixed(1)} 0V${view.height}` : `M0 ${py.toFixed(1)}H${view.width}`);
@@ -31,7 +35,7 @@ export function drawGrid(lines, labels, view) {
 
 /** Whether a number has room: not cut by the edge, not in the corner where both rows of numbers meet. */
 function isFree(place, along, view) {
-  return along === "x" ? place > 34 && place < view.width - 18 : place > 16 && place < view.height - 22;
+  return along === "x" ? place > CORNER && place < view.width - 18 : place > 16 && place < view.height - 22;
 }
 
 function multiples(from, to, step) {

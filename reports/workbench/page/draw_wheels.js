@@ -9,6 +9,7 @@ const LENGTH = [16, 54]; // shortest and longest rim, in pixels
 const SHARE = 0.42; // of the distance to the nearest other wheel
 const FASTEST = 1; // length of the arrow of the fastest wheel, in rims
 const HEAVIEST = 0.7; // radius of the disc of the heaviest wheel, in rims
+const LETTER = 4.5; // half of the width of a letter of a name, in pixels
 const HANDLE = 44; // pixels between the end of the rim and its handle
 
 /** Length of a rim, alike for all wheels; in pixels before marks are scaled by the view's unit. */
@@ -43,7 +44,7 @@ export function drawWheels(layer, view, wheels, selection) {
     attr(mark, "class", `wheel${wheel.carries === false ? " idle" : ""}${chosen.has(k) ? " selected" : ""}`);
     attr(mark, "data-wheel", k);
     drawOne(mark, wheel, { rim, speed: (wheel.speed ?? 0) / fastest, load: Math.sqrt(Math.max(0, wheel.load ?? 0) / heaviest) });
-    say(mark.querySelector("text"), String(k + 1));
+    say(mark.querySelector("text"), wheel.name ?? String(k + 1));
     drawHandle(mark, wheel, rim, chosen.has(k) && chosen.size === 1);
   });
 }
@@ -75,8 +76,9 @@ function drawOne(mark, wheel, { rim, speed, load }) {
   attr(axis, "d", along ? `M${(-along[0] * rim).toFixed(1)} ${(along[1] * rim).toFixed(1)}L${(along[0] * rim).toFixed(1)} ${(-along[1] * rim).toFixed(1)}` : "");
   const text = mark.lastElementChild;
   const outward = wheel.speed < 0 ? 1 : -1;
-  attr(text, "x", (ux * outward * (half + 11)).toFixed(1));
-  attr(text, "y", (uy * outward * (half + 11)).toFixed(1));
+  const away = half + 11 + Math.abs(ux) * LETTER * Math.max(0, (wheel.name ?? "").length - 1); // the whole name beside the rim
+  attr(text, "x", (ux * outward * away).toFixed(1));
+  attr(text, "y", (uy * outward * away).toFixed(1));
 }
 
 function drawHandle(mark, wheel, rim, shownNow) {

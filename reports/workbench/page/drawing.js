@@ -7,7 +7,7 @@ import { drawBodies, drawEvents, drawPaths, drawStarts } from "./draw_paths.js";
 import { drawLevels } from "./draw_system.js";
 import { drawWheels } from "./draw_wheels.js";
 import { s } from "./dom.js";
-import { isSystem } from "./scene_document.js";
+import { isSystem, unitOf } from "./scene_document.js";
 import { View } from "./view.js";
 
 const LAYERS = [
@@ -91,7 +91,7 @@ export class Drawing {
     const { geometry, paths } = this.results;
     const { view, layers } = this;
     if (geometry && this.wantsFit) this.fit();
-    drawGrid(layers.grid, layers["grid-labels"], view);
+    drawGrid(layers.grid, layers["grid-labels"], view, unitOf(this.store.document, "length"));
     if (!geometry) return;
     const system = isSystem(this.store.document);
     const plane = geometry.system ?? {};

@@ -13,8 +13,9 @@ export class Field {
     this.keys = keys;
     this.shownText = "";
     this.input = h("input", { id, type: "text", autocomplete: "off", autocapitalize: "off", spellcheck: "false", placeholder, "aria-describedby": `${id}-error` });
+    this.unit = h("span", { class: "unit" });
     this.message = h("p", { id: `${id}-error`, class: "field-error", hidden: true });
-    this.element = h("div", { class: wide ? "field wide" : "field" }, h("label", { for: id, title: hint }, label), this.input, this.message);
+    this.element = h("div", { class: wide ? "field wide" : "field" }, h("label", { for: id, title: hint }, label, this.unit), this.input, this.message);
     if (hint) this.input.title = hint;
     this.input.addEventListener("change", () => take(this.input.value));
     this.input.addEventListener("keydown", (event) => {
@@ -26,6 +27,11 @@ export class Field {
     event.stopPropagation();
     this.input.value = this.shownText;
     this.input.blur();
+  }
+
+  /** Says behind the label in which unit the number is; nothing where the scene states none. */
+  inUnit(unit) {
+    say(this.unit, unit ? ` [${unit}]` : "");
   }
 
   /** Shows a value, unless somebody is typing; `placeholder` is what holds while the field is empty. */

@@ -78,7 +78,7 @@ export class Files {
       setTimeout(() => URL.revokeObjectURL(link.href), 60_000);
       this.tell(`${name} is saved.`);
     } catch (error) {
-      this.tell(error.message);
+      this.tell(`The ${kind} could not be written: ${error.message}`);
     }
   }
 

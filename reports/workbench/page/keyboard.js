@@ -5,6 +5,7 @@ import { h } from "./dom.js";
 
 const FAR = 5; // grid steps with Shift
 const FINE = 0.1; // grid steps with Alt
+const ONCE = new Set(["A", "C", "O", "Ctrl+S"]); // what a key that is held down does once
 
 /** [keys for people, what they do, test of an event, action]. */
 export function keyTable({ store, operations, actions, drawing, playback, starts, files, help }) {
@@ -62,6 +63,7 @@ export function listen(table, list, target = window) {
     const line = table.find(([, , matches]) => matches(event));
     if (!line) return;
     event.preventDefault();
+    if (event.repeat && ONCE.has(line[0])) return;
     line[3](event);
   });
 }

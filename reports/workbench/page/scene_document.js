@@ -46,3 +46,9 @@ export function withHeading(document, index, heading, speed) {
   const keep = old.speed === undefined && speed !== undefined && speed !== 1 ? { speed } : {};
   return withWheel(document, index, { heading, ...keep });
 }
+
+/** The unit of a length or a speed, as the scene states it; empty where it states none. */
+export function unitOf({ units }, kind) {
+  if (!units?.length) return "";
+  return { length: units.length, speed: units.speed ?? `${units.length}/s` }[kind] ?? "";
+}

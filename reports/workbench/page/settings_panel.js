@@ -4,7 +4,7 @@
 
 import { attr, h, onceAFrame, say, sparingly } from "./dom.js";
 import { Field } from "./field.js";
-import { isSystem, valueAt, withValue } from "./scene_document.js";
+import { isSystem, unitOf, valueAt, withValue } from "./scene_document.js";
 import { fromText, headingFromText, shown, toText } from "./values.js";
 
 const ARRAYS = "arrays";
@@ -16,22 +16,22 @@ const FIELDS = [
   { group: "Scene", of: ANY, path: ["description"], label: "Description", wide: true },
   { group: "Friction", of: ARRAYS, path: ["friction", "mu_roll"], label: "mu_roll (along)", hint: "Coulomb coefficient along the rim, of wheels that name none" },
   { group: "Friction", of: ARRAYS, path: ["friction", "mu_side"], label: "mu_side (across)", hint: "Coulomb coefficient across the rim, of wheels that name none" },
-  { group: "Checked point and square", of: ANY, path: ["check", "equilibrium", 0], label: "x", start: [0, 0] },
-  { group: "Checked point and square", of: ANY, path: ["check", "equilibrium", 1], label: "y", start: [0, 0] },
-  { group: "Checked point and square", of: ANY, path: ["check", "radius"], label: "Radius", hint: "half-width of the checked square", auto: "radius" },
-  { group: "Checked point and square", of: ANY, path: ["check", "length"], label: "Length l", hint: "how far off a body is that is turned by one radian; a rational number", auto: "length" },
+  { group: "Checked point and square", of: ANY, path: ["check", "equilibrium", 0], unit: "length", label: "x", start: [0, 0] },
+  { group: "Checked point and square", of: ANY, path: ["check", "equilibrium", 1], unit: "length", label: "y", start: [0, 0] },
+  { group: "Checked point and square", of: ANY, path: ["check", "radius"], unit: "length", label: "Radius", hint: "half-width of the checked square", auto: "radius" },
+  { group: "Checked point and square", of: ANY, path: ["check", "length"], unit: "length", label: "Length l", hint: "how far off a body is that is turned by one radian; a rational number", auto: "length" },
   { group: "Checked point and square", of: ANY, path: ["check", "lyapunov"], label: "V to audit", hint: "a formula in x and y, such as x**2 + 3*y**2", wide: true },
-  { group: "Body", of: ARRAYS, path: ["body", "width"], label: "Width", shape: "rectangle" },
-  { group: "Body", of: ARRAYS, path: ["body", "height"], label: "Height", shape: "rectangle" },
-  { group: "Body", of: ARRAYS, path: ["body", "radius"], label: "Radius", shape: "disc" },
+  { group: "Body", of: ARRAYS, path: ["body", "width"], unit: "length", label: "Width", shape: "rectangle" },
+  { group: "Body", of: ARRAYS, path: ["body", "height"], unit: "length", label: "Height", shape: "rectangle" },
+  { group: "Body", of: ARRAYS, path: ["body", "radius"], unit: "length", label: "Radius", shape: "disc" },
   { group: "Body", of: ARRAYS, path: ["body", "heading"], label: "Heading", hint: "an angle, such as 30 deg or pi/6", shape: "any" },
-  { group: "Body", of: ARRAYS, path: ["body", "centre_of_mass"], label: "Centre of mass", hint: "[x, y] in the body's own axes", shape: "any", pair: true },
-  { group: "Tolerance", of: ARRAYS, path: ["tolerance", "position"], label: "Position", hint: "of each coordinate, up and down" },
+  { group: "Body", of: ARRAYS, path: ["body", "centre_of_mass"], unit: "length", label: "Centre of mass", hint: "[x, y] in the body's own axes", shape: "any", pair: true },
+  { group: "Tolerance", of: ARRAYS, path: ["tolerance", "position"], unit: "length", label: "Position", hint: "of each coordinate, up and down" },
   { group: "Tolerance", of: ARRAYS, path: ["tolerance", "heading"], label: "Heading", hint: "an angle, such as 1 deg" },
   { group: "Tolerance", of: ARRAYS, path: ["tolerance", "speed"], label: "Speed (share)" },
   { group: "Tolerance", of: ARRAYS, path: ["tolerance", "mu_roll"], label: "mu_roll (share)" },
   { group: "Tolerance", of: ARRAYS, path: ["tolerance", "mu_side"], label: "mu_side (share)" },
-  { group: "Tolerance", of: ARRAYS, path: ["tolerance", "centre_of_mass"], label: "Centre of mass" },
+  { group: "Tolerance", of: ARRAYS, path: ["tolerance", "centre_of_mass"], unit: "length", label: "Centre of mass" },
   { group: "System", of: SYSTEMS, path: ["system", "rhs", 0], label: "First rate", wide: true, rate: 0 },
   { group: "System", of: SYSTEMS, path: ["system", "rhs", 1], label: "Second rate", wide: true, rate: 1 },
 ];
@@ -95,6 +95,7 @@ export class SettingsPanel {
       field.element.hidden = (line.shape && (shape === "none" || (line.shape !== "any" && line.shape !== shape))) || (line.of !== ANY && line.of !== kind);
       if (line.auto === "length" && kind === SYSTEMS) field.element.hidden = true;
       const holds = line.auto ? this.results.geometry?.square?.[line.auto] : undefined;
+      field.inUnit(unitOf(document, line.unit));
       field.show(toText(valueAt(document, line.path)), line.auto && holds !== undefined ? `${shown(holds)} (from the array)` : undefined);
       field.complain(this.results.error);
     }

@@ -3,18 +3,18 @@
 
 import { attr, h, pool, say, sparingly } from "./dom.js";
 import { Field } from "./field.js";
-import { isSystem, withHeading, withWheel } from "./scene_document.js";
+import { isSystem, unitOf, withHeading, withWheel } from "./scene_document.js";
 import { fromText, headingFromText, shown, toText } from "./values.js";
 
 const KEYS = [
-  { key: "x", label: "x", hint: "a number or a formula, such as sqrt(2)/2" },
-  { key: "y", label: "y", hint: "a number or a formula, such as sqrt(2)/2" },
+  { key: "x", label: "x", unit: "length", hint: "a number or a formula, such as sqrt(2)/2" },
+  { key: "y", label: "y", unit: "length", hint: "a number or a formula, such as sqrt(2)/2" },
   { key: "heading", label: "Heading", hint: "inward, outward, an angle such as 30 deg, or a direction [a, b]" },
-  { key: "speed", label: "Speed" },
+  { key: "speed", label: "Speed", unit: "speed" },
   { key: "mu_roll", label: "mu_roll", hint: "along the rim, or along the axis" },
   { key: "mu_side", label: "mu_side", hint: "across it" },
   { key: "axis", label: "Axis", hint: "of a roller: an angle or a direction [a, b]; empty for the rim" },
-  { key: "speed_limit", label: "Speed limit" },
+  { key: "speed_limit", label: "Speed limit", unit: "speed" },
 ];
 const COLUMNS = ["", "x", "y", "heading", "speed", "friction"];
 
@@ -64,7 +64,7 @@ export class WheelPanel {
     const one = chosen.length === 1;
     this.box.hidden = !one;
     this.empty.hidden = chosen.length > 0;
-    say(this.title, one ? `Wheel ${chosen[0] + 1}` : chosen.length ? `${chosen.length} wheels selected` : "Wheels");
+    say(this.title, one ? `Wheel ${wheels[chosen[0]]?.name ?? chosen[0] + 1}` : chosen.length ? `${chosen.length} wheels selected` : "Wheels");
     if (one) this.#showFields(chosen[0]);
     else for (const { field } of this.fields) field.complain(null);
   }
@@ -78,6 +78,7 @@ export class WheelPanel {
       const inPlace = key === "x" || key === "y";
       const value = inPlace ? stated?.position?.[key === "x" ? 0 : 1] ?? reply?.exact?.position?.[key === "x" ? 0 : 1] : stated?.[key];
       field.keys = inPlace ? [`wheel.${number}.position`, `wheel.${number}.position.${key === "x" ? 1 : 2}`] : [`wheel.${number}.${key}`];
+      field.inUnit(unitOf(this.store.document, line.unit));
       field.show(toText(value), inPlace ? "" : this.#default(key, reply));
       field.complain(inPlace && !this.#isMeant(value, stated) ? null : this.results.error);
     }
@@ -108,11 +109,11 @@ export class WheelPanel {
       row.dataset.row = k;
       row.classList.toggle("selected", chosen.has(k));
       attr(row.firstChild.firstChild, "aria-pressed", chosen.has(k));
-      attr(row.firstChild.firstChild, "aria-label", `Wheel ${k + 1}`);
+      attr(row.firstChild.firstChild, "aria-label", `Wheel ${wheel.name ?? k + 1}`);
       const own = stated?.length === wheels.length ? stated[k] : null;
       const place = own?.position ?? wheel.exact?.position ?? [shown(wheel.x), shown(wheel.y)];
       const friction = wheel.mu_roll === undefined ? "" : `${shown(wheel.mu_roll, 2)} | ${shown(wheel.mu_side, 2)}`;
-      const texts = [k + 1, toText(place[0]), toText(place[1]), own?.heading === undefined ? "field" : toText(own.heading), shown(wheel.speed), friction];
+      const texts = [wheel.name ?? k + 1, toText(place[0]), toText(place[1]), own?.heading === undefined ? "field" : toText(own.heading), shown(wheel.speed), friction];
       if (own?.heading === undefined && !this.store.document.field) texts[3] = "inward";
       texts.forEach((text, column) => say(column ? row.children[column] : row.firstChild.firstChild, String(text)));
     });

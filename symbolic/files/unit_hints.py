@@ -1,0 +1,44 @@
+"""Hints at units: sizes and speeds a thousand times off are mostly a table in millimetres beside one in metres."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from nonsmooth.symbolic.body import Body
+from nonsmooth.symbolic.continuum import Disc
+from nonsmooth.symbolic.scene import Wheel
+from nonsmooth.symbolic.units import LengthUnit, Units
+
+SIZES = 2e-3, 50.0  # metres that an array may measure without a hint
+SPEEDS = 5e-4, 50.0  # m/s of the fastest wheel
+BODIES = 0.01, 100.0  # of the size of an array that a body may have
+MEANT = {LengthUnit.METRE: LengthUnit.MILLIMETRE, LengthUnit.MILLIMETRE: LengthUnit.METRE}
+
+
+def unit_hints(wheels: Sequence[Wheel], body: Body | None, units: Units) -> Iterator[str]:
+    """What looks as if it were stated in another unit; nothing where the scene states none."""
+    metres = units.metres
+    if metres is None:
+        return
+    size = max(_extent([float(wheel.position[k]) for wheel in wheels]) for k in (0, 1))
+    fastest = max(abs(float(wheel.speed)) for wheel in wheels)
+    meant = MEANT.get(LengthUnit(units.length))
+    ask = "" if meant is None else f': is length = "{meant}" meant?'
+    if not SIZES[0] <= size * float(metres) <= SIZES[1]:
+        yield f"[units]: the wheels lie within {size:.4g} {units.length}{ask}"
+    elif fastest and not SPEEDS[0] <= fastest * float(metres) <= SPEEDS[1]:
+        yield f"[units]: the fastest wheel runs at {fastest:.4g} {units.speed}: is another units.speed meant?"
+    if body is not None and not BODIES[0] * size <= body_size(body) <= BODIES[1] * size:
+        wide, apart = f"{body_size(body):.4g} {units.length}", f"{size:.4g} {units.length}"
+        yield f"[body]: it is {wide} wide, and the wheels lie within {apart}: are both in {units.length}?"
+
+
+def body_size(body: Body) -> float:
+    """The larger side of the box around a body, or its diameter."""
+    if isinstance(body.outline, Disc):
+        return 2 * float(body.outline.radius)
+    return max(_extent([float(corner[k]) for corner in body.vertices]) for k in (0, 1))
+
+
+def _extent(values: Sequence[float]) -> float:
+    return max(values) - min(values)
