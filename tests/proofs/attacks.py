@@ -30,6 +30,7 @@ from tests.proofs import test_second_function as further
 from tests.proofs.kernel import test_roots as roots
 from tests.proofs.kernel import test_scalar as scalar
 from tests.proofs.robust import test_certified_bound as robust
+from tests.proofs.test_scalar_stability import built
 
 Record: TypeAlias = dict[str, Any]
 
@@ -88,7 +89,7 @@ def escaping() -> list[Record]:
 def in_one_state() -> list[Record]:
     """Systems without roots and of short numbers."""
     names = [name for name in scalar.TRUE if "root" not in name and "large" not in name]
-    return [certificate_of(decide_system(scalar.built(scalar.TRUE[name][0], **scalar.TRUE[name][1]))) for name in names]
+    return [certificate_of(decide_system(built(scalar.TRUE[name][0], **scalar.TRUE[name][1]))) for name in names]
 
 
 def of_arrays() -> list[Record]:

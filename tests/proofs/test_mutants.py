@@ -17,7 +17,7 @@ from tests.proofs.attacks import ATTACKS, of_ties
 from tests.thorough import thorough
 
 FEW = {"ties": 30, "further functions": 10, "roots": 8, "theorem 4": 30, "feedback": 15, "tolerances": 8}
-SOME, MANY = 60, 10_000
+SOME, MANY = 100, 10_000
 
 
 FEWER = {"ties": partial(of_ties, 1), "further functions": partial(further.originals, 1)}

@@ -57,7 +57,8 @@ def assert_true(record: Record, source: random.Random) -> None:
             limits = [*beside[0], *(-v for v in beside[1])]
             assert max(map(max, beside)) > 0 or min(limits) > 0 or max(limits) < 0, record["statement"]
         else:
-            assert max(map(max, beside)) <= 0, record["statement"]
+            fastest = max(map(max, beside))  # no formula of a degree that is read is so slow there that floats see zero
+            assert fastest < 0 or (fastest == 0 and verdict == "stable"), record["statement"]
     for own in claims(record, "attracts"):
         size, level = float(Fraction(own["within"])), float(Fraction(own["below"]))
         for displacement in (source.uniform(-size, size) for _ in range(60)):
