@@ -647,15 +647,13 @@ def test_rotation_is_not_bounded_by_the_square(arrays: Arrays) -> None:
 
 
 @pytest.mark.parametrize("wheels", [LEAVES_LIKE_A_ROOT, LEAVES_FROM_1E_9], ids=["root", "1e-9"])
-@pytest.mark.parametrize("word", ["asymptotically stable", "stable"])
-def test_an_array_that_throws_the_body_out_is_not_certified(
-    arrays: Arrays, wheels: list[OracleWheel], word: str
-) -> None:
+def test_an_array_that_throws_the_body_out_is_not_certified(arrays: Arrays, wheels: list[OracleWheel]) -> None:
     """Accepted before: a velocity along a ray that omega bends out of its cone."""
     c = build_certificate(check_cells(scene_of(arrays, wheels)))
     assert said(c)["translation"] == "unstable"
-    say(c, translation=word)
-    assert check_certificate(c) == unshown("translation", word)
+    for word in ("asymptotically stable", "stable"):
+        say(c, translation=word)
+        assert check_certificate(c) == unshown("translation", word)
 
 
 def test_a_certificate_without_any_claim_is_rejected(four_wheel: Record) -> None:
