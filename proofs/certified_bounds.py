@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from fractions import Fraction
 from typing import Any, TypeAlias
 
-from flint import arb, fmpq
+from flint import arb
 
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.cells.polygon import Point
@@ -22,6 +22,7 @@ from nonsmooth.proofs.clauses.translation.certified_disc import SIMPLE
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
 from nonsmooth.proofs.clauses.translation.quadratic import STEPS, QuadraticCertificate, QuadraticDecrease, shaped
 from nonsmooth.symbolic.constraints import Twist
+from nonsmooth.symbolic.numbers.coefficients import rational_ball
 from nonsmooth.symbolic.numbers.enclosures import enclosure, rational_below, short_below
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.plane import dot
@@ -106,7 +107,7 @@ def _form(shape: tuple[Fraction, Fraction]) -> list[Fraction]:
 def _bend(own: QuadraticDecrease, level: Number) -> Fraction:
     """At least ``rho sqrt(level)/sqrt(1 - rho^2)``, which bounds what the rotation adds."""
     rho = own.eccentricity
-    return short_above(_above((enclosure(level) * _ball(rho * rho / (1 - rho * rho))).sqrt()))
+    return short_above(_above((enclosure(level) * rational_ball(rho * rho / (1 - rho * rho))).sqrt()))
 
 
 def _arrival(found: QuadraticCertificate, own: QuadraticDecrease, squared_radius: Number) -> Record | None:
@@ -121,12 +122,12 @@ def _arrival(found: QuadraticCertificate, own: QuadraticDecrease, squared_radius
         slopes.append((enclosure(down) / enclosure(size).sqrt(), enclosure(abs(twist.omega))))
     speeds = []
     for k in range(1, STEPS + 1):
-        slowest = min(rational_below(steep - turn * _ball(bend * k / STEPS)) for steep, turn in slopes)
+        slowest = min(rational_below(steep - turn * rational_ball(bend * k / STEPS)) for steep, turn in slopes)
         if slowest <= 0:
             return None
         speeds.append(short_below(slowest))
     mean = sum((1 / speed for speed in speeds), Fraction(0)) / STEPS
-    rate = short_below(rational_below(1 / (_ball(mean) * _ball(1 + rho).sqrt())))
+    rate = short_below(rational_below(1 / (rational_ball(mean) * rational_ball(1 + rho).sqrt())))
     return {"form": _form(own.shape), "level": level, "bend": bend, "speeds": speeds, "rate": rate}
 
 
@@ -136,10 +137,6 @@ def _corners(found: QuadraticCertificate) -> Iterator[tuple[Point, Twist]]:
         for vertex in cone.cell.polygon.vertices:
             for twist in cone.twists if any(vertex) else ():
                 yield vertex, twist
-
-
-def _ball(value: Fraction) -> arb:
-    return arb(fmpq(value.numerator, value.denominator))
 
 
 # ---- feedback ------------------------------------------------------------------------------------

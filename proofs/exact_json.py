@@ -16,7 +16,7 @@ from typing import Any, TypeAlias
 
 from flint import fmpq, fmpz
 
-from nonsmooth.symbolic.numbers.coefficients import Coefficient, bits
+from nonsmooth.symbolic.numbers.coefficients import Coefficient, as_fraction, bits
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number, Tower
 
@@ -120,7 +120,7 @@ def _base_generator(field: Tower) -> Record:
     """``2 cos(2 pi/N)``: a bound just below it, above which the minimal polynomial increases."""
     if field.modulus is None:
         raise ValueError("required a field with a cyclotomic base")
-    coefficients = [Fraction(int(c.p), int(c.q)) for c in field.modulus.coeffs()]
+    coefficients = [as_fraction(c) for c in field.modulus.coeffs()]
     generator, size = 2 * math.cos(2 * math.pi / field.order), 1
     while True:
         above = Fraction(math.floor(generator * size), size)

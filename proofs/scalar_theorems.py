@@ -26,6 +26,7 @@ from nonsmooth.proofs.kernel.search import stability_hypotheses
 from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.systems.findings import DecidedSystem
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
+from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.numbers.number import Number
 
 FINE = 1 << 20  # an end with roots is certified up to this part of its distance
@@ -203,7 +204,7 @@ def _places_between(polynomials: Sequence[fmpq_poly], radius: Fraction) -> Itera
     for left, right in pairwise(roots):
         middle = ((left.upper() + right.lower()) / 2).mid().fmpq()
         if -end < middle < end:
-            yield Fraction(int(middle.p), int(middle.q))
+            yield as_fraction(middle)
 
 
 def _real_roots(polynomial: fmpq_poly) -> list[arb]:

@@ -40,6 +40,7 @@ from nonsmooth.symbolic.enclosed_numbers import NoEnclosureError, enclose_number
 from nonsmooth.symbolic.expression import ExpressionError
 from nonsmooth.symbolic.files.system_file import parse_lyapunov
 from nonsmooth.symbolic.notebook import ShortRepr, html_table
+from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.numbers.lazy import evaluated
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
@@ -352,5 +353,5 @@ def _stated_failure(system: SwitchedSystem, formula: PiecewiseExpression, found:
         return None
     place = rising_place(system, formula, found.point)
     rational = () if place is None else tuple(c.as_rational() for c in place)
-    known = tuple(Fraction(int(c.p), int(c.q)) for c in rational if c is not None)
+    known = tuple(as_fraction(c) for c in rational if c is not None)
     return Refutation(known, None, many.RISES) if known and len(known) == len(rational) else None

@@ -14,6 +14,7 @@ from fractions import Fraction
 
 from flint import arb, ctx, fmpq
 
+from nonsmooth.symbolic.numbers.coefficients import as_fraction, rational_ball
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.plane import Vector, minus
 from nonsmooth.symbolic.support_polygon import extent, outer_positions
@@ -46,7 +47,7 @@ def _root_mean_square(coordinates: Sequence[Number], count: int, unit: Fraction)
         return Decimal(f"{math.sqrt(mean) / float(unit):.{_SETTLED}g}")
     with ctx.workprec(2 * _BITS):
         squares = sum((entry.accurate_ball(_BITS) ** 2 for entry in coordinates), arb(0))
-        ratio = (squares / count).sqrt() / arb(fmpq(unit.numerator, unit.denominator))
+        ratio = (squares / count).sqrt() / rational_ball(unit)
         return Decimal(ratio.str(_SETTLED, radius=False))
 
 
@@ -57,4 +58,4 @@ def rational_size(value: Number) -> Fraction:
     """
     first = value.terms[min(value.terms)]
     rational = first if isinstance(first, fmpq) else next(entry for entry in first.coeffs() if entry)
-    return abs(Fraction(int(rational.p), int(rational.q)))
+    return abs(as_fraction(rational))

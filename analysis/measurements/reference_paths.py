@@ -19,7 +19,7 @@ from fractions import Fraction
 from typing import Any, TypeAlias
 
 import numpy as np
-from flint import arb, arb_poly, arb_series, ctx, fmpq
+from flint import arb, arb_poly, arb_series, ctx
 
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.cells.switched_cells import fields_by_signs
@@ -30,6 +30,7 @@ from nonsmooth.analysis.fields.switched_field import SURFACE_SLACK
 from nonsmooth.analysis.fields.system_field import constant_system, system_field
 from nonsmooth.analysis.trajectories.result import EndReason, Event, EventKind, State, Trajectory
 from nonsmooth.analysis.trajectories.trajectory import simulate
+from nonsmooth.symbolic.numbers.coefficients import rational_ball
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
@@ -215,7 +216,7 @@ def gradient_pieces(partition: Partition, gain: float, weight: Fraction = Fracti
     """
     with precision():
         x, y = map(ball, partition.scene.check.equilibrium)
-        scale = -arb(gain) * arb(fmpq(weight.numerator, weight.denominator))
+        scale = -arb(gain) * rational_ball(weight)
         rates = []
         for cell in partition.cells:
             fields = [[ball(entry) for entry in field] for field in cell.states[0].control_fields.values()]

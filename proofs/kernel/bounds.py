@@ -23,6 +23,7 @@ from scipy.optimize import nnls
 from nonsmooth.proofs.checker.cells import Face, SurfaceSigns
 from nonsmooth.proofs.checker.polynomials import Polynomial, unit, variable
 from nonsmooth.proofs.kernel.search import NotShownError
+from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.numbers.polynomial import float_values
 
 LEAST = 2.0**-10  # of a ratio to a power that is worth to be stated
@@ -208,9 +209,9 @@ def factorized(value: Polynomial) -> tuple[Fraction, list[tuple[Polynomial, int]
     number, parts = context.from_dict({e: fmpq(c.numerator, c.denominator) for e, c in value.terms.items()}).factor()
     found = []
     for part, exponent in parts:
-        terms = {tuple(map(int, e)): Fraction(int(c.p), int(c.q)) for e, c in part.to_dict().items()}
+        terms = {tuple(map(int, e)): as_fraction(c) for e, c in part.to_dict().items()}
         found.append((Polynomial(value.count, terms), int(exponent)))
-    return Fraction(int(number.p), int(number.q)), found
+    return as_fraction(number), found
 
 
 def ratio(value: Polynomial, other: Polynomial) -> Fraction | None:

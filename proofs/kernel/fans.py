@@ -49,6 +49,7 @@ from nonsmooth.proofs.kernel.search import (
 )
 from nonsmooth.proofs.kernel.second_function import find_second
 from nonsmooth.proofs.kernel.tangents import form_lines, lowest_form
+from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.numbers.polynomial import Polynomial as Form
 from nonsmooth.symbolic.numbers.polynomial import float_values
 from nonsmooth.symbolic.piecewise import parse_piecewise
@@ -146,7 +147,7 @@ def _line_sets(system: SwitchedSystem) -> Iterator[list[Form]]:
 def _direction(line: Form) -> Ray:
     """A vector along a line in the upper half plane, with short entries."""
     a, b = (rational(line.terms.get(e, line.field.zero)) for e in ((1, 0), (0, 1)))
-    return _upper((Fraction(int(b.p), int(b.q)), Fraction(-int(a.p), int(a.q))))
+    return _upper((as_fraction(b), Fraction(-int(a.p), int(a.q))))
 
 
 def _upper(vector: Ray) -> Ray:

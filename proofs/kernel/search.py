@@ -31,6 +31,7 @@ from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.inequalities.linear_program import best_mixture
 from nonsmooth.proofs.inequalities.prover import Counterexample, Proof, Undecided
 from nonsmooth.proofs.kernel import simplices, squares
+from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.polynomial import float_values, float_values_and_sizes
 
@@ -213,7 +214,7 @@ def _multipliers(claim: Claim, inequality: Inequality) -> dict[str, str] | None:
     if found is None:
         return None
     rest = found.value.as_rational()
-    if rest is None or not _is_enough(claim, inequality.value.at_origin + Fraction(int(rest.p), int(rest.q))):
+    if rest is None or not _is_enough(claim, inequality.value.at_origin + as_fraction(rest)):
         return None
     names = list(named)
     return {names[k]: str(weight) for k, weight in found.weights.items() if k < len(names)}

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from fractions import Fraction
 
 from flint import fmpq
 
 from nonsmooth.proofs.checker.polynomials import Exponents, Polynomial
+from nonsmooth.symbolic.numbers.coefficients import as_fraction
 
 
 def as_checked(terms: Mapping[Exponents, fmpq], count: int) -> Polynomial:
     """A polynomial of the checker in a number of variables, by its rational coefficients."""
-    return Polynomial(count, {e: Fraction(int(c.p), int(c.q)) for e, c in terms.items()})
+    return Polynomial(count, {e: as_fraction(c) for e, c in terms.items()})
 
 
 def terms_of(value: Polynomial) -> dict[Exponents, fmpq]:

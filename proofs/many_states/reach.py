@@ -28,6 +28,7 @@ from nonsmooth.proofs.sums_of_squares.ansatz import Condition
 from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.decay_rate import DecayKind, DecayRate, rates_below
 from nonsmooth.proofs.systems.sublevel_region import SublevelRegion
+from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.numbers.polynomial import float_values
 
 POINTS = 4_000
@@ -48,7 +49,7 @@ def largest_sublevel(function: ExaminedLyapunov) -> SublevelRegion | None:
         if None not in found.values():
             radius = function.cells.radius
             proofs = {name: own.evidence for name, own in found.items() if own is not None}
-            return SublevelRegion(level, None, None, Fraction(int(radius.p), int(radius.q)), True, proofs)
+            return SublevelRegion(level, None, None, as_fraction(radius), True, proofs)
     return None
 
 

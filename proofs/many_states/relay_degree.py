@@ -31,6 +31,7 @@ from nonsmooth.proofs.kernel.cells import SignCells, adjoining, rational_terms, 
 from nonsmooth.proofs.kernel.search import Entry, NotShownError, Search
 from nonsmooth.proofs.kernel.second_function import find_second
 from nonsmooth.proofs.kernel.written import as_checked
+from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 SHIFTS = (Fraction(0), Fraction(1, 64), Fraction(-1, 100))  # of a direction, off the other surfaces
@@ -163,4 +164,4 @@ def _direction(ladder: Sequence[Polynomial], sense: int) -> tuple[Fraction, ...]
     wanted = [[fmpq(0)] for _ in ladder]
     wanted[0], wanted[-1] = [fmpq(1)], [fmpq(sense)]
     found = rows.transpose() * gram.inv() * fmpq_mat(wanted)
-    return tuple(Fraction(int(found[k, 0].p), int(found[k, 0].q)) for k in range(count))
+    return tuple(as_fraction(found[k, 0]) for k in range(count))

@@ -25,6 +25,7 @@ from nonsmooth.proofs.inequalities.subdivision import value_at
 from nonsmooth.proofs.kernel.claims import Functions
 from nonsmooth.proofs.kernel.written import terms_of
 from nonsmooth.proofs.sums_of_squares.ansatz import Condition
+from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.polynomial import float_values
 
@@ -69,7 +70,7 @@ def refuting_point(condition: Condition, *, strictly: bool) -> Point | None:
 
 def as_fractions(point: Sequence[fmpq]) -> tuple[Fraction, ...]:
     """The same numbers."""
-    return tuple(Fraction(int(x.p), int(x.q)) for x in point)
+    return tuple(as_fraction(x) for x in point)
 
 
 FACE_POINTS = 80  # of one face, half of them at the largest distance

@@ -24,9 +24,7 @@ from nonsmooth.proofs.boxes.balanced_forces import BalancedForces
 from nonsmooth.proofs.boxes.intervals import Intervals
 from nonsmooth.proofs.robust.nearest import PRECISION, moving_cells, why_not_nearest
 from nonsmooth.proofs.robust.touching_rings import no_tolerance
-from nonsmooth.symbolic.numbers.enclosures import rational_below
-from nonsmooth.symbolic.numbers.lazy import Lazy
-from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.enclosures import enclosure, rational_below
 from nonsmooth.symbolic.scene import Scene
 
 Floats: TypeAlias = NDArray[np.float64]
@@ -91,14 +89,10 @@ def _partition_motions(scene: Scene, radius: Fraction) -> list[tuple[Corners, Mo
     if scene.field.rounded_signs != before:
         return None
     return [
-        ([(_ball(x), _ball(y)) for x, y in cell.polygon.vertices], (vx.ball(), vy.ball(), omega.ball()))
+        ([(enclosure(x), enclosure(y)) for x, y in cell.polygon.vertices], (vx.ball(), vy.ball(), omega.ball()))
         for cell in partition.cells
         for vx, vy, omega in cell.twists
     ]
-
-
-def _ball(entry: Number | Lazy) -> arb:
-    return entry.ball if isinstance(entry, Lazy) else entry.ball()
 
 
 def _slowest_of_cells(scene: Scene, accuracy: Fraction) -> Fraction | None:

@@ -34,7 +34,7 @@ from nonsmooth.analysis.cells.polygon import HalfPlane, Polygon
 from nonsmooth.proofs.enclosures import UNIT, Jet, parameters, turned_by
 from nonsmooth.proofs.robust.box_wheel import half_widths
 from nonsmooth.proofs.robust.ultimate_bound import BoundedCell, root_above, squared_radius
-from nonsmooth.symbolic.numbers.coefficients import as_fmpq
+from nonsmooth.symbolic.numbers.coefficients import as_fmpq, as_fraction
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.plane import around
 from nonsmooth.symbolic.scene import Scene, Wheel
@@ -329,8 +329,3 @@ def lower_end(ball: arb) -> fmpq:
 def upper_end(ball: arb) -> fmpq:
     """Of a ball, exactly."""
     return -lower_end(-ball)
-
-
-def as_fraction(value: fmpq) -> Fraction:
-    """The same number."""
-    return Fraction(int(value.p), int(value.q))

@@ -24,6 +24,7 @@ from nonsmooth.proofs.robust.level_sets import Distance, LevelFunction, RingPiec
 from nonsmooth.proofs.robust.nearest import bounded_cells, why_not_nearest
 from nonsmooth.proofs.robust.ultimate_bound import root_above, squared_radius
 from nonsmooth.symbolic.friction_set import Box
+from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.tolerances import Tolerance
 from nonsmooth.symbolic.unknown_loads import UnknownLoads
@@ -125,22 +126,18 @@ def _of_cells(scene: Scene, box: Tolerance, most: float) -> TouchingRings | None
     least = fmpq(0)
     for k in range(RATES, -1, -1):
         kappa = fmpq(*Fraction(2 * fastest * k / RATES).as_integer_ratio()) if k else least
-        radius = root_above(_fraction(squared_radius(cells, kappa)))
+        radius = root_above(as_fraction(squared_radius(cells, kappa)))
         if not k:
             continue
         least = kappa * fmpq(1, 64)
         if radius < limit and (not reached or radius < reached[-1]):
             reached.append(radius)
-            found.append(_fraction(kappa))
-    last = root_above(_fraction(squared_radius(cells, least)))
+            found.append(as_fraction(kappa))
+    last = root_above(as_fraction(squared_radius(cells, least)))
     if last < (reached[-1] if reached else limit):
         reached.append(last)
-        found.append(_fraction(least))
+        found.append(as_fraction(least))
     return TouchingRings(limit, tuple(reached), tuple(found)) if reached else None
-
-
-def _fraction(value: fmpq) -> Fraction:
-    return Fraction(int(value.p), int(value.q))
 
 
 # ---- rules with loads ----------------------------------------------------------------------------

@@ -52,6 +52,7 @@ from nonsmooth.symbolic.notebook import ShortRepr
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError
+from nonsmooth.symbolic.plane import dot
 from nonsmooth.symbolic.surfaces import divides
 
 MEETING_WORK = 5_000  # coefficients looked at to find that a further cell does not meet the curve
@@ -100,17 +101,13 @@ class CurvedKink:
             return True
         slope = self.curve.derivative("x"), self.curve.derivative("y")
         gradient = self.first.gradient
-        a, b = _product(slope, f), _product(slope, g)
-        value = b * _product(gradient, f) - a * _product(gradient, g)
+        a, b = dot(slope, f), dot(slope, g)
+        value = b * dot(gradient, f) - a * dot(gradient, g)
         for sense, opposed in ((Sense.NEGATIVE, (-a, b)), (Sense.POSITIVE, (a, -b))):
             sliding = replace(self.around, guards=(*self.around.guards, *opposed))
             if not isinstance(prove(sense, value, sliding, except_origin=True), Proof):
                 return False
         return True
-
-
-def _product(first: tuple[Polynomial, Polynomial], second: tuple[Polynomial, Polynomial]) -> Polynomial:
-    return first[0] * second[0] + first[1] * second[1]
 
 
 def _linear(side: tuple[object, object, object], like: Polynomial) -> Polynomial:

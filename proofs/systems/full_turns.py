@@ -33,7 +33,7 @@ from fractions import Fraction
 from itertools import combinations
 from typing import TypeAlias
 
-from flint import acb, acb_poly, arb, ctx, fmpq
+from flint import acb, acb_poly, arb, ctx
 
 from nonsmooth.analysis.cells.fan import Wedge, by_angle
 from nonsmooth.analysis.cells.polygon import Point
@@ -41,6 +41,7 @@ from nonsmooth.analysis.cells.switched_cells import PlaneField
 from nonsmooth.proofs.inequalities.real_roots import RealRoot, between_rays, positive_roots, separated
 from nonsmooth.proofs.systems.tangent_fan import Frame, TangentCone, TangentFan, build_tangent_fan, turning
 from nonsmooth.symbolic.number_text import brief_text
+from nonsmooth.symbolic.numbers.coefficients import rational_ball
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.polynomial import Polynomial, in_generators
 from nonsmooth.symbolic.plane import around, cross, dot, same_direction
@@ -226,7 +227,7 @@ def _integral_of_largest(rates: Sequence[Rate], low: Fraction, high: Fraction) -
     """
     if low >= high:
         return arb(0)
-    values = [rate(acb(_rational_ball((low + high) / 2))).real for rate in rates]
+    values = [rate(acb(rational_ball((low + high) / 2))).real for rate in rates]
     largest = [k for k, value in enumerate(values) if not any(value < other for other in values)]
     integrals = [_integral_between(rates[k], low, high) for k in largest]
     hull = integrals[0]
@@ -236,23 +237,19 @@ def _integral_of_largest(rates: Sequence[Rate], low: Fraction, high: Fraction) -
 
 
 def _integral_between(rate: Rate, low: Fraction, high: Fraction) -> arb:
-    return arb(acb.integral(lambda u, _: rate(u), acb(_rational_ball(low)), acb(_rational_ball(high))).real)
+    return arb(acb.integral(lambda u, _: rate(u), acb(rational_ball(low)), acb(rational_ball(high))).real)
 
 
 def _enclosed_on(rates: Sequence[Rate], low: Fraction, high: Fraction) -> arb:
     """The integral of the largest rate over a short piece, from the values on it."""
     if low >= high:
         return arb(0)
-    piece = _rational_ball(low).union(_rational_ball(high))
+    piece = rational_ball(low).union(rational_ball(high))
     values = [rate(acb(piece)).real for rate in rates]
     hull = values[0]
     for value in values[1:]:
         hull = hull.union(value)
-    return hull * (_rational_ball(high) - _rational_ball(low))
-
-
-def _rational_ball(value: Fraction) -> arb:
-    return arb(fmpq(value.numerator, value.denominator))
+    return hull * (rational_ball(high) - rational_ball(low))
 
 
 @dataclass(frozen=True)

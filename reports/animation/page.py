@@ -11,7 +11,6 @@ import hashlib
 import json
 import math
 from collections.abc import Sequence
-from importlib.resources import files
 from typing import Any
 
 import numpy as np
@@ -21,6 +20,7 @@ from nonsmooth.reports.animation.film import LONGEST_ARROW, Film
 from nonsmooth.reports.figures.path import marked
 from nonsmooth.reports.figures.style import Floats, length_label
 from nonsmooth.reports.figures.wheels import AXIS
+from nonsmooth.reports.formats.html import template_part
 from nonsmooth.symbolic.number_text import float_text
 
 WIDE = 1000.0  # width of the view box
@@ -37,13 +37,13 @@ def film_page(film: Film) -> str:
     from markupsafe import Markup
 
     picture = _Picture(film)
-    script = _part("film.js")
+    script = template_part("film.js")
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     return (
-        environment.from_string(_part("film.html.j2")).render(
+        environment.from_string(template_part("film.html.j2")).render(
             film=film,
             picture=picture,
-            style=Markup(_part("film.css")),
+            style=Markup(template_part("film.css")),
             script=Markup(script),
             script_hash="sha256-" + base64.b64encode(hashlib.sha256(script.encode()).digest()).decode(),
             data=Markup(json.dumps(picture.record(), separators=(",", ":")).replace("<", "\\u003c")),
@@ -186,7 +186,3 @@ def _number(value: float) -> str:
     if not math.isfinite(value):
         return "\N{EN DASH}"
     return float_text(value, 3) if abs(value) > 1e-9 else "0"
-
-
-def _part(name: str) -> str:
-    return files("nonsmooth.reports.formats").joinpath("templates", name).read_text(encoding="utf-8")

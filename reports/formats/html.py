@@ -35,9 +35,12 @@ def render_html(document: Document) -> str:
     page = _Page(document)
     environment.filters |= {"text": _text, "display": _display, "svg": page.svg, "room": _room}
     environment.filters["kind"] = lambda block: type(block).__name__
-    environment.globals |= {"page": page, "style": _markup(_part("report.css"))}
-    environment.globals |= {"script": _markup(_part("report.js")), "script_hash": _hash(_part("report.js"))}
-    return environment.from_string(_part("report.html.j2")).render(document=document) + "\n"
+    environment.globals |= {"page": page, "style": _markup(template_part("report.css"))}
+    environment.globals |= {
+        "script": _markup(template_part("report.js")),
+        "script_hash": _hash(template_part("report.js")),
+    }
+    return environment.from_string(template_part("report.html.j2")).render(document=document) + "\n"
 
 
 @dataclass(frozen=True)
@@ -161,7 +164,8 @@ def _display(block: Block) -> Markup:
     return _markup("".join(display_mathml(block.formula.latex)))  # type: ignore[union-attr]
 
 
-def _part(name: str) -> str:
+def template_part(name: str) -> str:
+    """A template, or what it includes."""
     return files("nonsmooth.reports.formats").joinpath("templates", name).read_text(encoding="utf-8")
 
 

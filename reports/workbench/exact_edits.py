@@ -22,6 +22,7 @@ from nonsmooth.reports.workbench.documents import (
 )
 from nonsmooth.reports.workbench.requests import RequestError
 from nonsmooth.symbolic.files.scene_values import Numbers, read_angle, read_exact
+from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_kind import SceneKind
 
@@ -208,7 +209,7 @@ def _snap(edit: _Edit) -> Edited:
     found = Numbers("operation", edit.scene.field).positive(given, "step").as_rational()
     if found is None:
         raise RequestError("operation.step: required a rational number", "operation.step")
-    step = Fraction(int(found.p), int(found.q))
+    step = as_fraction(found)
     tables = edit.tables
     for number in edit.chosen():
         place = [_rational(step * round(Fraction(float(value)) / step)) for value in edit.wheel(number).position]

@@ -18,7 +18,7 @@ from typing import Annotated, Any, TypeAlias, Union, get_args, get_origin
 
 from nonsmooth.symbolic.expression import Expression
 from nonsmooth.symbolic.files.scene_document import SceneDocument
-from nonsmooth.symbolic.files.scene_values import Angle, TomlTable, keys_of
+from nonsmooth.symbolic.files.scene_values import Angle, TomlTable, keys_of, tables_in
 from nonsmooth.symbolic.files.velocity_fields import Uniform
 from nonsmooth.symbolic.scene_error import MAX_SHOWN, SceneError
 
@@ -107,7 +107,7 @@ def numeric_paths(document: Mapping[str, Any]) -> Iterator[Path]:
         yield from _of_system(document)
         return
     for name, field in keys_of(SceneDocument).items():
-        tables = list(_tables(field.annotation))
+        tables = list(tables_in(field.annotation))
         value = document.get(name)
         if isinstance(value, list):
             for k, entry in enumerate(value):
@@ -167,14 +167,6 @@ def _inside(value: object, path: Path) -> Iterator[Path]:
             yield from _inside(entry, (*path, k))
     else:
         yield path
-
-
-def _tables(annotation: Any) -> Iterator[type[TomlTable]]:
-    """The tables inside an annotation."""
-    if isinstance(annotation, type) and issubclass(annotation, TomlTable):
-        yield annotation
-    for inner in get_args(annotation):
-        yield from _tables(inner)
 
 
 def _holds_number(annotation: Any) -> bool:

@@ -19,6 +19,7 @@ from nonsmooth.symbolic.expression import ExpressionError, parse_tree
 from nonsmooth.symbolic.files.parameters import parameter_texts, with_parameters
 from nonsmooth.symbolic.files.scene_values import Exact, field_of, read_exact
 from nonsmooth.symbolic.float_formulas import float_value
+from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.piecewise import MAX_TEXT
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact, requirement
 from nonsmooth.symbolic.sine_enclosures import Wave, enclosing_formulas, has_waves, named_formulas
@@ -189,7 +190,7 @@ def _rational(number: Exact) -> Fraction:
     known = None if any(number.turns()) else number.value(field_of([])).as_rational()
     if known is None:
         raise ExpressionError(f"required a rational number, received {number.text}")
-    return Fraction(int(known.p), int(known.q))
+    return as_fraction(known)
 
 
 def corners(intervals: Mapping[str, tuple[Any, Any]]) -> Iterator[dict[str, Any]]:

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
-from typing import Any, TypeVar, get_args
+from typing import Any, TypeVar
 
 from pydantic import ValidationError
 
 from nonsmooth.symbolic import removed
-from nonsmooth.symbolic.files.scene_values import AngleUnit, TomlTable, keys_of
+from nonsmooth.symbolic.files.scene_values import AngleUnit, TomlTable, keys_of, tables_in
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact, requirement
 from nonsmooth.symbolic.suggestions import is_meant
 
@@ -87,7 +86,7 @@ def _expected(model: type[TomlTable], detail: Any) -> str:
         keys = _keys(model, detail["loc"])
         return f"one of the keys {', '.join(keys)}{is_meant(detail['loc'][-1], keys)}"
     if detail["type"] in _NO_KIND:
-        kinds = (t.model_fields["kind"].default for t in _tables(model.model_fields["field"].annotation))
+        kinds = (t.model_fields["kind"].default for t in tables_in(model.model_fields["field"].annotation))
         return f"one of {', '.join(kinds)}"
     known = _EXPECTED.get(detail["type"])
     if known is None:
@@ -99,13 +98,6 @@ def _keys(model: type[TomlTable], location: tuple[int | str, ...]) -> list[str]:
     """Keys of the table that holds the unknown key."""
     if len(location) == 1:
         return list(keys_of(model))
-    tables = list(_tables(keys_of(model)[str(location[0])].annotation))
+    tables = list(tables_in(keys_of(model)[str(location[0])].annotation))
     tagged = (t for t in tables if "kind" in t.model_fields and t.model_fields["kind"].default == location[1])
     return list(next(tagged, tables[0]).model_fields)
-
-
-def _tables(annotation: Any) -> Iterator[type[TomlTable]]:
-    if isinstance(annotation, type) and issubclass(annotation, TomlTable):
-        yield annotation
-    for argument in get_args(annotation):
-        yield from _tables(argument)

@@ -12,7 +12,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from enum import Enum, StrEnum
 from fractions import Fraction
-from typing import Annotated, TypeAlias
+from typing import Annotated, Any, TypeAlias, get_args
 
 from pydantic import BaseModel, ConfigDict, PlainValidator, ValidationInfo
 from pydantic.fields import FieldInfo
@@ -39,6 +39,14 @@ class TomlTable(BaseModel):
     """One TOML table: unknown keys are refused."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=True, defer_build=True)
+
+
+def tables_in(annotation: Any) -> Iterator[type[TomlTable]]:
+    """The tables inside an annotation."""
+    if isinstance(annotation, type) and issubclass(annotation, TomlTable):
+        yield annotation
+    for inner in get_args(annotation):
+        yield from tables_in(inner)
 
 
 def keys_of(table: type[TomlTable]) -> dict[str, FieldInfo]:

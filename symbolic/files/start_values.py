@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from flint import arb, ctx, fmpq
+from flint import arb, ctx
 
 from nonsmooth.symbolic.expression import Expression, ExpressionError
 from nonsmooth.symbolic.files.scene_values import WITH_UNIT, AngleUnit, field_of, read_angle, read_exact, unit_named
+from nonsmooth.symbolic.numbers.coefficients import rational_ball
 
 _PRECISION = 128  # bits of a sum with pi, beyond those that a large rational part needs
 
@@ -49,8 +50,8 @@ def _sum_with_pi(constant: Fraction, multiple: Fraction) -> float:
     precision = _PRECISION + int(max(abs(constant), abs(multiple))).bit_length()
     while True:
         with ctx.workprec(precision):
-            ball = arb(fmpq(constant.numerator, constant.denominator))
-            ball += arb(fmpq(multiple.numerator, multiple.denominator)) * arb.pi()
+            ball = rational_ball(constant)
+            ball += rational_ball(multiple) * arb.pi()
         if ball.rel_accuracy_bits() >= _PRECISION // 2 + 1:
             return float(ball.mid())
         precision *= 2

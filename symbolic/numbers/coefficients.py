@@ -24,6 +24,16 @@ def as_fmpq(value: Rational) -> fmpq:
     return fmpq(value)
 
 
+def as_fraction(value: fmpq) -> Fraction:
+    """The same number."""
+    return Fraction(int(value.p), int(value.q))
+
+
+def rational_ball(value: Fraction) -> arb:
+    """A ball around a rational number, at the working precision."""
+    return arb(fmpq(value.numerator, value.denominator))
+
+
 def fmpq_to_float(value: fmpq) -> float:
     """Correctly rounded float of a rational (infinite on overflow)."""
     try:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from flint import fmpq
 
-from nonsmooth.symbolic.numbers.coefficients import Coefficient, Terms, bits
+from nonsmooth.symbolic.numbers.coefficients import Coefficient, Terms, as_fraction, bits
 
 if TYPE_CHECKING:
     import sympy
@@ -48,7 +48,7 @@ class RootField(Protocol):
 def cosine_form(field: RootField, coefficient: Coefficient) -> Cosines:
     """A base element as a rational combination of ``cos(pi * turn)``, ``0 <= turn < 1/2``."""
     if isinstance(coefficient, fmpq):
-        return {Fraction(0): _fraction(coefficient)}
+        return {Fraction(0): as_fraction(coefficient)}
     form: Cosines = {}
     for multiple, angle_weight in enumerate(_multiple_angles(coefficient)):
         turn, weight = _folded(Fraction(2 * multiple, field.order) % 2, angle_weight)
@@ -169,7 +169,3 @@ def number_to_sympy(number: SumOfRoots) -> sympy.Expr:
             cosine = sympy.cos(sympy.Rational(turn.numerator, turn.denominator) * sympy.pi)
             total += sympy.Rational(weight.numerator, weight.denominator) * cosine * root
     return total
-
-
-def _fraction(value: fmpq) -> Fraction:
-    return Fraction(int(value.p), int(value.q))

@@ -29,6 +29,7 @@ from typing import Any
 
 from flint import arb, ctx, fmpq
 
+from nonsmooth.symbolic.numbers.coefficients import rational_ball
 from nonsmooth.symbolic.numbers.number import Number, Tower
 from nonsmooth.symbolic.numbers.rational_directions import CLOSENESS
 
@@ -193,9 +194,9 @@ def plain(number: Number) -> Number:
 
 def rounded(exact: Number, away: Fraction) -> Rounded:
     """A number that was rounded by up to the closeness of rational directions, with its value at another member."""
-    radius = arb(fmpq(CLOSENESS.numerator, CLOSENESS.denominator))
+    radius = rational_ball(CLOSENESS)
     with ctx.workprec(_PRECISION):
-        return Rounded(exact, exact.ball() + radius * arb(0, 1), arb(fmpq(away.numerator, away.denominator)))
+        return Rounded(exact, exact.ball() + radius * arb(0, 1), rational_ball(away))
 
 
 def enclosed(field: Tower, box: arb, share: float) -> Rounded:

@@ -1,4 +1,4 @@
-"""Random arrays and mutants of which the fast tests take a part: all of them."""
+"""Random arrays of which the fast tests take a part: all of them."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 import pytest
 
 from tests.analysis import test_equilibria as equilibria
-from tests.proofs import test_checker as checker
 from tests.proofs import test_driven_feedback as driven
 
 if TYPE_CHECKING:
@@ -16,7 +15,7 @@ if TYPE_CHECKING:
 
 pytestmark = pytest.mark.benchmark
 
-EQUILIBRIA, MUTANTS = 200, 300  # arrays; mutants of each certificate
+EQUILIBRIA = 200  # arrays
 
 
 def test_equilibria(arrays: Arrays, stopwatch: Stopwatch) -> None:
@@ -28,8 +27,3 @@ def test_equilibria(arrays: Arrays, stopwatch: Stopwatch) -> None:
 @pytest.mark.parametrize("seed", driven.FORCES_AND_SEPARATORS)
 def test_forces_and_separators(arrays: Arrays, seed: int) -> None:
     driven.test_under_ellipse_forces_and_separators_exclude_each_other(arrays, seed, count=4)
-
-
-@pytest.mark.parametrize(("name", "rule"), checker.WITH_FEEDBACK_EVIDENCE)
-def test_forged_feedback(arrays: Arrays, name: str, rule: str) -> None:
-    checker.forge_feedback(arrays, name, rule, MUTANTS)

@@ -18,7 +18,7 @@ from tests.certificates.cases import cases
 from tests.certificates.corpus import BAD, BAD_ARRAYS, GOOD, PREFIX, Record, forged, text_of
 from tests.certificates.forgeries import KINDS, Forgery, Kinds, forgeries, texts
 from tests.certificates.inclusion import contradiction
-from tests.proofs.test_checker import assert_still_true
+from tests.oracles.rebuilt_arrays import assert_still_true
 
 MOST_BYTES = 20_000
 EACH, EACH_ARRAY = 5, 12  # forgeries of a good certificate

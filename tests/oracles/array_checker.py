@@ -1528,17 +1528,10 @@ class Checker:
 # ---- what is said of a certificate -------------------------------------------------------------
 
 
-def read_certificate(data: Any) -> tuple[str, Checker | None]:
-    """The claim of a certificate (parsed JSON) that is not shown, empty where all are; and what was read."""
-    try:
-        checker = Checker(data)
-        checker.check()
-    except MALFORMED as error:
-        claim = str(error) if isinstance(error, RejectedError) else f"well-formed data, not a {type(error).__name__}"
-        return claim, None
-    return "", checker
-
-
 def check_certificate(data: Any) -> str:
     """The claim of a certificate (parsed JSON) that is not shown; empty where all are."""
-    return read_certificate(data)[0]
+    try:
+        Checker(data).check()
+    except MALFORMED as error:
+        return str(error) if isinstance(error, RejectedError) else f"well-formed data, not a {type(error).__name__}"
+    return ""

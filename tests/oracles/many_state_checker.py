@@ -1,4 +1,4 @@
-"""Stand-alone checker for certificates of plain systems in three to eight states: ``python -I -S`` this file and FILE.
+"""The checker of version 1 for certificates of plain systems in three to eight states, kept as an independent oracle.
 
 It shares no code with the workbench that wrote the certificate.  A certificate names a switched system ``x' = f(x)`` by
 its formulas, a point, a function V of the displacement z from it, the cube ``|z_k| <= radius`` and a verdict; with them
@@ -26,16 +26,12 @@ G_j is 1, this Q_j is definite, and the monomials vanish together at the origin 
 Falling, and negative in some direction at all small distances: unstable.  Where ``V >= level`` on the border of the
 cube, no solution leaves ``V < level``.  Where cells are cones and all inequalities are about forms, they hold in the
 whole space.
-
-Exit status: 0 valid, 1 rejected, 2 not readable.
 """
 
 from __future__ import annotations
 
 import ast
-import json
 import re
-import sys
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -50,7 +46,6 @@ ASYMPTOTICALLY_STABLE, STABLE, UNSTABLE = "asymptotically stable", "stable", "un
 
 # ---- limits: no certificate keeps the checker busy for ever ------------------------------------
 
-MAX_BYTES = 64 << 20
 MIN_STATES, MAX_STATES = 3, 8
 MAX_TEXT, MAX_DEPTH, MAX_DEGREE, MAX_TERMS = 4_000, 60, 16, 20_000
 MAX_DIGITS = 400  # of a number, and the largest power of ten in one
@@ -974,75 +969,16 @@ class Certificate:
             "rate ", lambda cell: whole if finite else whole * cell.potential, strict=False, at_origin=False
         )
 
-    def describe(self) -> str:
-        """What is shown, one claim to a line."""
-        point = ", ".join(str(value) for value in self.at)
-        lines = [f"system in {', '.join(self.states)} at ({point}): {self.verdict}"]
-        if self.lyapunov is None:
-            return f"{lines[0]}\n0 is not in F at the point, {len(self._around())} cells around it"
-        cube = " and ".join(f"abs({name} - {name}*)" for name in self.states)
-        where = "the whole space" if self.everywhere else f"{cube} <= {self.radius}"
-        lines.append(f"V proved on {where}, {len(self.cells)} cells, V bends on {len(self.bending)} hyperplanes")
-        if self.level is not None:
-            lines.append(f"every start with V < {self.level} there reaches the point")
-        if self.rate is not None:
-            fall = f"{self.rate['kappa']} V" if self.rate["kind"] == "exponential" else self.rate["kappa"]
-            lines.append(f"V' <= -{fall}")
-        return "\n".join(lines)
-
 
 def refused_sign(value: Polynomial) -> int:
     """Surfaces are polynomials: no formula of one may ask for a sign."""
     raise RejectedError("surfaces without switching")
 
 
-# ---- the command -------------------------------------------------------------------------------
-
-
-def read_certificate(data: Any) -> tuple[str, Certificate | None]:
-    """The claim of a certificate (parsed JSON) that is not shown, empty where all are; and what was read."""
-    try:
-        certificate = Certificate(data)
-        certificate.check()
-    except MALFORMED as error:
-        claim = str(error) if isinstance(error, RejectedError) else f"well-formed data, not a {type(error).__name__}"
-        return claim, None
-    return "", certificate
-
-
 def check_certificate(data: Any) -> str:
-    """The claim that is not shown; empty where all are."""
-    return read_certificate(data)[0]
-
-
-def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    found = dict(pairs)
-    require(len(found) == len(pairs), "no key twice")
-    return found
-
-
-def check_file(path: str) -> tuple[int, str]:
-    """Exit status and what to print: 0 valid, 1 rejected, 2 unreadable."""
+    """The claim of a certificate (parsed JSON) that is not shown; empty where all are."""
     try:
-        with open(path, "rb") as file:
-            text = file.read(MAX_BYTES + 1)
-        require(len(text) <= MAX_BYTES, f"at most {MAX_BYTES} bytes")
-        data = json.loads(text, object_pairs_hook=_object)
-    except (OSError, *MALFORMED) as error:
-        return 2, f"unreadable: {error}"
-    claim, certificate = read_certificate(data)
-    return (1, f"rejected: required {claim}") if certificate is None else (0, f"valid\n{certificate.describe()}")
-
-
-def main(arguments: Sequence[str]) -> int:
-    """Check one file."""
-    if len(arguments) != 1:
-        print("usage: many_state_checker.py FILE")
-        return 2
-    status, line = check_file(arguments[0])
-    print(line)
-    return status
-
-
-if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+        Certificate(data).check()
+    except MALFORMED as error:
+        return str(error) if isinstance(error, RejectedError) else f"well-formed data, not a {type(error).__name__}"
+    return ""

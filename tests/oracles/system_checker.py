@@ -1,4 +1,4 @@
-"""Stand-alone checker for certificates of plain systems: ``python -I -S system_checker.py FILE``, nothing else.
+"""The checker of version 1 for certificates of plain systems in one and two states, kept as an independent oracle.
 
 It shares no code with the workbench that wrote the certificate.  A certificate names a switched system
 ``(x, y)' = f(x, y)`` by its formulas, a point, a Lyapunov function V in the displacement from the point, a square
@@ -21,22 +21,17 @@ point.
 
 With ``sqrt(Abs(x))`` in the formulas V is about signed roots, where solutions cross the axes (:class:`RootedFormula`).
 In one state the signs of all fields on either side of the point decide, and no V is needed: see
-:class:`ScalarCertificate`.  In two states the frozen field at the point may decide, without V: see
-:class:`FanCertificate`.
+:class:`ScalarCertificate`.
 
 A polynomial is at least 0 on a simplex of the plane (corners, or directions of unbounded cells) if its coefficients in
 the homogeneous coordinates of the simplex are; where some are not, the simplex is cut in two.  Whatever is not shown
 within the limits below is rejected: that is no counterexample.
-
-Exit status: 0 valid, 1 rejected, 2 not readable.
 """
 
 from __future__ import annotations
 
 import ast
-import json
 import re
-import sys
 import warnings
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -49,14 +44,12 @@ from typing import Any, TypeAlias
 
 SCHEMA = "nonsmooth-system-certificate/1"  # of two states
 SCALAR_SCHEMA = "nonsmooth-scalar-certificate/1"  # of one state
-FAN_SCHEMA = "nonsmooth-fan-certificate/1"  # of two states, by the frozen field at the point
 MORE_KEYS = ("curves", "roots")
 KEYS = "schema states rhs at radius lyapunov verdict level rate notes"
 ASYMPTOTICALLY_STABLE, STABLE, UNSTABLE = "asymptotically stable", "stable", "unstable"
 
 # ---- limits: no certificate keeps the checker busy for ever ------------------------------------
 
-MAX_BYTES = 4 << 20
 MAX_TEXT, MAX_DEPTH, MAX_DEGREE = 4_000, 60, 16
 MAX_DIGITS = 400  # of a number, and the largest power of ten in one
 MAX_FIELDS, MAX_PIECES, MAX_LINES, MAX_CELLS = 8, 64, 12, 200
@@ -1273,23 +1266,6 @@ class Certificate:
             (lambda cell: whole) if kind == "finite" else (lambda cell: whole * cell.potential), strict=False
         )
 
-    def describe(self) -> str:
-        """What is shown, one claim to a line."""
-        x, y = self.states
-        names = [f"root_{name}" if name in self.rooted else name for name in self.states]
-        bounded = ", ".join(f"abs({name} - {name}*)" for name in names)
-        where = "the plane" if self.radius is None else f"{bounded} <= {self.radius}"
-        point = ", ".join(str(value) for value in self.at)
-        lines = [f"system in {x}, {y} at ({point}): {self.verdict}", f"V proved on {where}, {len(self.cells)} cells"]
-        if self.curves is not None:
-            lines.append("V does not rise, and no other solution stays where V' = 0")
-        if self.level is not None:
-            lines.append(f"every start with V < {self.level} there reaches the point")
-        if self.rate is not None:
-            fall = f"{self.rate['kappa']} V" if self.rate["kind"] == "exponential" else self.rate["kappa"]
-            lines.append(f"V' <= -{fall}")
-        return "\n".join(lines)
-
 
 def refused_sign(value: Polynomial) -> int:
     """Curves are polynomials: no formula of one may ask for a sign."""
@@ -1470,14 +1446,6 @@ class ScalarCertificate:
         show_inward(self.right, high - self.at, 1)
         show_inward(self.left, self.at - low, -1)
 
-    def describe(self) -> str:
-        """What is shown, one claim to a line."""
-        (state,) = self.states
-        lines = [f"system in {state} at ({self.at}): {self.verdict}", "signs of all fields beside the point"]
-        if self.starts is not None:
-            lines.append(f"every start with {self.starts[0]} < {state} < {self.starts[1]} reaches the point")
-        return "\n".join(lines)
-
 
 def show_inward(formulas: Sequence[Formula], end: Fraction, turn: int) -> None:
     """Every field leads back at all distances in ``(0, end)``, on one side.
@@ -1519,482 +1487,14 @@ def _sign(value: Fraction) -> int:
     return (value > 0) - (value < 0)
 
 
-# ---- fans of cones -----------------------------------------------------------------------------
-
-FAN_KEYS = "schema states rhs at verdict motions gain notes"
-
-Ray: TypeAlias = tuple[Fraction, Fraction]  # a direction
-Velocity: TypeAlias = tuple[Fraction, Fraction]
-
-
-def turn_of(a: Ray, b: Ray) -> Fraction:
-    """``a x b``: positive where b lies counterclockwise of a, by less than a half turn."""
-    return a[0] * b[1] - a[1] * b[0]
-
-
-def along_of(a: Ray, b: Ray) -> Fraction:
-    """``a . b``."""
-    return a[0] * b[0] + a[1] * b[1]
-
-
-def same_direction(a: Ray, b: Ray) -> bool:
-    """Whether two vectors, neither of them zero, lie on one ray."""
-    return not turn_of(a, b) and along_of(a, b) > 0
-
-
-def surfaces_through(value: Polynomial) -> list[Polynomial]:
-    """The smooth curves of which the zero set of a polynomial consists near the point, where it vanishes.
-
-    Each is given by a polynomial with a gradient at the point whose first entry that is not zero is 1.  A polynomial is
-    read as a monomial times one with a gradient, or times a quadratic form with rational lines.
-    """
-    found: list[Polynomial] = []
-    for which in (0, 1):
-        axis = Polynomial({(1 - which, which): Fraction(1)})
-        while value and all(exponents[which] for exponents in value.terms):
-            value = Polynomial({(i - (which == 0), j - (which == 1)): v for (i, j), v in value.terms.items()})
-            found.append(axis)
-    if (0, 0) in value.terms:
-        return found
-    slope = value.terms.get((1, 0)) or value.terms.get((0, 1))
-    if slope:
-        return [*found, value * constant(1 / slope)]
-    lines = [Polynomial({(1, 0): a, (0, 1): b}) for a, b, _ in factors(value)]
-    return [*found, *(line * constant(1 / next(v for v in line.terms.values() if v)) for line in lines)]
-
-
-def lowest_sign(value: Polynomial, ray: Ray) -> int:
-    """The sign, near the point, in a direction in which the form of lowest degree does not vanish."""
-    lowest = min(map(sum, value.terms))
-    form = Polynomial({exponents: own for exponents, own in value.terms.items() if sum(exponents) == lowest})
-    found = form.at(*ray)
-    require(found, "switching expressions that do not vanish inside cones")
-    return _sign(found)
-
-
-@dataclass(frozen=True)
-class Sector:
-    """What lies between two rays across which the frozen field jumps.
-
-    Attributes:
-        rays: from the first of these to the last, counterclockwise, with all rays in between; neighbours are at most a
-            quarter turn apart.  Where the field jumps nowhere: all rays, the first one again at the end.
-        velocity: that of the frozen field.
-        jumps: whether the field jumps across the first and the last ray.
-    """
-
-    rays: tuple[Ray, ...]
-    velocity: Velocity
-    jumps: bool
-
-    def holds(self, direction: Ray) -> bool:
-        """Whether a direction points strictly into the sector."""
-        inner = self.rays[1:-1] if self.jumps else self.rays
-        between = (turn_of(a, direction) > 0 and turn_of(direction, b) > 0 for a, b in pairwise(self.rays))
-        return any(between) or any(same_direction(ray, direction) for ray in inner)
-
-
-@dataclass(frozen=True)
-class Motion:
-    """A radial velocity that the frozen inclusion holds on a ray.
-
-    Attributes:
-        ray: with largest entry 1 or -1.
-        velocity: a multiple of it.
-    """
-
-    ray: Ray
-    velocity: Velocity
-
-    @property
-    def speed(self) -> Fraction:
-        """Positive outward, negative inward (its size depends on the length of the ray)."""
-        return along_of(self.ray, self.velocity)
-
-
-class Fan:
-    """The frozen field of a system at the point: ``f_i(0)`` on the cones between the tangents of switching curves.
-
-    *Claim.*  Let f_i be the polynomial field that the formulas have on cone i.  Near the point, off the switching
-    curves, the field is one of the f_i: on a closed part of the open cone i it is f_i, and near a ray it is one of
-    those of the two cones beside it, one on either side of a single smooth curve that touches the ray.
-
-    *Why.*  Every switching expression that the formulas ask for on some cone is, near the point, without a zero or a
-    product of polynomials with gradients there (:func:`surfaces_through`).  Each vanishes on one smooth curve that
-    touches the line of its form of degree one (implicit function theorem); all these lines are rays of the fan.  Two of
-    them with one tangent must be the same polynomial, so that no thin cell lies between two curves.  Then all
-    expressions have near a closed part of an open cone the signs of their lowest forms, and beside a curve those of the
-    cone on this side; so the formulas ask for the same expressions there, and are the same polynomials.
-
-    The velocities ``f_i(0)`` are the *frozen* field, and its Filippov set F_0 is constant along rays.  The Filippov set
-    of the system obeys ``F(z) <= F_0(z + C |z|^2 B) + C |z| B`` for the unit disc B and some number C.
-
-    Args:
-        fields: the two formulas of a right-hand side.
-    """
-
-    def __init__(self, fields: tuple[Formula, Formula]) -> None:
-        zero, one = Fraction(0), Fraction(1)
-        self.rays: list[Ray] = [(one, zero), (zero, one), (-one, zero), (zero, -one)]
-        self.surfaces: dict[Ray, Polynomial] = {}  # by their gradients
-        self.fields = self._read(fields)
-        self.sectors = self._merged([(f.at(zero, zero), g.at(zero, zero)) for f, g in self.fields])
-
-    def _read(self, fields: tuple[Formula, Formula]) -> list[Field]:
-        """The field of each cone, from ray k to ray k + 1."""
-        while True:
-            try:
-                return [self._field(fields, a, b) for a, b in pairwise([*self.rays, self.rays[0]])]
-            except Cut as cut:
-                require(len(self.surfaces) <= MAX_LINES, f"formulas with at most {MAX_LINES} switching lines")
-                a, b, _ = cut.line
-                for ray in ((b, -a), (-b, a)):
-                    self._insert(ray)
-
-    def _insert(self, ray: Ray) -> None:
-        """Cut the cone that holds a new ray inside."""
-        for k, (a, b) in enumerate(pairwise([*self.rays, self.rays[0]])):
-            if turn_of(a, ray) > 0 and turn_of(ray, b) > 0:
-                self.rays.insert(k + 1, ray)
-                return
-
-    def _field(self, fields: tuple[Formula, Formula], a: Ray, b: Ray) -> Field:
-        """The polynomials of the formulas on the cone between two rays."""
-        inner = (a[0] + b[0], a[1] + b[1])
-
-        def sign_of(value: Polynomial) -> int:
-            if (0, 0) in value.terms:
-                return _sign(value.terms[0, 0])
-            for surface in surfaces_through(value):
-                self._note(surface)
-            return lowest_sign(value, inner)
-
-        first, second = fields
-        return first.on(sign_of), second.on(sign_of)
-
-    def _note(self, surface: Polynomial) -> None:
-        """Keep a curve by its gradient.
-
-        Raises:
-            Cut: for one with a new tangent.
-            RejectedError: for another one with a tangent that is known.
-        """
-        slope = (surface.terms.get((1, 0), Fraction(0)), surface.terms.get((0, 1), Fraction(0)))
-        known = self.surfaces.get(slope)
-        if known is None:
-            self.surfaces[slope] = surface
-            raise Cut((*slope, Fraction(0)))
-        require(known == surface, "one switching curve for each tangent at the point")
-
-    def _merged(self, velocities: Sequence[Velocity]) -> list[Sector]:
-        """The cones, neighbours with one velocity taken together, counterclockwise."""
-        count = len(velocities)
-        starts = [k for k in range(count) if velocities[k - 1] != velocities[k]]
-        if not starts:
-            return [Sector((*self.rays, self.rays[0]), velocities[0], jumps=False)]
-        found = []
-        for first, last in pairwise([*starts, starts[0] + count]):
-            rays = tuple(self.rays[k % count] for k in range(first, last + 1))
-            found.append(Sector(rays, velocities[first], jumps=True))
-        return found
-
-    @property
-    def jumps(self) -> Iterator[tuple[Velocity, Ray, Velocity]]:
-        """The rays across which the field jumps, each between the velocities clockwise and counterclockwise of it."""
-        for k, sector in enumerate(self.sectors):
-            if sector.jumps:
-                yield self.sectors[k - 1].velocity, sector.rays[0], sector.velocity
-
-    @property
-    def is_exact(self) -> bool:
-        """Whether the system is, near the point, its frozen field: constant fields between straight lines."""
-        straight = all(surface.degree == 1 for surface in self.surfaces.values())
-        return straight and all(not f.degree and not g.degree for f, g in self.fields)
-
-    def motions(self) -> list[Motion]:
-        """All radial velocities, but where a velocity has the direction of a ray across which the field jumps.
-
-        In a sector these are its own velocity, along its own direction and the opposite one.  On a ray r across which
-        the field jumps from u to v (counterclockwise) it is the mixture ``((r x v) u - (r x u) v)/(r x v - r x u)``, if
-        ``r x u`` and ``r x v`` have opposite signs: the sliding velocity, where sliding attracts (+, -) or repels.
-        """
-        found = []
-        for sector in self.sectors:
-            x, y = sector.velocity
-            found += [Motion(_scaled(ray), (x, y)) for ray in ((x, y), (-x, -y)) if (x or y) and sector.holds(ray)]
-        for u, ray, v in self.jumps:
-            p, q = turn_of(ray, u), turn_of(ray, v)
-            if p * q < 0:
-                x, y = ((q * a - p * b) / (q - p) for a, b in zip(u, v, strict=True))
-                found.append(Motion(_scaled(ray), (x, y)))
-        return found
-
-    def slides_out_slowly(self, ray: Ray) -> bool:
-        """Whether the sliding velocity on a ray, zero at the point, is outward at all small distances from it.
-
-        The ray must be a switching line, which is straight, and the fields f, g beside it (clockwise, counterclockwise)
-        push strictly to opposite sides at the point, so also at ``s r`` for small s.  The radial part of their sliding
-        velocity there has the sign of ``((r x g)(r . f) - (r x f)(r . g)) (r x g - r x f)``, a polynomial in s.
-        """
-        k = next(k for k, own in enumerate(self.rays) if same_direction(own, ray))
-        lines = [own for (a, b), own in self.surfaces.items() if not a * ray[0] + b * ray[1]]
-        (n, radial), (m, along) = (_beside(field, ray) for field in (self.fields[k - 1], self.fields[k]))
-        p, q = (own.terms.get((0, 0), Fraction(0)) for own in (n, m))
-        if any(line.degree > 1 for line in lines) or p * q >= 0:
-            return False
-        return germ_sign(m * radial - n * along) * _sign(q - p) > 0
-
-    def require_strict(self) -> None:
-        """On no ray across which the field jumps does a velocity beside it lie along the ray, or vanish."""
-        require(self.sectors[0].jumps, "a field that jumps at the point")
-        for u, ray, v in self.jumps:
-            require(turn_of(ray, u) and turn_of(ray, v), "no velocity along a ray across which the field jumps")
-
-    def gain(self) -> Fraction:
-        """By what a full turn multiplies the distance from the point, in a strict fan without radial velocities.
-
-        A solution with velocity v that enters a sector at ``s a`` on its ray a leaves it at ``t b`` on its ray b with
-        ``t/s = (a x v)/(b x v)``; in the other sense it is the inverse.  The lengths of the rays cancel in a full turn.
-        """
-        senses = {_sign(turn_of(ray, v)) for u, ray, v in self.jumps} | {_sign(turn_of(r, u)) for u, r, _ in self.jumps}
-        require(len(senses) == 1, "solutions that all turn in one sense")
-        total = Fraction(1)
-        for sector in self.sectors:
-            total *= turn_of(sector.rays[0], sector.velocity) / turn_of(sector.rays[-1], sector.velocity)
-        return total if senses == {1} else 1 / total
-
-
-def _beside(field: Field, ray: Ray) -> tuple[Polynomial, Polynomial]:
-    """``r x f`` and ``r . f`` at the places ``s r``, as polynomials in s (in place of x)."""
-    x, y = constant(ray[0]), constant(ray[1])
-    parts = []
-    for own in field:
-        terms: dict[Exponents, Fraction] = {}
-        for (i, j), value in own.terms.items():
-            add_to(terms, (i + j, 0), value * ray[0] ** i * ray[1] ** j)
-        parts.append(Polynomial(terms))
-    f, g = parts
-    return x * g - y * f, x * f + y * g
-
-
-def _scaled(ray: Ray) -> Ray:
-    x, y, _ = normalized((*ray, Fraction(0)))
-    return (x, y)
-
-
-class FanCertificate:
-    """A certificate of a system in two states, one right-hand side, whose frozen field decides.
-
-    ``verdict`` is about all solutions in the sense of Filippov that start near the point: they stay near (stable) and
-    tend to it too, in finite time (asymptotically stable); or one of them, from starts as near as one likes, goes to a
-    fixed distance (unstable).  ``motions`` are radial velocities, each with its ray; ``gain`` is what a full turn does.
-    """
-
-    def __init__(self, data: Any) -> None:
-        require(type(data) is dict and sorted(data) == sorted(FAN_KEYS.split()), f"the keys {FAN_KEYS}")
-        BUDGET.left = MAX_WORK
-        self.states, rhs = data["states"], data["rhs"]
-        require(type(self.states) is list and len(self.states) == 2, "two states")
-        require(all(type(name) is str and NAME.fullmatch(name) for name in self.states), "states with names")
-        require(self.states[0] != self.states[1], "two states with different names")
-        require(type(data["at"]) is list and len(data["at"]) == 2, "a point of two numbers")
-        self.at, self.verdict = [rational(text) for text in data["at"]], data["verdict"]
-        require(self.verdict in (ASYMPTOTICALLY_STABLE, STABLE, UNSTABLE), "a verdict")
-        require(type(rhs) is list and len(rhs) == 1, "one right-hand side")
-        require(type(rhs[0]) is list and len(rhs[0]) == 2, "two formulas in the right-hand side")
-        moved = {
-            name: Polynomial({(1 - k, k): Fraction(1)}) + constant(at)
-            for k, (name, at) in enumerate(zip(self.states, self.at, strict=True))
-        }
-        first, second = (Formula(text, moved) for text in rhs[0])
-        self.motions = self._read_motions(data["motions"])
-        self.gain = None if data["gain"] is None else rational(data["gain"])
-        self.fan = Fan((first, second))
-
-    def _read_motions(self, data: Any) -> list[Motion]:
-        require(type(data) is list and len(data) <= MAX_PIECES, "a list of radial velocities")
-        found = []
-        for entry in data:
-            require(type(entry) is dict and sorted(entry) == ["ray", "velocity"], "motions with ray and velocity")
-            ray = _scaled(_direction(entry["ray"])[:2])
-            require(type(entry["velocity"]) is list and len(entry["velocity"]) == 2, "velocities of two numbers")
-            x, y = map(rational, entry["velocity"])
-            found.append(Motion(ray, (x, y)))
-        require(len(set(found)) == len(found), "motions that differ")
-        return found
-
-    def check(self) -> None:
-        """Show every claim."""
-        if self.verdict == UNSTABLE:
-            self._show_growing_turn() if self.gain is not None else self._show_departure()
-        elif self.verdict == STABLE:
-            self._show_no_growth()
-        elif self.gain is not None:
-            self._show_shrinking_turn()
-        else:
-            self._show_arrival()
-
-    def _show_departure(self) -> None:
-        """*Claim*: the one listed motion is a radial velocity of the frozen inclusion, and outward: unstable.
-
-        *Theorem.*  If a sector holds its own velocity v strictly inside, all solutions there obey ``c' = v + O(|c|)``
-        near the point: from every start near it in a narrow cone about v they run outward, to a fixed distance.  If the
-        fields beside a ray r push strictly to opposite sides, with a mixture along +r, the same holds, near the point,
-        of both fields on the curve that touches r (:class:`Fan`): F holds there a velocity tangent to the curve, which
-        is continuous and outward with a speed that is bounded from below.  The solution that follows it goes to a
-        fixed distance, whether sliding attracts or repels (Filippov 1988, secs. 4 and 16).  Where the mixture is zero
-        and the curve a line, a sliding velocity that is outward at all places of the ray but the point does the same.
-
-        *Test*: it is one of the motions of the fan, with positive speed, or with none where the sliding velocity is
-        outward at small distances (:meth:`Fan.slides_out_slowly`).  Nothing is asked of other rays.
-        """
-        require(len(self.motions) == 1, "one motion that leads outward, or the gain of a full turn")
-        (motion,) = self.motions
-        slow = not any(motion.velocity)
-        require(motion in self.fan.motions(), "a radial velocity that leads outward")
-        outward = self.fan.slides_out_slowly(motion.ray) if slow else motion.speed > 0
-        require(outward, "a radial velocity that leads outward")
-
-    def _show_arrival(self) -> None:
-        """*Claim*: the listed motions are all radial velocities, not none, and lead inward: asymptotically stable.
-
-        *Theorem.*  Let no velocity lie along a ray across which the field jumps, and no radial velocity be outward.
-        In every sector the frozen solutions turn in one sense, or run away from the direction opposite to its velocity;
-        on every jump they cross, slide inward for good (attracting), or slide inward until they leave (repelling).  A
-        radial velocity lets none of them go round: its sector is left at both sides, its ray is not crossed.  So each
-        crosses fewer rays than there are, with a bounded growth of the distance, and ends on an attracting ray or at
-        the point; it stays there since a solution from distance e never exceeds K e.  All arrive in a time in
-        proportion to the distance.  F_0 is upper semicontinuous with compact convex values and homogeneous, hence has
-        a smooth homogeneous V with ``max grad V . F_0 <= -k |c|^(m-1)``, V of degree m (Bernuau, Efimov, Perruquetti
-        and Polyakov 2014); ``F(z) <= F_0(z + C |z|^2 B) + C |z| B`` changes this by ``O(|z|^m)`` only (Filippov 1988,
-        sec. 16).
-
-        *Test*: strictness; the list is the fan's, not empty, and every speed is negative.
-        """
-        self._show_all_motions()
-        require(self.motions, "a radial velocity, or the gain of a full turn")
-        require(all(motion.speed < 0 for motion in self.motions), "radial velocities that all lead inward")
-
-    def _show_shrinking_turn(self) -> None:
-        """*Claim*: no radial velocity exists, a full turn has the stated gain, below one: asymptotically stable.
-
-        *Theorem.*  Without radial velocities in a strict fan all frozen solutions cross every ray in one sense, and
-        the distance at a ray is multiplied by the gain in each turn: they arrive at the point in a time in proportion
-        to the distance, as the times of turns are a geometric series.  The rest is that of :meth:`_show_arrival`.
-
-        *Test*: strictness; the fan has no motions; the gain is the fan's, and below one.
-        """
-        self._show_turn()
-        require(self.gain is not None and self.gain < 1, "a full turn with a gain below one")
-
-    def _show_growing_turn(self) -> None:
-        """*Claim*: the same with a gain above one: unstable.
-
-        *Theorem.*  With all velocities reversed the gain is its inverse, below one.  The V of that system grows along
-        all solutions of this one, so all but that at rest leave a neighbourhood of the point.
-
-        *Test*: as before, with a gain above one.
-        """
-        self._show_turn()
-        require(self.gain is not None and self.gain > 1, "a full turn with a gain above one")
-
-    def _show_no_growth(self) -> None:
-        """*Claim*: near the point the system is its frozen field, and distances do not grow: stable.
-
-        *Theorem.*  Where radial velocities exist and none leads outward, chains of crossings are bounded as in
-        :meth:`_show_arrival`; a solution on a ray with a sliding velocity of zero may rest there, or leave it where it
-        repels, never to come back.  Where none exist, and the gain is at most one, no turn makes the distance at a ray
-        grow.  So a solution from distance e stays within K e, with one K for all small e.
-
-        *Test*: all fields are constant and all switching curves straight; strictness; the list is the fan's, without
-        positive speeds; or it is empty, and the gain is the fan's, at most one.
-        """
-        require(self.fan.is_exact, "constant fields between straight lines near the point")
-        if self.motions:
-            self._show_all_motions()
-            require(self.gain is None, "radial velocities, or the gain of a full turn")
-            require(all(motion.speed <= 0 for motion in self.motions), "no radial velocity that leads outward")
-        else:
-            self._show_turn()
-            require(self.gain is not None and self.gain <= 1, "a full turn with a gain of at most one")
-
-    def _show_all_motions(self) -> None:
-        """The fan is strict, and the list is that of all its radial velocities."""
-        self.fan.require_strict()
-        require(set(self.motions) == set(self.fan.motions()), "all radial velocities and no others")
-
-    def _show_turn(self) -> None:
-        """The fan is strict, without radial velocities, and has the stated gain."""
-        self._show_all_motions()
-        require(not self.motions, "no radial velocities beside the gain of a full turn")
-        require(self.gain == self.fan.gain(), "the gain of a full turn")
-
-    def describe(self) -> str:
-        """What is shown, one claim to a line."""
-        x, y = self.states
-        point = ", ".join(str(value) for value in self.at)
-        count = len(self.fan.sectors)
-        lines = [f"system in {x}, {y} at ({point}): {self.verdict}", f"frozen field at the point, sectors: {count}"]
-        for motion in self.motions:
-            ray, velocity = (", ".join(map(str, own)) for own in (motion.ray, motion.velocity))
-            lines.append(f"radial velocity ({velocity}) on the ray through ({ray})")
-        if self.gain is not None:
-            lines.append(f"a full turn multiplies the distance by {self.gain}, up to terms of higher order")
-        return "\n".join(lines)
-
-
-# ---- the command -------------------------------------------------------------------------------
-
-
-AnyCertificate: TypeAlias = Certificate | ScalarCertificate | FanCertificate
-
-
-def read_certificate(data: Any) -> tuple[str, AnyCertificate | None]:
-    """The claim of a certificate (parsed JSON) that is not shown, empty where all are; and what was read."""
-    try:
-        kinds: dict[Any, type[AnyCertificate]] = {SCALAR_SCHEMA: ScalarCertificate, FAN_SCHEMA: FanCertificate}
-        schema = data.get("schema") if type(data) is dict else None
-        certificate = kinds.get(schema, Certificate)(data)
-        certificate.check()
-    except MALFORMED as error:
-        claim = str(error) if isinstance(error, RejectedError) else f"well-formed data, not a {type(error).__name__}"
-        return claim, None
-    return "", certificate
+# ---- what is said of a certificate -------------------------------------------------------------
 
 
 def check_certificate(data: Any) -> str:
-    """The claim that is not shown; empty where all are."""
-    return read_certificate(data)[0]
-
-
-def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    found = dict(pairs)
-    require(len(found) == len(pairs), "no key twice")
-    return found
-
-
-def check_file(path: str) -> tuple[int, str]:
-    """Exit status and what to print: 0 valid, 1 rejected, 2 unreadable."""
+    """The claim of a certificate (parsed JSON) that is not shown; empty where all are."""
     try:
-        with open(path, "rb") as file:
-            text = file.read(MAX_BYTES + 1)
-        require(len(text) <= MAX_BYTES, f"at most {MAX_BYTES} bytes")
-        data = json.loads(text, object_pairs_hook=_object)
-    except (OSError, *MALFORMED) as error:
-        return 2, f"unreadable: {error}"
-    claim, certificate = read_certificate(data)
-    return (1, f"rejected: required {claim}") if certificate is None else (0, f"valid\n{certificate.describe()}")
-
-
-def main(arguments: Sequence[str]) -> int:
-    """Check one file."""
-    if len(arguments) != 1:
-        print("usage: system_checker.py FILE")
-        return 2
-    status, line = check_file(arguments[0])
-    print(line)
-    return status
-
-
-if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+        schema = data.get("schema") if type(data) is dict else None
+        (ScalarCertificate if schema == SCALAR_SCHEMA else Certificate)(data).check()
+    except MALFORMED as error:
+        return str(error) if isinstance(error, RejectedError) else f"well-formed data, not a {type(error).__name__}"
+    return ""

@@ -1,23 +1,21 @@
 """What the checker accepts about translation, against paths that share no theory with it.
 
-The other mutation test decides accepted mutants again by the workbench, whose theorems are the checker's own: an error
-in these would pass.  Here the array of each accepted certificate is read back from its own data and followed by the
-definitions.
+The workbench's own decision of an array that is built anew rests on the checker's theorems: an error in these would
+pass.  Here the array of each certificate is read back from its own data and followed by the definitions; so are the
+arrays of mutants (tests/proofs/attacks.py).
 """
 
 from __future__ import annotations
 
-import copy
 from fractions import Fraction
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-import numpy as np
 import pytest
 
 from nonsmooth.proofs.certificate import build_certificate
 from nonsmooth.proofs.theorem4 import check_cells
-from tests.array_certificates import check_certificate, said, say, subject
+from tests.array_certificates import check_certificate, said, subject
 from tests.oracles.nearest_paths import End, Wheel, observe
 from tests.oracles.tied_arrays import tied_array
 from tests.oracles.tied_scenes import scene_of
@@ -27,8 +25,7 @@ if TYPE_CHECKING:
 
 Record: TypeAlias = dict[str, Any]
 
-ARRAYS, BLOCKS, MUTANTS = 30, 30, 12
-WORDS = ("asymptotically stable", "stable", "unstable", None)
+BLOCKS = 30
 FORBIDDEN: dict[str | None, set[End]] = {
     "asymptotically stable": {End.LEAVES, End.RESTS, End.CYCLES},
     "stable": {End.LEAVES},
@@ -46,7 +43,7 @@ def wheels_of(certificate: Record) -> list[Wheel]:
     return wheels
 
 
-@lru_cache(maxsize=1)
+@lru_cache(maxsize=100)
 def paths_end(wheels: tuple[Wheel, ...], seed: int) -> set[End]:
     """Most mutants of a certificate leave its array as it is."""
     return observe(wheels, seed=seed)
@@ -61,40 +58,9 @@ def assert_paths_agree(certificate: Record, seed: int) -> None:
         assert not ends & FORBIDDEN[word], f"seed {seed}: {word}, but paths end {ends}"
 
 
-def mutants(certificate: Record, rng: np.random.Generator) -> list[Record]:
-    """Certificates with another word for the translation, with another conclusion, and with another speed or place."""
-    found = []
-    for word in WORDS:
-        changed = copy.deepcopy(certificate)
-        say(changed, translation=word)
-        for conclusion in ("holds", "fails", "hypotheses not met", None):
-            other = copy.deepcopy(changed)
-            say(other, theorem4=conclusion)
-            found.append(other)
-    for _ in range(MUTANTS):
-        changed = copy.deepcopy(certificate)
-        wheel = subject(changed)["wheels"][rng.integers(len(subject(changed)["wheels"]))]
-        factor = Fraction(int(rng.integers(1, 6)), int(rng.integers(1, 6)))
-        kind = rng.choice(["speed", "friction", "position"])
-        if kind == "speed":
-            wheel["speed"] = str(factor * Fraction(wheel["speed"]))
-        else:
-            wheel[kind] = [str(factor * Fraction(text)) for text in wheel[kind]]
-        found.append(changed)
-    return found
-
-
 @pytest.mark.parametrize("block", range(BLOCKS))
 def test_accepted_certificates_of_tied_arrays_agree_with_paths(arrays: Arrays, block: int) -> None:
-    size, accepted = ARRAYS // BLOCKS, 0
-    rng = np.random.default_rng(block)
-    for seed in range(size * block, size * (block + 1)):
-        wheels, _ = tied_array(seed)
-        original = build_certificate(check_cells(scene_of(arrays, wheels)))
-        assert check_certificate(original) == ""
-        assert_paths_agree(original, seed)
-        for forged in mutants(original, rng):
-            if not check_certificate(forged):
-                accepted += 1
-                assert_paths_agree(forged, seed)
-    assert accepted >= size  # at least the originals, among the words
+    wheels, _ = tied_array(block)
+    original = build_certificate(check_cells(scene_of(arrays, wheels)))
+    assert check_certificate(original) == ""
+    assert_paths_agree(original, block)

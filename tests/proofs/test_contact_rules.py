@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from fractions import Fraction
+from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -44,11 +45,17 @@ def without_feedback(scene: Scene) -> Scene:
     )
 
 
+@cache
+def checked(name: str, rule: str) -> CellCheck | SmoothCheck:
+    """Once in a process: two tests look at it."""
+    return check_theorem4(load_scene(name, rule=rule))
+
+
 @few(2)
 @pytest.mark.parametrize("name", EVIDENT)
 @pytest.mark.parametrize("rule", ["box", "ellipse"])
 def test_evidence_verifies(name: str, rule: str) -> None:
-    result = check_theorem4(load_scene(name, rule=str(rule)))
+    result = checked(name, rule)
     assert result.check()
     assert isinstance(result, CellCheck if rule == "box" else SmoothCheck)
 
@@ -118,7 +125,7 @@ def test_sampled_rates_agree_with_the_verdict(name: str) -> None:
 
 def test_spinning_and_carried_bodies_are_unstable_in_theta() -> None:
     for name, rate in (("spiral-30", "-4*sqrt(2)/7"), ("conveyor-3", "-1")):
-        result = check_theorem4(load_scene(name, rule="ellipse"))
+        result = checked(name, "ellipse")
         assert result.equilibrium.verdict is Equilibrium.HOLDS
         assert result.rotation.verdict is Rotation.UNSTABLE
         assert result.rotation.drift is not None

@@ -51,7 +51,7 @@ NO_WORDS = {
 PLANAR = {known.name: known for known in families()}
 FIRST = [
     *("relay, viscous 1", "crossed relays, contracting", "twisting 2, 1", "Coulomb friction", "parabola far away"),
-    *("weak focus, cubic growth", "flower", "relay and spring", "standing pendulum, sliding control"),
+    *("weak focus, cubic growth", "flower"),
 ]
 ONE_STATE = {
     "-x": "asymptotically stable",

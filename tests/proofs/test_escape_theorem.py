@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import random
 from collections.abc import Callable
 from fractions import Fraction
@@ -19,9 +18,8 @@ from nonsmooth.proofs.checker.statements import VERSION, refusal
 from nonsmooth.proofs.checker.theorems import UNSTABLE
 from nonsmooth.proofs.kernel.escapes import show_escape_of
 from nonsmooth.proofs.kernel.search import NotShownError, SampledProofs, Search
-from tests.proofs import mutants
-from tests.proofs.mutants import Record, is_one_line
-from tests.thorough import keep, thorough
+from tests.oracles.mutants import Record, is_one_line
+from tests.thorough import thorough
 
 Floats: TypeAlias = NDArray[np.float64]
 
@@ -234,32 +232,6 @@ def test_what_is_shown_by_chance_is_true() -> None:
 @thorough  # the small one: test_what_is_shown_by_chance_is_true
 def test_what_is_shown_by_much_chance_is_true() -> None:
     assert attack_by_chance(2_000, 2) > 50
-
-
-def mutated(record: Record, source: random.Random) -> Record:
-    """One letter of the system or of the hypotheses changed."""
-    found = json.loads(json.dumps(record))
-    if source.random() < 0.5:
-        subject = found["statement"]["subject"]
-        found["statement"]["subject"] = mutants.mutant(subject, ("rhs",), "xy", source)
-    else:
-        entry = found["evidence"][0]
-        entry["hypotheses"] = mutants.mutant(entry["hypotheses"], list(entry["hypotheses"]), "xy", source)
-    return found
-
-
-def assert_mutant(record: Record, source: random.Random) -> None:
-    """An accepted mutant is true: the solution that it names leaves."""
-    assert math.isfinite(source.random())
-    assert_leaves(record)
-
-
-@pytest.mark.parametrize(
-    "name", keep(2, [name for name in LEAVING if not name.startswith(("one", "neither", "three"))])
-)
-def test_mutants_are_rejected_or_still_true(name: str) -> None:
-    accepted = mutants.attack([certificate(name)], mutated, refused, assert_mutant, 25, 1)
-    assert accepted < 25
 
 
 def test_long_numbers_are_charged_as_work() -> None:

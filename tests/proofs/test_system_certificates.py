@@ -25,11 +25,11 @@ from nonsmooth.proofs.system_certificates import certificate_of, left_out
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.symbolic.files.system_file import load_system
 from nonsmooth.symbolic.piecewise import parse_piecewise
+from tests.oracles.mutants import Record
 from tests.proofs.forged import with_reach
 from tests.proofs.many_states.test_attacks import built
 from tests.proofs.many_states.test_random_systems import built as built_of_many
 from tests.proofs.many_states.test_random_systems import linear, random_matrix
-from tests.proofs.mutants import Record
 from tests.proofs.switched_oracle import random_relay
 from tests.thorough import keep
 

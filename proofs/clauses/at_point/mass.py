@@ -31,12 +31,13 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
-from flint import arb, arb_mat, arb_poly, ctx, fmpq
+from flint import arb, arb_mat, arb_poly, ctx
 
 from nonsmooth.proofs.boxes.linearization import Linearization
 from nonsmooth.proofs.enclosures import holds_on, is_positive_definite, linear_stability
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.number_text import lower_text, upper_text
+from nonsmooth.symbolic.numbers.coefficients import rational_ball
 from nonsmooth.symbolic.numbers.number import Number
 
 PRECISION = 256  # bits of the balls
@@ -158,7 +159,7 @@ def _is_confirmed(stable_to: Fraction, unstable_at: Fraction | None, determinant
     """Whether the determinant is positive up to the lower mass, and negative at the upper one, in balls."""
     if stable_to <= 0 or not _is_positive_to(determinant, stable_to):
         return False
-    return unstable_at is None or (unstable_at > stable_to and bool(determinant(_ball(unstable_at)) < 0))
+    return unstable_at is None or (unstable_at > stable_to and bool(determinant(rational_ball(unstable_at)) < 0))
 
 
 def hurwitz_determinant(pencil: Pencil) -> arb_poly:
@@ -207,9 +208,5 @@ def _far(pencil: Pencil) -> Fraction:
 
 def _is_positive_to(polynomial: arb_poly, end: Fraction) -> bool:
     """Whether it is positive on ``[0, end]``."""
-    last = _ball(end)
+    last = rational_ball(end)
     return bool(polynomial(last) > 0) and holds_on(lambda mass: bool(polynomial(mass) > 0), arb(0), last, HALVINGS)
-
-
-def _ball(value: Fraction) -> arb:
-    return arb(fmpq(value.numerator, value.denominator))

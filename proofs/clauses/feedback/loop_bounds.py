@@ -46,6 +46,7 @@ from nonsmooth.proofs.clauses.feedback.rational_bounds import confirmed, rounded
 from nonsmooth.proofs.verdicts import Certainty, Feedback
 from nonsmooth.symbolic.constraints import inner
 from nonsmooth.symbolic.loop_errors import LoopErrors
+from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.similar_scenes import in_own_length
@@ -209,7 +210,7 @@ def _above(number: Number) -> Fraction:
     """A rational not below a number >= 0; the number itself where it is rational."""
     exact = number.as_rational()
     if exact is not None:
-        return Fraction(int(exact.p), int(exact.q))
+        return as_fraction(exact)
     return _bounded(rounded_up(float(number)), lambda value: sign(value - number) >= 0, Fraction(101, 100))
 
 

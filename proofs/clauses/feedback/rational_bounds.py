@@ -9,8 +9,9 @@ from collections.abc import Callable
 from fractions import Fraction
 from typing import Any
 
-from flint import arb, fmpq
+from flint import arb
 
+from nonsmooth.symbolic.numbers.coefficients import rational_ball
 from nonsmooth.symbolic.numbers.lazy import FEW_ROOTS, Lazy
 from nonsmooth.symbolic.numbers.number import Number
 
@@ -46,7 +47,7 @@ def rounded_up(value: float) -> Fraction:
 def ball_of(value: Any) -> arb:
     """An enclosure of a number of any kind."""
     if isinstance(value, Fraction):
-        return arb(fmpq(value.numerator, value.denominator))
+        return rational_ball(value)
     if isinstance(value, Lazy):
         return value.ball
     return value.ball() if isinstance(value, Number) else arb(value)

@@ -23,7 +23,6 @@ from fractions import Fraction
 from math import isqrt
 
 import numpy as np
-from flint import arb, fmpq
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.fan import CellCone
@@ -31,6 +30,7 @@ from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.minimizers.cvxpy_import import load_cvxpy
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.number_text import lower_text, upper_text
+from nonsmooth.symbolic.numbers.coefficients import rational_ball
 from nonsmooth.symbolic.numbers.enclosures import enclosure, rational_below
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.plane import Vector, around, dot, minus
@@ -105,11 +105,15 @@ class QuadraticCertificate:
         zero where it is not positive.
         """
         rho = swift.eccentricity
-        nearer = min(_ball(Fraction(1)), _ball(share) * _ball((1 + rho) / (1 - rho)).sqrt(), key=lambda x: x.upper())
+        nearer = min(
+            rational_ball(Fraction(1)),
+            rational_ball(share) * rational_ball((1 + rho) / (1 - rho)).sqrt(),
+            key=lambda x: x.upper(),
+        )
         farthest = nearer * enclosure(self.level / (1 - self.descent.eccentricity)).sqrt()
         least: Fraction | None = None
         for cone, twist in _motions(self.cones):
-            steep = _ball(steepness(swift.shape, cone, twist))
+            steep = rational_ball(steepness(swift.shape, cone, twist))
             left = rational_below(steep - enclosure(abs(twist.omega) * rho) * farthest)
             least = left if least is None else min(least, left)
         return Fraction(lower_text(least, DIGITS)) if least is not None and least > 0 else Fraction(0)
@@ -263,10 +267,6 @@ def propose_swift_shape(cones: Sequence[CellCone], farthest: Number) -> tuple[fl
 def _by_shape(r: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.float64]:
     """What a and b add to ``r^T P v``, for each unit of them."""
     return np.array([r[0] * v[0] - r[1] * v[1], r[0] * v[1] + r[1] * v[0]])
-
-
-def _ball(value: Fraction) -> arb:
-    return arb(fmpq(value.numerator, value.denominator))
 
 
 def _rounded(value: float) -> Fraction:

@@ -15,9 +15,9 @@ import nonsmooth as ns
 from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.proofs.answers.failures import NO_DRIVE, NO_TABLE, Failure, FailureKind, failures_of, worst_failure
-from nonsmooth.symbolic.contact_set import with_only
+from nonsmooth.symbolic.contact_set import standing, with_only
 from nonsmooth.symbolic.files.scene_file import load_scene
-from tests.thorough import few
+from tests.thorough import few, keep
 
 CORNERS = [(1, 1), (-1, 1), (-1, -1), (1, -1)]
 PLACES = [*CORNERS, (2, 0), (0, 2)]
@@ -122,11 +122,17 @@ def test_springs_of_measured_loads_press_without_a_wheel_as_the_least_energy_say
         np.testing.assert_allclose(loads, least_energy(places, heights, centre), atol=1e-6)
 
 
-@pytest.mark.parametrize("rule", ["box", "ellipse"])
-def test_measured_loads_say_what_the_others_carry_without_a_wheel(rule: str) -> None:
+@pytest.mark.parametrize(("rule", "wheels"), keep(2, [("box", (5, 6)), ("ellipse", (6,)), ("ellipse", (5, 6))]))
+def test_measured_loads_say_what_the_others_carry_without_a_wheel(
+    rule: str, wheels: tuple[int, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Against arrays written without it, with a table of the loads of springs on the others."""
-    failures = failures_of(array(PLACES, rule, radius="1/4", loads={"kind": "measured", "values": MEASURED}).scene)
-    for wheel in (5, 6):
+    scene = array(PLACES, rule, radius="1/4", loads={"kind": "measured", "values": MEASURED}).scene
+    looked_at = replace(scene, wheels=tuple(wheel for wheel in scene.wheels if wheel.index in wheels))
+    # No other wheel fails, which would take long.
+    monkeypatch.setattr(f"{failures_of.__module__}.standing", lambda own: looked_at if own is scene else standing(own))
+    failures = failures_of(scene)
+    for wheel in wheels:
         places = [place for k, place in enumerate(PLACES, 1) if k != wheel]
         shares = [Fraction(value, sum(MEASURED)) for k, value in enumerate(MEASURED, 1) if k != wheel]
         without = array(places, rule, radius="1/4", loads=table_without(places, shares)).check()

@@ -238,7 +238,7 @@ def test_squares_that_a_sector_touches_are_not_beyond_it() -> None:
     assert _is_beyond(rays, (-1.0, 0.0), 0.1, 0.05)
 
 
-def test_bodies_beside_a_rest_that_repels_are_carried_away(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_bodies_beside_a_rest_that_repels_are_carried_away(tmp_path: Path) -> None:
     table = MeasuredTable.symmetric(0, "ellipse")
     scene = measured(tmp_path, table).recentred()
     rest, accuracy = enclosed_rest(scene), float(scene.accuracy)
@@ -247,6 +247,11 @@ def test_bodies_beside_a_rest_that_repels_are_carried_away(tmp_path: Path, capsy
     body, angles = SmallSteps(table), (0.0, 2.0, 4.0)
     starts = [accuracy / 100 * np.array([math.cos(angle), math.sin(angle)]) for angle in angles]
     assert max(body.end(start, 60.0, accuracy)[1] for start in starts) > accuracy
+
+
+@thorough  # the small one: test_bodies_beside_a_rest_that_repels_are_carried_away
+def test_it_is_said_from_where_bodies_are_carried_away(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    measured(tmp_path, MeasuredTable.symmetric(0, "ellipse"))
     run(app, ["check", str(tmp_path / "table.toml")])
     said = " ".join(capsys.readouterr().out.replace("│", " ").split())
     assert "some starts within" in said  # not as near as one likes: the place of rest is enclosed, not known

@@ -27,9 +27,8 @@ from tests.certificates.corpus import (
     text_of,
 )
 from tests.certificates.forgeries import certificate_text
-from tests.certificates.inclusion import contradiction
+from tests.certificates.inclusion import contradiction, half_width
 from tests.oracles.earlier_arrays import earlier_array, refusal_of_version_1
-from tests.proofs.checker.mutants import half_width
 from tests.thorough import keep, thorough
 
 SECONDS = 10.0  # of processor time, for a forged array; an idle machine takes three at most

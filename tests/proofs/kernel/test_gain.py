@@ -14,7 +14,7 @@ from nonsmooth.proofs.checker.descriptions import describe
 from nonsmooth.proofs.checker.statements import refusal
 from nonsmooth.proofs.kernel.search import NotShownError, Search
 from nonsmooth.proofs.system_certificates import certificate_of
-from tests.proofs.mutants import Record
+from tests.oracles.mutants import Record
 from tests.proofs.test_disturbance_gain import SYSTEMS, checked, value
 from tests.thorough import keep
 

@@ -20,11 +20,10 @@ from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
-from tests.proofs import mutants
+from tests.oracles.mutants import Record
 from tests.proofs.forged import with_deciding
-from tests.proofs.mutants import Record
 from tests.proofs.test_scalar_stability import ATTRACTS, LEAVES, NAMES, STAYS, built, random_formula
-from tests.thorough import keep, thorough
+from tests.thorough import keep
 
 LITERAL = {**NAMES, "sign": NAMES["sgn"], "sqrt": np.sqrt, "sat": lambda a, low, high: min(max(a, low), high)}
 
@@ -58,7 +57,8 @@ def assert_true(record: Record, source: random.Random) -> None:
             limits = [*beside[0], *(-v for v in beside[1])]
             assert max(map(max, beside)) > 0 or min(limits) > 0 or max(limits) < 0, record["statement"]
         else:
-            assert max(map(max, beside)) <= 0, record["statement"]
+            fastest = max(map(max, beside))  # no formula of a degree that is read is so slow there that floats see zero
+            assert fastest < 0 or (fastest == 0 and verdict == "stable"), record["statement"]
     for own in claims(record, "attracts"):
         size, level = float(Fraction(own["within"])), float(Fraction(own["below"]))
         for displacement in (source.uniform(-size, size) for _ in range(60)):
@@ -196,28 +196,3 @@ def forged(result: StabilityResult, verdict: Translation, interval: tuple[str, s
     left, right = (replace(side, reach=end) for side, end in zip((sides.left, sides.right), ends, strict=True))
     claimed = with_deciding(result, verdict=verdict, proofs=replace(sides, left=left, right=right))
     return replace(claimed, equilibrium=Equilibrium.HOLDS)
-
-
-# ---- mutations -----------------------------------------------------------------------------------
-
-
-def mutated(record: Record, source: random.Random) -> Record:
-    """One digit, sign or operator of the statement or of the evidence changed."""
-    part = source.choice(["statement", "evidence"])
-    return mutants.mutant(record, (part,), "x", source)
-
-
-def attack(count: int, seed: int) -> int:
-    """How many of many mutants are accepted; each is put to the test."""
-    names = [name for name in TRUE if "root" not in name and "large" not in name]
-    originals = [certificate_of(decide_system(built(TRUE[name][0], **TRUE[name][1]))) for name in names]
-    return mutants.attack(originals, mutated, rejected, assert_true, count, seed)
-
-
-def test_mutants_are_rejected_or_still_true() -> None:
-    assert 0 < attack(100, 1) < 100
-
-
-@thorough  # the small one: test_mutants_are_rejected_or_still_true
-def test_many_mutants_are_rejected_or_still_true() -> None:
-    assert 0 < attack(3_000, 2) < 3_000

@@ -15,7 +15,8 @@ from nonsmooth.analysis.fields.contact_model import ContactModel, with_friction_
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.proofs.answers.robust import robust_facts
-from nonsmooth.proofs.robust.decide import Robust, decide_robust
+from nonsmooth.proofs.robust.decide import Robust, SmoothProof, decide_robust
+from nonsmooth.proofs.robust.smooth_disc import SmoothDisc
 from nonsmooth.proofs.robust.smooth_rules import equilibrium_box
 from nonsmooth.proofs.verdicts import Certainty
 from nonsmooth.symbolic.contact_set import standing
@@ -94,7 +95,7 @@ def test_every_array_of_mixed_wheels_has_its_equilibrium_in_the_disc_and_it_attr
 
 def test_tolerances_of_mixed_wheels_are_followed() -> None:
     scene = mixed("four-wheel")
-    found = decide_robust(replace(scene, tolerances=small_box(scene)))
+    found = SmoothProof(scene.recentred()).all_that_is_shown(small_box(scene))
     assert found is not None
     assert found.verdict is Certainty.CERTIFIED
     assert found.start is not None
@@ -133,8 +134,13 @@ def test_the_bound_is_not_far_from_what_arrays_do() -> None:
     assert 0.4 * float(found.squared) ** 0.5 < farthest <= float(found.squared) ** 0.5 + SLACK
 
 
-def test_what_is_said() -> None:
-    scene = load_scene("four-wheel", rule="ellipse")
+@pytest.mark.parametrize("radius", keep(1, ["1/10", None]))
+def test_what_is_said(radius: str | None, monkeypatch: pytest.MonkeyPatch) -> None:
+    """On a small square without dividing quadrangles and rings, which is quick; and on the whole one."""
+    if radius is not None:
+        monkeypatch.setattr(SmoothDisc, "depth", 0)
+        monkeypatch.setattr(SmoothDisc, "halvings", 0)
+    scene = load_scene("four-wheel", rule="ellipse", radius=radius)
     found = decide_robust(replace(scene, tolerances=small_box(scene)))
     assert found is not None
     assert found.verdict is Certainty.CERTIFIED

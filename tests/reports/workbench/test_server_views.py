@@ -9,6 +9,7 @@ import threading
 
 import pytest
 
+from tests.thorough import keep
 from tests.workbench_server import Workbench
 
 CORNERS = [[1, 1], [-1, 1], [-1, -1], [1, -1]]
@@ -63,14 +64,19 @@ def test_a_body_that_tips_says_so(server: Workbench) -> None:
     assert stages["fast"]["note"]
 
 
-def test_tolerances_have_a_bound_and_a_factor(server: Workbench) -> None:
+@pytest.mark.parametrize("rule", keep(1, ["nearest", "ellipse"]))
+def test_tolerances_have_a_bound_and_a_factor(server: Workbench, rule: str) -> None:
     document = {**server.document("four-wheel"), "tolerance": {"position": "1/1000", "heading": "1/10 deg"}}
-    document["contact"] = {"rule": "ellipse"}
+    document["contact"] = {"rule": rule}
     stages = server.view(document, want=["tolerance"])
-    assert stages["fast"]["geometry"] == "sampled"
     assert stages["tolerance"]["verdict"] == "certified"
     assert stages["tolerance"]["factor"] >= 1
     assert stages["tolerance"]["radius"] > 0
+
+
+def test_rules_without_cells_have_sampled_geometry(server: Workbench) -> None:
+    document = {**server.document("four-wheel"), "contact": {"rule": "ellipse"}}
+    assert server.view(document)["fast"]["geometry"] == "sampled"
 
 
 def test_what_is_wrong_names_its_key(server: Workbench) -> None:
