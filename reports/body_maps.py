@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from nonsmooth.analysis.bodies.many_paths import ENDS, TOGETHER, BodyEnd, BodyEnds, ManyPaths, PathEnd, destinations
 from nonsmooth.analysis.contact_rule import CellRule, SmoothRule, rule_of
@@ -29,7 +30,7 @@ from nonsmooth.reports.figures.style import (
     title_figure,
 )
 from nonsmooth.reports.figures.wheels import outline_of, placed
-from nonsmooth.reports.maps import MapResult, Part, grid_of, parts_record
+from nonsmooth.reports.maps import MapResult, Part, grid_of, home_row, parts_record, within_accuracy
 from nonsmooth.reports.progress import progress
 from nonsmooth.reports.result import DataTable, Record
 from nonsmooth.reports.simulate_options import SimulateOptions
@@ -103,6 +104,12 @@ class BodyMapResult(MapResult):
     distance: float
 
     @cached_property
+    def home(self) -> NDArray[np.bool_]:
+        """Which starts end upright within the accuracy of the checked point (m,)."""
+        upright = self.found.by(BodyEnd.REST) | self.found.by(BodyEnd.TIME)
+        return within_accuracy(self.scene, self.found.poses[:, :2]) & upright
+
+    @cached_property
     def destinations(self) -> list[PathEnd]:
         """Where the paths end, with shares."""
         return destinations(self.found, self.distance)
@@ -140,6 +147,8 @@ class BodyMapResult(MapResult):
             "starts": found.starts[:, :2].tolist(),
             "ends": [_end(pose, found, k) for k, pose in enumerate(found.poses.tolist())],
             "destination": self.destination_of,
+            "accuracy": float(self.scene.accuracy),
+            "home": int(self.home.sum()),
             "parts": parts_record(self.parts),
         }
 
@@ -174,6 +183,7 @@ class BodyMapResult(MapResult):
         rows, others = self.shares[:SHOWN], self.destinations[SHOWN:]
         if others:
             rows.append((percent_text(sum(one.share for one in others)), f"{len(others)} others"))
+        rows.insert(0, home_row(self.scene, self.home))
         tips = self.found.by(BodyEnd.TIPS)
         if tips.any():
             at_once = float((tips & (self.found.times == 0)).mean())

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 OF_LOOPS = ("feedback", "law", "gain")
 OF_BODIES = ("mass", "inertia", "compare_masses")
-OF_ARRAYS = ("fail", "heading", "kinematics", *OF_LOOPS, "rule", "radius", "at", *OF_BODIES)
+OF_ARRAYS = ("fail", "heading", "headings", "kinematics", *OF_LOOPS, "rule", "radius", "at", *OF_BODIES)
 
 
 class Simulate(SceneStudy[SimulateOptions]):
@@ -37,7 +37,9 @@ class Simulate(SceneStudy[SimulateOptions]):
         """A table or a picture; of one path a film too."""
         from nonsmooth.reports.result import FORMATS
 
-        is_path = options.grid is None and not options.compare_masses and options.fail is None
+        is_path = (
+            options.grid is None and options.headings is None and not options.compare_masses and options.fail is None
+        )
         return (*FORMATS, *(FILMS if is_path else ()))
 
     def refuse(self, asked: StudyRequest[SimulateOptions], path: Path | None) -> None:
@@ -80,6 +82,10 @@ def _refuse_of_array(asked: StudyRequest[SimulateOptions]) -> None:
         of_paths = ("start", "method", "width", *OF_LOOPS, *OF_BODIES)
         asked.refuse(of_paths, "one path (maps are of the open loop, by events)", "--grid")
     asked.refuse(("orbit",), SceneKind.SYSTEM, SceneKind.ARRAY)
+    if options.headings is not None:
+        others = ("grid", "heading", "fail", "kinematics", "method", "width", *OF_LOOPS, *OF_BODIES)
+        asked.refuse(others, "one path or a map of places", "--headings")
+        return
     if options.fail is not None:
         open_loop = ("kinematics", "method", "width", *OF_LOOPS, *OF_BODIES)
         asked.refuse(open_loop, "the open loop by events with exact kinematics", "--fail")
@@ -115,6 +121,11 @@ def _run_array(scene: Any, options: SimulateOptions) -> Result:
     from nonsmooth.analysis.cells.partition import RefusalError
     from nonsmooth.analysis.trajectories.result import TrajectoryError
 
+    if options.headings is not None:
+        from nonsmooth.reports.heading_maps import follow_headings
+
+        with bad_input(scene, RefusalError):
+            return follow_headings(scene, options)
     if options.fail is not None:
         from nonsmooth.reports.failed_paths import follow_failures
 

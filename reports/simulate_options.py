@@ -49,6 +49,14 @@ class SimulateOptions(Options):
         heading=MAP,
         metavar="THETA",
     )
+    headings: int | None = option(
+        None,
+        "Which headings return, and from how far: a body with an outline from N headings of a full turn, at the place "
+        "of --from or the checked point.",
+        int | None,
+        heading=MAP,
+        metavar="N",
+    )
     kinematics: Kinematics = option(Kinematics.EXACT, "Exact pose, or leading order as in the paper.", Kinematics)
     method: PathMethod = option(
         PathMethod.EVENTS, "Events, the paper's hysteresis, smoothing, or full dynamics.", PathMethod, heading=PATH
