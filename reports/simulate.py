@@ -21,7 +21,20 @@ if TYPE_CHECKING:
 
 OF_LOOPS = ("feedback", "law", "gain")
 OF_BODIES = ("mass", "inertia", "compare_masses")
-OF_ARRAYS = ("fail", "heading", "headings", "kinematics", *OF_LOOPS, "rule", "radius", "at", *OF_BODIES)
+OF_TABLES = ("seed", "certified")
+OF_ARRAYS = (
+    "fail",
+    "tables",
+    *OF_TABLES,
+    "heading",
+    "headings",
+    "kinematics",
+    *OF_LOOPS,
+    "rule",
+    "radius",
+    "at",
+    *OF_BODIES,
+)
 
 
 class Simulate(SceneStudy[SimulateOptions]):
@@ -37,9 +50,8 @@ class Simulate(SceneStudy[SimulateOptions]):
         """A table or a picture; of one path a film too."""
         from nonsmooth.reports.result import FORMATS
 
-        is_path = (
-            options.grid is None and options.headings is None and not options.compare_masses and options.fail is None
-        )
+        others = (options.grid, options.headings, options.tables, options.fail)
+        is_path = not options.compare_masses and all(other is None for other in others)
         return (*FORMATS, *(FILMS if is_path else ()))
 
     def refuse(self, asked: StudyRequest[SimulateOptions], path: Path | None) -> None:
@@ -82,6 +94,11 @@ def _refuse_of_array(asked: StudyRequest[SimulateOptions]) -> None:
         of_paths = ("start", "method", "width", *OF_LOOPS, *OF_BODIES)
         asked.refuse(of_paths, "one path (maps are of the open loop, by events)", "--grid")
     asked.refuse(("orbit",), SceneKind.SYSTEM, SceneKind.ARRAY)
+    if options.tables is not None:
+        others = ("start", "until", "grid", "headings", "heading", "fail", "kinematics", "method", "width")
+        asked.refuse((*others, *OF_LOOPS, *OF_BODIES), "one path or a map", "--tables")
+        return
+    asked.refuse(OF_TABLES, "--tables", "none")
     if options.headings is not None:
         others = ("grid", "heading", "fail", "kinematics", "method", "width", *OF_LOOPS, *OF_BODIES)
         asked.refuse(others, "one path or a map of places", "--headings")
@@ -121,6 +138,11 @@ def _run_array(scene: Any, options: SimulateOptions) -> Result:
     from nonsmooth.analysis.cells.partition import RefusalError
     from nonsmooth.analysis.trajectories.result import TrajectoryError
 
+    if options.tables is not None:
+        from nonsmooth.reports.sampled_tables import draw_tables
+
+        with bad_input(scene, ValueError):
+            return draw_tables(scene, options)
     if options.headings is not None:
         from nonsmooth.reports.heading_maps import follow_headings
 

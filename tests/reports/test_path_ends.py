@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 import nonsmooth
-from nonsmooth.analysis.bodies.mass_study import body_of, body_path
 from nonsmooth.analysis.bodies.many_paths import ENDS, BodyEnd, BodyEnds
+from nonsmooth.analysis.bodies.mass_study import body_of, body_path
 from nonsmooth.reports.heading_maps import HeadingsResult
 
 if TYPE_CHECKING:
