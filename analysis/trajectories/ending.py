@@ -102,7 +102,7 @@ def ending(path: Trajectory, size: float | None = None, fastest: float = 0.0) ->
     unit = max(fastest, float(speeds.max()))
     final = states[-1] - states[-2]
     own = final if size is None else final[:2]
-    speed, turning = float(np.linalg.norm(own)) / length, None if size is None else float(final[2]) / length
+    speed, turning = float(np.linalg.norm(own) / length), None if size is None else float(final[2] / length)
     if path.end.reason in FOR_EVER:
         return Ending(Motion.MOVING, None, speed, turning)
     if path.end.reason is EndReason.REST or speeds[-1] <= REST * unit:
