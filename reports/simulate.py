@@ -50,8 +50,8 @@ class Simulate(SceneStudy[SimulateOptions]):
         """A table or a picture; of one path a film too."""
         from nonsmooth.reports.result import FORMATS
 
-        others = (options.grid, options.headings, options.tables, options.fail)
-        is_path = not options.compare_masses and all(other is None for other in others)
+        asked = (options.grid, options.headings, options.tables, options.fail)
+        is_path = not options.compare_masses and all(other is None for other in asked)
         return (*FORMATS, *(FILMS if is_path else ()))
 
     def refuse(self, asked: StudyRequest[SimulateOptions], path: Path | None) -> None:
@@ -95,8 +95,8 @@ def _refuse_of_array(asked: StudyRequest[SimulateOptions]) -> None:
         asked.refuse(of_paths, "one path (maps are of the open loop, by events)", "--grid")
     asked.refuse(("orbit",), SceneKind.SYSTEM, SceneKind.ARRAY)
     if options.tables is not None:
-        others = ("start", "until", "grid", "headings", "heading", "fail", "kinematics", "method", "width")
-        asked.refuse((*others, *OF_LOOPS, *OF_BODIES), "one path or a map", "--tables")
+        of_paths = ("start", "until", "grid", "headings", "heading", "fail", "kinematics", "method", "width")
+        asked.refuse((*of_paths, *OF_LOOPS, *OF_BODIES), "one path or a map", "--tables")
         return
     asked.refuse(OF_TABLES, "--tables", "none")
     if options.headings is not None:
@@ -167,7 +167,9 @@ def _run_array(scene: Any, options: SimulateOptions) -> Result:
 
 
 def _map(scene: Scene, options: SimulateOptions) -> Result:
-    if scene.body is not None:
+    from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
+
+    if scene.body is not None or isinstance(rule_of(scene), SmoothRule):
         from nonsmooth.reports.body_maps import build_body_map
 
         return build_body_map(scene, options)

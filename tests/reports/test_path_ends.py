@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
-import nonsmooth
 from nonsmooth.analysis.bodies.many_paths import ENDS, BodyEnd, BodyEnds
 from nonsmooth.analysis.bodies.mass_study import body_of, body_path
 from nonsmooth.reports.heading_maps import HeadingsResult
+from nonsmooth.symbolic.files.scene_file import load_scene
 
 if TYPE_CHECKING:
     from tests.reports.conftest import Invoke
@@ -54,7 +54,8 @@ def test_with_units_the_body_has_inertia(invoke: Invoke, tmp_path: Path) -> None
     assert found["ending"]["motion"] == "moving"
     heavy = found["inertia"]
     assert (heavy["status"], heavy["what"]) == ("simulated", "comes to rest")
-    array = nonsmooth.load(str(scene)).scene
+    array = load_scene(str(scene))
+    assert array.inertia is not None
     path = body_path(array, body_of(array, 1 / float(array.inertia.gravity)), (30, 20, 0), 4.0)
     away = np.hypot(*(path.states[:, :2] - path.states[-1, :2]).T)
     settles = float(path.times[np.flatnonzero(away > float(array.accuracy))[-1]])
@@ -77,6 +78,17 @@ def test_maps_count_the_starts_that_come_home(invoke: Invoke) -> None:
     assert "25 of 25 end within" in invoke("simulate", "four-wheel", "--grid", "5").out
 
 
+def test_maps_of_rules_without_cells_need_no_outline(invoke: Invoke, tmp_path: Path) -> None:
+    """Each end is that of the path that the engine follows from the same start, however the body turns there."""
+    (tmp_path / "table.toml").write_text(TABLE, encoding="utf-8")
+    found = invoke("simulate", "table.toml", "--grid", "3", "--json").record
+    ends = [(end["x"], end["y"]) for end in found["ends"]]
+    assert found["home"] == len(ends) == 9
+    for (x, y), end in list(zip(found["starts"], ends, strict=True))[::4]:
+        path = invoke("simulate", "table.toml", "--from", f"{x},{y},0", "--until", "10", "--json").record
+        assert path["end"]["state"][:2] == pytest.approx(end, abs=0.5)
+
+
 def ends_at(headings: list[float], reasons: list[BodyEnd]) -> HeadingsResult:
     """Bodies started every 30 degrees that end at these headings (degrees)."""
     count = len(headings)
@@ -84,7 +96,7 @@ def ends_at(headings: list[float], reasons: list[BodyEnd]) -> HeadingsResult:
     poses = np.column_stack([np.zeros((count, 2)), np.radians(headings)])
     kinds = np.array([ENDS.index(reason) for reason in reasons])
     ends = BodyEnds(starts, poses, np.ones(count), kinds, np.zeros((count, 2), int), 1.0)
-    return HeadingsResult(nonsmooth.load("carton-on-6x6").scene, (0.0, 0.0), ends)
+    return HeadingsResult(load_scene("carton-on-6x6"), (0.0, 0.0), ends)
 
 
 def test_a_heading_returns_from_the_arc_that_ends_there() -> None:

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
-import nonsmooth
 from nonsmooth.analysis.bodies.path import ellipse_path
 from nonsmooth.analysis.bodies.sampled_tables import SampledTables, drawn_model, find_rest, nominal_model, sample_tables
 from nonsmooth.analysis.plane_arrays import turned
 from nonsmooth.proofs.robust.decide import decided_statement
+from nonsmooth.symbolic.files.scene_file import load_scene
 
 if TYPE_CHECKING:
     from nonsmooth.symbolic.scene import Scene
@@ -39,7 +39,7 @@ def table(tmp_path: Path) -> Path:
 
 
 def scene_of(file: Path) -> Scene:
-    return nonsmooth.load(str(file)).scene
+    return load_scene(str(file))
 
 
 def test_bodies_end_where_newton_says(table: Path) -> None:
