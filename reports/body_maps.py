@@ -35,8 +35,9 @@ from nonsmooth.reports.maps import MapResult, Part, grid_of, home_row, parts_rec
 from nonsmooth.reports.progress import progress
 from nonsmooth.reports.result import DataTable, Record
 from nonsmooth.reports.simulate_options import SimulateOptions
-from nonsmooth.symbolic.body import Body, Disc
+from nonsmooth.symbolic.body import Body
 from nonsmooth.symbolic.contact_set import whole
+from nonsmooth.symbolic.continuum import Disc
 from nonsmooth.symbolic.number_text import percent_text
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact, one_line

@@ -16,7 +16,7 @@ import numpy as np
 
 from nonsmooth.analysis.bodies.settling import Settled, Settling, arrival, swings_of
 from nonsmooth.analysis.fields.contact_model import Floats
-from nonsmooth.analysis.trajectories.ending import Ending, Motion, ending, parts_of, places
+from nonsmooth.analysis.trajectories.ending import Ending, EndMotion, ending, parts_of, places
 from nonsmooth.analysis.trajectories.result import EndReason, Trajectory
 from nonsmooth.symbolic.number_text import float_text
 from nonsmooth.symbolic.scene import Scene
@@ -38,7 +38,7 @@ def fastest_rim(scene: Scene) -> float:
 
 
 @dataclass(frozen=True)
-class BodyEnd:
+class ArrayPathEnd:
     """The end of one path of an array.
 
     Attributes:
@@ -64,14 +64,14 @@ class BodyEnd:
     @property
     def settles_after(self) -> float | None:
         """The time after which it stays within the accuracy of where it ends; None where it moves on."""
-        if self.ending.motion is Motion.MOVING:
+        if self.ending.motion is EndMotion.MOVING:
             return None
         return arrival(*self._distances, float(self.scene.accuracy))
 
     @property
     def swings(self) -> int | None:
         """How often it comes back to more than the accuracy; None where it moves on."""
-        if self.ending.motion is Motion.MOVING:
+        if self.ending.motion is EndMotion.MOVING:
             return None
         return swings_of(self._distances[1], float(self.scene.accuracy))
 
@@ -129,7 +129,7 @@ def _swings(count: int) -> str:
 
 def _motion(end: Ending, scene: Scene) -> str:
     """``at rest since 1.1 s``, ``creeps at 0.3 mm/s``, ``moving at 20 mm/s and turning at 3 deg/s``."""
-    if end.motion is Motion.AT_REST and end.since is not None:
+    if end.motion is EndMotion.AT_REST and end.since is not None:
         return f"at rest since {'t = ' * (not scene.units.time)}{float_text(end.since, DIGITS)}{_time(scene)}"
     turning = math.degrees(end.turning or 0.0)
     per = f" deg/{scene.units.time}" if scene.units.time else " deg per unit of time"

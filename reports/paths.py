@@ -37,7 +37,7 @@ from nonsmooth.reports.choices import LawName, PathMethod
 from nonsmooth.reports.document import Block, Paragraph, findings
 from nonsmooth.reports.feedback_loop import FeedbackLoop, build_loop
 from nonsmooth.reports.files import FILMS, output_path, write_whole
-from nonsmooth.reports.path_ends import BodyEnd, settled_record, settled_words, system_end
+from nonsmooth.reports.path_ends import ArrayPathEnd, settled_record, settled_words, system_end
 from nonsmooth.reports.progress import steps
 from nonsmooth.reports.refusals import OptionError
 from nonsmooth.reports.result import FORMATS, DataTable, Record, Result, short_lines
@@ -309,7 +309,7 @@ class ArrayPath(PathResult):
     @cached_property
     def ending(self) -> tuple[Record, str]:
         """How far from the point, at which heading, and whether it rests there."""
-        end = BodyEnd(self.scene, self.trajectory)
+        end = ArrayPathEnd(self.scene, self.trajectory)
         own = "without inertia: " if self.heavy is not None else ""
         return end.record(), own + end.words()
 

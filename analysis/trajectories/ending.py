@@ -35,7 +35,7 @@ BISECTIONS = 40
 FOR_EVER = (EndReason.TURNING, EndReason.CIRCLES)  # what never ends, of paths without a last time
 
 
-class Motion(StrEnum):
+class EndMotion(StrEnum):
     """How a path ends."""
 
     AT_REST = "at rest"
@@ -54,7 +54,7 @@ class Ending:
         turning: mean rate of theta in the last part (radian/time); None where the state is no pose.
     """
 
-    motion: Motion
+    motion: EndMotion
     since: float | None
     speed: float
     turning: float | None = None
@@ -90,7 +90,7 @@ def ending(path: Trajectory, size: float | None = None, fastest: float = 0.0) ->
     states = places(path, times)
     length = times[1] - times[0]
     if not length:  # it ends where it begins
-        return Ending(Motion.AT_REST, 0.0, 0.0, None if size is None else 0.0)
+        return Ending(EndMotion.AT_REST, 0.0, 0.0, None if size is None else 0.0)
 
     def moved(first: Floats, last: Floats) -> Floats:
         apart = np.abs(last - first)
@@ -104,11 +104,11 @@ def ending(path: Trajectory, size: float | None = None, fastest: float = 0.0) ->
     own = final if size is None else final[:2]
     speed, turning = float(np.linalg.norm(own) / length), None if size is None else float(final[2] / length)
     if path.end.reason in FOR_EVER:
-        return Ending(Motion.MOVING, None, speed, turning)
+        return Ending(EndMotion.MOVING, None, speed, turning)
     if path.end.reason is EndReason.REST or speeds[-1] <= REST * unit:
         since = _rest_begins(times, speeds, REST * unit, lambda t, late: _mean(path, moved, t, late))
-        return Ending(Motion.AT_REST, since, speed, turning)
-    return Ending(Motion.CREEPS if speeds[-1] <= CREEP * unit else Motion.MOVING, None, speed, turning)
+        return Ending(EndMotion.AT_REST, since, speed, turning)
+    return Ending(EndMotion.CREEPS if speeds[-1] <= CREEP * unit else EndMotion.MOVING, None, speed, turning)
 
 
 def _mean(path: Trajectory, moved: Callable[[Floats, Floats], Floats], t: float, late: float) -> float:
