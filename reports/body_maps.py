@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from fractions import Fraction
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from nonsmooth.analysis.bodies.many_paths import ENDS, TOGETHER, BodyEnd, BodyEnds, ManyPaths, PathEnd, destinations
 from nonsmooth.analysis.contact_rule import CellRule, SmoothRule, rule_of
@@ -29,11 +31,13 @@ from nonsmooth.reports.figures.style import (
     title_figure,
 )
 from nonsmooth.reports.figures.wheels import outline_of, placed
-from nonsmooth.reports.maps import MapResult, Part, grid_of, parts_record
+from nonsmooth.reports.maps import MapResult, Part, grid_of, home_row, parts_record, within_accuracy
 from nonsmooth.reports.progress import progress
 from nonsmooth.reports.result import DataTable, Record
 from nonsmooth.reports.simulate_options import SimulateOptions
+from nonsmooth.symbolic.body import Body
 from nonsmooth.symbolic.contact_set import whole
+from nonsmooth.symbolic.continuum import Disc
 from nonsmooth.symbolic.number_text import percent_text
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact, one_line
@@ -45,6 +49,7 @@ if TYPE_CHECKING:
 
 SCHEMA = "nonsmooth-body-map/1"
 OPEN_HEADING = "rests: the place does; the rate of theta there is open under this rule, and the steps pick one"
+TURNS_ON = "rests: the place does; the body covers all wheels, and turns there as they turn it"
 SHOWN = 12  # destinations listed on a terminal
 
 # the picture
@@ -80,10 +85,19 @@ def build_body_map(scene: Scene, options: SimulateOptions) -> BodyMapResult:
         expected = "--kinematics exact for a body with an outline"
         raise SceneError(scene.origin, "body", expected, StatedFact(str(options.kinematics)))
     array = whole(scene)
-    paths = ManyPaths(array, rule)
+    followed = array if array.body is not None else _covered(array)
+    paths = ManyPaths(followed, rule, of_places=array.body is None)
     with progress(f"{count} x {count} starts") as report:
         ends = paths.follow(pose_starts(array, count, options.heading), options.until, report)
     return BodyMapResult(array, options, ends, TOGETHER * paths.spacing)
+
+
+def _covered(scene: Scene) -> Scene:
+    """The array under a disc that covers all wheels as long as its centre is over their hull, so until it tips."""
+    places = corners_of(wheel.position for wheel in scene.wheels)
+    reach = Fraction(2 * float(np.hypot(*np.ptp(places, axis=0))))
+    zero, one = scene.field.zero, scene.field.one
+    return replace(scene, body=Body(Disc(scene.field(reach)), (zero, zero), (one, zero)))
 
 
 @dataclass(frozen=True, repr=False)
@@ -101,6 +115,12 @@ class BodyMapResult(MapResult):
     options: SimulateOptions
     found: BodyEnds
     distance: float
+
+    @cached_property
+    def home(self) -> NDArray[np.bool_]:
+        """Which starts end upright within the accuracy of the checked point (m,)."""
+        upright = self.found.by(BodyEnd.REST) | self.found.by(BodyEnd.TIME)
+        return within_accuracy(self.scene, self.found.poses[:, :2]) & upright
 
     @cached_property
     def destinations(self) -> list[PathEnd]:
@@ -140,6 +160,8 @@ class BodyMapResult(MapResult):
             "starts": found.starts[:, :2].tolist(),
             "ends": [_end(pose, found, k) for k, pose in enumerate(found.poses.tolist())],
             "destination": self.destination_of,
+            "accuracy": float(self.scene.accuracy),
+            "home": int(self.home.sum()),
             "parts": parts_record(self.parts),
         }
 
@@ -174,6 +196,7 @@ class BodyMapResult(MapResult):
         rows, others = self.shares[:SHOWN], self.destinations[SHOWN:]
         if others:
             rows.append((percent_text(sum(one.share for one in others)), f"{len(others)} others"))
+        rows.insert(0, home_row(self.scene, self.home))
         tips = self.found.by(BodyEnd.TIPS)
         if tips.any():
             at_once = float((tips & (self.found.times == 0)).mean())
@@ -184,6 +207,8 @@ class BodyMapResult(MapResult):
         square = f"x from {left:.6g} to {right:.6g}, y from {low:.6g} to {high:.6g}"
         starts = f"{square}, theta_0 = {self.options.heading:.6g}"
         open_heading = [Paragraph((OPEN_HEADING,))] if rule_of(self.scene).keeps_rows else []
+        if self.scene.body is None:
+            open_heading = [Paragraph((TURNS_ON,))]
         return [Paragraph((head,)), Paragraph((starts,)), findings(rows), *open_heading]
 
     @property
@@ -211,15 +236,17 @@ def _end(pose: list[float], found: BodyEnds, k: int) -> dict[str, Any]:
 def destinations_figure(shown: BodyMapResult) -> Figure:
     """Starts by where they end, and the body at each destination."""
     entries = _destinations_legend(shown.destinations)
-    figure = new_figure(SIZE[0], SIZE[1] + LEGEND_LINE * -(-len(entries) // 2))
+    panes = 1 if shown.scene.body is None else 2  # a body that covers all wheels has no outline to show
+    figure = new_figure(SIZE[0] * panes / 2, SIZE[1] + LEGEND_LINE * -(-len(entries) // 2))
     figure.set_layout_engine("compressed")
-    starts, ends = figure.subplots(1, 2)
+    starts, *others = figure.subplots(1, panes, squeeze=False)[0]
     draw_destinations(starts, shown)
-    _draw_bodies(ends, shown)
     _draw_contacts(starts, shown)
-    _draw_contacts(ends, shown)
     starts.set(**start_labels(shown.scene.units))
-    ends.set(**centre_labels(shown.scene.units))
+    for ends in others:
+        _draw_bodies(ends, shown)
+        _draw_contacts(ends, shown)
+        ends.set(**centre_labels(shown.scene.units))
     head = f"{shown.title}: {shown.head} at theta = {shown.options.heading:.6g}, sampled"
     title_figure(figure, f"{head}\n{shown.summary()}")
     legend_below(figure, entries)

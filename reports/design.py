@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
 
     from nonsmooth.reports.designs.objective import Evaluation
     from nonsmooth.reports.designs.search import Design, Fewest, Wish
-    from nonsmooth.symbolic.scene import Scene
+    from nonsmooth.symbolic.scene import Scene, Wheel
 
 Held = TypeVar("Held")  # what Python holds of a scene: a :class:`nonsmooth.Array`
 
@@ -40,6 +41,7 @@ WHAT = {
     "margin": "the part of the distance by which feedback may misjudge the position",
     "basin": "radius of the disc whence bodies come home",
     "tolerance": "the multiple of the tolerances that is certified",
+    "settling": "one over the time in which bodies with inertia settle (simulated)",
 }
 
 
@@ -53,7 +55,8 @@ class DesignOptions(Options):
     require: str = option("position", "Answers that must be good: position,heading,pose.", metavar="NAMES")
     maximize: str = option(
         "rate",
-        "rate (at which bodies come home), gain or margin (of feedback), basin (whence they come home), or tolerance.",
+        "rate (at which bodies come home), gain or margin (of feedback), basin (whence they come home), tolerance, or "
+        "settling (with inertia, simulated).",
         metavar="NAME",
     )
     move: Any = option(
@@ -109,6 +112,21 @@ class DesignResult(Result, Generic[Held]):
         return self.design.base.value
 
     @property
+    def improved(self) -> bool | None:
+        """Whether the best candidate does better than the given array; None where that is not known.
+
+        It does where it alone meets the requirements, and where both do and more of what is maximized is known of it.
+        """
+        given, best = self.design.base, self.design.best
+        if not self.is_found:
+            return False
+        if given.unmet or given.why_not:
+            return True
+        if best.value is None or given.value is None:
+            return None if best.value is None else True
+        return best.value > given.value
+
+    @property
     def unmet(self) -> tuple[str, ...]:
         """The requirements that the best candidate does not meet."""
         return tuple(self.design.best.unmet)
@@ -133,6 +151,7 @@ class DesignResult(Result, Generic[Held]):
             "seed": wish.seed,
             "checks": design.checks,
             "found": design.is_found,
+            "improved": self.improved,
             "impossible": design.impossible or None,
             "fewest": None if design.fewest is None else vars(design.fewest),
             "given": _evaluation(design.base),
@@ -144,9 +163,32 @@ class DesignResult(Result, Generic[Held]):
         """One line for each wheel of the best candidate: place, direction of the rim, and speed."""
         lines = []
         for wheel in self.design.scene.wheels:
-            x, y, a, b = (_text(float(entry)) for entry in (*wheel.position, *wheel.unit_direction))
-            lines.append((str(wheel.index), f"({x}, {y})", f"({a}, {b})", _text(float(wheel.speed))))
+            x, y = (_text(float(entry)) for entry in wheel.position)
+            lines.append((str(wheel.index), f"({x}, {y})", self._heading(wheel), _text(float(wheel.speed))))
         return DataTable(("wheel", "position", "heading", "speed"), lines)
+
+    def _heading(self, wheel: Wheel) -> str:
+        """A direction; in degrees where the scene has units, as tables of wheels are measured."""
+        a, b = map(float, wheel.unit_direction)
+        if not self.design.scene.units.length:
+            return f"({_text(a)}, {_text(b)})"
+        return f"{_text(math.degrees(math.atan2(b, a)))} deg"
+
+    def _improvement(self) -> str:
+        """Whether anything is better than it was, and by how much."""
+        what, given, best = WHAT[self.wish.maximize], self.given_value, self.value
+        if self.improved is None:
+            return f"whether that is better than the given array is not known: nothing is known of {what}"
+        if not self.is_found:
+            return "nothing is improved: no array that was checked meets the requirements"
+        if not self.improved:
+            return "nothing is improved: the given array is as good as the best that was found"
+        if self.design.base.unmet or self.design.base.why_not:
+            missing = ", ".join(self.design.base.unmet) or self.design.base.why_not
+            return f"improved: the given array lacks {missing}"
+        if given is None or best is None or given <= 0:
+            return f"improved: {what} is not known of the given array"
+        return f"improved: {what} is {float_text(best / given, 3)} times that of the given array"
 
     def blocks(self) -> Sequence[Block]:
         """The outcome, both arrays side by side, and the wheels that were found."""
@@ -162,6 +204,7 @@ class DesignResult(Result, Generic[Held]):
             Paragraph((self.summary(),)),
             table(("question", "the given array", "the best found"), rows, (1.0, 1.0, 3.0)),
             *(Paragraph((line,)) for line in refused),
+            Paragraph((self._improvement(),)),
             table(*self.table(), (1.0, 2.0, 1.0, 1.0)),
             Paragraph((end if design.fewest is None else _fewest_words(design.fewest),)),
         ]

@@ -15,6 +15,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.partition import Partition, RefusalError
@@ -42,7 +43,7 @@ from nonsmooth.reports.progress import progress
 from nonsmooth.reports.refusals import OptionError
 from nonsmooth.reports.result import DataTable, Record, Result, short_lines
 from nonsmooth.reports.simulate_options import SimulateOptions
-from nonsmooth.symbolic.number_text import percent_text
+from nonsmooth.symbolic.number_text import float_text, percent_text
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import one_line
 
@@ -90,6 +91,18 @@ class Part(NamedTuple):
 def parts_record(parts: Sequence[Part]) -> list[Record]:
     """JSON of the parts."""
     return [{"end": part.text, "starts": part.starts} for part in parts]
+
+
+def within_accuracy(scene: Scene, places: Floats) -> NDArray[np.bool_]:
+    """Which of the places (m, 2) at which bodies end are within the accuracy of the checked point; none is not."""
+    away = places - [float(value) for value in scene.check.equilibrium]
+    return np.asarray(np.hypot(*away.T) <= float(scene.accuracy))
+
+
+def home_row(scene: Scene, home: NDArray[np.bool_]) -> tuple[str, str]:
+    """How many of all starts end within the accuracy."""
+    unit = f" {scene.units.length}".rstrip()
+    return "at the point", f"{int(home.sum())} of {len(home)} end within {float_text(scene.accuracy, 3)}{unit} of it"
 
 
 class MapResult(Result):
@@ -148,6 +161,11 @@ class SettleMapResult(MapResult):
         """The scene and the rule."""
         return f"{self.partition.scene.name}, rule {self.partition.rule}"
 
+    @cached_property
+    def home(self) -> NDArray[np.bool_]:
+        """Which starts end within the accuracy of the checked point (m,)."""
+        return within_accuracy(self.partition.scene, self.found.points)
+
     @property
     def parts(self) -> list[Part]:
         """How many starts end in each way, wherever that is."""
@@ -180,6 +198,8 @@ class SettleMapResult(MapResult):
             "until": self.options.until,
             "summary": self._summary,
             **self.found.record(),
+            "accuracy": float(self.partition.scene.accuracy),
+            "home": int(self.home.sum()),
             "parts": parts_record(self.parts),
         }
 
@@ -211,6 +231,7 @@ class SettleMapResult(MapResult):
         rows, summary, others = self.shares[:SHOWN], self._summary, self.basins[SHOWN:]
         if others:
             rows.append((percent_text(sum(basin.share for basin in others)), f"{len(others)} others"))
+        rows.insert(0, home_row(self.partition.scene, self.home))
         theta, latest = summary["theta"], summary["latest_arrival"]
         rows.append(("theta_inf", "-" if theta is None else f"{theta[0]:.10g} to {theta[1]:.10g}"))
         rows.append(("latest arrival", "-" if latest is None else f"t = {latest:.10g}"))

@@ -104,7 +104,7 @@ class NewtonEulerPath(ArrayPath):
             x, y, theta, *velocity, omega = self.motion.state(t).tolist()
             rows.append([*map(float_text, (t, x, y, theta, sum(w**2 for w in velocity) ** 0.5, omega))])
         moments = table(("t", "x", "y", "theta", "speed", "omega"), rows, (1.0,) * 6)
-        begin = super().blocks() if path.events else [Paragraph((line,)) for line in self.head()]
+        begin = super().blocks() if path.events else [Paragraph((line,)) for line in (*self.head(), self.ending[1])]
         return [*begin, moments, Paragraph((f"end: {self.end}",)), Paragraph((mass_note(self.scene),))]
 
     def summary(self) -> str:

@@ -12,27 +12,33 @@ import math
 from abc import abstractmethod
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from nonsmooth.analysis.bodies.settling import Settled
 from nonsmooth.analysis.cells.contact_partition import build_partition
+from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
 from nonsmooth.analysis.fields.constant_field import array_field
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.sign_field import SignField
 from nonsmooth.analysis.fields.system_field import system_field
-from nonsmooth.analysis.trajectories.result import Trajectory
+from nonsmooth.analysis.trajectories.result import Trajectory, TrajectoryError
 from nonsmooth.analysis.trajectories.trajectory import simulate
+from nonsmooth.proofs.answers.answer import has_dynamics
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.reports.choices import LawName, PathMethod
 from nonsmooth.reports.document import Block, Paragraph, findings
 from nonsmooth.reports.feedback_loop import FeedbackLoop, build_loop
 from nonsmooth.reports.files import FILMS, output_path, write_whole
+from nonsmooth.reports.path_ends import ArrayPathEnd, settled_record, settled_words, system_end
+from nonsmooth.reports.progress import steps
 from nonsmooth.reports.refusals import OptionError
 from nonsmooth.reports.result import FORMATS, DataTable, Record, Result, short_lines
 from nonsmooth.reports.simulate_options import POSE, SimulateOptions
@@ -89,6 +95,11 @@ class PathResult(Result):
         """What is drawn."""
 
     @property
+    @abstractmethod
+    def ending(self) -> tuple[Record, str]:
+        """How it ends, where and when: a record, and one sentence."""
+
+    @property
     def t(self) -> NDArray[np.float64]:
         """Sample times, shape (m,)."""
         return np.array([float(t) for t in self.trajectory.times])
@@ -105,7 +116,8 @@ class PathResult(Result):
 
     def facts(self) -> Record:
         """The record of the trajectory, with the scene."""
-        return {"schema": SCHEMA, "scene": self.name, "feedback": None, **self.trajectory.record()}
+        ending, _ = self.ending
+        return {"schema": SCHEMA, "scene": self.name, "feedback": None, **self.trajectory.record(), "ending": ending}
 
     def table(self) -> DataTable:
         """Time and states of every sample."""
@@ -116,7 +128,13 @@ class PathResult(Result):
     def blocks(self) -> Sequence[Block]:
         """Events and end under what is followed, and whether other solutions branch off."""
         head = [Paragraph((line,)) for line in self.head()]
-        return [*head, findings(self._events()), Paragraph((UNIQUE[self.trajectory.unique],))]
+        _, ends = self.ending
+        said = (ends, *self.beside(), UNIQUE[self.trajectory.unique])
+        return [*head, findings(self._events()), *(Paragraph((line,)) for line in said)]
+
+    def beside(self) -> Sequence[str]:
+        """What else is said of the end."""
+        return ()
 
     def summary(self) -> str:
         """How many events, and how it ends."""
@@ -213,6 +231,11 @@ class SystemPath(PathResult):
         states = ", ".join(self.states)
         return [f"{one_line(self.name)}: plain switched system in {states}, method {self.trajectory.method}"]
 
+    @cached_property
+    def ending(self) -> tuple[Record, str]:
+        """How far from the checked point, and whether it rests there."""
+        return system_end(self.system, self.trajectory)
+
     def picture(self) -> PathPicture:
         """The states over time, and of two states the path over the switching surfaces."""
         from nonsmooth.reports.figures.path import system_picture
@@ -261,12 +284,15 @@ class ArrayPath(PathResult):
         partition: its cells; None under rules without cells, and for a body with an outline in the open loop, whose
             cells change with the wheels under it.
         loop: the law that sets the speeds; None for the scene's own.
+        heavy: what becomes of a body with inertia from the same start, or why it is not followed; None where it is not
+            asked for, as of scenes without units.
     """
 
     scene: Scene
     trajectory: Trajectory
     partition: Partition | None = None
     loop: FeedbackLoop | DrivenLoop | None = None
+    heavy: Settled | str | None = None
 
     formats: ClassVar[Mapping[str, Callable[[Any, str], bytes]]] = {**FORMATS, **dict.fromkeys(FILMS, _film)}
 
@@ -280,10 +306,28 @@ class ArrayPath(PathResult):
         """Position and heading."""
         return POSE
 
+    @cached_property
+    def ending(self) -> tuple[Record, str]:
+        """How far from the point, at which heading, and whether it rests there."""
+        end = ArrayPathEnd(self.scene, self.trajectory)
+        own = "without inertia: " if self.heavy is not None else ""
+        return end.record(), own + end.words()
+
+    def beside(self) -> Sequence[str]:
+        """What becomes of a body with inertia."""
+        if self.heavy is None:
+            return ()
+        if isinstance(self.heavy, str):
+            return (f"with inertia: not followed: {self.heavy}",)
+        return (f"with inertia (simulated, from rest): {settled_words(self.scene, self.heavy)}",)
+
     def facts(self) -> Record:
         """The record of the trajectory, with the law and the speeds of the wheels."""
         if self.loop is None:
-            return super().facts() | {"law": None, "speeds": None}
+            own: Record = super().facts() | {"law": None, "speeds": None}
+            if isinstance(self.heavy, Settled):
+                own["inertia"] = settled_record(self.scene, self.heavy)
+            return own
         return super().facts() | {"feedback": self.loop.name, "law": self._law(), "speeds": self._speed_rows()}
 
     def _law(self) -> Record | None:
@@ -456,7 +500,8 @@ def follow_array(scene: Scene, options: SimulateOptions, feedback: FeedbackResul
     if options.is_plain and (isinstance(rule, SmoothRule) or scene.body is not None):
         from nonsmooth.analysis.bodies.mass_study import rule_path  # bodies: a path through cells needs none
 
-        return ArrayPath(scene, rule_path(scene, rule.name, start, options.last))
+        path = rule_path(scene, rule.name, start, options.last)
+        return ArrayPath(scene, path, heavy=_with_inertia(scene, start))
     if law is not None and not rule.keeps_rows:
         return _follow_driven(scene, options)
     if law is not None and scene.loop_errors is not None:
@@ -467,6 +512,19 @@ def follow_array(scene: Scene, options: SimulateOptions, feedback: FeedbackResul
     loop = None if law is None else build_loop(partition, law, options.kinematics, feedback, options.gain)
     path = follow_cells(partition, options, loop)
     return ArrayPath(scene, path if contacts is None else contacts.until_change(path), partition, loop)
+
+
+def _with_inertia(scene: Scene, start: tuple[float, float, float]) -> Settled | str | None:
+    """What becomes of a body with inertia; None of scenes that do not say what gravity is."""
+    if not has_dynamics(scene):
+        return None
+    from nonsmooth.proofs.answers.inertia import settled_from
+
+    with steps("with inertia"):
+        try:
+            return settled_from(scene, start)
+        except (ValueError, TrajectoryError, LoadError) as error:
+            return one_line(str(error))
 
 
 def follow_cells(partition: Partition, options: SimulateOptions, loop: FeedbackLoop | None = None) -> Trajectory:

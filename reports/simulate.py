@@ -21,7 +21,20 @@ if TYPE_CHECKING:
 
 OF_LOOPS = ("feedback", "law", "gain")
 OF_BODIES = ("mass", "inertia", "compare_masses")
-OF_ARRAYS = ("fail", "heading", "kinematics", *OF_LOOPS, "rule", "radius", "at", *OF_BODIES)
+OF_TABLES = ("seed", "certified")
+OF_ARRAYS = (
+    "fail",
+    "tables",
+    *OF_TABLES,
+    "heading",
+    "headings",
+    "kinematics",
+    *OF_LOOPS,
+    "rule",
+    "radius",
+    "at",
+    *OF_BODIES,
+)
 
 
 class Simulate(SceneStudy[SimulateOptions]):
@@ -37,7 +50,8 @@ class Simulate(SceneStudy[SimulateOptions]):
         """A table or a picture; of one path a film too."""
         from nonsmooth.reports.result import FORMATS
 
-        is_path = options.grid is None and not options.compare_masses and options.fail is None
+        asked = (options.grid, options.headings, options.tables, options.fail)
+        is_path = not options.compare_masses and all(other is None for other in asked)
         return (*FORMATS, *(FILMS if is_path else ()))
 
     def refuse(self, asked: StudyRequest[SimulateOptions], path: Path | None) -> None:
@@ -80,6 +94,15 @@ def _refuse_of_array(asked: StudyRequest[SimulateOptions]) -> None:
         of_paths = ("start", "method", "width", *OF_LOOPS, *OF_BODIES)
         asked.refuse(of_paths, "one path (maps are of the open loop, by events)", "--grid")
     asked.refuse(("orbit",), SceneKind.SYSTEM, SceneKind.ARRAY)
+    if options.tables is not None:
+        of_paths = ("start", "until", "grid", "headings", "heading", "fail", "kinematics", "method", "width")
+        asked.refuse((*of_paths, *OF_LOOPS, *OF_BODIES), "one path or a map", "--tables")
+        return
+    asked.refuse(OF_TABLES, "--tables", "none")
+    if options.headings is not None:
+        others = ("grid", "heading", "fail", "kinematics", "method", "width", *OF_LOOPS, *OF_BODIES)
+        asked.refuse(others, "one path or a map of places", "--headings")
+        return
     if options.fail is not None:
         open_loop = ("kinematics", "method", "width", *OF_LOOPS, *OF_BODIES)
         asked.refuse(open_loop, "the open loop by events with exact kinematics", "--fail")
@@ -115,6 +138,16 @@ def _run_array(scene: Any, options: SimulateOptions) -> Result:
     from nonsmooth.analysis.cells.partition import RefusalError
     from nonsmooth.analysis.trajectories.result import TrajectoryError
 
+    if options.tables is not None:
+        from nonsmooth.reports.sampled_tables import draw_tables
+
+        with bad_input(scene, ValueError):
+            return draw_tables(scene, options)
+    if options.headings is not None:
+        from nonsmooth.reports.heading_maps import follow_headings
+
+        with bad_input(scene, RefusalError):
+            return follow_headings(scene, options)
     if options.fail is not None:
         from nonsmooth.reports.failed_paths import follow_failures
 
@@ -134,7 +167,9 @@ def _run_array(scene: Any, options: SimulateOptions) -> Result:
 
 
 def _map(scene: Scene, options: SimulateOptions) -> Result:
-    if scene.body is not None:
+    from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
+
+    if scene.body is not None or isinstance(rule_of(scene), SmoothRule):
         from nonsmooth.reports.body_maps import build_body_map
 
         return build_body_map(scene, options)

@@ -17,6 +17,7 @@ PATH = "One path"
 LOOP = "Closed loop of an array"
 MAP = "Map of many starts of an array"
 FAILED = "Failed wheels of an array"
+TABLES = "Tables within the tolerances of an array"
 ORBIT = "Periodic orbit of a plain system"
 BODY = "A body with mass (--method dynamics)"
 
@@ -48,6 +49,14 @@ class SimulateOptions(Options):
         str,
         heading=MAP,
         metavar="THETA",
+    )
+    headings: int | None = option(
+        None,
+        "Which headings return, and from how far: a body with an outline from N headings of a full turn, at the place "
+        "of --from or the checked point.",
+        int | None,
+        heading=MAP,
+        metavar="N",
     )
     kinematics: Kinematics = option(Kinematics.EXACT, "Exact pose, or leading order as in the paper.", Kinematics)
     method: PathMethod = option(
@@ -92,6 +101,18 @@ class SimulateOptions(Options):
         str | None,
         heading=FAILED,
         metavar="N,...|any",
+    )
+    tables: int | None = option(
+        None,
+        "How far from the point bodies end on N tables drawn within [tolerance], by all tolerances at once and by each "
+        "alone: sampled.",
+        int | None,
+        heading=TABLES,
+        metavar="N",
+    )
+    seed: int = option(0, "Seed of --tables: equal seeds draw equal tables.", int, heading=TABLES, metavar="S")
+    certified: bool = option(
+        False, "With --tables, beside the sample what is proved for every table.", bool, heading=TABLES
     )
     orbit: bool = option(
         False,

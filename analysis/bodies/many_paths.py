@@ -110,8 +110,10 @@ class _State:
 class ManyPaths:
     """Follows one body from many starts."""
 
-    def __init__(self, scene: Scene, rule: SmoothRule | CellRule) -> None:
+    def __init__(self, scene: Scene, rule: SmoothRule | CellRule, *, of_places: bool = False) -> None:
         """For a scene with a body, all its wheels in ``scene.wheels``.
+
+        With ``of_places`` a body rests where its place does, however it turns there.
 
         Raises:
             ValueError: for a scene without a body.
@@ -125,7 +127,7 @@ class ManyPaths:
         self._scene, self._rule = scene, rule
         self._model = rule.contacts(scene) if isinstance(rule, SmoothRule) else contact_model(scene)
         self._outline = MovingOutline(scene.body, self._model.positions)
-        self._turning = 0.0 if rule.keeps_rows else self._outline.size
+        self._turning = 0.0 if rule.keeps_rows or of_places else self._outline.size
         self._fastest = float(np.abs(self._model.speeds).max())
 
     def last_time(self) -> float:

@@ -175,6 +175,21 @@ def simulated(scene: Scene, near: NearRest) -> Simulated:
         return Simulated(radius, tuple(bodies), len(starts), None, str(error))
 
 
+def settled_from(scene: Scene, start: tuple[float, float, float]) -> Settled | None:
+    """Follow one body from rest until it settles; None of a scene that does not say what gravity is.
+
+    Raises:
+        ValueError: for a start at which the body does not stand.
+        LoadError: for a start without loads.
+        TrajectoryError: where the path cannot be followed.
+    """
+    if scene.inertia is None:
+        return None
+    body, radius = body_of(scene, 1 / float(scene.inertia.gravity)), float(scene.check.radius) / 2
+    crossing = radius / (max(float(abs(wheel.speed)) for wheel in scene.wheels) or 1.0)
+    return settle(scene, body, start, float(scene.accuracy), *_chunk(near_rest(scene), crossing))
+
+
 def _chunk(near: NearRest, crossing: float) -> tuple[float, bool]:
     """How long a chunk is, and whether swings fade or grow in it."""
     shortest, longest = (times * crossing for times in CROSSINGS)

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.proofs.answers.answer import Answer, Position
 from nonsmooth.proofs.answers.answers import answers_of
+from nonsmooth.proofs.answers.inertia import inertia_answer
 from nonsmooth.proofs.robust.decide import certified_factor
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.theorem4_result import Check
@@ -85,12 +86,23 @@ def _tolerance(check: Check, answers: Sequence[Answer]) -> float | None:
     return float(factor) if factor else None
 
 
+def _settling(check: Check, answers: Sequence[Answer]) -> float | None:
+    """One over the time after which bodies with inertia keep within the accuracy of where they end (1/time): simulated.
+
+    It is that of the ring of starts of a check, half the half-width of the checked square away.
+    """
+    found = inertia_answer(check.scene)
+    after = None if found is None else found.numbers.get("settles_after")
+    return 1 / float(after) if after else None
+
+
 OBJECTIVES: dict[str, Objective] = {
     "rate": _rate,
     "gain": _held_rate,
     "margin": _margin,
     "basin": _basin,
     "tolerance": _tolerance,
+    "settling": _settling,
 }
 
 

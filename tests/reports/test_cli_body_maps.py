@@ -49,6 +49,8 @@ KEYS = [
     "starts",
     "ends",
     "destination",
+    "accuracy",
+    "home",
     "parts",
 ]
 GRID = ("simulate", "carton.toml", "--grid", "4", "--heading", "0.3")

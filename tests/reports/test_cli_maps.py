@@ -28,7 +28,7 @@ from tests.thorough import few, keep
 FORMULA = 1e-12
 KEYS = [
     "schema", "scene", "rule", "kinematics", "grid", "theta_0", "until", "summary", "starts", "theta", "arrival",
-    "points", "basin", "ends", "unique", "parts",
+    "points", "basin", "ends", "unique", "accuracy", "home", "parts",
 ]  # fmt: skip
 
 if TYPE_CHECKING:

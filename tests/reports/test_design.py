@@ -217,3 +217,33 @@ def test_a_report_of_the_winner(invoke: Invoke, tmp_path: Path, monkeypatch: pyt
     report = (tmp_path / "won.md").read_text(encoding="utf-8")
     assert report.startswith("# Derivation report: rectangle-designed")
     assert "`nonsmooth partition rectangle-designed.toml --show array" in report  # no path of this machine
+
+
+def test_a_design_says_whether_it_improved_anything(invoke: Invoke) -> None:
+    """Of one check there is the given array alone; a saddle lacks what is required until it is turned."""
+    record = invoke("design", "rectangle", "--checks", "1", "--json").record
+    assert (record["improved"], record["best"]["value"]) == (False, record["given"]["value"])
+    assert "nothing is improved" in invoke("design", "rectangle", "--checks", "1").out
+    shown = invoke("design", "saddle", "--checks", "12").out
+    assert "improved: the given array lacks position" in shown
+
+
+def test_bodies_with_inertia_settle_sooner(invoke: Invoke, tmp_path: Path) -> None:
+    """The value is that of the simulation of a check of the same array; without units there is none."""
+    (tmp_path / "table.toml").write_text(HEAVY, encoding="utf-8")
+    record = invoke("design", "table.toml", "--maximize", "settling", "--checks", "1", "--json").record
+    check = invoke("check", "table.toml", "--json").record
+    after = check["answers"]["position"]["inertia"]["settles_after"]
+    assert record["given"]["value"] == pytest.approx(1 / after)
+    assert " deg" in invoke("design", "table.toml", "--maximize", "settling", "--checks", "1").out
+    assert "maximize: required [units]" in invoke("design", "four-wheel", "--maximize", "settling").err
+
+
+HEAVY = """
+name = "table"
+units = { length = "mm", speed = "m/s" }
+friction = { mu_roll = 0.8, mu_side = 0.8 }
+contact = { rule = "ellipse" }
+grid = { rows = 2, columns = 2, pitch = 200 }
+field = { kind = "radial", speed = 0.1 }
+"""

@@ -38,6 +38,7 @@ CASES = {
     "simulate four-wheel --from 0.2,0.1,0 --fail 3": "nonsmooth-failed-paths/1",
     "simulate stick-slip --from 2,0 --orbit": "nonsmooth-orbit/1",
     "simulate four-wheel --grid 4": "nonsmooth-map/1",
+    "simulate carton-on-6x6 --rule ellipse --headings 8 --until 0.2": "nonsmooth-headings/1",
     "simulate eq-4 --grid 2 --until 1": "nonsmooth-system-map/1",
     "audit four-wheel --lyapunov x**2+y**2": "nonsmooth-audit/1",
     "precision relay-oscillator --runs 1 --time-limit 0.02": "nonsmooth-precision/1",

@@ -1,0 +1,193 @@
+"""Where a path ends, when and how: one sentence in the scene's own units, and its record.
+
+``ends 0.108 mm from the point, heading 7.49 deg, within 4.15 mm of there after 0.8 s, at rest since 1.1 s``.  The
+motion at the end is that of :func:`nonsmooth.analysis.trajectories.ending.ending`; swings and the time after which a
+body stays near where it ends are counted as for bodies with inertia (:mod:`nonsmooth.analysis.bodies.settling`).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from nonsmooth.analysis.bodies.settling import Settled, Settling, arrival, swings_of
+from nonsmooth.analysis.fields.contact_model import Floats
+from nonsmooth.analysis.trajectories.ending import Ending, EndMotion, ending, parts_of, places
+from nonsmooth.analysis.trajectories.result import EndReason, Trajectory
+from nonsmooth.symbolic.number_text import float_text
+from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.switched_system import SwitchedSystem
+
+DIGITS = 3
+AT_POINT = 1e-9  # of the scene's length: a distance that is rounding
+SLOWLY = 1e-6  # rotation rate over the speed of the fastest rim at the scene's length, below which it is not named
+
+
+def size_of(scene: Scene) -> float:
+    """What a radian counts as: the length l of the scene."""
+    return float(scene.check.length)
+
+
+def fastest_rim(scene: Scene) -> float:
+    """The speed of the fastest wheel, zero of an array that stands."""
+    return max((abs(float(wheel.speed)) for wheel in scene.wheels), default=0.0)
+
+
+@dataclass(frozen=True)
+class ArrayPathEnd:
+    """The end of one path of an array.
+
+    Attributes:
+        scene: the array.
+        path: of ``(x, y, theta)`` in the world.
+    """
+
+    scene: Scene
+    path: Trajectory
+
+    @cached_property
+    def ending(self) -> Ending:
+        """Whether it is at rest, and since when."""
+        return ending(self.path, size_of(self.scene), fastest_rim(self.scene))
+
+    @cached_property
+    def _distances(self) -> tuple[Floats, Floats]:
+        """Times, and distances of the centre of mass from where it ends."""
+        times = parts_of(self.path)
+        found = places(self.path, times)[:, :2]
+        return times, np.hypot(*(found - found[-1]).T)
+
+    @property
+    def settles_after(self) -> float | None:
+        """The time after which it stays within the accuracy of where it ends; None where it moves on."""
+        if self.ending.motion is EndMotion.MOVING:
+            return None
+        return arrival(*self._distances, float(self.scene.accuracy))
+
+    @property
+    def swings(self) -> int | None:
+        """How often it comes back to more than the accuracy; None where it moves on."""
+        if self.ending.motion is EndMotion.MOVING:
+            return None
+        return swings_of(self._distances[1], float(self.scene.accuracy))
+
+    @property
+    def distance(self) -> float:
+        """From the checked point (length)."""
+        return distance_from_point(self.scene, self.path.end.state)
+
+    def record(self) -> dict[str, Any]:
+        """JSON-ready: ``motion, since, speed, turning, distance, accuracy, settles_after, swings``."""
+        where = {"distance": self.distance, "accuracy": float(self.scene.accuracy)}
+        return self.ending.record() | where | {"settles_after": self.settles_after, "swings": self.swings}
+
+    def words(self) -> str:
+        """The sentence."""
+        state = [float(value) for value in self.path.end.state]
+        parts = [_place(self.scene, state)]
+        if self.path.end.reason is EndReason.TIPS:
+            return ", ".join([*parts, "where it tips"])
+        if self.settles_after is not None:
+            parts += [_settles(self.scene, self.settles_after)]
+        if self.swings:
+            parts += [_swings(self.swings)]
+        return ", ".join([*parts, _motion(self.ending, self.scene)])
+
+
+def distance_from_point(scene: Scene, state: Any) -> float:
+    """From the checked point (length)."""
+    x, y = map(float, scene.check.equilibrium)
+    return math.hypot(float(state[0]) - x, float(state[1]) - y)
+
+
+def _place(scene: Scene, state: Any) -> str:
+    """How far from the point, and at which heading."""
+    distance, unit = distance_from_point(scene, state), _unit(scene.units.length)
+    near = distance <= AT_POINT * size_of(scene)
+    place = "at the point" if near else f"{float_text(distance, DIGITS)}{unit} from the point"
+    return f"ends {place}, heading {degrees_text(float(state[2]))}"
+
+
+def degrees_text(theta: float) -> str:
+    """A heading (radian) in degrees: ``7.49 deg``."""
+    degrees = math.degrees(theta)
+    return f"{float_text(degrees if abs(degrees) > 1e-9 else 0.0, DIGITS)} deg"
+
+
+def _settles(scene: Scene, after: float) -> str:
+    accuracy = float_text(float(scene.accuracy), DIGITS) + _unit(scene.units.length)
+    return f"within {accuracy} of there after {float_text(after, DIGITS)}{_time(scene)}"
+
+
+def _swings(count: int) -> str:
+    return f"{count} swing{'' if count == 1 else 's'}"
+
+
+def _motion(end: Ending, scene: Scene) -> str:
+    """``at rest since 1.1 s``, ``creeps at 0.3 mm/s``, ``moving at 20 mm/s and turning at 3 deg/s``."""
+    if end.motion is EndMotion.AT_REST and end.since is not None:
+        return f"at rest since {'t = ' * (not scene.units.time)}{float_text(end.since, DIGITS)}{_time(scene)}"
+    turning = math.degrees(end.turning or 0.0)
+    per = f" deg/{scene.units.time}" if scene.units.time else " deg per unit of time"
+    slow = SLOWLY * max(fastest_rim(scene), end.speed) / size_of(scene)
+    turns = "" if abs(end.turning or 0.0) <= slow else f" and turning at {float_text(turning, DIGITS)}{per}"
+    return f"{end.motion.value} at {float_text(end.speed, DIGITS)}{_unit(scene.units.speed)}{turns}"
+
+
+def _unit(label: str) -> str:
+    return f" {label}" if label else ""
+
+
+def _time(scene: Scene) -> str:
+    return _unit(scene.units.time)
+
+
+# ---- with inertia --------------------------------------------------------------------------------
+
+
+def settled_words(scene: Scene, body: Settled) -> str:
+    """What becomes of a body with inertia, from rest."""
+    if body.kind is Settling.THROWN_OFF:
+        return f"thrown off after {float_text(body.until, DIGITS)}{_time(scene)}"
+    if body.kind is Settling.LIMIT_CYCLE and body.amplitude is not None:
+        size = float_text(body.amplitude, DIGITS) + _unit(scene.units.length)
+        return f"swings on for ever, up to {size} from a place {_place(scene, body.end).removeprefix('ends ')}"
+    if body.settles_after is None:
+        return f"still moving after {float_text(body.until, DIGITS)}{_time(scene)}"
+    parts = [_place(scene, body.end), _settles(scene, body.settles_after), _swings(body.swings or 0)]
+    return ", ".join(parts)
+
+
+def settled_record(scene: Scene, body: Settled) -> dict[str, Any]:
+    """JSON-ready."""
+    return {
+        "status": "simulated",
+        "what": str(body.kind),
+        "end": list(body.end),
+        "distance": distance_from_point(scene, body.end),
+        "settles_after": body.settles_after,
+        "swings": body.swings,
+        "limit_cycle": body.amplitude,
+        "until": body.until,
+    }
+
+
+# ---- plain systems -------------------------------------------------------------------------------
+
+
+def system_end(system: SwitchedSystem, path: Trajectory) -> tuple[dict[str, Any], str]:
+    """The record and the sentence of a path of a plain system."""
+    end = ending(path)
+    away = [float(value) - float(point) for value, point in zip(path.end.state, system.check.equilibrium, strict=True)]
+    distance = math.hypot(*away)
+    near = distance <= AT_POINT * float(system.check.radius)
+    place = "at the checked point" if near else f"{float_text(distance, DIGITS)} from the checked point"
+    motion = f"{end.motion.value} at {float_text(end.speed, DIGITS)}"
+    if end.since is not None:
+        motion = f"at rest since t = {float_text(end.since, DIGITS)}"
+    record = end.record() | {"distance": distance}
+    return {key: value for key, value in record.items() if key != "turning"}, f"ends {place}, {motion}"

@@ -1,0 +1,122 @@
+"""``simulate`` says where, when and how a path ends, with inertia and without."""
+
+from __future__ import annotations
+
+import math
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+
+from nonsmooth.analysis.bodies.many_paths import ENDS, BodyEnd, BodyEnds
+from nonsmooth.analysis.bodies.mass_study import body_of, body_path
+from nonsmooth.reports.heading_maps import HeadingsResult
+from nonsmooth.symbolic.files.scene_file import load_scene
+
+if TYPE_CHECKING:
+    from tests.reports.conftest import Invoke
+
+TABLE = """
+name = "table"
+units = { length = "mm", speed = "m/s" }
+friction = { mu_roll = 0.8, mu_side = 0.8 }
+contact = { rule = "ellipse" }
+grid = { rows = 2, columns = 2, pitch = 200 }
+field = { kind = "radial", speed = 0.1 }
+"""
+
+
+def sentence(text: str) -> str:
+    return " ".join(text.split())
+
+
+def test_a_body_of_rule_nearest_rests_where_the_engine_says(invoke: Invoke) -> None:
+    """The time is that of the event of rest, which the exact pieces give."""
+    found = invoke("simulate", "four-wheel", "--from", "0.2,0.4,0.3", "--json").record
+    (rest,) = [event["t"] for event in found["events"] if event["kind"] == "rest"]
+    ending = found["ending"]
+    assert ending["motion"] == "at rest"
+    assert ending["since"] == pytest.approx(rest, abs=1e-6)
+    assert (ending["distance"], ending["swings"]) == (pytest.approx(0.0, abs=1e-12), 0)
+    shown = sentence(invoke("simulate", "four-wheel", "--from", "0.2,0.4,0.3").out)
+    heading = math.degrees(found["end"]["state"][2])
+    assert f"ends at the point, heading {heading:.3g} deg" in shown
+    assert "inertia" not in shown
+
+
+def test_with_units_the_body_has_inertia(invoke: Invoke, tmp_path: Path) -> None:
+    """The time to settle is that of the longer path that ``--method dynamics`` follows with finer steps."""
+    scene = tmp_path / "table.toml"
+    scene.write_text(TABLE, encoding="utf-8")
+    found = invoke("simulate", str(scene), "--from", "30,20,0", "--until", "0.1", "--json").record
+    assert found["ending"]["motion"] == "moving"
+    heavy = found["inertia"]
+    assert (heavy["status"], heavy["what"]) == ("simulated", "comes to rest")
+    array = load_scene(str(scene))
+    assert array.inertia is not None
+    path = body_path(array, body_of(array, 1 / float(array.inertia.gravity)), (30, 20, 0), 4.0)
+    away = np.hypot(*(path.states[:, :2] - path.states[-1, :2]).T)
+    settles = float(path.times[np.flatnonzero(away > float(array.accuracy))[-1]])
+    assert heavy["settles_after"] == pytest.approx(settles, rel=0.02)
+    shown = sentence(invoke("simulate", str(scene), "--from", "30,20,0", "--until", "0.1").out)
+    assert re.search(r"without inertia: ends [\d.]+ mm from the point, heading .* deg, moving at [\d.]+ mm/s", shown)
+    assert re.search(r"with inertia \(simulated, from rest\): ends .* mm of there after [\d.]+ s, \d+ swing", shown)
+
+
+def test_plain_systems_say_it_too(invoke: Invoke) -> None:
+    found = invoke("simulate", "eq-3", "--from", "0.2,0.4").out
+    assert "from the checked point" in sentence(found) or "at the checked point" in sentence(found)
+
+
+def test_maps_count_the_starts_that_come_home(invoke: Invoke) -> None:
+    found = invoke("simulate", "four-wheel", "--grid", "5", "--json").record
+    at_x, at_y, accuracy = 0.0, 0.0, found["accuracy"]
+    near = [math.hypot(x - at_x, y - at_y) <= accuracy for x, y in found["points"]]
+    assert found["home"] == sum(near) == 25
+    assert "25 of 25 end within" in invoke("simulate", "four-wheel", "--grid", "5").out
+
+
+def test_maps_of_rules_without_cells_need_no_outline(invoke: Invoke, tmp_path: Path) -> None:
+    """Each end is that of the path that the engine follows from the same start, however the body turns there."""
+    (tmp_path / "table.toml").write_text(TABLE, encoding="utf-8")
+    found = invoke("simulate", "table.toml", "--grid", "3", "--json").record
+    ends = [(end["x"], end["y"]) for end in found["ends"]]
+    assert found["home"] == len(ends) == 9
+    for (x, y), end in list(zip(found["starts"], ends, strict=True))[::4]:
+        path = invoke("simulate", "table.toml", "--from", f"{x},{y},0", "--until", "10", "--json").record
+        assert path["end"]["state"][:2] == pytest.approx(end, abs=0.5)
+
+
+def ends_at(headings: list[float], reasons: list[BodyEnd]) -> HeadingsResult:
+    """Bodies started every 30 degrees that end at these headings (degrees)."""
+    count = len(headings)
+    starts = np.column_stack([np.zeros((count, 2)), 2 * math.pi * (np.arange(count) - count // 2) / count])
+    poses = np.column_stack([np.zeros((count, 2)), np.radians(headings)])
+    kinds = np.array([ENDS.index(reason) for reason in reasons])
+    ends = BodyEnds(starts, poses, np.ones(count), kinds, np.zeros((count, 2), int), 1.0)
+    return HeadingsResult(load_scene("carton-on-6x6"), (0.0, 0.0), ends)
+
+
+def test_a_heading_returns_from_the_arc_that_ends_there() -> None:
+    """Around a full turn: -180 and 150 are neighbours; ends may have turned once more."""
+    headings = [178.0, -152.0, -100.0, 5.0, 5.1, 5.2, 364.8, 5.0, 60.0, 120.0, 178.2, 538.1]
+    found = ends_at(headings, [BodyEnd.REST] * 12)
+    arcs = [(round(math.degrees(arc.first)), round(math.degrees(arc.last))) for arc in found.returning]
+    assert arcs == [(-90, 30), (120, 180)]
+    assert [round(math.degrees(arc.heading or 0.0)) for arc in found.returning] == [5, 178]
+    assert sum(arc.starts for arc in found.arcs) == 12
+
+
+def test_headings_that_fall_or_lie_beside_their_arc_do_not_return() -> None:
+    headings = [40.0] * 4 + [0.0] * 8
+    found = ends_at(headings, [BodyEnd.REST] * 4 + [BodyEnd.TIPS] * 8)
+    assert found.returning == ()
+    assert found.summary() == "no heading returns"
+
+
+def test_scenes_without_an_outline_are_told_why(invoke: Invoke) -> None:
+    found = invoke("simulate", "four-wheel", "--headings", "12")
+    assert found.status == 2
+    assert "moves alike at every heading" in found.err

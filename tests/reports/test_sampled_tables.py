@@ -1,0 +1,111 @@
+"""``simulate --tables``: places of rest by Newton's method against paths that are followed to their ends."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+
+from nonsmooth.analysis.bodies.path import ellipse_path
+from nonsmooth.analysis.bodies.sampled_tables import SampledTables, drawn_model, find_rest, nominal_model, sample_tables
+from nonsmooth.analysis.plane_arrays import turned
+from nonsmooth.proofs.robust.decide import decided_statement
+from nonsmooth.symbolic.files.scene_file import load_scene
+
+if TYPE_CHECKING:
+    from nonsmooth.symbolic.scene import Scene
+    from tests.reports.conftest import Invoke
+
+TABLE = """
+name = "table"
+units = { length = "mm", speed = "m/s" }
+friction = { mu_roll = 0.8, mu_side = 0.6 }
+contact = { rule = "RULE" }
+grid = { rows = 2, columns = 3, pitch = 100 }
+field = { kind = "radial", speed = 0.1 }
+tolerance = { position = 1, heading = "1 deg", mu_roll = "15/100", mu_side = "15/100" }
+"""
+
+
+@pytest.fixture
+def table(tmp_path: Path) -> Path:
+    file = tmp_path / "table.toml"
+    file.write_text(TABLE.replace("RULE", "ellipse"), encoding="utf-8")
+    return file
+
+
+def scene_of(file: Path) -> Scene:
+    return load_scene(str(file))
+
+
+def test_bodies_end_where_newton_says(table: Path) -> None:
+    """Paths from elsewhere, followed for long, come to the places of rest of the same tables."""
+    scene = scene_of(table)
+    assert scene.tolerances is not None
+    found, generator = sample_tables(scene, 2, 7), np.random.default_rng(7)
+    for place in found.places:
+        model = drawn_model(scene, scene.tolerances, generator)
+        end = ellipse_path(model, (20.0, -10.0, 0.0), 60.0).end.state
+        assert [float(x) for x in end[:2]] == pytest.approx(place.tolist(), abs=1e-3)
+
+
+def test_draws_stay_within_their_tolerances(table: Path) -> None:
+    scene = scene_of(table)
+    assert scene.tolerances is not None
+    drawn, generator = nominal_model(scene), np.random.default_rng(1)
+    models = [drawn_model(scene, scene.tolerances, generator) for _ in range(50)]
+    positions = np.abs([model.positions - drawn.positions for model in models])
+    across = turned(drawn.rims)
+    turns = np.abs([(across * model.rims).sum(axis=1) for model in models])
+    shares = np.abs([model.friction / drawn.friction - 1 for model in models])
+    for values, bound in ((positions, 1.0), (turns, np.sin(np.pi / 180)), (shares, 0.15)):
+        assert 0.9 * bound < values.max() <= bound * (1 + 1e-12)
+    assert all((model.speeds == pytest.approx(drawn.speeds)) for model in models)
+    slips = [model.slips(np.zeros(3))[:, 1] for model in models]  # the surface moves along the rim, wherever it points
+    assert np.abs(slips).max() < 1e-9
+
+
+def test_the_sample_lies_within_what_is_certified(table: Path) -> None:
+    scene = scene_of(table)
+    assert scene.tolerances is not None
+    small = replace(scene, tolerances=scene.tolerances.times(Fraction(1, 8)))
+    proved = decided_statement(small)
+    radius = proved.equilibrium or proved.radius
+    assert radius is not None
+    assert sample_tables(small, 40, 3).within(1.0) <= float(radius)
+
+
+def test_the_number_says_which_share_ends_within_it() -> None:
+    places = np.array([[float(k), 0.0] for k in range(1, 20)] + [[np.nan, np.nan]])
+    found = SampledTables(("heading",), places, np.zeros(2), np.zeros(2))
+    assert (found.missing, found.within(0.95), found.within(0.5)) == (1, 19.0, 10.0)
+    assert found.within(1.0) == np.inf
+
+
+def test_a_table_that_carries_bodies_away_has_no_place_of_rest(table: Path) -> None:
+    table.write_text(table.read_text().replace('"radial", speed', '"expression", x = "x", y = "y", speed'))
+    model = nominal_model(scene_of(table))
+    assert find_rest(model, np.array([0.1, 0.1]), 100.0) is None
+
+
+def test_the_command_says_what_binds(table: Path, invoke: Invoke) -> None:
+    record = invoke("simulate", str(table), "--tables", "20", "--seed", "3", "--json").record
+    assert (record["status"], record["tables"], record["certified"]) == ("sampled", 20, None)
+    alone = {part["drawn"][0]: part["moved"] for part in record["parts"] if len(part["drawn"]) == 1}
+    assert max(alone, key=lambda name: alone[name]) == record["binding"]
+    shown = " ".join(invoke("simulate", str(table), "--tables", "20", "--seed", "3").out.split())
+    assert f"95 % of 20 tables end within {record['within']:.3g} mm (sampled, seed 3)" in shown
+    assert "certified: not asked for (--certified)" in shown
+    again = invoke("simulate", str(table), "--tables", "20", "--seed", "3", "--json").record
+    assert again == record
+
+
+def test_what_is_not_drawn_is_refused(table: Path, invoke: Invoke) -> None:
+    assert "states no tolerances" in invoke("simulate", "four-wheel", "--tables", "5").err
+    table.write_text(TABLE.replace("RULE", "nearest"))
+    assert "under rules with friction sets" in invoke("simulate", str(table), "--tables", "5").err
+    assert "--seed: required --tables" in invoke("simulate", "four-wheel", "--from", "0,0,0", "--seed", "3").err
