@@ -142,7 +142,8 @@ def false_mutants(originals: Sequence[Record], count: int, seed: int) -> tuple[l
 
 def half_width(hypotheses: Record) -> float:
     """Half the side of the cube of a theorem; one where it is all of the space."""
-    within = hypotheses.get("cells", hypotheses)["within"]
+    known = hypotheses.get("local", hypotheses)
+    within = known.get("cells", known)["within"]
     return 1.0 if within is None else float(Fraction(within))
 
 
