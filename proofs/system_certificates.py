@@ -34,6 +34,7 @@ from nonsmooth.proofs.system_facts import (
     region_rate_words,
     rewriting_words,
 )
+from nonsmooth.proofs.systems.basin import EFFORTS, Basin, Region, find_basin
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.findings import DecidedSystem, ExaminedFunction, Method, PotentialPiece
 from nonsmooth.proofs.theorem_searches import show_verdict
@@ -368,12 +369,49 @@ def _further(result: DecidedSystem) -> Iterator[Option]:
     region, far = reach.region, reach.region_rate
     if region is None or function is None or region == reach.near:
         return
-    stated, cells = _stated_function(system, region.radius, function)
-    own = {**stability_hypotheses(cells.record, stated, str(result.verdict)), "below": True}
-    yield Option({**own, "level": exact_text(region.level)}, reached_words(region, system.states))
+    own = _stated_region(result)
+    yield Option(own, reached_words(region, system.states))
     if far is not None:
         rate = {"kind": "exponential", "kappa": exact_text(far.kappa)}
         yield Option({**own, "level": exact_text(far.level), "rate": rate}, region_rate_words(reach, system.states))
+
+
+def _stated_region(result: DecidedSystem) -> Record:
+    """The hypotheses of theorem ``lyapunov`` with the level of the region: below it, if V falls nowhere else."""
+    region, function = result.reach.region, result.function
+    stated, cells = _stated_function(result.scene, region.radius, function)
+    own = stability_hypotheses(cells.record, stated, str(result.verdict))
+    return {**own, "below": region != result.reach.near, "level": exact_text(region.level)}
+
+
+def find_region_of_triangles(
+    result: DecidedSystem, asked: Region, announce: Callable[[str, int, int], None]
+) -> Basin | None:
+    """A basin of triangles around the certified level set of V, which the checker has accepted; None without one.
+
+    Where formulas are known on the checked square alone, because of denominators or enclosed sines, so is the mesh.
+
+    Args:
+        result: of a system in the plane.
+        asked: how much may be done for it.
+        announce: told what is done, how much of it, and of how much.
+    """
+    known = result.reach.region is not None and result.function is not None and not result.reach.everywhere
+    if len(result.scene.states) != len(PLANE) or result.scene.by_roots is not None or not known:
+        return None
+    try:
+        result = replace(result, scene=in_rational_numbers(result.scene))
+        system, scene = read_subject(about(result.scene)), result.scene
+        local, search = _stated_region(result), Search()
+        search.entry(system, "lyapunov", local)
+        limit = float(scene.check.radius) if scene.written or scene.denominators else None
+        surfaces = stated_cells(scene, scene.check.radius).record["surfaces"]
+        found = find_basin(system, local, surfaces, EFFORTS[asked], limit, announce)
+        if found is not None:
+            search.entry(system, "basin", found.hypotheses)
+    except (NoCertificateError, NotShownError, BeyondReachError):
+        return None
+    return found
 
 
 # ---- what a certificate does not hold ----------------------------------------------------------

@@ -123,14 +123,17 @@ class Plane:
     def __init__(self, system: System, unit: Any, surfaces: Any, proofs: Proofs) -> None:
         self.domain = Domain(system, unit)
         self.surfaces = Surfaces(self.domain, surfaces, [], proofs)
-        self._sides = [Field.of([own]) for own in self.surfaces.listed]
+        self._guards = [Field.of([own]) for own in self.surfaces.listed]
         self._formulas = system.fields(self.domain.place)
-        self.fields = cache(self._fields)
+        self.sides, self.fields = cache(self._sides), cache(self._fields)
+
+    def _sides(self, signs: Pattern) -> list[list[Polynomial]]:
+        """The right-hand sides on a cell."""
+        return [[own.on(lambda value: self.surfaces.sign_on(signs, value)) for own in side] for side in self._formulas]
 
     def _fields(self, signs: Pattern) -> tuple[Field, ...]:
-        """Those of a cell."""
-        sides = [[own.on(lambda value: self.surfaces.sign_on(signs, value)) for own in side] for side in self._formulas]
-        return tuple(map(Field.of, sides))
+        """The same with whole coefficients."""
+        return tuple(map(Field.of, self.sides(signs)))
 
     def crossing(self, corners: Sequence[Place]) -> frozenset[Pattern]:
         """The cells that may meet the inside of a triangle: a surface has their sign at some point of it."""
@@ -144,7 +147,7 @@ class Plane:
         return self._patterns(any(s * c > 0 for c in own) or not any(own) for own, s in self._on(corners))
 
     def _on(self, corners: Sequence[Place]) -> Iterator[tuple[list[int], int]]:
-        for own in self._sides:
+        for own in self._guards:
             values = own.on(corners)
             yield from ((values, -1), (values, 1))
 
