@@ -34,7 +34,7 @@ from nonsmooth.proofs.system_facts import (
     region_rate_words,
     rewriting_words,
 )
-from nonsmooth.proofs.systems.basin import EFFORTS, Basin, Region, find_basin
+from nonsmooth.proofs.systems.basin import EFFORTS, Basin, find_basin
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.findings import DecidedSystem, ExaminedFunction, Method, PotentialPiece
 from nonsmooth.proofs.theorem_searches import show_verdict
@@ -109,6 +109,8 @@ def certificate_of(result: DecidedSystem) -> Record:
             for further in _further(result):
                 draft.add(system, further)
             draft.add_global(result.reach.global_entry)
+            if result.reach.basin is not None:
+                draft.add_entry(system, "basin", result.reach.basin.hypotheses)
             draft.left_out += _beyond_words(result, draft)
             return _checked(result.scene, subject, draft)
     except IrrationalError:
@@ -187,15 +189,11 @@ class Draft:
         level = Fraction(option.hypotheses["level"])
         for share in (Fraction(1), NEARLY):
             try:
-                entry, statements = Search().entry(
-                    system, "lyapunov", {**option.hypotheses, "level": str(level * share)}
-                )
+                self.add_entry(system, "lyapunov", {**option.hypotheses, "level": str(level * share)})
             except NotShownError as error:
                 if share == 1:
                     self.left_out.append(f"{option.words}: {UNSHOWN}: {error}")
                 continue
-            self.evidence.append(entry)
-            self.statements += [own for own in statements if own not in self.statements]
             return
 
     def add_global(self, entry: Record | None) -> None:
@@ -203,6 +201,16 @@ class Draft:
         if entry is not None:
             self.evidence.append(entry)
             self.statements += [{"attracts": "everywhere"}]
+
+    def add_entry(self, system: System, theorem: str, hypotheses: Record) -> None:
+        """One more theorem.
+
+        Raises:
+            NotShownError: where a hypothesis is not shown.
+        """
+        entry, statements = Search().entry(system, theorem, hypotheses)
+        self.evidence.append(entry)
+        self.statements += [own for own in statements if own not in self.statements]
 
 
 def _checked(system: SwitchedSystem, subject: Record, draft: Draft) -> Record:
@@ -385,7 +393,7 @@ def _stated_region(result: DecidedSystem) -> Record:
 
 
 def find_region_of_triangles(
-    result: DecidedSystem, asked: Region, announce: Callable[[str, int, int], None]
+    result: DecidedSystem, asked: str, announce: Callable[[str, int, int], None]
 ) -> Basin | None:
     """A basin of triangles around the certified level set of V, which the checker has accepted; None without one.
 
@@ -393,7 +401,7 @@ def find_region_of_triangles(
 
     Args:
         result: of a system in the plane.
-        asked: how much may be done for it.
+        asked: how much may be done for it, of EFFORTS.
         announce: told what is done, how much of it, and of how much.
     """
     known = result.reach.region is not None and result.function is not None and not result.reach.everywhere

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from enum import StrEnum
 from functools import cached_property
 from typing import Any
 
@@ -36,14 +35,6 @@ FARTHEST = 1e4  # times the size of the first ring: no ring goes there
 MARGIN = 1.25  # of the square around the mesh over which starts are sampled
 
 
-class Region(StrEnum):
-    """How much is asked of the region of a plain system in the plane."""
-
-    NONE = "none"
-    FAST = "fast"
-    BEST = "best"
-
-
 @dataclass(frozen=True)
 class Effort:
     """What a search may cost.
@@ -59,7 +50,7 @@ class Effort:
     starts: int
 
 
-EFFORTS = {Region.FAST: Effort(0.04, 0.012, 41), Region.BEST: Effort(0.007, 0.0025, 101)}
+EFFORTS = {"fast": Effort(0.04, 0.012, 41), "best": Effort(0.007, 0.0025, 101)}
 
 
 @dataclass(frozen=True)

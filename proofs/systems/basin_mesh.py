@@ -205,7 +205,7 @@ class MeshBuilder:
         return self.rings[number]
 
     def build(self, announce: Callable[[int, int], None]) -> tuple[dict[str, Any], int] | None:
-        """The mesh as a certificate holds it, and the value of W on its last ring; None without a band that is shown."""
+        """The mesh as a certificate holds it, and W on its last ring; None without a band on which W falls."""
         used = [*range(0, len(self.dense) - 1, EVERY), len(self.dense) - 1]
         shown: set[tuple[int, int]] = set()
         rounds: dict[tuple[int, int], int] = {}
