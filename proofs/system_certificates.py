@@ -392,6 +392,20 @@ def _stated_region(result: DecidedSystem) -> Record:
     return {**own, "below": region != result.reach.near, "level": exact_text(region.level)}
 
 
+def _shown_region(system: System, local: Record, search: Search) -> Record:
+    """A region with evidence, or one below a level a little smaller: V may stand still on the border of a largest one.
+
+    Raises:
+        NotShownError: where neither is shown.
+    """
+    try:
+        search.entry(system, "lyapunov", local)
+    except NotShownError:
+        local = {**local, "level": str(Fraction(local["level"]) * NEARLY)}
+        search.entry(system, "lyapunov", local)
+    return local
+
+
 def find_region_of_triangles(
     result: DecidedSystem, asked: str, announce: Callable[[str, int, int], None]
 ) -> Basin | None:
@@ -410,8 +424,8 @@ def find_region_of_triangles(
     try:
         result = replace(result, scene=in_rational_numbers(result.scene))
         system, scene = read_subject(about(result.scene)), result.scene
-        local, search = _stated_region(result), Search()
-        search.entry(system, "lyapunov", local)
+        search = Search()
+        local = _shown_region(system, _stated_region(result), search)
         limit = float(scene.check.radius) if scene.written or scene.denominators else None
         surfaces = stated_cells(scene, scene.check.radius).record["surfaces"]
         found = find_basin(system, local, surfaces, EFFORTS[asked], limit, announce)
