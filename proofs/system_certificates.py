@@ -34,7 +34,7 @@ from nonsmooth.proofs.system_facts import (
     region_rate_words,
     rewriting_words,
 )
-from nonsmooth.proofs.systems.basin import EFFORTS, Basin, find_basin
+from nonsmooth.proofs.systems.basin import EFFORTS, CertifiedBasin, find_basin
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.findings import DecidedSystem, ExaminedFunction, Method, PotentialPiece
 from nonsmooth.proofs.theorem_searches import show_verdict
@@ -408,7 +408,7 @@ def _shown_region(system: System, local: Record, search: Search) -> Record:
 
 def find_region_of_triangles(
     result: DecidedSystem, asked: str, announce: Callable[[str, int, int], None]
-) -> Basin | None:
+) -> CertifiedBasin | None:
     """A basin of triangles around the certified level set of V, which the checker has accepted; None without one.
 
     Where formulas are known on the checked square alone, because of denominators or enclosed sines, so is the mesh.

@@ -10,7 +10,7 @@ from typing import Any
 
 from nonsmooth.proofs.facts import Fact, Quantity, row_fact, text_fact, unsaid
 from nonsmooth.proofs.system_audit import AuditResult
-from nonsmooth.proofs.systems.basin import Basin
+from nonsmooth.proofs.systems.basin import CertifiedBasin
 from nonsmooth.proofs.systems.decay_rate import DecayKind
 from nonsmooth.proofs.systems.derivatives import Supremum
 from nonsmooth.proofs.systems.domain import Domain, cube_text
@@ -189,7 +189,7 @@ def _region_record(region: SublevelRegion, states: Sequence[str]) -> dict[str, o
     return record | {"text": region_words(region, states)}
 
 
-def basin_words(basin: Basin) -> str:
+def basin_words(basin: CertifiedBasin) -> str:
     """What is certified by triangles, and how much that is of what is sampled."""
     certified, coming = basin.sampled
     share = percent_text(basin.share)
@@ -197,7 +197,7 @@ def basin_words(basin: Basin) -> str:
     return f"{mesh}; the region and they hold {share} of the sampled starts that do ({certified} of {coming})"
 
 
-def _basin_record(basin: Basin) -> dict[str, object]:
+def _basin_record(basin: CertifiedBasin) -> dict[str, object]:
     """The corners with the values of W, in the displacement from the point, and the triangles by their corners."""
     certified, coming = basin.sampled
     return {

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from rich.console import RenderableType
 
     from nonsmooth.proofs.facts import Fact
-    from nonsmooth.proofs.systems.basin import Basin
+    from nonsmooth.proofs.systems.basin import CertifiedBasin
 
 SYSTEM_SCHEMA = "nonsmooth-check/1"
 AUDIT_SCHEMA = "nonsmooth-audit/1"
@@ -271,7 +271,7 @@ def _from_where(result: StabilityResult) -> SystemAnswer:
     return SystemAnswer(question, "from near it", "how far around it is not certified")
 
 
-def draw_triangles(axes: Axes, basin: Basin) -> None:
+def draw_triangles(axes: Axes, basin: CertifiedBasin) -> None:
     """The triangles of a basin, and its border."""
     x, y, _ = basin.corners.T
     axes.triplot(x, y, basin.triangles, color=MESH, linewidth=0.3)

@@ -9,15 +9,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property, partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.proofs.checker.basin import Plane
-from nonsmooth.proofs.checker.cells import System
+from nonsmooth.proofs.checker.cells import Pattern, System
 from nonsmooth.proofs.checker.formulas import Formula
+from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.checker.positivity import Proofs
 from nonsmooth.proofs.systems.basin_mesh import MeshBuilder
 from nonsmooth.proofs.systems.basin_rings import (
@@ -36,7 +37,7 @@ MARGIN = 1.25  # of the square around the mesh over which starts are sampled
 
 
 @dataclass(frozen=True)
-class Effort:
+class BasinEffort:
     """What a search may cost.
 
     Attributes:
@@ -50,11 +51,11 @@ class Effort:
     starts: int
 
 
-EFFORTS = {"fast": Effort(0.04, 0.012, 41), "best": Effort(0.007, 0.0025, 101)}
+EFFORTS = {"fast": BasinEffort(0.04, 0.012, 41), "best": BasinEffort(0.007, 0.0025, 101)}
 
 
 @dataclass(frozen=True)
-class Basin:
+class CertifiedBasin:
     """Triangles of which every start tends to the point.
 
     Attributes:
@@ -110,10 +111,10 @@ def find_basin(
     system: System,
     local: dict[str, Any],
     surfaces: list[str],
-    effort: Effort,
+    effort: BasinEffort,
     limit: float | None,
     announce: Callable[[str, int, int], None],
-) -> Basin | None:
+) -> CertifiedBasin | None:
     """A mesh around a level set; None where none is found.
 
     Args:
@@ -147,7 +148,7 @@ def find_basin(
         return np.asarray((potential(x) < level) & (np.abs(x).max(axis=1) <= within))
 
     hypotheses = {"local": local, "surfaces": surfaces, "mesh": mesh, "below": below}
-    return Basin(hypotheses, _sampled(field, is_home, last_ring(mesh_corners(mesh)), effort.starts, limit))
+    return CertifiedBasin(hypotheses, _sampled(field, is_home, last_ring(mesh_corners(mesh)), effort.starts, limit))
 
 
 def _step(announce: Callable[[str, int, int], None], what: str) -> Callable[[int, int], None]:
@@ -167,17 +168,20 @@ def _potential(plane: Plane, local: dict[str, Any]) -> Callable[[Floats], Floats
     def sign_patterns(x: Floats) -> NDArray[np.int64]:
         return np.where(FloatField(near).guards(x) >= 0, 1, -1)
 
+    @cache
+    def piece(signs: Pattern) -> Polynomial | None:
+        for mark, formula in [["", function]] if isinstance(function, str) else function:
+            if all(m == "." or "-+".index(m) * 2 - 1 == s for m, s in zip(mark, signs, strict=False)):
+                return Formula(formula, place).on(partial(near.surfaces.sign_on, signs))
+        return None
+
     def potential(x: Floats) -> Floats:
         found = np.full(len(x), np.inf)
         kinds, which = np.unique(sign_patterns(x), axis=0, return_inverse=True)
         for number, kind in enumerate(kinds):
-            signs = tuple(int(sign) for sign in kind)
-            here = which.ravel() == number
-            for mark, formula in [["", function]] if isinstance(function, str) else function:
-                if all(m == "." or "-+".index(m) * 2 - 1 == s for m, s in zip(mark, signs, strict=False)):
-                    own = Formula(formula, place).on(lambda value, signs=signs: near.surfaces.sign_on(signs, value))
-                    found[here] = values(own, x[here])
-                    break
+            own, here = piece(tuple(int(sign) for sign in kind)), which.ravel() == number
+            if own is not None:
+                found[here] = values(own, x[here])
         return found
 
     return potential

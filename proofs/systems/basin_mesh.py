@@ -34,7 +34,7 @@ Triangle: TypeAlias = tuple[Corner, Corner, Corner]
 
 
 @dataclass
-class Ring:
+class LatticeRing:
     """A dense ring on the lattice.
 
     Attributes:
@@ -80,7 +80,7 @@ class Lattice:
         self.unit = Fraction(1, shared) / Fraction(2) ** power
         self.lines = {number: (int(a), int(b), int(c / self.unit)) for number, (a, b, c) in forms.items()}
 
-    def ring(self, ring: Floats) -> Ring:
+    def ring(self, ring: Floats) -> LatticeRing:
         """A ring with the points at which it crosses lines, all on the lattice."""
         scale = 1 / float(self.unit)
         points, on_line = np.rint(ring * scale), np.full(len(ring), -1)
@@ -93,7 +93,7 @@ class Lattice:
             places = np.array([self._on_line(number, place) for place in places]).reshape(-1, 2)
             points = np.insert(points, crossed + 1, places, axis=0)
             on_line = np.insert(on_line, crossed + 1, number)
-        return Ring(*_thinned(points, on_line))
+        return LatticeRing(*_thinned(points, on_line))
 
     def _on_line(self, number: int, place: Floats) -> tuple[int, int]:
         """The point of the lattice on a line near a place."""
@@ -118,7 +118,7 @@ def _thinned(points: Floats, on_line: NDArray[np.int64]) -> tuple[Floats, NDArra
 # ---- triangles between two rings -----------------------------------------------------------------
 
 
-def band(inner: Ring, outer: Ring) -> list[tuple[int, int, int]]:
+def band(inner: LatticeRing, outer: LatticeRing) -> list[tuple[int, int, int]]:
     """Triangles between two rings by the shorter diagonals: the ring of a side, its place, and the place of its apex.
 
     Places are those in the lists of chosen points.  Where both rings cross lines in the same order, triangles lie
@@ -140,7 +140,7 @@ def band(inner: Ring, outer: Ring) -> list[tuple[int, int, int]]:
     return found
 
 
-def _sectors(inner: Ring, outer: Ring) -> Iterator[tuple[tuple[int, int], tuple[int, int]]]:
+def _sectors(inner: LatticeRing, outer: LatticeRing) -> Iterator[tuple[tuple[int, int], tuple[int, int]]]:
     """Stretches of both rings that belong together: the first place of each, and the number of its sides."""
     own, other = ([k for k, point in enumerate(ring.chosen) if ring.lines[point] >= 0] for ring in (inner, outer))
     seen = [[ring.lines[ring.chosen[k]] for k in listed] for ring, listed in ((inner, own), (outer, other))]
@@ -194,11 +194,11 @@ class MeshBuilder:
         size = max(float(np.abs(ring).max()) for ring in rings)
         self.lattice = Lattice(plane.surfaces.listed, size)
         self.field, self.exact = FloatField(plane), exact(str(self.lattice.unit))
-        self.dense, self.rings = rings, dict[int, Ring]()
+        self.dense, self.rings = rings, dict[int, LatticeRing]()
         degree = max((own.degree for own in plane.surfaces.listed), default=0)
         self.guard_points, self.points = Bernstein(degree), dict[int, Bernstein]()
 
-    def ring(self, number: int) -> Ring:
+    def ring(self, number: int) -> LatticeRing:
         """A ring on the lattice."""
         if number not in self.rings:
             self.rings[number] = self.lattice.ring(self.dense[number])
@@ -310,8 +310,8 @@ class MeshBuilder:
             for low, high in kind.reshape(-1, 2):
                 signs = [s for s, holds in ((-1, low), (1, high)) if holds]
                 patterns = [(*own, s) for own in patterns for s in signs]
-            for own in patterns:
-                groups[own] = groups.get(own, np.zeros(len(corners), dtype=bool)) | (which.ravel() == number)
+            for pattern in patterns:
+                groups[pattern] = groups.get(pattern, np.zeros(len(corners), dtype=bool)) | (which.ravel() == number)
         yield from groups.items()
 
     def _refine(self, pair: tuple[int, int], failing: Sequence[tuple[tuple[int, int, int], bool]]) -> set[int]:

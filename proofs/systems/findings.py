@@ -14,7 +14,7 @@ from typing import Any
 
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.proofs.facts import Fact
-from nonsmooth.proofs.systems.basin import Basin
+from nonsmooth.proofs.systems.basin import CertifiedBasin
 from nonsmooth.proofs.systems.decay_rate import DecayRate, DisturbanceGain, RegionRate
 from nonsmooth.proofs.systems.derivatives import Decrease, Supremum
 from nonsmooth.proofs.systems.domain import Domain
@@ -203,7 +203,7 @@ class Reach:
     gain: DisturbanceGain | None = None
     in_finite_time: bool = False
     global_entry: dict[str, Any] | None = field(default=None, hash=False)
-    basin: Basin | None = field(default=None, hash=False)
+    basin: CertifiedBasin | None = field(default=None, hash=False)
 
 
 @dataclass(frozen=True)

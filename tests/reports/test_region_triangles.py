@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 import nonsmooth as ns
 from nonsmooth.proofs.checker.statements import refusal
 from nonsmooth.proofs.system_certificates import find_region_of_triangles
-from nonsmooth.proofs.systems.basin import EFFORTS, Basin, Effort
+from nonsmooth.proofs.systems.basin import EFFORTS, BasinEffort, CertifiedBasin
 from nonsmooth.reports.check import check_system
 from tests.thorough import keep, thorough
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 Floats: TypeAlias = NDArray[np.float64]
 
-COARSE = Effort(0.12, 0.03, 21)
+COARSE = BasinEffort(0.12, 0.03, 21)
 STEEP = 1e-3  # width over which the oracle's sign rises
 VAN_DER_POL = """
 name = "van der Pol, reversed"
@@ -61,7 +61,7 @@ SYSTEMS: dict[str, tuple[list[str], str, Callable[[Floats, Floats], Any], float,
 }  # fmt: skip
 
 
-def basin_of(name: str, search: str = "fast") -> tuple[Any, Basin]:
+def basin_of(name: str, search: str = "fast") -> tuple[Any, CertifiedBasin]:
     """The check of a system, and its triangles."""
     rhs, radius, *_ = SYSTEMS[name]
     result = check_system(ns.System(["x", "y"], rhs, radius=radius).system).with_triangles(search)
@@ -70,7 +70,7 @@ def basin_of(name: str, search: str = "fast") -> tuple[Any, Basin]:
     return result, basin
 
 
-def drawn(basin: Basin, count: int, seed: int = 1) -> Floats:
+def drawn(basin: CertifiedBasin, count: int, seed: int = 1) -> Floats:
     """Random places in triangles, as many in a small one as in a large one."""
     random = np.random.default_rng(seed)
     chosen = basin.corners[random.choice(basin.triangles, count)][:, :, :2]
@@ -117,7 +117,7 @@ def test_best_regions_are_large(name: str) -> None:
     assert sizes_after(name, drawn(basin, 10_000), 120.0).max() < 0.05
 
 
-def assert_cover_once(basin: Basin) -> None:
+def assert_cover_once(basin: CertifiedBasin) -> None:
     """The areas of all triangles add up to what lies between the first ring and the last."""
     a, b, c = (basin.corners[basin.triangles[:, k], :2] for k in range(3))
     areas = ((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]) / 2
