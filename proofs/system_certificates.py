@@ -37,6 +37,7 @@ from nonsmooth.proofs.system_facts import (
 from nonsmooth.proofs.systems.basin import EFFORTS, CertifiedBasin, find_basin
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.findings import DecidedSystem, ExaminedFunction, Method, PotentialPiece
+from nonsmooth.proofs.systems.sublevel_region import SublevelRegion
 from nonsmooth.proofs.theorem_searches import show_verdict
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.proofs.verified import verified
@@ -377,17 +378,16 @@ def _further(result: DecidedSystem) -> Iterator[Option]:
     region, far = reach.region, reach.region_rate
     if region is None or function is None or region == reach.near:
         return
-    own = _stated_region(result)
+    own = _stated_region(result, region)
     yield Option(own, reached_words(region, system.states))
     if far is not None:
         rate = {"kind": "exponential", "kappa": exact_text(far.kappa)}
         yield Option({**own, "level": exact_text(far.level), "rate": rate}, region_rate_words(reach, system.states))
 
 
-def _stated_region(result: DecidedSystem) -> Record:
+def _stated_region(result: DecidedSystem, region: SublevelRegion) -> Record:
     """The hypotheses of theorem ``lyapunov`` with the level of the region: below it, if V falls nowhere else."""
-    region, function = result.reach.region, result.function
-    stated, cells = _stated_function(result.scene, region.radius, function)
+    stated, cells = _stated_function(result.scene, region.radius, result.function)
     own = stability_hypotheses(cells.record, stated, str(result.verdict))
     return {**own, "below": region != result.reach.near, "level": exact_text(region.level)}
 
@@ -418,14 +418,15 @@ def find_region_of_triangles(
         asked: how much may be done for it, of EFFORTS.
         announce: told what is done, how much of it, and of how much.
     """
-    known = result.reach.region is not None and result.function is not None and not result.reach.everywhere
-    if len(result.scene.states) != len(PLANE) or result.scene.by_roots is not None or not known:
+    region, function, everywhere = result.reach.region, result.function, result.reach.everywhere
+    is_plane = len(result.scene.states) == len(PLANE) and result.scene.by_roots is None
+    if not is_plane or region is None or function is None or everywhere:
         return None
     try:
         result = replace(result, scene=in_rational_numbers(result.scene))
         system, scene = read_subject(about(result.scene)), result.scene
         search = Search()
-        local = _shown_region(system, _stated_region(result), search)
+        local = _shown_region(system, _stated_region(result, region), search)
         limit = float(scene.check.radius) if scene.written or scene.denominators else None
         surfaces = stated_cells(scene, scene.check.radius).record["surfaces"]
         found = find_basin(system, local, surfaces, EFFORTS[asked], limit, announce)
