@@ -34,8 +34,10 @@ from nonsmooth.proofs.system_facts import (
     region_rate_words,
     rewriting_words,
 )
+from nonsmooth.proofs.systems.basin import EFFORTS, CertifiedBasin, find_basin
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.findings import DecidedSystem, ExaminedFunction, Method, PotentialPiece
+from nonsmooth.proofs.systems.sublevel_region import SublevelRegion
 from nonsmooth.proofs.theorem_searches import show_verdict
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.proofs.verified import verified
@@ -108,6 +110,8 @@ def certificate_of(result: DecidedSystem) -> Record:
             for further in _further(result):
                 draft.add(system, further)
             draft.add_global(result.reach.global_entry)
+            if result.reach.basin is not None:
+                draft.add_entry(system, "basin", result.reach.basin.hypotheses)
             draft.left_out += _beyond_words(result, draft)
             return _checked(result.scene, subject, draft)
     except IrrationalError:
@@ -186,15 +190,11 @@ class Draft:
         level = Fraction(option.hypotheses["level"])
         for share in (Fraction(1), NEARLY):
             try:
-                entry, statements = Search().entry(
-                    system, "lyapunov", {**option.hypotheses, "level": str(level * share)}
-                )
+                self.add_entry(system, "lyapunov", {**option.hypotheses, "level": str(level * share)})
             except NotShownError as error:
                 if share == 1:
                     self.left_out.append(f"{option.words}: {UNSHOWN}: {error}")
                 continue
-            self.evidence.append(entry)
-            self.statements += [own for own in statements if own not in self.statements]
             return
 
     def add_global(self, entry: Record | None) -> None:
@@ -202,6 +202,16 @@ class Draft:
         if entry is not None:
             self.evidence.append(entry)
             self.statements += [{"attracts": "everywhere"}]
+
+    def add_entry(self, system: System, theorem: str, hypotheses: Record) -> None:
+        """One more theorem.
+
+        Raises:
+            NotShownError: where a hypothesis is not shown.
+        """
+        entry, statements = Search().entry(system, theorem, hypotheses)
+        self.evidence.append(entry)
+        self.statements += [own for own in statements if own not in self.statements]
 
 
 def _checked(system: SwitchedSystem, subject: Record, draft: Draft) -> Record:
@@ -368,12 +378,63 @@ def _further(result: DecidedSystem) -> Iterator[Option]:
     region, far = reach.region, reach.region_rate
     if region is None or function is None or region == reach.near:
         return
-    stated, cells = _stated_function(system, region.radius, function)
-    own = {**stability_hypotheses(cells.record, stated, str(result.verdict)), "below": True}
-    yield Option({**own, "level": exact_text(region.level)}, reached_words(region, system.states))
+    own = _stated_region(result, region)
+    yield Option(own, reached_words(region, system.states))
     if far is not None:
         rate = {"kind": "exponential", "kappa": exact_text(far.kappa)}
         yield Option({**own, "level": exact_text(far.level), "rate": rate}, region_rate_words(reach, system.states))
+
+
+def _stated_region(result: DecidedSystem, region: SublevelRegion) -> Record:
+    """The hypotheses of theorem ``lyapunov`` with the level of the region: below it, if V falls nowhere else."""
+    stated, cells = _stated_function(result.scene, region.radius, result.function)
+    own = stability_hypotheses(cells.record, stated, str(result.verdict))
+    return {**own, "below": region != result.reach.near, "level": exact_text(region.level)}
+
+
+def _shown_region(system: System, local: Record, search: Search) -> Record:
+    """A region with evidence, or one below a level a little smaller: V may stand still on the border of a largest one.
+
+    Raises:
+        NotShownError: where neither is shown.
+    """
+    try:
+        search.entry(system, "lyapunov", local)
+    except NotShownError:
+        local = {**local, "level": str(Fraction(local["level"]) * NEARLY)}
+        search.entry(system, "lyapunov", local)
+    return local
+
+
+def find_region_of_triangles(
+    result: DecidedSystem, asked: str, announce: Callable[[str, int, int], None]
+) -> CertifiedBasin | None:
+    """A basin of triangles around the certified level set of V, which the checker has accepted; None without one.
+
+    Where formulas are known on the checked square alone, because of denominators or enclosed sines, so is the mesh.
+
+    Args:
+        result: of a system in the plane.
+        asked: how much may be done for it, of EFFORTS.
+        announce: told what is done, how much of it, and of how much.
+    """
+    region, function, everywhere = result.reach.region, result.function, result.reach.everywhere
+    is_plane = len(result.scene.states) == len(PLANE) and result.scene.by_roots is None
+    if not is_plane or region is None or function is None or everywhere:
+        return None
+    try:
+        result = replace(result, scene=in_rational_numbers(result.scene))
+        system, scene = read_subject(about(result.scene)), result.scene
+        search = Search()
+        local = _shown_region(system, _stated_region(result, region), search)
+        limit = float(scene.check.radius) if scene.written or scene.denominators else None
+        surfaces = stated_cells(scene, scene.check.radius).record["surfaces"]
+        found = find_basin(system, local, surfaces, EFFORTS[asked], limit, announce)
+        if found is not None:
+            search.entry(system, "basin", found.hypotheses)
+    except (NoCertificateError, NotShownError, BeyondReachError):
+        return None
+    return found
 
 
 # ---- what a certificate does not hold ----------------------------------------------------------

@@ -10,6 +10,7 @@ from typing import Any
 
 from nonsmooth.proofs.facts import Fact, Quantity, row_fact, text_fact, unsaid
 from nonsmooth.proofs.system_audit import AuditResult
+from nonsmooth.proofs.systems.basin import CertifiedBasin
 from nonsmooth.proofs.systems.decay_rate import DecayKind
 from nonsmooth.proofs.systems.derivatives import Supremum
 from nonsmooth.proofs.systems.domain import Domain, cube_text
@@ -23,7 +24,7 @@ from nonsmooth.proofs.systems.findings import (
 )
 from nonsmooth.proofs.systems.sublevel_region import SublevelRegion
 from nonsmooth.proofs.verdicts import Translation
-from nonsmooth.symbolic.number_text import place_text
+from nonsmooth.symbolic.number_text import percent_text, place_text
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import one_line
 from nonsmooth.symbolic.scene_kind import SceneKind
@@ -55,6 +56,8 @@ def system_facts(result: DecidedSystem) -> Iterator[Fact]:
         yield row_fact("from everywhere", global_words(reach.global_entry))
     if reach.region is not None:
         yield row_fact("region", region_words(reach.region, states))
+    if reach.basin is not None:
+        yield Fact("basin", _basin_record(reach.basin), basin_words(reach.basin), row="triangles")
     if reach.rate is not None:
         yield row_fact("rate", rate_words(reach, states))
     if reach.region_rate is not None:
@@ -184,6 +187,27 @@ def _region_record(region: SublevelRegion, states: Sequence[str]) -> dict[str, o
     if region.refuted is not None:
         record |= {"refuted": Quantity(region.refuted), "point": Quantity(region.point)}
     return record | {"text": region_words(region, states)}
+
+
+def basin_words(basin: CertifiedBasin) -> str:
+    """What is certified by triangles, and how much that is of what is sampled."""
+    certified, coming = basin.sampled
+    share = percent_text(basin.share)
+    mesh = f"every start in {len(basin.triangles)} triangles about the region reaches the equilibrium"
+    return f"{mesh}; the region and they hold {share} of the sampled starts that do ({certified} of {coming})"
+
+
+def _basin_record(basin: CertifiedBasin) -> dict[str, object]:
+    """The corners with the values of W, in the displacement from the point, and the triangles by their corners."""
+    certified, coming = basin.sampled
+    return {
+        "vertices": basin.corners[:, :2].tolist(),
+        "values": basin.corners[:, 2].astype(int).tolist(),
+        "simplices": basin.triangles.tolist(),
+        "share": {"sampled": basin.share, "certified_starts": certified, "starts": coming},
+        "unit": basin.mesh["unit"],
+        "text": basin_words(basin),
+    }
 
 
 def rate_words(reach: Reach, states: Sequence[str]) -> str:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 
-from nonsmooth.reports.choices import LawName
+from nonsmooth.reports.choices import LawName, RegionSearch
 from nonsmooth.reports.files import output_path, write_whole
 from nonsmooth.reports.progress import end_progress, progress, steps
 from nonsmooth.reports.refusals import RefusedError, bad_input, refusals_named
@@ -17,6 +17,7 @@ from nonsmooth.reports.study_options import FAIL, Options, option
 from nonsmooth.symbolic.rule import CONTACT_RULES, MIXED
 from nonsmooth.symbolic.scene_error import SceneError, one_line
 from nonsmooth.symbolic.scene_kind import SceneKind
+from nonsmooth.symbolic.switched_system import PLANE
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.cells.partition import Partition
@@ -37,7 +38,7 @@ THEOREM = "theorem4"
 REQUIRABLE = ("position", "heading", "pose", "tolerances", THEOREM)
 CERTIFICATES, LAWS = (".json",), (".py", ".c", ".st", ".csv")  # what these files may end in
 OF_ONE_ARRAY = ("law", "law_name", "continuum", "headings", "fail")
-OF_ONE_SCENE = ("certificate", "evidence", *OF_ONE_ARRAY)
+OF_ONE_SCENE = ("certificate", "evidence", "region", *OF_ONE_ARRAY)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -77,6 +78,11 @@ class CheckOptions(Options):
     continuum: bool = option(False, "Add what a continuous field would do to an object.")
     headings: bool = option(False, "Look for headings at which a body rests around the checked point too.")
     fail: int | None = option(None, FAIL, metavar="1")
+    region: RegionSearch = option(
+        RegionSearch.NONE,
+        "Of a plain system in two states: certify the region by triangles, too; fast takes seconds, best a minute.",
+        RegionSearch,
+    )
     evidence: bool = option(False, "Print why, too: each clause, or V and its derivatives, with all numbers.")
 
     @property
@@ -129,6 +135,8 @@ class CheckStudy(SceneStudy[CheckOptions]):
         elif scenes[0].kind is SceneKind.SYSTEM:
             wanted = next((name for name in OF_ONE_ARRAY if name in asked.given), "")
             _require_array(scenes[0], f"--{wanted}" if wanted else "", "a plain switched system")
+        if "region" in asked.given:
+            _require_plane(scenes[0])
 
     def run(self, scene: AnyScene | Sequence[AnyScene], options: CheckOptions) -> Result:
         """Check; write the files that were asked for."""
@@ -151,6 +159,14 @@ def _require_array(scene: AnyScene, option: str, received: str) -> None:
     """Refuse an option of arrays, if there is one, for another scene."""
     if option:
         raise RefusedError(f"{scene.origin}: required an array of wheels for {option}, received {received}")
+
+
+def _require_plane(scene: AnyScene) -> None:
+    """Refuse a search for the region of anything but a plain system in two states."""
+    states = len(scene.states) if scene.kind is SceneKind.SYSTEM else 0
+    if states != len(PLANE):
+        received = f"{states} states" if states else "an array"
+        raise RefusedError(f"{scene.origin}: required a plain system in two states for --region, received {received}")
 
 
 def _under_rules(scene: Any, options: CheckOptions) -> list[Any]:
@@ -318,6 +334,10 @@ def check_system(system: SwitchedSystem) -> SystemCheckResult:
 def _check_system(system: Any, options: CheckOptions) -> SystemCheckResult:
     """The stability of a plain system; its certificate where one is asked for."""
     result = replace(check_system(system), shows_evidence=options.evidence)
+    if options.region != RegionSearch.NONE:
+        result = result.with_triangles(str(options.region))
+        if result.evidence.reach.basin is None:
+            _notice(system.origin, f"--region {options.region}: no triangles are certified beyond the rest")
     if options.certificate is not None:
         from nonsmooth.proofs.kernel.subject import NoCertificateError
         from nonsmooth.proofs.system_certificates import certificate_text, left_out

@@ -30,3 +30,11 @@ class Drawing(StrEnum):
     CELLS = "cells"
     ARRAY = "array"
     RATES = "rates"
+
+
+class RegionSearch(StrEnum):
+    """How much is done for the region of a plain system in the plane, beyond a level set of V."""
+
+    NONE = "none"
+    FAST = "fast"
+    BEST = "best"

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, NamedTuple
 
 from nonsmooth.proofs.system_audit import AuditResult
 from nonsmooth.proofs.system_decision import StabilityResult
 from nonsmooth.proofs.system_facts import (
     audit_facts,
+    basin_words,
     displacement_facts,
     gain_words,
     global_words,
@@ -24,17 +25,22 @@ from nonsmooth.proofs.systems.decay_rate import DecayKind
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.reports.document import Block, Paragraph, findings
 from nonsmooth.reports.facts import Record, fact_record, fact_rows, with_exact
+from nonsmooth.reports.progress import progress
 from nonsmooth.reports.result import DataTable, Result, short_lines
 from nonsmooth.symbolic.numbers.measured_angles import angle_notes
 from nonsmooth.symbolic.scene_error import one_line
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from rich.console import RenderableType
 
     from nonsmooth.proofs.facts import Fact
+    from nonsmooth.proofs.systems.basin import CertifiedBasin
 
 SYSTEM_SCHEMA = "nonsmooth-check/1"
 AUDIT_SCHEMA = "nonsmooth-audit/1"
+
+MESH, BORDER, INK = "#999999", "#0072B2", "black"  # of the picture
 
 
 MEANINGS = {
@@ -115,6 +121,29 @@ class SystemCheckResult(FactResult):
         from nonsmooth.proofs.system_certificates import certificate_of
 
         return certificate_of(self.evidence)
+
+    def with_triangles(self, search: str) -> SystemCheckResult:
+        """The same with the region as triangles, where these are certified: see ``nonsmooth check --region``.
+
+        Args:
+            search: ``fast`` or ``best``.
+        """
+        from nonsmooth.proofs.system_certificates import find_region_of_triangles
+
+        with progress("region") as report:
+            basin = find_region_of_triangles(self.evidence, search, lambda what, done, total: report(done, total, what))
+        reach = replace(self.evidence.reach, basin=basin)
+        return replace(self, evidence=replace(self.evidence, reach=reach))
+
+    def draw(self, ax: Axes) -> None:
+        """The certified triangles, with the border of the region and the checked point."""
+        basin = self.evidence.reach.basin
+        if basin is None:
+            super().draw(ax)
+            return
+        draw_triangles(ax, basin)
+        x, y = self.evidence.scene.states
+        ax.set(xlabel=x, ylabel=y, aspect="equal", title=f"{one_line(self.evidence.scene.name)}: {self.verdict}")
 
     @property
     def lyapunov(self) -> str | None:
@@ -231,12 +260,24 @@ def _from_where(result: StabilityResult) -> SystemAnswer:
     if reach.everywhere:
         why = "" if reach.global_entry is None else f": {global_words(reach.global_entry)}"
         return SystemAnswer(question, "everywhere", f"every start reaches the equilibrium{why}")
+    if reach.basin is not None:
+        words = f"{reached_words(reach.region, states)}; {basin_words(reach.basin)}" if reach.region else ""
+        return SystemAnswer(question, "a region", words)
     if reach.region is not None:
         return SystemAnswer(question, "a region", reached_words(reach.region, states))
     for fact in result.deciding.facts:
         if fact.key == "region" and fact.words:  # in one state an interval
             return SystemAnswer(question, "an interval", fact.words)
     return SystemAnswer(question, "from near it", "how far around it is not certified")
+
+
+def draw_triangles(axes: Axes, basin: CertifiedBasin) -> None:
+    """The triangles of a basin, and its border."""
+    x, y, _ = basin.corners.T
+    axes.triplot(x, y, basin.triangles, color=MESH, linewidth=0.3)
+    border = [*basin.border, basin.border[0]]
+    axes.plot(*zip(*border, strict=True), color=BORDER, linewidth=2.0, label="certified region")
+    axes.plot([0], [0], "o", color=INK, markersize=5)
 
 
 def _how_fast(result: StabilityResult) -> SystemAnswer:

@@ -102,6 +102,9 @@ def _equilibrium(said: bool, system: System) -> str:
 def _attracts(said: Any, system: System) -> str:
     if said == "everywhere":
         return "every solution tends to the point"
+    if "mesh" in said:
+        count = len(said["mesh"]["triangles"])
+        return f"every start in one of {count} triangles with W < {said['below']} tends to the point"
     starts = f"every start with V < {said['below']} within {_cube(said, system)}"
     return f"{starts} tends to the point, {_function(said, system)}"
 

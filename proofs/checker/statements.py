@@ -13,6 +13,7 @@ import json
 from collections.abc import Callable
 from typing import Any, TypeAlias
 
+from .basin import show_basin
 from .cells import System
 from .escape import show_escape
 from .positivity import Proofs
@@ -33,6 +34,7 @@ THEOREMS: dict[str, Theorem] = {  # of systems
     "instability": show_instability,
     "departure": show_departure,
     "escape": show_escape,
+    "basin": show_basin,
 }
 OF_ARRAYS: dict[str, Theorem] = {
     "theorem 4": show_theorem4,

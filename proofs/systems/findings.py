@@ -14,6 +14,7 @@ from typing import Any
 
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.proofs.facts import Fact
+from nonsmooth.proofs.systems.basin import CertifiedBasin
 from nonsmooth.proofs.systems.decay_rate import DecayRate, DisturbanceGain, RegionRate
 from nonsmooth.proofs.systems.derivatives import Decrease, Supremum
 from nonsmooth.proofs.systems.domain import Domain
@@ -189,6 +190,7 @@ class Reach:
         rate_domain: where this rate holds; None without one.
         region_rate: of V on the region, where that is larger than ``near``.
         gain: of a disturbance, on the square on which V is proved.
+        basin: triangles around the region of which every start reaches the point, where they were asked for.
         in_finite_time: of a system in roots of states, whether solutions near the point are known to arrive in time.
     """
 
@@ -201,6 +203,7 @@ class Reach:
     gain: DisturbanceGain | None = None
     in_finite_time: bool = False
     global_entry: dict[str, Any] | None = field(default=None, hash=False)
+    basin: CertifiedBasin | None = field(default=None, hash=False)
 
 
 @dataclass(frozen=True)

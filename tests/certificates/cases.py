@@ -387,6 +387,35 @@ def gains() -> Iterator[Case]:
     yield Case("gain-relay", subject(["-sign(x)"]), "lyapunov", relay)
 
 
+def diamonds(sizes: Sequence[int], unit: str = "1/4") -> Record:
+    """A mesh between nested diamonds: W is 0 on the first, and one more on each."""
+    corners, triangles = list[str](), list[str]()
+    for k, size in enumerate(sizes):
+        corners += [f"{size} 0 {k}", f"0 {size} {k}", f"-{size} 0 {k}", f"0 -{size} {k}"]
+        for j in range(4 if k else 0):
+            inner, outer, before = 4 * k - 4 + j, 4 * k + j, 4 * k + (j + 1) % 4
+            triangles += [f"{inner} {outer} {before}", f"{inner} {before} {before - 4}"]
+    return {"unit": unit, "corners": corners, "triangles": triangles}
+
+
+def basins() -> Iterator[Case]:
+    """Meshes about a level set: of one field, of two, and of relays on lines and a curve, on which W bends or not."""
+    systems: dict[str, tuple[Any, list[str]]] = {
+        "plain": (["-x", "-y"], []),
+        "cubic": (["-x - x**3", "-y + x*y**2/64"], []),
+        "switched": ([["-x", "-y"], ["-x - y/2", "-y + x/2"]], []),
+        "relay": (["-x - sign(x)", "-y"], ["x"]),
+        "beside": (["-x - sign(x - y)", "-y + sign(x - y)"], ["x - y"]),
+        "valley": (["-x", "-y/8 - sign(y)"], ["y"]),
+        "curve": (["-x - relu(x - y**2/16)/4", "-y"], ["x - y**2/16"]),
+    }
+    for name, (sides, surfaces) in systems.items():
+        local = lyapunov("x**2 + y**2", cells(*surfaces), level="1/2")
+        for sizes in ((2, 8), (2, 8, 24)):
+            hypotheses = {"local": local, "surfaces": surfaces, "mesh": diamonds(sizes), "below": len(sizes) - 1}
+            yield Case(f"basin-{name}-{len(sizes) - 1}", subject(sides), "basin", hypotheses)
+
+
 GROUPS = (
     in_one_state,
     linear_systems,
@@ -399,6 +428,7 @@ GROUPS = (
     solutions_that_leave,
     systems_with_roots,
     gains,
+    basins,
 )
 
 

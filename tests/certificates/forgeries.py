@@ -69,8 +69,10 @@ CLAIMS: Path = ["statement", "claims"]
 
 def cells_of(good: Record) -> tuple[Path, Record]:
     """Where a theorem's hypotheses name surfaces and the cube, and these."""
-    hypotheses = good["evidence"][0]["hypotheses"]
-    return ([*HYPOTHESES, "cells"], hypotheses["cells"]) if "cells" in hypotheses else (HYPOTHESES, hypotheses)
+    hypotheses, where = good["evidence"][0]["hypotheses"], HYPOTHESES
+    if "local" in hypotheses:
+        hypotheses, where = hypotheses["local"], [*HYPOTHESES, "local"]
+    return ([*where, "cells"], hypotheses["cells"]) if "cells" in hypotheses else (where, hypotheses)
 
 
 # ---- each kind gives the changes that it makes to a good certificate, or none ---------------------
@@ -295,6 +297,35 @@ def other_mixture(good: Record) -> Iterator[Any]:
     yield [([*HYPOTHESES, "signs"], hypotheses["signs"] + "+")]
 
 
+def other_mesh(good: Record) -> Iterator[Any]:
+    """A mesh with a hole, a fold, a lower border, a value that rises, a triangle turned over; a larger level."""
+    hypotheses = good["evidence"][0]["hypotheses"]
+    if "mesh" not in hypotheses:
+        return
+    where, own = [*HYPOTHESES, "mesh"], hypotheses["mesh"]
+    corners, triangles, last = own["corners"], own["triangles"], len(good["statement"]["claims"]) - 1
+    claim = [*CLAIMS, last, "attracts", "mesh"]
+    meshes = [
+        {**own, "triangles": changed} for changed in (triangles[1:], triangles[:-1], [], [*triangles, triangles[0]])
+    ]
+    for k, triangle in enumerate(triangles):
+        a, b, c = triangle.split(" ")
+        for turned in (f"{a} {c} {b}", f"{a} {a} {b}", f"{a} {b} 999", f"{a} {b}", f"{a} {b} {c} ", f"-{a} {b} {c}"):
+            meshes.append({**own, "triangles": [*triangles[:k], turned, *triangles[k + 1 :]]})
+    for k, corner in enumerate(corners):
+        x, y, _ = corner.split(" ")
+        for moved in (f"{x} {y} -9", f"{x} {y} 1/2", f"{x} {y}", "0 0 0"):
+            meshes.append({**own, "corners": [*corners[:k], moved, *corners[k + 1 :]]})
+    meshes += [{**own, "unit": unit} for unit in ("4", "0", "-1/4", "1/0", 1, None)]
+    for changed in meshes:
+        yield [(where, changed)]
+        yield [(where, changed), (claim, changed)]
+    for below in (hypotheses["below"] + 1, "1", True, None, 10**6):
+        yield [([*HYPOTHESES, "below"], below), ([*CLAIMS, last, "attracts", "below"], below)]
+    yield [([*HYPOTHESES, "local", "level"], None)]
+    yield [([*HYPOTHESES, "local", "level"], "1/64")]
+
+
 def other_theorem(good: Record) -> Iterator[Any]:
     """The evidence of one theorem for another."""
     for name in ("lyapunov", "instability", "departure", "Lyapunov", "", None, "show_stability"):
@@ -344,6 +375,7 @@ KINDS: Kinds = (
     other_level,
     other_direction,
     other_mixture,
+    other_mesh,
     other_theorem,
     other_numbers,
 )

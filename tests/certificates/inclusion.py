@@ -170,7 +170,8 @@ def contradiction(statement: Record, half: float = 1.0, seed: int = 1) -> str:
 
 def half_width(hypotheses: Record) -> float:
     """Half the side of the cube of a theorem; one where it is all of the space."""
-    within = hypotheses.get("cells", hypotheses)["within"]
+    known = hypotheses.get("local", hypotheses)
+    within = known.get("cells", known)["within"]
     return 1.0 if within is None else float(Fraction(within))
 
 
@@ -202,6 +203,8 @@ def judge_region(own: FloatInclusion, said: Any, half: float) -> str:
     if said == "everywhere":
         grown = own.drift(own.sphere(10.0), 1e4)[-1].max() / 10
         return f"a polygon ends {grown:.3g} times as far" if grown > 5 else ""
+    if "mesh" in said:
+        return judge_mesh(own, said)
     half, level = float(Fraction(said["within"])), float(Fraction(said["below"]))
     starts = own.cube(half)
     starts = starts[levels(own, said, starts) < 0.95 * level][:STARTS]
@@ -212,6 +215,26 @@ def judge_region(own: FloatInclusion, said: Any, half: float) -> str:
         return f"a polygon from below {level} reaches {np.abs(places).max():.3g}"
     high = max(float(levels(own, said, here).max()) for here in places[:: STEPS // 20])
     return f"V gets {high:.3g} from below {level}" if high > 1.05 * level else ""
+
+
+def judge_mesh(own: FloatInclusion, said: Any) -> str:
+    """Polygons from triangles of a mesh in which W is below the level go no farther than the mesh, and end nearer."""
+    mesh, level = said["mesh"], float(said["below"])
+    corners = np.array([own.split(" ") for own in mesh["corners"]], dtype=float)
+    corners[:, :2] *= float(Fraction(mesh["unit"]))
+    chosen = np.array([own.split(" ") for own in mesh["triangles"]], dtype=int)
+    weights = own.random.dirichlet(np.ones(3), 8 * STARTS)
+    drawn = np.einsum("ij,ijk->ik", weights, corners[own.random.choice(chosen, 8 * STARTS)])
+    starts = drawn[drawn[:, 2] < level][:STARTS, :2]
+    if not len(starts):
+        return ""
+    furthest = float(np.linalg.norm(corners[:, :2], axis=1).max())
+    places, _ = own.follow(starts)
+    sizes = np.linalg.norm(places, axis=2)
+    if sizes.max() > 1.05 * furthest:
+        return f"a polygon from the mesh reaches {sizes.max():.3g}, beyond {furthest:.3g}"
+    stays = sizes[-1] > 0.9 * sizes[0]
+    return f"a polygon gets from {sizes[0][stays][0]:.3g} to {sizes[-1][stays][0]:.3g}" if stays.any() else ""
 
 
 def judge_rate(own: FloatInclusion, said: Record, half: float) -> str:

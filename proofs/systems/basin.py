@@ -1,0 +1,206 @@
+"""The basin of an asymptotically stable point of the plane: a mesh of triangles around a level set that attracts.
+
+Rings are proposed in floats (:mod:`nonsmooth.proofs.systems.basin_rings`), triangles between them are refined
+(:mod:`nonsmooth.proofs.systems.basin_mesh`), and the whole is shown by theorem ``basin`` of the checker, by exact whole
+numbers.  How much of the true basin that is, is sampled.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache, cached_property, partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nonsmooth.proofs.checker.basin import Plane
+from nonsmooth.proofs.checker.cells import Pattern, System
+from nonsmooth.proofs.checker.formulas import Formula
+from nonsmooth.proofs.checker.polynomials import Polynomial
+from nonsmooth.proofs.checker.positivity import Proofs
+from nonsmooth.proofs.systems.basin_mesh import MeshBuilder
+from nonsmooth.proofs.systems.basin_rings import (
+    FloatField,
+    Floats,
+    followed_home,
+    grow,
+    inside_ring,
+    level_ring,
+    values,
+)
+
+INSIDE = 0.9  # of the level: the first ring
+FARTHEST = 1e4  # times the size of the first ring: no ring goes there
+MARGIN = 1.25  # of the square around the mesh over which starts are sampled
+
+
+@dataclass(frozen=True)
+class BasinEffort:
+    """What a search may cost.
+
+    Attributes:
+        angle: by which velocities are turned outward, in radians.
+        gap: between points of a dense ring, of its size.
+        starts: in a row of those that are sampled.
+    """
+
+    angle: float
+    gap: float
+    starts: int
+
+
+EFFORTS = {"fast": BasinEffort(0.04, 0.012, 41), "best": BasinEffort(0.007, 0.0025, 101)}
+
+
+@dataclass(frozen=True)
+class CertifiedBasin:
+    """Triangles of which every start tends to the point.
+
+    Attributes:
+        hypotheses: of theorem ``basin``; the mesh is among them.
+        sampled: of the starts of a grid around the mesh that come to the point in floats, how many are certified, and
+            how many there are.
+    """
+
+    hypotheses: dict[str, Any]
+    sampled: tuple[int, int]
+
+    @property
+    def mesh(self) -> dict[str, Any]:
+        """As a certificate holds it."""
+        return dict(self.hypotheses["mesh"])
+
+    @cached_property
+    def corners(self) -> Floats:
+        """Places in the displacement from the point, each with its value of W: shape (corners, 3)."""
+        return mesh_corners(self.mesh)
+
+    @cached_property
+    def triangles(self) -> NDArray[np.int64]:
+        """The numbers of the corners of each triangle: shape (triangles, 3)."""
+        return np.array([own.split(" ") for own in self.mesh["triangles"]], dtype=np.int64)
+
+    @property
+    def border(self) -> Floats:
+        """The last ring, on which W is the level: shape (corners, 2)."""
+        return last_ring(self.corners)
+
+    @property
+    def share(self) -> float:
+        """Of the sampled starts that come to the point, the part that is certified."""
+        certified, coming = self.sampled
+        return certified / coming if coming else 0.0
+
+
+def mesh_corners(mesh: dict[str, Any]) -> Floats:
+    """The corners of a mesh in floats."""
+    found = np.array([own.split(" ") for own in mesh["corners"]], dtype=float)
+    numerator, _, denominator = mesh["unit"].partition("/")
+    found[:, :2] *= float(numerator) / float(denominator or 1)
+    return found
+
+
+def last_ring(corners: Floats) -> Floats:
+    """The corners with the largest value, which are a ring in order."""
+    return np.asarray(corners[corners[:, 2] == corners[:, 2].max()][:, :2])
+
+
+def find_basin(
+    system: System,
+    local: dict[str, Any],
+    surfaces: list[str],
+    effort: BasinEffort,
+    limit: float | None,
+    announce: Callable[[str, int, int], None],
+) -> CertifiedBasin | None:
+    """A mesh around a level set; None where none is found.
+
+    Args:
+        system: in the plane.
+        local: hypotheses of theorem ``lyapunov`` with a level on a square, which are shown.
+        surfaces: on which the system switches, in the displacement.
+        effort: of the search.
+        limit: half the side of a square that the mesh may not leave; None without one.
+        announce: told what is done, how much of it, and of how much.
+    """
+
+    def cells(unit: str) -> Plane:
+        return Plane(system, unit, surfaces, Proofs({}))
+
+    plane = cells("1")
+    field, potential = FloatField(plane), _potential(plane, local)
+    level, within = INSIDE * _number(local["level"]), _number(local["cells"]["within"])
+    first = level_ring(potential, level, within)
+    if first is None:
+        return None
+    far = FARTHEST * float(np.abs(first).max())
+    rings = grow(field, first, effort.angle, effort.gap, min(limit or far, far), _step(announce, "rings"))
+    if len(rings) < 2:
+        return None
+    built = MeshBuilder(plane, cells, rings).build(_step(announce, "bands of triangles"))
+    if built is None:
+        return None
+    mesh, below = built
+
+    def is_home(x: Floats) -> NDArray[np.bool_]:
+        return np.asarray((potential(x) < level) & (np.abs(x).max(axis=1) <= within))
+
+    hypotheses = {"local": local, "surfaces": surfaces, "mesh": mesh, "below": below}
+    return CertifiedBasin(hypotheses, _sampled(field, is_home, last_ring(mesh_corners(mesh)), effort.starts, limit))
+
+
+def _step(announce: Callable[[str, int, int], None], what: str) -> Callable[[int, int], None]:
+    return lambda done, total: announce(what, done, total)
+
+
+def _number(text: str) -> float:
+    numerator, _, denominator = text.partition("/")
+    return float(numerator) / float(denominator or 1)
+
+
+def _potential(plane: Plane, local: dict[str, Any]) -> Callable[[Floats], Floats]:
+    """V in floats: one formula, or one for each of some patterns of signs; infinite where it is not known."""
+    function, place = local["function"], plane.domain.displacement
+    near = Plane(plane.domain.system, "1", local["cells"]["surfaces"], Proofs({}))
+
+    def sign_patterns(x: Floats) -> NDArray[np.int64]:
+        return np.where(FloatField(near).guards(x) >= 0, 1, -1)
+
+    @cache
+    def piece(signs: Pattern) -> Polynomial | None:
+        for mark, formula in [["", function]] if isinstance(function, str) else function:
+            if all(m == "." or "-+".index(m) * 2 - 1 == s for m, s in zip(mark, signs, strict=False)):
+                return Formula(formula, place).on(partial(near.surfaces.sign_on, signs))
+        return None
+
+    def potential(x: Floats) -> Floats:
+        found = np.full(len(x), np.inf)
+        kinds, which = np.unique(sign_patterns(x), axis=0, return_inverse=True)
+        for number, kind in enumerate(kinds):
+            own, here = piece(tuple(int(sign) for sign in kind)), which.ravel() == number
+            if own is not None:
+                found[here] = values(own, x[here])
+        return found
+
+    return potential
+
+
+def _sampled(
+    field: FloatField, is_home: Callable[[Floats], NDArray[np.bool_]], border: Floats, count: int, limit: float | None
+) -> tuple[int, int]:
+    """Of a grid around the mesh: the starts that are certified, and those that come to the first ring in floats.
+
+    The certified ones come, too; a step that is too long to see that does not change what is proved.
+    """
+    low, high = border.min(axis=0), border.max(axis=0)
+    middle, half = (low + high) / 2, MARGIN * (high - low) / 2
+    if limit is not None:
+        half = np.minimum(half, limit)
+    lines = [np.linspace(m - h, m + h, count) for m, h in zip(middle, half, strict=True)]
+    starts = np.array([(x, y) for y in lines[1] for x in lines[0]])
+    far = 20 * float(np.linalg.norm(border, axis=1).max())
+    came = followed_home(field, starts, is_home, far)
+    certified = inside_ring(border, starts)
+    return int(np.sum(certified)), int(np.sum(came | certified))

@@ -1,0 +1,358 @@
+"""A mesh between rings, on which W is the number of the ring: points on whole multiples of a unit, exactly on lines.
+
+In a triangle with a side on a ring W has the gradient of the normal n of this side, up to a positive factor, so all
+velocities f that the triangle may have must fulfil ``n . f < 0``.  Where floats see that fail the side is halved, or
+those of the other ring beside the triangle, until the points of the rings are used up; then a ring is put between.
+Where cells meet, each band is at last put to the checker's own conditions; rings end before the first that fails them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from itertools import pairwise
+from math import factorial, gcd, lcm
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nonsmooth.proofs.checker.basin import Mesh, Plane, show_falls
+from nonsmooth.proofs.checker.polynomials import Polynomial
+from nonsmooth.proofs.checker.work import RejectedError
+from nonsmooth.proofs.systems.basin_rings import FloatField, Floats
+
+EVERY = 12  # rings of which one is used, and points of a ring, at first
+ROUNDS = 8  # in which a band is refined
+BITS = 26  # of coordinates
+NEAR_LINE = 0.25  # of the distance of neighbours: points of a ring that are as near to a point on a line are left out
+SMALL = 2.0**-40  # of the largest: what is as small counts as zero, for either sign
+
+Corner: TypeAlias = tuple[int, int]  # a ring, and a point of it
+Triangle: TypeAlias = tuple[Corner, Corner, Corner]
+
+
+@dataclass
+class LatticeRing:
+    """A dense ring on the lattice.
+
+    Attributes:
+        points: whole numbers, in units.
+        lines: of each point the surface, a line, on which it lies; -1 on none.
+        chosen: the points that are corners of the mesh, in order.
+    """
+
+    points: Floats
+    lines: NDArray[np.int64]
+    chosen: list[int] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        fixed = np.nonzero(self.lines >= 0)[0].tolist()
+        self.chosen = sorted({*range(0, len(self.points), EVERY), *fixed})
+
+    def halve(self, position: int) -> int | None:
+        """The point between two chosen neighbours; None where there is none."""
+        size, count = len(self.chosen), len(self.points)
+        low, high = self.chosen[position % size], self.chosen[(position + 1) % size]
+        high += count if high <= low else 0
+        return None if high - low < 2 else (low + high) // 2 % count
+
+
+class Lattice:
+    """Points that are multiples of a unit, among them many of every line on which a system switches.
+
+    Attributes:
+        unit: such that the offset of every line is whole, too.
+        lines: a, b, c of the surfaces that are lines, by their numbers: ``a X + b Y + c`` times a positive number.
+    """
+
+    def __init__(self, surfaces: Sequence[Polynomial], size: float) -> None:
+        forms = {}
+        for number, own in enumerate(surfaces):
+            if own.degree == 1:
+                a, b = own.slope(0), own.slope(1)
+                bottom = lcm(a.denominator, b.denominator)
+                common = gcd(int(a * bottom), int(b * bottom))
+                forms[number] = tuple(value * bottom / common for value in (a, b, own.at_origin))
+        shared = lcm(1, *(c.denominator for *_, c in forms.values()))
+        power = BITS - int(np.ceil(np.log2(size)))
+        self.unit = Fraction(1, shared) / Fraction(2) ** power
+        self.lines = {number: (int(a), int(b), int(c / self.unit)) for number, (a, b, c) in forms.items()}
+
+    def ring(self, ring: Floats) -> LatticeRing:
+        """A ring with the points at which it crosses lines, all on the lattice."""
+        scale = 1 / float(self.unit)
+        points, on_line = np.rint(ring * scale), np.full(len(ring), -1)
+        for number, (a, b, c) in self.lines.items():
+            value = a * points[:, 0] + b * points[:, 1] + c
+            after, nearest = np.roll(value, -1), np.roll(points, -1, axis=0)
+            crossed = np.nonzero((value * after < 0) & (on_line < 0) & (np.roll(on_line, -1) < 0))[0]
+            shares = value[crossed] / (value[crossed] - after[crossed])
+            places = points[crossed] + shares[:, None] * (nearest[crossed] - points[crossed])
+            places = np.array([self._on_line(number, place) for place in places]).reshape(-1, 2)
+            points = np.insert(points, crossed + 1, places, axis=0)
+            on_line = np.insert(on_line, crossed + 1, number)
+        return LatticeRing(*_thinned(points, on_line))
+
+    def _on_line(self, number: int, place: Floats) -> tuple[int, int]:
+        """The point of the lattice on a line near a place."""
+        a, b, c = self.lines[number]
+        x = -c * pow(a, -1, abs(b)) % abs(b) if b else -c // a  # a X + c is a multiple of b
+        y = (-c - a * x) // b if b else 0
+        steps = round((b * (place[0] - x) - a * (place[1] - y)) / (a * a + b * b))
+        return x + steps * b, y - steps * a
+
+
+def _thinned(points: Floats, on_line: NDArray[np.int64]) -> tuple[Floats, NDArray[np.int64]]:
+    """Without points that are on no line and very near one that is."""
+    kept = np.ones(len(points), dtype=bool)
+    for k in np.nonzero(on_line >= 0)[0]:
+        for step in (-1, 1):
+            beside, beyond = (k + step) % len(points), (k + 2 * step) % len(points)
+            near, far = (np.linalg.norm(points[other] - points[k]) for other in (beside, beyond))
+            kept[beside] &= bool(on_line[beside] >= 0 or near > NEAR_LINE * far)
+    return points[kept], on_line[kept]
+
+
+# ---- triangles between two rings -----------------------------------------------------------------
+
+
+def band(inner: LatticeRing, outer: LatticeRing) -> list[tuple[int, int, int]]:
+    """Triangles between two rings by the shorter diagonals: the ring of a side, its place, and the place of its apex.
+
+    Places are those in the lists of chosen points.  Where both rings cross lines in the same order, triangles lie
+    between neighbouring crossings.
+    """
+    found: list[tuple[int, int, int]] = []
+    near, far = ([complex(x, y) for x, y in ring.points[ring.chosen]] for ring in (inner, outer))
+    for (first, count), (start, steps) in _sectors(inner, outer):
+        i = j = 0
+        while i < count or j < steps:
+            a, a_next = near[(first + i) % len(near)], near[(first + i + 1) % len(near)]
+            b, b_next = far[(start + j) % len(far)], far[(start + j + 1) % len(far)]
+            if j == steps or (i < count and abs(a_next - b) <= abs(b_next - a)):
+                found.append((0, first + i, start + j))
+                i += 1
+            else:
+                found.append((1, start + j, first + i))
+                j += 1
+    return found
+
+
+def _sectors(inner: LatticeRing, outer: LatticeRing) -> Iterator[tuple[tuple[int, int], tuple[int, int]]]:
+    """Stretches of both rings that belong together: the first place of each, and the number of its sides."""
+    own, other = ([k for k, point in enumerate(ring.chosen) if ring.lines[point] >= 0] for ring in (inner, outer))
+    seen = [[ring.lines[ring.chosen[k]] for k in listed] for ring, listed in ((inner, own), (outer, other))]
+    turns = [t for t in range(len(other)) if seen[0] == seen[1][t:] + seen[1][:t]]
+    if not turns:
+        own, other, turns = [0], list(range(len(outer.chosen))), list(range(len(outer.chosen)))
+    start = inner.points[inner.chosen[own[0]]]
+    turn = min(turns, key=lambda t: float(np.sum((outer.points[outer.chosen[other[t]]] - start) ** 2)))
+    other = other[turn:] + other[:turn] if len(own) > 1 else [other[turn]]
+    for k in range(len(own)):
+        stretches = []
+        for ring, listed in ((inner, own), (outer, other)):
+            size = len(ring.chosen)
+            sides = (listed[(k + 1) % len(own)] - listed[k]) % size
+            stretches.append((listed[k], sides or size))
+        yield stretches[0], stretches[1]
+
+
+class Bernstein:
+    """Values at the points of a triangle's lattice, and Bernstein coefficients from these."""
+
+    def __init__(self, degree: int) -> None:
+        self.degree = degree
+        powers = [(i, j, degree - i - j) for i in range(degree + 1) for j in range(degree + 1 - i)]
+        self.nodes = np.array(powers) / max(degree, 1)
+        if not degree:
+            self.nodes = np.full((1, 3), 1 / 3)
+        columns = []
+        for i, j, k in powers:
+            weight = factorial(degree) / (factorial(i) * factorial(j) * factorial(k))
+            columns.append(weight * self.nodes[:, 0] ** i * self.nodes[:, 1] ** j * self.nodes[:, 2] ** k)
+        self.inverse = np.linalg.inv(np.stack(columns, axis=1))
+
+    def places(self, triangles: Floats) -> Floats:
+        """The points at which a polynomial is looked at: shape (triangles, nodes, 2)."""
+        return np.asarray(np.einsum("kc,mcd->mkd", self.nodes, triangles))
+
+    def coefficients(self, own: Floats) -> Floats:
+        """From values of shape (triangles, nodes)."""
+        return np.asarray(own @ self.inverse.T)
+
+
+class MeshBuilder:
+    """Rings of which bands are refined until W falls on them.
+
+    Args:
+        plane: the cells of the system, in its own lengths; the checker's, in units, are ``exact``.
+    """
+
+    def __init__(self, plane: Plane, exact: Callable[[str], Plane], rings: Sequence[Floats]) -> None:
+        size = max(float(np.abs(ring).max()) for ring in rings)
+        self.lattice = Lattice(plane.surfaces.listed, size)
+        self.field, self.exact = FloatField(plane), exact(str(self.lattice.unit))
+        self.dense, self.rings = rings, dict[int, LatticeRing]()
+        degree = max((own.degree for own in plane.surfaces.listed), default=0)
+        self.guard_points, self.points = Bernstein(degree), dict[int, Bernstein]()
+
+    def ring(self, number: int) -> LatticeRing:
+        """A ring on the lattice."""
+        if number not in self.rings:
+            self.rings[number] = self.lattice.ring(self.dense[number])
+        return self.rings[number]
+
+    def build(self, announce: Callable[[int, int], None]) -> tuple[dict[str, Any], int] | None:
+        """The mesh as a certificate holds it, and W on its last ring; None without a band on which W falls."""
+        used = [*range(0, len(self.dense) - 1, EVERY), len(self.dense) - 1]
+        shown: set[tuple[int, int]] = set()
+        rounds: dict[tuple[int, int], int] = {}
+        while True:
+            open_bands = [pair for pair in pairwise(used) if pair not in shown]
+            if not open_bands:
+                break
+            announce(len(shown), len(used) - 1)
+            touched, between = set[int](), set[int]()
+            for pair in open_bands:
+                rounds[pair] = rounds.get(pair, 0) + 1
+                failing = self._failing(*pair)
+                if not failing:
+                    shown.add(pair)
+                    continue
+                changed = self._refine(pair, failing) if rounds[pair] <= ROUNDS else set()
+                touched |= changed
+                if not changed:
+                    between.add(pair[1])
+            shown = {pair for pair in shown if touched.isdisjoint(pair)}
+            used = self._with_more(used, between)
+        if self.exact.surfaces.listed:  # where cells meet the checker asks more than floats have seen
+            bands = list(pairwise(used))
+            count = next((k for k, pair in enumerate(bands) if not self._is_shown(*pair)), len(bands))
+            used = used[: count + 1]
+        return self._record(used) if len(used) > 1 else None
+
+    def _with_more(self, used: list[int], between: set[int]) -> list[int]:
+        """A ring more before each of some, or no rings from one on before which there is none."""
+        found = used[:1]
+        for number in used[1:]:
+            before = found[-1]
+            if number in between:
+                if number - before < 2:
+                    break
+                found.append((before + number) // 2)
+            found.append(number)
+        return found
+
+    def _corners(self, pair: tuple[int, int], own: tuple[int, int, int]) -> Triangle:
+        """A triangle of a band counterclockwise, as points of rings; its side of one ring comes first or last."""
+        which, place, apex = own
+        base, other = pair[which], pair[1 - which]
+        chosen, opposite = self.ring(base).chosen, self.ring(other).chosen
+        first, last = (base, chosen[place % len(chosen)]), (base, chosen[(place + 1) % len(chosen)])
+        top = (other, opposite[apex % len(opposite)])
+        return (first, last, top) if which else (first, top, last)
+
+    def _failing(self, inner: int, outer: int) -> list[tuple[tuple[int, int, int], bool]]:
+        """The triangles of a band on which W is not seen to fall, and whether they are turned over."""
+        pair = (inner, outer)
+        triangles = band(self.ring(inner), self.ring(outer))
+        named = [self._corners(pair, own) for own in triangles]
+        corners = np.array([[self.ring(ring).points[point] for ring, point in own] for own in named])
+        a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
+        areas = (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (c[:, 0] - a[:, 0]) * (b[:, 1] - a[:, 1])
+        outer_side = np.array([own[0] == 1 for own in triangles])
+        along = np.where(outer_side[:, None], b - a, c - a)
+        normals = np.stack([along[:, 1], -along[:, 0]], axis=1)
+        good = (areas > 0) & self._falls(corners, normals)
+        return [(own, bool(size <= 0)) for own, holds, size in zip(triangles, good, areas, strict=True) if not holds]
+
+    def _falls(self, corners: Floats, normals: Floats) -> NDArray[np.bool_]:
+        """On which triangles ``n . f < 0`` for the fields of all cells that they may meet."""
+        good = np.ones(len(corners), dtype=bool)
+        places = corners * float(self.lattice.unit)
+        for signs, here in self._cells(corners, places):
+            for k, side in enumerate(self.field.plane.sides(signs)):
+                degree = max(own.degree for own in side)
+                points = self.points.setdefault(degree, Bernstein(degree))
+                at = points.places(places[here])
+                velocities = self.field.on(signs, at.reshape(-1, 2))[k].reshape(at.shape)
+                rates = points.coefficients(np.einsum("mkd,md->mk", velocities, normals[here]))
+                sizes = np.linalg.norm(velocities, axis=2).max(axis=1) * np.linalg.norm(normals[here], axis=1)
+                good[here] &= rates.max(axis=1) < -SMALL * sizes
+        return good
+
+    def _cells(self, corners: Floats, places: Floats) -> Iterator[tuple[tuple[int, ...], NDArray[np.bool_]]]:
+        """Each cell with the triangles whose inside it may meet."""
+        listed = self.field.plane.surfaces.listed
+        if not listed:
+            yield (), np.ones(len(corners), dtype=bool)
+            return
+        at = self.guard_points.places(places)
+        guards = self.field.guards(at.reshape(-1, 2)).reshape(*at.shape[:2], len(listed))
+        allowed = np.empty((len(corners), len(listed), 2), dtype=bool)
+        for number in range(len(listed)):
+            if number in self.lattice.lines:  # exact in floats
+                a, b, c = self.lattice.lines[number]
+                own = a * corners[:, :, 0] + b * corners[:, :, 1] + c
+                slack = 0.0
+            else:
+                own = self.guard_points.coefficients(guards[:, :, number])
+                slack = SMALL * float(np.abs(own).max())
+            allowed[:, number] = np.stack([own.min(axis=1) < -slack, own.max(axis=1) > slack], axis=1)
+            if slack:
+                allowed[:, number] |= np.abs(own).min(axis=1)[:, None] <= slack
+        kinds, which = np.unique(allowed.reshape(len(corners), -1), axis=0, return_inverse=True)
+        groups: dict[tuple[int, ...], NDArray[np.bool_]] = {}
+        for number, kind in enumerate(kinds):
+            patterns: list[tuple[int, ...]] = [()]
+            for low, high in kind.reshape(-1, 2):
+                signs = [s for s, holds in ((-1, low), (1, high)) if holds]
+                patterns = [(*own, s) for own in patterns for s in signs]
+            for pattern in patterns:
+                groups[pattern] = groups.get(pattern, np.zeros(len(corners), dtype=bool)) | (which.ravel() == number)
+        yield from groups.items()
+
+    def _refine(self, pair: tuple[int, int], failing: Sequence[tuple[tuple[int, int, int], bool]]) -> set[int]:
+        """Halve sides of triangles that fail; which rings have more points."""
+        more: dict[int, set[int]] = {number: set() for number in pair}
+        for (which, place, apex), is_turned in failing:
+            own, other = pair[which], pair[1 - which]
+            points = [(own, self.ring(own).halve(place))]
+            if points[0][1] is None or is_turned:
+                points += [(other, self.ring(other).halve(k)) for k in (apex, apex - 1)]
+            for number, point in points:
+                if point is not None:
+                    more[number].add(point)
+        changed = set()
+        for number, points_of in more.items():
+            ring = self.ring(number)
+            if not points_of <= set(ring.chosen):
+                ring.chosen = sorted(points_of.union(ring.chosen))
+                changed.add(number)
+        return changed
+
+    def _is_shown(self, inner: int, outer: int) -> bool:
+        """Whether the checker's conditions hold on a band."""
+        record, _ = self._record([inner, outer])
+        try:
+            show_falls(Mesh(record), self.exact)
+        except RejectedError:
+            return False
+        return True
+
+    def _record(self, used: Sequence[int]) -> tuple[dict[str, Any], int]:
+        """The mesh of some rings, and W on the last."""
+        numbers: dict[Corner, int] = {}
+        corners, triangles = list[str](), list[str]()
+        for value, number in enumerate(used):
+            ring = self.ring(number)
+            for point in ring.chosen:
+                numbers[number, point] = len(corners)
+                x, y = ring.points[point]
+                corners.append(f"{int(x)} {int(y)} {value}")
+        for pair in pairwise(used):
+            for own in band(self.ring(pair[0]), self.ring(pair[1])):
+                triangles.append(" ".join(str(numbers[corner]) for corner in self._corners(pair, own)))
+        return {"unit": str(self.lattice.unit), "corners": corners, "triangles": triangles}, len(used) - 1

@@ -1,0 +1,213 @@
+"""Rings that grow from a level set backward in time, in floats: what they propose a mesh proves.
+
+A ring is a closed polygon, counterclockwise, over which all velocities f lead inward: ``n . f < 0`` for its outward
+normal n.  Rings move by ``dx/du = -R f / |x|^2``; where R is the identity they are level sets of the integral of
+``|x|^2`` along solutions.  Near the border of a basin f is nearly along these, too nearly for a polygon of few sides.
+So R turns f by an angle toward n: f then meets all rings at that angle at least, and they tend to the border of the
+basin of the turned field, which is smaller (the rotated vector fields of Duff 1953).  A smaller angle gives a larger
+basin, and asks for sides that are shorter in proportion.
+
+Errors here, such as those of interpolated points, cost share and never soundness.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nonsmooth.proofs.checker.basin import Plane
+from nonsmooth.proofs.checker.cells import Pattern
+from nonsmooth.proofs.checker.polynomials import Polynomial
+
+Floats: TypeAlias = NDArray[np.float64]
+
+MOVE = 0.02  # of the size of a ring, by which the fastest of its points moves in a step
+STEPS, PAUSE, GROWTH = 1_500, 50, 1.0015  # at most; between looks at the area; by which this must grow
+BEND = 0.15  # of a side: interpolation that bends more is not believed
+FOLD = 0.2  # sine of the angle between f and n below which f is turned less
+STARTS = 400  # points of the first ring
+
+
+@dataclass(frozen=True)
+class FloatField:
+    """The velocities of all right-hand sides, and the switching surfaces, at many places.
+
+    Attributes:
+        plane: the cells of the system, in its own lengths.
+    """
+
+    plane: Plane
+
+    def guards(self, x: Floats) -> Floats:
+        """The values of the surfaces: shape (places, surfaces)."""
+        listed = self.plane.surfaces.listed
+        return np.stack([values(own, x) for own in listed], axis=1) if listed else np.zeros((len(x), 0))
+
+    def on(self, signs: Pattern, x: Floats) -> Floats:
+        """The velocities that a cell has, wherever the places are: shape (right-hand sides, places, 2)."""
+        sides = self.plane.sides(signs)
+        return np.stack([np.stack([values(own, x) for own in side], axis=1) for side in sides])
+
+    def at(self, x: Floats) -> Floats:
+        """The velocities at places, those of one cell where several meet: shape (right-hand sides, places, 2)."""
+        guards = self.guards(x)
+        if not guards.shape[1]:
+            return self.on((), x)
+        signs = np.where(guards >= 0, 1, -1)
+        kinds, which = np.unique(signs, axis=0, return_inverse=True)
+        found = None
+        for number, kind in enumerate(kinds):
+            here = which.ravel() == number
+            own = self.on(tuple(int(sign) for sign in kind), x[here])
+            found = np.zeros((len(own), *x.shape)) if found is None else found
+            found[:, here] = own
+        if found is None:
+            raise ValueError("required a place")
+        return found
+
+
+def values(polynomial: Polynomial, x: Floats) -> Floats:
+    """A polynomial of a checker at places."""
+    total = np.zeros(len(x))
+    for (a, b), c in polynomial.terms.items():
+        total += float(c) * x[:, 0] ** a * x[:, 1] ** b
+    return total
+
+
+def area(ring: Floats) -> float:
+    """Of a polygon, positive where it is counterclockwise."""
+    after = np.roll(ring, -1, axis=0)
+    return float(np.sum(ring[:, 0] * after[:, 1] - ring[:, 1] * after[:, 0]) / 2)
+
+
+def level_ring(potential: Callable[[Floats], Floats], level: float, radius: float) -> Floats | None:
+    """Where V first is a level on rays from the point, within a square; None where it is not on all of them."""
+    angles = np.linspace(0, 2 * np.pi, STARTS, endpoint=False)
+    rays = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    near, far = np.zeros(STARTS), np.full(STARTS, np.nan)
+    for share in np.linspace(0, 1, 65)[1:]:
+        here = share * radius / np.abs(rays).max(axis=1)
+        above = potential(rays * here[:, None]) >= level
+        far = np.where(np.isnan(far) & above, here, far)
+        near = np.where(np.isnan(far), here, near)
+    if np.isnan(far).any():
+        return None
+    for _ in range(40):
+        middle = (near + far) / 2
+        above = potential(rays * middle[:, None]) >= level
+        near, far = np.where(above, near, middle), np.where(above, middle, far)
+    return np.asarray(rays * near[:, None])
+
+
+def grow(
+    field: FloatField, ring: Floats, angle: float, gap: float, limit: float, announce: Callable[[int, int], None]
+) -> list[Floats]:
+    """Rings from the first one on, until they grow no more.
+
+    Args:
+        field: of the system.
+        ring: the first one.
+        angle: by which velocities are turned outward, in radians.
+        gap: between neighbours on a ring, of its size.
+        limit: half the side of a square that no ring leaves.
+        announce: told the number of steps that are done, and of all.
+    """
+    rings, before = [ring], area(ring)
+    for step in range(1, STEPS):
+        announce(step, STEPS)
+        ring = _next_ring(field, ring, angle, gap)
+        if not np.isfinite(ring).all() or np.abs(ring).max() > limit or area(ring) <= 0:
+            break
+        rings.append(ring)
+        if step % PAUSE == 0:
+            if area(ring) < GROWTH * before:
+                break
+            before = area(ring)
+    return rings
+
+
+def _next_ring(field: FloatField, ring: Floats, angle: float, gap: float) -> Floats:
+    """One step of Runge and Kutta backward in time, in which each point keeps its right-hand side and its turn."""
+    size = float(np.linalg.norm(ring, axis=1).max())
+    along = np.roll(ring, -1, axis=0) - np.roll(ring, 1, axis=0)
+    normals = np.stack([along[:, 1], -along[:, 0]], axis=1)
+    normals /= np.linalg.norm(normals, axis=1)[:, None]
+    velocities = field.at(ring)
+    speeds = np.linalg.norm(velocities, axis=2) + np.finfo(float).tiny
+    outward = np.einsum("kij,ij->ki", velocities, normals) / speeds
+    chosen = outward.argmax(axis=0)  # the one that leads least inward
+    rows = np.arange(len(ring))
+    v, speed = velocities[chosen, rows], speeds[chosen, rows]
+    turn = angle * np.clip((v[:, 0] * normals[:, 1] - v[:, 1] * normals[:, 0]) / speed / FOLD, -1, 1)
+    c, s = np.cos(turn), np.sin(turn)
+
+    def backward(x: Floats) -> Floats:
+        f = field.at(x)[chosen, rows]
+        turned = np.stack([c * f[:, 0] - s * f[:, 1], s * f[:, 0] + c * f[:, 1]], axis=1)
+        return np.asarray(-turned / (x**2).sum(axis=1)[:, None])
+
+    first = backward(ring)
+    du = MOVE * size / float(np.linalg.norm(first, axis=1).max())
+    second = backward(ring + du / 2 * first)
+    third = backward(ring + du / 2 * second)
+    fourth = backward(ring + du * third)
+    return _spaced(ring + du / 6 * (first + 2 * second + 2 * third + fourth), gap * size)
+
+
+def _spaced(ring: Floats, gap: float) -> Floats:
+    """A ring with points between those that are far apart, and without some of those that are near each other."""
+    for _ in range(3):
+        after, sides = np.roll(ring, -1, axis=0), _sides(ring)
+        wide = sides > gap
+        if not wide.any():
+            break
+        straight = (ring + after) / 2
+        bent = (9 * (ring + after) - np.roll(ring, 1, axis=0) - np.roll(ring, -2, axis=0)) / 16
+        believed = np.linalg.norm(bent - straight, axis=1) < BEND * sides
+        middle = np.where(believed[:, None], bent, straight)
+        ring = np.insert(ring, np.nonzero(wide)[0] + 1, middle[wide], axis=0)
+    crowded = _sides(ring) < gap / 6
+    crowded[::2] = False  # never two neighbours
+    return np.asarray(ring[~crowded])
+
+
+def _sides(ring: Floats) -> Floats:
+    return np.asarray(np.linalg.norm(np.roll(ring, -1, axis=0) - ring, axis=1))
+
+
+def followed_home(
+    field: FloatField, starts: Floats, home: Callable[[Floats], NDArray[np.bool_]], far: float
+) -> NDArray[np.bool_]:
+    """Which starts come to where ``home`` is true before they are farther away than some distance, in floats.
+
+    Steps have a length in proportion to the distance from the point; of several right-hand sides the first is taken.
+    """
+    x, came, alive = starts.copy(), home(starts), np.ones(len(starts), dtype=bool)
+    for _ in range(4_000):
+        todo = np.nonzero(alive & ~came)[0]
+        if not len(todo):
+            break
+        here = x[todo]
+        first = field.at(here)[0]
+        step = 0.02 * np.linalg.norm(here, axis=1) / (np.linalg.norm(first, axis=1) + np.finfo(float).tiny)
+        second = field.at(here + step[:, None] / 2 * first)[0]
+        x[todo] = here + step[:, None] * second
+        came[todo] = home(x[todo])
+        alive[todo] = np.isfinite(x[todo]).all(axis=1) & (np.linalg.norm(x[todo], axis=1) < far)
+    return came
+
+
+def inside_ring(ring: Sequence[Sequence[float]] | Floats, x: Floats) -> NDArray[np.bool_]:
+    """Which places a polygon goes around."""
+    found = np.zeros(len(x), dtype=bool)
+    corners = np.asarray(ring, dtype=float)
+    for (ax, ay), (bx, by) in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+        if ay == by:
+            continue
+        crosses = (ay > x[:, 1]) != (by > x[:, 1])
+        found ^= crosses & (x[:, 0] < ax + (x[:, 1] - ay) / (by - ay) * (bx - ax))
+    return found

@@ -1,0 +1,163 @@
+"""Regions as triangles: the checker accepts them, they are large, and by another integrator every start comes home."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import nonsmooth as ns
+from nonsmooth.proofs.checker.statements import refusal
+from nonsmooth.proofs.system_certificates import find_region_of_triangles
+from nonsmooth.proofs.systems.basin import EFFORTS, BasinEffort, CertifiedBasin
+from nonsmooth.reports.check import check_system
+from tests.thorough import keep, thorough
+
+if TYPE_CHECKING:
+    from tests.reports.conftest import Invoke
+
+Floats: TypeAlias = NDArray[np.float64]
+
+COARSE = BasinEffort(0.12, 0.03, 21)
+STEEP = 1e-3  # width over which the oracle's sign rises
+VAN_DER_POL = """
+name = "van der Pol, reversed"
+
+[system]
+states = ["x", "y"]
+rhs = ["-y", "x - (1 - x**2)*y"]
+
+[check]
+radius = 1
+"""
+
+
+def relay(x: Floats) -> Floats:
+    """A sign without a jump."""
+    return np.clip(x / STEEP, -1, 1)
+
+
+# name: right-hand sides, radius, the same in numpy, step, least share of the coarse search and of a search for best
+SYSTEMS: dict[str, tuple[list[str], str, Callable[[Floats, Floats], Any], float, float, float]] = {
+    "van der Pol 1": (
+        ["-y", "x - (1 - x**2)*y"], "1", lambda x, y: (-y, x - (1 - x**2) * y), 0.01, 0.6, 0.97,
+    ),
+    "van der Pol 3": (
+        ["-y", "x - 3*(1 - x**2)*y"], "1", lambda x, y: (-y, x - 3 * (1 - x**2) * y), 0.01, 0.5, 0.93,
+    ),
+    "inside an ellipse": (
+        ["-x + (2*x**2 + y**2)*x", "-y + (2*x**2 + y**2)*y"], "1",
+        lambda x, y: (-x + (2 * x**2 + y**2) * x, -y + (2 * x**2 + y**2) * y), 0.02, 0.9, 0.97,
+    ),
+    "sliding": (
+        ["-x + x**3", "-sign(y) + y*x**2/4 + y**3/4 - x/4"], "1/2",
+        lambda x, y: (-x + x**3, -relay(y) + y * x**2 / 4 + y**3 / 4 - x / 4), 2e-3, 0.8, 0.9,
+    ),
+}  # fmt: skip
+
+
+def basin_of(name: str, search: str = "fast") -> tuple[Any, CertifiedBasin]:
+    """The check of a system, and its triangles."""
+    rhs, radius, *_ = SYSTEMS[name]
+    result = check_system(ns.System(["x", "y"], rhs, radius=radius).system).with_triangles(search)
+    basin = result.evidence.reach.basin
+    assert basin is not None
+    return result, basin
+
+
+def drawn(basin: CertifiedBasin, count: int, seed: int = 1) -> Floats:
+    """Random places in triangles, as many in a small one as in a large one."""
+    random = np.random.default_rng(seed)
+    chosen = basin.corners[random.choice(basin.triangles, count)][:, :, :2]
+    return np.asarray(np.einsum("ij,ijk->ik", random.dirichlet(np.ones(3), count), chosen))
+
+
+def sizes_after(name: str, starts: Floats, time: float) -> Floats:
+    """Distances from the point after some time, by Runge and Kutta with equal steps."""
+    _, _, field, step, *_ = SYSTEMS[name]
+
+    def rate(z: Floats) -> Floats:
+        return np.stack(field(*z), axis=0)
+
+    z = starts.T.copy()
+    for _ in range(int(time / step)):
+        a = rate(z)
+        b = rate(z + step / 2 * a)
+        c = rate(z + step / 2 * b)
+        z = z + step / 6 * (a + 2 * b + 2 * c + rate(z + step * c))
+    return np.linalg.norm(z, axis=0)
+
+
+@pytest.mark.parametrize("name", keep(2, ["van der Pol 1", "sliding", "van der Pol 3", "inside an ellipse"]))
+def test_starts_in_triangles_come_home(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(EFFORTS, "fast", COARSE)
+    result, basin = basin_of(name)
+    assert basin.share >= SYSTEMS[name][4]
+    assert_cover_once(basin)
+    assert sizes_after(name, drawn(basin, 100), 20.0).max() < 0.1
+    record = json.loads(json.dumps(result.to_dict()))["basin"]
+    assert len(record["simplices"]) == len(basin.triangles)
+    assert len(record["vertices"]) == len(record["values"]) == len(basin.corners)
+    certificate = result.certificate()
+    assert {"attracts": {"mesh": basin.mesh, "below": basin.hypotheses["below"]}} in certificate["statement"]["claims"]
+    assert not refusal(certificate, len(json.dumps(certificate)))
+
+
+@thorough  # the test above is coarse
+@pytest.mark.parametrize("name", SYSTEMS)
+def test_best_regions_are_large(name: str) -> None:
+    """The share is sampled; ten thousand starts are followed."""
+    _, basin = basin_of(name, "best")
+    assert basin.share >= SYSTEMS[name][5]
+    assert sizes_after(name, drawn(basin, 10_000), 120.0).max() < 0.05
+
+
+def assert_cover_once(basin: CertifiedBasin) -> None:
+    """The areas of all triangles add up to what lies between the first ring and the last."""
+    a, b, c = (basin.corners[basin.triangles[:, k], :2] for k in range(3))
+    areas = ((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]) / 2
+    assert areas.min() > 0
+    values = basin.corners[:, 2]
+    first, last = (area(basin.corners[values == value][:, :2]) for value in (0, values.max()))
+    assert float(areas.sum()) == pytest.approx(last - first)
+
+
+def area(ring: Floats) -> float:
+    """Of a polygon, by the shoelace formula."""
+    x, y = ring.T
+    return float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))) / 2
+
+
+def test_no_triangles_where_all_is_known(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every start comes home, or the point does not attract."""
+    for rhs in (["-x", "-y"], ["y", "-x"], ["x", "y"]):
+        result = check_system(ns.System(["x", "y"], rhs).system)
+        assert find_region_of_triangles(result.evidence, "fast", lambda what, done, total: None) is None
+
+
+def test_the_command(invoke: Invoke, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The words, the file that verify accepts, and what is refused."""
+    monkeypatch.setitem(EFFORTS, "fast", COARSE)
+    scene, file = tmp_path / "scene.toml", tmp_path / "basin.json"
+    scene.write_text(VAN_DER_POL)
+    found = invoke("check", str(scene), "--region", "fast", "--certificate", str(file))
+    assert found.status == 0
+    assert "triangles about the region" in " ".join(found.out.replace("│", " ").split())
+    assert invoke("verify", str(file)).status == 0
+    for name in ("four-wheel", "relay-chain"):
+        refused = invoke("check", name, "--region", "best")
+        assert refused.status == 2
+        assert "required a plain system in two states for --region" in refused.err
+
+
+def test_the_picture(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Triangles, and the border of the region."""
+    monkeypatch.setitem(EFFORTS, "fast", COARSE)
+    result, basin = basin_of("inside an ellipse")
+    axes = result.plot()
+    assert any(len(line.get_xdata()) == len(basin.border) + 1 for line in axes.lines)
