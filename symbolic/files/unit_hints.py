@@ -9,8 +9,8 @@ from nonsmooth.symbolic.continuum import Disc
 from nonsmooth.symbolic.scene import Wheel
 from nonsmooth.symbolic.units import LengthUnit, Units
 
-SIZES = 2e-3, 50.0  # metres that an array may measure without a hint
-SPEEDS = 5e-4, 50.0  # m/s of the fastest wheel
+SIZES = 1 / 500, 50.0  # metres that an array may measure without a hint
+SPEEDS = 1 / 2000, 50.0  # m/s of the fastest wheel
 BODIES = 0.01, 100.0  # of the size of an array that a body may have
 MEANT = {LengthUnit.METRE: LengthUnit.MILLIMETRE, LengthUnit.MILLIMETRE: LengthUnit.METRE}
 

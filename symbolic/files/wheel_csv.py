@@ -124,9 +124,8 @@ class _Cells:
             raise ValueError("required a decimal point instead of a comma")
         if column not in DIRECTIONS:
             return read_exact(text)
-        if text.startswith("[") and text.endswith("]"):
-            return read_heading([part.strip() for part in text[1:-1].split(",")])
-        return read_heading(text, self.unit)
+        entries = _entries(text)
+        return read_heading(text, self.unit) if entries is None else read_heading(entries)
 
     def _wanted_cells(self, found: int) -> str:
         """What a row must have; decimal commas make more cells where commas separate them."""
@@ -168,10 +167,18 @@ def parse_wheels(text: str, name: str, file: str, unit: AngleUnit | None = None)
     return WheelRows(name, rows, values, _unread(header, columns))
 
 
+def _entries(text: str) -> list[str] | None:
+    """The entries of a direction, "[a, b]"; None for any other cell."""
+    if text.startswith("[") and text.endswith("]"):
+        return [part.strip() for part in text[1:-1].split(",")]
+    return None
+
+
 def _written(text: str) -> Any:
     """The value of a scene file for a cell: a number where the cell is one, two entries of a direction, else a text."""
-    if text.startswith("[") and text.endswith("]"):
-        return [_written(part.strip()) for part in text[1:-1].split(",")]
+    entries = _entries(text)
+    if entries is not None:
+        return list(map(_written, entries))
     try:
         value = Decimal(text)
     except InvalidOperation:

@@ -110,11 +110,12 @@ def test_random_linear_systems_that_a_v_decides_are_certified(seed: int) -> None
 
 def test_region_and_rate_are_stated_and_no_larger_ones() -> None:
     record = certified(RELAYS)
-    ((region,), (rate,)) = claims(record, "attracts"), claims(record, "rate")
+    ((region, whole), (rate,)) = claims(record, "attracts"), claims(record, "rate")
+    assert whole == "everywhere"
     assert (region["below"], rate["kind"], rate["kappa"]) == ("1/4", "exponential", "15/4")
     for kind, key, value in (("attracts", "below", "257/1024"), ("rate", "kappa", "61/16"), ("rate", "kind", "finite")):
         changed = json.loads(json.dumps(record))
-        next(c for c in changed["statement"]["claims"] if kind in c)[kind][key] = value
+        next(c for c in changed["statement"]["claims"] if kind in c)[kind][key] = value  # the region stands first
         assert "evidence of the claim" in rejected(changed)
     larger = json.loads(json.dumps(record))
     larger["evidence"][0]["hypotheses"]["level"] = "257/1024"
@@ -148,7 +149,7 @@ def test_a_claim_that_is_not_shown_is_left_out_and_named() -> None:
     rate = result.reach.rate
     assert rate is not None
     record = certificate_of(with_reach(result, rate=replace(rate, kappa=rate.kappa * 4)))
-    assert (len(claims(record, "attracts")), claims(record, "rate")) == (1, [])
+    assert (len(claims(record, "attracts")), claims(record, "rate")) == (2, [])
     (line, *_) = left_out(record)
     assert line.startswith("V' <= -15 V on abs(x), abs(y) <= 1/2")
     assert "no proof was found of rate cell" in line
@@ -166,13 +167,13 @@ def test_irrational_numbers_lie_between_rational_ones() -> None:
 def test_every_condition_must_be_shown(name: str) -> None:
     """A certificate without one of its proofs, with an empty one, or with one more is rejected."""
     record = record_of(name)
-    (entry,) = record["evidence"]
+    entry, *others = record["evidence"]
     for k, key in list(enumerate(entry["proofs"]))[:: 3 if name == "slides" else 1]:
         without = {own: proof for own, proof in entry["proofs"].items() if own != key}
         proofs = without if k % 2 else {**entry["proofs"], key: {}}
-        assert key in rejected({**record, "evidence": [{**entry, "proofs": proofs}]})
+        assert key in rejected({**record, "evidence": [{**entry, "proofs": proofs}, *others]})
     more = {**entry["proofs"], "cell +++ field 9": {"squares": []}}
-    assert "proofs of claims that are asked" in rejected({**record, "evidence": [{**entry, "proofs": more}]})
+    assert "proofs of claims that are asked" in rejected({**record, "evidence": [{**entry, "proofs": more}, *others]})
 
 
 @pytest.mark.parametrize(("more", "face"), keep(1, [("", "00+"), (" + Abs(x + y) + Abs(x - y)", "00+00")]))

@@ -66,10 +66,10 @@ def test_comments_and_blank_lines_keep_the_numbers_of_lines(tmp_path: Path) -> N
 
 
 def test_other_columns_are_not_read_and_a_note_says_so(tmp_path: Path) -> None:
-    text = "id;x;Colour;y\n1;0.5;=cmd|' /C calc'!A0;1\n2;-1;;1e-1\n"
+    text = "z;x;Colour;y\n1;0.5;=cmd|' /C calc'!A0;1\n2;-1;;1e-1\n"
     scene = load(tmp_path, text)
     assert [list(wheel.position) for wheel in scene.wheels] == [[Fraction(1, 2), 1], [-1, Fraction(1, 10)]]
-    assert angle_notes(scene.field) == ("columns of the table of wheels that are not read: id, Colour",)
+    assert angle_notes(scene.field) == ("columns of the table of wheels that are not read: z, Colour",)
 
 
 def test_the_note_is_short_and_shows_names_only(tmp_path: Path) -> None:
@@ -85,7 +85,7 @@ def test_a_cell_of_another_column_may_hold_anything() -> None:
     assert [[row.x, row.y] for row in rows] == [[Fraction(1), Fraction(2)], [Fraction(3), Fraction(4)]]
 
 
-@pytest.mark.parametrize("name", ["id", "name", "type", "motor", "z", "diameter", "index", "colour", "note", "theta"])
+@pytest.mark.parametrize("name", ["type", "supplier", "z", "diameter", "index", "colour", "note", "theta"])
 def test_columns_that_are_not_taken_for_misspelt_ones(name: str) -> None:
     assert parse_wheels(f"x,y,{name}\n1,2,\n", "w.csv", "my.toml").ignored == (name,)
 
