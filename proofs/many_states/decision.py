@@ -8,8 +8,10 @@
 4. A V that is searched (:mod:`nonsmooth.proofs.many_states.lyapunov_search`); for a linearization whose eigenvalues all
    have negative real parts its own quadratic form on smaller cubes, if nothing else is proved.
 5. A V that shows instability (:mod:`nonsmooth.proofs.many_states.lyapunov_search`).
-6. A V that does not increase: the point attracts where nothing else stays where V does not fall
-   (:mod:`nonsmooth.proofs.kernel.second_function`); otherwise ``stable``, and whether it attracts is left open.
+6. An energy that is searched (:mod:`nonsmooth.proofs.many_states.weak_functions`).  By a V that does not increase the
+   point attracts where nothing else stays where V does not fall (:mod:`nonsmooth.proofs.kernel.second_function`);
+   otherwise it is ``stable``, and whether it attracts is left open.
+7. What the kernel finds beside (:mod:`nonsmooth.proofs.kernel_strategies`).
 
 Rays, fans and leading terms are used for two states only.
 """

@@ -4,7 +4,9 @@ At points of cells and of faces on which the functions of a basis bend, V' is at
 of the solutions there; that is linear in the coefficients of V.  The least weighted sum of coefficients is proposed for
 which V is at least a norm at points of all cells (an energy that shows stability), or at most minus one at a point
 of an axis (one that shows instability).  Energies have simple coefficients, so that rounding meets the equalities; what
-is proposed is proved, or is dropped.
+is proposed is proved, or is dropped.  A relay that gains energy, ``x' = y, y' = -sign(x) + a y``, has
+``V = -(abs(x) + y^2/2)`` with ``V' = -a y^2``; that nothing stays where ``V' = 0`` shows a further function
+(:mod:`nonsmooth.proofs.kernel.second_function`).
 """
 
 from __future__ import annotations

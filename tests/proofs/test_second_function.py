@@ -28,7 +28,7 @@ from nonsmooth.proofs.kernel.cells import stated_cells, surfaces_of
 from nonsmooth.proofs.kernel.search import Search
 from nonsmooth.proofs.kernel.second_function import extreme_velocities, find_second
 from nonsmooth.proofs.kernel.subject import about
-from nonsmooth.proofs.theorem_searches import find_weak_growth
+from nonsmooth.proofs.many_states.weak_functions import find_weak_growth
 from nonsmooth.symbolic.files.system_file import build_system
 from nonsmooth.symbolic.piecewise import parse_piecewise
 from tests.dissipative_systems import dissipative_systems
@@ -139,16 +139,16 @@ def test_what_leaves_is_certified(damping: str) -> None:
 def test_functions_of_reversed_time(force: str) -> None:
     """The energy and W of relays that gain energy are found; a path in floats gains it."""
     data = {"system": {"states": ["x", "y"], "rhs": ["y", force]}, "check": {"radius": "1/2"}}
-    system, search = build_system(data, "t", Path("t.toml")), Search()
-    hypotheses = find_weak_growth(system, search)
-    assert hypotheses is not None
-    entry, claims = search.entry(read_system(about(system)), "instability", hypotheses)
+    system = build_system(data, "t", Path("t.toml"))
+    found = find_weak_growth(system)
+    assert found is not None
+    (entry, claims), function, _ = found
     assert claims == [{"stability": "unstable"}]
     statement = {"subject": about(system), "claims": claims}
     assert refused({"version": VERSION, "statement": statement, "evidence": [entry]}) == ""
     x, y = simulate(system_field(system, (0.1, 0.0)), (0.1, 0.0), 12.0).end.state
     start, end = {"x": 0.1, "y": 0.0, "Abs": abs}, {"x": x, "y": y, "Abs": abs}
-    assert eval(hypotheses["function"], end) < 1.5 * eval(hypotheses["function"], start)  # noqa: S307 - found here
+    assert eval(function, end) < 1.5 * eval(function, start)  # noqa: S307 - found here
 
 
 # ---- what does not -------------------------------------------------------------------------------
