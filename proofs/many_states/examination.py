@@ -8,8 +8,8 @@ from typing import Any
 
 from flint import fmpq
 
-from nonsmooth.proofs.checker.cells import read_system
 from nonsmooth.proofs.checker.positivity import Claim
+from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.work import MALFORMED, RejectedError
 from nonsmooth.proofs.inequalities.prover import Counterexample, Proof
 from nonsmooth.proofs.inequalities.subdivision import value_at
@@ -226,7 +226,7 @@ def functions_on(system: SwitchedSystem, stated: StatedCells, texts: Sequence[st
         BeyondReachError: for functions that are not continuous, or bend on curved surfaces.
     """
     try:
-        return Functions(read_system(about(system)), stated.record, texts)
+        return Functions(read_subject(about(system)), stated.record, texts)
     except (*MALFORMED, RejectedError, NoCertificateError) as error:
         raise BeyondReachError(f"required {error}") from None
 
