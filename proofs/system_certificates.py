@@ -411,7 +411,7 @@ def find_region_of_triangles(
 ) -> CertifiedBasin | None:
     """A basin of triangles around the certified level set of V, which the checker has accepted; None without one.
 
-    Where formulas are known on the checked square alone, because of denominators or enclosed sines, so is the mesh.
+    Where formulas are known on the checked square alone, because of denominators, so is the mesh.
 
     Args:
         result: of a system in the plane.
@@ -427,7 +427,7 @@ def find_region_of_triangles(
         system, scene = read_subject(about(result.scene)), result.scene
         search = Search()
         local = _shown_region(system, _stated_region(result, region), search)
-        limit = float(scene.check.radius) if scene.written or scene.denominators else None
+        limit = float(scene.check.radius) if scene.denominators else None
         surfaces = stated_cells(scene, scene.check.radius).record["surfaces"]
         found = find_basin(system, local, surfaces, EFFORTS[asked], limit, announce)
         if found is not None:

@@ -10,10 +10,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import combinations
+from itertools import combinations, product
 from typing import Any, TypeAlias
 
-from .formulas import NAME, Formula
+from .formulas import MAX_WAVES, NAME, Formula, WaveAt, parsed, series, waves_in
 from .polynomials import Polynomial, are_coprime, constant, solve, variable
 from .positivity import Claim, Inequality, Proofs, cube_guards, identity
 from .work import BUDGET, items, rational, require, take, text
@@ -60,9 +60,24 @@ class System:
         """The system with the velocities of its states."""
         return self
 
-    def fields(self, place: Mapping[str, Polynomial]) -> Sequence[Sequence[Formula]]:
-        """The formulas of the velocities at a place, for each right-hand side."""
-        return [[Formula(own, place) for own in side] for side in self.rhs]
+    @property
+    def waves(self) -> list[tuple[int, ...]]:
+        """The number of sines and cosines in the formulas of each right-hand side."""
+        return [tuple(len(waves_in(parsed(own))) for own in side) for side in self.rhs]
+
+    def fields(self, place: Mapping[str, Polynomial], wave: WaveAt = series) -> Sequence[Sequence[Formula]]:
+        """The formulas of the velocities at a place, for each right-hand side.
+
+        A side with sines and cosines has fields for all ends of what these may be: velocities are in their hull.
+        """
+        found = []
+        for side, counts in zip(self.rhs, self.waves, strict=True):
+            require(sum(counts) <= MAX_WAVES, f"right-hand sides with at most {MAX_WAVES} sines and cosines")
+            for ends in product((0, 1), repeat=sum(counts)):
+                rest = iter(ends)
+                own = [[next(rest) for _ in range(count)] for count in counts]
+                found.append([Formula(text, place, e, wave) for text, e in zip(side, own, strict=True)])
+        return found
 
     def show_equivalent(self, inclusion: Inclusion) -> None:
         """Solutions in the coordinates are those of the states: nothing needs to be shown."""

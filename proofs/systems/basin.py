@@ -44,14 +44,21 @@ class BasinEffort:
         angle: by which velocities are turned outward, in radians.
         gap: between points of a dense ring, of its size.
         starts: in a row of those that are sampled.
+        points: of a ring, at most.
+        triangles: that are looked at in floats, at most; those near the point come first.
     """
 
     angle: float
     gap: float
     starts: int
+    points: int = 4_000
+    triangles: int = 300_000
 
 
-EFFORTS = {"fast": BasinEffort(0.04, 0.012, 41), "best": BasinEffort(0.007, 0.0025, 101)}
+EFFORTS = {
+    "fast": BasinEffort(0.04, 0.012, 41),
+    "best": BasinEffort(0.007, 0.0025, 101, 20_000, 10_000_000),
+}
 
 
 @dataclass(frozen=True)
@@ -136,10 +143,11 @@ def find_basin(
     if first is None:
         return None
     far = FARTHEST * float(np.abs(first).max())
-    rings = grow(field, first, effort.angle, effort.gap, min(limit or far, far), _step(announce, "rings"))
+    limited = min(limit or far, far)
+    rings = grow(field, first, effort.angle, effort.gap, limited, effort.points, _step(announce, "rings"))
     if len(rings) < 2:
         return None
-    built = MeshBuilder(plane, cells, rings).build(_step(announce, "bands of triangles"))
+    built = MeshBuilder(plane, cells, rings, effort.triangles).build(_step(announce, "bands of triangles"))
     if built is None:
         return None
     mesh, below = built

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from itertools import pairwise
+from itertools import pairwise, product
 from math import factorial, gcd, lcm
 from typing import Any, TypeAlias
 
@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from nonsmooth.proofs.checker.basin import Mesh, Plane, show_falls
 from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.checker.work import RejectedError
-from nonsmooth.proofs.systems.basin_rings import FloatField, Floats
+from nonsmooth.proofs.systems.basin_rings import FloatField, Floats, values
 
 EVERY = 12  # rings of which one is used, and points of a ring, at first
 ROUNDS = 8  # in which a band is refined
@@ -178,6 +178,10 @@ class Bernstein:
         """The points at which a polynomial is looked at: shape (triangles, nodes, 2)."""
         return np.asarray(np.einsum("kc,mcd->mkd", self.nodes, triangles))
 
+    def weights(self, own: Floats) -> Floats:
+        """The affine functions with some values at the corners, of shape (triangles, 3), at these points."""
+        return np.asarray(own @ self.nodes.T)
+
     def coefficients(self, own: Floats) -> Floats:
         """From values of shape (triangles, nodes)."""
         return np.asarray(own @ self.inverse.T)
@@ -188,13 +192,15 @@ class MeshBuilder:
 
     Args:
         plane: the cells of the system, in its own lengths; the checker's, in units, are ``exact``.
+        most: triangles that are looked at, refined ones anew; then the mesh ends before the first band that is open.
     """
 
-    def __init__(self, plane: Plane, exact: Callable[[str], Plane], rings: Sequence[Floats]) -> None:
+    def __init__(self, plane: Plane, exact: Callable[[str], Plane], rings: Sequence[Floats], most: int) -> None:
         size = max(float(np.abs(ring).max()) for ring in rings)
         self.lattice = Lattice(plane.surfaces.listed, size)
         self.field, self.exact = FloatField(plane), exact(str(self.lattice.unit))
         self.dense, self.rings = rings, dict[int, LatticeRing]()
+        self.left = most
         degree = max((own.degree for own in plane.surfaces.listed), default=0)
         self.guard_points, self.points = Bernstein(degree), dict[int, Bernstein]()
 
@@ -214,6 +220,9 @@ class MeshBuilder:
             if not open_bands:
                 break
             announce(len(shown), len(used) - 1)
+            if self.left < 0:
+                used = used[: next(k for k, pair in enumerate(pairwise(used)) if pair not in shown) + 1]
+                break
             touched, between = set[int](), set[int]()
             for pair in open_bands:
                 rounds[pair] = rounds.get(pair, 0) + 1
@@ -258,6 +267,7 @@ class MeshBuilder:
         """The triangles of a band on which W is not seen to fall, and whether they are turned over."""
         pair = (inner, outer)
         triangles = band(self.ring(inner), self.ring(outer))
+        self.left -= len(triangles)
         named = [self._corners(pair, own) for own in triangles]
         corners = np.array([[self.ring(ring).points[point] for ring, point in own] for own in named])
         a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
@@ -273,15 +283,34 @@ class MeshBuilder:
         good = np.ones(len(corners), dtype=bool)
         places = corners * float(self.lattice.unit)
         for signs, here in self._cells(corners, places):
-            for k, side in enumerate(self.field.plane.sides(signs)):
-                degree = max(own.degree for own in side)
-                points = self.points.setdefault(degree, Bernstein(degree))
-                at = points.places(places[here])
-                velocities = self.field.on(signs, at.reshape(-1, 2))[k].reshape(at.shape)
+            for velocities, points in self._velocities(signs, places[here]):
                 rates = points.coefficients(np.einsum("mkd,md->mk", velocities, normals[here]))
                 sizes = np.linalg.norm(velocities, axis=2).max(axis=1) * np.linalg.norm(normals[here], axis=1)
                 good[here] &= rates.max(axis=1) < -SMALL * sizes
         return good
+
+    def _velocities(self, signs: tuple[int, ...], places: Floats) -> Iterator[tuple[Floats, Bernstein]]:
+        """Polynomial fields that have those of a cell in their hull, at the nodes of triangles.
+
+        Sines and cosines lie between affine functions, as the checker bounds them (:mod:`..checker.waves`).
+        """
+        for k, side in enumerate(self.field.plane.sides(signs)):
+            still, *moved = (max(own.degree for own in part) for part in side.parts)
+            degree = max([still, *(own + 1 for own in moved)])
+            points = self.points.setdefault(degree, Bernstein(degree))
+            at = points.places(places)
+            bounds = []
+            for (_, v), own in zip(self.field.plane.waves[k], self._at_corners(k, places), strict=True):
+                arguments = values(v, places.reshape(-1, 2)).reshape(len(places), 3)
+                error = (arguments.max(axis=1) - arguments.min(axis=1)) ** 2 / 8
+                mean = points.weights(own)
+                bounds.append([(mean + sign * error[:, None]).ravel() for sign in (-1, 1)])
+            for waves in product(*bounds):
+                yield self.field.side(signs, k, at.reshape(-1, 2), waves).reshape(at.shape), points
+
+    def _at_corners(self, side: int, places: Floats) -> list[Floats]:
+        """The sines and cosines of a right-hand side at the corners of triangles, each of shape (triangles, 3)."""
+        return [own.reshape(len(places), 3) for own in self.field.waves(side, places.reshape(-1, 2))]
 
     def _cells(self, corners: Floats, places: Floats) -> Iterator[tuple[tuple[int, ...], NDArray[np.bool_]]]:
         """Each cell with the triangles whose inside it may meet."""

@@ -30,6 +30,7 @@ STEPS, PAUSE, GROWTH = 1_500, 50, 1.0015  # at most; between looks at the area; 
 BEND = 0.15  # of a side: interpolation that bends more is not believed
 FOLD = 0.2  # sine of the angle between f and n below which f is turned less
 STARTS = 400  # points of the first ring
+PHASE = 2.0  # in radians: sines and cosines need as many points over it as a ring of this size has
 
 
 @dataclass(frozen=True)
@@ -42,6 +43,13 @@ class FloatField:
 
     plane: Plane
 
+    @property
+    def scale(self) -> float:
+        """A length over which no sine or cosine changes much; infinite without any."""
+        arguments = [v for side in self.plane.waves for _, v in side]
+        slopes = [float(np.hypot(float(v.slope(0)), float(v.slope(1)))) for v in arguments]
+        return PHASE / max(slopes, default=0.0) if any(slopes) else np.inf
+
     def guards(self, x: Floats) -> Floats:
         """The values of the surfaces: shape (places, surfaces)."""
         listed = self.plane.surfaces.listed
@@ -49,8 +57,18 @@ class FloatField:
 
     def on(self, signs: Pattern, x: Floats) -> Floats:
         """The velocities that a cell has, wherever the places are: shape (right-hand sides, places, 2)."""
-        sides = self.plane.sides(signs)
-        return np.stack([np.stack([values(own, x) for own in side], axis=1) for side in sides])
+        sides = range(len(self.plane.sides(signs)))
+        return np.stack([self.side(signs, k, x, self.waves(k, x)) for k in sides])
+
+    def side(self, signs: Pattern, number: int, x: Floats, waves: Sequence[Floats]) -> Floats:
+        """The velocities of one right-hand side for some values of its sines and cosines: shape (places, 2)."""
+        parts = self.plane.sides(signs)[number].parts
+        still, *moved = (np.stack([values(own, x) for own in part], axis=1) for part in parts)
+        return np.asarray(still + sum(wave[:, None] * own for wave, own in zip(waves, moved, strict=True)))
+
+    def waves(self, number: int, x: Floats) -> list[Floats]:
+        """The sines and cosines of one right-hand side at places."""
+        return [(np.sin if name == "sin" else np.cos)(values(v, x)) for name, v in self.plane.waves[number]]
 
     def at(self, x: Floats) -> Floats:
         """The velocities at places, those of one cell where several meet: shape (right-hand sides, places, 2)."""
@@ -104,7 +122,13 @@ def level_ring(potential: Callable[[Floats], Floats], level: float, radius: floa
 
 
 def grow(
-    field: FloatField, ring: Floats, angle: float, gap: float, limit: float, announce: Callable[[int, int], None]
+    field: FloatField,
+    ring: Floats,
+    angle: float,
+    gap: float,
+    limit: float,
+    most: int,
+    announce: Callable[[int, int], None],
 ) -> list[Floats]:
     """Rings from the first one on, until they grow no more.
 
@@ -114,6 +138,7 @@ def grow(
         angle: by which velocities are turned outward, in radians.
         gap: between neighbours on a ring, of its size.
         limit: half the side of a square that no ring leaves.
+        most: points of a ring.
         announce: told the number of steps that are done, and of all.
     """
     rings, before = [ring], area(ring)
@@ -121,6 +146,8 @@ def grow(
         announce(step, STEPS)
         ring = _next_ring(field, ring, angle, gap)
         if not np.isfinite(ring).all() or np.abs(ring).max() > limit or area(ring) <= 0:
+            break
+        if len(ring) > most:
             break
         rings.append(ring)
         if step % PAUSE == 0:
@@ -155,7 +182,7 @@ def _next_ring(field: FloatField, ring: Floats, angle: float, gap: float) -> Flo
     second = backward(ring + du / 2 * first)
     third = backward(ring + du / 2 * second)
     fourth = backward(ring + du * third)
-    return _spaced(ring + du / 6 * (first + 2 * second + 2 * third + fourth), gap * size)
+    return _spaced(ring + du / 6 * (first + 2 * second + 2 * third + fourth), gap * min(size, field.scale))
 
 
 def _spaced(ring: Floats, gap: float) -> Floats:

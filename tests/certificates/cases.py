@@ -408,6 +408,8 @@ def basins() -> Iterator[Case]:
         "beside": (["-x - sign(x - y)", "-y + sign(x - y)"], ["x - y"]),
         "valley": (["-x", "-y/8 - sign(y)"], ["y"]),
         "curve": (["-x - relu(x - y**2/16)/4", "-y"], ["x - y**2/16"]),
+        "sines": (["-x - sin(x - y)/4", "-y + (cos(y) - 1)/8"], []),
+        "sines-relay": (["-x - sign(x)", "-y + sin(x)/4"], ["x"]),
     }
     for name, (sides, surfaces) in systems.items():
         local = lyapunov("x**2 + y**2", cells(*surfaces), level="1/2")

@@ -58,6 +58,13 @@ SYSTEMS: dict[str, tuple[list[str], str, Callable[[Floats, Floats], Any], float,
         ["-x + x**3", "-sign(y) + y*x**2/4 + y**3/4 - x/4"], "1/2",
         lambda x, y: (-x + x**3, -relay(y) + y * x**2 / 4 + y**3 / 4 - x / 4), 2e-3, 0.8, 0.9,
     ),
+    "pendulum": (
+        ["y", "-sin(x) - y/2"], "1/2", lambda x, y: (y, -np.sin(x) - y / 2), 0.02, 0.2, 0.3,
+    ),
+    "two machines": (
+        ["y", "-y/2 - (sin(x + pi/3) - sin(pi/3))"], "1/2",
+        lambda x, y: (y, -y / 2 - (np.sin(x + np.pi / 3) - np.sin(np.pi / 3))), 0.02, 0.2, 0.3,
+    ),
 }  # fmt: skip
 
 
