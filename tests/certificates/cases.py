@@ -413,7 +413,7 @@ def basins() -> Iterator[Case]:
     }
     for name, (sides, surfaces) in systems.items():
         local = lyapunov("x**2 + y**2", cells(*surfaces), level="1/2")
-        for sizes in ((2, 8), (2, 8, 24)):
+        for sizes in ((2, 4), (2, 3, 4)) if name.startswith("sines") else ((2, 8), (2, 8, 24)):
             hypotheses = {"local": local, "surfaces": surfaces, "mesh": diamonds(sizes), "below": len(sizes) - 1}
             yield Case(f"basin-{name}-{len(sizes) - 1}", subject(sides), "basin", hypotheses)
 
