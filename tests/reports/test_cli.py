@@ -91,6 +91,7 @@ def test_witness_against_translation(invoke: Invoke, name: str) -> None:
 
 
 @few(4)
+@pytest.mark.usefixtures("without_paths", "without_other_rules")
 @pytest.mark.parametrize("name", builtin_scenes())
 def test_every_scene_has_a_verdict(invoke: Invoke, name: str) -> None:
     outcome = invoke("check", name, "--json")
