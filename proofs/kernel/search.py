@@ -84,7 +84,7 @@ class Search(Proofs):
         if self.missed.get(claim.name) == claim:
             return None
         known = self.known.get(claim.name)
-        outcome = Proof(claim, known) if known else prove(claim, self.work)
+        outcome = Proof(claim, known) if known else decide_claim(claim, self.work)
         return outcome.evidence if isinstance(outcome, Proof) else None
 
     def shows(self, claim: Claim) -> bool:
@@ -161,7 +161,7 @@ KINDS = [
 ]
 
 
-def prove(
+def decide_claim(
     claim: Claim, work: int = WORK, *, but: Kind | None = None
 ) -> Proof[Claim] | Counterexample[Claim] | Undecided[Claim]:
     """Decide a claim by the first kind of evidence that shows it, or meets a point at which it is false.

@@ -21,7 +21,7 @@ from nonsmooth.proofs.kernel.cells import (
     surfaces_of,
 )
 from nonsmooth.proofs.kernel.claims import Functions
-from nonsmooth.proofs.kernel.search import SQUARES, prove, stability_hypotheses
+from nonsmooth.proofs.kernel.search import SQUARES, decide_claim, stability_hypotheses
 from nonsmooth.proofs.kernel.second_function import find_attraction
 from nonsmooth.proofs.kernel.squares import Shown, condition_of, find
 from nonsmooth.proofs.kernel.subject import NoCertificateError, about
@@ -241,7 +241,7 @@ def answer(claim: Claim, effort: Effort) -> Asked:
     found, against = find(claim, effort), None
     for strict in SENSES[effort]:
         if found is None:
-            outcome = prove(replace(claim, strict=strict), WORK, but=SQUARES)
+            outcome = decide_claim(replace(claim, strict=strict), WORK, but=SQUARES)
             found = Shown(outcome.evidence, strict) if isinstance(outcome, Proof) else None
             against = outcome if isinstance(outcome, Counterexample) else None
     return Asked(claim, found, against)

@@ -11,7 +11,7 @@ from nonsmooth.proofs.answers.answer import Inertia
 from nonsmooth.proofs.answers.inertia import near_rest
 from tests.evidence.heavy_tables import SPEEDS, Drawn, compared
 from tests.oracles.heavy_bodies import eigenvalues_by_differences
-from tests.thorough import few
+from tests.thorough import thorough
 
 
 @pytest.mark.parametrize("speed", SPEEDS)
@@ -35,7 +35,7 @@ def test_eigenvalues_are_those_of_differences(speed: int) -> None:
     assert verdicts
 
 
-@few(1)
+@thorough  # the tests above and below look at eigenvalues and at one path; tests/golden has answers about inertia
 @pytest.mark.parametrize(("seed", "speed"), [(0, 250), (1, 1000), (0, 1000), (1, 250), (0, 50), (2, 250), (3, 1000)])
 def test_bodies_do_what_is_said(seed: int, speed: int) -> None:
     found = compared(Drawn(seed, speed))

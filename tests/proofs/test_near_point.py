@@ -19,7 +19,7 @@ from nonsmooth.proofs.theorem_searches import show_verdict
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 from tests.oracles.mutants import Record, is_one_line
 from tests.proofs.switched_oracle import Judge, random_fan, spread
-from tests.thorough import thorough
+from tests.thorough import few, thorough
 
 ATTRACTS, STABLE, UNSTABLE = "asymptotically stable", "stable", "unstable"
 TURN = ["sign(y)", "-sign(x) - sign(y)/2"]
@@ -71,6 +71,7 @@ def test_known_verdicts_are_shown_to_the_checker(name: str) -> None:
     assert refused(record) == ""
 
 
+@few(3)
 @pytest.mark.parametrize(
     "name", ["turns outward", "turns inward", "closed orbits", "slides away", "saddle beside curves"]
 )

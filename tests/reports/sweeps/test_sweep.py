@@ -52,7 +52,7 @@ def values(border: Border) -> list[Any]:
 
 
 @few(1)
-@pytest.mark.usefixtures("without_paths")
+@pytest.mark.usefixtures("without_paths", "without_other_rules")
 @pytest.mark.parametrize("rule", ["nearest", "box", "ellipse"])
 def test_a_grid_answers_as_checks_one_by_one(rule: str) -> None:
     found = swept("four-wheel", {"mu_side": "1/2,3/2", "equilibrium.x": "0:1/4:2"}, rule=rule)
@@ -368,6 +368,7 @@ def test_a_number_that_no_wheel_takes_is_refused(invoke: Invoke, tmp_path: Path)
     assert invoke("sweep", "own.toml", "--vary", "mu_roll=1,2", "--workers", "1").status == 0
 
 
+@pytest.mark.usefixtures("without_paths", "without_other_rules")
 def test_a_wheel_of_a_table_varies_on_its_own(invoke: Invoke, tmp_path: Path) -> None:
     (tmp_path / "wheels.csv").write_text("x,y,heading\n1,1,225\n-1,1,315\n-1,-1,45\n1,-1,135\n", encoding="utf-8")
     (tmp_path / "table.toml").write_text(
