@@ -16,7 +16,15 @@ from tests.proofs import test_second_function as further
 from tests.proofs.attacks import ATTACKS, of_ties
 from tests.thorough import thorough
 
-FEW = {"ties": 30, "further functions": 10, "roots": 8, "theorem 4": 30, "feedback": 15, "tolerances": 8}
+FEW = {
+    "irrational numbers": 40,
+    "ties": 30,
+    "further functions": 10,
+    "roots": 8,
+    "theorem 4": 30,
+    "feedback": 15,
+    "tolerances": 8,
+}
 SOME, MANY = 100, 10_000
 
 
