@@ -1,7 +1,8 @@
 """Formulas of a system and of functions, read by Python's grammar and never evaluated by Python.
 
-A formula is built of the states, decimals, ``+ - * / **`` and the switching functions ``sign``, ``Abs``, ``Max``,
-``Min``, ``relu`` and ``sat``.  Where the signs of its switching expressions are known it is a polynomial.
+A formula is built of the states, names of irrational numbers, decimals, ``+ - * / **`` and the switching functions
+``sign``, ``Abs``, ``Max``, ``Min``, ``relu`` and ``sat``.  Where the signs of its switching expressions are known it is
+a polynomial.
 
 A right-hand side may hold ``sin`` and ``cos`` of polynomials v, too (*waves*).  For every real v, with an e between 0
 and 1 that depends on v,

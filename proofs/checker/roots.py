@@ -86,7 +86,7 @@ def read_subject(data: Any) -> System:
     roots = tuple(items(listed, most=len(own.states)))
     known = all(type(name) is str and name in own.states for name in roots)
     require(roots and known and len(set(roots)) == len(roots), "roots of different states")
-    system = RootedSystem(own.states, own.rhs, own.at, roots)
+    system = RootedSystem(own.states, own.rhs, own.at, roots=roots)
     require(len(set(system.coordinates)) == system.count, "names of roots that are no states")
     return system
 

@@ -18,7 +18,7 @@ from tests.thorough import thorough
 
 FEW = {
     **{"ties": 30, "further functions": 10, "roots": 8, "theorem 4": 30, "feedback": 15, "tolerances": 8},
-    **{"basin": 30, "basin, searched": 30, "escape": 40, "lyapunov, searched": 50},
+    **{"irrational numbers": 40, "basin": 30, "basin, searched": 30, "escape": 40, "lyapunov, searched": 50},
 }
 SOME, MANY = 100, 10_000
 

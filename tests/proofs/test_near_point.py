@@ -10,7 +10,7 @@ import pytest
 import nonsmooth as ns
 from nonsmooth.proofs.checker.cells import Inclusion, read_system
 from nonsmooth.proofs.checker.statements import VERSION, refusal
-from nonsmooth.proofs.kernel.cells import IrrationalError, sharpened, stated_cells
+from nonsmooth.proofs.kernel.cells import BeyondReachError, sharpened, stated_cells
 from nonsmooth.proofs.kernel.fans import show_by_fan
 from nonsmooth.proofs.kernel.first_terms import leading_direction, show_departure_of
 from nonsmooth.proofs.kernel.search import NotShownError, Search
@@ -174,6 +174,6 @@ def test_an_equilibrium_has_no_direction() -> None:
     ],
 )
 def test_other_systems_are_refused_in_one_line(rhs: list[str], verdict: str) -> None:
-    with pytest.raises((NotShownError, IrrationalError)) as error:
+    with pytest.raises((NotShownError, BeyondReachError)) as error:
         show_verdict(build(rhs), verdict)
     assert is_one_line(str(error.value))
