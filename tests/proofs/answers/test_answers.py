@@ -135,7 +135,7 @@ def test_exit_status_asks_what_is_required() -> None:
 
 
 def test_what_can_be_required_is_what_is_answered() -> None:
-    assert (*QUESTIONS, "tolerances", "theorem4") == REQUIRABLE
+    assert (*QUESTIONS, "inertia", "tolerances", "theorem4") == REQUIRABLE
     assert {Position.STAYS_NEAR, Position.LEAVES, Heading.DRIFTS, Pose.CANNOT_BE_HELD}.isdisjoint(GOOD)
 
 
