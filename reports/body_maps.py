@@ -31,7 +31,7 @@ from nonsmooth.reports.figures.style import (
     title_figure,
 )
 from nonsmooth.reports.figures.wheels import outline_of, placed
-from nonsmooth.reports.maps import MapResult, Part, grid_of, home_row, parts_record, within_accuracy
+from nonsmooth.reports.maps import MapResult, Part, grid_of, home_row, massless, parts_record, within_accuracy
 from nonsmooth.reports.progress import progress
 from nonsmooth.reports.result import DataTable, Record
 from nonsmooth.reports.simulate_options import SimulateOptions
@@ -201,7 +201,7 @@ class BodyMapResult(MapResult):
         if tips.any():
             at_once = float((tips & (self.found.times == 0)).mean())
             rows.append(("of these", f"{percent_text(at_once)} of all starts tip where they start"))
-        rows.append(("latest end", f"t = {self.found.times.max():.6g}"))
+        rows.append((f"latest end{massless(self.scene)}", f"t = {self.found.times.max():.6g}"))
         (left, low), (right, high) = self.found.starts[:, :2].min(axis=0), self.found.starts[:, :2].max(axis=0)
         head = f"{self.title}: {self.head} until t = {self.found.until:.6g}, sampled"
         square = f"x from {left:.6g} to {right:.6g}, y from {low:.6g} to {high:.6g}"

@@ -72,8 +72,8 @@ class CheckOptions(Options):
     )
     require: str | None = option(
         None,
-        f"What exit status 0 means, of {', '.join(REQUIRABLE)}: comes home or near, keeps, can be held, stable and settles "
-        "(simulated), certified, holds.",
+        f"What exit status 0 means, of {', '.join(REQUIRABLE)}: comes home or near, keeps, can be held, stable and "
+        "settles (simulated), certified, holds.",
         metavar="NAME,...",
     )
     continuum: bool = option(False, "Add what a continuous field would do to an object.")

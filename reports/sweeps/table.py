@@ -175,7 +175,11 @@ def _answers_table(sweep: Sweep) -> Block:
     known = _known_numbers(sweep) if sweep.base.is_system else _array_numbers(sweep)
     rates = known if len(shorts) == 1 else ()  # two numbers that vary leave no room for them
     titles = ["stability"] if sweep.base.is_system else ["position", "heading", "pose", "Theorem 4"]
-    header = [*shorts, *titles, *(["worst failure"] if failures else [TOLERANCE_NUMBERS.get(name, name) for name in rates])]
+    header = [
+        *shorts,
+        *titles,
+        *(["worst failure"] if failures else [TOLERANCE_NUMBERS.get(name, name) for name in rates]),
+    ]
     rows = []
     for k, outcome in enumerate(sweep.outcomes[:MOST_SHOWN]):
         entries = [str(value.entry) for value in sweep.plan.point(k)]

@@ -1,4 +1,4 @@
-"""``python -m tests.evidence.heavy_tables --tables 100 --engine``: what is said of bodies with inertia, put to the test.
+"""``python -m tests.evidence.heavy_tables --tables 100 --engine``: what is said of bodies with inertia, tested.
 
 Random tables of 5 to 10 omniwheels or rubber wheels in millimetres, headings in whole degrees and off by some, at 50,
 250 and 1,000 mm/s.  What ``check`` says of a body with inertia is compared with the few lines of
@@ -188,6 +188,7 @@ def summary(rows: list[Row]) -> Counter[str]:
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--tables", type=int, default=100)
+    parser.add_argument("--first", type=int, default=0, help="table, for several processes")
     parser.add_argument("--engine", action="store_true", help="beside MuJoCo instead of Newton's law")
     parser.add_argument("--rows", type=Path, help="lines of JSON, which are continued")
     options = parser.parse_args()
@@ -196,7 +197,7 @@ def main() -> int:
     if file is not None and file.exists():
         rows = [json.loads(line) for line in file.read_text(encoding="utf-8").splitlines()]
     known = {(row["table"], row["speed"]) for row in rows}
-    for seed in range(options.tables):
+    for seed in range(options.first, options.first + options.tables):
         for speed in SPEEDS:
             if (seed, speed) in known:
                 continue
