@@ -9,10 +9,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from nonsmooth.proofs.answers.answer import Answer, Pose
-from nonsmooth.proofs.answers.bounds import at_least, at_most, of_length
+from nonsmooth.proofs.answers.bounds import DIGITS, at_least, at_most, of_length
 from nonsmooth.proofs.verdicts import Theorem4
 from nonsmooth.reports.answers import stated_answers
-from nonsmooth.reports.document import Block, Bullets, Code, Document, Paragraph, Section, Text, number, point
+from nonsmooth.reports.document import Block, Bullets, Code, Document, Paragraph, Section, Text, decimal, number, point
 from nonsmooth.reports.prose import paragraph, with_formulas
 from nonsmooth.reports.sections.answers import answers_table
 from nonsmooth.reports.sections.opening import array_figure
@@ -37,7 +37,7 @@ def _answers(subject: ArraySubject) -> Section:
         str(len(scene.wheels)),
         number(scene.check.radius),
         point(scene.check.equilibrium),
-        number(scene.accuracy),
+        decimal(float_text(scene.accuracy, DIGITS)),
     )
     stated = stated_answers(subject.result, subject.answers)
     notes = Bullets(((f"Contact {stated.rule}.",), *((f"Note: {note}.",) for note in stated.notes)))
