@@ -54,7 +54,9 @@ def _bindings(subject: ArraySubject) -> Iterator[str]:
     answers, unit = subject.answers, of_length(subject.scene)
     numbers = answers.answers[0].numbers
     ends, accuracy = numbers.get("ends_within"), float(subject.scene.accuracy)
-    if ends is not None:
+    if ends == 0:
+        yield "accuracy: without inertia bodies come to the point itself"
+    elif ends is not None:
         share = float_text(100 * float(ends) / accuracy, 2)
         yield f"accuracy: without inertia bodies end within {share} % of what is allowed"
     if answers.inertia is not None:

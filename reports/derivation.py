@@ -44,10 +44,12 @@ class ReportResult(Result):
     Attributes:
         document: to be rendered.
         subject: the scene with its verdict and exact records.
+        headline: what it says in a line; the verdict unless given.
     """
 
     document: Document
     subject: ReportSubject
+    headline: str = ""
 
     formats: ClassVar[Mapping[str, Callable[[Any, str], bytes]]] = dict.fromkeys(
         REPORT_FORMATS, lambda report, ending: render_report(report, ending).encode()
@@ -110,8 +112,8 @@ class ReportResult(Result):
         return [Paragraph((self.title,)), findings(self._said())]
 
     def summary(self) -> str:
-        """The verdict in a line."""
-        return self.subject.headline
+        """What it says in a line."""
+        return self.headline or self.subject.headline
 
     def to_terminal(self) -> None:
         """Print it as Markdown."""
@@ -160,7 +162,8 @@ def derive_report(
     chosen = names_of(scene.kind) if parts is None else parts
     subject = subject_of(scene.kind)(scene, invocation or Invocation(scene.origin), chosen, announce)
     if brief and isinstance(subject, ArraySubject):
-        return ReportResult(brief_document(subject), subject)
+        answers = ", ".join(f"{answer.name} {answer.verdict}" for answer in subject.answers.rows)
+        return ReportResult(brief_document(subject), subject, answers)
     title = f"Derivation report: {one_line(scene.name)}"
     return ReportResult(Document(title, tuple(sections_of(subject))), subject)
 
