@@ -38,7 +38,7 @@ LONG_COMMANDS = re.compile(
     r"|check table\.toml$|check table\.toml .*--law"
     r"|check \S+\.toml --(at auto|require (pose|tolerances))|check \S+\.toml .*--rule ellipse)(\b|$)"
 )  # and these, of which tests/reports has smaller ones
-WRITTEN = re.compile(r" -o (\S+)")
+WRITTEN = re.compile(r" (?:-o|--law) (\S+)")
 SHORTER = [path for path in WITH_COMMANDS if path.name not in LONGEST]
 DOCUMENTS = [*WITH_COMMANDS, ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md"]
 
