@@ -31,7 +31,8 @@ Floats: TypeAlias = NDArray[np.float64]
 GROWTH = 1.25  # of the first box of twists, over what changes to first order
 SHRINKINGS = 2  # of that box, to its image
 MOST_HALVINGS = 10  # of a quadrangle
-MOST_PIECES = 2**17  # that are left after some of them
+HELD = 2.0**-16  # of the fastest rim: a slip so slow is taken for none
+MOST_PIECES = 2**16  # that are left after some of them
 AT_ONCE = 2**20  # numbers of one array, about
 
 
@@ -41,8 +42,8 @@ def refined_rates(forces: BalancedForces, pieces: RingPieces) -> list[float]:
     left, free = pieces, forces.minimizers(pieces.middles, np.zeros((len(pieces.corners), 3)))
     for _ in range(MOST_HALVINGS + 1):
         shown = affine_rates(forces, left, free)
-        seen = _seen(forces, left, free)
-        lost = np.unique(owners[(shown <= 0) & ~(seen > 0)])
+        hopeless = ~(_seen(forces, left, free) > 0) | _sticks(forces, free)
+        lost = np.unique(owners[(shown <= 0) & hopeless])
         rates[lost] = 0.0
         np.minimum.at(rates, owners[shown > 0], shown[shown > 0])
         again = np.flatnonzero((shown <= 0) & ~np.isin(owners, lost))
@@ -64,6 +65,12 @@ def _seen(forces: BalancedForces, pieces: RingPieces, free: Floats) -> Floats:
     slopes, places = pieces.middle_slopes, pieces.middles
     moments = slopes[:, 1] * places[:, 0] - slopes[:, 0] * places[:, 1]
     return np.asarray(-(slopes * free[:, :2]).sum(axis=1) - moments * free[:, 2] / forces.length)
+
+
+def _sticks(forces: BalancedForces, free: Floats) -> NDArray[np.bool_]:
+    """Whether a wheel seems not to slip, or its rim not to while its rollers turn: there D has an edge."""
+    along, across = (np.abs(slip) < HELD * forces.fastest for slip in forces.slips(free))
+    return np.asarray((along & (across | (forces.sets.cut < 1))).any(axis=1))
 
 
 def affine_rates(forces: BalancedForces, pieces: RingPieces, free: Floats) -> Floats:

@@ -34,7 +34,7 @@ from nonsmooth.proofs.boxes.enclosed_rest import (
 from nonsmooth.proofs.enclosures import UNIT, newton
 from nonsmooth.proofs.robust.affine_twists import refined_rates
 from nonsmooth.proofs.robust.level_sets import VERTICES, SectorFunction, lyapunov_matrix, short_levels, short_vertices
-from nonsmooth.proofs.robust.touching_rings import RATIO, finer_rate
+from nonsmooth.proofs.robust.touching_rings import RATIO, finer_rate, ring_rates
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.scene import Scene
@@ -194,7 +194,9 @@ def _rises_around(forces: BalancedForces, shape: SectorFunction, level: float, a
     levels[-1] = level
     for outer, inner in pairwise(levels):
         pieces = shape.pieces(np.array([inner]), np.array([outer])).turned
-        if refined_rates(forces, pieces)[0] <= 0 and finer_rate(forces, shape, inner, outer, turned=True) <= 0:
+        if ring_rates(forces, pieces)[0] > 0 or refined_rates(forces, pieces)[0] > 0:
+            continue
+        if finer_rate(forces, shape, inner, outer, turned=True) <= 0:
             return False
     return True
 
