@@ -134,7 +134,7 @@ def _affine_twists(
     size = GROWTH * np.maximum(np.abs(change.low), np.abs(change.high)) + TINY
     size = size + 2.0**-8 * size.max(axis=1, keepdims=True)
     over = one + by_x * (Intervals.of(places[:, :1]) + sides[0]) + by_y * (Intervals.of(places[:, 1:]) + sides[1])
-    is_enclosed = (over.low >= 0).all(axis=1)
+    is_enclosed: NDArray[np.bool_] = np.asarray((over.low >= 0).all(axis=1))
     box, rest = Intervals(-size, size), off
     for shrinking in range(SHRINKINGS):
         left = _contraction(forces, inverse, _slips(forces, start + box), over)

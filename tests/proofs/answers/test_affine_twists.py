@@ -84,7 +84,7 @@ def test_halves_cover_quadrangles_exactly() -> None:
         assert is_exact.all()
         assert _areas(halves.corners).min() > 0
         assert _areas(halves.corners).sum() == pytest.approx(area, rel=1e-14)
-    longest = SHAPES[1].pieces(*(np.array([math.pi * scale]) for scale in (1.0, 1.1))).halves
+    longest = SHAPES[1].pieces(np.array([math.pi]), np.array([math.pi * 1.1])).halves
     assert not longest[1].all()  # no bits to spare: levels of 53 bits
 
 
@@ -103,7 +103,8 @@ def test_forces_and_bends_of_intervals_hold_those_of_the_slips_inside() -> None:
         bounds = [*enclosed.gradient(r, s), enclosed.bend(r, s)]
         for _ in range(50):
             inside = [entry.low + rng.random(400) * (entry.high - entry.low) for entry in (r, s)]
-            for bound, value in zip(bounds, [*exact.gradient(*inside), exact.bend(*inside)], strict=True):
+            values: list[np.ndarray] = [*exact.gradient(*inside), exact.bend(*inside)]
+            for bound, value in zip(bounds, values, strict=True):
                 assert ((bound.low <= value) & (value <= bound.high)).all()
     # where a wheel may stick, or rollers turn while the rim may not slip, no number bounds the bend
     sticks = np.where(cuts == 1, r.holds_zero & s.holds_zero, r.holds_zero)
