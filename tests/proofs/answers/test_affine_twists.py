@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -98,13 +99,14 @@ def test_forces_and_bends_of_intervals_hold_those_of_the_slips_inside() -> None:
     cuts = np.where(rng.random(400) < 0.3, 1.0, rng.uniform(0.1, 0.9, 400))
     low = rng.uniform(-1, 1, (2, 400))
     r, s = (Intervals(entry, entry + rng.uniform(0, 0.5, 400)) for entry in low)
-    exact, enclosed = CutEllipse(0.8, 0.5, cuts), CutEllipse(*(Intervals.of(x) for x in (0.8, 0.5, cuts)))
+    exact: CutEllipse[Any] = CutEllipse(0.8, 0.5, cuts)
+    enclosed: CutEllipse[Any] = CutEllipse(*(Intervals.of(x) for x in (0.8, 0.5, cuts)))
     with np.errstate(all="ignore"):
         bounds = [*enclosed.gradient(r, s), enclosed.bend(r, s)]
         for _ in range(50):
             inside = [entry.low + rng.random(400) * (entry.high - entry.low) for entry in (r, s)]
-            values: list[np.ndarray] = [*exact.gradient(*inside), exact.bend(*inside)]
-            for bound, value in zip(bounds, values, strict=True):
+            (along, across), bend = exact.gradient(*inside), exact.bend(*inside)
+            for bound, value in zip(bounds, (along, across, bend), strict=True):
                 assert ((bound.low <= value) & (value <= bound.high)).all()
     # where a wheel may stick, or rollers turn while the rim may not slip, no number bounds the bend
     sticks = np.where(cuts == 1, r.holds_zero & s.holds_zero, r.holds_zero)
