@@ -418,6 +418,23 @@ def basins() -> Iterator[Case]:
             yield Case(f"basin-{name}-{len(sizes) - 1}", subject(sides), "basin", hypotheses)
 
 
+def energies_on_circles() -> Iterator[Case]:
+    """Pendulums that swing for ever: with one potential, with a relay beside it, with a second one, and two coupled."""
+    systems: dict[str, tuple[Any, list[str], list[str], str]] = {
+        "pendulum": (["y", "-sin(x)"], ["x"], [], "y**2 + sin_x**2 + cos_x**2"),
+        "faster": (["2*y", "-3*sin(x)"], ["x"], [], "2*y**2 + 3*sin_x**2 + 3*cos_x**2"),
+        "dry": (["y", "-sin(x) - sign(y)"], ["x"], ["y"], "y**2 + sin_x**2 + cos_x**2"),
+    }
+    for name, (sides, angles, surfaces, function) in systems.items():
+        hypotheses = {"angles": angles, "cells": cells(*surfaces), "function": function}
+        yield Case(f"circles-{name}", subject(sides), "circles", hypotheses)
+    own = ["z", "u", "-sin(x) - sin(x - y)", "-sin(y) + sin(x - y)"]
+    coupling = "sin_x*sin_y + cos_x*cos_y"
+    function = f"z**2 + u**2 + 2*(sin_x**2 + cos_x**2 + sin_y**2 + cos_y**2) - 2*({coupling})"
+    hypotheses = {"angles": ["x", "y"], "cells": cells(), "function": function}
+    yield Case("circles-coupled", subject(own), "circles", hypotheses)
+
+
 GROUPS = (
     in_one_state,
     linear_systems,
@@ -431,6 +448,7 @@ GROUPS = (
     systems_with_roots,
     gains,
     basins,
+    energies_on_circles,
 )
 
 
