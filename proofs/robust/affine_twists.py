@@ -47,7 +47,10 @@ def refined_rates(forces: BalancedForces, pieces: RingPieces) -> list[float]:
         rates[lost] = 0.0
         np.minimum.at(rates, owners[shown > 0], shown[shown > 0])
         again = np.flatnonzero((shown <= 0) & ~np.isin(owners, lost))
-        if len(lost) or not len(again):
+        if len(lost):  # its ring is not shown: nothing is said of the others that are not through
+            rates[owners[again]] = 0.0
+            break
+        if not len(again):
             break
         left, is_exact = left.at(again).halves
         free = forces.corrected(left.middles, np.tile(free[again], (2, 1)))
@@ -144,7 +147,9 @@ def _affine_twists(
             is_enclosed &= ((image.low > box.low) & (image.high < box.high)).all(axis=1)
             if not is_enclosed.any():
                 return None
-        box = Intervals(np.maximum(image.low, box.low), np.minimum(image.high, box.high))
+        # B belongs to the way from xi_0 to xi(c): the box holds both ends
+        low, high = np.maximum(image.low, box.low), np.minimum(image.high, box.high)
+        box = Intervals(np.minimum(low, 0.0), np.maximum(high, 0.0))
     return start, by_place, rest, is_enclosed
 
 

@@ -145,7 +145,7 @@ def _about(
     kept: ContactSet,
     finer: Sequence[int] = FINER,
 ) -> Ends | None:
-    """What rings about a centre show, that are divided into so many parts where one does not do."""
+    """What rings about a centre show; ``finer``: into how many parts one is divided that is not shown whole."""
     x, y = (scene.field.rational(entry) for entry in centre)
     distance = root_above(centre[0] ** 2 + centre[1] ** 2)
     there = scene.checked_at((x, y), scene.check.radius).recentred() if distance else scene
