@@ -42,7 +42,7 @@ from fractions import Fraction
 from functools import cache
 from itertools import pairwise, product
 from math import comb, lcm
-from typing import Any, TypeAlias
+from typing import Any, Protocol, TypeAlias
 
 from .cells import Domain, Function, Pattern, Surfaces, System
 from .polynomials import Exponents, Polynomial
@@ -117,6 +117,25 @@ def toward(form: Form, degree: int, place: Place) -> Form:
     return found
 
 
+class CellFields(Protocol):
+    """Cells that a mesh meets, each with its velocities; the names of cells are told apart, no more.
+
+    Attributes:
+        has_borders: whether there may be several cells.
+    """
+
+    has_borders: bool
+
+    def crossing(self, corners: Sequence[Place]) -> frozenset[Any]:
+        """The cells that may meet the inside of a triangle."""
+
+    def touching(self, corners: Sequence[Place]) -> frozenset[Any]:
+        """The cells whose closures may meet the inside of a side, or hold a corner."""
+
+    def fields(self, cell: Any) -> tuple[Field, ...]:
+        """Velocities of which all of a cell's are mixtures."""
+
+
 class Plane:
     """The cells of a system in the places of a mesh, by the patterns of signs of its surfaces."""
 
@@ -124,6 +143,7 @@ class Plane:
         self.domain = Domain(system, unit)
         self.surfaces = Surfaces(self.domain, surfaces, [], proofs)
         self._guards = [Field.of([own]) for own in self.surfaces.listed]
+        self.has_borders = bool(self.surfaces.listed)
         self._formulas = system.fields(self.domain.place)
         self.sides, self.fields = cache(self._sides), cache(self._fields)
 
@@ -203,7 +223,7 @@ def numbers(data: Any, form: re.Pattern[str]) -> tuple[int, int, int]:
     return a, b, c
 
 
-def show_falls(mesh: Mesh, plane: Plane) -> None:
+def show_falls(mesh: Mesh, plane: CellFields) -> None:
     """W falls along every solution until the border is met: conditions 1 to 3."""
     met = []
     for number, own in enumerate(mesh.triangles):
@@ -211,7 +231,7 @@ def show_falls(mesh: Mesh, plane: Plane) -> None:
         met.append(plane.crossing(corners))
         for field in (field for signs in met[-1] for field in plane.fields(signs)):
             require(max(field.along(slope).on(corners)) < 0, f"a function that falls on triangle {number}")
-    if not plane.surfaces.listed:
+    if not plane.has_borders:
         return
     for (i, j), number in mesh.left.items():
         other = mesh.left.get((j, i))

@@ -22,6 +22,7 @@ from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.checker.positivity import Proofs
 from nonsmooth.proofs.systems.basin_mesh import MeshBuilder
 from nonsmooth.proofs.systems.basin_rings import (
+    FieldInCells,
     FloatField,
     Floats,
     followed_home,
@@ -139,7 +140,7 @@ def find_basin(
     rings = grow(field, first, effort.angle, effort.gap, min(limit or far, far), _step(announce, "rings"))
     if len(rings) < 2:
         return None
-    built = MeshBuilder(plane, cells, rings).build(_step(announce, "bands of triangles"))
+    built = MeshBuilder(field, cells, rings).build(_step(announce, "bands of triangles"))
     if built is None:
         return None
     mesh, below = built
@@ -188,7 +189,7 @@ def _potential(plane: Plane, local: dict[str, Any]) -> Callable[[Floats], Floats
 
 
 def _sampled(
-    field: FloatField, is_home: Callable[[Floats], NDArray[np.bool_]], border: Floats, count: int, limit: float | None
+    field: FieldInCells, is_home: Callable[[Floats], NDArray[np.bool_]], border: Floats, count: int, limit: float | None
 ) -> tuple[int, int]:
     """Of a grid around the mesh: the starts that are certified, and those that come to the first ring in floats.
 

@@ -12,22 +12,21 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import pairwise
-from math import factorial, gcd, lcm
+from math import gcd, lcm
 from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.proofs.checker.basin import Mesh, Plane, show_falls
+from nonsmooth.proofs.checker.basin import CellFields, Mesh, show_falls
 from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.checker.work import RejectedError
-from nonsmooth.proofs.systems.basin_rings import FloatField, Floats
+from nonsmooth.proofs.systems.basin_rings import SMALL, Bernstein, FieldInCells, Floats
 
 EVERY = 12  # rings of which one is used, and points of a ring, at first
 ROUNDS = 8  # in which a band is refined
 BITS = 26  # of coordinates
 NEAR_LINE = 0.25  # of the distance of neighbours: points of a ring that are as near to a point on a line are left out
-SMALL = 2.0**-40  # of the largest: what is as small counts as zero, for either sign
 
 Corner: TypeAlias = tuple[int, int]  # a ring, and a point of it
 Triangle: TypeAlias = tuple[Corner, Corner, Corner]
@@ -95,6 +94,10 @@ class Lattice:
             on_line = np.insert(on_line, crossed + 1, number)
         return LatticeRing(*_thinned(points, on_line))
 
+    def on_lines(self, corners: Floats) -> dict[int, Floats]:
+        """The values of the surfaces that are lines at whole places: shape (triangles, 3), without error."""
+        return {n: a * corners[:, :, 0] + b * corners[:, :, 1] + c for n, (a, b, c) in self.lines.items()}
+
     def _on_line(self, number: int, place: Floats) -> tuple[int, int]:
         """The point of the lattice on a line near a place."""
         a, b, c = self.lines[number]
@@ -159,44 +162,21 @@ def _sectors(inner: LatticeRing, outer: LatticeRing) -> Iterator[tuple[tuple[int
         yield stretches[0], stretches[1]
 
 
-class Bernstein:
-    """Values at the points of a triangle's lattice, and Bernstein coefficients from these."""
-
-    def __init__(self, degree: int) -> None:
-        self.degree = degree
-        powers = [(i, j, degree - i - j) for i in range(degree + 1) for j in range(degree + 1 - i)]
-        self.nodes = np.array(powers) / max(degree, 1)
-        if not degree:
-            self.nodes = np.full((1, 3), 1 / 3)
-        columns = []
-        for i, j, k in powers:
-            weight = factorial(degree) / (factorial(i) * factorial(j) * factorial(k))
-            columns.append(weight * self.nodes[:, 0] ** i * self.nodes[:, 1] ** j * self.nodes[:, 2] ** k)
-        self.inverse = np.linalg.inv(np.stack(columns, axis=1))
-
-    def places(self, triangles: Floats) -> Floats:
-        """The points at which a polynomial is looked at: shape (triangles, nodes, 2)."""
-        return np.asarray(np.einsum("kc,mcd->mkd", self.nodes, triangles))
-
-    def coefficients(self, own: Floats) -> Floats:
-        """From values of shape (triangles, nodes)."""
-        return np.asarray(own @ self.inverse.T)
-
-
 class MeshBuilder:
     """Rings of which bands are refined until W falls on them.
 
     Args:
-        plane: the cells of the system, in its own lengths; the checker's, in units, are ``exact``.
+        field: the velocities in floats.
+        exact: the checker's cells, told the unit of the mesh.
+        rings: from the first one on.
     """
 
-    def __init__(self, plane: Plane, exact: Callable[[str], Plane], rings: Sequence[Floats]) -> None:
+    def __init__(self, field: FieldInCells, exact: Callable[[str], CellFields], rings: Sequence[Floats]) -> None:
         size = max(float(np.abs(ring).max()) for ring in rings)
-        self.lattice = Lattice(plane.surfaces.listed, size)
-        self.field, self.exact = FloatField(plane), exact(str(self.lattice.unit))
+        self.lattice = Lattice(field.surfaces, size)
+        self.field, self.exact = field, exact(str(self.lattice.unit))
         self.dense, self.rings = rings, dict[int, LatticeRing]()
-        degree = max((own.degree for own in plane.surfaces.listed), default=0)
-        self.guard_points, self.points = Bernstein(degree), dict[int, Bernstein]()
+        self.points = dict[int, Bernstein]()
 
     def ring(self, number: int) -> LatticeRing:
         """A ring on the lattice."""
@@ -227,7 +207,7 @@ class MeshBuilder:
                     between.add(pair[1])
             shown = {pair for pair in shown if touched.isdisjoint(pair)}
             used = self._with_more(used, between)
-        if self.exact.surfaces.listed:  # where cells meet the checker asks more than floats have seen
+        if self.exact.has_borders:  # where cells meet the checker asks more than floats have seen
             bands = list(pairwise(used))
             count = next((k for k, pair in enumerate(bands) if not self._is_shown(*pair)), len(bands))
             used = used[: count + 1]
@@ -272,47 +252,15 @@ class MeshBuilder:
         """On which triangles ``n . f < 0`` for the fields of all cells that they may meet."""
         good = np.ones(len(corners), dtype=bool)
         places = corners * float(self.lattice.unit)
-        for signs, here in self._cells(corners, places):
-            for k, side in enumerate(self.field.plane.sides(signs)):
-                degree = max(own.degree for own in side)
+        for cell, here in self.field.meeting(places, self.lattice.on_lines(corners)):
+            for k, degree in enumerate(self.field.degrees(cell)):
                 points = self.points.setdefault(degree, Bernstein(degree))
                 at = points.places(places[here])
-                velocities = self.field.on(signs, at.reshape(-1, 2))[k].reshape(at.shape)
+                velocities = self.field.on(cell, at.reshape(-1, 2))[k].reshape(at.shape)
                 rates = points.coefficients(np.einsum("mkd,md->mk", velocities, normals[here]))
                 sizes = np.linalg.norm(velocities, axis=2).max(axis=1) * np.linalg.norm(normals[here], axis=1)
                 good[here] &= rates.max(axis=1) < -SMALL * sizes
         return good
-
-    def _cells(self, corners: Floats, places: Floats) -> Iterator[tuple[tuple[int, ...], NDArray[np.bool_]]]:
-        """Each cell with the triangles whose inside it may meet."""
-        listed = self.field.plane.surfaces.listed
-        if not listed:
-            yield (), np.ones(len(corners), dtype=bool)
-            return
-        at = self.guard_points.places(places)
-        guards = self.field.guards(at.reshape(-1, 2)).reshape(*at.shape[:2], len(listed))
-        allowed = np.empty((len(corners), len(listed), 2), dtype=bool)
-        for number in range(len(listed)):
-            if number in self.lattice.lines:  # exact in floats
-                a, b, c = self.lattice.lines[number]
-                own = a * corners[:, :, 0] + b * corners[:, :, 1] + c
-                slack = 0.0
-            else:
-                own = self.guard_points.coefficients(guards[:, :, number])
-                slack = SMALL * float(np.abs(own).max())
-            allowed[:, number] = np.stack([own.min(axis=1) < -slack, own.max(axis=1) > slack], axis=1)
-            if slack:
-                allowed[:, number] |= np.abs(own).min(axis=1)[:, None] <= slack
-        kinds, which = np.unique(allowed.reshape(len(corners), -1), axis=0, return_inverse=True)
-        groups: dict[tuple[int, ...], NDArray[np.bool_]] = {}
-        for number, kind in enumerate(kinds):
-            patterns: list[tuple[int, ...]] = [()]
-            for low, high in kind.reshape(-1, 2):
-                signs = [s for s, holds in ((-1, low), (1, high)) if holds]
-                patterns = [(*own, s) for own in patterns for s in signs]
-            for pattern in patterns:
-                groups[pattern] = groups.get(pattern, np.zeros(len(corners), dtype=bool)) | (which.ravel() == number)
-        yield from groups.items()
 
     def _refine(self, pair: tuple[int, int], failing: Sequence[tuple[tuple[int, int, int], bool]]) -> set[int]:
         """Halve sides of triangles that fail; which rings have more points."""

@@ -1,8 +1,11 @@
 """Rings that grow from a level set backward in time, in floats: what they propose a mesh proves.
 
 A ring is a closed polygon, counterclockwise, over which all velocities f lead inward: ``n . f < 0`` for its outward
-normal n.  Rings move by ``dx/du = -R f / |x|^2``; where R is the identity they are level sets of the integral of
-``|x|^2`` along solutions.  Near the border of a basin f is nearly along these, too nearly for a polygon of few sides.
+normal n.  Rings move by ``dx/du = -R f s / |x|^2``; where R is the identity they are level sets of the integral of
+``|x|^2 / s`` along solutions.  The positive factor s is zero on the border of a square that no ring may leave: where
+rings come near it they lie along it, and grow elsewhere.
+
+Near the border of a basin f is nearly along these rings, too nearly for a polygon of few sides.
 So R turns f by an angle toward n: f then meets all rings at that angle at least, and they tend to the border of the
 basin of the turned field, which is smaller (the rotated vector fields of Duff 1953).  A smaller angle gives a larger
 basin, and asks for sides that are shorter in proportion.
@@ -12,9 +15,11 @@ Errors here, such as those of interpolated points, cost share and never soundnes
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TypeAlias
+from functools import cached_property
+from math import factorial
+from typing import Any, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +35,32 @@ STEPS, PAUSE, GROWTH = 1_500, 50, 1.0015  # at most; between looks at the area; 
 BEND = 0.15  # of a side: interpolation that bends more is not believed
 FOLD = 0.2  # sine of the angle between f and n below which f is turned less
 STARTS = 400  # points of the first ring
+SMALL = 2.0**-40  # of the largest: what is as small counts as zero, for either sign
+
+
+class FieldInCells(Protocol):
+    """The velocities of an inclusion with cells at many places, in floats."""
+
+    @property
+    def surfaces(self) -> Sequence[Polynomial]:
+        """Those of which the lines are worth having corners of triangles on them."""
+
+    def at(self, x: Floats) -> Floats:
+        """The velocities at places, those of one cell where several meet: shape (right-hand sides, places, 2)."""
+
+    def on(self, cell: Any, x: Floats) -> Floats:
+        """The velocities that a cell has, wherever the places are: shape (right-hand sides, places, 2)."""
+
+    def degrees(self, cell: Any) -> Sequence[int]:
+        """Of the right-hand sides of a cell."""
+
+    def meeting(self, triangles: Floats, exact: Mapping[int, Floats]) -> Iterator[tuple[Any, NDArray[np.bool_]]]:
+        """Each cell with the triangles whose inside it may meet.
+
+        Args:
+            triangles: their corners, shape (triangles, 3, 2).
+            exact: of some surfaces, by their numbers, their values at the corners without error, up to a factor.
+        """
 
 
 @dataclass(frozen=True)
@@ -41,6 +72,48 @@ class FloatField:
     """
 
     plane: Plane
+
+    @property
+    def surfaces(self) -> Sequence[Polynomial]:
+        """All on which the system switches."""
+        return self.plane.surfaces.listed
+
+    def degrees(self, cell: Pattern) -> Sequence[int]:
+        """Of the right-hand sides of a cell."""
+        return [max(own.degree for own in side) for side in self.plane.sides(cell)]
+
+    @cached_property
+    def _guard_points(self) -> Bernstein:
+        return Bernstein(max((own.degree for own in self.surfaces), default=0))
+
+    def meeting(self, triangles: Floats, exact: Mapping[int, Floats]) -> Iterator[tuple[Pattern, NDArray[np.bool_]]]:
+        """Each cell with the triangles whose inside it may meet: all surfaces may have its signs there."""
+        listed = self.surfaces
+        if not listed:
+            yield (), np.ones(len(triangles), dtype=bool)
+            return
+        at = self._guard_points.places(triangles)
+        guards = self.guards(at.reshape(-1, 2)).reshape(*at.shape[:2], len(listed))
+        allowed = np.empty((len(triangles), len(listed), 2), dtype=bool)
+        for number in range(len(listed)):
+            if number in exact:
+                own, slack = exact[number], 0.0
+            else:
+                own = self._guard_points.coefficients(guards[:, :, number])
+                slack = SMALL * float(np.abs(own).max())
+            allowed[:, number] = np.stack([own.min(axis=1) < -slack, own.max(axis=1) > slack], axis=1)
+            if slack:
+                allowed[:, number] |= np.abs(own).min(axis=1)[:, None] <= slack
+        kinds, which = np.unique(allowed.reshape(len(triangles), -1), axis=0, return_inverse=True)
+        groups: dict[Pattern, NDArray[np.bool_]] = {}
+        for number, kind in enumerate(kinds):
+            patterns: list[Pattern] = [()]
+            for low, high in kind.reshape(-1, 2):
+                signs = [s for s, holds in ((-1, low), (1, high)) if holds]
+                patterns = [(*own, s) for own in patterns for s in signs]
+            for pattern in patterns:
+                groups[pattern] = groups.get(pattern, np.zeros(len(triangles), dtype=bool)) | (which.ravel() == number)
+        yield from groups.items()
 
     def guards(self, x: Floats) -> Floats:
         """The values of the surfaces: shape (places, surfaces)."""
@@ -68,6 +141,30 @@ class FloatField:
         if found is None:
             raise ValueError("required a place")
         return found
+
+
+class Bernstein:
+    """Values at the points of a triangle's lattice, and Bernstein coefficients from these."""
+
+    def __init__(self, degree: int) -> None:
+        self.degree = degree
+        powers = [(i, j, degree - i - j) for i in range(degree + 1) for j in range(degree + 1 - i)]
+        self.nodes = np.array(powers) / max(degree, 1)
+        if not degree:
+            self.nodes = np.full((1, 3), 1 / 3)
+        columns = []
+        for i, j, k in powers:
+            weight = factorial(degree) / (factorial(i) * factorial(j) * factorial(k))
+            columns.append(weight * self.nodes[:, 0] ** i * self.nodes[:, 1] ** j * self.nodes[:, 2] ** k)
+        self.inverse = np.linalg.inv(np.stack(columns, axis=1))
+
+    def places(self, triangles: Floats) -> Floats:
+        """The points at which a polynomial is looked at: shape (triangles, nodes, 2)."""
+        return np.asarray(np.einsum("kc,mcd->mkd", self.nodes, triangles))
+
+    def coefficients(self, own: Floats) -> Floats:
+        """From values of shape (triangles, nodes)."""
+        return np.asarray(own @ self.inverse.T)
 
 
 def values(polynomial: Polynomial, x: Floats) -> Floats:
@@ -104,7 +201,7 @@ def level_ring(potential: Callable[[Floats], Floats], level: float, radius: floa
 
 
 def grow(
-    field: FloatField, ring: Floats, angle: float, gap: float, limit: float, announce: Callable[[int, int], None]
+    field: FieldInCells, ring: Floats, angle: float, gap: float, limit: float, announce: Callable[[int, int], None]
 ) -> list[Floats]:
     """Rings from the first one on, until they grow no more.
 
@@ -119,7 +216,7 @@ def grow(
     rings, before = [ring], area(ring)
     for step in range(1, STEPS):
         announce(step, STEPS)
-        ring = _next_ring(field, ring, angle, gap)
+        ring = _next_ring(field, ring, angle, gap, limit)
         if not np.isfinite(ring).all() or np.abs(ring).max() > limit or area(ring) <= 0:
             break
         rings.append(ring)
@@ -130,7 +227,7 @@ def grow(
     return rings
 
 
-def _next_ring(field: FloatField, ring: Floats, angle: float, gap: float) -> Floats:
+def _next_ring(field: FieldInCells, ring: Floats, angle: float, gap: float, limit: float) -> Floats:
     """One step of Runge and Kutta backward in time, in which each point keeps its right-hand side and its turn."""
     size = float(np.linalg.norm(ring, axis=1).max())
     along = np.roll(ring, -1, axis=0) - np.roll(ring, 1, axis=0)
@@ -148,7 +245,8 @@ def _next_ring(field: FloatField, ring: Floats, angle: float, gap: float) -> Flo
     def backward(x: Floats) -> Floats:
         f = field.at(x)[chosen, rows]
         turned = np.stack([c * f[:, 0] - s * f[:, 1], s * f[:, 0] + c * f[:, 1]], axis=1)
-        return np.asarray(-turned / (x**2).sum(axis=1)[:, None])
+        room = np.clip(1 - (x / limit) ** 2, 0, 1).prod(axis=1)
+        return np.asarray(-turned * (room / (x**2).sum(axis=1))[:, None])
 
     first = backward(ring)
     du = MOVE * size / float(np.linalg.norm(first, axis=1).max())
@@ -180,7 +278,7 @@ def _sides(ring: Floats) -> Floats:
 
 
 def followed_home(
-    field: FloatField, starts: Floats, home: Callable[[Floats], NDArray[np.bool_]], far: float
+    field: FieldInCells, starts: Floats, home: Callable[[Floats], NDArray[np.bool_]], far: float
 ) -> NDArray[np.bool_]:
     """Which starts come to where ``home`` is true before they are farther away than some distance, in floats.
 
