@@ -97,11 +97,7 @@ class ArrayPlane:
         turn = low * p
         longest = max(abs(own) for own in (a * q, b * q, c * q, d * q, turn)) + push
         return [
-            Field(
-                ({(0, 0): vx, (0, 1): -turn}, {(0, 0): vy, (1, 0): turn}),
-                1,
-                max(vx, vy, turn, -vx, -vy, -turn).bit_length(),
-            )
+            Field(({(0, 0): vx, (0, 1): -turn}, {(0, 0): vy, (1, 0): turn}), 1, longest.bit_length())
             for vx in (a * q - push, b * q + push)
             for vy in (c * q - push, d * q + push)
         ]

@@ -38,7 +38,8 @@ class LatticeRing:
 
     Attributes:
         points: whole numbers, in units.
-        lines: of each point the surface, a line, on which it lies; -1 on none.
+        lines: of each point the surface, a line, on which it lies, or another mark by which points of two rings belong
+            together; -1 of all others.
         chosen: the points that are corners of the mesh, in order.
     """
 
@@ -79,10 +80,10 @@ class Lattice:
         self.unit = Fraction(1, shared) / Fraction(2) ** power
         self.lines = {number: (int(a), int(b), int(c / self.unit)) for number, (a, b, c) in forms.items()}
 
-    def ring(self, ring: Floats) -> LatticeRing:
+    def ring(self, ring: Floats, marks: NDArray[np.int64]) -> LatticeRing:
         """A ring with the points at which it crosses lines, all on the lattice."""
         scale = 1 / float(self.unit)
-        points, on_line = np.rint(ring * scale), np.full(len(ring), -1)
+        points, on_line = np.rint(ring * scale), marks
         for number, (a, b, c) in self.lines.items():
             value = a * points[:, 0] + b * points[:, 1] + c
             after, nearest = np.roll(value, -1), np.roll(points, -1, axis=0)
@@ -149,6 +150,9 @@ def _sectors(inner: LatticeRing, outer: LatticeRing) -> Iterator[tuple[tuple[int
     seen = [[ring.lines[ring.chosen[k]] for k in listed] for ring, listed in ((inner, own), (outer, other))]
     turns = [t for t in range(len(other)) if seen[0] == seen[1][t:] + seen[1][:t]]
     if not turns:
+        own, other = _in_common(own, other, *seen)
+        turns = [0]
+    if not own:
         own, other, turns = [0], list(range(len(outer.chosen))), list(range(len(outer.chosen)))
     start = inner.points[inner.chosen[own[0]]]
     turn = min(turns, key=lambda t: float(np.sum((outer.points[outer.chosen[other[t]]] - start) ** 2)))
@@ -160,6 +164,23 @@ def _sectors(inner: LatticeRing, outer: LatticeRing) -> Iterator[tuple[tuple[int
             sides = (listed[(k + 1) % len(own)] - listed[k]) % size
             stretches.append((listed[k], sides or size))
         yield stretches[0], stretches[1]
+
+
+def _in_common(
+    own: list[int], other: list[int], marks: Sequence[int], other_marks: Sequence[int]
+) -> tuple[list[int], list[int]]:
+    """Places whose marks both rings have once, as many as come in one cyclic order: the longest rising chain."""
+    once = [m for m in marks if marks.count(m) == 1 and other_marks.count(m) == 1]
+    if not once:
+        return [], []
+    size, start = len(other), other_marks.index(once[0])
+    ranks = [(other_marks.index(m) - start) % size for m in once]
+    best: list[list[int]] = []  # the longest chain that ends at each mark; all begin at the first one
+    for k, rank in enumerate(ranks):
+        before = [chain for j, chain in enumerate(best) if ranks[j] < rank]
+        best.append([*max(before, key=len, default=[]), k])
+    kept = [once[k] for k in max((chain for chain in best if chain[0] == 0), key=len)]
+    return [own[marks.index(m)] for m in kept], [other[other_marks.index(m)] for m in kept]
 
 
 class MeshBuilder:
@@ -181,7 +202,7 @@ class MeshBuilder:
     def ring(self, number: int) -> LatticeRing:
         """A ring on the lattice."""
         if number not in self.rings:
-            self.rings[number] = self.lattice.ring(self.dense[number])
+            self.rings[number] = self.lattice.ring(*self.field.aligned(self.dense[number]))
         return self.rings[number]
 
     def build(self, announce: Callable[[int, int], None]) -> tuple[dict[str, Any], int] | None:

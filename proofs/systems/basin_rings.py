@@ -34,6 +34,7 @@ MOVE = 0.02  # of the size of a ring, by which the fastest of its points moves i
 STEPS, PAUSE, GROWTH = 1_500, 50, 1.0015  # at most; between looks at the area; by which this must grow
 BEND = 0.15  # of a side: interpolation that bends more is not believed
 FOLD = 0.2  # sine of the angle between f and n below which f is turned less
+UNFOLDED = 5  # times that points are left out at which a ring turns back
 STARTS = 400  # points of the first ring
 SMALL = 2.0**-40  # of the largest: what is as small counts as zero, for either sign
 
@@ -53,6 +54,12 @@ class FieldInCells(Protocol):
 
     def degrees(self, cell: Any) -> Sequence[int]:
         """Of the right-hand sides of a cell."""
+
+    def aligned(self, ring: Floats) -> tuple[Floats, NDArray[np.int64]]:
+        """A ring with points beside the borders of cells that it crosses, and marks of these; -1 of all others.
+
+        Neighbours with marks, on both sides of a border, are to be joined with those of the next ring.
+        """
 
     def meeting(self, triangles: Floats, exact: Mapping[int, Floats]) -> Iterator[tuple[Any, NDArray[np.bool_]]]:
         """Each cell with the triangles whose inside it may meet.
@@ -77,6 +84,10 @@ class FloatField:
     def surfaces(self) -> Sequence[Polynomial]:
         """All on which the system switches."""
         return self.plane.surfaces.listed
+
+    def aligned(self, ring: Floats) -> tuple[Floats, NDArray[np.int64]]:
+        """The ring as it is: points are put on lines, exactly, and curves are crossed where they are."""
+        return ring, np.full(len(ring), -1)
 
     def degrees(self, cell: Pattern) -> Sequence[int]:
         """Of the right-hand sides of a cell."""
@@ -253,7 +264,22 @@ def _next_ring(field: FieldInCells, ring: Floats, angle: float, gap: float, limi
     second = backward(ring + du / 2 * first)
     third = backward(ring + du / 2 * second)
     fourth = backward(ring + du * third)
-    return _spaced(ring + du / 6 * (first + 2 * second + 2 * third + fourth), gap * size)
+    return _spaced(_unfolded(ring + du / 6 * (first + 2 * second + 2 * third + fourth)), gap * size)
+
+
+def _unfolded(ring: Floats) -> Floats:
+    """A ring without the points at which it turns back.
+
+    Where velocities on both sides of a border lead away from it, points of a ring come to it from both sides, and
+    overshoot.
+    """
+    for _ in range(UNFOLDED):
+        after = np.roll(ring, -1, axis=0) - ring
+        turns_back = (after * np.roll(after, 1, axis=0)).sum(axis=1) < 0
+        if not turns_back.any() or turns_back.sum() > len(ring) - 3:
+            break
+        ring = ring[~turns_back]
+    return ring
 
 
 def _spaced(ring: Floats, gap: float) -> Floats:
