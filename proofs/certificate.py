@@ -203,6 +203,7 @@ def scene_record(scene: Scene) -> Record:
 
 
 def subject_record(scene: Scene) -> Record:
+    """The subject of a certificate, without tolerances; its numbers are those of the scene's field."""
     return {
         "field": scene.field,
         "at": list(scene.check.equilibrium),

@@ -29,15 +29,20 @@ from nonsmooth.proofs.checker.statements import show_entry
 from nonsmooth.proofs.checker.wheels import read_array
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.exact_json import encode
-from nonsmooth.proofs.systems.basin import EFFORTS, BasinEffort, CertifiedBasin, last_ring, mesh_corners
+from nonsmooth.proofs.system_facts import basin_record
+from nonsmooth.proofs.systems.basin import BasinEffort, CertifiedBasin, last_ring, mesh_corners
 from nonsmooth.proofs.systems.basin_mesh import MeshBuilder
 from nonsmooth.proofs.systems.basin_rings import Floats, followed_home, grow, inside_ring
+from nonsmooth.symbolic.number_text import float_text, percent_text
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.support_polygon import widest_square
 
+EFFORTS = {"fast": BasinEffort(0.12, 0.03, 41), "best": BasinEffort(0.04, 0.012, 101)}
 PIXELS = 96  # of a raster of the square, in each direction, by which cells are looked up
-CIRCLE = 120  # points of the first ring
+CIRCLE = 48  # points of the first ring
 INWARD = 0.02  # sine of the angle at which velocities lead inward over it, at least
+RESTING = (1.01, 1.03, 1.1)  # factors by which the convex hull of cells in which bodies rest is made wider
+CIRCLES = 3  # that are tried about one place
 SMALLEST, WIDER = 1e-3, 1.06  # radii that are tried: of the square's half-width, and each of the one before
 NEAR = 1e-9  # of the square's half-width: what is as near to a line may lie on either side
 SQUARE = 2.0**-20  # by which the square in which the mesh lies is smaller than that of the cells
@@ -50,6 +55,7 @@ class FloatCells:
 
     Attributes:
         half: of the square that they cover.
+        resting: the convex hull of the cells in which bodies may rest; None without any.
     """
 
     surfaces = ()  # no line is worth having corners on it: triangles lie across borders of cells
@@ -62,6 +68,8 @@ class FloatCells:
         self._padded = np.stack([own[np.arange(most) % len(own)] for own in self._motions])
         sides = [half_planes(own) for own in self.outlines]
         self._sides = np.stack([own[np.arange(longest) % len(own)] for own in sides])  # (cells, sides, 3)
+        corners = [own for cell, own in zip(partition.cells, self.outlines, strict=True) if cell.rests]
+        self.resting = convex_outline(np.concatenate(corners)) if corners else None
         self._boxes = [(own.min(axis=0), own.max(axis=0)) for own in self.outlines]
 
     @cached_property
@@ -92,7 +100,7 @@ class FloatCells:
         """The velocities that a cell has, wherever the places are: shape (motions, places, 2)."""
         return _velocities(self._motions[cell][:, None], x)
 
-    def aligned(self, ring: Floats) -> tuple[Floats, NDArray[np.int64]]:
+    def aligned(self, ring: Floats, *, is_kept: bool) -> tuple[Floats, NDArray[np.int64]]:
         """A ring with a side across each border of cells that it crosses, and marks of the ends of that side.
 
         Where W is the time that solutions take, its gradient jumps across a border by a multiple of the border's
@@ -111,8 +119,10 @@ class FloatCells:
             pair = 2 * (int(cells[k]) * len(self.outlines) + int(after[k]))
             near, far = ring[k], ring[(k + 1) % len(ring)]
             options = [(near, far)]
-            beyond = self._across(ring[k - 1], near, far, int(cells[k]), int(after[k]))
-            before = self._across(ring[(k + 2) % len(ring)], far, near, int(after[k]), int(cells[k]))
+            beyond = before = None
+            if not is_kept:
+                beyond = self._across(ring[k - 1], near, far, int(cells[k]), int(after[k]))
+                before = self._across(ring[(k + 2) % len(ring)], far, near, int(after[k]), int(cells[k]))
             options += [] if beyond is None else [(near, beyond)]
             options += [] if before is None else [(before, far)]
             best = min(range(len(options)), key=lambda j: self._outward(*options[j], int(cells[k]), int(after[k])))
@@ -178,6 +188,13 @@ def _without_repeats(points: Floats, marks: NDArray[np.int64]) -> tuple[Floats, 
     return points[~repeats], marks[~repeats]
 
 
+def convex_outline(places: Floats) -> Floats:
+    """The corners of the convex hull of places, counterclockwise."""
+    from scipy.spatial import ConvexHull  # under rule box only
+
+    return np.asarray(places[ConvexHull(places).vertices])
+
+
 def half_planes(outline: Floats) -> Floats:
     """Of a convex polygon, counterclockwise: a, b, c with ``a x + b y + c`` the distance inward from each side."""
     along = np.roll(outline, -1, axis=0) - outline
@@ -201,6 +218,7 @@ class ArrayBasin:
         claim: what the checker has shown by it.
         half: of the square of which starts are sampled: the largest in the support polygon.
         within: of the point, bodies end; None where they come to the point itself.
+        coming: sampled starts that come there in floats, measured from the point, certified or not: shape (starts, 2).
     """
 
     triangles: CertifiedBasin
@@ -208,12 +226,29 @@ class ArrayBasin:
     claim: dict[str, Any]
     half: float
     within: float | None
+    coming: Floats
 
     @property
     def area(self) -> float:
         """Of the region, with the polygon inside."""
         x, y = self.triangles.border.T
         return float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)) / 2)
+
+    def words(self, length: str) -> str:
+        """What is certified, how much that is of what is sampled, and where; lengths have a unit, or none."""
+        certified, coming = self.triangles.sampled
+        unit = f" {length}" if length else ""
+        ends = "comes home" if self.within is None else f"ends within {float_text(self.within)}{unit} of the point"
+        size = f"{float_text(self.area)}{unit}{2 if unit else ''}"
+        region = f"from anywhere in a region of {size} a body {ends} ({len(self.triangles.triangles)} triangles)"
+        square = f"the square of half-width {float_text(self.half)}{unit}, the largest on the wheels"
+        share = f"{percent_text(self.triangles.share)} of the sampled starts in {square}, that do"
+        return f"{region}: {share} ({certified} of {coming})"
+
+    def record(self, unit: str) -> dict[str, object]:
+        """As JSON, with the area, where bodies end, and the square of which starts are sampled."""
+        further = {"area": self.area, "ends_within": self.within, "square": self.half}
+        return basin_record(self.triangles, self.words(unit)) | further
 
 
 @dataclass(frozen=True)
@@ -261,13 +296,12 @@ def _around(
     array, record = read_array(document["subject"]), document["record"]
     cells = Cells(replace(array, radius=array.field.parse(record["within"])), record["points"], record["cells"])
     limit = field.half * (1 - SQUARE)
-    why = NoBasin("no circle about the point is seen over which all velocities lead inward")
-    for centre, radius in _circles(field):
-        first = _circle(centre, radius)
+    why = NoBasin(_why_none(field))
+    for first in _first_rings(field):
         rings = grow(field, first, effort.angle, effort.gap, limit, lambda done, total: announce("rings", done, total))
         if len(rings) < 2:
             continue
-        builder = MeshBuilder(field, lambda unit: ArrayPlane(cells, unit), rings)
+        builder = MeshBuilder(field, lambda unit: ArrayPlane(cells, unit), rings, is_first_whole=True)
         built = builder.build(lambda done, total: announce("bands of triangles", done, total))
         if built is None:
             why = NoBasin("W is not seen to fall beside the first ring")
@@ -280,10 +314,10 @@ def _around(
         except RejectedError as error:
             why = NoBasin(f"the checker asks for {error}")
             continue
-        sampled = _sampled(field, first, last_ring(mesh_corners(mesh)), effort.starts)
+        sampled, coming = _sampled(field, first, last_ring(mesh_corners(mesh)), effort.starts)
         within = float(Fraction(found["squared_radius"])) ** 0.5 if "ends" in claim else None
         entry = {"theorem": "basin", "hypotheses": {**exact, **found}, "proofs": {}}
-        return ArrayBasin(CertifiedBasin(entry["hypotheses"], sampled), entry, claim, field.half, within)
+        return ArrayBasin(CertifiedBasin(entry["hypotheses"], sampled), entry, claim, field.half, within, coming)
     return why
 
 
@@ -292,20 +326,46 @@ def _circle(centre: Floats, radius: float) -> Floats:
     return np.asarray(centre + radius * np.stack([np.cos(angles), np.sin(angles)], axis=1))
 
 
-def _circles(field: FloatCells) -> Iterator[tuple[Floats, float]]:
-    """The smallest circles over which velocities lead inward: about the point, and about where bodies from it end."""
+def _first_rings(field: FloatCells) -> Iterator[Floats]:
+    """Convex polygons over which velocities are seen to lead inward, small ones first.
+
+    Where bodies rest in cells, polygons about these; else circles about the point, and about where bodies from it end.
+    """
+    if field.resting is not None:
+        middle = field.resting.mean(axis=0)
+        for wider in RESTING:
+            ring = middle + wider * (field.resting - middle)
+            if np.abs(ring).max() < field.half and _largest_outward(field, ring) < -INWARD:
+                yield ring
+        return
     for centre in (np.zeros(2), _end(field)):
         radius, found = SMALLEST * field.half, 0
-        while radius < field.half - np.abs(centre).max() and found < 3:
-            ring = _circle(centre, radius)
-            velocities = field.at(ring)
-            speeds = np.linalg.norm(velocities, axis=2) + np.finfo(float).tiny
-            outward = np.einsum("kij,ij->ki", velocities, (ring - centre) / radius) / speeds
-            if outward.max() < -INWARD:
+        while radius < field.half - np.abs(centre).max() and found < CIRCLES:
+            if _largest_outward(field, _circle(centre, radius)) < -INWARD:
                 found += 1
-                yield centre, radius * WIDER**found
                 radius *= WIDER**found
+                yield _circle(centre, radius)
             radius *= WIDER
+
+
+def _why_none(field: FloatCells) -> str:
+    if field.resting is None:
+        return "no circle is seen over which all velocities lead inward"
+    if np.abs(field.resting).max() * RESTING[0] >= field.half:
+        return "the area in which bodies rest reaches the border of the largest square on the wheels"
+    return "velocities do not lead inward around the area in which bodies rest"
+
+
+def _largest_outward(field: FloatCells, ring: Floats) -> float:
+    """The largest sine at which velocities at corners and middles of sides lead outward over sides of a polygon."""
+    along = np.roll(ring, -1, axis=0) - ring
+    normals = np.stack([along[:, 1], -along[:, 0]], axis=1) / np.linalg.norm(along, axis=1)[:, None]
+    largest = -1.0
+    for place in (ring, ring + along / 2, ring + along):
+        velocities = field.at(place)
+        speeds = np.linalg.norm(velocities, axis=2) + np.finfo(float).tiny
+        largest = max(largest, float((np.einsum("kij,ij->ki", velocities, normals) / speeds).max()))
+    return largest
 
 
 def _end(field: FloatCells) -> Floats:
@@ -323,10 +383,10 @@ def _squared_radius(mesh: dict[str, Any], below: int) -> str:
     return str(max(x * x + y * y for x, y in core.places) * Fraction(mesh["unit"]) ** 2)
 
 
-def _sampled(field: FloatCells, first: Floats, border: Floats, count: int) -> tuple[int, int]:
-    """Of a grid of the square: the starts that are certified, and those that come to the first ring in floats."""
+def _sampled(field: FloatCells, first: Floats, border: Floats, count: int) -> tuple[tuple[int, int], Floats]:
+    """Of a grid of the square: how many starts are certified, and how many come to the first ring in floats; these."""
     line = np.linspace(-field.half, field.half, count + 2)[1:-1]
     starts = np.array([(x, y) for y in line for x in line])
     came = followed_home(field, starts, lambda x: inside_ring(first, x), 2 * field.half)
     certified = inside_ring(border, starts)
-    return int(np.sum(certified)), int(np.sum(came | certified))
+    return (int(np.sum(certified)), int(np.sum(came | certified))), starts[came | certified]

@@ -190,19 +190,30 @@ class MeshBuilder:
         field: the velocities in floats.
         exact: the checker's cells, told the unit of the mesh.
         rings: from the first one on.
+        is_first_whole: whether all points of the first one are corners, and no others.
     """
 
-    def __init__(self, field: FieldInCells, exact: Callable[[str], CellFields], rings: Sequence[Floats]) -> None:
+    def __init__(
+        self,
+        field: FieldInCells,
+        exact: Callable[[str], CellFields],
+        rings: Sequence[Floats],
+        *,
+        is_first_whole: bool = False,
+    ) -> None:
         size = max(float(np.abs(ring).max()) for ring in rings)
         self.lattice = Lattice(field.surfaces, size)
         self.field, self.exact = field, exact(str(self.lattice.unit))
         self.dense, self.rings = rings, dict[int, LatticeRing]()
-        self.points = dict[int, Bernstein]()
+        self.points, self.is_first_whole = dict[int, Bernstein](), is_first_whole
+        if is_first_whole:
+            self.ring(0).chosen = list(range(len(self.ring(0).points)))
 
     def ring(self, number: int) -> LatticeRing:
         """A ring on the lattice."""
         if number not in self.rings:
-            self.rings[number] = self.lattice.ring(*self.field.aligned(self.dense[number]))
+            is_kept = self.is_first_whole and not number
+            self.rings[number] = self.lattice.ring(*self.field.aligned(self.dense[number], is_kept=is_kept))
         return self.rings[number]
 
     def build(self, announce: Callable[[int, int], None]) -> tuple[dict[str, Any], int] | None:

@@ -55,10 +55,14 @@ class FieldInCells(Protocol):
     def degrees(self, cell: Any) -> Sequence[int]:
         """Of the right-hand sides of a cell."""
 
-    def aligned(self, ring: Floats) -> tuple[Floats, NDArray[np.int64]]:
+    def aligned(self, ring: Floats, *, is_kept: bool) -> tuple[Floats, NDArray[np.int64]]:
         """A ring with points beside the borders of cells that it crosses, and marks of these; -1 of all others.
 
         Neighbours with marks, on both sides of a border, are to be joined with those of the next ring.
+
+        Args:
+            ring: as it has grown.
+            is_kept: whether it may have no other points than its own.
         """
 
     def meeting(self, triangles: Floats, exact: Mapping[int, Floats]) -> Iterator[tuple[Any, NDArray[np.bool_]]]:
@@ -85,7 +89,7 @@ class FloatField:
         """All on which the system switches."""
         return self.plane.surfaces.listed
 
-    def aligned(self, ring: Floats) -> tuple[Floats, NDArray[np.int64]]:
+    def aligned(self, ring: Floats, *, is_kept: bool) -> tuple[Floats, NDArray[np.int64]]:
         """The ring as it is: points are put on lines, exactly, and curves are crossed where they are."""
         return ring, np.full(len(ring), -1)
 
