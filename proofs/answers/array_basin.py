@@ -100,6 +100,10 @@ class FloatCells:
         """The velocities that a cell has, wherever the places are: shape (motions, places, 2)."""
         return _velocities(self._motions[cell][:, None], x)
 
+    def slides(self, ring: Floats) -> tuple[NDArray[np.int64], Floats, Floats]:
+        """None: sides of rings lie across borders of cells, and so do their tips."""
+        return np.zeros(0, dtype=np.int64), np.zeros((0, 2)), np.zeros((0, 2))
+
     def aligned(self, ring: Floats, *, is_kept: bool) -> tuple[Floats, NDArray[np.int64]]:
         """A ring with a side across each border of cells that it crosses, and marks of the ends of that side.
 

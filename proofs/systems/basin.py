@@ -133,7 +133,7 @@ def find_basin(
     plane = cells("1")
     field, potential = FloatField(plane), _potential(plane, local)
     level, within = INSIDE * _number(local["level"]), _number(local["cells"]["within"])
-    first = level_ring(potential, level, within)
+    first = level_ring(field, potential, level, within)
     if first is None:
         return None
     far = FARTHEST * float(np.abs(first).max())

@@ -86,6 +86,7 @@ class Lattice:
         points, on_line = np.rint(ring * scale), marks
         for number, (a, b, c) in self.lines.items():
             value = a * points[:, 0] + b * points[:, 1] + c
+            on_line = np.where((value == 0) & (on_line < 0), number, on_line)
             after, nearest = np.roll(value, -1), np.roll(points, -1, axis=0)
             crossed = np.nonzero((value * after < 0) & (on_line < 0) & (np.roll(on_line, -1) < 0))[0]
             shares = value[crossed] / (value[crossed] - after[crossed])

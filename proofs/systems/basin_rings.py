@@ -34,6 +34,7 @@ MOVE = 0.02  # of the size of a ring, by which the fastest of its points moves i
 STEPS, PAUSE, GROWTH = 1_500, 50, 1.0015  # at most; between looks at the area; by which this must grow
 BEND = 0.15  # of a side: interpolation that bends more is not believed
 FOLD = 0.2  # sine of the angle between f and n below which f is turned less
+APART = 1e-3  # of a side: as near to a corner no other one is put
 UNFOLDED = 5  # times that points are left out at which a ring turns back
 STARTS = 400  # points of the first ring
 SMALL = 2.0**-40  # of the largest: what is as small counts as zero, for either sign
@@ -54,6 +55,9 @@ class FieldInCells(Protocol):
 
     def degrees(self, cell: Any) -> Sequence[int]:
         """Of the right-hand sides of a cell."""
+
+    def slides(self, ring: Floats) -> tuple[NDArray[np.int64], Floats, Floats]:
+        """Where a ring crosses lines along which solutions slide: after which points, the places, and velocities."""
 
     def aligned(self, ring: Floats, *, is_kept: bool) -> tuple[Floats, NDArray[np.int64]]:
         """A ring with points beside the borders of cells that it crosses, and marks of these; -1 of all others.
@@ -88,6 +92,42 @@ class FloatField:
     def surfaces(self) -> Sequence[Polynomial]:
         """All on which the system switches."""
         return self.plane.surfaces.listed
+
+    def crossings(self, ring: Floats) -> tuple[NDArray[np.int64], NDArray[np.int64], Floats]:
+        """Sides over which one surface alone changes its sign: its number, the first point, and about where."""
+        guards = self.guards(ring)
+        after = np.roll(guards, -1, axis=0)
+        changes = (guards >= 0) != (after >= 0)
+        alone = changes & (changes.sum(axis=1) == 1)[:, None]
+        rows, numbers = np.nonzero(alone)
+        shares = guards[rows, numbers] / (guards[rows, numbers] - after[rows, numbers])
+        return numbers, rows, np.asarray(ring[rows] + shares[:, None] * (np.roll(ring, -1, axis=0) - ring)[rows])
+
+    def slides(self, ring: Floats) -> tuple[NDArray[np.int64], Floats, Floats]:
+        """Where a ring crosses surfaces to which the velocities of both sides lead, with the mixtures along these.
+
+        The mixture ``(b f - a h) / (b - a)`` of velocities f and h, which have the parts a and b along the normal of
+        the surface, is tangent to it.
+        """
+        numbers, rows, places = self.crossings(ring)
+        if not len(rows) or len(self.at(ring[:1])) > 1:
+            return rows[:0], places[:0], places[:0]
+        signs = np.where(self.guards(ring) >= 0, 1, -1)
+        first, last = signs[rows], signs[(rows + 1) % len(ring)]
+        f, h = (
+            np.stack([self.on(tuple(own), x[None])[0, 0] for own, x in zip(k, places, strict=True)])
+            for k in (first, last)
+        )
+        width = 1e-6 * float(np.abs(ring).max())
+        columns = []
+        for step in np.eye(2) * width:
+            rise = self.guards(places + step) - self.guards(places - step)
+            columns.append(rise[np.arange(len(rows)), numbers])
+        normals = np.stack(columns, axis=1) * -first[np.arange(len(rows)), numbers][:, None]
+        a, b = (normals * f).sum(axis=1), (normals * h).sum(axis=1)
+        sliding = (a > 0) & (b < 0)
+        mixed = (b[:, None] * f - a[:, None] * h)[sliding] / (b - a)[sliding, None]
+        return rows[sliding], places[sliding], mixed
 
     def aligned(self, ring: Floats, *, is_kept: bool) -> tuple[Floats, NDArray[np.int64]]:
         """The ring as it is: points are put on lines, exactly, and curves are crossed where they are."""
@@ -196,11 +236,26 @@ def area(ring: Floats) -> float:
     return float(np.sum(ring[:, 0] * after[:, 1] - ring[:, 1] * after[:, 0]) / 2)
 
 
-def level_ring(potential: Callable[[Floats], Floats], level: float, radius: float) -> Floats | None:
-    """Where V first is a level on rays from the point, within a square; None where it is not on all of them."""
+def level_ring(field: FloatField, potential: Callable[[Floats], Floats], level: float, radius: float) -> Floats | None:
+    """Where V first is a level on rays from the point, within a square; None where it is not on all of them.
+
+    There are rays to where the level set crosses surfaces, too: it may have corners there.
+    """
     angles = np.linspace(0, 2 * np.pi, STARTS, endpoint=False)
-    rays = np.stack([np.cos(angles), np.sin(angles)], axis=1)
-    near, far = np.zeros(STARTS), np.full(STARTS, np.nan)
+    ring = _on_rays(np.stack([np.cos(angles), np.sin(angles)], axis=1), potential, level, radius)
+    if ring is None:
+        return None
+    _, rows, places = field.crossings(ring)
+    gaps = np.linalg.norm(places - ring[rows], axis=1), np.linalg.norm(places - np.roll(ring, -1, axis=0)[rows], axis=1)
+    apart = np.minimum(*gaps) > APART * (gaps[0] + gaps[1])
+    own = (places / np.linalg.norm(places, axis=1)[:, None])[apart]
+    rays = np.insert(ring / np.linalg.norm(ring, axis=1)[:, None], rows[apart] + 1, own, axis=0)
+    return _on_rays(rays, potential, level, radius)
+
+
+def _on_rays(rays: Floats, potential: Callable[[Floats], Floats], level: float, radius: float) -> Floats | None:
+    """Where V first is a level on rays from the point, within a square; None where it is not on all of them."""
+    near, far = np.zeros(len(rays)), np.full(len(rays), np.nan)
     for share in np.linspace(0, 1, 65)[1:]:
         here = share * radius / np.abs(rays).max(axis=1)
         above = potential(rays * here[:, None]) >= level
@@ -268,25 +323,30 @@ def _next_ring(field: FieldInCells, ring: Floats, angle: float, gap: float, limi
     second = backward(ring + du / 2 * first)
     third = backward(ring + du / 2 * second)
     fourth = backward(ring + du * third)
-    return _spaced(_unfolded(ring + du / 6 * (first + 2 * second + 2 * third + fourth)), gap * size)
+    moved = ring + du / 6 * (first + 2 * second + 2 * third + fourth)
+    after, places, slides = field.slides(ring)
+    room = np.clip(1 - (places / limit) ** 2, 0, 1).prod(axis=1)
+    tips = places - du * (1 - angle) * slides * (room / (places**2).sum(axis=1))[:, None]
+    is_tip = np.insert(np.zeros(len(ring), dtype=bool), after + 1, np.ones(len(after), dtype=bool))
+    return _spaced(*_unfolded(np.insert(moved, after + 1, tips, axis=0), is_tip), gap * size)
 
 
-def _unfolded(ring: Floats) -> Floats:
-    """A ring without the points at which it turns back.
+def _unfolded(ring: Floats, is_tip: NDArray[np.bool_]) -> tuple[Floats, NDArray[np.bool_]]:
+    """A ring without the points at which it turns back, but for its tips, on lines along which solutions slide; both.
 
     Where velocities on both sides of a border lead away from it, points of a ring come to it from both sides, and
-    overshoot.
+    overshoot.  Where they lead to it, points go away from it on both sides; the tip between them goes along the line.
     """
     for _ in range(UNFOLDED):
         after = np.roll(ring, -1, axis=0) - ring
-        turns_back = (after * np.roll(after, 1, axis=0)).sum(axis=1) < 0
+        turns_back = ((after * np.roll(after, 1, axis=0)).sum(axis=1) < 0) & ~is_tip
         if not turns_back.any() or turns_back.sum() > len(ring) - 3:
             break
-        ring = ring[~turns_back]
-    return ring
+        ring, is_tip = ring[~turns_back], is_tip[~turns_back]
+    return ring, is_tip
 
 
-def _spaced(ring: Floats, gap: float) -> Floats:
+def _spaced(ring: Floats, is_tip: NDArray[np.bool_], gap: float) -> Floats:
     """A ring with points between those that are far apart, and without some of those that are near each other."""
     for _ in range(3):
         after, sides = np.roll(ring, -1, axis=0), _sides(ring)
@@ -298,7 +358,8 @@ def _spaced(ring: Floats, gap: float) -> Floats:
         believed = np.linalg.norm(bent - straight, axis=1) < BEND * sides
         middle = np.where(believed[:, None], bent, straight)
         ring = np.insert(ring, np.nonzero(wide)[0] + 1, middle[wide], axis=0)
-    crowded = _sides(ring) < gap / 6
+        is_tip = np.insert(is_tip, np.nonzero(wide)[0] + 1, False)
+    crowded = (_sides(ring) < gap / 6) & ~is_tip
     crowded[::2] = False  # never two neighbours
     return np.asarray(ring[~crowded])
 
