@@ -311,7 +311,7 @@ def _around(
             why = NoBasin("W is not seen to fall beside the first ring")
             continue
         mesh, below = built
-        found = {"mesh": mesh, "below": below, "squared_radius": _squared_radius(mesh, below)}
+        found: dict[str, Any] = {"mesh": mesh, "below": below, "squared_radius": _squared_radius(mesh, below)}
         announce("the checker", 0, 1)
         try:
             (claim,) = show_entry(array, {"theorem": "basin", "hypotheses": {**record, **found}, "proofs": {}})
@@ -320,8 +320,9 @@ def _around(
             continue
         sampled, coming = _sampled(field, first, last_ring(mesh_corners(mesh)), effort.starts)
         within = float(Fraction(found["squared_radius"])) ** 0.5 if "ends" in claim else None
-        entry = {"theorem": "basin", "hypotheses": {**exact, **found}, "proofs": {}}
-        return ArrayBasin(CertifiedBasin(entry["hypotheses"], sampled), entry, claim, field.half, within, coming)
+        hypotheses: dict[str, Any] = {**exact, **found}
+        entry = {"theorem": "basin", "hypotheses": hypotheses, "proofs": {}}
+        return ArrayBasin(CertifiedBasin(hypotheses, sampled), entry, claim, field.half, within, coming)
     return why
 
 

@@ -25,6 +25,7 @@ from nonsmooth.proofs.systems.basin_rings import (
     FieldInCells,
     FloatField,
     Floats,
+    area,
     followed_home,
     grow,
     inside_ring,
@@ -33,6 +34,7 @@ from nonsmooth.proofs.systems.basin_rings import (
 )
 
 INSIDE = 0.9  # of the level: the first ring
+POWERS, NEARLY_ALL = (2, 0), 0.95  # tried in turn, until triangles fill so much of the last ring
 FARTHEST = 1e4  # times the size of the first ring: no ring goes there
 MARGIN = 1.25  # of the square around the mesh over which starts are sampled
 
@@ -137,19 +139,30 @@ def find_basin(
     if first is None:
         return None
     far = FARTHEST * float(np.abs(first).max())
-    rings = grow(field, first, effort.angle, effort.gap, min(limit or far, far), _step(announce, "rings"))
-    if len(rings) < 2:
+    best: tuple[dict[str, Any], int] | None = None
+    for power in POWERS:
+        rings = grow(field, first, effort.angle, effort.gap, min(limit or far, far), _step(announce, "rings"), power)
+        if len(rings) < 2:
+            continue
+        built = MeshBuilder(field, cells, rings).build(_step(announce, "bands of triangles"))
+        if built is not None and (best is None or _mesh_area(built) > _mesh_area(best)):
+            best = built
+        if best is not None and _mesh_area(best) > NEARLY_ALL * area(rings[-1]):
+            break
+    if best is None:
         return None
-    built = MeshBuilder(field, cells, rings).build(_step(announce, "bands of triangles"))
-    if built is None:
-        return None
-    mesh, below = built
+    mesh, below = best
 
     def is_home(x: Floats) -> NDArray[np.bool_]:
         return np.asarray((potential(x) < level) & (np.abs(x).max(axis=1) <= within))
 
     hypotheses = {"local": local, "surfaces": surfaces, "mesh": mesh, "below": below}
     return CertifiedBasin(hypotheses, _sampled(field, is_home, last_ring(mesh_corners(mesh)), effort.starts, limit))
+
+
+def _mesh_area(built: tuple[dict[str, Any], int]) -> float:
+    """Of what the last ring of a mesh goes around."""
+    return area(last_ring(mesh_corners(built[0])))
 
 
 def _step(announce: Callable[[str, int, int], None], what: str) -> Callable[[int, int], None]:

@@ -1,9 +1,11 @@
 """Rings that grow from a level set backward in time, in floats: what they propose a mesh proves.
 
 A ring is a closed polygon, counterclockwise, over which all velocities f lead inward: ``n . f < 0`` for its outward
-normal n.  Rings move by ``dx/du = -R f s / |x|^2``; where R is the identity they are level sets of the integral of
-``|x|^2 / s`` along solutions.  The positive factor s is zero on the border of a square that no ring may leave: where
-rings come near it they lie along it, and grow elsewhere.
+normal n.  Rings move by ``dx/du = -R f s / |x|^p``; where R is the identity they are level sets of the integral of
+``|x|^p / s`` along solutions, with p = 0 of the time.  Where parts of a ring come to the border of a basin long before
+others, rings that follow each other are too near there for triangles; another p may then do better.  The positive
+factor s is zero on the border of a square that no ring may leave: where rings come near it they lie along it, and grow
+elsewhere.
 
 Near the border of a basin f is nearly along these rings, too nearly for a polygon of few sides.
 So R turns f by an angle toward n: f then meets all rings at that angle at least, and they tend to the border of the
@@ -271,7 +273,13 @@ def _on_rays(rays: Floats, potential: Callable[[Floats], Floats], level: float, 
 
 
 def grow(
-    field: FieldInCells, ring: Floats, angle: float, gap: float, limit: float, announce: Callable[[int, int], None]
+    field: FieldInCells,
+    ring: Floats,
+    angle: float,
+    gap: float,
+    limit: float,
+    announce: Callable[[int, int], None],
+    power: int = 2,
 ) -> list[Floats]:
     """Rings from the first one on, until they grow no more.
 
@@ -282,11 +290,12 @@ def grow(
         gap: between neighbours on a ring, of its size.
         limit: half the side of a square that no ring leaves.
         announce: told the number of steps that are done, and of all.
+        power: p of the speed ``f / |x|^p``.
     """
     rings, before = [ring], area(ring)
     for step in range(1, STEPS):
         announce(step, STEPS)
-        ring = _next_ring(field, ring, angle, gap, limit)
+        ring = _next_ring(field, ring, angle, gap, limit, power)
         if not np.isfinite(ring).all() or np.abs(ring).max() > limit or area(ring) <= 0:
             break
         rings.append(ring)
@@ -297,7 +306,7 @@ def grow(
     return rings
 
 
-def _next_ring(field: FieldInCells, ring: Floats, angle: float, gap: float, limit: float) -> Floats:
+def _next_ring(field: FieldInCells, ring: Floats, angle: float, gap: float, limit: float, power: int) -> Floats:
     """One step of Runge and Kutta backward in time, in which each point keeps its right-hand side and its turn."""
     size = float(np.linalg.norm(ring, axis=1).max())
     along = np.roll(ring, -1, axis=0) - np.roll(ring, 1, axis=0)
@@ -316,7 +325,7 @@ def _next_ring(field: FieldInCells, ring: Floats, angle: float, gap: float, limi
         f = field.at(x)[chosen, rows]
         turned = np.stack([c * f[:, 0] - s * f[:, 1], s * f[:, 0] + c * f[:, 1]], axis=1)
         room = np.clip(1 - (x / limit) ** 2, 0, 1).prod(axis=1)
-        return np.asarray(-turned * (room / (x**2).sum(axis=1))[:, None])
+        return np.asarray(-turned * (room / np.linalg.norm(x, axis=1) ** power)[:, None])
 
     first = backward(ring)
     du = MOVE * size / float(np.linalg.norm(first, axis=1).max())
@@ -326,7 +335,7 @@ def _next_ring(field: FieldInCells, ring: Floats, angle: float, gap: float, limi
     moved = ring + du / 6 * (first + 2 * second + 2 * third + fourth)
     after, places, slides = field.slides(ring)
     room = np.clip(1 - (places / limit) ** 2, 0, 1).prod(axis=1)
-    tips = places - du * (1 - angle) * slides * (room / (places**2).sum(axis=1))[:, None]
+    tips = places - du * (1 - angle) * slides * (room / np.linalg.norm(places, axis=1) ** power)[:, None]
     is_tip = np.insert(np.zeros(len(ring), dtype=bool), after + 1, np.ones(len(after), dtype=bool))
     return _spaced(*_unfolded(np.insert(moved, after + 1, tips, axis=0), is_tip), gap * size)
 

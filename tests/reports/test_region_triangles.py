@@ -58,6 +58,13 @@ SYSTEMS: dict[str, tuple[list[str], str, Callable[[Floats, Floats], Any], float,
         ["-x + x**3", "-sign(y) + y*x**2/4 + y**3/4 - x/4"], "1/2",
         lambda x, y: (-x + x**3, -relay(y) + y * x**2 / 4 + y**3 / 4 - x / 4), 2e-3, 0.8, 0.9,
     ),
+    "narrow ellipse": (
+        ["-x + (5*x**2 + 4*x*y + y**2)*x", "-y + (5*x**2 + 4*x*y + y**2)*y"], "1",
+        lambda x, y: (-x + (5 * x**2 + 4 * x * y + y**2) * x, -y + (5 * x**2 + 4 * x * y + y**2) * y), 0.01, 0.9, 0.97,
+    ),
+    "sliding on a tilted line": (
+        ["y", "x**3 - 2*sign(x + y)"], "1/2", lambda x, y: (y, x**3 - 2 * relay(x + y)), 5e-4, 0.6, 0.8,
+    ),
 }  # fmt: skip
 
 
@@ -93,7 +100,20 @@ def sizes_after(name: str, starts: Floats, time: float) -> Floats:
     return np.linalg.norm(z, axis=0)
 
 
-@pytest.mark.parametrize("name", keep(2, ["van der Pol 1", "sliding", "van der Pol 3", "inside an ellipse"]))
+@pytest.mark.parametrize(
+    "name",
+    keep(
+        4,
+        [
+            "van der Pol 1",
+            "sliding",
+            "narrow ellipse",
+            "sliding on a tilted line",
+            "van der Pol 3",
+            "inside an ellipse",
+        ],
+    ),
+)
 def test_starts_in_triangles_come_home(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(EFFORTS, "fast", COARSE)
     result, basin = basin_of(name)
@@ -149,10 +169,9 @@ def test_the_command(invoke: Invoke, tmp_path: Path, monkeypatch: pytest.MonkeyP
     assert found.status == 0
     assert "triangles about the region" in " ".join(found.out.replace("│", " ").split())
     assert invoke("verify", str(file)).status == 0
-    for name in ("four-wheel", "relay-chain"):
-        refused = invoke("check", name, "--region", "best")
-        assert refused.status == 2
-        assert "required a plain system in two states for --region" in refused.err
+    refused = invoke("check", "relay-chain", "--region", "best")
+    assert refused.status == 2
+    assert "required a plain system in two states, or an array, for --region" in refused.err
 
 
 def test_the_picture(monkeypatch: pytest.MonkeyPatch) -> None:
