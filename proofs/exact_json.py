@@ -25,7 +25,7 @@ Record: TypeAlias = dict[str, Any]
 
 def encode(document: Record) -> Record:
     """The same document with text for its numbers and generators for its field."""
-    generators = _Generators(document)
+    generators = Generators(document)
     return {key: generators.encoded(value) for key, value in document.items()}
 
 
@@ -49,10 +49,10 @@ def _scale(numbers: Sequence[Number]) -> fmpq:
     return fmpq(bottom, top)
 
 
-class _Generators:
+class Generators:
     """Which generators a document needs, and its numbers in terms of them."""
 
-    def __init__(self, document: Record) -> None:
+    def __init__(self, document: Any) -> None:
         self.field: Tower | None = None
         masks, self.base = 0, False
         for number in _numbers(document):
@@ -74,7 +74,7 @@ class _Generators:
         if isinstance(value, Number):
             return self._number(value)
         if isinstance(value, Tower):
-            return self._generators(value)
+            return self.of_field(value)
         if isinstance(value, Fraction):
             return str(value)
         if isinstance(value, dict):
@@ -96,7 +96,8 @@ class _Generators:
             if q
         ]
 
-    def _generators(self, field: Tower) -> list[Record]:
+    def of_field(self, field: Tower) -> list[Record]:
+        """The generators of a field that are needed, as polynomials with bounds of their roots."""
         base = [_base_generator(field)] if self.base else []
         return base + [
             {"polynomial": [self._number(-field.radicands[i]), "0", "1"], "above": "0"} for i in self.numbering

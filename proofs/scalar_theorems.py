@@ -22,8 +22,10 @@ from nonsmooth.proofs.checker.formulas import SignOf
 from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE, STABLE
 from nonsmooth.proofs.checker.work import RejectedError
+from nonsmooth.proofs.kernel.cells import BeyondReachError
 from nonsmooth.proofs.kernel.search import stability_hypotheses
 from nonsmooth.proofs.kernel.subject import NoCertificateError
+from nonsmooth.proofs.kernel.written import terms_of
 from nonsmooth.proofs.systems.findings import DecidedSystem
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
@@ -178,9 +180,19 @@ def _signs_at(place: Fraction, surfaces: list[fmpq_poly]) -> SignOf:
 
 
 def _dense(value: Polynomial) -> fmpq_poly:
-    size = value.degree + 1
-    known = [value.terms.get((k,), Fraction(0)) for k in range(size)]
-    return fmpq_poly([fmpq(c.numerator, c.denominator) for c in known])
+    """A polynomial, or a positive multiple of it that has rational coefficients.
+
+    Raises:
+        BeyondReachError: where there is none.
+    """
+    terms = terms_of(value)
+    if any(isinstance(c, Number) for c in terms.values()):
+        lead = abs(terms[max(terms)])
+        shares = {e: (c / lead).as_rational() for e, c in terms.items()}
+        if None in shares.values():
+            raise BeyondReachError("numbers with roots in one state")
+        terms = shares
+    return fmpq_poly([terms.get((k,), fmpq(0)) for k in range(value.degree + 1)])
 
 
 def _sign(polynomial: fmpq_poly, place: Fraction) -> int:

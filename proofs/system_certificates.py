@@ -22,10 +22,16 @@ from nonsmooth.proofs.checker.files import read
 from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.statements import VERSION
 from nonsmooth.proofs.checker.theorems import Statement
-from nonsmooth.proofs.kernel.cells import BeyondReachError, IrrationalError, StatedCells, stated_cells, surfaces_of
+from nonsmooth.proofs.kernel.cells import BeyondReachError, StatedCells, stated_cells, surfaces_of
 from nonsmooth.proofs.kernel.search import NotShownError, Search, stability_hypotheses
 from nonsmooth.proofs.kernel.second_function import find_second
-from nonsmooth.proofs.kernel.subject import NoCertificateError, about, exact_text
+from nonsmooth.proofs.kernel.subject import (
+    NoCertificateError,
+    about,
+    exact_text,
+    formula_in_names,
+    polynomial_in_names,
+)
 from nonsmooth.proofs.scalar_theorems import scalar_theorem
 from nonsmooth.proofs.system_facts import (
     gain_words,
@@ -77,7 +83,7 @@ class Candidate:
         theorem: its name.
         hypotheses: without proofs.
         options: each is stated if it is shown too.
-        known: evidence that the check has found already, by the names of claims.
+        known: evidence that the check has found already, by the names of claims, of a subject in rational numbers.
         needs_second: whether V does not fall everywhere, and further functions have to be found.
     """
 
@@ -97,7 +103,39 @@ def certificate_of(result: DecidedSystem) -> Record:
     """
     if result.verdict is Translation.UNDECIDED:
         raise NoCertificateError("a certificate needs a verdict, received undecided")
-    result = replace(result, scene=in_rational_numbers(result.scene))
+    found, reasons = [], []
+    for scene in subjects_of(result.scene):
+        try:
+            found.append(_certificate_about(replace(result, scene=scene)))
+        except NoCertificateError as error:
+            reasons.append(error)
+            continue
+        if LEFT_OUT not in found[-1]["notes"]:
+            return found[-1]
+    if not found:
+        raise reasons[0]
+    return found[0]
+
+
+def subjects_of(system: SwitchedSystem) -> Iterator[SwitchedSystem]:
+    """What a certificate about a system may speak of: the system itself, then one in rational numbers that encloses it.
+
+    In three states and more verdicts are about such an enclosure, which is tried first.
+    """
+    try:
+        enclosure = enclose_numbers(system)
+    except NoEnclosureError:
+        yield system
+        return
+    yield from [system, enclosure] if len(system.states) <= len(PLANE) and enclosure is not system else [enclosure]
+
+
+def _certificate_about(result: DecidedSystem) -> Record:
+    """The certificate of a verdict on a plain system as it stands, or on one that encloses it.
+
+    Raises:
+        NoCertificateError: see :func:`certificate_of`.
+    """
     subject = about(result.scene)
     system, reasons = read_subject(subject), list[str]()
     try:
@@ -109,14 +147,13 @@ def certificate_of(result: DecidedSystem) -> Record:
                 continue
             for further in _further(result):
                 draft.add(system, further)
-            draft.add_global(result.reach.global_entry)
+            draft.add_global(system, result.reach.global_entry)
+            if result.reach.basin is not None and system.numbers:
+                raise NoCertificateError("a certificate of a mesh of triangles needs rational numbers")
             if result.reach.basin is not None:
                 draft.add_entry(system, "basin", result.reach.basin.hypotheses)
             draft.left_out += _beyond_words(result, draft)
             return _checked(result.scene, subject, draft)
-    except IrrationalError:
-        expected = "a certificate of a plain system needs rational numbers, received some with roots"
-        raise NoCertificateError(expected) from None
     except BeyondReachError as error:
         reasons.append(str(error))
     raise NoCertificateError(f"{UNSHOWN}: {reasons[0]}")
@@ -140,7 +177,7 @@ def _shown(system: System, candidate: Candidate) -> Draft:
     Raises:
         NotShownError: where the verdict itself is not shown.
     """
-    search, hypotheses = Search(known=candidate.known), candidate.hypotheses
+    search, hypotheses = Search(known={} if system.numbers else candidate.known), candidate.hypotheses
     if candidate.needs_second:
         hypotheses = hypotheses | {"second": _second(system, hypotheses, search)}
     every = hypotheses.copy()
@@ -197,9 +234,15 @@ class Draft:
                 continue
             return
 
-    def add_global(self, entry: Record | None) -> None:
-        """That every start reaches the point, by a V on the whole space, where that is shown."""
-        if entry is not None:
+    def add_global(self, system: System, entry: Record | None) -> None:
+        """That every start reaches the point, by a V on the whole space, where that is shown.
+
+        What is known is evidence of a system in rational numbers; of irrational ones it is searched again.
+        """
+        if entry is not None and system.numbers:
+            with suppress(NotShownError):
+                self.add_entry(system, entry["theorem"], entry["hypotheses"])
+        elif entry is not None:
             self.evidence.append(entry)
             self.statements += [{"attracts": "everywhere"}]
 
@@ -325,11 +368,13 @@ def _stated_function(
         exact_text(radius)
     pieces = function.pieces
     if len(pieces) <= 1:
-        own = str(pieces[0].potential) if pieces else function.text
-        return own, stated_cells(system, radius, surfaces_of(system, _parsed(own, system)))
+        own = _parsed(str(pieces[0].potential) if pieces else function.text, system)
+        return formula_in_names(own, system), stated_cells(system, radius, surfaces_of(system, own), irrational=True)
     sides = [_sides(system, piece) for piece in pieces]
-    cells = stated_cells(system, radius, [line for own in sides for line, _ in own])
-    return [[cells.signs(own), str(piece.potential)] for own, piece in zip(sides, pieces, strict=True)], cells
+    cells = stated_cells(system, radius, [line for own in sides for line, _ in own], irrational=True)
+    return [
+        [cells.signs(own), polynomial_in_names(piece.potential)] for own, piece in zip(sides, pieces, strict=True)
+    ], cells
 
 
 def _parsed(text: str, system: SwitchedSystem) -> PiecewiseExpression:
@@ -411,7 +456,7 @@ def find_region_of_triangles(
 ) -> CertifiedBasin | None:
     """A basin of triangles around the certified level set of V, which the checker has accepted; None without one.
 
-    Where formulas are known on the checked square alone, because of denominators or enclosed sines, so is the mesh.
+    Where formulas are known on the checked square alone, because of denominators, so is the mesh.
 
     Args:
         result: of a system in the plane.
@@ -427,7 +472,7 @@ def find_region_of_triangles(
         system, scene = read_subject(about(result.scene)), result.scene
         search = Search()
         local = _shown_region(system, _stated_region(result, region), search)
-        limit = float(scene.check.radius) if scene.written or scene.denominators else None
+        limit = float(scene.check.radius) if scene.denominators else None
         surfaces = stated_cells(scene, scene.check.radius).record["surfaces"]
         found = find_basin(system, local, surfaces, EFFORTS[asked], limit, announce)
         if found is not None:
@@ -496,5 +541,9 @@ def find_system_difference(file: str, system: SwitchedSystem) -> str:
     """
     data, _ = read(file)
     subject = data["statement"]["subject"]
-    own = about(in_rational_numbers(system))
-    return next((f"other {key}" for key, value in own.items() if subject[key] != value), "")
+    differences = [_difference(about(own), subject) for own in subjects_of(system)]
+    return differences[0] if all(differences) else ""
+
+
+def _difference(own: Record, subject: Record) -> str:
+    return next((f"other {key}" for key in {**own, **subject} if own.get(key) != subject.get(key)), "")

@@ -13,7 +13,7 @@ from typing import TypeAlias
 
 from nonsmooth.proofs.checker.cells import MAX_STATES
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE, STABLE, UNSTABLE
-from nonsmooth.proofs.kernel.cells import BeyondReachError, IrrationalError, started
+from nonsmooth.proofs.kernel.cells import BeyondReachError, started
 from nonsmooth.proofs.kernel.escapes import show_escape_of
 from nonsmooth.proofs.kernel.fans import show_by_fan, show_by_weights
 from nonsmooth.proofs.kernel.first_terms import show_departure_of, show_linearization_of
@@ -93,7 +93,6 @@ def show_verdict(system: SwitchedSystem, verdict: str, search: Search | None = N
 
     Raises:
         NotShownError: where none finds it, with the reason of each.
-        IrrationalError: for numbers with roots.
     """
     reasons = []
     for search_for in THEOREM_SEARCHES:
@@ -101,8 +100,6 @@ def show_verdict(system: SwitchedSystem, verdict: str, search: Search | None = N
             continue
         try:
             return search_for.show(system, verdict, search)
-        except IrrationalError:
-            raise
         except (NotShownError, BeyondReachError) as error:
             reasons.append(str(error))
     raise NotShownError("; ".join(reasons) or "no theorem was found that shows it")

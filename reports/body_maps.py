@@ -22,16 +22,19 @@ from nonsmooth.reports.figures.style import (
     TOLD_APART,
     centre_labels,
     corners_of,
+    draw_checked_point,
     draw_grid,
     grid_extent,
     grid_side,
     legend_below,
+    mark_entry,
     new_figure,
     start_labels,
     title_figure,
 )
 from nonsmooth.reports.figures.wheels import outline_of, placed
-from nonsmooth.reports.maps import MapResult, Part, grid_of, home_row, parts_record, within_accuracy
+from nonsmooth.reports.maps import MapResult, Part, grid_of, home_row, massless, parts_record, within_accuracy
+from nonsmooth.reports.path_ends import degrees_text
 from nonsmooth.reports.progress import progress
 from nonsmooth.reports.result import DataTable, Record
 from nonsmooth.reports.simulate_options import SimulateOptions
@@ -43,6 +46,7 @@ from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact, one_line
 
 if TYPE_CHECKING:
+    from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from matplotlib.patches import Patch
@@ -201,7 +205,7 @@ class BodyMapResult(MapResult):
         if tips.any():
             at_once = float((tips & (self.found.times == 0)).mean())
             rows.append(("of these", f"{percent_text(at_once)} of all starts tip where they start"))
-        rows.append(("latest end", f"t = {self.found.times.max():.6g}"))
+        rows.append((f"latest end{massless(self.scene)}", f"t = {self.found.times.max():.6g}"))
         (left, low), (right, high) = self.found.starts[:, :2].min(axis=0), self.found.starts[:, :2].max(axis=0)
         head = f"{self.title}: {self.head} until t = {self.found.until:.6g}, sampled"
         square = f"x from {left:.6g} to {right:.6g}, y from {low:.6g} to {high:.6g}"
@@ -235,19 +239,22 @@ def _end(pose: list[float], found: BodyEnds, k: int) -> dict[str, Any]:
 
 def destinations_figure(shown: BodyMapResult) -> Figure:
     """Starts by where they end, and the body at each destination."""
-    entries = _destinations_legend(shown.destinations)
+    entries: list[Artist] = [*_destinations_legend(shown.destinations)]
+    entries += [mark_entry("+", "checked point", markersize=9), mark_entry(".", "wheel", markersize=4)]
     panes = 1 if shown.scene.body is None else 2  # a body that covers all wheels has no outline to show
     figure = new_figure(SIZE[0] * panes / 2, SIZE[1] + LEGEND_LINE * -(-len(entries) // 2))
     figure.set_layout_engine("compressed")
     starts, *others = figure.subplots(1, panes, squeeze=False)[0]
     draw_destinations(starts, shown)
     _draw_contacts(starts, shown)
+    draw_checked_point(starts, shown.scene)
     starts.set(**start_labels(shown.scene.units))
     for ends in others:
         _draw_bodies(ends, shown)
         _draw_contacts(ends, shown)
         ends.set(**centre_labels(shown.scene.units))
-    head = f"{shown.title}: {shown.head} at theta = {shown.options.heading:.6g}, sampled"
+    turned = f"heading {degrees_text(shown.options.heading)}"
+    head = f"{shown.title}: {shown.head}, {turned}, sampled{massless(shown.scene)}"
     title_figure(figure, f"{head}\n{shown.summary()}")
     legend_below(figure, entries)
     return figure

@@ -35,7 +35,7 @@ ALL_RULES = "all"
 AUTO = "auto"  # for --at: the best rest point of the square
 THEOREM = "theorem4"
 # The questions, and the theorem; tests hold them to the registry.
-REQUIRABLE = ("position", "heading", "pose", "tolerances", THEOREM)
+REQUIRABLE = ("position", "heading", "pose", "inertia", "tolerances", THEOREM)
 CERTIFICATES, LAWS = (".json",), (".py", ".c", ".st", ".csv")  # what these files may end in
 OF_ONE_ARRAY = ("law", "law_name", "continuum", "headings", "fail")
 OF_ONE_SCENE = ("certificate", "evidence", "region", *OF_ONE_ARRAY)
@@ -72,7 +72,8 @@ class CheckOptions(Options):
     )
     require: str | None = option(
         None,
-        f"What exit status 0 means, of {', '.join(REQUIRABLE)}: comes home, keeps, can be held, holds.",
+        f"What exit status 0 means, of {', '.join(REQUIRABLE)}: comes home or near, keeps, can be held, stable and "
+        "settles (simulated), certified, holds.",
         metavar="NAME,...",
     )
     continuum: bool = option(False, "Add what a continuous field would do to an object.")
@@ -128,6 +129,10 @@ class CheckStudy(SceneStudy[CheckOptions]):
         if options.law is None:
             asked.refuse(("law_name",), "--law", "none")
         for scene in scenes:
+            if scene.kind is SceneKind.ARRAY and "inertia" in options.required and options.rule != ALL_RULES:
+                from nonsmooth.proofs.answers.answer import require_dynamics
+
+                require_dynamics(scene, "--require inertia")
             if scene.kind is SceneKind.SYSTEM:
                 _require_array(scene, f"--rule {ALL_RULES}" * (options.rule == ALL_RULES), "a plain system")
                 _require_array(scene, "--at auto" * (options.at == AUTO), "a plain system")

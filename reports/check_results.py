@@ -451,10 +451,11 @@ def compared(results: Sequence[CheckResult]) -> RulesResult:
 
 def region_words(result: CheckResult) -> tuple[str, str]:
     """Whether a region of an array is certified by triangles, and which, or why none."""
-    basin = result.basin
-    if basin is not None:
-        return "certified", basin.words(result.scene.units.length)
-    return "no triangles", "" if result.region is None else f"{result.region.why}: what the position says stands"
+    from nonsmooth.proofs.answers.array_basin import NoBasin
+
+    if isinstance(result.region, NoBasin):
+        return "no triangles", f"{result.region.why}: what the position says stands"
+    return "certified", "" if result.basin is None else result.basin.words(result.scene.units.length)
 
 
 def check_views(results: Sequence[CheckResult]) -> Sequence[RenderableType]:

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 from nonsmooth.proofs.clauses.workspace import Announce, unheard
+from nonsmooth.reports.brief import brief_document
 from nonsmooth.reports.console import json_text, write
 from nonsmooth.reports.document import Block, Document, Paragraph, findings
 from nonsmooth.reports.files import make_folder, write_whole
@@ -25,7 +26,7 @@ from nonsmooth.reports.refusals import option_named, refusals_named
 from nonsmooth.reports.result import DataTable, Record, Result, short_lines
 from nonsmooth.reports.study import SceneStudy, StudyRequest
 from nonsmooth.reports.study_options import Options, option
-from nonsmooth.reports.subject import Invocation, ReportSubject
+from nonsmooth.reports.subject import ArraySubject, Invocation, ReportSubject
 from nonsmooth.symbolic.scene_error import one_line
 from nonsmooth.symbolic.scene_kind import SceneKind
 
@@ -43,10 +44,12 @@ class ReportResult(Result):
     Attributes:
         document: to be rendered.
         subject: the scene with its verdict and exact records.
+        headline: what it says in a line; the verdict unless given.
     """
 
     document: Document
     subject: ReportSubject
+    headline: str = ""
 
     formats: ClassVar[Mapping[str, Callable[[Any, str], bytes]]] = dict.fromkeys(
         REPORT_FORMATS, lambda report, ending: render_report(report, ending).encode()
@@ -109,8 +112,8 @@ class ReportResult(Result):
         return [Paragraph((self.title,)), findings(self._said())]
 
     def summary(self) -> str:
-        """The verdict in a line."""
-        return self.subject.headline
+        """What it says in a line."""
+        return self.headline or self.subject.headline
 
     def to_terminal(self) -> None:
         """Print it as Markdown."""
@@ -139,6 +142,8 @@ def derive_report(
     invocation: Invocation | None = None,
     parts: tuple[str, ...] | None = None,
     announce: Announce = unheard,
+    *,
+    brief: bool = False,
 ) -> ReportResult:
     """Check the scene and write the derivation down.
 
@@ -148,6 +153,7 @@ def derive_report(
             None for the scene as it stands.
         parts: names of the sections to write, see :data:`nonsmooth.reports.parts.PARTS`; all unless given.
         announce: hears the steps of the check and the names of the sections.
+        brief: of an array, two pages for somebody who decides in place of the sections.
 
     Raises:
         RefusalError: where the motion is not determined.
@@ -155,6 +161,9 @@ def derive_report(
     """
     chosen = names_of(scene.kind) if parts is None else parts
     subject = subject_of(scene.kind)(scene, invocation or Invocation(scene.origin), chosen, announce)
+    if brief and isinstance(subject, ArraySubject):
+        answers = ", ".join(f"{answer.name} {answer.verdict}" for answer in subject.answers.rows)
+        return ReportResult(brief_document(subject), subject, answers)
     title = f"Derivation report: {one_line(scene.name)}"
     return ReportResult(Document(title, tuple(sections_of(subject))), subject)
 
@@ -204,6 +213,9 @@ class DeriveOptions(Options):
         str | None,
         metavar="NAMES",
         complete=complete_part,
+    )
+    brief: bool = option(
+        False, "Two pages for somebody who decides: answers, picture, what binds, the law, what is not decided."
     )
     file: Path | None = field(default=None)  # that the command writes, which the report names
 
@@ -259,14 +271,16 @@ class DeriveStudy(SceneStudy[DeriveOptions]):
         """The scene that is named, and by which words."""
         loaded = super().load(scene, options, **changes)
         of_scene = _given(**changes)
-        rest = _given(only=options.only, without=options.without)
+        rest = _given(only=options.only, without=options.without, brief=options.brief)
         rest += ("-o", str(options.file)) if options.file is not None else ()
         return NamedScene(loaded, Invocation(scene, of_scene, rest))
 
     def refuse(self, asked: StudyRequest[DeriveOptions], path: Path | None) -> None:
         """Refuse what arrays alone have, and sections that there are not."""
         if asked.kind is SceneKind.SYSTEM:
-            asked.refuse(("allow_outside",), "an array of wheels", "a plain system")
+            asked.refuse(("allow_outside", "brief"), "an array of wheels", "a plain system")
+        if asked.options.brief:
+            asked.refuse(("only", "without"), "a report of all sections", "--brief")
         with option_named(ValueError):
             asked.options.parts(asked.kind)
 
@@ -278,7 +292,7 @@ class DeriveStudy(SceneStudy[DeriveOptions]):
 
             loaded = standing(loaded)
         with refusals_named(loaded), steps("derivation") as announce:
-            return derive_report(loaded, scene.invocation, options.parts(scene.kind), announce)
+            return derive_report(loaded, scene.invocation, options.parts(scene.kind), announce, brief=options.brief)
 
 
 DERIVE = DeriveStudy()

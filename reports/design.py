@@ -42,6 +42,7 @@ WHAT = {
     "basin": "radius of the disc whence bodies come home",
     "tolerance": "the multiple of the tolerances that is certified",
     "settling": "one over the time in which bodies with inertia settle (simulated)",
+    "heading": "the widest arc of headings, in degrees, from which a body returns to one of them (sampled)",
 }
 
 
@@ -55,8 +56,8 @@ class DesignOptions(Options):
     require: str = option("position", "Answers that must be good: position,heading,pose.", metavar="NAMES")
     maximize: str = option(
         "rate",
-        "rate (at which bodies come home), gain or margin (of feedback), basin (whence they come home), tolerance, or "
-        "settling (with inertia, simulated).",
+        "rate (at which bodies come home), gain or margin (of feedback), basin (whence they come home), tolerance, "
+        "settling (with inertia, simulated), or heading (how many return to one, sampled).",
         metavar="NAME",
     )
     move: Any = option(
@@ -186,8 +187,10 @@ class DesignResult(Result, Generic[Held]):
         if self.design.base.unmet or self.design.base.why_not:
             missing = ", ".join(self.design.base.unmet) or self.design.base.why_not
             return f"improved: the given array lacks {missing}"
-        if given is None or best is None or given <= 0:
+        if given is None or best is None or given < 0:
             return f"improved: {what} is not known of the given array"
+        if given == 0:
+            return f"improved: {what} is 0 of the given array"
         return f"improved: {what} is {float_text(best / given, 3)} times that of the given array"
 
     def blocks(self) -> Sequence[Block]:

@@ -214,10 +214,10 @@ class FailedPathsResult(Result):
             style = "--" if failed.kind is FailureKind.LIFTED else "-"
             label = str(failed) if named else None
             for path in (after for _, after in self.pairs(failed)):
-                _draw(ax, path, color=f"C{number % 10}", linestyle=style, label=label, linewidth=1)
+                _draw(ax, path, color=f"C{number % 10}", linestyle=style, label=label, linewidth=1.4, zorder=2.5)
                 label = None
-        for k, path in enumerate(self.whole):
-            _draw(ax, path, color="black", linewidth=2.6, zorder=2.4, label="all wheels" if k == 0 else None)
+        for k, path in enumerate(self.whole):  # below and wide: what it is compared with stays seen
+            _draw(ax, path, color="0.55", linewidth=4.5, zorder=2.4, label="all wheels" if k == 0 else None)
         title_axes(ax, f"{one_line(self.scene.name)}: paths with wheels failed")
 
     def figure(self) -> Figure:

@@ -8,7 +8,7 @@ A heading h *returns* from an arc of starts where all bodies of three neighbouri
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -191,18 +191,49 @@ def follow_headings(scene: Scene, options: SimulateOptions) -> HeadingsResult:
             loads where loads decide.
         RefusalError: where the motion on some wheels is not determined.
     """
-    count, rule = options.headings or 0, rule_of(scene)
+    count = options.headings or 0
     if not FEWEST <= count <= MOST:
         raise OptionError(f"--headings: required {FEWEST} to {MOST} headings in a full turn, received {count}")
+    require_outline(scene)
+    x, y = map(float, scene.check.equilibrium) if options.start is None else options.pose[:2]
+    with progress(f"{count} headings") as report:
+        return from_headings(scene, (x, y), count, options.until, report)
+
+
+def require_outline(scene: Scene) -> None:
+    """Refuse a scene whose motion does not depend on the heading.
+
+    Raises:
+        SceneError: for one without an outline.
+    """
     if scene.body is None:
         expected = "a body with a shape: one that covers all wheels moves alike at every heading, so none returns"
         raise SceneError(scene.origin, "body", expected, StatedFact("none"))
+
+
+def from_headings(
+    scene: Scene,
+    place: tuple[float, float],
+    count: int,
+    until: float | None = None,
+    report: Callable[[int, int], None] | None = None,
+) -> HeadingsResult:
+    """Follow a body with an outline from so many headings in a full turn, the checked one among them.
+
+    Args:
+        scene: the array.
+        place: of all starts.
+        count: of headings.
+        until: the last time; a few crossings of the array unless given.
+        report: told from time to time how many of all paths have ended.
+
+    Raises:
+        SceneError: for a table of loads where loads decide.
+        RefusalError: where the motion on some wheels is not determined.
+    """
+    rule, array = rule_of(scene), whole(scene)
     if not isinstance(rule, SmoothRule | CellRule):
         raise TypeError(f"required a rule with or without cells, received {rule.name}")
-    array = whole(scene)
-    x, y = map(float, scene.check.equilibrium) if options.start is None else options.pose[:2]
     headings = 2 * math.pi * (np.arange(count) - count // 2) / count
-    starts = np.column_stack([np.full(count, x), np.full(count, y), headings])
-    with progress(f"{count} headings") as report:
-        ends = ManyPaths(array, rule).follow(starts, options.until, report)
-    return HeadingsResult(array, (x, y), ends)
+    starts = np.column_stack([np.full((count, 2), place), headings])
+    return HeadingsResult(array, place, ManyPaths(array, rule).follow(starts, until, report))

@@ -30,6 +30,7 @@ from nonsmooth.reports.figures.style import (
     TOLD_APART,
     Floats,
     corners_of,
+    draw_bar,
     draw_grid,
     grid_extent,
     legend_below,
@@ -234,7 +235,9 @@ class SettleMapResult(MapResult):
         rows.insert(0, home_row(self.partition.scene, self.home))
         theta, latest = summary["theta"], summary["latest_arrival"]
         rows.append(("theta_inf", "-" if theta is None else f"{theta[0]:.10g} to {theta[1]:.10g}"))
-        rows.append(("latest arrival", "-" if latest is None else f"t = {latest:.10g}"))
+        rows.append(
+            (f"latest arrival{massless(self.partition.scene)}", "-" if latest is None else f"t = {latest:.10g}")
+        )
         rows.append(("never arrive", percent_text(1 - summary["arrived"])))
         rows.append(("not unique", percent_text(1 - summary["unique"])))
         (left, low), (right, high) = self.found.starts.min(axis=0), self.found.starts.max(axis=0)
@@ -286,6 +289,11 @@ def settled(partition: Partition, count: int, options: SimulateOptions) -> Settl
     return found if options.until is None else found.seen_until(options.until)
 
 
+def massless(scene: Scene) -> str:
+    """Said of times where the scene says what gravity is, for a body with inertia takes longer."""
+    return ", without inertia" if scene.inertia is not None else ""
+
+
 def _range(values: Any) -> list[float] | None:
     return [float(values.min()), float(values.max())] if len(values) else None
 
@@ -335,7 +343,7 @@ def _draw_arrival(axes: Axes, scale: Axes, result: SettleMapResult) -> None:
     found, label = result.found, time_label("t", result.partition.scene.units)
     values = np.where(found.arrived, found.arrival, np.nan)
     latest = float(values[found.arrived].max(initial=0.0)) or 1.0
-    axes.set_title("time of arrival")
+    axes.set_title(f"time of arrival{massless(result.partition.scene)}")
     _draw_numbers(axes, scale, found.starts, values, label, cmap=TIMES, vmin=0.0, vmax=latest)
 
 
@@ -350,7 +358,7 @@ def _draw_numbers(axes: Axes, scale: Axes, starts: Floats, values: Floats, label
         scale.set_axis_off()
         return
     image = draw_grid(axes, starts, np.ma.masked_invalid(values), zorder=1, **colors)
-    axes.figure.colorbar(image, cax=scale, label=label, orientation="horizontal")
+    draw_bar(scale.figure, image, label, cax=scale, orientation="horizontal")
 
 
 def draw_ends(axes: Axes, result: SettleMapResult) -> None:

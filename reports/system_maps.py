@@ -26,7 +26,16 @@ from nonsmooth.proofs.theorem4_result import Contradiction
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.reports.answers import contradiction_lines
 from nonsmooth.reports.document import Block, Paragraph, findings
-from nonsmooth.reports.figures.style import INK, TIMES, TITLE, draw_grid, legend_below, new_figure, title_figure
+from nonsmooth.reports.figures.style import (
+    INK,
+    TIMES,
+    TITLE,
+    draw_bar,
+    draw_grid,
+    legend_below,
+    new_figure,
+    title_figure,
+)
 from nonsmooth.reports.maps import MapResult, Part, grid_of, parts_record
 from nonsmooth.reports.phase_portrait import PhasePortrait, draw_borders, draw_potential
 from nonsmooth.reports.progress import ProgressCall, progress
@@ -252,7 +261,7 @@ def ratios_figure(found: SystemMap) -> Figure:
     figure = new_figure(*SIZE)
     axes = figure.add_subplot()
     image = draw_ratios(axes, found)
-    figure.colorbar(image, ax=axes, shrink=0.8, label="distance from the point: at the end by at the start")
+    draw_bar(figure, image, "distance from the point: at the end by at the start", ax=axes, shrink=0.8)
     legend_below(figure, columns=3, fontsize="small")
     system, verdict = one_line(found.portrait.system.name), found.verdict
     title = f"{system}: {found.count} x {found.count} starts at t = {found.until:g}; proved: {verdict}"

@@ -86,7 +86,7 @@ def _places(node: ast.expr, whole: PiecewiseExpression, system: SwitchedSystem) 
     if node in whole.numbers:
         number = whole.numbers[node].value(system.field)
         if number.as_rational() is None:
-            yield Place(node.col_offset, node.end_col_offset or 0, _bounds(number))
+            yield Place(node.col_offset, node.end_col_offset or 0, bounds_of(number))
         return
     match node:
         case ast.UnaryOp():
@@ -100,7 +100,7 @@ def _places(node: ast.expr, whole: PiecewiseExpression, system: SwitchedSystem) 
                 raise NoEnclosureError("irrational numbers inside switching functions or powers")
 
 
-def _bounds(number: Number) -> tuple[Fraction, Fraction]:
+def bounds_of(number: Number) -> tuple[Fraction, Fraction]:
     """Rational numbers of few digits below and above an irrational one."""
     ball, (_, exponent) = number.accurate_ball(PRECISION), frexp(float(number))
     scale = Fraction(2) ** (BITS - exponent)

@@ -33,9 +33,10 @@ ROOT = Path(__file__).resolve().parents[1]
 WITH_COMMANDS = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 LONGEST = ("choose.md", "stress.md", "theory.md")  # their commands run in `make bench`
 LONG_COMMANDS = re.compile(
-    r"nonsmooth (derive .*\.html|design|precision|stress|simulate .*--grid|simulate \S+\.toml .*--until 3|sweep .*\.svg"
-    r"|sweep .*--borders|check twist\.toml|check \S+\.toml --(at auto|require (pose|tolerances))"
-    r"|check \S+\.toml .*--rule ellipse)\b"
+    r"nonsmooth (derive .*\.html|design|precision|stress|simulate .*--(grid|tables)|simulate \S+\.toml .*--until 3"
+    r"|simulate table\.toml .*--fail|sweep .*\.svg|sweep .*--borders|check twist\.toml"
+    r"|check table\.toml$|check table\.toml .*--law"
+    r"|check \S+\.toml --(at auto|require (pose|tolerances))|check \S+\.toml .*--rule ellipse)(\b|$)"
 )  # and these, of which tests/reports has smaller ones
 WRITTEN = re.compile(r" -o (\S+)")
 SHORTER = [path for path in WITH_COMMANDS if path.name not in LONGEST]

@@ -436,9 +436,9 @@ class PathEnd:
         if self.pose is None or self.headings is None:
             return self.reason.value
         x, y, _ = (f"{_plain(value):.4g}" for value in self.pose)
-        low, high = (f"{_plain(value):.4g}" for value in self.headings)
-        heading = f"theta = {low}" if low == high else f"theta from {low} to {high}"
-        return f"{self.reason.value} at ({x}, {y}), {heading}"
+        low, high = (f"{math.degrees(_plain(value)):.4g}" for value in self.headings)
+        heading = low if low == high else f"{low} to {high}"
+        return f"{self.reason.value} at ({x}, {y}), heading {heading} deg"
 
 
 def destinations(ends: BodyEnds, distance: float) -> list[PathEnd]:

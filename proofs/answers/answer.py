@@ -16,6 +16,7 @@ from nonsmooth.proofs.facts import Fact, Quantity
 from nonsmooth.proofs.verdicts import Certainty
 from nonsmooth.symbolic.numbers.rounded import BY_ROUNDING
 from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.scene_error import SceneError, StatedFact
 
 UNDECIDED = "undecided"
 
@@ -124,3 +125,19 @@ def is_by_rounding(results: Results, *names: str) -> bool:
 def has_dynamics(scene: Scene) -> bool:
     """Whether answers are asked of a body with inertia: its gravity is known, and its rule says which forces act."""
     return scene.inertia is not None and isinstance(rule_of(scene), SmoothRule)
+
+
+def require_dynamics(scene: Scene, key: str) -> None:
+    """Refuse to ask of a body with inertia.
+
+    Args:
+        scene: the array.
+        key: what asks for it, for the message.
+
+    Raises:
+        SceneError: where the scene does not say what gravity is or which forces act.
+    """
+    if not has_dynamics(scene):
+        expected = "[units] and rule ellipse, roller or mixed, under which bodies with inertia are followed"
+        lacks = f"rule {scene.contact.rule}" if scene.inertia is not None else "no [units]"
+        raise SceneError(scene.origin, key, expected, StatedFact(lacks))

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from nonsmooth.proofs.answers.answer import Answer, Position, Question
+from nonsmooth.proofs.answers.answer import Answer, Position, Question, require_dynamics
 from nonsmooth.proofs.answers.heading import heading_answer
 from nonsmooth.proofs.answers.other_rules import OtherRule, other_rules
 from nonsmooth.proofs.answers.pose import pose_answer
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 # In the order in which they are said; to ask another question, write its function and a line here.
 QUESTIONS: dict[str, Question] = {"position": position_answer, "heading": heading_answer, "pose": pose_answer}
-THEOREM = "theorem4"
+THEOREM, INERTIA = "theorem4", "inertia"
 
 
 @dataclass(frozen=True)
@@ -120,11 +120,12 @@ def exit_status(check: Theorem4Result, required: Sequence[str], answered: Answer
 
     Args:
         check: the verdicts.
-        required: names of questions, :data:`THEOREM` or :data:`TOLERANCES`.
+        required: names of questions, :data:`THEOREM`, :data:`INERTIA` or :data:`TOLERANCES`.
         answered: the answers, where they are known already.
 
     Raises:
-        SceneError: where tolerances are required of a scene that states none.
+        SceneError: where tolerances are required of a scene that states none, and inertia of one that does not say what
+            gravity is or which forces act.
     """
     found = {answer.name: answer.exit_status for answer in answers_of(check)}
     found[THEOREM] = check.verdict.exit_status
@@ -135,7 +136,22 @@ def exit_status(check: Theorem4Result, required: Sequence[str], answered: Answer
                 check.scene.origin, "tolerance", "a table of tolerances to require them", StatedFact("none")
             )
         found[TOLERANCES] = robust.exit_status
+    if INERTIA in required:
+        require_dynamics(check.scene, "--require inertia")
+        answer = _inertia_of(check) if answered is None else answered.inertia
+        found[INERTIA] = 3 if answer is None else _inertia_status(answer)
     if check.contradictions:
         return 3
     statuses = {found[name] for name in required}
     return next((status for status in (1, 3) if status in statuses), 0)
+
+
+def _inertia_status(answer: Answer) -> int:
+    """0 where the body is stable close to its place of rest (proved) and settles from all starts (simulated).
+
+    1 too where one of these starts ends on a limit cycle or is thrown off, 3 where one is still moving.
+    """
+    if answer.exit_status or answer.numbers.get("settles_after") is not None:
+        return answer.exit_status
+    ends = {str(one["what"]) for one in answer.numbers.get("from", ())}
+    return 1 if ends & {"limit cycle", "thrown off"} else 3

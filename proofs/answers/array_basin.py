@@ -9,7 +9,7 @@ wheels.  How much of the square comes home is sampled.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
@@ -32,7 +32,7 @@ from nonsmooth.proofs.exact_json import encode
 from nonsmooth.proofs.system_facts import basin_record
 from nonsmooth.proofs.systems.basin import BasinEffort, CertifiedBasin, last_ring, mesh_corners
 from nonsmooth.proofs.systems.basin_mesh import MeshBuilder
-from nonsmooth.proofs.systems.basin_rings import Floats, followed_home, grow, inside_ring
+from nonsmooth.proofs.systems.basin_rings import Bernstein, Floats, bernstein, followed_home, grow, inside_ring
 from nonsmooth.symbolic.number_text import float_text, percent_text
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.support_polygon import widest_square
@@ -59,6 +59,7 @@ class FloatCells:
     """
 
     surfaces = ()  # no line is worth having corners on it: triangles lie across borders of cells
+    scale = np.inf  # velocities are affine
 
     def __init__(self, partition: Partition) -> None:
         self.half = float(partition.domain.vertices[0][0].__abs__())
@@ -96,9 +97,16 @@ class FloatCells:
         """The velocities at places: shape (motions, places, 2)."""
         return _velocities(self._padded[self.which(x)].transpose(1, 0, 2), x)
 
-    def on(self, cell: int, x: Floats) -> Floats:
+    def _on(self, cell: int, x: Floats) -> Floats:
         """The velocities that a cell has, wherever the places are: shape (motions, places, 2)."""
         return _velocities(self._motions[cell][:, None], x)
+
+    def velocities(self, cell: int, triangles: Floats) -> Iterator[tuple[Floats, Bernstein]]:
+        """The affine velocities of a cell at the nodes of triangles, one motion after the other."""
+        points = bernstein(1)
+        at = points.places(triangles)
+        for own in self._on(cell, at.reshape(-1, 2)):
+            yield own.reshape(at.shape), points
 
     def slides(self, ring: Floats) -> tuple[NDArray[np.int64], Floats, Floats]:
         """None: sides of rings lie across borders of cells, and so do their tips."""
@@ -158,12 +166,8 @@ class FloatCells:
         """The largest sine at which velocities of two cells lead outward over a side of a ring."""
         along = last - first
         normal = np.array([along[1], -along[0]]) / (float(np.linalg.norm(along)) + np.finfo(float).tiny)
-        found = [self.on(own, first[None])[:, 0] for own in (cell, other)]
+        found = [self._on(own, first[None])[:, 0] for own in (cell, other)]
         return max(float((v @ normal / (np.linalg.norm(v, axis=1) + np.finfo(float).tiny)).max()) for v in found)
-
-    def degrees(self, cell: int) -> Sequence[int]:
-        """Of the velocities of a cell: they are affine."""
-        return [1] * len(self._motions[cell])
 
     def meeting(self, triangles: Floats, exact: Mapping[int, Floats]) -> Iterator[tuple[int, NDArray[np.bool_]]]:
         """Each cell with the triangles that no line of a side, of its own or of theirs, parts from it."""
@@ -302,10 +306,18 @@ def _around(
     limit = field.half * (1 - SQUARE)
     why = NoBasin(_why_none(field))
     for first in _first_rings(field):
-        rings = grow(field, first, effort.angle, effort.gap, limit, lambda done, total: announce("rings", done, total))
+        rings = grow(
+            field,
+            first,
+            effort.angle,
+            effort.gap,
+            limit,
+            effort.points,
+            lambda done, total: announce("rings", done, total),
+        )
         if len(rings) < 2:
             continue
-        builder = MeshBuilder(field, lambda unit: ArrayPlane(cells, unit), rings, is_first_whole=True)
+        builder = MeshBuilder(field, lambda unit: ArrayPlane(cells, unit), rings, effort.triangles, is_first_whole=True)
         built = builder.build(lambda done, total: announce("bands of triangles", done, total))
         if built is None:
             why = NoBasin("W is not seen to fall beside the first ring")

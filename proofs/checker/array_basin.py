@@ -78,7 +78,7 @@ class ArrayPlane:
             found.append((bottom + top) // 2)
         return found[0], found[1]
 
-    def fields(self, number: int) -> tuple[Field, ...]:
+    def fields(self, number: int, corners: Sequence[Place] = ()) -> tuple[Field, ...]:
         """Velocities of which, on the square, those of a cell are mixtures: four for each motion."""
         if number not in self._fields:
             motions = self.cells.listed[number].motions

@@ -30,7 +30,9 @@ at a speed that is bounded from below.  W is bounded on S, and a solution in the
 the border after a finite time, with ``W < c``.  By 4 the solution is in L there.
 
 An inner side whose cells all meet the inside of one of its triangles fulfils 2 with t = 0.  Polynomials are negative on
-a triangle, or on a side, if all of their Bernstein coefficients there are.
+a triangle, or on a side, if all of their Bernstein coefficients there are.  In ``f = f_0 + sum_j w_j f_j`` sines and
+cosines w_j of affine functions are replaced by the bounds that :mod:`.waves` gives on the triangle, or at the corner,
+in all combinations; on a side by those of its triangle T.
 """
 
 from __future__ import annotations
@@ -39,15 +41,17 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cache
+from functools import cache, cached_property, partial
 from itertools import pairwise, product
 from math import comb, lcm
 from typing import Any, Protocol, TypeAlias
 
 from .cells import Domain, Function, Pattern, Surfaces, System
-from .polynomials import Exponents, Polynomial
+from .formulas import Formula
+from .polynomials import Exponents, Polynomial, constant
 from .positivity import Proofs
 from .theorems import Statement, show_stability
+from .waves import BITS, interpolation_error, wave_value
 from .work import BUDGET, items, rational, require, take
 
 MAX_CORNERS, MAX_TRIANGLES = 500_000, 1_000_000
@@ -80,6 +84,22 @@ class Field:
         parts = tuple({e: int(value * bottom) for e, value in own.terms.items()} for own in polynomials)
         bits = max((abs(value).bit_length() for part in parts for value in part.values()), default=0)
         return cls(parts, max(own.degree for own in polynomials), bits)
+
+    def plus(self, other: Field, factor: Form) -> Field:
+        """The sum with the product of another one and an affine function, in the same units."""
+        total = [dict(part) for part in self.parts]
+        for own, part in zip(total, other.parts, strict=True):
+            for (a, b), value in part.items():
+                for (c, d), weight in factor.items():
+                    own[a + c, b + d] = own.get((a + c, b + d), 0) + value * weight
+        bits = max(self.bits, other.bits + max(abs(value).bit_length() for value in factor.values())) + 2
+        BUDGET.spend(sum(map(len, total)) * (1 + bits**2 // 4096))
+        return Field(tuple(total), max(self.degree, other.degree + 1), bits)
+
+    def times(self, factor: int) -> Field:
+        """A multiple."""
+        parts = tuple({e: value * factor for e, value in part.items()} for part in self.parts)
+        return Field(parts, self.degree, self.bits + factor.bit_length())
 
     def along(self, vector: Sequence[int]) -> Field:
         """The product with a vector, a polynomial."""
@@ -117,6 +137,24 @@ def toward(form: Form, degree: int, place: Place) -> Form:
     return found
 
 
+@dataclass(frozen=True)
+class Side:
+    """A right-hand side on a cell: ``f_0 + sum_j w_j f_j`` with the sines and cosines w_j of the side.
+
+    Attributes:
+        parts: f_0, f_1, ..., each an entry for each state.
+    """
+
+    parts: tuple[tuple[Polynomial, ...], ...]
+
+    @cached_property
+    def fields(self) -> tuple[Field, ...]:
+        """The same with whole coefficients, all times one positive number."""
+        whole = Field.of([own for part in self.parts for own in part])
+        degrees = [max(own.degree for own in part) for part in self.parts]
+        return tuple(Field(whole.parts[2 * k : 2 * k + 2], own, whole.bits) for k, own in enumerate(degrees))
+
+
 class CellFields(Protocol):
     """Cells that a mesh meets, each with its velocities; the names of cells are told apart, no more.
 
@@ -132,8 +170,8 @@ class CellFields(Protocol):
     def touching(self, corners: Sequence[Place]) -> frozenset[Any]:
         """The cells whose closures may meet the inside of a side, or hold a corner."""
 
-    def fields(self, cell: Any) -> tuple[Field, ...]:
-        """Velocities of which all of a cell's are mixtures."""
+    def fields(self, cell: Any, corners: Sequence[Place]) -> Iterable[Field]:
+        """Fields that have those of a cell in their hull on a triangle, or at a corner, times positive numbers."""
 
 
 class Plane:
@@ -144,16 +182,65 @@ class Plane:
         self.surfaces = Surfaces(self.domain, surfaces, [], proofs)
         self._guards = [Field.of([own]) for own in self.surfaces.listed]
         self.has_borders = bool(self.surfaces.listed)
-        self._formulas = system.fields(self.domain.place)
-        self.sides, self.fields = cache(self._sides), cache(self._fields)
+        self.waves: list[list[tuple[str, Polynomial]]] = []  # of each side, with what they are of
+        self._formulas = system.fields(self.domain.place, lambda _, v, end: constant(v.count, end))
+        self._counts = [sum(counts) for counts in system.waves]
+        self.sides, self.value = cache(self._sides), cache(self._value)
+        self._read_waves(system)
 
-    def _sides(self, signs: Pattern) -> list[list[Polynomial]]:
-        """The right-hand sides on a cell."""
-        return [[own.on(lambda value: self.surfaces.sign_on(signs, value)) for own in side] for side in self._formulas]
+    def _read_waves(self, system: System) -> None:
+        """The waves of all sides, in the order in which they are at their ends in a side's formulas."""
+        for counts, side in zip(system.waves, system.rhs, strict=True):
+            found: list[tuple[str, Polynomial]] = []
+            for count, text in zip(counts, side, strict=True):
+                found += Formula(text, self.domain.place, [0] * count).arguments()
+            require(all(v.degree <= 1 for _, v in found), "sines and cosines of affine functions")
+            self.waves.append(found)
 
-    def _fields(self, signs: Pattern) -> tuple[Field, ...]:
-        """The same with whole coefficients."""
-        return tuple(map(Field.of, self.sides(signs)))
+    def _sides(self, signs: Pattern) -> list[Side]:
+        """The right-hand sides on a cell.
+
+        A formula with all waves at numbers 0 or 1 has ``f_0 + sum_j w_j f_j`` for values where no two are multiplied.
+        """
+        sign_on, start, found = partial(self.surfaces.sign_on, signs), 0, []
+        for count in self._counts:
+            own = [tuple(part.on(sign_on) for part in field) for field in self._formulas[start : start + 2**count]]
+            start += 2**count
+            parts = [own[0]] + [difference(own[1 << (count - 1 - j)], own[0]) for j in range(count)]
+            for ends, value in zip(product((0, 1), repeat=count), own, strict=True):
+                rest = value
+                for end, part in zip(ends, parts[1:], strict=True):
+                    rest = difference(rest, part) if end else rest
+                require(rest == own[0], "sines and cosines that are not multiplied by each other")
+            found.append(Side(tuple(parts)))
+        return found
+
+    def _value(self, side: int, wave: int, place: Place) -> tuple[Fraction, int]:
+        """What a wave is of at a place, and its value there."""
+        name, v = self.waves[side][wave]
+        own = v.at_origin + v.slope(0) * place[0] + v.slope(1) * place[1]
+        return own, wave_value(name, own)
+
+    def fields(self, signs: Pattern, corners: Sequence[Place]) -> Iterator[Field]:
+        """Fields that have those of a cell in their hull on a triangle, or at a corner, times positive numbers."""
+        for k, side in enumerate(self.sides(signs)):
+            still, *moved = side.fields
+            if not moved:
+                yield still
+                continue
+            twice_area, weights = barycentric(corners)
+            bounds = []
+            for j in range(len(moved)):
+                at = [self.value(k, j, place) for place in corners]
+                error = interpolation_error([v for v, _ in at]) * twice_area
+                mean = added([scaled(own, value) for own, (_, value) in zip(weights, at, strict=True)])
+                bounds.append([added([mean, {(0, 0): error * sign}]) for sign in (-1, 1)])
+            whole = still.times(twice_area << BITS)
+            for chosen in product(*bounds):
+                field = whole
+                for part, own in zip(moved, chosen, strict=True):
+                    field = field.plus(part, own)
+                yield field
 
     def crossing(self, corners: Sequence[Place]) -> frozenset[Pattern]:
         """The cells that may meet the inside of a triangle: a surface has their sign at some point of it."""
@@ -180,6 +267,35 @@ class Plane:
             require(size <= 64, "triangles that meet at most 64 cells")
         BUDGET.spend(size * (1 + len(signs)))
         return frozenset(product(*signs))
+
+
+def difference(first: Sequence[Polynomial], second: Sequence[Polynomial]) -> tuple[Polynomial, ...]:
+    """Of two fields."""
+    return tuple(a - b for a, b in zip(first, second, strict=True))
+
+
+def barycentric(corners: Sequence[Place]) -> tuple[int, list[Form]]:
+    """Twice the area of a triangle, and the weights of its corners at a place, times that; of one corner it is 1."""
+    if len(corners) == 1:
+        return 1, [{(0, 0): 1}]
+    found: list[Form] = []
+    for (ax, ay), (bx, by) in pairwise((*corners[1:], *corners[:2])):
+        found.append({(0, 0): ax * by - ay * bx, (1, 0): ay - by, (0, 1): bx - ax})
+    return sum(own[0, 0] for own in found), found
+
+
+def scaled(form: Form, factor: int) -> Form:
+    """A multiple of a polynomial."""
+    return {e: value * factor for e, value in form.items()}
+
+
+def added(forms: Sequence[Form]) -> Form:
+    """A sum of polynomials."""
+    total: dict[Exponents, int] = {}
+    for form in forms:
+        for e, value in form.items():
+            total[e] = total.get(e, 0) + value
+    return total
 
 
 class Mesh:
@@ -229,7 +345,7 @@ def show_falls(mesh: Mesh, plane: CellFields) -> None:
     for number, own in enumerate(mesh.triangles):
         corners, slope = mesh.corners(own), mesh.slope(number)
         met.append(plane.crossing(corners))
-        for field in (field for signs in met[-1] for field in plane.fields(signs)):
+        for field in (field for signs in met[-1] for field in plane.fields(signs, corners)):
             require(max(field.along(slope).on(corners)) < 0, f"a function that falls on triangle {number}")
     if not plane.has_borders:
         return
@@ -238,12 +354,13 @@ def show_falls(mesh: Mesh, plane: CellFields) -> None:
         if other is not None and i < j:
             touching = plane.touching(mesh.corners((i, j)))
             if not touching <= met[number] and not touching <= met[other]:
-                fields = [field for signs in touching for field in plane.fields(signs)]
+                beside = mesh.corners(mesh.triangles[number])
+                fields = [field for signs in touching for field in plane.fields(signs, beside)]
                 require(falls_along(mesh, (i, j), mesh.slope(number), fields), f"a function that falls on side {i} {j}")
     for k in mesh.inner_corners():
         (place,) = corners = mesh.corners((k,))
         touching = plane.touching(corners)
-        fields = [field for signs in touching for field in plane.fields(signs)]
+        fields = [field for signs in touching for field in plane.fields(signs, corners)]
         velocities = [(field.along((1, 0)).on(corners)[0], field.along((0, 1)).on(corners)[0]) for field in fields]
         require(len(touching) == 1 or in_half_plane(velocities), f"velocities in a half plane at {place}")
 
@@ -298,6 +415,7 @@ def show_basin(system: System, hypotheses: Any, proofs: Proofs) -> list[Statemen
     """
     local, surfaces, mesh, below = take(hypotheses, "local surfaces mesh below")
     require(system.count == 2 and system.coordinates == system.states, "a system in the plane, in its states")
+    require(not system.numbers, "rational numbers, for a mesh")
     shown = show_stability(system, local, proofs)
     levels = [own["attracts"] for own in shown if type(own.get("attracts")) is dict]
     require(levels, "a level set that attracts")

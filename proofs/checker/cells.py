@@ -8,14 +8,15 @@ domain; patterns too many only add conditions, because F gets larger.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
-from itertools import combinations
+from itertools import combinations, product
 from typing import Any, TypeAlias
 
-from .formulas import NAME, Formula
-from .polynomials import Polynomial, are_coprime, constant, solve, variable
+from .formulas import MAX_WAVES, NAME, Formula, WaveAt, parsed, series, waves_in
+from .polynomials import Coefficient, Polynomial, are_coprime, constant, solve, variable
 from .positivity import Claim, Inequality, Proofs, cube_guards, identity
+from .tower import Field, Number
 from .work import BUDGET, items, rational, require, take, text
 
 MIN_STATES, MAX_STATES = 1, 8
@@ -34,11 +35,13 @@ class System:
         states: their names.
         rhs: right-hand sides, each a formula for every state; with several of them all act (arbitrary switching).
         at: the point.
+        numbers: the irrational numbers that formulas name.
     """
 
     states: tuple[str, ...]
     rhs: tuple[tuple[str, ...], ...]
-    at: tuple[Fraction, ...]
+    at: tuple[Coefficient, ...]
+    numbers: Mapping[str, Number] = field(default_factory=dict)
 
     @property
     def count(self) -> int:
@@ -51,7 +54,7 @@ class System:
         return self.states
 
     @property
-    def origin(self) -> tuple[Fraction, ...]:
+    def origin(self) -> tuple[Coefficient, ...]:
         """The point in the coordinates."""
         return self.at
 
@@ -60,9 +63,24 @@ class System:
         """The system with the velocities of its states."""
         return self
 
-    def fields(self, place: Mapping[str, Polynomial]) -> Sequence[Sequence[Formula]]:
-        """The formulas of the velocities at a place, for each right-hand side."""
-        return [[Formula(own, place) for own in side] for side in self.rhs]
+    @property
+    def waves(self) -> list[tuple[int, ...]]:
+        """The number of sines and cosines in the formulas of each right-hand side."""
+        return [tuple(len(waves_in(parsed(own))) for own in side) for side in self.rhs]
+
+    def fields(self, place: Mapping[str, Polynomial], wave: WaveAt = series) -> Sequence[Sequence[Formula]]:
+        """The formulas of the velocities at a place, for each right-hand side.
+
+        A side with sines and cosines has fields for all ends of what these may be: velocities are in their hull.
+        """
+        found = []
+        for side, counts in zip(self.rhs, self.waves, strict=True):
+            require(sum(counts) <= MAX_WAVES, f"right-hand sides with at most {MAX_WAVES} sines and cosines")
+            for ends in product((0, 1), repeat=sum(counts)):
+                rest = iter(ends)
+                own = [[next(rest) for _ in range(count)] for count in counts]
+                found.append([Formula(text, place, e, wave) for text, e in zip(side, own, strict=True)])
+        return found
 
     def show_equivalent(self, inclusion: Inclusion) -> None:
         """Solutions in the coordinates are those of the states: nothing needs to be shown."""
@@ -74,13 +92,30 @@ def read_system(data: Any) -> System:
     Raises:
         RejectedError: for anything else.
     """
-    names, sides, at = take(data, "states rhs at")
+    names, sides, at, listed = take(data, "states rhs at", "numbers")
     states = tuple(text(name) for name in items(names))
     require(MIN_STATES <= len(states) <= MAX_STATES, f"{MIN_STATES} to {MAX_STATES} states")
     require(len(set(states)) == len(states) and all(map(NAME.fullmatch, states)), "states with different names")
     rhs = tuple(tuple(text(own) for own in items(side, len(states))) for side in items(sides, most=MAX_FIELDS))
     require(rhs, "a right-hand side")
-    return System(states, rhs, tuple(rational(value) for value in items(at, len(states))))
+    tower, numbers = read_numbers([] if listed is None else listed)
+    require(not set(numbers) & set(states), "names of numbers that are no states")
+    return System(states, rhs, tuple(tower.coefficient(value) for value in items(at, len(states))), numbers)
+
+
+def read_numbers(data: Any) -> tuple[Field, dict[str, Number]]:
+    """The irrational numbers of a subject by their names: each is the only root above a bound of a polynomial.
+
+    They are part of what is stated, so nothing is claimed of them but that there is one such root.
+    """
+    names, generators = [], []
+    for entry in items(data):
+        name, polynomial, above = take(entry, "name polynomial above")
+        names.append(text(name))
+        generators.append({"polynomial": polynomial, "above": above})
+    require(len(set(names)) == len(names) and all(map(NAME.fullmatch, names)), "numbers with different names")
+    tower = Field(generators)
+    return tower, {name: tower.generator(k) for k, name in enumerate(names)}
 
 
 def pattern(signs: Iterable[int | None]) -> str:
@@ -103,11 +138,11 @@ class Domain:
         self.radius = rational(within) if self.bounded else Fraction(1)
         require(self.radius > 0, "a cube of positive size")
         count = system.count
-        self.displacement = {name: variable(count, k, self.radius) for k, name in enumerate(system.coordinates)}
-        self.place = {
-            name: own + constant(count, at)
-            for (name, own), at in zip(self.displacement.items(), system.origin, strict=True)
-        }
+        numbers = {name: constant(count, number) for name, number in system.numbers.items()}
+        away = [variable(count, k, self.radius) for k in range(count)]
+        at = [own + constant(count, value) for own, value in zip(away, system.origin, strict=True)]
+        self.displacement = {**dict(zip(system.coordinates, away, strict=True)), **numbers}
+        self.place = {**dict(zip(system.coordinates, at, strict=True)), **numbers}
 
     def guards(self) -> dict[str, Polynomial]:
         """The guards of the cube; none of the space."""

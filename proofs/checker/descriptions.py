@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from typing import Any
 
@@ -9,7 +10,7 @@ from .cells import System
 from .roots import read_subject
 from .statements import is_of_array
 from .theorem4 import CLAUSES
-from .tower import Field
+from .tower import Field, Number
 from .work import rational
 
 SHORT = 20  # characters of a number that is printed as it is written
@@ -90,11 +91,24 @@ def _further(kind: str, said: Any, field: Field) -> str:
 def _of_system(statement: Any) -> list[str]:
     """The system with its first claim, and every further claim on a line."""
     system = read_subject(statement["subject"])
-    point = ", ".join(map(str, system.at))
+    point = ", ".join(map(_coordinate, system.at))
     pairs = zip(system.coordinates, system.states, strict=True)
     roots = "".join(f", {own} = sign({name})*sqrt(Abs({name}))" for own, name in pairs if own != name)
     said = [OF_SYSTEMS[kind](about, system) for claim in statement["claims"] for kind, about in claim.items()]
-    return [f"system in {', '.join(system.states)} at ({point}){roots}: {said[0]}", *said[1:]]
+    numbers = [_generator(entry) for entry in statement["subject"].get("numbers", [])]
+    return [f"system in {', '.join(system.states)} at ({point}){roots}: {said[0]}", *said[1:], *numbers]
+
+
+def _coordinate(value: Any) -> str:
+    """A fraction as it is, an irrational number rounded."""
+    return f"({float(value):.6g} rounded)" if type(value) is Number else str(value)
+
+
+def _generator(entry: Any) -> str:
+    """Which number a name of the formulas stands for; coefficients may be sums of products of earlier ones."""
+    texts = [c if type(c) is str else json.dumps(c) for c in entry["polynomial"]]
+    terms = [f"({c}) t^{k}" if k else f"({c})" for k, c in enumerate(texts) if c != "0"]
+    return f"{entry['name']} is the root t > {entry['above']} of {' + '.join(terms)}"
 
 
 def _stability(said: str, system: System) -> str:
@@ -128,7 +142,8 @@ def _gain(said: Any, system: System) -> str:
 
 
 def _cube(said: Any, system: System) -> str:
-    away = (name if not at else f"{name} - {at}" for name, at in zip(system.coordinates, system.origin, strict=True))
+    pairs = zip(system.coordinates, system.origin, strict=True)
+    away = [f"{name} - {_coordinate(at)}" if at else name for name, at in pairs]
     return f"{', '.join(f'abs({own})' for own in away)} <= {said['within']}"
 
 

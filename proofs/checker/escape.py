@@ -59,6 +59,7 @@ class Escape:
     def __init__(self, system: System, hypotheses: Any, proofs: Proofs) -> None:
         names = "within surfaces signs along mixture barriers function direction"
         within, listed, signs, along, mixture, barriers, function, direction = take(hypotheses, names)
+        require(not any(map(any, system.waves)), "fields that are exact: no sines and cosines")
         self.system, self.count, self.proofs = system, system.count, proofs
         self.domain = Domain(system, within)
         require(self.domain.bounded, "a cube")

@@ -1,26 +1,47 @@
 """Formulas of a system and of functions, read by Python's grammar and never evaluated by Python.
 
-A formula is built of the states, decimals, ``+ - * / **`` and the switching functions ``sign``, ``Abs``, ``Max``,
-``Min``, ``relu`` and ``sat``.  Where the signs of its switching expressions are known it is a polynomial.
+A formula is built of the states, names of irrational numbers, decimals, ``+ - * / **`` and the switching functions
+``sign``, ``Abs``, ``Max``, ``Min``, ``relu`` and ``sat``.  Where the signs of its switching expressions are known it is
+a polynomial.
+
+A right-hand side may hold ``sin`` and ``cos`` of polynomials v, too (*waves*).  For every real v, with an e between 0
+and 1 that depends on v,
+
+    sin v = v - v^3/6 + e v^5/120,    cos v = 1 - v^2/2 + v^4/24 - e v^6/720,
+
+by integrating ``cos <= 1`` from 0 again and again.  A wave stands in sums and products alone, and each has its own e,
+so that the formula is affine in every e: its value is in the hull of those with all e at 0 or 1.
 """
 
 from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from typing import Any, TypeAlias
 
 from .polynomials import Polynomial, constant
 from .work import BUDGET, MAX_DIGITS, require, text
 
-MAX_DEPTH = 60
+MAX_DEPTH, MAX_WAVES = 60, 5
+WAVES = ("sin", "cos")
 DECIMAL = re.compile(r"[0-9_.]+([eE][+-]?[0-9]{1,3})?")
 WRITTEN = re.compile(r"[A-Za-z0-9_.+*/(), -]*")  # one line, without comments, texts and comparisons
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,30}")
 
 SignOf: TypeAlias = Callable[[Polynomial], int]  # the sign of a switching expression on a cell: -1 or 1
+WaveAt: TypeAlias = Callable[[str, Polynomial, int], Polynomial]  # sin or cos of a polynomial, with e at an end
+
+
+def series(name: str, v: Polynomial, e: int) -> Polynomial:
+    """The sine or cosine of a polynomial with ``e`` at 0 or 1."""
+    square = v * v
+    if name == "sin":
+        return v - v * square.times(Fraction(1, 6)) + v * square * square.times(Fraction(e, 120))
+    fourth = square * square
+    one = constant(v.count, 1)
+    return one - square.times(Fraction(1, 2)) + fourth.times(Fraction(1, 24)) - fourth * square.times(Fraction(e, 720))
 
 
 class Formula:
@@ -29,18 +50,23 @@ class Formula:
     Args:
         data: a text such as ``-sign(x) + y/4``.
         states: the polynomial that stands for each name.
+        ends: which end of what they may be the waves are at, 0 or 1; none where a formula may hold no waves.
+        wave: a wave of a polynomial at an end.
 
     Raises:
         RejectedError: for a text that is too long, or holds other characters than formulas do.
         SyntaxError: for one that is no formula.
     """
 
-    def __init__(self, data: Any, states: Mapping[str, Polynomial]) -> None:
-        self.text, self.states = text(data).strip(), states
-        BUDGET.spend(1 + len(self.text))
-        require(WRITTEN.fullmatch(self.text), "formulas of names, decimals, brackets, commas and + - * /")
+    def __init__(
+        self, data: Any, states: Mapping[str, Polynomial], ends: Sequence[int] = (), wave: WaveAt = series
+    ) -> None:
+        self.text, self.states, self.wave = text(data).strip(), states, wave
         self.count = next(iter(states.values())).count
-        self.tree = ast.parse(self.text, mode="eval").body
+        self.tree = parsed(self.text)
+        waves = waves_in(self.tree)
+        require(len(waves) == len(ends), "sines and cosines in right-hand sides alone")
+        self.ends = dict(zip(waves, ends, strict=True))
 
     def on(self, sign_of: SignOf) -> Polynomial:
         """The polynomial on a cell.
@@ -49,6 +75,14 @@ class Formula:
             RejectedError: for anything that is not in the grammar, and from ``sign_of``.
         """
         return self._value(self.tree, sign_of, MAX_DEPTH)
+
+    def arguments(self) -> list[tuple[str, Polynomial]]:
+        """The sines and cosines, with the polynomials that they are of."""
+        found = []
+        for node in self.ends:
+            require(len(node.args) == 1 and not waves_in(node.args[0]), "sines and cosines of one polynomial")
+            found.append((ast.unparse(node.func), self._value(node.args[0], no_sign, MAX_DEPTH)))
+        return found
 
     def _value(self, node: ast.expr, sign_of: SignOf, depth: int) -> Polynomial:
         require(depth > 0, f"formulas of at most {MAX_DEPTH} nested operations")
@@ -65,7 +99,11 @@ class Formula:
                 return -self._value(node.operand, sign_of, depth - 1)
             case ast.BinOp():
                 return self._operation(node, sign_of, depth - 1)
+            case ast.Call(func=ast.Name(id=name), args=[argument], keywords=[]) if name in WAVES:
+                require(not waves_in(argument), "no sine or cosine inside another")
+                return self.wave(name, self._value(argument, sign_of, depth - 1), self.ends[node])
             case ast.Call(func=ast.Name(), keywords=[]):
+                require(not waves_in(*node.args), "no sine or cosine inside a switching function")
                 values = [self._value(argument, sign_of, depth - 1) for argument in node.args]
                 return switched(node.func.id, values, sign_of)  # type: ignore[attr-defined]
         require(False, "formulas of sums, products, powers and switching functions")
@@ -83,6 +121,7 @@ class Formula:
             exponent = node.right
             written = self.text[exponent.col_offset : exponent.end_col_offset]
             require(re.fullmatch("[0-9]{1,2}", written), "whole exponents")
+            require(not waves_in(node.left), "no powers of sines and cosines")
             return left.power(int(written))
         right = self._value(node.right, sign_of, depth)
         match node.op:
@@ -94,6 +133,31 @@ class Formula:
                 return left * right
         require(isinstance(node.op, ast.Div) and right and right.degree == 0, "division by numbers that are not zero")
         return left.times(1 / right.at_origin)
+
+
+def no_sign(value: Polynomial) -> int:
+    """What a sine or cosine is of may ask for no sign."""
+    require(False, "sines and cosines of polynomials")
+    raise AssertionError
+
+
+def parsed(data: Any) -> ast.expr:
+    """The tree of a formula.
+
+    Raises:
+        RejectedError: for a text that is too long, or holds other characters than formulas do.
+        SyntaxError: for one that is no formula.
+    """
+    formula = text(data).strip()
+    BUDGET.spend(1 + len(formula))
+    require(WRITTEN.fullmatch(formula), "formulas of names, decimals, brackets, commas and + - * /")
+    return ast.parse(formula, mode="eval").body
+
+
+def waves_in(*nodes: ast.expr) -> list[ast.Call]:
+    """The sines and cosines in parts of a formula."""
+    calls = [part for node in nodes for part in ast.walk(node) if isinstance(part, ast.Call)]
+    return [call for call in calls if isinstance(call.func, ast.Name) and call.func.id in WAVES]
 
 
 def switched(name: str, values: list[Polynomial], sign_of: SignOf) -> Polynomial:

@@ -1,11 +1,15 @@
-"""Polynomials with rational coefficients: sums, products, derivatives, substitution, affine equations."""
+"""Polynomials: sums, products, derivatives, substitution, affine equations.
+
+Coefficients are fractions, or irrational numbers of the subject (:class:`nonsmooth.proofs.checker.tower.Number`), whose
+arithmetic and order with fractions is that of real numbers.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from math import prod
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 from .work import BUDGET, longest, product_cost, require
 
@@ -13,6 +17,7 @@ MAX_DEGREE, MAX_TERMS = 40, 50_000
 MAX_LINES = 8  # on which it is tried whether two polynomials have a common factor
 
 Exponents: TypeAlias = tuple[int, ...]
+Coefficient: TypeAlias = Any  # a Fraction or a Number
 
 
 class Polynomial:
@@ -28,7 +33,7 @@ class Polynomial:
 
     __slots__ = ("_bits", "count", "terms")
 
-    def __init__(self, count: int, terms: Mapping[Exponents, Fraction]) -> None:
+    def __init__(self, count: int, terms: Mapping[Exponents, Coefficient]) -> None:
         BUDGET.spend(8 + len(terms))  # a polynomial costs some steps, however short it is
         self.count = count
         self.terms = {exponents: value for exponents, value in terms.items() if value}
@@ -49,7 +54,7 @@ class Polynomial:
         return max(map(sum, self.terms), default=0)
 
     @property
-    def at_origin(self) -> Fraction:
+    def at_origin(self) -> Coefficient:
         """Its value there."""
         return self.terms.get((0,) * self.count, Fraction(0))
 
@@ -58,7 +63,7 @@ class Polynomial:
         """Whether all terms have one degree."""
         return len(set(map(sum, self.terms))) <= 1
 
-    def slope(self, k: int) -> Fraction:
+    def slope(self, k: int) -> Coefficient:
         """The coefficient of the k-th variable alone."""
         return self.terms.get(unit(self.count, k), Fraction(0))
 
@@ -86,14 +91,14 @@ class Polynomial:
 
     def __mul__(self, other: Polynomial) -> Polynomial:
         BUDGET.spend(1 + len(self.terms) * len(other.terms) * product_cost(self.bits, other.bits))
-        total: dict[Exponents, Fraction] = {}
+        total: dict[Exponents, Coefficient] = {}
         for a, u in self.terms.items():
             for b, v in other.terms.items():
                 key = tuple(map(int.__add__, a, b))
                 total[key] = total.get(key, Fraction(0)) + u * v
         return Polynomial(self.count, total)
 
-    def times(self, factor: Fraction | int) -> Polynomial:
+    def times(self, factor: Coefficient) -> Polynomial:
         """A multiple by a number."""
         return self * constant(self.count, factor)
 
@@ -109,16 +114,16 @@ class Polynomial:
             value *= self
         return value
 
-    def parts_at(self, direction: Sequence[Fraction]) -> dict[int, Fraction]:
+    def parts_at(self, direction: Sequence[Fraction]) -> dict[int, Coefficient]:
         """The terms of each degree, added at a vector."""
         BUDGET.spend(len(self.terms) * (1 + (self.degree * longest(direction)) ** 2 // 4096))
-        found: dict[int, Fraction] = {}
+        found: dict[int, Coefficient] = {}
         for exponents, coefficient in self.terms.items():
             own = coefficient * prod(x**exponent for x, exponent in zip(direction, exponents, strict=True))
             found[sum(exponents)] = found.get(sum(exponents), Fraction(0)) + own
         return found
 
-    def lowest_at(self, direction: Sequence[Fraction]) -> Fraction:
+    def lowest_at(self, direction: Sequence[Fraction]) -> Coefficient:
         """The terms of lowest degree, added at a vector."""
         parts = self.parts_at(direction)
         return parts[min(parts)] if parts else Fraction(0)
@@ -131,7 +136,7 @@ class Polynomial:
     def on(self, coordinates: Sequence[Polynomial], count: int) -> Polynomial:
         """Itself where every variable is a polynomial in ``count`` other ones."""
         powers = [[constant(count, 1)] for _ in coordinates]
-        total: dict[Exponents, Fraction] = {}
+        total: dict[Exponents, Coefficient] = {}
         for exponents, value in self.terms.items():
             part = constant(count, value)
             for own, form, exponent in zip(powers, coordinates, exponents, strict=True):
@@ -163,9 +168,9 @@ def unit(count: int, k: int) -> Exponents:
     return tuple(int(i == k) for i in range(count))
 
 
-def constant(count: int, value: Fraction | int) -> Polynomial:
+def constant(count: int, value: Coefficient) -> Polynomial:
     """A polynomial that is a number."""
-    return Polynomial(count, {(0,) * count: Fraction(value)})
+    return Polynomial(count, {(0,) * count: Fraction(value) if type(value) is int else value})
 
 
 def variable(count: int, k: int, factor: Fraction | int = 1) -> Polynomial:

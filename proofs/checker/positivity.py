@@ -26,18 +26,20 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import cached_property
 from itertools import permutations, product
 from math import comb, lcm, prod
 from typing import Any, TypeAlias
 
-from .polynomials import MAX_DEGREE, Exponents, Polynomial, constant, variable
+from .polynomials import MAX_DEGREE, Coefficient, Exponents, Polynomial, constant, unit, variable
+from .tower import Field, Number
 from .work import BUDGET, bits, items, longest, product_cost, rational, require, take, whole
 
 MAX_SQUARES, MAX_ROWS, MAX_FACTORS = 400, 200, 4
 MAX_CUBE = 4  # dimensions in which the cube is cut into simplices
 
-Corner: TypeAlias = tuple[Fraction, ...]  # (z_1, ..., z_n, w): the point z / w, or the direction z where w = 0
-Coefficients: TypeAlias = dict[Exponents, Fraction]
+Corner: TypeAlias = tuple[Coefficient, ...]  # (z_1, ..., z_n, w): the point z / w, or the direction z where w = 0
+Coefficients: TypeAlias = dict[Exponents, Coefficient]
 
 
 @dataclass(frozen=True)
@@ -87,6 +89,16 @@ class Claim:
     def count(self) -> int:
         """The number of variables."""
         return self.inequalities[0].value.count
+
+    def number(self, data: Any) -> Coefficient:
+        """A number of its evidence: in the field of its own irrational numbers, if it has any."""
+        return rational(data) if type(data) is str or self.field is None else self.field.parse(data)
+
+    @cached_property
+    def field(self) -> Field | None:
+        """That of its irrational numbers; None where all are rational."""
+        own = (one for i in self.inequalities for one in (i.value, *i.guards.values(), *i.pushes, *i.zeros.values()))
+        return next((c.field for one in own for c in one.terms.values() if type(c) is Number), None)
 
     @property
     def is_homogeneous(self) -> bool:
@@ -319,7 +331,7 @@ def _show_on_simplex(claim: Claim, corners: tuple[Corner, ...], tree: Any) -> No
             _show_on_leaf(claim, corners, forms, node)
             continue
         first, second, share, near, far = items(node, 5)
-        i, j, t = whole(first, claim.count), whole(second, claim.count), rational(share)
+        i, j, t = whole(first, claim.count), whole(second, claim.count), claim.number(share)
         require(i != j and 0 < t < 1, "cuts inside an edge")
         BUDGET.spend(1 + len(corners) * product_cost(longest((*corners[i], *corners[j])), bits(t)))
         middle = tuple((1 - t) * a + t * b for a, b in zip(corners[i], corners[j], strict=True))
@@ -342,7 +354,7 @@ class Forms:
         self.named = {**inequality.guards, **inequality.zeros}
         self.forms = [barycentric(own, corners) for own in (inequality.value, *inequality.pushes)]
 
-    def cut(self, moved: int, kept: int, share: Fraction) -> Forms:
+    def cut(self, moved: int, kept: int, share: Coefficient) -> Forms:
         """On the part whose corner ``moved`` is ``share`` of itself and the rest of the corner ``kept``."""
         part = object.__new__(Forms)
         part.inequality, part.named = self.inequality, self.named
@@ -350,13 +362,13 @@ class Forms:
         return part
 
     def combined(
-        self, mu: Sequence[Sequence[Fraction]], multipliers: Mapping[str, Fraction], corners: Sequence[Corner]
+        self, mu: Sequence[Sequence[Coefficient]], multipliers: Mapping[str, Coefficient], corners: Sequence[Corner]
     ) -> Coefficients:
         """The coefficients of ``p + sum mu q - sum lambda g - sum nu h``, all raised to one degree by powers of w.
 
         Functions mu are given by their values at the corners.
         """
-        parts: list[tuple[Coefficients, Fraction, int | None]] = [(self.forms[0], Fraction(1), None)]
+        parts: list[tuple[Coefficients, Coefficient, int | None]] = [(self.forms[0], Fraction(1), None)]
         for values, form in zip(mu, self.forms[1:], strict=False):
             parts += [(form, value, k) for k, value in enumerate(values)]
         for name, factor in multipliers.items():
@@ -383,15 +395,18 @@ def degree_of(form: Coefficients) -> int:
 def barycentric(value: Polynomial, corners: Sequence[Corner]) -> Coefficients:
     """A polynomial p of degree d as the form ``w^d p(z / w)`` of the coordinates t with ``(z, w) = sum_k t_k P_k``.
 
-    It is computed in whole numbers: of p times a common denominator, and of corners times denominators of their own.
+    In whole numbers it is computed of p times a common denominator, and of corners times denominators of their own.
     """
-    degree, size = value.degree, len(corners)
-    bottom = common_denominator(value.terms.values())
+    degree, size, columns = value.degree, len(corners), range(value.count + 1)
+    terms = {(*e, degree - sum(e)): c for e, c in value.terms.items()}
+    if any(type(c) is Number for own in (value.terms.values(), *corners) for c in own):
+        lines = [Polynomial(size, {unit(size, k): corner[i] for k, corner in enumerate(corners)}) for i in columns]
+        return dict(Polynomial(value.count + 1, terms).on(lines, size).terms)
+    bottom = common_denominator(terms.values())
     scales = [common_denominator(corner) for corner in corners]
     whole_corners = [[int(x * scale) for x in corner] for corner, scale in zip(corners, scales, strict=True)]
-    coordinates = [{k: own[i] for k, own in enumerate(whole_corners) if own[i]} for i in range(value.count + 1)]
-    terms = {(*e, degree - sum(e)): int(c * bottom) for e, c in value.terms.items()}
-    found = _substituted(terms, coordinates, (0,) * size)
+    coordinates = [{k: own[i] for k, own in enumerate(whole_corners) if own[i]} for i in columns]
+    found = _substituted({e: int(c * bottom) for e, c in terms.items()}, coordinates, (0,) * size)
     lengths = max(map(int.bit_length, found.values()), default=0), bottom.bit_length()
     BUDGET.spend(len(found) * product_cost(lengths[0], lengths[1] + degree * max(map(int.bit_length, scales))))
     return {e: Fraction(c, bottom * prod(map(pow, scales, e))) for e, c in found.items()}
@@ -446,7 +461,7 @@ def raised(form: Coefficients, degree: int, corners: Sequence[Corner]) -> Coeffi
     return form
 
 
-def add(total: Coefficients, form: Coefficients, factor: Fraction, k: int | None = None) -> None:
+def add(total: Coefficients, form: Coefficients, factor: Coefficient, k: int | None = None) -> None:
     """Add a multiple of a form, times the k-th coordinate where one is given."""
     if not factor:
         return
@@ -456,7 +471,7 @@ def add(total: Coefficients, form: Coefficients, factor: Fraction, k: int | None
         total[key] = total.get(key, Fraction(0)) + factor * value
 
 
-def cut_form(form: Coefficients, moved: int, kept: int, share: Fraction) -> Coefficients:
+def cut_form(form: Coefficients, moved: int, kept: int, share: Coefficient) -> Coefficients:
     """The form after ``t_kept -> t_kept + (1 - share) t_moved`` and ``t_moved -> share t_moved``."""
     degree = degree_of(form)
     BUDGET.spend(1 + len(form) * (1 + degree) * product_cost(longest(form.values()), degree * bits(share)))
@@ -475,7 +490,7 @@ def cut_form(form: Coefficients, moved: int, kept: int, share: Fraction) -> Coef
 def _show_on_leaf(claim: Claim, corners: Sequence[Corner], forms: Sequence[Forms], leaf: Any) -> None:
     mu_data, listed = take(leaf, "", "mu on")
     listed_mu = items(mu_data, len(forms[0].inequality.pushes)) if mu_data else []
-    mu = [[rational(value) for value in items(own, len(corners))] for own in listed_mu]
+    mu = [[claim.number(value) for value in items(own, len(corners))] for own in listed_mu]
     for own, data in zip(forms, items(listed, len(forms)) if listed else [{}] * len(forms), strict=True):
         if type(data) is str:
             require(
@@ -484,7 +499,7 @@ def _show_on_leaf(claim: Claim, corners: Sequence[Corner], forms: Sequence[Forms
             )
             continue
         require(type(data) is dict and set(data) <= set(own.named), "multipliers of guards that hold there")
-        multipliers = {name: rational(value) for name, value in data.items()}
+        multipliers = {name: claim.number(value) for name, value in data.items()}
         signed = own.inequality.guards
         require(all(v >= 0 for name, v in multipliers.items() if name in signed), "multipliers that are not negative")
         found = own.combined(mu, multipliers, corners)
@@ -528,7 +543,7 @@ def _show_by_mixture(claim: Claim, evidence: Any) -> None:
         require(type(data) is dict and not inequality.pushes, "multipliers by guard")
         total = inequality.value
         for name, value in data.items():
-            factor = rational(value)
+            factor = claim.number(value)
             require(name in inequality.guards and factor >= 0, "multipliers of guards, not negative")
             total += inequality.guards[name].times(-factor)
         require(total.degree <= 1, f"an affine mixture for {claim.name}")

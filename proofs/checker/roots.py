@@ -27,7 +27,7 @@ from math import isqrt
 from typing import Any
 
 from .cells import Face, Inclusion, System, read_system
-from .formulas import Formula, SignOf
+from .formulas import Formula, SignOf, WaveAt, series
 from .polynomials import Polynomial, solve
 from .positivity import Claim, Inequality
 from .work import items, require, take
@@ -61,8 +61,9 @@ class RootedSystem(System):
         """The same with the velocities of the states."""
         return replace(self, scaled=False)
 
-    def fields(self, place: Mapping[str, Polynomial]) -> Sequence[Sequence[Formula]]:
-        """The formulas of the velocities."""
+    def fields(self, place: Mapping[str, Polynomial], wave: WaveAt = series) -> Sequence[Sequence[Formula]]:
+        """The formulas of the velocities, without sines and cosines."""
+        require(wave is series, "no roots where sines and cosines are bounded")
         own = {name: place[f"root_{name}"] for name in self.roots}
         found = []
         for side in self.rhs:
@@ -85,7 +86,7 @@ def read_subject(data: Any) -> System:
     roots = tuple(items(listed, most=len(own.states)))
     known = all(type(name) is str and name in own.states for name in roots)
     require(roots and known and len(set(roots)) == len(roots), "roots of different states")
-    system = RootedSystem(own.states, own.rhs, own.at, roots)
+    system = RootedSystem(own.states, own.rhs, own.at, roots=roots)
     require(len(set(system.coordinates)) == system.count, "names of roots that are no states")
     return system
 

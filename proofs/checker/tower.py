@@ -1,10 +1,16 @@
-"""Exact numbers of a certificate of an array: sums of products of roots, with signs that are shown by enclosures.
+"""Exact irrational numbers of a certificate: sums of products of roots, with signs that are shown by enclosures.
 
-The numbers of an array lie in a tower of fields over the rationals.  Each *generator* is the only root above a bound of
-a monic polynomial, whose coefficients are numbers in the generators before it; a *number* is a sum of products of
+The numbers of a subject lie in a tower of fields over the rationals.  Each *generator* is the only root above a bound
+of a monic polynomial, whose coefficients are numbers in the generators before it; a *number* is a sum of products of
 generators with rational coefficients.  A number without terms is zero; the sign of any other one is shown by an
 enclosure that does not hold zero, or the certificate is rejected.  Written as JSON a number is a rational as text,
 ``"-1/2"``, or a list of ``[rational, generator, generator, ...]`` to be multiplied and added up.
+
+*Why nothing is asked of the polynomials but their one root.*  Sums and products are those of polynomials in the
+generators, reduced by the equations that the stated roots fulfil; so whatever is equal here is equal for these roots.
+Where a polynomial is reducible, other sums may be zero too: they have terms, and no enclosure shows a sign of them.
+Hence ``0 < a``, ``a == b`` and whether ``a`` is zero are what they say of the stated roots, or a certificate is
+rejected.
 """
 
 from __future__ import annotations
@@ -16,11 +22,12 @@ from fractions import Fraction
 from itertools import combinations, product
 from typing import Any, TypeAlias
 
-from .work import BUDGET, RejectedError, items, rational, require, take, whole
+from .work import BUDGET, RejectedError, items, limit, rational, require, take, whole
 
 MAX_GENERATORS = 400
 MAX_DEGREE = 400
 MAX_FACTORS = 64  # of one product of generators
+MAX_DIMENSION = 32  # of a field in which there are quotients
 PRECISIONS = (96, 384, 1536)  # bits with which a sign is looked for, one after the other
 WORD = 30  # bits
 STEPS, WORD_PRODUCTS = 4, 256  # steps of the interpreter, and products of two words, that are one unit of work
@@ -107,9 +114,25 @@ class Field:
         require(all(numbers.count(k) < self.generators[k].degree for k in numbers), "powers below the degree")
         return tuple(sorted(numbers))
 
+    def coefficient(self, data: Any) -> Fraction | Number:
+        """A number as a coefficient of polynomials: a fraction where it is written as one."""
+        return rational(data) if type(data) is str else self.parse(data)
+
+    def generator(self, k: int) -> Number:
+        """The k-th generator itself."""
+        return Number(self, {(k,): 1})
+
     def vector(self, data: Any, count: int) -> Vector:
         """A list of so many numbers."""
         return tuple(self.parse(entry) for entry in items(data, count))
+
+    def basis(self) -> list[Monomial]:
+        """All products of generators with powers below their degrees."""
+        limit(math.prod(own.degree for own in self.generators) <= MAX_DIMENSION, "quotients in small fields")
+        found: list[Monomial] = [()]
+        for k, own in enumerate(self.generators):
+            found = [(*before, *[k] * power) for before in found for power in range(own.degree)]
+        return found
 
     def reduced(self, monomial: Monomial) -> Number:
         """A product of generators, by products with powers below their degrees."""
@@ -169,8 +192,18 @@ class Number:
         self.bottom = bottom // shared
         self.terms = {monomial: c // shared for monomial, c in terms.items() if c}
         self.words = 1 + words
+        self._sign: int | None = None
 
-    def __add__(self, other: Number) -> Number:
+    @property
+    def bits(self) -> int:
+        """About how long it is."""
+        return self.words * WORD
+
+    def _operand(self, value: Number | Fraction | int) -> Number:
+        return value if isinstance(value, Number) else self.field.rational(Fraction(value))
+
+    def __add__(self, value: Number | Fraction | int) -> Number:
+        other = self._operand(value)
         charge(len(self.terms) + len(other.terms), self.words + other.words)
         terms: dict[Monomial, int] = {}
         for number, factor in ((self, other.bottom), (other, self.bottom)):
@@ -181,10 +214,14 @@ class Number:
     def __neg__(self) -> Number:
         return Number(self.field, {monomial: -c for monomial, c in self.terms.items()}, self.bottom)
 
-    def __sub__(self, other: Number) -> Number:
+    def __sub__(self, other: Number | Fraction | int) -> Number:
         return self + -other
 
-    def __mul__(self, other: Number) -> Number:
+    def __rsub__(self, other: Fraction | int) -> Number:
+        return -self + other
+
+    def __mul__(self, value: Number | Fraction | int) -> Number:
+        other = self._operand(value)
         charge(len(self.terms) * len(other.terms), self.words * other.words)
         terms: dict[Monomial, int] = {}
         for (left, a), (right, b) in product(self.terms.items(), other.terms.items()):
@@ -195,8 +232,80 @@ class Number:
                 terms[monomial] = terms.get(monomial, 0) + a * b * c
         return Number(self.field, terms, self.bottom * other.bottom)
 
+    __radd__, __rmul__ = __add__, __mul__
+
+    def inverse(self) -> Number:
+        """The number u with ``u a = 1``, by linear equations for its coefficients.
+
+        Raises:
+            RejectedError: where there is none, as for zero, and in large fields.
+        """
+        basis = self.field.basis()
+        size = len(basis)
+        charge(size**3, size**3 * self.words**2)
+        images = [self * Number(self.field, {own: 1}) for own in basis]
+        rows = [[*(Fraction(image.terms.get(own, 0), image.bottom) for image in images)] for own in basis]
+        rows = [[*row, Fraction(own == ())] for row, own in zip(rows, basis, strict=True)]
+        for k in range(size):
+            pivot = next((i for i in range(k, size) if rows[i][k]), k)
+            require(rows[pivot][k], "divisors that are not zero")
+            rows[k], rows[pivot] = rows[pivot], rows[k]
+            rows[k] = [value / rows[k][k] for value in rows[k]]
+            for i, row in enumerate(rows):
+                if i != k and row[k]:
+                    rows[i] = [a - row[k] * b for a, b in zip(row, rows[k], strict=True)]
+        bottom = math.lcm(*(row[-1].denominator for row in rows))
+        return Number(self.field, {own: int(row[-1] * bottom) for own, row in zip(basis, rows, strict=True)}, bottom)
+
+    def __truediv__(self, value: Number | Fraction | int) -> Number:
+        return self * (value.inverse() if isinstance(value, Number) else 1 / Fraction(value))
+
+    def __rtruediv__(self, value: Fraction | int) -> Number:
+        return self.inverse() * value
+
+    def __float__(self) -> float:
+        low, high = self._interval(PRECISIONS[0])
+        return float(Fraction(low + high, self.bottom << PRECISIONS[0] + 1))
+
+    def __pow__(self, exponent: int) -> Number:
+        power = self.field.constant(1)
+        for _ in range(exponent):
+            power = power * self
+        return power
+
+    def __abs__(self) -> Number:
+        return -self if self.sign() < 0 else self
+
+    def __bool__(self) -> bool:
+        return self.sign() != 0
+
+    def __eq__(self, other: object) -> bool:
+        return not self - other if isinstance(other, Number | Fraction | int) else NotImplemented
+
+    def __hash__(self) -> int:
+        if self.terms.keys() <= {()}:
+            return hash(Fraction(self.terms.get((), 0), self.bottom))
+        return hash((frozenset(self.terms.items()), self.bottom))
+
+    def __lt__(self, other: Number | Fraction | int) -> bool:
+        return (self - other).sign() < 0
+
+    def __le__(self, other: Number | Fraction | int) -> bool:
+        return (self - other).sign() <= 0
+
+    def __gt__(self, other: Number | Fraction | int) -> bool:
+        return (self - other).sign() > 0
+
+    def __ge__(self, other: Number | Fraction | int) -> bool:
+        return (self - other).sign() >= 0
+
     def sign(self) -> int:
         """Certified sign -1, 0 or 1: zero if no terms are left, else shown by an interval, else rejected."""
+        if self._sign is None:
+            self._sign = self._certified_sign()
+        return self._sign
+
+    def _certified_sign(self) -> int:
         if not self.terms:
             return 0
         if self.terms.keys() == {()}:

@@ -91,9 +91,9 @@ class Budget:
 BUDGET = Budget()
 
 
-def bits(value: Fraction) -> int:
-    """The length of a rational number."""
-    return value.numerator.bit_length() + value.denominator.bit_length()
+def bits(value: Any) -> int:
+    """The length of a number: of a fraction, or of an irrational one as it says itself."""
+    return value.bits if hasattr(value, "bits") else value.numerator.bit_length() + value.denominator.bit_length()
 
 
 def product_cost(a: int, b: int) -> int:
@@ -101,7 +101,7 @@ def product_cost(a: int, b: int) -> int:
     return 1 + a * b // 4096
 
 
-def longest(values: Iterable[Fraction]) -> int:
+def longest(values: Iterable[Any]) -> int:
     """The length of the longest of some numbers."""
     return max(map(bits, values), default=1)
 

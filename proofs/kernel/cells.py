@@ -26,7 +26,8 @@ from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.inequalities.linear_program import Mixture, best_mixture
 from nonsmooth.proofs.kernel.search import Floats, NotShownError, Search, sample_points
-from nonsmooth.proofs.kernel.subject import NoCertificateError, about
+from nonsmooth.proofs.kernel.subject import NoCertificateError, about, polynomial_in_names
+from nonsmooth.proofs.kernel.written import written_number
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Exponents, Polynomial, float_values
 from nonsmooth.symbolic.piecewise import PiecewiseExpression
@@ -37,15 +38,11 @@ MAX_CELLS = 160
 SAMPLES = 3_000
 MAX_MAGNITUDE = 40  # bits before or after the point: sixteenth powers of such numbers are floats
 
-RationalTerms: TypeAlias = dict[Exponents, fmpq]
+RationalTerms: TypeAlias = dict[Exponents, Any]  # by fmpq, where irrational coefficients are not asked for
 
 
 class BeyondReachError(ValueError):
     """A system or a V that is not decided here, with the reason for people."""
-
-
-class IrrationalError(BeyondReachError):
-    """The same for numbers with roots."""
 
 
 @dataclass(frozen=True)
@@ -85,13 +82,16 @@ class SignCells:
         return all(s.degree == 1 and s.is_homogeneous for s in self.surfaces)
 
 
-def build_cells(system: SwitchedSystem, radius: Number, more: Iterable[Polynomial] = ()) -> SignCells:
+def build_cells(
+    system: SwitchedSystem, radius: Number, more: Iterable[Polynomial] = (), *, irrational: bool = False
+) -> SignCells:
     """The cells of a cube.
 
     Args:
         system: in any number of states.
         radius: half the side of the cube.
         more: further surfaces, of a V.
+        irrational: whether fields may have irrational coefficients; they are then left as they are.
 
     Raises:
         BeyondReachError: for irrational numbers, and for too many surfaces or cells.
@@ -101,13 +101,14 @@ def build_cells(system: SwitchedSystem, radius: Number, more: Iterable[Polynomia
     surfaces = tuple(dict.fromkeys(s for s in (*system.surfaces(states), *more) if s.degree))
     if len(surfaces) > MAX_SURFACES:
         raise BeyondReachError(f"over {MAX_SURFACES} switching surfaces")
+    read = _all_terms if irrational else rational_terms
     found: list[SignCell] = []
     for signs in patterns(surfaces, radius):
         if len(found) == MAX_CELLS:
             raise BeyondReachError(f"over {MAX_CELLS} cells")
         sign_of = signs_by_factors(dict(zip(surfaces, signs, strict=True)))
         fields = (member.velocity(sign_of, states) for member in system.members)
-        velocities = tuple(tuple(rational_terms(part) for part in field) for field in fields)
+        velocities = tuple(tuple(read(part) for part in field) for field in fields)
         found.append(SignCell(signs, velocities))
     return SignCells(system.states, surfaces, tuple(found), rational(radius), not system.denominators)
 
@@ -127,7 +128,7 @@ def rational(number: Number) -> fmpq:
     """
     found = number.as_rational()
     if found is None:
-        raise IrrationalError("numbers with roots in more than two states")
+        raise BeyondReachError("numbers with roots")
     if found and abs(int(found.p).bit_length() - int(found.q).bit_length()) > MAX_MAGNITUDE:
         raise BeyondReachError(f"numbers beyond 2**{MAX_MAGNITUDE} or below 2**-{MAX_MAGNITUDE}")
     return found
@@ -140,6 +141,10 @@ def rational_terms(polynomial: Polynomial) -> RationalTerms:
         BeyondReachError: for irrational ones.
     """
     return {exponents: rational(value) for exponents, value in polynomial.terms.items()}
+
+
+def _all_terms(polynomial: Polynomial) -> RationalTerms:
+    return dict(polynomial.terms)
 
 
 def scaled(terms: Mapping[Exponents, fmpq], factor: fmpq) -> RationalTerms:
@@ -238,7 +243,11 @@ class StatedCells:
     @property
     def record(self) -> dict[str, Any]:
         """As a certificate holds it."""
-        return {"within": self.within, "surfaces": list(map(str, self.surfaces)), "empty": list(self.empty)}
+        return {
+            "within": self.within,
+            "surfaces": list(map(polynomial_in_names, self.surfaces)),
+            "empty": list(self.empty),
+        }
 
     @property
     def proofs(self) -> dict[str, Any]:
@@ -255,21 +264,25 @@ class StatedCells:
         return pattern(found)
 
 
-def stated_cells(system: SwitchedSystem, radius: Number | None, more: Iterable[Polynomial] = ()) -> StatedCells:
+def stated_cells(
+    system: SwitchedSystem, radius: Number | None, more: Iterable[Polynomial] = (), *, irrational: bool = False
+) -> StatedCells:
     """The cells of a system.
 
     Args:
         system: in any number of states.
         radius: half the side of the cube; None for the whole space, where all surfaces pass the point.
         more: further surfaces, of functions; what is a multiple of another one is left out.
+        irrational: whether fields and surfaces may have irrational coefficients.
 
     Raises:
-        BeyondReachError: for irrational numbers, and for too many surfaces or cells.
+        BeyondReachError: for other irrational numbers, and for too many surfaces or cells.
     """
     half = system.field(1) if radius is None else radius
-    known = {monic(surface) for surface in build_cells(system, half).surfaces}
+    known = {monic(surface) for surface in build_cells(system, half, irrational=irrational).surfaces}
     new = {monic(surface): surface for surface in more}
-    cells = build_cells(system, half, [surface for own, surface in new.items() if own not in known])
+    further = [surface for own, surface in new.items() if own not in known]
+    cells = build_cells(system, half, further, irrational=irrational)
     within = None if radius is None else str(radius)
     return StatedCells(within, cells.surfaces, dict(_empty_patterns(cells)), cells)
 
@@ -294,7 +307,9 @@ def _empty_patterns(cells: SignCells) -> Iterator[tuple[str, dict[str, Any]]]:
                 weights = _contradiction(cells, longer)
                 known.append({j: longer[j] for j in weights})
                 last = max(weights)
-                mixture = {f"s{j}": str(weight / weights[last]) for j, weight in weights.items() if j != last}
+                mixture = {
+                    f"s{j}": written_number(weight / weights[last]) for j, weight in weights.items() if j != last
+                }
                 yield pattern(known[-1].get(j) for j in range(len(cells.surfaces))), {"mixture": [mixture]}
 
 
@@ -316,16 +331,25 @@ LARGEST = 3  # signs that contradict each other
 TRIALS = 6  # contradictions that are tried, for one pattern
 
 
-def started(system: SwitchedSystem, search: Search | None) -> tuple[System, Search]:
+def started(system: SwitchedSystem, search: Search | None, *, irrational: bool = False) -> tuple[System, Search]:
     """The subject of a certificate, and a search.
+
+    Args:
+        system: to be judged.
+        search: with what was shown before.
+        irrational: whether it may have irrational numbers.
 
     Raises:
         NotShownError: for a system that no certificate can name.
+        BeyondReachError: for irrational numbers, where these are not asked for.
     """
     try:
-        return read_subject(about(system)), search or Search()
+        subject = read_subject(about(system))
     except (NoCertificateError, RejectedError) as error:
         raise NotShownError(str(error)) from None
+    if subject.numbers and not irrational:
+        raise BeyondReachError("numbers with roots")
+    return subject, search or Search()
 
 
 def build_inclusion(stated: StatedCells, subject: System, search: Search, functions: Sequence[str] = ()) -> Inclusion:

@@ -25,14 +25,13 @@ from typing import Any, TypeAlias
 import numpy as np
 from scipy.optimize import linprog
 
-from nonsmooth.proofs.checker.cells import Cell, Inclusion
+from nonsmooth.proofs.checker.cells import Cell, Inclusion, pattern
 from nonsmooth.proofs.checker.polynomials import Polynomial, lie_derivative
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE, STABLE, UNSTABLE
 from nonsmooth.proofs.kernel.cells import (
     StatedCells,
     build_inclusion,
     monic,
-    rational,
     sharpened,
     started,
     stated_cells,
@@ -49,14 +48,16 @@ from nonsmooth.proofs.kernel.search import (
 )
 from nonsmooth.proofs.kernel.second_function import find_second
 from nonsmooth.proofs.kernel.tangents import form_lines, lowest_form
+from nonsmooth.proofs.kernel.written import coefficient_text
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
+from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial as Form
 from nonsmooth.symbolic.numbers.polynomial import float_values
 from nonsmooth.symbolic.piecewise import parse_piecewise
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 Record: TypeAlias = dict[str, Any]
-Ray: TypeAlias = tuple[Fraction, Fraction]
+Ray: TypeAlias = tuple[Any, Any]  # fractions, or numbers of the checker or of the program
 
 RADII = tuple(Fraction(1, 4**k) for k in range(1, 7))  # half-widths of cubes, over that of the scene
 MOST_LINES = 12
@@ -72,11 +73,13 @@ class FanCone:
     Attributes:
         start: its first ray, counterclockwise.
         end: its last ray.
+        mark: the signs of the lines through the point, as a text.
         cells: those that lie in it.
     """
 
     start: Ray
     end: Ray
+    mark: str
     cells: tuple[Cell, ...]
 
 
@@ -93,12 +96,12 @@ def show_by_fan(system: SwitchedSystem, verdict: str, search: Search | None = No
 
     Raises:
         NotShownError: where none is found.
-        BeyondReachError: for irrational numbers, and for too many surfaces or cells.
+        BeyondReachError: for too many surfaces or cells.
     """
-    subject, search = started(system, search)
+    subject, search = started(system, search, irrational=True)
 
     def cells(lines: Sequence[Form], share: Fraction) -> StatedCells:
-        return sharpened(stated_cells(system, system.check.radius * share, lines), subject, search)
+        return sharpened(stated_cells(system, system.check.radius * share, lines, irrational=True), subject, search)
 
     for lines in _line_sets(system):
         cones = build_cones(build_inclusion(cells(lines, RADII[-1]), subject, search))
@@ -110,7 +113,7 @@ def show_by_fan(system: SwitchedSystem, verdict: str, search: Search | None = No
             for denominator in DENOMINATORS:
                 short = _short(values, denominator)
                 try:
-                    theorem, hypotheses = _written(stated, cones, short, verdict, system)
+                    theorem, hypotheses = _written(stated, cones, short, verdict, subject.states)
                     SampledProofs().entry(subject, theorem, hypotheses)
                     return search.entry(subject, theorem, hypotheses)
                 except NotShownError:
@@ -146,8 +149,14 @@ def _line_sets(system: SwitchedSystem) -> Iterator[list[Form]]:
 
 def _direction(line: Form) -> Ray:
     """A vector along a line in the upper half plane, with short entries."""
-    a, b = (rational(line.terms.get(e, line.field.zero)) for e in ((1, 0), (0, 1)))
-    return _upper((as_fraction(b), Fraction(-int(a.p), int(a.q))))
+    a, b = (line.terms.get(e, line.field.zero) for e in ((1, 0), (0, 1)))
+    return _upper((_short_number(b), _short_number(-a)))
+
+
+def _short_number(value: Number) -> Any:
+    """A fraction, if it is one."""
+    rational = value.as_rational()
+    return value if rational is None else as_fraction(rational)
 
 
 def _upper(vector: Ray) -> Ray:
@@ -181,7 +190,8 @@ def build_cones(inclusion: Inclusion) -> list[FanCone]:
         inner = start[0] + end[0], start[1] + end[1]
         signs = {j: listed[j].slope(0) * inner[0] + listed[j].slope(1) * inner[1] > 0 for j in lines}
         cells = tuple(c for c in inclusion.cells if all((c.signs[j] > 0) == own for j, own in signs.items()))
-        cones.append(FanCone(start, end, cells))
+        mark = pattern(2 * signs[j] - 1 if j in signs else None for j in range(len(listed)))
+        cones.append(FanCone(start, end, mark, cells))
     return cones
 
 
@@ -260,17 +270,14 @@ def _floats(ray: Ray) -> Floats:
 
 
 def _written(
-    stated: StatedCells, cones: Sequence[FanCone], values: Sequence[Fraction], verdict: str, system: SwitchedSystem
+    stated: StatedCells, cones: Sequence[FanCone], values: Sequence[Fraction], verdict: str, states: Sequence[str]
 ) -> tuple[str, Record]:
     """The theorem's name, and its hypotheses with V as linear pieces."""
-    x, y = system.displaced(system.states)
-    x, y = (own - centre for own, centre in zip((x, y), system.check.equilibrium, strict=True))
     pieces = []
     for cone, value, after in zip(cones, values, [*values[1:], values[0]], strict=True):
-        first, last = (y * ray[0] - x * ray[1] for ray in (cone.start, cone.end))
-        slopes = _gradient(cone, value, after)
-        formula = " + ".join(f"{slope}*{name}" for slope, name in zip(slopes, system.states, strict=True))
-        pieces.append([stated.signs([(first, 1), (last, -1)]), formula])
+        slopes = map(coefficient_text, _gradient(cone, value, after))
+        formula = " + ".join(f"{slope}*{name}" for slope, name in zip(slopes, states, strict=True))
+        pieces.append([cone.mark, formula])
     if verdict != UNSTABLE:
         return "lyapunov", stability_hypotheses(stated.record, pieces, verdict)
     direction = list(map(str, _downward(cones, values)))
@@ -293,7 +300,9 @@ def _downward(cones: Sequence[FanCone], values: Sequence[Fraction]) -> Ray:
     while values[k] * weight + after >= 0:
         weight *= 2
     start, end = cones[k].start, cones[k].end
-    return start[0] * weight + end[0], start[1] * weight + end[1]
+    inside = start[0] * weight + end[0], start[1] * weight + end[1]
+    x, y = (own if isinstance(own, Fraction) else Fraction(float(own)) for own in inside)
+    return x, y
 
 
 WEIGHT_RADII = (Fraction(1, 4), Fraction(1, 16))  # half-widths of cubes, over that of the scene

@@ -49,9 +49,9 @@ def show_departure_of(system: SwitchedSystem, verdict: str, search: Search | Non
 
     Raises:
         NotShownError: where 0 is a mixture of the velocities there, or that is not known.
-        BeyondReachError: for irrational numbers, and for too many surfaces or cells.
+        BeyondReachError: for too many surfaces or cells.
     """
-    subject, search = started(system, search)
+    subject, search = started(system, search, irrational=True)
     for share in RADII:
         stated = _cells(system, share, subject, search)
         velocities = [[part.at_origin for part in field] for field in fields_around(stated, subject.stated, search)]
@@ -68,7 +68,7 @@ def show_departure_of(system: SwitchedSystem, verdict: str, search: Search | Non
 
 
 def _cells(system: SwitchedSystem, share: Fraction, subject: System, search: Search) -> StatedCells:
-    return sharpened(stated_cells(system, system.check.radius * share), subject, search)
+    return sharpened(stated_cells(system, system.check.radius * share, irrational=True), subject, search)
 
 
 def fields_around(stated: StatedCells, subject: System, search: Search) -> list[Field]:
@@ -111,9 +111,9 @@ def show_linearization_of(system: SwitchedSystem, verdict: str, search: Search |
 
     Raises:
         NotShownError: where there is no such V, or it is not shown.
-        BeyondReachError: for irrational numbers, and for too many surfaces or cells.
+        BeyondReachError: for too many surfaces or cells.
     """
-    subject, search = started(system, search)
+    subject, search = started(system, search, irrational=True)
     for share in RADII:
         stated = _cells(system, share, subject, search)
         matrix = common_jacobian(fields_around(stated, subject, search))

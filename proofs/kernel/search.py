@@ -31,7 +31,7 @@ from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.inequalities.linear_program import best_mixture
 from nonsmooth.proofs.inequalities.prover import Counterexample, Proof, Undecided
 from nonsmooth.proofs.kernel import simplices, squares
-from nonsmooth.symbolic.numbers.coefficients import as_fraction
+from nonsmooth.proofs.kernel.written import exact, twin, written_number
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.polynomial import float_values, float_values_and_sizes
 
@@ -84,7 +84,7 @@ class Search(Proofs):
         if self.missed.get(claim.name) == claim:
             return None
         known = self.known.get(claim.name)
-        outcome = Proof(claim, known) if known else prove(claim, self.work)
+        outcome = Proof(claim, known) if known else decide_claim(claim, self.work)
         return outcome.evidence if isinstance(outcome, Proof) else None
 
     def shows(self, claim: Claim) -> bool:
@@ -151,7 +151,11 @@ def _place_of_simplices(claim: Claim) -> int | None:
     return None if claim.count > MOST_BY_SIMPLICES else 1 if claim.count <= FLAT else 3
 
 
-SQUARES = Kind(lambda claim, work: squares.search(claim), lambda claim: 2)
+def _place_of_squares(claim: Claim) -> int | None:
+    return 2 if claim.field is None else None  # their matrices are rational
+
+
+SQUARES = Kind(lambda claim, work: squares.search(claim), _place_of_squares)
 
 # A new kind of evidence is a line here, and one of KINDS in the checker.
 KINDS = [
@@ -161,7 +165,7 @@ KINDS = [
 ]
 
 
-def prove(
+def decide_claim(
     claim: Claim, work: int = WORK, *, but: Kind | None = None
 ) -> Proof[Claim] | Counterexample[Claim] | Undecided[Claim]:
     """Decide a claim by the first kind of evidence that shows it, or meets a point at which it is false.
@@ -197,14 +201,14 @@ def _multipliers(claim: Claim, inequality: Inequality) -> dict[str, str] | None:
     if inequality.pushes or inequality.value.degree > 1:
         return None
     named = {name: own for name, own in inequality.guards.items() if own.degree == 1 and name[0] == "s"}
-    field, count = NumberField(), claim.count
-    columns = [[field(value) for value in _slopes(own)] for own in named.values()]
-    prices = [field(-own.at_origin) for own in named.values()]
+    field, count = NumberField() if claim.field is None else twin(claim.field), claim.count
+    columns = [[field(exact(value)) for value in _slopes(own)] for own in named.values()]
+    prices = [field(exact(-own.at_origin)) for own in named.values()]
     for k in range(count if claim.bounded else 0):
         for side in (1, -1):
             columns.append([field(side * int(i == k)) for i in range(count)])
             prices.append(field(-1))
-    target = [field(value) for value in _slopes(inequality.value)]
+    target = [field(exact(value)) for value in _slopes(inequality.value)]
     if not count or not columns:
         return {} if not any(_slopes(inequality.value)) and _is_enough(claim, inequality.value.at_origin) else None
     try:
@@ -213,14 +217,13 @@ def _multipliers(claim: Claim, inequality: Inequality) -> dict[str, str] | None:
         return None
     if found is None:
         return None
-    rest = found.value.as_rational()
-    if rest is None or not _is_enough(claim, inequality.value.at_origin + as_fraction(rest)):
+    if not _is_enough(claim, found.value + exact(inequality.value.at_origin)):
         return None
     names = list(named)
-    return {names[k]: str(weight) for k, weight in found.weights.items() if k < len(names)}
+    return {names[k]: written_number(weight) for k, weight in found.weights.items() if k < len(names)}
 
 
-def _is_enough(claim: Claim, rest: Fraction) -> bool:
+def _is_enough(claim: Claim, rest: Any) -> bool:
     return rest > 0 or (not claim.strict and not rest)
 
 

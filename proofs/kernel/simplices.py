@@ -31,7 +31,7 @@ from nonsmooth.proofs.inequalities.subdivision import (
     subdivide,
     value_at,
 )
-from nonsmooth.proofs.kernel.written import terms_of
+from nonsmooth.proofs.kernel.written import exact, terms_of, written_number
 from nonsmooth.symbolic.numbers.polynomial import add_terms, in_generators
 
 Exponents: TypeAlias = tuple[int, ...]
@@ -100,10 +100,14 @@ def counterexample(claim: Claim, point: Sequence[fmpq]) -> Counterexample[Claim]
 
 
 def _root(claim: Claim, corners: Sequence[Sequence[Fraction]]) -> SubCone:
-    exact = tuple(tuple(fmpq(x.numerator, x.denominator) for x in corner) for corner in corners)
-    values = [[_form(own, exact) for own in (i.value, *i.pushes)] for i in claim.inequalities]
-    guards = [{name: _form(own, exact) for name, own in i.guards.items() if name[0] == "s"} for i in claim.inequalities]
-    return root_part(exact, values, guards, {n: _form(own, exact) for n, own in claim.inequalities[0].zeros.items()})
+    own_corners = tuple(tuple(map(exact, corner)) for corner in corners)
+
+    def form(value: Polynomial) -> Form:
+        return _form(value, own_corners)
+
+    values = [[form(own) for own in (i.value, *i.pushes)] for i in claim.inequalities]
+    guards = [{name: form(own) for name, own in i.guards.items() if name[0] == "s"} for i in claim.inequalities]
+    return root_part(own_corners, values, guards, {n: form(own) for n, own in claim.inequalities[0].zeros.items()})
 
 
 def _form(value: Polynomial, corners: Sequence[Corner]) -> Form:
@@ -205,10 +209,15 @@ def _tree(part: SubCone) -> Any:
     """The tree below a part, as certificates write it."""
     if isinstance(part.node, ConeCut):
         cut = part.node
-        return [cut.first, cut.second, str(cut.share), _tree(cut.near), _tree(cut.far)]
+        return [cut.first, cut.second, written_number(cut.share), _tree(cut.near), _tree(cut.far)]
     leaf: dict[str, Any] = {}
     if part.node.mu:
         leaf["mu"] = [[str(value) for value in own] for own in part.node.mu]
     if any(part.node.on):
-        leaf["on"] = [own if isinstance(own, str) else {n: str(v) for n, v in own.items()} for own in part.node.on]
+        leaf["on"] = [_written(own) for own in part.node.on]
     return leaf
+
+
+def _written(shown: str | dict[str, Any]) -> str | dict[str, Any]:
+    """What shows an inequality on a part: the name of a guard, or multiples."""
+    return shown if isinstance(shown, str) else {name: written_number(value) for name, value in shown.items()}

@@ -1,13 +1,32 @@
-"""The subject of a certificate of a plain system, and the numbers that certificates can hold."""
+"""The subject of a certificate of a plain system, and how its numbers are written.
+
+An irrational number is a sum of products of *generators*, the square roots and the ``2 cos(2 pi/N)`` of the scene's
+field.  The subject lists those that its formulas need, each with a name and as the only root above a bound of a
+polynomial; formulas are stated in these names, so that nobody need know what ``sqrt`` and ``cos`` mean.
+"""
 
 from __future__ import annotations
 
+import ast
+import re
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
+from itertools import product
 from typing import Any
 
-from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.proofs.exact_json import Generators
+from nonsmooth.symbolic.enclosed_numbers import MOST_PLACES, bounds_of
+from nonsmooth.symbolic.numbers.coefficients import bits
+from nonsmooth.symbolic.numbers.number import Number, Tower
+from nonsmooth.symbolic.numbers.polynomial import Polynomial
+from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.scene_error import one_line
+from nonsmooth.symbolic.sine_enclosures import Wave
 from nonsmooth.symbolic.switched_system import SwitchedSystem
+
+NUMBERS = re.compile(r"\b(pi|sqrt|sin|cos)\b")
+LONGEST_NAME = 31  # characters
+IN_NAMES = {"+": "p", "-": "m", "*": "t", "/": "o", " ": ""}  # letters for what is written of a radicand
 
 
 class NoCertificateError(ValueError):
@@ -17,20 +36,114 @@ class NoCertificateError(ValueError):
 def about(system: SwitchedSystem) -> dict[str, Any]:
     """What a certificate is about; where roots of states stand for these, what was stated, and of which states.
 
+    Sines and cosines of states stay in the right-hand sides where there is one field, and its numbers can be written.
+
     Raises:
-        NoCertificateError: for a point that no certificate can name.
+        NoCertificateError: for a point or numbers that no certificate can name.
     """
     at = system.check.equilibrium
     if system.by_roots is not None:
-        names, rooted = system.by_roots.roots.states, system.by_roots.roots.rooted
-        stated = [z * abs(z) if name in rooted else z for name, z in zip(names, at, strict=True)]
+        states, rooted = system.by_roots.roots.states, system.by_roots.roots.rooted
+        stated = [z * abs(z) if name in rooted else z for name, z in zip(states, at, strict=True)]
         rhs = [[one_line(formula) for formula in member] for member in system.written]
-        return {"states": list(names), "rhs": rhs, "at": list(map(exact_text, stated)), "roots": list(rooted)}
-    return {
-        "states": list(system.states),
-        "rhs": [[one_line(side.text) for side in member.rhs] for member in system.members],
-        "at": [exact_text(value) for value in at],
-    }
+        return {"states": list(states), "rhs": rhs, "at": list(map(exact_text, stated)), "roots": list(rooted)}
+    with_waves = _with_waves(system)
+    rhs = with_waves or [[formula_in_names(side, system) for side in member.rhs] for member in system.members]
+    own = {"states": list(system.states), "rhs": rhs}
+    irrational = [] if with_waves else list(_irrational_numbers(system))
+    if not irrational:
+        return {**own, "at": [exact_text(value) for value in at]}
+    generators = Generators([irrational])
+    names = [_base_name(system.field)] if generators.base else []
+    names += [_root_name(system.field.radicands[i]) for i in generators.numbering]
+    if not set(names).isdisjoint(system.states):
+        raise NoCertificateError(
+            f"a certificate of a plain system names numbers {names}, received states of these names"
+        )
+    entries = generators.of_field(system.field)
+    numbers = [{"name": name, **entry} for name, entry in zip(names, entries, strict=True)]
+    return {**own, "at": [generators.encoded(value) for value in at], "numbers": numbers}
+
+
+def _irrational_numbers(system: SwitchedSystem) -> Iterator[Number]:
+    """Those of the right-hand sides, of the point, and of the V that is stated."""
+    formulas = [side for member in system.members for side in member.rhs]
+    for formula in (*formulas, system.check.lyapunov):
+        yield from (number for _, number in _numbers_of(formula, system))
+    yield from (value for value in system.check.equilibrium if value.as_rational() is None)
+
+
+def _numbers_of(formula: PiecewiseExpression, system: SwitchedSystem) -> list[tuple[ast.expr, Number]]:
+    """The largest parts of a formula that are irrational numbers, from the left to the right."""
+    found = []
+    for node, expression in formula.numbers.items():
+        if isinstance(node, ast.expr):
+            number = expression.value(system.field)
+            if number.as_rational() is None:
+                found.append((node, number))
+    return sorted(found, key=lambda own: own[0].col_offset)
+
+
+# ---- sines and cosines of states --------------------------------------------------------------
+
+
+def _with_waves(system: SwitchedSystem) -> list[list[str]]:
+    """The right-hand sides with sines and cosines, irrational numbers at their bounds; none where that is not possible.
+
+    The number of terms with irrational numbers is limited, and these may not stand beside switching functions.
+    """
+    terms = [list(_terms(side, system)) for side in system.named_rhs]
+    bounds = [own for side in terms for own, _ in side]
+    if not system.names or not all(bounds) or sum(len(own) > 1 for own in bounds) > MOST_PLACES:
+        return []
+    found = []
+    for chosen in product(*bounds):
+        rest = iter(chosen)
+        found.append([_sum((next(rest), factor) for _, factor in side) for side in terms])
+    return found
+
+
+def _terms(side: PiecewiseExpression, system: SwitchedSystem) -> Iterator[tuple[list[str], str]]:
+    """The terms of a formula: a number, or bounds of it, and what it is multiplied with; no bounds for other formulas.
+
+    With ``cos v - 1`` in place of ``cos v`` constant terms cancel, so that the point remains one of rest.
+    """
+    waves = {own.name: f"{own.kind}({_argument(own, system)})" for own in system.names}
+    if side.switching_parts:
+        named = re.compile(rf"\b({'|'.join(map(re.escape, waves))})\b")
+        text = one_line(side.text)
+        can_be_written = not NUMBERS.search(named.sub("w", text))
+        yield ["1"] if can_be_written else [], f"({named.sub(lambda own: waves[own[0]], text)})"
+        return
+    factors = {name: name for name in system.states} | waves
+    values = {name: Polynomial.variable(system.field, tuple(factors), name) for name in factors}
+    for wave in system.names:
+        if wave.kind == "cos":
+            values[wave.name] += 1
+            factors[wave.name] = f"({waves[wave.name]} - 1)"
+    for exponents, value in side.polynomial(values, lambda _: 0).terms.items():
+        powers = zip(factors.values(), exponents, strict=True)
+        exact = value.as_rational()
+        bounds = bounds_of(value) if exact is None else (exact,)
+        yield list(map(str, bounds)), "*".join(factor for factor, exponent in powers for _ in range(exponent))
+
+
+def _argument(wave: Wave, system: SwitchedSystem) -> str:
+    values = dict(zip(system.states, system.coordinates(), strict=True))
+    return str(parse_piecewise(wave.argument, system.states).polynomial(values, lambda _: 0))
+
+
+def _sum(terms: Iterator[tuple[str, str]]) -> str:
+    """A sum of products of a number and something."""
+    parts = []
+    for number, factor in terms:
+        sign, size = ("-", number[1:]) if number.startswith("-") else ("+", number)
+        parts.append(f"{sign} {factor if size == '1' and factor else '*'.join(filter(None, (size, factor)))}")
+    joined = " ".join(parts) or "0"
+    return joined.removeprefix("+ ") if not joined.startswith("- ") else f"-{joined[2:]}"
+
+
+# ---- texts -------------------------------------------------------------------------------------
 
 
 def exact_text(value: Number | Fraction) -> str:
@@ -43,3 +156,59 @@ def exact_text(value: Number | Fraction) -> str:
     if not set(text) <= set("-0123456789/"):
         raise NoCertificateError(f"a certificate of a plain system needs rational numbers, received {text[:60]}")
     return text
+
+
+def formula_in_names(formula: PiecewiseExpression, system: SwitchedSystem) -> str:
+    """A formula with every irrational number in the names of generators."""
+    own = parse_piecewise(one_line(formula.text), system.states)
+    text = own.text
+    for node, number in reversed(_numbers_of(own, system)):
+        text = f"{text[: node.col_offset]}({number_in_names(number)}){text[node.end_col_offset :]}"
+    return text
+
+
+def polynomial_in_names(polynomial: Polynomial) -> str:
+    """A polynomial as a formula with every irrational number in the names of generators."""
+    if all(value.as_rational() is not None for value in polynomial.terms.values()):
+        return str(polynomial)
+    parts = []
+    for exponents, number in polynomial.terms.items():
+        pairs = [(name, k) for name, k in zip(polynomial.variables, exponents, strict=True) if k]
+        powers = [name if k == 1 else f"{name}**{k}" for name, k in pairs]
+        parts.append("*".join([*powers, *([f"({number_in_names(number)})"] if number != 1 or not powers else [])]))
+    return " + ".join(parts)
+
+
+def number_in_names(number: Number) -> str:
+    """A number as a sum of products of named generators, such as ``1/2*sqrt_2 - 3``."""
+    parts = []
+    for mask, coefficient in sorted(number.terms.items(), reverse=True):
+        roots = [_root_name(number.field.radicands[i]) for i in bits(mask)]
+        powers: Sequence[Any] = [coefficient] if number.field.modulus is None else coefficient.coeffs()
+        for exponent, share in enumerate(powers):
+            base = f"{_base_name(number.field)}**{exponent}" if exponent > 1 else _base_name(number.field)
+            factors = [base, *roots] if exponent else roots
+            if share:
+                sign, size = ("-", -share) if share < 0 else ("", share)
+                parts.append(sign + "*".join([*([str(size)] if size != 1 or not factors else []), *factors]))
+    return " + ".join(parts).replace("+ -", "- ") or "0"
+
+
+def _base_name(field: Tower) -> str:
+    """The name of ``2 cos(2 pi/N)``."""
+    return f"two_cos_{field.order}"
+
+
+def _root_name(radicand: Number) -> str:
+    """The name of a square root, such as ``sqrt_2``.
+
+    Raises:
+        NoCertificateError: where it would be too long.
+    """
+    written = str(radicand)
+    for sign, letter in IN_NAMES.items():
+        written = written.replace(sign, letter)
+    name = re.sub("[^A-Za-z0-9_]", "_", f"sqrt_{written}")
+    if len(name) > LONGEST_NAME:
+        raise NoCertificateError(f"a certificate of a plain system needs short roots, received sqrt({radicand})")
+    return name

@@ -1,13 +1,28 @@
-"""Polynomials as the checker has them: from those of the program, and as formulas of a certificate."""
+"""Numbers and polynomials as the checker has them and as the program has them, and as formulas of a certificate.
+
+The checker's irrational numbers (:class:`nonsmooth.proofs.checker.tower.Number`) are sums of products of generators.
+Searches compute with those of the program in a tower of the same generators, in the same order: its arithmetic is that
+of flint, and its zeros and signs are certain.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
+from math import acos, pi
+from typing import Any
 
-from flint import fmpq
+from flint import fmpq, fmpq_poly
 
-from nonsmooth.proofs.checker.polynomials import Exponents, Polynomial
-from nonsmooth.symbolic.numbers.coefficients import as_fraction
+from nonsmooth.proofs.checker import tower
+from nonsmooth.proofs.checker.polynomials import Coefficient, Exponents, Polynomial
+from nonsmooth.proofs.kernel.subject import number_in_names
+from nonsmooth.symbolic.numbers.coefficients import as_fraction, bits
+from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.number_field import NumberField
+
+KNOWN_FIELDS = 64  # towers that are kept
+PRECISION = 64  # bits to which a generator of the base is told
 
 
 def as_checked(terms: Mapping[Exponents, fmpq], count: int) -> Polynomial:
@@ -15,13 +30,67 @@ def as_checked(terms: Mapping[Exponents, fmpq], count: int) -> Polynomial:
     return Polynomial(count, {e: as_fraction(c) for e, c in terms.items()})
 
 
-def terms_of(value: Polynomial) -> dict[Exponents, fmpq]:
-    """The terms of a polynomial of the checker with numbers of flint."""
-    return {e: fmpq(c.numerator, c.denominator) for e, c in value.terms.items()}
+def terms_of(value: Polynomial) -> dict[Exponents, Any]:
+    """The terms of a polynomial of the checker with numbers of flint, and irrational ones of the program."""
+    return {e: exact(c) for e, c in value.terms.items()}
+
+
+def exact(value: Coefficient) -> Any:
+    """A number of the checker as the program computes with it."""
+    if isinstance(value, tower.Number):
+        return _in_twin(value, twin(value.field))
+    return fmpq(value.numerator, value.denominator)
+
+
+@lru_cache(maxsize=KNOWN_FIELDS)
+def twin(field: tower.Field) -> NumberField:
+    """The tower of the program with the generators of one of the checker's, in the same order."""
+    found, roots = NumberField(), field.generators
+    if roots and not _is_square_root(roots[0]):
+        middle = sum(field.root(0, PRECISION)) / (2 << PRECISION)
+        found, roots = NumberField(round(2 * pi / acos(middle / 2))), roots[1:]
+    for own in roots:
+        radicand = -_in_twin(own.lower[0], found)
+        found.square_roots[radicand] = found.adjoin(radicand)
+    return found
+
+
+def _in_twin(value: tower.Number, field: NumberField) -> Number:
+    """A sum of products of generators, of which the first is that of the base unless that is rational."""
+    total, has_base = field.zero, field.modulus is not None
+    for monomial, c in value.terms.items():
+        product = field.rational(fmpq(c, value.bottom))
+        for k in monomial:
+            is_base = has_base and not k
+            product *= field.two_cos(1) if is_base else field.square_roots[field.radicands[k - has_base]]
+        total += product
+    return total
+
+
+def _is_square_root(generator: tower.Generator) -> bool:
+    return generator.degree == 2 and not generator.lower[1].terms
+
+
+def written_number(value: Any) -> Any:
+    """A number of the program as evidence holds it: a rational as text, else a list of products of generators."""
+    if not isinstance(value, Number) or value.as_rational() is not None:
+        return str(value)
+    field = value.field
+    has_base, found = field.modulus is not None, []
+    for mask, c in sorted(value.terms.items()):
+        for power, share in enumerate(c.coeffs() if isinstance(c, fmpq_poly) else [c]):
+            if share:
+                found.append([str(share), *[0] * power, *(i + has_base for i in bits(mask))])
+    return found
+
+
+def coefficient_text(value: Coefficient) -> str:
+    """A number of the checker in a formula: a fraction, or a sum of products of named generators in brackets."""
+    return f"({number_in_names(exact(value))})" if isinstance(value, tower.Number) else str(value)
 
 
 def formula_text(value: Polynomial, names: Sequence[str]) -> str:
-    """A polynomial as a formula, such as ``-3/4*x**2*y + 1``."""
+    """A polynomial with rational coefficients as a formula, such as ``-3/4*x**2*y + 1``."""
     written = []
     for exponents, coefficient in sorted(value.terms.items(), reverse=True):
         powers = [name if k == 1 else f"{name}**{k}" for name, k in zip(names, exponents, strict=True) if k]

@@ -8,8 +8,8 @@ from typing import Any
 
 from flint import fmpq
 
-from nonsmooth.proofs.checker.cells import read_system
 from nonsmooth.proofs.checker.positivity import Claim
+from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.work import MALFORMED, RejectedError
 from nonsmooth.proofs.inequalities.prover import Counterexample, Proof
 from nonsmooth.proofs.inequalities.subdivision import value_at
@@ -21,7 +21,7 @@ from nonsmooth.proofs.kernel.cells import (
     surfaces_of,
 )
 from nonsmooth.proofs.kernel.claims import Functions
-from nonsmooth.proofs.kernel.search import SQUARES, prove, stability_hypotheses
+from nonsmooth.proofs.kernel.search import SQUARES, decide_claim, stability_hypotheses
 from nonsmooth.proofs.kernel.second_function import find_attraction
 from nonsmooth.proofs.kernel.squares import Shown, condition_of, find
 from nonsmooth.proofs.kernel.subject import NoCertificateError, about
@@ -226,7 +226,7 @@ def functions_on(system: SwitchedSystem, stated: StatedCells, texts: Sequence[st
         BeyondReachError: for functions that are not continuous, or bend on curved surfaces.
     """
     try:
-        return Functions(read_system(about(system)), stated.record, texts)
+        return Functions(read_subject(about(system)), stated.record, texts)
     except (*MALFORMED, RejectedError, NoCertificateError) as error:
         raise BeyondReachError(f"required {error}") from None
 
@@ -241,7 +241,7 @@ def answer(claim: Claim, effort: Effort) -> Asked:
     found, against = find(claim, effort), None
     for strict in SENSES[effort]:
         if found is None:
-            outcome = prove(replace(claim, strict=strict), WORK, but=SQUARES)
+            outcome = decide_claim(replace(claim, strict=strict), WORK, but=SQUARES)
             found = Shown(outcome.evidence, strict) if isinstance(outcome, Proof) else None
             against = outcome if isinstance(outcome, Counterexample) else None
     return Asked(claim, found, against)

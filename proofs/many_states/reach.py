@@ -20,7 +20,7 @@ from nonsmooth.proofs.checker.positivity import Claim
 from nonsmooth.proofs.checker.theorems import show_rate
 from nonsmooth.proofs.inequalities.prover import Proof
 from nonsmooth.proofs.kernel.claims import Collected
-from nonsmooth.proofs.kernel.search import SQUARES, prove
+from nonsmooth.proofs.kernel.search import SQUARES, decide_claim
 from nonsmooth.proofs.kernel.squares import Shown, condition_of, find, mu_shapes, with_values
 from nonsmooth.proofs.kernel.written import terms_of
 from nonsmooth.proofs.many_states.examination import Asked, ExaminedLyapunov, are_about_forms
@@ -134,7 +134,7 @@ def _proofs(
 def _evidence(claim: Claim, known: Shown | None) -> dict[str, Any] | None:
     """Of a claim with kappa, by the kind that showed the one without."""
     if known is None or known.mu is None:
-        outcome = None if known is None else prove(claim, but=SQUARES)
+        outcome = None if known is None else decide_claim(claim, but=SQUARES)
         return outcome.evidence if isinstance(outcome, Proof) else None
     found = find(claim, Effort.HASTY, known.mu)
     return None if found is None else found.evidence

@@ -47,14 +47,21 @@ class BasinEffort:
         angle: by which velocities are turned outward, in radians.
         gap: between points of a dense ring, of its size.
         starts: in a row of those that are sampled.
+        points: of a ring, at most.
+        triangles: that are looked at in floats, at most; those near the point come first.
     """
 
     angle: float
     gap: float
     starts: int
+    points: int = 4_000
+    triangles: int = 300_000
 
 
-EFFORTS = {"fast": BasinEffort(0.04, 0.012, 41), "best": BasinEffort(0.007, 0.0025, 101)}
+EFFORTS = {
+    "fast": BasinEffort(0.04, 0.012, 41),
+    "best": BasinEffort(0.007, 0.0025, 101, 20_000, 10_000_000),
+}
 
 
 @dataclass(frozen=True)
@@ -141,10 +148,11 @@ def find_basin(
     far = FARTHEST * float(np.abs(first).max())
     best: tuple[dict[str, Any], int] | None = None
     for power in POWERS:
-        rings = grow(field, first, effort.angle, effort.gap, min(limit or far, far), _step(announce, "rings"), power)
+        size, pace = (effort.angle, effort.gap, min(limit or far, far), effort.points), _step(announce, "rings")
+        rings = grow(field, first, *size, pace, power)
         if len(rings) < 2:
             continue
-        built = MeshBuilder(field, cells, rings).build(_step(announce, "bands of triangles"))
+        built = MeshBuilder(field, cells, rings, effort.triangles).build(_step(announce, "bands of triangles"))
         if built is not None and (best is None or _mesh_area(built) > _mesh_area(best)):
             best = built
         if best is not None and _mesh_area(best) > NEARLY_ALL * area(rings[-1]):

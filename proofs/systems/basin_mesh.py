@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from nonsmooth.proofs.checker.basin import CellFields, Mesh, show_falls
 from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.checker.work import RejectedError
-from nonsmooth.proofs.systems.basin_rings import SMALL, Bernstein, FieldInCells, Floats
+from nonsmooth.proofs.systems.basin_rings import SMALL, FieldInCells, Floats
 
 EVERY = 12  # rings of which one is used, and points of a ring, at first
 ROUNDS = 8  # in which a band is refined
@@ -191,6 +191,7 @@ class MeshBuilder:
         field: the velocities in floats.
         exact: the checker's cells, told the unit of the mesh.
         rings: from the first one on.
+        most: triangles that are looked at, refined ones anew; then the mesh ends before the first band that is open.
         is_first_whole: whether all points of the first one are corners, and no others.
     """
 
@@ -199,6 +200,7 @@ class MeshBuilder:
         field: FieldInCells,
         exact: Callable[[str], CellFields],
         rings: Sequence[Floats],
+        most: int,
         *,
         is_first_whole: bool = False,
     ) -> None:
@@ -206,7 +208,7 @@ class MeshBuilder:
         self.lattice = Lattice(field.surfaces, size)
         self.field, self.exact = field, exact(str(self.lattice.unit))
         self.dense, self.rings = rings, dict[int, LatticeRing]()
-        self.points, self.is_first_whole = dict[int, Bernstein](), is_first_whole
+        self.left, self.is_first_whole = most, is_first_whole
         if is_first_whole:
             self.ring(0).chosen = list(range(len(self.ring(0).points)))
 
@@ -227,6 +229,9 @@ class MeshBuilder:
             if not open_bands:
                 break
             announce(len(shown), len(used) - 1)
+            if self.left < 0:
+                used = used[: next(k for k, pair in enumerate(pairwise(used)) if pair not in shown) + 1]
+                break
             touched, between = set[int](), set[int]()
             for pair in open_bands:
                 rounds[pair] = rounds.get(pair, 0) + 1
@@ -271,6 +276,7 @@ class MeshBuilder:
         """The triangles of a band on which W is not seen to fall, and whether they are turned over."""
         pair = (inner, outer)
         triangles = band(self.ring(inner), self.ring(outer))
+        self.left -= len(triangles)
         named = [self._corners(pair, own) for own in triangles]
         corners = np.array([[self.ring(ring).points[point] for ring, point in own] for own in named])
         a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
@@ -286,10 +292,7 @@ class MeshBuilder:
         good = np.ones(len(corners), dtype=bool)
         places = corners * float(self.lattice.unit)
         for cell, here in self.field.meeting(places, self.lattice.on_lines(corners)):
-            for k, degree in enumerate(self.field.degrees(cell)):
-                points = self.points.setdefault(degree, Bernstein(degree))
-                at = points.places(places[here])
-                velocities = self.field.on(cell, at.reshape(-1, 2))[k].reshape(at.shape)
+            for velocities, points in self.field.velocities(cell, places[here]):
                 rates = points.coefficients(np.einsum("mkd,md->mk", velocities, normals[here]))
                 sizes = np.linalg.norm(velocities, axis=2).max(axis=1) * np.linalg.norm(normals[here], axis=1)
                 good[here] &= rates.max(axis=1) < -SMALL * sizes

@@ -19,7 +19,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
+from itertools import product
 from math import factorial
 from typing import Any, Protocol, TypeAlias
 
@@ -36,6 +37,7 @@ MOVE = 0.02  # of the size of a ring, by which the fastest of its points moves i
 STEPS, PAUSE, GROWTH = 1_500, 50, 1.0015  # at most; between looks at the area; by which this must grow
 BEND = 0.15  # of a side: interpolation that bends more is not believed
 FOLD = 0.2  # sine of the angle between f and n below which f is turned less
+PHASE = 2.0  # in radians: sines and cosines need as many points over it as a ring of this size has
 APART = 1e-3  # of a side: as near to a corner no other one is put
 UNFOLDED = 5  # times that points are left out at which a ring turns back
 STARTS = 400  # points of the first ring
@@ -52,11 +54,12 @@ class FieldInCells(Protocol):
     def at(self, x: Floats) -> Floats:
         """The velocities at places, those of one cell where several meet: shape (right-hand sides, places, 2)."""
 
-    def on(self, cell: Any, x: Floats) -> Floats:
-        """The velocities that a cell has, wherever the places are: shape (right-hand sides, places, 2)."""
+    @property
+    def scale(self) -> float:
+        """A length over which velocities of one cell change little; infinite for polynomials."""
 
-    def degrees(self, cell: Any) -> Sequence[int]:
-        """Of the right-hand sides of a cell."""
+    def velocities(self, cell: Any, triangles: Floats) -> Iterator[tuple[Floats, Bernstein]]:
+        """Polynomial fields that have those of a cell in their hull, at the nodes of triangles."""
 
     def slides(self, ring: Floats) -> tuple[NDArray[np.int64], Floats, Floats]:
         """Where a ring crosses lines along which solutions slide: after which points, the places, and velocities."""
@@ -135,13 +138,34 @@ class FloatField:
         """The ring as it is: points are put on lines, exactly, and curves are crossed where they are."""
         return ring, np.full(len(ring), -1)
 
-    def degrees(self, cell: Pattern) -> Sequence[int]:
-        """Of the right-hand sides of a cell."""
-        return [max(own.degree for own in side) for side in self.plane.sides(cell)]
+    @property
+    def scale(self) -> float:
+        """A length over which no sine or cosine changes much; infinite without any."""
+        arguments = [v for side in self.plane.waves for _, v in side]
+        slopes = [float(np.hypot(float(v.slope(0)), float(v.slope(1)))) for v in arguments]
+        return PHASE / max(slopes, default=0.0) if any(slopes) else np.inf
+
+    def velocities(self, cell: Pattern, triangles: Floats) -> Iterator[tuple[Floats, Bernstein]]:
+        """Polynomial fields that have those of a cell in their hull, at the nodes of triangles.
+
+        Sines and cosines lie between affine functions, as the checker bounds them (:mod:`..checker.waves`).
+        """
+        for k, side in enumerate(self.plane.sides(cell)):
+            still, *moved = (max(own.degree for own in part) for part in side.parts)
+            points = bernstein(max([still, *(own + 1 for own in moved)]))
+            at, corners = points.places(triangles), triangles.reshape(-1, 2)
+            bounds = []
+            for (_, v), own in zip(self.plane.waves[k], self.waves(k, corners), strict=True):
+                arguments = values(v, corners).reshape(len(triangles), 3)
+                error = (arguments.max(axis=1) - arguments.min(axis=1)) ** 2 / 8
+                mean = points.weights(own.reshape(len(triangles), 3))
+                bounds.append([(mean + sign * error[:, None]).ravel() for sign in (-1, 1)])
+            for waves in product(*bounds):
+                yield self.side(cell, k, at.reshape(-1, 2), waves).reshape(at.shape), points
 
     @cached_property
     def _guard_points(self) -> Bernstein:
-        return Bernstein(max((own.degree for own in self.surfaces), default=0))
+        return bernstein(max((own.degree for own in self.surfaces), default=0))
 
     def meeting(self, triangles: Floats, exact: Mapping[int, Floats]) -> Iterator[tuple[Pattern, NDArray[np.bool_]]]:
         """Each cell with the triangles whose inside it may meet: all surfaces may have its signs there."""
@@ -179,8 +203,18 @@ class FloatField:
 
     def on(self, signs: Pattern, x: Floats) -> Floats:
         """The velocities that a cell has, wherever the places are: shape (right-hand sides, places, 2)."""
-        sides = self.plane.sides(signs)
-        return np.stack([np.stack([values(own, x) for own in side], axis=1) for side in sides])
+        sides = range(len(self.plane.sides(signs)))
+        return np.stack([self.side(signs, k, x, self.waves(k, x)) for k in sides])
+
+    def side(self, signs: Pattern, number: int, x: Floats, waves: Sequence[Floats]) -> Floats:
+        """The velocities of one right-hand side for some values of its sines and cosines: shape (places, 2)."""
+        parts = self.plane.sides(signs)[number].parts
+        still, *moved = (np.stack([values(own, x) for own in part], axis=1) for part in parts)
+        return np.asarray(still + sum(wave[:, None] * own for wave, own in zip(waves, moved, strict=True)))
+
+    def waves(self, number: int, x: Floats) -> list[Floats]:
+        """The sines and cosines of one right-hand side at places."""
+        return [(np.sin if name == "sin" else np.cos)(values(v, x)) for name, v in self.plane.waves[number]]
 
     def at(self, x: Floats) -> Floats:
         """The velocities at places, those of one cell where several meet: shape (right-hand sides, places, 2)."""
@@ -219,9 +253,19 @@ class Bernstein:
         """The points at which a polynomial is looked at: shape (triangles, nodes, 2)."""
         return np.asarray(np.einsum("kc,mcd->mkd", self.nodes, triangles))
 
+    def weights(self, own: Floats) -> Floats:
+        """The affine functions with some values at the corners, of shape (triangles, 3), at these points."""
+        return np.asarray(own @ self.nodes.T)
+
     def coefficients(self, own: Floats) -> Floats:
         """From values of shape (triangles, nodes)."""
         return np.asarray(own @ self.inverse.T)
+
+
+@cache
+def bernstein(degree: int) -> Bernstein:
+    """Of polynomials of a degree."""
+    return Bernstein(degree)
 
 
 def values(polynomial: Polynomial, x: Floats) -> Floats:
@@ -278,6 +322,7 @@ def grow(
     angle: float,
     gap: float,
     limit: float,
+    most: int,
     announce: Callable[[int, int], None],
     power: int = 2,
 ) -> list[Floats]:
@@ -289,6 +334,7 @@ def grow(
         angle: by which velocities are turned outward, in radians.
         gap: between neighbours on a ring, of its size.
         limit: half the side of a square that no ring leaves.
+        most: points of a ring.
         announce: told the number of steps that are done, and of all.
         power: p of the speed ``f / |x|^p``.
     """
@@ -297,6 +343,8 @@ def grow(
         announce(step, STEPS)
         ring = _next_ring(field, ring, angle, gap, limit, power)
         if not np.isfinite(ring).all() or np.abs(ring).max() > limit or area(ring) <= 0:
+            break
+        if len(ring) > most:
             break
         rings.append(ring)
         if step % PAUSE == 0:
@@ -337,7 +385,7 @@ def _next_ring(field: FieldInCells, ring: Floats, angle: float, gap: float, limi
     room = np.clip(1 - (places / limit) ** 2, 0, 1).prod(axis=1)
     tips = places - du * (1 - angle) * slides * (room / np.linalg.norm(places, axis=1) ** power)[:, None]
     is_tip = np.insert(np.zeros(len(ring), dtype=bool), after + 1, np.ones(len(after), dtype=bool))
-    return _spaced(*_unfolded(np.insert(moved, after + 1, tips, axis=0), is_tip), gap * size)
+    return _spaced(*_unfolded(np.insert(moved, after + 1, tips, axis=0), is_tip), gap * min(size, field.scale))
 
 
 def _unfolded(ring: Floats, is_tip: NDArray[np.bool_]) -> tuple[Floats, NDArray[np.bool_]]:

@@ -18,6 +18,7 @@ from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, work_limit
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import SceneError
 
+HEADINGS = 36  # in a full turn, as of ``simulate --headings 36``
 UNITS = 3_000_000  # of exact arithmetic for one candidate: a few seconds
 UNMET = 1e6  # what a requirement that is not met costs
 OPEN = 0.5  # of that, where the answer is undecided
@@ -96,6 +97,15 @@ def _settling(check: Check, answers: Sequence[Answer]) -> float | None:
     return 1 / float(after) if after else None
 
 
+def _returning(check: Check, answers: Sequence[Answer]) -> float | None:
+    """The widest arc of headings, in degrees, from which bodies at the checked point return to one of them: sampled."""
+    from nonsmooth.reports.heading_maps import from_headings
+
+    x, y = map(float, check.scene.check.equilibrium)
+    arcs = from_headings(check.scene, (x, y), HEADINGS).returning
+    return max((math.degrees(arc.last - arc.first) for arc in arcs), default=0.0)
+
+
 OBJECTIVES: dict[str, Objective] = {
     "rate": _rate,
     "gain": _held_rate,
@@ -103,6 +113,7 @@ OBJECTIVES: dict[str, Objective] = {
     "basin": _basin,
     "tolerance": _tolerance,
     "settling": _settling,
+    "heading": _returning,
 }
 
 

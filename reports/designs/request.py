@@ -9,10 +9,11 @@ from itertools import combinations
 from pathlib import Path
 from typing import Any
 
-from nonsmooth.proofs.answers.answer import has_dynamics
+from nonsmooth.proofs.answers.answer import require_dynamics
 from nonsmooth.reports.designs.freedom import KINDS, ORDERS, WHEELS, Freedom, Orbits, largest_symmetry, orbits_of
 from nonsmooth.reports.designs.objective import OBJECTIVES, Evaluation, evaluate
 from nonsmooth.reports.designs.search import Design, Fewest, Told, Wish, find_design
+from nonsmooth.reports.heading_maps import require_outline
 from nonsmooth.symbolic.contact_set import standing
 from nonsmooth.symbolic.expression import ExpressionError
 from nonsmooth.symbolic.files.one_by_one import one_by_one
@@ -54,9 +55,10 @@ def read_wish(scene: Scene, require: str, maximize: str, checks: int, seed: int)
         raise DesignError(f"seed: required a number of at least 0, received {seed}")
     if objective == "tolerance" and scene.tolerances is None:
         raise SceneError(scene.source, "tolerance", "a [tolerance] table to maximize it", StatedFact("nothing"))
-    if objective == "settling" and not has_dynamics(scene):
-        expected = "[units] and rule ellipse, roller or mixed, under which bodies with inertia are followed"
-        raise SceneError(scene.source, "maximize", expected, StatedFact(f"rule {scene.contact.rule}"))
+    if objective == "settling":
+        require_dynamics(scene, "maximize")
+    if objective == "heading":
+        require_outline(scene)
     return Wish(_names(require, "require", REQUIRED), objective, checks, seed)
 
 

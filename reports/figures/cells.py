@@ -37,6 +37,7 @@ from nonsmooth.reports.figures.style import (
     XY,
     Floats,
     corners_of,
+    draw_bar,
     draw_checked_point,
     drawn,
     floats,
@@ -241,8 +242,8 @@ def draw_scale(figure: Figure | SubFigure, axes: Axes, scene: Scene, levels: Flo
 
     ticks = levels[:: max(1, len(levels) // 8)]
     colors = ScalarMappable(_symmetric(levels), COLORS)
-    bar = figure.colorbar(colors, ax=axes, shrink=0.85, boundaries=levels, ticks=ticks, format="%.3g")
-    bar.set_label(square_rate_label("upper derivative V*", scene.units))
+    label = square_rate_label("upper derivative V*", scene.units)
+    draw_bar(figure, colors, label, ax=axes, shrink=0.85, boundaries=levels, ticks=list(ticks))
 
 
 def draw_rates(axes: Axes, partition: Partition) -> Floats:
@@ -337,8 +338,9 @@ def field_figure(field: SampledField) -> Figure:
     axes = figure.subplots()
     bands = draw_field(axes, field)
     if bands is not None:
-        bar = figure.colorbar(bands, ax=axes, shrink=0.85, format="%.3g")
-        bar.set_label(square_rate_label("upper derivative V*, sampled", field.scene.units))
+        draw_bar(
+            figure, bands, square_rate_label("upper derivative V*, sampled", field.scene.units), ax=axes, shrink=0.85
+        )
     return figure
 
 

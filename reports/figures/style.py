@@ -10,6 +10,7 @@ import io
 import textwrap
 import warnings
 from collections.abc import Callable, Iterable, Sequence
+from decimal import Decimal
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
@@ -24,7 +25,8 @@ if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.backend_bases import FigureCanvasBase
-    from matplotlib.figure import Figure
+    from matplotlib.colorbar import Colorbar
+    from matplotlib.figure import Figure, SubFigure
     from matplotlib.image import AxesImage
     from matplotlib.lines import Line2D
 
@@ -159,6 +161,24 @@ def view_centre(axes: Axes, scene: Scene, half: float) -> None:
 def draw_checked_point(axes: Axes, scene: Scene) -> None:
     """A cross."""
     axes.plot(*floats(scene.check.equilibrium), marker="+", color=INK, markersize=11, markeredgewidth=1.6, zorder=5)
+
+
+def plain_number(value: float, place: int | None = None) -> str:
+    """A tick of a scale: three digits, four where it is no small number, written out, and no offset of its own."""
+    text = f"{value:.3g}" if abs(value) < 10 else f"{value:.4g}"
+    if "e" in text and 1e-5 <= abs(value) < 1e7:
+        text = f"{Decimal(text):f}"
+    return text
+
+
+def draw_bar(figure: Figure | SubFigure, shown: Any, label: str, **where: Any) -> Colorbar:
+    """A scale of colors with few ticks in plain numbers; ``where`` is as for Matplotlib's colorbar."""
+    from matplotlib.ticker import FuncFormatter, MaxNLocator
+
+    ticks = where.pop("ticks", None)
+    bar = figure.colorbar(shown, format=FuncFormatter(plain_number), ticks=ticks or MaxNLocator(6), **where)
+    bar.set_label(label)
+    return bar
 
 
 def grid_extent(starts: Floats) -> tuple[float, float, float, float]:

@@ -91,22 +91,29 @@ class PythonScene(ABC):
         return swept(base, {**(values or {}), **more}, means or Means(), draws=random, seed=seed)
 
     def derive(
-        self, *, only: str | Sequence[str] | None = None, without: str | Sequence[str] | None = None
+        self,
+        *,
+        only: str | Sequence[str] | None = None,
+        without: str | Sequence[str] | None = None,
+        brief: bool = False,
     ) -> ReportResult:
         """The derivation report, to be read as text or saved.
 
         Args:
             only: names of the sections to write, such as ``"verdict,cells"``; all unless given.
             without: names of sections to leave out.
+            brief: of an array, two pages for somebody who decides, in place of the sections.
 
         Raises:
-            ValueError: for a name that is none; the error lists all.
+            ValueError: for a name that is none, where the error lists all, and for ``brief`` of a plain system.
             RefusalError: where the motion is not determined.
             SceneError: for a plain system in another number of states than two.
         """
         from nonsmooth.reports.derivation import DERIVE, NamedScene
 
-        result: ReportResult = DERIVE.of(NamedScene(self.exact), only=only, without=without)
+        asked = {"only": only, "without": without, "brief": brief or None}
+        given = {name: value for name, value in asked.items() if value is not None}
+        result: ReportResult = DERIVE.of(NamedScene(self.exact), **given)
         return result
 
     def report(

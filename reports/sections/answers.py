@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 from nonsmooth.proofs.answers.answer import Answer
@@ -33,11 +34,16 @@ def answers_section(subject: ArraySubject) -> Section:
         number(scene.check.radius),
     )
     stated = stated_answers(subject.result, answered)
-    rows = [(answer.name, _verdict(answer), answer.sentence) for answer in stated.answers]
-    said = table(("question", "answer", "how far, how fast, on what conditions"), rows, (2, 3, 8))
+    said = answers_table(stated.answers)
     goes = _destinations(answered.destinations)
     headings = _headings(answered.headings)
     return Section("Answers", (intro, said, _items(subject, stated), *goes, *headings, array_figure(subject)))
+
+
+def answers_table(answers: Iterable[Answer]) -> Table:
+    """Every question with its answer and its sentence."""
+    rows = [(answer.name, _verdict(answer), answer.sentence) for answer in answers]
+    return table(("question", "answer", "how far, how fast, on what conditions"), rows, (2, 3, 8))
 
 
 def _items(subject: ArraySubject, stated: StatedAnswers) -> Bullets:

@@ -23,6 +23,8 @@ SCHEMA = "nonsmooth-sweep/2"
 MOST_SHOWN = 40  # scenes that a terminal lists
 SHOWN_NUMBERS = ("rate", "kappa")  # beside the answers on a terminal
 NEAR_NUMBERS = ("ends_within", "within", "after")  # the same where bodies come near the point, not to it
+# The same where a tolerance varies: what is certified of every array within it, and up to how many times it.
+TOLERANCE_NUMBERS = {"tolerance_radius": "all end within", "tolerance_factor": "certified, times"}
 
 
 def sweep_record(sweep: Sweep) -> dict[str, Any]:
@@ -173,7 +175,11 @@ def _answers_table(sweep: Sweep) -> Block:
     known = _known_numbers(sweep) if sweep.base.is_system else _array_numbers(sweep)
     rates = known if len(shorts) == 1 else ()  # two numbers that vary leave no room for them
     titles = ["stability"] if sweep.base.is_system else ["position", "heading", "pose", "Theorem 4"]
-    header = [*shorts, *titles, *(["worst failure"] if failures else rates)]
+    header = [
+        *shorts,
+        *titles,
+        *(["worst failure"] if failures else [TOLERANCE_NUMBERS.get(name, name) for name in rates]),
+    ]
     rows = []
     for k, outcome in enumerate(sweep.outcomes[:MOST_SHOWN]):
         entries = [str(value.entry) for value in sweep.plan.point(k)]
@@ -189,7 +195,9 @@ def _known_numbers(sweep: Sweep) -> tuple[str, ...]:
 
 
 def _array_numbers(sweep: Sweep) -> tuple[str, ...]:
-    """The numbers of arrays: how near bodies come, and else how fast they come home."""
+    """The numbers of arrays: what tolerances allow, where these vary; how near bodies come; else how fast."""
+    if any(name.startswith("tolerance.") for name in sweep.plan.names):
+        return tuple(TOLERANCE_NUMBERS)
     comes_near = any(outcome["position"] == Position.COMES_NEAR for outcome in sweep.outcomes)
     return NEAR_NUMBERS if comes_near else SHOWN_NUMBERS
 

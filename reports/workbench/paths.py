@@ -1,4 +1,4 @@
-"""Paths from the start points of the page: samples, events with their words, and how each ends."""
+"""Paths from the start points of the page: samples, events with their words, and its end as ``simulate`` says it."""
 
 from __future__ import annotations
 
@@ -41,9 +41,20 @@ def path_records(made: Array | System, request: Mapping[str, Any], announce: Ann
 
 def _followed(made: Array | System, start: list[float], until: float) -> dict[str, Any]:
     try:
-        return path_record(made.simulate(start, until).trajectory, until)
+        path = made.simulate(start, until)
+        said = [path.ending[1], *path.beside()]
+        return {**path_record(path.trajectory, until), "sentences": [line.strip() for line in said]}
     except (ValueError, RefusalError, TrajectoryError) as error:
-        return {"times": [], "x": [], "y": [], "theta": [], "events": [], "end": None, "error": str(error)}
+        return {
+            "times": [],
+            "x": [],
+            "y": [],
+            "theta": [],
+            "events": [],
+            "end": None,
+            "sentences": [],
+            "error": str(error),
+        }
 
 
 def path_record(path: Trajectory, until: float) -> dict[str, Any]:

@@ -31,7 +31,10 @@ def point(vector: Sequence[Any]) -> list[float]:
 def wheels_record(scene: Scene, carrying: Collection[int], loads: Mapping[int, float]) -> list[dict[str, Any]]:
     """Every wheel in its order: place, rim, speed, friction, load; exact texts beside what may be edited."""
     wheels = sorted((*scene.wheels, *scene.idle), key=lambda wheel: wheel.index)
-    return [_wheel_record(wheel, wheel.index in carrying, loads.get(wheel.index)) for wheel in wheels]
+    return [
+        {**_wheel_record(wheel, wheel.index in carrying, loads.get(wheel.index)), "rule": scene.rule_of_wheel(wheel)}
+        for wheel in wheels
+    ]
 
 
 def loads_at_point(scene: Scene) -> dict[int, float]:

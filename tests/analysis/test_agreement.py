@@ -82,8 +82,9 @@ def test_the_three_rules_side_by_side(arrays: Arrays) -> None:
     assert 0 < agreement.differences["ellipse", "box"].mean <= agreement.differences["ellipse", "box"].largest <= 2
 
 
-def test_rules_agree_where_all_wheels_carry_the_body() -> None:
+def test_rules_agree_where_all_wheels_carry_the_body(monkeypatch: pytest.MonkeyPatch) -> None:
     """Tangential rims of one speed: every rule gives the same rotation everywhere."""
+    monkeypatch.setattr("nonsmooth.analysis.minimizers.agreement.GRID", 12)
     agreement = compare_rules(load_scene("conveyor-3"))
     assert agreement.shared["nearest", "box"].share == 1
     for difference in agreement.differences.values():

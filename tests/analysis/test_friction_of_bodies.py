@@ -17,6 +17,7 @@ from nonsmooth.analysis.dynamics.newton_euler import RigidBody
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Friction, Scene
 from tests.oracles.heavy_bodies import HeavyTable
+from tests.thorough import thorough
 
 BODY = RigidBody(0.1, 0.08)
 START, UNTIL = (0.5, 0.3, 0.3), 0.6
@@ -48,7 +49,11 @@ def table(scene: Scene) -> HeavyTable:
     return HeavyTable(places, headings, np.array(speeds), friction, 1 / BODY.mass, ratio, friction[:, 1], ROUNDED)
 
 
-@pytest.mark.parametrize("rules", [("roller",) * 4, ("ellipse", "ellipse", "roller", "roller")], ids=str)
+@pytest.mark.parametrize(
+    "rules",
+    [("ellipse", "ellipse", "roller", "roller"), pytest.param(("roller",) * 4, marks=thorough)],
+    ids=str,
+)
 def test_a_body_moves_by_the_forces_of_its_own_wheels(rules: tuple[str, ...]) -> None:
     scene = four_wheels(*rules)
     end = np.array(body_path(scene, BODY, START, UNTIL).trajectory.end.state)

@@ -10,13 +10,14 @@ from nonsmooth.analysis.minimizers.many_twists import EACH_STEP, MovingTwists
 from nonsmooth.analysis.trajectories import smooth_ends as smooth_ends_module
 from nonsmooth.analysis.trajectories.smooth_ends import LEFT, MOVING, smooth_ends
 from nonsmooth.symbolic.files.scene_file import load_scene
+from tests.thorough import keep
 
 POINTS = 40
 ERRORS = {"ellipse": 1e-5, "roller": 2e-3}  # of the fastest wheel's speed: by how much they are smoothed
 
 
 @pytest.mark.parametrize("rule", ["ellipse", "roller"])
-@pytest.mark.parametrize("name", ["omni-3", "mecanum-4", "spiral-30", "grid-4x4", "conveyor-3"])
+@pytest.mark.parametrize("name", keep(3, ["omni-3", "mecanum-4", "spiral-30", "grid-4x4", "conveyor-3"]))
 def test_twists_are_the_minimizers(name: str, rule: str) -> None:
     """From the proved ones of points beside them: all settle, and lie where D is least."""
     scene = load_scene(name, rule=rule).recentred()

@@ -6,6 +6,7 @@ Oracles: closed forms, other integrators, and the definitions of attracting and 
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import mpmath
 import numpy as np
@@ -22,10 +23,16 @@ from nonsmooth.analysis.trajectories import smooth_path
 from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.proofs.orbits import orbit_proof
 from nonsmooth.reports.orbits import measured_text
+from tests.thorough import thorough
 
 PLANE = ["x", "y"]
 TO_THE_CIRCLE = ["-y + x*sign(1 - x**2 - y**2)", "x + y*sign(1 - x**2 - y**2)"]
 FROM_THE_CIRCLE = ["-y - x*sign(1 - x**2 - y**2)", "x - y*sign(1 - x**2 - y**2)"]
+
+
+def starts(kept: int, *places: tuple[float, float]) -> list[Any]:
+    """Starts of a search, of which `make test` takes so many."""
+    return [pytest.param(place, marks=thorough if k >= kept else ()) for k, place in enumerate(places)]
 
 
 def orbit(rhs: list[str], start: tuple[float, float], until: float = 60.0) -> Orbit:
@@ -49,7 +56,7 @@ def test_an_orbit_that_slides_all_the_time_attracts_where_neighbours_come_onto_i
         assert math.hypot(*path.at(0.15)) == pytest.approx(1, abs=1e-9)
 
 
-@pytest.mark.parametrize("start", [(0.5, 0.0), (1.0, 0.0), (1.5, 0.0)])
+@pytest.mark.parametrize("start", starts(2, (0.5, 0.0), (1.0, 0.0), (1.5, 0.0)))
 def test_an_orbit_that_slides_where_both_sides_push_away_repels(start: tuple[float, float]) -> None:
     found = orbit(FROM_THE_CIRCLE, start, 20.0)
     assert np.isinf(found.multipliers).all()
@@ -69,7 +76,7 @@ def duffing_period(x: float, y: float) -> float:
         return float(2 * mpmath.sqrt(2) * mpmath.ellipk(2 * (square - 1) / square) / mpmath.sqrt(square))
 
 
-@pytest.mark.parametrize("start", [(0.5, 0.0), (0.01, 0.0), (1.2, 0.1)])
+@pytest.mark.parametrize("start", starts(1, (0.5, 0.0), (0.01, 0.0), (1.2, 0.1)))
 def test_a_centre_is_undecided_and_its_period_has_the_digits_that_are_right(start: tuple[float, float]) -> None:
     """Also beside the saddle, where the end of a turn is ten thousand times as uncertain as a step."""
     found = orbit(["y", "x - x**3"], start)
@@ -83,7 +90,7 @@ def test_a_centre_is_undecided_and_its_period_has_the_digits_that_are_right(star
     assert last < 1e-4
 
 
-@pytest.mark.parametrize("start", [(0.7, 0.0), (1.1, 0.0)])
+@pytest.mark.parametrize("start", starts(1, (0.7, 0.0), (1.1, 0.0)))
 def test_an_orbit_that_attracts_from_one_side_only_is_undecided(start: tuple[float, float]) -> None:
     """By the definition: ``r' = r (1 - r^2)^2`` grows on either side of the circle."""
     found = orbit(radial("(1 - s)**2"), start, 40.0)
@@ -106,7 +113,7 @@ def test_multipliers_near_one_are_told_apart_as_far_as_they_are_known(digits: in
     assert found.stability in (possible if digits > 2 else possible - {"undecided"})
 
 
-@pytest.mark.parametrize("start", [(1.0, 0.0), (3.0, 0.0)])
+@pytest.mark.parametrize("start", starts(1, (3.0, 0.0), (1.0, 0.0)))
 def test_an_orbit_that_repels_is_found_from_both_sides(start: tuple[float, float]) -> None:
     """Van der Pol's, backwards in time: from inside paths end at rest, from outside they run away in finite time."""
     found = orbit(["-y", "-(1 - x**2)*y + x"], start)

@@ -408,10 +408,12 @@ def basins() -> Iterator[Case]:
         "beside": (["-x - sign(x - y)", "-y + sign(x - y)"], ["x - y"]),
         "valley": (["-x", "-y/8 - sign(y)"], ["y"]),
         "curve": (["-x - relu(x - y**2/16)/4", "-y"], ["x - y**2/16"]),
+        "sines": (["-x - sin(x - y)/4", "-y + (cos(y) - 1)/8"], []),
+        "sines-relay": (["-x - sign(x)", "-y + sin(x)/4"], ["x"]),
     }
     for name, (sides, surfaces) in systems.items():
         local = lyapunov("x**2 + y**2", cells(*surfaces), level="1/2")
-        for sizes in ((2, 8), (2, 8, 24)):
+        for sizes in ((2, 4), (2, 3, 4)) if name.startswith("sines") else ((2, 8), (2, 8, 24)):
             hypotheses = {"local": local, "surfaces": surfaces, "mesh": diamonds(sizes), "below": len(sizes) - 1}
             yield Case(f"basin-{name}-{len(sizes) - 1}", subject(sides), "basin", hypotheses)
 

@@ -62,6 +62,23 @@ def value(node: ast.AST, at: Values) -> Any:
     raise ValueError(ast.dump(node))
 
 
+def number(data: Any, generators: list[Any]) -> float:
+    """A rational number, or a sum of products of generators."""
+    if isinstance(data, str):
+        return float(Fraction(data))
+    return sum(float(Fraction(share)) * float(np.prod([generators[k] for k in factors])) for share, *factors in data)
+
+
+def numbers_of(subject: Record) -> dict[str, Array]:
+    """The irrational numbers of a subject by name: of each polynomial the largest real root."""
+    found: dict[str, Array] = {}
+    for entry in subject.get("numbers", []):
+        coefficients = [number(own, list(found.values())) for own in entry["polynomial"]]
+        roots = np.roots(coefficients[::-1])
+        found[entry["name"]] = np.asarray(max(root.real for root in roots if abs(root.imag) < 1e-6))
+    return found
+
+
 class FloatInclusion:
     """``x' in F(x)`` about a point, in displacements z from it.
 
@@ -72,14 +89,16 @@ class FloatInclusion:
 
     def __init__(self, subject: Record, seed: int) -> None:
         self.states, self.count = subject["states"], len(subject["states"])
+        self.numbers = numbers_of(subject)
         self.leaves_slowly = bool(SLOWLY_OUT.search(str(subject["rhs"])))
-        self.at = np.array([float(Fraction(own)) for own in subject["at"]])
+        self.at = np.array([number(own, list(self.numbers.values())) for own in subject["at"]])
         self.fields = [[ast.parse(own.strip(), mode="eval") for own in side] for side in subject["rhs"]]
         self.random = np.random.default_rng(seed)
 
     def function(self, formula: str, z: Array) -> Array:
         """A formula in the displacements, at some of them (one per row)."""
-        found = value(ast.parse(formula.strip(), mode="eval"), dict(zip(self.states, z.T, strict=True)))
+        at = {**dict(zip(self.states, z.T, strict=True)), **self.numbers}
+        found = value(ast.parse(formula.strip(), mode="eval"), at)
         return np.broadcast_to(np.asarray(found, dtype=float), len(z)).copy()
 
     def corners(self, z: Array, radius: Array) -> Array:
@@ -87,7 +106,7 @@ class FloatInclusion:
         found = []
         for _ in range(NEAR):
             near = z + radius[:, None] * self.random.uniform(-1, 1, z.shape) + self.at
-            at = dict(zip(self.states, near.T, strict=True))
+            at = {**dict(zip(self.states, near.T, strict=True)), **self.numbers}
             for side in self.fields:
                 parts = [np.broadcast_to(np.asarray(value(own, at), dtype=float), len(z)) for own in side]
                 found.append(np.stack(parts, axis=1))

@@ -1,19 +1,24 @@
-"""``python -m tests.evidence.heavy_tables --tables 100``: what is said of bodies with inertia, beside Newton's law.
+"""``python -m tests.evidence.heavy_tables --tables 100 --engine``: what is said of bodies with inertia, tested.
 
 Random tables of 5 to 10 omniwheels or rubber wheels in millimetres, headings in whole degrees and off by some, at 50,
 250 and 1,000 mm/s.  What ``check`` says of a body with inertia is compared with the few lines of
-:mod:`tests.oracles.heavy_bodies`: whether it comes to rest, is on a limit cycle or thrown off, where it ends (within
-1 mm and 1 %), when it settles (within 20 %).
+:mod:`tests.oracles.heavy_bodies`, or with the physics engine (:mod:`tests.pressed_engine`): whether it comes to rest,
+is on a limit cycle or thrown off, where it ends (within 1 mm and 1 %), when it settles (within 20 %).
+
+With ``--rows FILE`` every table is one line of JSON there as soon as it is compared, and those that are there are not
+compared again.
 """
 
 from __future__ import annotations
 
 import argparse
+import json
 import tempfile
 from collections import Counter
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -23,6 +28,7 @@ from nonsmooth.proofs.answers.inertia import NearRest, Simulated, near_rest, sim
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
 from tests.oracles.heavy_bodies import Floats, HeavyTable
+from tests.pressed_engine import EngineTable
 
 SPEEDS = (50, 250, 1000)  # mm/s
 GRAVITY = 9806.65  # mm/s^2
@@ -74,6 +80,14 @@ class Drawn:
             return load_scene(file)
 
 
+class Follower(Protocol):
+    """What follows bodies on a table without anything of the product."""
+
+    def follow(self, starts: Floats, until: float) -> tuple[Floats, Floats]:
+        """Times (k,) and states (k, m, ...), pose first, from rest at poses (m, 3); nan once thrown off."""
+        ...
+
+
 @dataclass(frozen=True)
 class Comparison:
     """What is said of one table, and what is wrong with it."""
@@ -83,20 +97,21 @@ class Comparison:
     wrong: tuple[str, ...]
 
 
-def compared(drawn: Drawn) -> Comparison:
-    """Ask, and follow the same bodies."""
+def compared(drawn: Drawn, follower: Follower | None = None) -> Comparison:
+    """Ask, and follow the same bodies by Newton's law unless told otherwise."""
     scene, table = drawn.scene(), drawn.table
+    follower = follower or table
     near = near_rest(scene)
     found = simulated(scene, near)
     settled = max((body.settles_after or 0.0 for body in found.bodies), default=0.0)
     longest = 4 * settled + 0.5
     ends = [1.02 * body.until if body.settles_after is None else min(body.until, longest) for body in found.bodies]
-    times, states = table.follow(np.array([body.start for body in found.bodies]), max(ends))
+    times, states = follower.follow(np.array([body.start for body in found.bodies]), max(ends))
     wrong: list[str] = []
     for k, (body, end) in enumerate(zip(found.bodies, ends, strict=True)):
         seen = times <= end
         wrong += _wrong_of(table, body, float(scene.accuracy), times[seen], states[seen, k, :2])
-    return Comparison(near, found, (*wrong, *_wrong_near(table, near)))
+    return Comparison(near, found, (*wrong, *_wrong_near(table, follower, near)))
 
 
 def _wrong_of(table: HeavyTable, body: Settled, accuracy: float, times: Floats, places: Floats) -> list[str]:
@@ -126,14 +141,14 @@ def _last_beyond(times: Floats, distances: Floats, reach: float) -> float:
     return float(times[outside[-1]]) if outside.size else 0.0
 
 
-def _wrong_near(table: HeavyTable, near: NearRest) -> list[str]:
+def _wrong_near(table: HeavyTable, follower: Follower, near: NearRest) -> list[str]:
     """Whether a body close by comes nearer where that is said, and goes away where the contrary is."""
     if near.verdict is Inertia.UNDECIDED or near.place is None:
         return []
     slow = min(abs(value.real) for value in near.eigenvalues)
     start = np.array([[near.place[0] + BESIDE * np.abs(table.places).max(), near.place[1], 0.0]])
     until = min(4 / slow, 10.0)
-    times, states = table.follow(start, until)
+    times, states = follower.follow(start, until)
     distances = np.hypot(*(states[:, 0, :2] - near.place).T)
     late = np.nanmax(distances[times > 0.8 * times[-1]], initial=0.0) if not np.isnan(distances).any() else np.inf
     if near.verdict is Inertia.STABLE:
@@ -142,19 +157,59 @@ def _wrong_near(table: HeavyTable, near: NearRest) -> list[str]:
     return ["said unstable, comes nearer"] if fading else []
 
 
+Row = dict[str, Any]
+
+
+def row_of(drawn: Drawn, follower: Follower | None) -> Row:
+    """What was said of a table, and what is wrong with it."""
+    found = compared(drawn, follower)
+    return {
+        "table": drawn.seed,
+        "speed": drawn.speed,
+        "verdict": str(found.near.verdict),
+        "bodies": [str(body.kind) for body in found.found.bodies],
+        "massless_holds_to": found.found.massless_holds_to,
+        "wrong": list(found.wrong),
+    }
+
+
+def summary(rows: list[Row]) -> Counter[str]:
+    """How many tables and bodies of each kind there are at each speed."""
+    counted: Counter[str] = Counter()
+    for row in rows:
+        speed = f"{row['speed']} mm/s"
+        counted[f"{speed}: {row['verdict']}"] += 1
+        counted.update(f"{speed}: {kind}" for kind in row["bodies"])
+        counted[f"{speed}: massless up to {row['massless_holds_to']}"] += 1
+        counted["wrong"] += len(row["wrong"])
+    return counted
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--tables", type=int, default=100)
-    counted: Counter[str] = Counter()
-    for seed in range(parser.parse_args().tables):
+    parser.add_argument("--first", type=int, default=0, help="table, for several processes")
+    parser.add_argument("--engine", action="store_true", help="beside MuJoCo instead of Newton's law")
+    parser.add_argument("--rows", type=Path, help="lines of JSON, which are continued")
+    options = parser.parse_args()
+    file = options.rows
+    rows: list[Row] = []
+    if file is not None and file.exists():
+        rows = [json.loads(line) for line in file.read_text(encoding="utf-8").splitlines()]
+    known = {(row["table"], row["speed"]) for row in rows}
+    for seed in range(options.first, options.first + options.tables):
         for speed in SPEEDS:
-            found = compared(Drawn(seed, speed))
-            counted[f"{speed} mm/s: {found.near.verdict}"] += 1
-            counted.update(f"{speed} mm/s: {body.kind}" for body in found.found.bodies)
-            counted[f"{speed} mm/s: massless up to {found.found.massless_holds_to}"] += 1
-            counted["wrong"] += len(found.wrong)
-            for line in found.wrong:
+            if (seed, speed) in known:
+                continue
+            drawn = Drawn(seed, speed)
+            row = row_of(drawn, EngineTable(drawn.table) if options.engine else None)
+            rows.append(row)
+            for line in row["wrong"]:
                 print(f"table {seed} at {speed} mm/s: {line}", flush=True)
+            if file is not None:
+                with file.open("a", encoding="utf-8") as lines:
+                    lines.write(json.dumps(row) + "\n")
+    counted = summary(rows)
     for name, count in sorted(counted.items()):
         print(f"{count:5} {name}")
     return int(bool(counted["wrong"]))

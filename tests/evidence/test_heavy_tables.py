@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import json
+import sys
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -9,9 +13,10 @@ from nonsmooth.analysis.bodies.mass_study import body_of
 from nonsmooth.analysis.bodies.settling import settle, swings_of
 from nonsmooth.proofs.answers.answer import Inertia
 from nonsmooth.proofs.answers.inertia import near_rest
-from tests.evidence.heavy_tables import SPEEDS, Drawn, compared
+from tests.evidence.heavy_tables import SPEEDS, Drawn, compared, main
 from tests.oracles.heavy_bodies import eigenvalues_by_differences
-from tests.thorough import few
+from tests.pressed_engine import EngineTable
+from tests.thorough import few, thorough
 
 
 @pytest.mark.parametrize("speed", SPEEDS)
@@ -35,12 +40,44 @@ def test_eigenvalues_are_those_of_differences(speed: int) -> None:
     assert verdicts
 
 
-@few(1)
+@thorough  # the tests above and below look at eigenvalues and at one path; tests/golden has answers about inertia
 @pytest.mark.parametrize(("seed", "speed"), [(0, 250), (1, 1000), (0, 1000), (1, 250), (0, 50), (2, 250), (3, 1000)])
 def test_bodies_do_what_is_said(seed: int, speed: int) -> None:
     found = compared(Drawn(seed, speed))
     assert found.found.bodies
     assert not found.wrong
+
+
+@few(1)
+@pytest.mark.parametrize(("seed", "speed"), [(0, 250), (0, 50), (1, 1000), (2, 250), (5, 1000)])
+def test_bodies_do_in_the_engine_what_is_said(seed: int, speed: int) -> None:
+    drawn = Drawn(seed, speed)
+    found = compared(drawn, EngineTable(drawn.table))
+    assert found.found.bodies
+    assert not found.wrong
+
+
+def test_the_study_goes_on_with_the_rows_that_are_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """And says what is wrong in them."""
+    file = tmp_path / "rows.jsonl"
+    row = {"table": 0, "verdict": "stable", "bodies": ["comes to rest"], "massless_holds_to": 1.0}
+    rows = [row | {"speed": speed, "wrong": ["ends 3 away"] * (speed == 50)} for speed in SPEEDS]
+    file.write_text("".join(json.dumps(row) + "\n" for row in rows), encoding="utf-8")
+    monkeypatch.setattr(sys, "argv", ["heavy_tables", "--tables", "1", "--rows", str(file)])
+    before = file.read_bytes()
+    assert main() == 1
+    assert file.read_bytes() == before
+
+
+def test_the_engine_and_newtons_law_agree_at_any_mass() -> None:
+    """A tenth of a kilogram and ten follow the path of the law that knows no mass."""
+    table, start = Drawn(1, 250).table, np.array([[40.0, 20.0, 0.0]])
+    times, states = table.follow(start, 0.3)
+    for mass in (0.1, 10.0):
+        looked, poses = EngineTable(table, mass).follow(start, 0.3)
+        for entry, close in zip(range(3), (0.15, 0.15, 1e-3), strict=True):
+            expected = np.interp(looked, times, states[:, 0, entry])
+            assert np.abs(poses[:, 0, entry] - expected).max() < close
 
 
 def test_bodies_of_any_mass_with_the_same_share_of_inertia_follow_the_same_path() -> None:

@@ -11,6 +11,12 @@ from tests.evidence.measured_tables import RULES, Bodies, Lines, Question, answe
 from tests.thorough import thorough
 
 
+@pytest.fixture(scope="module")
+def bodies(tmp_path_factory: pytest.TempPathFactory) -> Bodies:
+    """On one table, whose paths are followed once."""
+    return Bodies(Question("measured", 1, "ellipse"), Lines(tmp_path_factory.mktemp("bodies") / "bodies.jsonl"))
+
+
 @pytest.mark.parametrize("rule", RULES)
 def test_bodies_confirm_what_is_said_of_a_table(rule: str, tmp_path: Path) -> None:
     question = Question("measured", 1, rule)
@@ -29,13 +35,11 @@ def test_bodies_confirm_what_is_said_of_a_table(rule: str, tmp_path: Path) -> No
         {"verdict": "comes home", "accuracy": 1.5},
     ],
 )
-def test_bodies_refute_what_is_not_so(forged: dict[str, object], tmp_path: Path) -> None:
-    bodies = Bodies(Question("measured", 1, "ellipse"), Lines(tmp_path / "bodies.jsonl"))
+def test_bodies_refute_what_is_not_so(forged: dict[str, object], bodies: Bodies) -> None:
     assert judged({"accuracy": 3.65, **forged}, bodies) == "wrong"
 
 
-def test_a_table_that_brings_bodies_near_is_no_open_question(tmp_path: Path) -> None:
-    bodies = Bodies(Question("measured", 1, "ellipse"), Lines(tmp_path / "bodies.jsonl"))
+def test_a_table_that_brings_bodies_near_is_no_open_question(bodies: Bodies) -> None:
     assert judged({"verdict": "undecided", "accuracy": 3.65}, bodies) == "open"
     assert not judged({"verdict": "undecided", "accuracy": 1.5}, bodies)
 

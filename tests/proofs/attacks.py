@@ -28,6 +28,7 @@ from tests.oracles.tied_scenes import scene_of
 from tests.proofs import test_certificates_against_paths as tied
 from tests.proofs import test_escape_theorem as escapes
 from tests.proofs import test_second_function as further
+from tests.proofs.checker import test_irrational as irrational
 from tests.proofs.kernel import test_roots as roots
 from tests.proofs.kernel import test_scalar as scalar
 from tests.proofs.robust import test_certified_bound as robust
@@ -138,6 +139,7 @@ ATTACKS: Mapping[str, Attack] = {
     **SEARCHED,
     "one state": Attack(in_one_state, scalar.assert_true),
     "roots": Attack(roots.originals, roots.assert_true),
+    "irrational numbers": Attack(irrational.originals, assert_floats_agree, (at_random, claiming, searching)),
     "further functions": Attack(further.originals, further.assert_true, (at_random, searching), sees_evidence=True),
     "theorem 4": Attack(of_arrays, assert_array_agrees, sees_evidence=True),
     "feedback": Attack(with_laws, assert_array_agrees, (partial(claiming, proof="feedback"),), sees_evidence=True),

@@ -16,7 +16,10 @@ from tests.proofs import test_second_function as further
 from tests.proofs.attacks import ATTACKS, of_ties
 from tests.thorough import thorough
 
-FEW = {"ties": 30, "further functions": 10, "roots": 8, "theorem 4": 30, "feedback": 15, "tolerances": 8}
+FEW = {
+    **{"ties": 30, "further functions": 10, "roots": 8, "theorem 4": 30, "feedback": 15, "tolerances": 8},
+    **{"irrational numbers": 40, "basin": 30, "basin, searched": 30, "escape": 40, "lyapunov, searched": 50},
+}
 SOME, MANY = 100, 10_000
 
 

@@ -8,6 +8,7 @@ import random
 from collections import Counter
 from dataclasses import replace
 from fractions import Fraction
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -40,7 +41,22 @@ DISC, BALL = "x**2 + y**2", "x**2 + y**2 + z**2"
 
 
 def certificate(rhs: Any, function: str, states: str = "x y", radius: str | None = "1/2", **more: Any) -> Record | None:
-    """A certificate of attraction (of instability, where a direction is given); None where no W is found."""
+    """A certificate of attraction (of instability, where a direction is given); None where no W is found.
+
+    It is searched once, and may be changed.
+    """
+    found: Record | None = json.loads(searched(json.dumps([rhs, function, states, radius, more])))
+    return found
+
+
+@cache
+def searched(asked: str) -> str:
+    """That certificate as text."""
+    rhs, function, states, radius, more = json.loads(asked)
+    return json.dumps(built(rhs, function, states, radius, more))
+
+
+def built(rhs: Any, function: str, states: str, radius: str | None, more: Record) -> Record | None:
     check = {"radius": radius or "1/2"}
     data = {"system": {"states": states.split(), "rhs": rhs}, "check": check}
     system = build_system(data, "t", Path("t.toml"))
@@ -261,7 +277,7 @@ def test_extreme_velocities_against_linear_programs() -> None:
     assert reached > 30
 
 
-@pytest.mark.parametrize(("name", "side"), [("friction above", 1), ("friction on the right", 0)])
+@pytest.mark.parametrize(("name", "side"), keep(1, [("friction above", 1), ("friction on the right", 0)]))
 def test_functions_rise_along_paths_that_keep_v(name: str, side: int) -> None:
     """Along a path in floats, while a state is negative so that nothing damps, the first W that changes rises."""
     rhs = ATTRACTING[name][0]

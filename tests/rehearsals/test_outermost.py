@@ -30,7 +30,7 @@ def test_the_command_has_it(invoke: Invoke) -> None:
 
 
 def test_python_has_it() -> None:
-    study, scene = outermost.AskedStudy(), load_scene("off-center")
+    study, scene = outermost.AskedStudy(), load_scene("four-wheel")
     assert study.of(scene, outermost=True).to_dict()["outermost"] in {wheel.index for wheel in scene.wheels}
     assert "outermost" not in study.of(scene).to_dict()
 

@@ -16,6 +16,7 @@ from tests.browser import chromium
 
 Record: TypeAlias = dict[str, Any]
 DESTINATIONS = "nonsmooth.proofs.answers.answers._destinations_of"
+OTHERS = "nonsmooth.proofs.answers.answers.other_rules"
 
 
 class Outcome(NamedTuple):
@@ -52,6 +53,12 @@ def invoke(capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pyte
 def without_paths(monkeypatch: pytest.MonkeyPatch) -> None:
     """Checks without the paths that count where bodies go: they are sampled, and take seconds."""
     monkeypatch.setattr(DESTINATIONS, lambda check: None)
+
+
+@pytest.fixture
+def without_other_rules(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Checks without what the other rules say, which takes seconds where bodies leave the checked point."""
+    monkeypatch.setattr(OTHERS, lambda scene: ())
 
 
 @pytest.fixture(scope="package")

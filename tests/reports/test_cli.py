@@ -28,7 +28,7 @@ from nonsmooth.symbolic.expression import parse
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, builtin_systems, builtin_vehicles
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
-from tests.reports.conftest import DESTINATIONS
+from tests.reports.conftest import DESTINATIONS, OTHERS
 from tests.thorough import examples, few
 
 if TYPE_CHECKING:
@@ -91,6 +91,7 @@ def test_witness_against_translation(invoke: Invoke, name: str) -> None:
 
 
 @few(4)
+@pytest.mark.usefixtures("without_paths", "without_other_rules")
 @pytest.mark.parametrize("name", builtin_scenes())
 def test_every_scene_has_a_verdict(invoke: Invoke, name: str) -> None:
     outcome = invoke("check", name, "--json")
@@ -268,7 +269,8 @@ COMMANDS = st.sampled_from(["check", "partition", "scenes", "chec"])
 @given(COMMANDS, st.sampled_from(["four-wheel", "ring-3", "off-center", "nope"]), OPTIONS)
 def test_any_arguments_end_in_json_or_one_line(name: str, scene: str, options: list[tuple[str, str]]) -> None:
     out, err = StringIO(), StringIO()
-    with redirect_stdout(out), redirect_stderr(err), patch(DESTINATIONS, lambda check: None):
+    quick = patch(DESTINATIONS, lambda check: None), patch(OTHERS, lambda scene: ())
+    with redirect_stdout(out), redirect_stderr(err), quick[0], quick[1]:
         status = run(app, [name, scene, *(part for pair in options for part in pair), "--json"])
     assert status in (0, 1, 2, 3)
     if status == BAD_INPUT:

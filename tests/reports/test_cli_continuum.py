@@ -63,7 +63,7 @@ def test_the_derivation_has_a_section(extent: str, suffix: str) -> None:
     assert "turns to certain headings" in text
 
 
-@pytest.mark.usefixtures("without_paths")
+@pytest.mark.usefixtures("without_paths", "without_other_rules")
 def test_no_section_without_a_field(tmp_path: Path) -> None:
     file = tmp_path / "my.toml"
     file.write_text(

@@ -117,6 +117,7 @@ def test_the_clauses_state_their_verdicts(report: ReportResult) -> None:
     ]
 
 
+@pytest.mark.usefixtures("without_other_rules")
 def test_coordinates_are_stated_away_from_the_origin() -> None:
     report = derive_report(load_scene("off-center", at="1/2,1/4"), COMMAND, ("conventions", "sgn-form"))
     assert [part.title for part in report.document.sections] == ["Conventions"]  # it has no sgn form

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import tomllib
 from decimal import Decimal
 from fractions import Fraction
@@ -237,6 +238,17 @@ def test_bodies_with_inertia_settle_sooner(invoke: Invoke, tmp_path: Path) -> No
     assert record["given"]["value"] == pytest.approx(1 / after)
     assert " deg" in invoke("design", "table.toml", "--maximize", "settling", "--checks", "1").out
     assert "maximize: required [units]" in invoke("design", "four-wheel", "--maximize", "settling").err
+
+
+def test_a_design_for_headings_that_return(invoke: Invoke, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The value is the widest arc that ``simulate --headings`` finds; a body without a shape has none."""
+    monkeypatch.setattr("nonsmooth.reports.designs.objective.HEADINGS", 12)
+    found = invoke("design", "carton-on-6x6", "--rule", "ellipse", "--maximize", "heading", "--checks", "1", "--json")
+    sampled = invoke("simulate", "carton-on-6x6", "--rule", "ellipse", "--headings", "12", "--json").record
+    widths = [math.degrees(arc["last"] - arc["first"]) for arc in sampled["arcs"] if arc["returns"]]
+    assert found.record["given"]["value"] == pytest.approx(max(widths, default=0.0))
+    refused = invoke("design", "four-wheel", "--maximize", "heading")
+    assert (refused.status, "a body with a shape" in refused.err) == (2, True)
 
 
 HEAVY = """

@@ -27,7 +27,7 @@ CASES = {
     "partition four-wheel": "nonsmooth-partition/1",
     "partition four-wheel --rule ellipse": "nonsmooth-field/1",
     "partition four-wheel --compare": "nonsmooth-agreement/1",
-    "sweep four-wheel --vary mu_side=1/2:2:2 --borders --fail 1 --workers 1": "nonsmooth-sweep/2",
+    "sweep four-wheel --vary mu_side=1/2:2:2 --fail 1 --workers 1": "nonsmooth-sweep/2",
     "sweep eq-4 --vary radius=1/4,1/2 --borders --workers 1": "nonsmooth-sweep/2",
     "derive four-wheel --only verdict,cells": "nonsmooth-derivation/1",
     "derive eq-4 --only verdict": "nonsmooth-derivation/1",

@@ -3,16 +3,24 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
 import time
+from types import SimpleNamespace
 
 import pytest
 
 from nonsmooth.reports import progress as progress_module
+from nonsmooth.reports.check import CHECK
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import run
+from nonsmooth.reports.derivation import DERIVE
+from nonsmooth.reports.design import DESIGN
 from nonsmooth.reports.progress import CLEAR_LINE, end_progress, steps
+from nonsmooth.reports.refusals import RefusedError
+from nonsmooth.reports.simulate import SIMULATE
+from nonsmooth.reports.sweep import SWEEP
 from nonsmooth.symbolic.under_way import listening, tell, tell_count
 from tests.thorough import few
 
@@ -136,6 +144,42 @@ def test_commands_name_their_steps_on_a_terminal_only(
     monkeypatch.setattr(progress_module, "PATIENCE", 0.0)
     run(app, arguments)  # here, where standard error is no terminal
     assert capfd.readouterr() == (written.decode(), "")
+
+
+ASKED = {
+    "check": ["four-wheel"],
+    "derive": ["four-wheel"],
+    "simulate": ["four-wheel", "--from", "0,0,0"],
+    "sweep": ["four-wheel", "--vary", "friction.mu_side=1/2,1/4"],
+    "design": ["saddle"],
+}
+
+
+@pytest.mark.parametrize("command", ASKED)
+def test_every_command_that_can_take_long_shows_moving_seconds(command: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """By a clock ten times as fast, of a study that takes three of its seconds and says nothing of itself."""
+    study = {"check": CHECK, "derive": DERIVE, "simulate": SIMULATE, "sweep": SWEEP, "design": DESIGN}[command]
+
+    def slow(self: object, scene: object, options: object) -> None:
+        time.sleep(0.35)
+        raise RefusedError("enough")
+
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setattr(type(study), "run", slow)
+    monkeypatch.setattr(progress_module, "PATIENCE", 0.1)
+    monkeypatch.setattr(progress_module, "TICK", 0.02)
+    fast = SimpleNamespace(monotonic=lambda: 10 * time.monotonic())
+    monkeypatch.setattr(progress_module, "time", fast)
+    leader, follower = os.openpty()
+    with os.fdopen(follower, "w") as stream:
+        monkeypatch.setattr(sys, "stderr", stream)
+        assert run(app, [command, *ASKED[command]]) == 2
+    shown = terminal_text(leader)
+    os.close(leader)
+    seconds = [int(found) for found in re.findall(rf"{command} \((\d+) s\)", shown)]
+    assert seconds[0] <= 2
+    assert len(set(seconds)) > 1
+    assert "enough" in shown.rpartition(CLEAR_LINE)[2]
 
 
 def terminal_text(leader: int) -> str:

@@ -1,11 +1,15 @@
 // The cells of the chosen rule: filled by the sense in which the body turns there (hue, and a turning sign), with an
-// arrow for the motion; edges told apart by their form; rest areas dotted.  For rules without cells: arrows on a grid.
+// arrow for the motion, and small arrows all over the square; edges told apart by their form; rest areas dotted.  For
+// rules without cells: arrows on a grid.
 // May be changed: sizes of arrows, tints (in drawing.css). The cells themselves come from Python.
 
 import { attr, pool, s } from "./dom.js";
 
 const SMALLEST = 700; // square pixels of a cell that still carries an arrow
 const LONGEST = 44; // pixels of an arrow
+const FLOW = 34; // pixels between the small arrows of a flow
+const STREAM = 20; // pixels of one of them
+const BESIDE = 7; // pixels from the border of a cell, at least
 const CLOSEST = 15; // pixels between arrows of a sampled field, at least
 const FAINTEST = 0.25; // opacity of the cell that turns least, of the one that turns most
 const TURN = "M-6.5 0A6.5 6.5 0 1 1 0 6.5M-3.6 9.6L0.6 6.5L-3 2.9"; // three quarters of a circle, clockwise on screen
@@ -39,6 +43,43 @@ export function drawMotions(layer, view, cells) {
     attr(drawn[k], "class", "of-cell");
     placeMotion(drawn[k], view.mark(px, py), cell.velocity, cell.omega ?? 0, Math.min(LONGEST, 0.36 * size));
   });
+}
+
+/** Small arrows on a grid all over the square: where the body moves that is put down there. */
+export function drawFlow(layer, view, cells, square) {
+  const moving = cells.filter((cell) => cell.kind !== "rest" && cell.twist);
+  const marks = square && moving.length ? flowOf(view, moving, square) : [];
+  const drawn = pool(layer, marks.length, () => s("path", { class: "flow" }));
+  marks.forEach(([px, py, vx, vy], k) => {
+    const speed = Math.hypot(vx, vy);
+    attr(drawn[k], "transform", view.mark(px, py));
+    attr(drawn[k], "d", arrowPath((vx / speed) * STREAM, (-vy / speed) * STREAM, 5));
+  });
+}
+
+/** [px, py, vx, vy] at points of a grid, not on top of the arrow in the middle of a cell, nor on its border. */
+function flowOf(view, moving, { x: cx, y: cy, radius }) {
+  const count = 2 * Math.min(12, Math.floor((radius * view.scale) / (FLOW * view.unit))); // even: not on the axes
+  const middles = moving.map((cell) => view.at(...middleOf(cell.polygon)));
+  const marks = [];
+  for (let k = 0; k < count * count; k += 1) {
+    const [x, y] = [cx + radius * ((2 * (k % count) + 1) / count - 1), cy + radius * ((2 * Math.floor(k / count) + 1) / count - 1)];
+    const cell = moving.find(({ polygon }) => depthIn(polygon, x, y) * view.scale > BESIDE * view.unit);
+    if (!cell) continue;
+    const [px, py] = view.at(x, y);
+    const [vx, vy] = [cell.twist[0] - cell.twist[2] * y, cell.twist[1] + cell.twist[2] * x];
+    const isFree = middles.every(([mx, my]) => Math.hypot(mx - px, my - py) > 0.6 * FLOW * view.unit);
+    if (isFree && Math.hypot(vx, vy) > 1e-12) marks.push([px, py, vx, vy]);
+  }
+  return marks;
+}
+
+/** How deep a point lies in a convex polygon, whose corners go round counterclockwise; negative outside. */
+function depthIn(polygon, x, y) {
+  return Math.min(...polygon.map(([a, b], k) => {
+    const [c, d] = polygon[(k + 1) % polygon.length];
+    return ((c - a) * (y - b) - (d - b) * (x - a)) / (Math.hypot(c - a, d - b) || 1);
+  }));
 }
 
 /** Samples [x, y, vx, vy, omega] of the motion, for rules without cells. */

@@ -1,7 +1,7 @@
 // The drawing: one SVG with a layer for each kind of thing, redrawn at most once a frame.
 // May be changed: the order of layers (later ones lie on top). Each layer is drawn by a function of draw_*.js.
 
-import { drawCells, drawEdges, drawField, drawMotions, drawRests } from "./draw_cells.js";
+import { drawCells, drawEdges, drawField, drawFlow, drawMotions, drawRests } from "./draw_cells.js";
 import { drawGrid, drawSquare } from "./draw_ground.js";
 import { drawBodies, drawEvents, drawPaths, drawStarts } from "./draw_paths.js";
 import { drawLevels } from "./draw_system.js";
@@ -11,7 +11,7 @@ import { isSystem, unitOf } from "./scene_document.js";
 import { View } from "./view.js";
 
 const LAYERS = [
-  "grid", "cells", "levels", "rests", "edges", "square", "motions", "bodies", "paths", "wheels", "events", "starts", "grid-labels",
+  "grid", "cells", "levels", "rests", "edges", "square", "flow", "motions", "bodies", "paths", "wheels", "events", "starts", "grid-labels",
 ];
 
 export class Drawing {
@@ -115,6 +115,7 @@ export class Drawing {
   /** Arrows of the cells, or of the samples of rules without cells. */
   #motions(cells, samples) {
     const hidden = this.hidden.has("motions");
+    drawFlow(this.layers.flow, this.view, hidden ? [] : cells, this.results.geometry.square);
     if (cells.length || !samples.length) drawMotions(this.layers.motions, this.view, hidden ? [] : cells);
     else drawField(this.layers.motions, this.view, hidden ? [] : samples);
   }

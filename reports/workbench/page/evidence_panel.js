@@ -116,7 +116,7 @@ export class TolerancePanel {
   }
 }
 
-/** The end and the events of each path, in words. */
+/** Where, when and how each path ends, in the sentences that `nonsmooth simulate` prints, and how many events it has. */
 export class PathsPanel {
   constructor(list, waiting, store, results) {
     Object.assign(this, { list, waiting, store, results });
@@ -130,10 +130,11 @@ export class PathsPanel {
     if (paths === this.drawn) return;
     this.drawn = paths;
     const items = pool(this.list, paths.length, () => h("li", {}, h("span", { class: "start-name" }), h("span", {})));
-    paths.forEach(({ end, events = [], error }, k) => {
+    paths.forEach(({ end, events = [], error, sentences = [] }, k) => {
       items[k].className = `tone-${k % 6}`;
       say(items[k].firstChild, `Start ${k + 1}`);
-      say(items[k].lastChild, error ?? `${end}${events.length ? `, ${events.length} event${events.length === 1 ? "" : "s"}` : ""}`);
+      const said = sentences.length ? sentences.join("; ") : end;
+      say(items[k].lastChild, error ?? `${said}${events.length ? `, ${events.length} event${events.length === 1 ? "" : "s"}` : ""}`);
     });
   }
 }

@@ -102,11 +102,19 @@ export class SettingsPanel {
   }
 }
 
-/** Sliders: the friction across the rim as a share of that along it, the checked radius, the length l. */
+const MOST_KINDS = 6; // of wheels, with sliders of their own
+const kindOf = ({ rule, mu_roll, mu_side }) => [rule, mu_roll, mu_side].join();
+const speedOf = ({ speed }) => String(speed);
+
+/**
+ * Sliders: for each kind of wheel the friction across the rim as a share of that along it, for each speed that wheels
+ * share that speed; the checked radius, the length l.  Wheels of one kind, and of one speed, move together.
+ */
 export class Sliders {
-  constructor(container, store, results, conversation) {
-    Object.assign(this, { store, results, conversation });
-    this.ratio = this.#add(container, "mu_side / mu_roll", { min: 0, max: 2, step: 0.01 }, (value) => this.#setRatio(value));
+  constructor(container, store, results, conversation, operations) {
+    Object.assign(this, { store, results, conversation, operations, kinds: [] });
+    this.ofKinds = h("div", {});
+    container.append(this.ofKinds);
     this.radius = this.#add(container, "Checked radius", { min: -2, max: 1, step: 0.01 }, (value) => this.#set(["check", "radius"], value));
     this.length = this.#add(container, "Characteristic length", { min: -2, max: 1, step: 0.01 }, (value) => this.#set(["check", "length"], value));
     const later = onceAFrame(() => this.show());
@@ -133,6 +141,57 @@ export class Sliders {
   #released() {
     this.store.seal();
     this.conversation.drag(false);
+    this.show();
+  }
+
+  /** Groups of wheels that are alike, in the order of their first wheels: what a slider of theirs moves. */
+  #groups(wheels, key, label, value, range, change) {
+    const groups = Map.groupBy(wheels.map((wheel, k) => ({ ...wheel, k })), key);
+    if (groups.size > MOST_KINDS) return [];
+    return [...groups.values()].map((members) => {
+      const indices = members.map(({ k }) => k);
+      const names = groups.size > 1 ? `, wheel${indices.length > 1 ? "s" : ""} ${named(members)}` : "";
+      return { label: `${label(members[0])}${names}`, value: value(members[0]), range, take: (share) => this.#setWheels(indices, change(members[0], share)) };
+    });
+  }
+
+  #kindsOf(wheels) {
+    const rules = new Set(wheels.map(({ rule }) => rule));
+    const title = ({ rule }) => `mu_side / mu_roll${rules.size > 1 ? ` (${rule})` : ""}`;
+    const ratio = ({ mu_roll, mu_side }) => (mu_roll ? mu_side / mu_roll : 1);
+    const across = ({ mu_roll }, share) => ({ mu_side: Number((share * mu_roll).toPrecision(6)) });
+    const most = Math.max(...wheels.map(({ speed }) => Math.abs(speed)), 1e-12);
+    const top = 2 * Number(most.toPrecision(1));
+    const unit = unitOf(this.store.document, "speed");
+    const speeds = this.#groups(wheels, speedOf, () => `Speed${unit ? ` [${unit}]` : ""}`, ({ speed }) => speed, { min: -top, max: top, step: top / 200 }, (_, speed) => ({ speed: Number(speed.toPrecision(6)) }));
+    return [...this.#groups(wheels, kindOf, title, ratio, { min: 0, max: 2, step: 0.01 }, across), ...speeds];
+  }
+
+  /** One slider for each kind and each speed; while one is dragged they stay as they are. */
+  #showKinds(wheels) {
+    if (this.conversation.dragging) return this.kinds.forEach(({ slider }) => say(slider.output, shown(Number(slider.input.value))));
+    const kinds = this.#kindsOf(wheels);
+    const drawn = kinds.map(({ label, range }) => [label, ...Object.values(range)].join()).join("|");
+    if (drawn !== this.drawn) {
+      this.drawn = drawn;
+      this.ofKinds.replaceChildren();
+      this.kinds = kinds.map((kind, k) => ({ slider: this.#add(this.ofKinds, kind.label, kind.range, (value) => this.kinds[k].take(value)) }));
+    }
+    kinds.forEach((kind, k) => {
+      this.kinds[k].take = kind.take;
+      this.#put(this.kinds[k].slider, kind.value, kind.value);
+    });
+  }
+
+  /** The same keys for several wheels; those that the scene states for all of them alike stay stated once. */
+  async #setWheels(indices, change) {
+    const { document } = this.store;
+    const count = this.results.geometry?.wheels?.length;
+    const own = document.wheel?.some((wheel) => wheel.mu_side !== undefined || wheel.mu_roll !== undefined);
+    if (change.mu_side !== undefined && indices.length === count && !own) return this.#setShared(change.mu_side);
+    const merge = this.merge;
+    if (!(await this.operations.ensureWheels())) return undefined;
+    return this.store.edit((now) => ({ document: { ...now.document, wheel: now.document.wheel.map((old, k) => (indices.includes(k) ? { ...old, ...change } : old)) } }), { merge });
   }
 
   /** Radius and length have three digits on a logarithmic scale about the size of the array. */
@@ -141,11 +200,10 @@ export class Sliders {
     this.store.edit(({ document }) => ({ document: withValue(document, path, value) }), { merge: this.merge });
   }
 
-  /** mu_side as the share of mu_roll; a mu_roll that is a formula stays one. */
-  #setRatio(share) {
+  /** mu_side of all wheels; a mu_roll that is a formula stays one. */
+  #setShared(across) {
     this.store.edit(({ document }) => {
       const along = valueAt(document, ["friction", "mu_roll"]) ?? 1;
-      const across = typeof along === "number" ? Number((share * along).toPrecision(6)) : `${share}*(${along})`;
       return { document: withValue(withValue(document, ["friction", "mu_roll"], along), ["friction", "mu_side"], across) };
     }, { merge: this.merge });
   }
@@ -161,19 +219,10 @@ export class Sliders {
     const { geometry } = this.results;
     if (!geometry) return;
     const system = isSystem(this.store.document);
-    this.ratio.element.hidden = system;
+    this.ofKinds.hidden = system;
     this.length.element.hidden = system;
-    const share = this.#share(geometry);
-    this.#put(this.ratio, share, share);
+    this.#showKinds(system ? [] : geometry.wheels ?? []);
     for (const [slider, value] of [[this.radius, geometry.square?.radius], [this.length, geometry.square?.length]]) this.#put(slider, value > 0 ? Math.log10(value / this.size()) : 0, value);
-  }
-
-  /** The ratio that the document states; else that of the first wheel. */
-  #share({ wheels = [] }) {
-    const stated = this.store.document.friction ?? {};
-    if (typeof stated.mu_roll === "number" && typeof stated.mu_side === "number" && stated.mu_roll) return stated.mu_side / stated.mu_roll;
-    const [first] = wheels;
-    return first?.mu_roll ? first.mu_side / first.mu_roll : 1;
   }
 
   #put({ input, output }, position, value) {
@@ -182,4 +231,16 @@ export class Sliders {
     say(output, shown(value));
     attr(input, "aria-valuetext", shown(value));
   }
+}
+
+/** Wheels by their names; `1-3, 5` where these are their numbers. */
+function named(wheels) {
+  if (wheels.some(({ name, k }) => name !== String(k + 1))) return wheels.map(({ name }) => name).join(", ");
+  const parts = [];
+  for (const { k } of wheels) {
+    const last = parts.at(-1);
+    if (last?.[1] === k - 1) last[1] = k;
+    else parts.push([k, k]);
+  }
+  return parts.map(([a, b]) => (a === b ? `${a + 1}` : `${a + 1}\u2013${b + 1}`)).join(", ");
 }

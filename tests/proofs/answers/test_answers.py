@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,14 +18,16 @@ from nonsmooth.analysis.minimizers.box_minimizers import BoxHighs
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.analysis.trajectories.trajectory import simulate
-from nonsmooth.proofs.answers.answer import GOOD, Heading, Pose, Position
-from nonsmooth.proofs.answers.answers import QUESTIONS, answers_of, exit_status, full_answers
+from nonsmooth.proofs.answers.answer import GOOD, Answer, Heading, Inertia, Pose, Position
+from nonsmooth.proofs.answers.answers import QUESTIONS, Answers, answers_of, exit_status, full_answers
 from nonsmooth.proofs.answers.other_rules import TAKES_LONG, other_rules
+from nonsmooth.proofs.facts import Fact
 from nonsmooth.proofs.theorem4 import check_cells, check_theorem4
 from nonsmooth.proofs.theorem4_result import Theorem4Result
 from nonsmooth.reports.check import REQUIRABLE
 from nonsmooth.reports.facts import fact_lines
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
+from nonsmooth.symbolic.scene_error import SceneError
 from tests.thorough import few, keep
 
 
@@ -134,14 +137,54 @@ def test_exit_status_asks_what_is_required() -> None:
     assert exit_status(undecided, ["pose"]) == 0
 
 
+HEAVY = """
+units = { length = "mm", speed = "m/s" }
+contact = { rule = "ellipse" }
+grid = { rows = 2, columns = 2, pitch = 200 }
+field = { kind = "radial", speed = 0.1 }
+friction = { mu_roll = 0.8, mu_side = 0.8 }
+"""
+SETTLES = (Fact("settles_after", 0.3), Fact("from", [{"what": "comes to rest"}]))
+CYCLES = (Fact("settles_after", None), Fact("from", [{"what": "comes to rest"}, {"what": "limit cycle"}]))
+THROWN = (Fact("settles_after", None), Fact("from", [{"what": "thrown off"}]))
+MOVES = (Fact("settles_after", None), Fact("from", [{"what": "still moving"}]))
+
+
+@pytest.mark.parametrize(
+    ("verdict", "facts", "status"),
+    [
+        (Inertia.STABLE, SETTLES, 0),
+        (Inertia.STABLE, CYCLES, 1),
+        (Inertia.STABLE, THROWN, 1),
+        (Inertia.STABLE, MOVES, 3),
+        (Inertia.UNSTABLE, SETTLES, 1),
+        (Inertia.UNDECIDED, SETTLES, 3),
+    ],
+)
+def test_inertia_is_required_proved_and_simulated(
+    verdict: Inertia, facts: tuple[Fact, ...], status: int, tmp_path: Path
+) -> None:
+    file = tmp_path / "table.toml"
+    file.write_text(HEAVY, encoding="utf-8")
+    check = check_theorem4(load_scene(str(file)))
+    answered = Answers((), None, (), inertia=Answer("inertia", verdict, facts))
+    assert exit_status(check, ["inertia"], answered) == status
+
+
+def test_inertia_is_not_required_where_nobody_follows_it() -> None:
+    with pytest.raises(SceneError, match=r"--require inertia: required .units."):
+        exit_status(check_theorem4(load_scene("four-wheel", rule="ellipse")), ["inertia"])
+
+
 def test_what_can_be_required_is_what_is_answered() -> None:
-    assert (*QUESTIONS, "tolerances", "theorem4") == REQUIRABLE
+    assert (*QUESTIONS, "inertia", "tolerances", "theorem4") == REQUIRABLE
     assert {Position.STAYS_NEAR, Position.LEAVES, Heading.DRIFTS, Pose.CANNOT_BE_HELD}.isdisjoint(GOOD)
 
 
-def test_the_other_rules_say_what_their_own_checks_say() -> None:
-    for other in full_answers(check_theorem4(load_scene("spiral-30"))).others:
-        assert tuple(answer.verdict for answer in other.answers) == verdicts("spiral-30", other.name)[:2]
+@pytest.mark.parametrize("name", keep(1, ["four-wheel", "spiral-30"]))
+def test_the_other_rules_say_what_their_own_checks_say(name: str) -> None:
+    for other in full_answers(check_theorem4(load_scene(name))).others:
+        assert tuple(answer.verdict for answer in other.answers) == verdicts(name, other.name)[:2]
 
 
 def test_other_rules_are_not_asked_of_large_arrays(monkeypatch: pytest.MonkeyPatch) -> None:

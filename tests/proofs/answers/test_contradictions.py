@@ -42,7 +42,7 @@ def checked(name: str, rule: str = "nearest") -> Check:
 
 def noticed(check: Check, answered: Answers | None = None) -> set[str]:
     """What is compared where a contradiction is found; what follows from it is checked too."""
-    answered = full_answers(check) if answered is None else answered
+    answered = full_answers(check, ask_others=False) if answered is None else answered
     left, said = net.reconciled(check, answered)
     if left.contradictions:
         assert left.verdict is Theorem4.UNDECIDED
@@ -93,7 +93,9 @@ def test_a_rest_point_of_cells_that_is_said_to_be_none() -> None:
     assert "position and destinations" in noticed(planted)
 
 
-@pytest.mark.parametrize(("name", "rule"), [("four-wheel", "nearest"), ("spiral-30", "nearest"), ("ring-6", "nearest")])
+@pytest.mark.parametrize(
+    ("name", "rule"), keep(2, [("four-wheel", "nearest"), ("ring-6", "nearest"), ("spiral-30", "nearest")])
+)
 def test_an_attracting_point_that_is_said_to_be_unstable(name: str, rule: str) -> None:
     assert "position and destinations" in noticed(with_translation(checked(name, rule), Translation.UNSTABLE))
 
@@ -166,7 +168,7 @@ def test_a_sampled_point_at_which_the_distance_grows_where_it_is_said_to_fall() 
 
 def test_the_row_of_the_checked_point_says_the_opposite() -> None:
     check = checked("outward")
-    answered = full_answers(check)
+    answered = full_answers(check, ask_others=False)
     assert answered.destinations is not None
     rows = answered.destinations.found
     for row in rows:
@@ -207,7 +209,7 @@ def robust(**numbers: float) -> Answer:
 
 def test_tolerances_that_the_array_itself_does_not_keep() -> None:
     check = checked("saddle")
-    answered = full_answers(check)
+    answered = full_answers(check, ask_others=False)
     away = replace(answered, robust=robust(**{"radius": 0.01, "from": 0.4}))
     still = replace(answered, robust=robust(at_rest_within=0.4))
     assert noticed(check, away) == noticed(check, still) == {"tolerances and destinations"}
@@ -277,6 +279,7 @@ def test_built_in_scenes_contradict_nothing(name: str, rule: str) -> None:
     assert found[1] == ()
 
 
+@thorough  # the tests below follow fewer arrays, and tests/proofs/test_tied_arrays.py plants the fault
 def test_one_mixture_of_tied_motions_that_leaves_where_the_paths_drawn_come_home() -> None:
     """With equal frictions every mixture of two motions is possible; the simulator shows one of them."""
     ((_, _, said),) = study("cocircular", range(38, 39), ("nearest",))

@@ -18,6 +18,7 @@ from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.rounded import certain_sign, enclosed, plain
 from tests.oracles.measured_tables import MeasuredTable, SmallSteps
+from tests.thorough import keep
 
 
 def file_of(folder: Path, table: MeasuredTable) -> str:
@@ -26,7 +27,7 @@ def file_of(folder: Path, table: MeasuredTable) -> str:
     return str(file)
 
 
-@pytest.mark.parametrize("rule", ["ellipse", "roller"])
+@pytest.mark.parametrize("rule", keep(1, ["ellipse", "roller"]))
 def test_a_measured_table_is_checked_where_bodies_come_to_rest(
     rule: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

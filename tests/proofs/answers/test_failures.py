@@ -50,8 +50,9 @@ def test_failures_answer_as_arrays_written_without_the_wheel(rule: str) -> None:
         assert (lifted.position, lifted.heading, lifted.pose, lifted.theorem4) == answers
 
 
-def test_no_law_is_promised_that_may_need_the_stopped_drive() -> None:
-    for failure in failures_of(load_scene("ring-6")):
+@pytest.mark.parametrize("name", keep(1, ["four-wheel", "ring-6"]))
+def test_no_law_is_promised_that_may_need_the_stopped_drive(name: str) -> None:
+    for failure in failures_of(load_scene(name)):
         if failure.kind is FailureKind.STOPPED:
             assert failure.pose != "can be held"
             assert failure.theorem4 != "holds"
@@ -122,7 +123,7 @@ def test_springs_of_measured_loads_press_without_a_wheel_as_the_least_energy_say
         np.testing.assert_allclose(loads, least_energy(places, heights, centre), atol=1e-6)
 
 
-@pytest.mark.parametrize(("rule", "wheels"), keep(2, [("box", (5, 6)), ("ellipse", (6,)), ("ellipse", (5, 6))]))
+@pytest.mark.parametrize(("rule", "wheels"), keep(1, [("box", (5, 6)), ("ellipse", (6,)), ("ellipse", (5, 6))]))
 def test_measured_loads_say_what_the_others_carry_without_a_wheel(
     rule: str, wheels: tuple[int, ...], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -20,6 +20,7 @@ from nonsmooth.symbolic.contact_set import ContactSet
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
 from tests.oracles.measured_tables import MeasuredTable, SmallSteps
+from tests.thorough import keep
 
 LARGE = '[body]\nshape = "rectangle"\nwidth = 900\nheight = 700\n'
 ROUND = '[body]\nshape = "disc"\nradius = 400\n'
@@ -35,8 +36,9 @@ def position_of(scene: Scene) -> Any:
     return answers_of(check_theorem4(scene, beside=False))[0]
 
 
-@pytest.mark.parametrize("body", [LARGE, ROUND])
-@pytest.mark.parametrize("rule", ["nearest", "ellipse"])
+@pytest.mark.parametrize(
+    ("rule", "body"), keep(3, [("nearest", LARGE), ("nearest", ROUND), ("ellipse", ROUND), ("ellipse", LARGE)])
+)
 def test_under_an_outline_that_covers_all_wheels_bodies_are_followed_as_without(
     rule: str, body: str, tmp_path: Path
 ) -> None:
@@ -48,15 +50,20 @@ def test_under_an_outline_that_covers_all_wheels_bodies_are_followed_as_without(
     assert "while the same wheels carry it" in outlined.sentence
 
 
-def test_a_narrow_outline_makes_the_disc_smaller_until_nothing_is_said(tmp_path: Path) -> None:
-    table = MeasuredTable.random(3, "ellipse", off=3.0)
-    scene = scene_of(tmp_path, table.toml).recentred()
-    accuracy, found = scene.accuracy, []
-    for angle in (None, Fraction(2), Fraction(1, 1000)):
-        found.append(decide_ends(scene, accuracy, kept=ContactSet((), Fraction(26), angle)))
-    assert [ends is None for ends in found] == [False, False, True]
-    assert all(ends is None or 2 * accuracy <= ends.within < 26 for ends in found)
-    assert decide_ends(scene, accuracy, kept=ContactSet((), 2 * accuracy)) is None
+@pytest.mark.parametrize(
+    ("radius", "angle", "is_said"),
+    keep(3, [(26, None, True), (26, 2, True), (None, None, False), (26, Fraction(1, 1000), False)]),
+)
+def test_a_narrow_outline_makes_the_disc_smaller_until_nothing_is_said(
+    radius: int | None, angle: int | Fraction | None, is_said: bool, tmp_path: Path
+) -> None:
+    """None for a radius is that of twice the accuracy, within which all starts would have to be."""
+    scene = scene_of(tmp_path, MeasuredTable.random(3, "ellipse", off=3.0).toml).recentred()
+    least = 2 * scene.accuracy
+    kept = ContactSet((), least if radius is None else Fraction(radius), None if angle is None else Fraction(angle))
+    ends = decide_ends(scene, scene.accuracy, kept=kept)
+    assert (ends is not None) == is_said
+    assert ends is None or least <= ends.within < 26
 
 
 @pytest.mark.parametrize("rule", ["nearest", "box", "ellipse", "roller"])

@@ -216,7 +216,7 @@ def test_bodies_beside_a_saddle_on_an_edge_of_dissipation_are_carried_away(tmp_p
     assert max(body.end(start, 12.0, accuracy)[1] for start in starts) > accuracy
 
 
-@pytest.mark.parametrize(("seed", "rule"), keep(1, [(8, "roller"), (8, "ellipse"), (14, "ellipse"), (16, "roller")]))
+@pytest.mark.parametrize(("seed", "rule"), keep(1, [(16, "roller"), (8, "roller"), (8, "ellipse"), (14, "ellipse")]))
 def test_saddles_are_shown_to_carry_away(seed: int, rule: str, tmp_path: Path) -> None:
     """On an edge of dissipation (16), and where bodies come along one way thirty times as fast as they go."""
     table = MeasuredTable.symmetric(seed, rule)

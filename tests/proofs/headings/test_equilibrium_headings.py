@@ -181,9 +181,16 @@ def eval_fraction(text: str) -> float:
     return int(above) / int(below or 1)
 
 
-def test_what_a_single_heading_does_is_left_open(tmp_path: Path) -> None:
+@pytest.fixture(scope="module")
+def turning(tmp_path_factory: pytest.TempPathFactory) -> tuple[Scene, HeadingsOfRest]:
+    """A body with single headings of rest, and what is found of it."""
+    scene = fast(tmp_path_factory.mktemp("fast"))
+    return scene, found_at_point(scene)
+
+
+def test_what_a_single_heading_does_is_left_open(turning: tuple[Scene, HeadingsOfRest]) -> None:
     """Turns that meet are reported, and claimed of nothing."""
-    single = [entry for entry in found_at_point(fast(tmp_path)).found if entry.kind is HeadingKind.ISOLATED]
+    single = [entry for entry in turning[1].found if entry.kind is HeadingKind.ISOLATED]
     assert (8, 9) in [entry.edge for entry in single]
     assert not any(entry.proved or entry.attracts for entry in single)
     assert {(entry.position, entry.verdict) for entry in single} == {(Position.UNDECIDED, Heading.UNDECIDED)}
@@ -193,10 +200,10 @@ def test_what_a_single_heading_does_is_left_open(tmp_path: Path) -> None:
     }
 
 
-def test_the_body_turns_to_a_heading_or_away_as_is_said(tmp_path: Path) -> None:
-    scene = fast(tmp_path)
+def test_the_body_turns_to_a_heading_or_away_as_is_said(turning: tuple[Scene, HeadingsOfRest]) -> None:
+    scene, found = turning
     oracle = Oracle(scene, (1.5, 1.0))
-    for entry in found_at_point(scene).found:
+    for entry in found.found:
         if entry.kind is HeadingKind.ISOLATED and entry.heading is not None:
             rates = [oracle.rate(oracle.under(np.array([0, 0, entry.heading + d])), np.zeros(2)) for d in (-1e-6, 1e-6)]
             assert rates[0] is not None

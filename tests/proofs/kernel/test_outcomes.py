@@ -13,7 +13,7 @@ from nonsmooth.proofs.checker.polynomials import Polynomial, variable
 from nonsmooth.proofs.checker.positivity import Claim, Inequality, cube_guards, identity, show
 from nonsmooth.proofs.inequalities.prover import Counterexample, Proof
 from nonsmooth.proofs.kernel import simplices
-from nonsmooth.proofs.kernel.search import prove
+from nonsmooth.proofs.kernel.search import decide_claim
 from tests.thorough import examples
 
 WORK = 400
@@ -52,7 +52,7 @@ def claim_of(count: int, own: Terms, guard: Terms, *, strict: bool) -> Claim:
 def test_outcomes_against_values_on_a_grid(data: st.DataObject, count: int, strict: bool) -> None:
     own, guard = data.draw(terms(count, 3)), data.draw(terms(count, 1))
     claim = claim_of(count, own, guard, strict=strict)
-    outcome = prove(claim, WORK)
+    outcome = decide_claim(claim, WORK)
 
     def fails_at(point: tuple[Fraction, ...]) -> bool:
         here = value(own, point)
@@ -74,7 +74,7 @@ def test_a_pair_of_fields_is_refuted_where_no_mixture_falls() -> None:
     one = Polynomial(1, {(0,): Fraction(1)})
     guards = cube_guards(identity(1), 1)
     up, down = Inequality(x, guards, (one,), side=(1,)), Inequality(x - one.times(1), guards, (-one,), side=(-1,))
-    outcome = prove(Claim("face", (up, down), strict=True), WORK)
+    outcome = decide_claim(Claim("face", (up, down), strict=True), WORK)
     assert isinstance(outcome, Counterexample)
     (place,) = outcome.point
     assert 2 * place - 1 <= 0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
+from functools import cache
 
 import numpy as np
 import pytest
@@ -18,12 +19,18 @@ from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.proofs.systems.findings import Method
 from nonsmooth.proofs.verdicts import Translation
 from tests.certificates.inclusion import contradiction
+from tests.thorough import keep
 
 STATES = ("x", "y", "z", "w")
 NEAR, FAR, UNTIL = 0.06, 0.15, 100_000.0
 
 
 def decided(rhs: Sequence[str]) -> StabilityResult:
+    return decided_once(tuple(rhs))
+
+
+@cache
+def decided_once(rhs: tuple[str, ...]) -> StabilityResult:
     return decide_system(ns.System(list(STATES[: len(rhs)]), list(rhs)).system)
 
 
@@ -94,9 +101,9 @@ REPELS = [
     ["-y + x*z", "x + y*z", "-z + x**2 + y**2"],
 ]
 ATTRACTS = [
-    ["-x*y + z*x**2", "-y + x**4", "-2*z - y + x**3"],
     ["-x + y**2", "-y**3"],
     ["-y + x*z", "x + y*z", "-z - 2*x**2 - y**2 + x**3"],
+    ["-x*y + z*x**2", "-y + x**4", "-2*z - y + x**3"],
 ]
 
 
@@ -122,7 +129,7 @@ def test_points_that_repel(rhs: list[str]) -> None:
     assert ends(rhs, start) * NEAR >= 0.99 * FAR
 
 
-@pytest.mark.parametrize("rhs", ATTRACTS, ids="; ".join)
+@pytest.mark.parametrize("rhs", keep(2, ATTRACTS), ids="; ".join)
 def test_points_that_attract(rhs: list[str]) -> None:
     result = decided(rhs)
     assert (result.verdict, result.method) == (Translation.ASYMPTOTICALLY_STABLE, Method.CENTER)
@@ -145,7 +152,7 @@ def test_nothing_is_said_of_others(rhs: list[str]) -> None:
     assert decided(rhs).method is not Method.CENTER
 
 
-@pytest.mark.parametrize("rhs", [REPELS[0], ATTRACTS[1]], ids="; ".join)
+@pytest.mark.parametrize("rhs", [REPELS[0], ATTRACTS[0]], ids="; ".join)
 def test_certificates_obey_their_inclusion(rhs: list[str]) -> None:
     certificate = certificate_of(decided(rhs))
     assert not contradiction(certificate["statement"])

@@ -101,6 +101,7 @@ def test_the_scale_of_the_rates_stands_beside_a_figure_of_its_own() -> None:
     assert figure.axes == [axes]
 
 
+@pytest.mark.usefixtures("without_other_rules")
 def test_destinations_are_a_table_in_a_notebook() -> None:
     array = ns.load("off-center")
     assert isinstance(array, ns.Array)

@@ -15,7 +15,7 @@ import pytest
 
 import nonsmooth as ns
 from nonsmooth.reports.designs.toml_text import toml_text
-from nonsmooth.reports.document import Table
+from nonsmooth.reports.document import Table, plain_text
 from nonsmooth.reports.sweeps.base import Base, base_of
 from nonsmooth.reports.sweeps.borders import Border, find_borders, said
 from nonsmooth.reports.sweeps.outcome import QUESTIONS, Outcome, outcome_of
@@ -24,6 +24,7 @@ from nonsmooth.reports.sweeps.sweep_plan import LARGE, Point, SweepPlan, read_pl
 from nonsmooth.reports.sweeps.table import flat_rows, sweep_blocks
 from nonsmooth.symbolic.files.one_by_one import one_by_one
 from nonsmooth.symbolic.files.scene_file import load_scene, read_document
+from nonsmooth.symbolic.number_text import float_text
 from tests.oracles.measured_tables import MeasuredTable
 from tests.thorough import few, thorough
 
@@ -52,7 +53,7 @@ def values(border: Border) -> list[Any]:
 
 
 @few(1)
-@pytest.mark.usefixtures("without_paths")
+@pytest.mark.usefixtures("without_paths", "without_other_rules")
 @pytest.mark.parametrize("rule", ["nearest", "box", "ellipse"])
 def test_a_grid_answers_as_checks_one_by_one(rule: str) -> None:
     found = swept("four-wheel", {"mu_side": "1/2,3/2", "equilibrium.x": "0:1/4:2"}, rule=rule)
@@ -79,7 +80,11 @@ def test_tolerances_vary_and_say_what_is_left_of_them(tmp_path: Path) -> None:
     built_in = Path(__file__).parents[3] / "symbolic" / "scenes" / "four-wheel.toml"
     box = '\n[tolerance]\nposition = "1/50"\n'
     file.write_text(built_in.read_text(encoding="utf-8") + box, encoding="utf-8")
-    one, two = swept(str(file), {"tolerance.position": "1/50,1/25"}).outcomes
+    found = swept(str(file), {"tolerance.position": "1/50,1/25"})
+    one, two = found.outcomes
+    (shown,) = [block for block in sweep_blocks(found) if isinstance(block, Table)]
+    assert [plain_text(entry) for entry in shown.header][-2:] == ["all end within", "certified, times"]
+    assert plain_text(shown.rows[0][-1]) == float_text(one["tolerance_factor"], 4)
     array = ns.load(file)
     assert isinstance(array, ns.Array)
     robust = array.check().tolerances
@@ -368,6 +373,7 @@ def test_a_number_that_no_wheel_takes_is_refused(invoke: Invoke, tmp_path: Path)
     assert invoke("sweep", "own.toml", "--vary", "mu_roll=1,2", "--workers", "1").status == 0
 
 
+@pytest.mark.usefixtures("without_paths", "without_other_rules")
 def test_a_wheel_of_a_table_varies_on_its_own(invoke: Invoke, tmp_path: Path) -> None:
     (tmp_path / "wheels.csv").write_text("x,y,heading\n1,1,225\n-1,1,315\n-1,-1,45\n1,-1,135\n", encoding="utf-8")
     (tmp_path / "table.toml").write_text(

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, Page
 
+import nonsmooth as ns
 from tests.browser import needs_chromium
 from tests.reports.conftest import Invoke
 from tests.reports.workbench.workbench_page import (
@@ -151,6 +152,46 @@ def test_the_sliders_change_what_they_name(page: Page) -> None:
         assert after != before
         settled(page)
         assert slider.get_attribute("aria-valuetext") == page.locator(f"output[for=slider-{name}]").inner_text()
+
+
+def test_wheels_of_one_kind_and_of_one_speed_have_one_slider(page: Page) -> None:
+    """Wheels that differ have their own; each moves all of its wheels, and no other."""
+    wheels = edited(page, lambda: page.evaluate(SECOND_KIND))["wheel"]
+    settled(page)
+    labels = page.locator("#sliders label").all_inner_texts()
+    assert labels[:2] == ["mu_side / mu_roll, wheels 1, 3\u20134", "mu_side / mu_roll, wheel 2"]
+    assert labels[2:4] == ["Speed, wheels 1, 3\u20134", "Speed, wheel 2"]
+    sliders = page.locator("#sliders input")
+    sliders.nth(1).focus()
+    after = edited(page, lambda: page.keyboard.press("ArrowRight"))["wheel"]
+    assert after[1]["mu_side"] == pytest.approx(wheels[1]["mu_side"] + 0.01)
+    assert [after[k] for k in (0, 2, 3)] == [wheels[k] for k in (0, 2, 3)]
+    settled(page)
+    sliders.nth(2).focus()
+    faster = edited(page, lambda: page.keyboard.press("ArrowRight"))["wheel"]
+    assert {faster[k]["speed"] for k in (0, 2, 3)} == {1.02}
+    assert faster[1]["speed"] == 2
+
+
+SECOND_KIND = """() => { workbench.store.edit(({ document }) => ({ document: { ...document,
+  wheel: document.wheel.map((wheel, k) => (k === 1 ? { ...wheel, mu_side: 0.2, mu_roll: 1, speed: 2 } : wheel)) } }));
+  workbench.store.seal(); }"""
+
+
+def test_small_arrows_fill_the_square(page: Page) -> None:
+    assert page.locator(".layer-flow path").count() > 8
+    page.evaluate("() => { workbench.drawing.hidden.add('motions'); workbench.drawing.request(); }")
+    page.locator(".layer-flow path").first.wait_for(state="detached")
+    page.evaluate("() => { workbench.drawing.hidden.delete('motions'); workbench.drawing.request(); }")
+
+
+def test_the_page_says_where_a_path_ends_as_simulate_does(page: Page) -> None:
+    edited(page, lambda: page.evaluate("() => workbench.store.edit(() => ({ starts: [[0.2, 0.4, 0.3]], until: 2 }))"))
+    settled(page)
+    said = page.locator("#path-ends li").first
+    page.wait_for_function("() => workbench.results.paths.length === 1")
+    sentence = ns.load("four-wheel").simulate((0.2, 0.4, 0.3), 2).ending[1]
+    assert sentence in said.inner_text()
 
 
 def test_the_keyboard_reaches_everything_of_a_wheel(page: Page) -> None:
