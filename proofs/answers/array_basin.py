@@ -43,10 +43,10 @@ CIRCLE = 48  # points of the first ring
 INWARD = 0.02  # sine of the angle at which velocities lead inward over it, at least
 RESTING = (1.01, 1.03, 1.1)  # factors by which the convex hull of cells in which bodies rest is made wider
 CIRCLES = 3  # that are tried about one place
-SMALLEST, WIDER = 1e-3, 1.06  # radii that are tried: of the square's half-width, and each of the one before
-NEAR = 1e-9  # of the square's half-width: what is as near to a line may lie on either side
+SMALLEST, WIDER = 2.0**-10, 1.06  # radii that are tried: of the square's half-width, and each of the one before
+NEAR = 2.0**-30  # of the square's half-width: what is as near to a line may lie on either side
 SQUARE = 2.0**-20  # by which the square in which the mesh lies is smaller than that of the cells
-ACROSS = 1e-3  # of the distance of neighbours on a ring: how far across a border a side ends
+ACROSS = 2.0**-10  # of the distance of neighbours on a ring: how far across a border a side ends
 FOLLOWED = ("nearest", "box")  # contact rules
 
 
@@ -388,7 +388,7 @@ def _largest_outward(field: FloatCells, ring: Floats) -> float:
 def _end(field: FloatCells) -> Floats:
     """The middle of where bodies end that start about the point, by steps that become smaller."""
     x = _circle(np.zeros(2), field.half / 2)
-    for step in np.geomspace(field.half / 50, field.half / 1e4, 400):
+    for step in np.geomspace(field.half / 50, field.half / 10_000, 400):
         v = field.at(x)[0]
         x = x + step * v / (np.linalg.norm(v, axis=1)[:, None] + np.finfo(float).tiny)
     return np.asarray(x.mean(axis=0))

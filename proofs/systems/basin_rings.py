@@ -38,7 +38,8 @@ STEPS, PAUSE, GROWTH = 1_500, 50, 1.0015  # at most; between looks at the area; 
 BEND = 0.15  # of a side: interpolation that bends more is not believed
 FOLD = 0.2  # sine of the angle between f and n below which f is turned less
 PHASE = 2.0  # in radians: sines and cosines need as many points over it as a ring of this size has
-APART = 1e-3  # of a side: as near to a corner no other one is put
+WIDTH = 2.0**-20  # of a ring: of differences
+APART = 2.0**-10  # of a side: as near to a corner no other one is put
 UNFOLDED = 5  # times that points are left out at which a ring turns back
 STARTS = 400  # points of the first ring
 SMALL = 2.0**-40  # of the largest: what is as small counts as zero, for either sign
@@ -123,7 +124,7 @@ class FloatField:
             np.stack([self.on(tuple(own), x[None])[0, 0] for own, x in zip(k, places, strict=True)])
             for k in (first, last)
         )
-        width = 1e-6 * float(np.abs(ring).max())
+        width = WIDTH * float(np.abs(ring).max())
         columns = []
         for step in np.eye(2) * width:
             rise = self.guards(places + step) - self.guards(places - step)

@@ -134,7 +134,7 @@ def test_enclosed_cells_are_a_superset() -> None:
     outlines = [np.array([[points[k][0], points[k][1]] for k in cell.polygon]) * 1024 for cell in cells.listed]
     for _ in range(200):
         a, b, c = random.integers(-500, 500, (3, 2))
-        if np.cross(b - a, c - a) <= 0:
+        if (b - a)[0] * (c - a)[1] < (b - a)[1] * (c - a)[0]:
             b, c = c, b
         places = [(int(x), int(y)) for x, y in (a, b, c)]
         inside = np.einsum("ij,jk->ik", random.dirichlet(np.ones(3), 30), np.array([a, b, c]))
