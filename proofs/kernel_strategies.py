@@ -13,6 +13,7 @@ from nonsmooth.proofs.facts import row_fact
 from nonsmooth.proofs.kernel.escapes import show_escape_of
 from nonsmooth.proofs.kernel.search import NotShownError
 from nonsmooth.proofs.many_states.center_manifold import show_by_center_manifold
+from nonsmooth.proofs.many_states.circles import find_energy_on_circles
 from nonsmooth.proofs.many_states.decision import SpacePoint, conclude_function, search_growth
 from nonsmooth.proofs.many_states.examination import ExaminedLyapunov
 from nonsmooth.proofs.many_states.lyapunov_search import find_lyapunov
@@ -106,6 +107,16 @@ def decide_by_turned_energy(point: CheckedPoint, known: Known) -> Finding | None
     where = f"{cube_text(radius, point.system.states)}; V < 0 in the direction ({direction})"
     facts = row_fact("with", f"V = {text}"), row_fact("on", where)
     return Finding(Method.INSTABILITY, Translation.UNSTABLE, reason, entry=entry, facts=facts)
+
+
+def decide_by_circles(point: CheckedPoint, known: Known) -> Finding | None:
+    """An energy with sines and cosines that does not rise, which enclosures of these cannot show."""
+    found = find_energy_on_circles(point.system) if known.standing is None else None
+    if found is None:
+        return None
+    entry, function, domain = found
+    reason = f"V = {function} is positive and does not rise"
+    return Finding(Method.CIRCLES, Translation.STABLE, reason, entry=entry, facts=(row_fact("on", domain),))
 
 
 def _rational(system: SwitchedSystem) -> SwitchedSystem:

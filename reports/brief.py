@@ -69,7 +69,8 @@ def _bindings(subject: ArraySubject) -> Iterator[str]:
         if holds is not None:
             within = f"{float_text(accuracy, 3)}{unit}"
             only = "; at these, reckon with the simulated times" if holds < 1 else ""
-            yield f"speed: paths without inertia serve, within {within}, up to {holds:g} times these speeds{only}"
+            most = f"up to {holds:g} times these speeds (simulated){only}"
+            yield f"speed: paths without inertia serve, within {within}, {most}"
     robust = answers.robust
     if robust is None:
         yield "tolerances: none are stated, so nothing is said of tables that are built a little differently"

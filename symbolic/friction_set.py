@@ -126,7 +126,7 @@ class CutEllipse(Generic[X]):
         return self.along * rho, self.across * tau
 
     def hessian(self, r: X, s: X) -> tuple[X, X, X]:
-        """Its second derivatives ``(rr, rs, ss)``; in arrays zero where there are none.
+        """Its second derivatives ``(rr, rs, ss)``; in arrays zero where there are none, of intervals all numbers.
 
         Raises:
             ValueError: as for the gradient.
@@ -141,7 +141,10 @@ class CutEllipse(Generic[X]):
             ValueError: as for the gradient.
         """
         (x, y), product = self._weighted(r, s), self.along * self.across
-        return self._either(r, s, lambda: 0 * x, lambda: product * product / _divisor(_length(x, y)) ** 3)
+        flat = 0 * x
+        if _is_enclosure(x):  # where x may be zero D has an edge beside the corner
+            flat = flat / x
+        return self._either(r, s, lambda: flat, lambda: product * product / _divisor(_length(x, y)) ** 3)
 
     def holds_strictly(self, x: X, y: X) -> bool:
         """Whether ``(alpha x, beta y)`` lies inside, off the border; of balls whether it certainly does."""
@@ -236,7 +239,9 @@ class CutEllipse(Generic[X]):
 
     def _excess(self, x: Any, y: Any) -> Any:
         """Positive at a corner, negative on the arc."""
-        if _is_float(x) or _is_enclosure(x):  # squares would overflow
+        if _is_enclosure(x):  # a whole ellipse has no corner, wherever a slip may be
+            return (self.corner * abs(y) - self.cut * abs(x)).below_zero(self.cut.is_one)
+        if _is_float(x):  # squares would overflow
             return self.corner * abs(y) - self.cut * abs(x)
         square = self.cut * self.cut
         return (1 - square) * y * y - square * x * x
@@ -432,6 +437,8 @@ def _root(x: Any) -> Any:
 def _length(x: Any, y: Any) -> Any:
     if _is_float(x):
         return np.hypot(x, y)
+    if _is_enclosure(x):
+        return (x.square + y.square).sqrt()
     if not isinstance(x, arb) and not (x and y):  # no exact root is looked for where one is known
         return abs(x + y)
     return (x * x + y * y).sqrt()

@@ -114,7 +114,7 @@ class EngineTable:
     def follow(self, starts: Floats, until: float) -> tuple[Floats, Floats]:
         """Times (k,) and poses (k, m, 3) in millimetres from rest at ``(x, y, theta)`` (m, 3); nan once thrown off."""
         count = int(np.ceil(until / (EVERY * self.timestep)))
-        times = EVERY * self.timestep * np.arange(count + 1)
+        times = np.asarray(EVERY * self.timestep * np.arange(count + 1), np.float64)
         return times, np.stack([self._path(start, count) for start in starts], axis=1)
 
     def _path(self, start: Floats, count: int) -> Floats:

@@ -142,6 +142,11 @@ class BalancedForces:
             twists = self._newton(twists, loads, pulls, rounding * self.fastest, settled)
         return twists
 
+    def corrected(self, places: Floats, twists: Floats) -> Floats:
+        """About the minimizers of D, (m, 3), from twists close to them, where D has no edge."""
+        nothing = np.zeros_like(twists)
+        return self._newton(twists, self.float_loads(places), nothing, ROUNDINGS[-1] * self.fastest, SETTLED)
+
     def _newton(self, twists: Floats, loads: Floats, pulls: Floats, width: float, settled: float) -> Floats:
         """Newton's method on the rounded D; a step is halved while the gradient along it does not point back."""
         open_ones = np.arange(len(twists))
@@ -204,6 +209,11 @@ class BalancedForces:
         )
         return np.asarray((gradient[:, :2] * slopes).sum(axis=1) / np.hypot(slopes[:, 0], slopes[:, 1]))
 
+    def hessians(self, places: Floats, twists: Floats) -> Floats:
+        """About those of D by the twist, (m, 3, 3), at places (m, 2) and twists (m, 3)."""
+        nothing, width = np.zeros_like(twists), ROUNDINGS[-1] * self.fastest
+        return self._gradient(twists, self.float_loads(places), nothing, width, hessian=True)[1]
+
     def compliance(self, places: Floats, slopes: Floats, twists: Floats) -> Floats:
         """About how much faster ``g . c'`` becomes per unit of a pull along a covector g, (m).
 
@@ -214,8 +224,7 @@ class BalancedForces:
         """
         turns = (slopes[:, 1] * places[:, 0] - slopes[:, 0] * places[:, 1]) / self.length
         pulls = np.column_stack([slopes, turns])
-        loads, nothing = self.float_loads(places), np.zeros_like(pulls)
-        _, bend = self._gradient(twists, loads, nothing, ROUNDINGS[-1] * self.fastest, hessian=True)
+        bend = self.hessians(places, twists)
         bend = bend + 2.0**-40 * np.trace(bend, axis1=1, axis2=2)[:, None, None] * np.eye(3)
         return np.asarray((pulls * np.linalg.solve(bend, pulls[:, :, None])[:, :, 0]).sum(axis=1))
 

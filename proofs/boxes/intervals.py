@@ -75,6 +75,23 @@ class Intervals:
         high = np.maximum(np.maximum(products[0], products[1]), np.maximum(products[2], products[3]))
         return _outward(low, high)
 
+    def __rmul__(self, number: float) -> Intervals:
+        return Intervals.of(number) * self
+
+    def __pow__(self, exponent: int) -> Intervals:
+        """The product of so many of them, at least one."""
+        return self if exponent == 1 else self ** (exponent - 1) * self
+
+    def __truediv__(self, other: Intervals) -> Intervals:
+        """All numbers where the divisor may be zero."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            inverse = _outward(1 / other.high, 1 / other.low)
+            found = self * inverse
+        low, high = (
+            np.where(other.holds_zero, end, ends) for end, ends in ((-np.inf, found.low), (np.inf, found.high))
+        )
+        return Intervals(low, high)
+
     def sum(self, axis: int) -> Intervals:
         """Along an axis, one entry after the other."""
         parts = [np.moveaxis(ends, axis, 0) for ends in (self.low, self.high)]
@@ -118,6 +135,19 @@ class Intervals:
     def __abs__(self) -> Intervals:
         low = np.where(self.holds_zero, 0.0, np.minimum(np.abs(self.low), np.abs(self.high)))
         return Intervals(low, np.maximum(np.abs(self.low), np.abs(self.high)))
+
+    def sign(self) -> Intervals:
+        """Between the signs of both ends."""
+        return Intervals(np.sign(self.low), np.sign(self.high))
+
+    @property
+    def is_one(self) -> NDArray[np.bool_]:
+        """Whether these are exactly one."""
+        return np.asarray((self.low == 1) & (self.high == 1))
+
+    def below_zero(self, where: NDArray[np.bool_]) -> Intervals:
+        """Minus one in some places, to choose there by :meth:`by_sign`."""
+        return Intervals(np.where(where, -1.0, self.low), np.where(where, -1.0, self.high))
 
     def by_sign(self, positive: Intervals, negative: Intervals) -> Intervals:
         """One where these are positive, another where negative, and the hull of both where that is not told."""

@@ -50,7 +50,8 @@ class Formula:
     Args:
         data: a text such as ``-sign(x) + y/4``.
         states: the polynomial that stands for each name.
-        ends: which end of what they may be the waves are at, 0 or 1; none where a formula may hold no waves.
+        ends: which end of what they may be the waves are at, 0 or 1; none where a formula may hold no waves; None where
+            they have no ends.
         wave: a wave of a polynomial at an end.
 
     Raises:
@@ -59,14 +60,15 @@ class Formula:
     """
 
     def __init__(
-        self, data: Any, states: Mapping[str, Polynomial], ends: Sequence[int] = (), wave: WaveAt = series
+        self, data: Any, states: Mapping[str, Polynomial], ends: Sequence[int] | None = (), wave: WaveAt = series
     ) -> None:
         self.text, self.states, self.wave = text(data).strip(), states, wave
         self.count = next(iter(states.values())).count
         self.tree = parsed(self.text)
         waves = waves_in(self.tree)
-        require(len(waves) == len(ends), "sines and cosines in right-hand sides alone")
-        self.ends = dict(zip(waves, ends, strict=True))
+        own = [0] * len(waves) if ends is None else ends
+        require(len(waves) == len(own), "sines and cosines in right-hand sides alone")
+        self.ends = dict(zip(waves, own, strict=True))
 
     def on(self, sign_of: SignOf) -> Polynomial:
         """The polynomial on a cell.

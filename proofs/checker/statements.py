@@ -16,6 +16,7 @@ from typing import Any, TypeAlias
 from .array_basin import show_array_basin
 from .basin import show_basin
 from .cells import System
+from .circles import show_on_circles
 from .escape import show_escape
 from .positivity import Proofs
 from .roots import read_subject
@@ -36,6 +37,7 @@ THEOREMS: dict[str, Theorem] = {  # of systems
     "departure": show_departure,
     "escape": show_escape,
     "basin": show_basin,
+    "circles": show_on_circles,
 }
 OF_ARRAYS: dict[str, Theorem] = {
     "theorem 4": show_theorem4,

@@ -242,7 +242,7 @@ class Number:
         """
         basis = self.field.basis()
         size = len(basis)
-        charge(size**3, size**3 * self.words**2)
+        charge(size**3, size**5 * self.words**2)  # entries of the elimination grow with the size
         images = [self * Number(self.field, {own: 1}) for own in basis]
         rows = [[*(Fraction(image.terms.get(own, 0), image.bottom) for image in images)] for own in basis]
         rows = [[*row, Fraction(own == ())] for row, own in zip(rows, basis, strict=True)]

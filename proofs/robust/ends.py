@@ -11,7 +11,7 @@ Kinematics are exact: ``c' = v + omega J c``.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import TypeAlias
@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from nonsmooth.proofs.boxes.balanced_forces import BalancedForces
 from nonsmooth.proofs.robust.drift import largest_spin
 from nonsmooth.proofs.robust.level_sets import Distance, LevelFunction, shapes_about
-from nonsmooth.proofs.robust.touching_rings import TouchingRings, rings_about
+from nonsmooth.proofs.robust.touching_rings import FINER, FINEST, TouchingRings, rings_about
 from nonsmooth.proofs.robust.ultimate_bound import root_above
 from nonsmooth.symbolic.contact_set import ContactSet
 from nonsmooth.symbolic.scene import Scene
@@ -100,14 +100,20 @@ def decide_ends(
     velocity, away = _velocity(scene), None
     if velocity is None:
         return None
+    keeps, ellipses = kept or ContactSet(()), []
     for centre in [(Fraction(0), Fraction(0))] if rests else _centres(scene, velocity, accuracy):
         for shape in _shapes(scene, velocity, centre, accuracy):
-            found = _about(scene, centre, shape, accuracy, box, kept or ContactSet(()))
+            found = _about(scene, centre, shape, accuracy, box, keeps)
             if found is not None and found.is_near:
                 return found
             away = away or found
             if found is not None:
                 break
+            if not isinstance(shape, Distance):
+                ellipses.append((centre, shape))
+    if away is None:  # about places that seem to attract, once more in smaller pieces
+        finest = (_about(scene, centre, shape, accuracy, box, keeps, FINEST) for centre, shape in ellipses)
+        away = next((found for found in finest if found is not None), None)
     return away
 
 
@@ -137,8 +143,9 @@ def _about(
     accuracy: Fraction,
     box: Tolerance | None,
     kept: ContactSet,
+    finer: Sequence[int] = FINER,
 ) -> Ends | None:
-    """What rings about a centre show."""
+    """What rings about a centre show, that are divided into so many parts where one does not do."""
     x, y = (scene.field.rational(entry) for entry in centre)
     distance = root_above(centre[0] ** 2 + centre[1] ** 2)
     there = scene.checked_at((x, y), scene.check.radius).recentred() if distance else scene
@@ -153,7 +160,7 @@ def _about(
     if most <= through:
         return None
     wanted = max(CLOSE * accuracy, min(NEAR_REST * distance, abs(accuracy - distance) / 2))
-    rings = rings_about(there, box, most, through, float(wanted) / 2, shape)
+    rings = rings_about(there, box, most, through, float(wanted) / 2, shape, finer)
     if rings is None or rings.start <= distance:
         return None
     # bodies arrive in the smallest disc in a finite time where cells end at the place of rest, and slow down elsewhere

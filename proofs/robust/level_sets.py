@@ -70,6 +70,27 @@ class RingPieces:
         x, y = self.slopes
         return RingPieces(self.corners, (-x, -y), -self.moments, self.sizes, self.per_ring)
 
+    @property
+    def halves(self) -> tuple[RingPieces, NDArray[np.bool_]]:
+        """Each cut across its longer sides: the first halves, then the second ones, and which are exact.
+
+        The middle of a side is exact where its corners have bits to spare: otherwise the halves, and neighbours that
+        are not cut, may leave a gap between them.
+        """
+        along, across = (np.hypot(*(self.corners[:, k] - self.corners[:, 0]).T) for k in (1, 3))
+        order = np.where((along > across)[:, None], [0, 1, 2, 3], [1, 2, 3, 0])
+        pieces = np.arange(len(order))[:, None]
+
+        def both(entries: Floats) -> Floats:
+            a, b, c, d = np.moveaxis(entries[pieces, order], 1, 0)
+            near, far = (a + b) / 2, (d + c) / 2
+            return np.concatenate([np.stack([a, near, far, d], axis=1), np.stack([near, b, c, far], axis=1)])
+
+        x, y, moments = (Intervals(both(g.low), both(g.high)).widened for g in (*self.slopes, self.moments))
+        a, b, c, d = np.moveaxis(self.corners[pieces, order], 1, 0)
+        is_exact = np.tile(_adds_exactly(a, b) & _adds_exactly(d, c), 2)
+        return RingPieces(both(self.corners), (x, y), moments, both(self.sizes) * (1 + 2.0**-50), 1), is_exact
+
     def at(self, chosen: NDArray[np.intp]) -> RingPieces:
         """Some of them."""
         x, y = self.slopes
@@ -208,9 +229,9 @@ def lyapunov_matrix(slope: Floats) -> Floats | None:
     return np.asarray(solve_continuous_lyapunov(slope.T, -np.eye(2)))
 
 
-def short_levels(levels: Floats) -> Floats:
-    """Levels with 24 bits."""
-    size = 2.0 ** (np.floor(np.log2(levels)) - BITS + 1)
+def short_levels(levels: Floats, bits: int = BITS) -> Floats:
+    """Levels with 24 bits, or fewer."""
+    size = 2.0 ** (np.floor(np.log2(levels)) - bits + 1)
     return np.asarray(np.floor(levels / size) * size)
 
 
@@ -225,6 +246,13 @@ def _quadrangles(rays: Floats, inner: Floats, outer: Floats) -> Floats:
     following, near, far = np.roll(rays, -1, axis=0), inner[:, None, None], outer[:, None, None]
     corners = np.stack([near * rays, far * rays, far * following, near * following], axis=2)
     return corners.reshape(-1, 4, 2)
+
+
+def _adds_exactly(a: Floats, b: Floats) -> NDArray[np.bool_]:
+    """Whether sums of points (n, 2) are not rounded (Knuth's two-sum), (n,)."""
+    total = a + b
+    rest = total - a
+    return np.asarray((((a - (total - rest)) + (b - rest)) == 0).all(axis=1))
 
 
 def _repeated(slope: Intervals, parts: int, rings: int) -> Intervals:

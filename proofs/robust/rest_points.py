@@ -32,6 +32,7 @@ from nonsmooth.proofs.boxes.enclosed_rest import (
     unknowns_at_rest,
 )
 from nonsmooth.proofs.enclosures import UNIT, newton
+from nonsmooth.proofs.robust.affine_twists import refined_rates
 from nonsmooth.proofs.robust.level_sets import VERTICES, SectorFunction, lyapunov_matrix, short_levels, short_vertices
 from nonsmooth.proofs.robust.touching_rings import RATIO, finer_rate, ring_rates
 from nonsmooth.proofs.verdicts import Translation
@@ -46,6 +47,7 @@ DISCS = tuple(Fraction(1, 8**k) for k in range(1, 6))  # of the accuracy: where 
 WIDTHS = (1.0, 0.5, 0.25)  # b of the cones that are tried
 MOST_VERTICES = 512  # of a polygon on which slow spirals rise
 SLACK = 0.5  # of the rate outward: what bends of such a polygon may cost
+SHORT = 16  # bits of levels: quadrangles between them can be halved some times without rounding
 NO_FARTHER = Fraction(1, 2**24)  # of the accuracy: where starts beside an enclosed place of rest are
 
 
@@ -102,7 +104,7 @@ def _level_close_by(rest: EnclosedRest, shape: SectorFunction, accuracy: Fractio
     start = NO_FARTHER * accuracy / Fraction(shape.outside)
     with ctx.workprec(PRECISION):
         for share in DISCS:
-            level = float(short_levels(np.array([share * float(accuracy)]))[0])
+            level = float(short_levels(np.array([share * float(accuracy)]), SHORT)[0])
             if _rises_close_by(rest, shape, level, beside, start):
                 return level
     return None
@@ -188,11 +190,13 @@ def _rises_around(forces: BalancedForces, shape: SectorFunction, level: float, a
     """Whether V rises on rings from a level outward, until a polygon holds the disc of the accuracy."""
     most = float(accuracy) / shape.inside * (1 + 2.0**-20)
     count = max(int(np.ceil(np.log(most / level) / -np.log(RATIO))), 1)
-    levels = short_levels(most * (1 + 2.0**-20) * (level / most) ** (np.arange(count + 1) / count))
+    levels = short_levels(most * (1 + 2.0**-10) * (level / most) ** (np.arange(count + 1) / count), SHORT)
     levels[-1] = level
     for outer, inner in pairwise(levels):
         pieces = shape.pieces(np.array([inner]), np.array([outer])).turned
-        if ring_rates(forces, pieces)[0] <= 0 and finer_rate(forces, shape, inner, outer, turned=True) <= 0:
+        if ring_rates(forces, pieces)[0] > 0 or refined_rates(forces, pieces)[0] > 0:
+            continue
+        if finer_rate(forces, shape, inner, outer, turned=True) <= 0:
             return False
     return True
 

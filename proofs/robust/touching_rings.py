@@ -10,6 +10,7 @@ One rate for all rings would make that time many times too long: near a place of
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import TypeAlias
@@ -34,6 +35,7 @@ Floats: TypeAlias = NDArray[np.float64]
 RATIO = 0.8  # of the levels of one ring
 AT_ONCE = 6  # rings
 FINER = (2, 4)  # parts of each side of a ring that is not shown in one
+FINEST = (8, 16)  # the same beside an edge of the field, over which a body's twist turns round
 SMALLEST = 2.0**-22  # of the outermost radius
 SHARES = (0.25, 0.5, 0.12, 0.9)  # of the pull inward that the body feels, tried one after the other
 PUSHES = (0.6, 0.3, 0.1, 0.03)  # of the friction of all wheels, where what pulls inward is not smooth
@@ -87,7 +89,13 @@ class TouchingRings:
 
 
 def rings_about(
-    scene: Scene, box: Tolerance | None, most: float, through: float, least: float, shape: LevelFunction | None = None
+    scene: Scene,
+    box: Tolerance | None,
+    most: float,
+    through: float,
+    least: float,
+    shape: LevelFunction | None = None,
+    finer: Sequence[int] = FINER,
 ) -> TouchingRings | None:
     """Rings about the origin of a centred scene; None where there is none through a radius.
 
@@ -98,12 +106,13 @@ def rings_about(
         through: a disc of starts that is needed; the search begins at its border, outward and inward.
         least: a smaller disc of ends than this is not looked for.
         shape: V, where the rule has loads; the distance where none is given.
+        finer: into how many parts each side of a ring is divided that is not shown in one.
     """
     if scene.contact.rule == "nearest":
         return None if why_not_nearest(scene) else _of_cells(scene, box or no_tolerance(scene), most)
     if isinstance(scene.contact.loads, UnknownLoads):
         return None
-    return _of_forces(scene, most, through, least, shape or Distance())
+    return _of_forces(scene, most, through, least, shape or Distance(), finer)
 
 
 def no_tolerance(scene: Scene) -> Tolerance:
@@ -143,7 +152,9 @@ def _of_cells(scene: Scene, box: Tolerance, most: float) -> TouchingRings | None
 # ---- rules with loads ----------------------------------------------------------------------------
 
 
-def _of_forces(scene: Scene, most: float, through: float, least: float, shape: LevelFunction) -> TouchingRings | None:
+def _of_forces(
+    scene: Scene, most: float, through: float, least: float, shape: LevelFunction, finer: Sequence[int]
+) -> TouchingRings | None:
     """Outward from the ring in the middle, then inward, until one fails."""
     try:
         forces = BalancedForces(scene)
@@ -161,7 +172,8 @@ def _of_forces(scene: Scene, most: float, through: float, least: float, shape: L
             shown = ring_rates(forces, shape.pieces(edges[np.array(chosen) + 1], edges[chosen]))
             failed = next((j for j, rate in enumerate(shown) if rate <= 0), None)
             if failed is not None:
-                shown = [*shown[:failed], finer_rate(forces, shape, edges[chosen[failed] + 1], edges[chosen[failed]])]
+                inner, outer = edges[chosen[failed] + 1], edges[chosen[failed]]
+                shown = [*shown[:failed], finer_rate(forces, shape, inner, outer, finer)]
             rates |= dict(zip(chosen, shown, strict=False))
             if shown[-1] <= 0 or begin == first:
                 break
@@ -172,10 +184,16 @@ def _of_forces(scene: Scene, most: float, through: float, least: float, shape: L
 
 
 def finer_rate(
-    forces: BalancedForces, shape: LevelFunction, inner: float, outer: float, *, turned: bool = False
+    forces: BalancedForces,
+    shape: LevelFunction,
+    inner: float,
+    outer: float,
+    finer: Sequence[int] = FINER,
+    *,
+    turned: bool = False,
 ) -> float:
     """The same for one ring of smaller and smaller pieces, of V or of -V; zero where none is shown."""
-    for parts in FINER:
+    for parts in finer:
         levels = short_levels(np.geomspace(outer, inner, parts + 1))
         levels[[0, -1]] = outer, inner
         pieces = shape.pieces(levels[1:], levels[:-1], parts)

@@ -49,6 +49,7 @@ class Method(StrEnum):
     RELAY = "relative degree of a relay"
     GROWTH = "function that grows"
     INSTABILITY = "function that shows instability"
+    CIRCLES = "energy on circles"
     NONE = "nothing"
 
 

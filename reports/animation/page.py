@@ -27,6 +27,7 @@ WIDE = 1000.0  # width of the view box
 DIGITS = 1  # decimals of a coordinate in the picture
 MOST_ROWS = 24  # wheels up to which their numbers stand in a table
 RING, HEADING, BODY = 2.4, 7.0, 0.7  # radius of a ring, length of the heading's line, radius of the point, in rims
+BAR_AT = 10.0  # where the scale begins
 CLASSES = ("", "slips", "sticks")  # of the ring of a wheel, by its contact
 CONTACTS = {WheelContact.FREE: "carries nothing", WheelContact.SLIPS: "slips", WheelContact.STICKS: "sticks"}
 
@@ -64,11 +65,25 @@ class _Picture:
         self.has_table = len(film.shown) <= MOST_ROWS
         self.size = f"{float_text(right - self.left, 3)} wide"
         self.label = length_label("x, y", film.scene.units)
+        self.speed_unit = f" [{film.scene.units.speed}]" if film.scene.units.speed else ""
+
+    @property
+    def _names(self) -> list[str]:
+        return [str(wheel.index) for wheel in self.film.scene.wheels]
 
     @property
     def wide(self) -> float:
         """Width of the view box."""
         return WIDE
+
+    @property
+    def bar(self) -> dict[str, Any]:
+        """A round length, at most a quarter of the width: its ends in the picture, and what it is."""
+        most = WIDE / self.scale / 4
+        power = 10.0 ** math.floor(math.log10(most))
+        length = max(factor * power for factor in (1, 2, 5) if factor * power <= most)
+        label = f"{float_text(length, 3)} {self.film.scene.units.length or 'lengths'}"
+        return {"end": round(BAR_AT + length * self.scale, DIGITS), "label": label}
 
     @property
     def radii(self) -> dict[str, float]:
@@ -87,7 +102,7 @@ class _Picture:
             contact = CLASSES[self.film.frames.contacts[0, k]]
             rows.append(
                 {
-                    "index": k + 1,
+                    "index": self._names[k],
                     "contact": contact,
                     "place": place,
                     "ends": _line(place, rim),
@@ -144,7 +159,7 @@ class _Picture:
             "poses": [[*self._point(pose[:2]), round(math.degrees(-pose[2]), 2)] for pose in frames.poses],
             "contacts": frames.contacts[:, shown].tolist(),
             "words": [CONTACTS[kind] for kind in WheelContact],
-            "wheels": [k + 1 for k in shown],
+            "wheels": [self._names[k] for k in shown],
             "slips": [self._vectors(film.slip_arrows(k)[shown]) for k in range(len(frames))],
             "speeds": self._speeds(),
             "values": [self._values(k) for k in range(len(frames))] if self.has_table else [],

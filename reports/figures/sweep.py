@@ -191,7 +191,7 @@ def _draw_curve(axes: Axes, sweep: Sweep, name: str) -> None:
         if k in cut_after:
             places.append(place)
             values.append(float("nan"))
-    axes.plot(places, values, ".-", color=INK, linewidth=1)
+    axes.plot(places, values, ".-", color=INK, linewidth=1, clip_on=False)  # whole dots at both ends
     axes.set_ylabel(CURVES[name], fontsize="small")
     for border in sweep.borders or ():
         axes.axvline(_place_of(border), color="0.7", linewidth=0.8, zorder=0)

@@ -37,6 +37,8 @@ FUNCTIONS: dict[str, Callable[..., Any]] = {
     "sgn": np.sign,
     "Abs": np.abs,
     "sqrt": np.sqrt,
+    "sin": np.sin,
+    "cos": np.cos,
     "relu": lambda v: np.maximum(v, 0.0),
     "sat": lambda v, low, high: np.maximum(low, np.minimum(high, v)),
     "Max": lambda *v: np.maximum.reduce(np.broadcast_arrays(*v)),

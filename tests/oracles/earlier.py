@@ -51,6 +51,8 @@ def translated(certificate: Record) -> Record:
     Raises:
         NoWordError: where version 1 has no words for it.
     """
+    if "numbers" in certificate["statement"]["subject"]:
+        raise NoWordError("irrational numbers")
     states = len(certificate["statement"]["subject"]["states"])
     return {1: _in_one_state, 2: _in_the_plane}.get(states, _in_many_states)(certificate)
 

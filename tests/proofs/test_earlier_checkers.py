@@ -47,6 +47,7 @@ NO_WORDS = {
     "the whole space as the domain",
     "empty patterns by other evidence than mixtures",
     "roots in one state",
+    "irrational numbers",
     "surfaces and pieces without a common point",
 }
 PLANAR = {known.name: known for known in families()}

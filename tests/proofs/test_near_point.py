@@ -167,7 +167,6 @@ def test_an_equilibrium_has_no_direction() -> None:
 @pytest.mark.parametrize(
     ("rhs", "verdict"),
     [
-        (["sqrt(2)*sign(y)", "-sign(x) + sign(y)/2"], UNSTABLE),
         (["sign(y - sqrt(2)*x)", "-sign(x) + sign(y - sqrt(2)*x)/2"], UNSTABLE),
         (["-sign(x) + sqrt(Abs(y))", "-sign(y)"], ATTRACTS),
         (["-y", "x"], STABLE),
@@ -177,3 +176,8 @@ def test_other_systems_are_refused_in_one_line(rhs: list[str], verdict: str) -> 
     with pytest.raises((NotShownError, BeyondReachError)) as error:
         show_verdict(build(rhs), verdict)
     assert is_one_line(str(error.value))
+
+
+def test_irrational_numbers_are_shown_as_they_are() -> None:
+    entry, shown = show_verdict(build(["sqrt(2)*sign(y)", "-sign(x) + sign(y)/2"]), UNSTABLE)
+    assert (entry["theorem"], shown) == ("instability", [{"stability": UNSTABLE}])

@@ -62,6 +62,7 @@ def is_by_v(record: Record) -> bool:
         by_v
         and len(about["states"]) == 2
         and "roots" not in about
+        and "numbers" not in about
         and not any(own["hypotheses"]["second"] for own in entries)
     )
 

@@ -71,7 +71,7 @@ def test_it_has_two_pages(four_wheel: ArraySubject, tmp_path: Path) -> None:
     assert int(found[1]) <= PAGES
 
 
-def test_the_command_says_the_answers_in_a_line(invoke: Invoke, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_command_says_the_answers_in_a_line(invoke: Invoke) -> None:
     done = invoke("derive", "four-wheel", "--brief", "-o", "brief.md")
     assert "brief.md: position comes home, heading drifts, pose can be held" in " ".join(done.out.split())
     assert Path("brief.md").read_text(encoding="utf-8").startswith("# In brief: four-wheel")

@@ -99,13 +99,6 @@ def test_no_certificate_and_no_law_are_written_of_it(invoke: Invoke, tmp_path: P
     assert not file.exists()
 
 
-def test_a_check_without_a_contradiction_says_nothing_of_it(invoke: Invoke) -> None:
-    outcome = invoke("check", "four-wheel", "--json")
-    assert outcome.status == 0
-    assert "contradictions" not in outcome.record
-    assert "contradiction" not in invoke("check", "four-wheel").out
-
-
 @pytest.mark.parametrize("mu_side", ["1/2", "1"])
 def test_a_rounded_ring_is_not_said_to_drive_away_what_rests_on_it(
     invoke: Invoke, tmp_path: Path, mu_side: str

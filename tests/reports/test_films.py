@@ -113,6 +113,32 @@ def test_a_friction_axis_is_drawn_where_it_is_not_the_rim(tmp_path: Path) -> Non
     assert 'class="axis"' not in text
 
 
+def test_a_page_has_a_scale_and_the_words_of_the_table(tmp_path: Path) -> None:
+    """The bar is as long in the picture as wheels that are so far apart; wheels have their own names."""
+    (tmp_path / "table.toml").write_text(NAMED, encoding="utf-8")
+    array = ns.load(tmp_path / "table.toml")
+    assert isinstance(array, ns.Array)
+    array.simulate((10, 5, 0), 0.05).animate(tmp_path / "path.html")
+    page = (tmp_path / "path.html").read_text(encoding="utf-8")
+    found = re.search(r"M10 4V16M10 10H([\d.]+)M[^>]*></svg>\s*([\d.]+) mm", page)
+    assert found is not None
+    rings = [float(x) for x in re.findall(r'data-wheel="[^"]*" cx="([\d.]+)"', page)]
+    assert (float(found[1]) - 10) / float(found[2]) == pytest.approx((max(rings) - min(rings)) / 200, rel=1e-2)
+    assert data_of(page)["wheels"] == ["M1", "M2", "M3", "M4"]
+    assert "speed u [mm/s]" in page
+
+
+NAMED = """
+name = "table"
+units = { length = "mm" }
+friction = { mu_roll = 0.8, mu_side = 0.4 }
+check = { radius = 40 }
+""" + "".join(
+    f'[[wheel]]\nname = "M{k + 1}"\nposition = [{x}, {y}]\nheading = "inward"\nspeed = 100\n'
+    for k, (x, y) in enumerate([(100, 100), (-100, 100), (-100, -100), (100, -100)])
+)
+
+
 def test_names_of_scenes_are_text(tmp_path: Path) -> None:
     array = ns.load("ring-3").with_(name="</script><b>&\"'")
     page = array.simulate((0.05, 0.02, 0.1), until=0.2).animate(tmp_path / "path.html").read_text(encoding="utf-8")

@@ -362,7 +362,7 @@ def test_the_length_stands_in_reports(tmp_path: Path, rule: str) -> None:
 
 @few(1)
 @pytest.mark.parametrize("rule", RULES)
-@pytest.mark.parametrize(("count", "phase"), keep(1, [(7, "10 deg"), (5, 0), (3, "0.37 rad")]))
+@pytest.mark.parametrize(("count", "phase"), keep(1, [(3, "0.37 rad"), (7, "10 deg"), (5, 0)]))
 def test_rings_with_irrational_and_measured_places(count: int, phase: Any, rule: str) -> None:
     """No coordinate is rational, yet l is, and it scales with the ring."""
 

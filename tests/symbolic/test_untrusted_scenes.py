@@ -119,10 +119,10 @@ COSTLY = {
 @pytest.mark.parametrize("case", COSTLY)
 def test_dotted_keys_are_refused_at_once(tmp_path: Path, case: str) -> None:
     (tmp_path / "my.toml").write_text(COSTLY[case], encoding="utf-8")
-    start = time.perf_counter()
+    start = time.process_time()
     with pytest.raises(SceneError, match=f"keys of at most {MAX_PARTS} parts, received one of "):
         load_any(tmp_path / "my.toml")
-    assert time.perf_counter() - start < LIMIT
+    assert time.process_time() - start < LIMIT
 
 
 LONG = [
@@ -143,9 +143,9 @@ LONG = [
 @few(4)
 @pytest.mark.parametrize("text", LONG, ids=range(len(LONG)))
 def test_the_bounds_are_tested_in_linear_time(text: str) -> None:
-    start = time.perf_counter()
+    start = time.process_time()
     toml_excess(text)
-    assert time.perf_counter() - start < LIMIT
+    assert time.process_time() - start < LIMIT
 
 
 DOTS = "." * 1000

@@ -20,7 +20,6 @@ from nonsmooth.proofs.checker.theorem4 import CLAUSES
 from tests.certificates.cases import GROUPS, cases
 from tests.certificates.corpus import (
     GOOD,
-    Forgery,
     bad_arrays,
     bad_certificates,
     forged,
@@ -29,7 +28,7 @@ from tests.certificates.corpus import (
     good_certificates,
     text_of,
 )
-from tests.certificates.forgeries import certificate_text
+from tests.certificates.forgeries import Forgery, certificate_text
 from tests.certificates.inclusion import contradiction, half_width
 from tests.oracles.earlier_arrays import earlier_array, refusal_of_version_1
 from tests.thorough import keep, thorough

@@ -169,9 +169,24 @@ def test_wheels_of_one_kind_and_of_one_speed_have_one_slider(page: Page) -> None
     settled(page)
     sliders.nth(2).focus()
     faster = edited(page, lambda: page.keyboard.press("ArrowRight"))["wheel"]
-    assert {faster[k]["speed"] for k in (0, 2, 3)} == {1.02}
+    assert {faster[k]["speed"] for k in (0, 2, 3)} == {1.01}
     assert faster[1]["speed"] == 2
 
+
+def test_speeds_are_set_in_the_unit_of_the_scene(page: Page) -> None:
+    """Lengths in mm and speeds in m/s: what the slider says is what the document holds."""
+    page.evaluate(IN_MILLIMETRES)
+    settled(page)
+    assert page.locator("#sliders label").all_inner_texts()[1] == "Speed [m/s]"
+    slider = page.locator("#sliders input").nth(1)
+    assert float(slider.input_value()) == pytest.approx(0.25)
+    slider.focus()
+    wheels = edited(page, lambda: page.keyboard.press("ArrowRight"))["wheel"]
+    assert {wheel["speed"] for wheel in wheels} == {0.252}
+
+
+IN_MILLIMETRES = """() => workbench.store.open({ ...workbench.store.document, units: { length: "mm", speed: "m/s" },
+  check: undefined, wheel: workbench.store.document.wheel.map((wheel) => ({ ...wheel, speed: 0.25 })) })"""
 
 SECOND_KIND = """() => { workbench.store.edit(({ document }) => ({ document: { ...document,
   wheel: document.wheel.map((wheel, k) => (k === 1 ? { ...wheel, mu_side: 0.2, mu_roll: 1, speed: 2 } : wheel)) } }));
