@@ -76,10 +76,14 @@ class DecidedArray(Protocol):
         """What the clauses say."""
 
 
-def build_certificate(decided: DecidedArray) -> Record:
+def build_certificate(decided: DecidedArray, further: Sequence[tuple[Record, Record]] = ()) -> Record:
     """The certificate of a check, as data for JSON; it has passed the checker.
 
     Clauses that are not decided, and those that the checker's theorem leaves open, are not stated.
+
+    Args:
+        decided: what is certified.
+        further: claims beside these, each with the entry of evidence that shows it.
 
     Raises:
         NoCertificateError: for rules without cells, for loads that are not known, where nothing is decided, and beyond
@@ -99,7 +103,10 @@ def build_certificate(decided: DecidedArray) -> Record:
     if scene.body is not None:  # a certificate knows no outline: it speaks of the wheels under it
         work = Workspace(alone(scene))
         scene, partition, results = work.given, work.partition or partition, decide_clauses(work)
-    return verified(_with_tolerances(scene, _document(scene, partition, results)), certificate_text)
+    document = _document(scene, partition, results)
+    document["statement"]["claims"] += [claim for claim, _ in further]
+    document["evidence"] += [entry for _, entry in further]
+    return verified(_with_tolerances(scene, document), certificate_text)
 
 
 def stated_words(certificate: Mapping[str, Any]) -> dict[str, str]:
@@ -164,14 +171,12 @@ def _lines(value: Any, levels: int) -> str:
 def _document(scene: Scene, partition: Partition, results: Mapping[str, Any]) -> Record:
     if not partition.complete:
         partition = build_partition(scene.recentred())
-    points, chains = _corners(partition)
     disc = CertifiedDisc(None, {}) if results["translation"].region_radius is None else _disc(partition)
     zero = scene.field.zero
     here = [twist for cell in partition.cells_at((zero, zero)) for twist in cell.twists]
     of_feedback, law = _feedback(results["feedback"])
     hypotheses = {
-        "points": [homogeneous(point) for point in points],
-        "cells": _cells(partition, chains),
+        **cells_record(partition),
         "disc": disc.squared_radius,
         **_bounds(partition, results, disc),
     }
@@ -182,7 +187,7 @@ def _document(scene: Scene, partition: Partition, results: Mapping[str, Any]) ->
     }
     return {
         "version": VERSION,
-        "statement": {"subject": _subject(scene), "claims": _claims(results, of_feedback, disc, hypotheses)},
+        "statement": {"subject": subject_record(scene), "claims": _claims(results, of_feedback, disc, hypotheses)},
         "evidence": [{"theorem": "theorem 4", "hypotheses": hypotheses, "proofs": proofs}],
         "notes": _notes(scene, results),
     }
@@ -194,10 +199,11 @@ def scene_record(scene: Scene) -> Record:
     Raises:
         NoCertificateError: where the length of a rim direction lies in no field that a certificate can name.
     """
-    return encode({**_subject(scene), "tolerances": tolerance_record(scene)})
+    return encode({**subject_record(scene), "tolerances": tolerance_record(scene)})
 
 
-def _subject(scene: Scene) -> Record:
+def subject_record(scene: Scene) -> Record:
+    """The subject of a certificate, without tolerances; its numbers are those of the scene's field."""
     return {
         "field": scene.field,
         "at": list(scene.check.equilibrium),
@@ -293,6 +299,12 @@ def _wheel(wheel: Wheel) -> Record:
     friction = wheel.friction.roll, wheel.friction.side
     record = {"position": wheel.position, "direction": direction, "speed": speed, "friction": friction}
     return record if wheel.axis is None else {**record, "axis": wheel.unit_grip}
+
+
+def cells_record(partition: Partition) -> Record:
+    """The corners of all cells, and the cells with the wheels that act and their twists."""
+    points, chains = _corners(partition)
+    return {"points": [homogeneous(point) for point in points], "cells": _cells(partition, chains)}
 
 
 def _cells(partition: Partition, chains: list[list[int]]) -> list[Record]:

@@ -57,7 +57,9 @@ def system_facts(result: DecidedSystem) -> Iterator[Fact]:
     if reach.region is not None:
         yield row_fact("region", region_words(reach.region, states))
     if reach.basin is not None:
-        yield Fact("basin", _basin_record(reach.basin), basin_words(reach.basin), row="triangles")
+        yield Fact(
+            "basin", basin_record(reach.basin, basin_words(reach.basin)), basin_words(reach.basin), row="triangles"
+        )
     if reach.rate is not None:
         yield row_fact("rate", rate_words(reach, states))
     if reach.region_rate is not None:
@@ -197,7 +199,7 @@ def basin_words(basin: CertifiedBasin) -> str:
     return f"{mesh}; the region and they hold {share} of the sampled starts that do ({certified} of {coming})"
 
 
-def _basin_record(basin: CertifiedBasin) -> dict[str, object]:
+def basin_record(basin: CertifiedBasin, words: str) -> dict[str, object]:
     """The corners with the values of W, in the displacement from the point, and the triangles by their corners."""
     certified, coming = basin.sampled
     return {
@@ -206,7 +208,7 @@ def _basin_record(basin: CertifiedBasin) -> dict[str, object]:
         "simplices": basin.triangles.tolist(),
         "share": {"sampled": basin.share, "certified_starts": certified, "starts": coming},
         "unit": basin.mesh["unit"],
-        "text": basin_words(basin),
+        "text": words,
     }
 
 

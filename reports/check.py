@@ -81,7 +81,8 @@ class CheckOptions(Options):
     fail: int | None = option(None, FAIL, metavar="1")
     region: RegionSearch = option(
         RegionSearch.NONE,
-        "Of a plain system in two states: certify the region by triangles, too; fast takes seconds, best a minute.",
+        "Certify the region by triangles, too, of a plain system in two states, or of an array under nearest or box; "
+        "fast takes seconds, best a minute.",
         RegionSearch,
     )
     evidence: bool = option(False, "Print why, too: each clause, or V and its derivatives, with all numbers.")
@@ -167,11 +168,10 @@ def _require_array(scene: AnyScene, option: str, received: str) -> None:
 
 
 def _require_plane(scene: AnyScene) -> None:
-    """Refuse a search for the region of anything but a plain system in two states."""
-    states = len(scene.states) if scene.kind is SceneKind.SYSTEM else 0
-    if states != len(PLANE):
-        received = f"{states} states" if states else "an array"
-        raise RefusedError(f"{scene.origin}: required a plain system in two states for --region, received {received}")
+    """Refuse a search for the region of a plain system in other than two states."""
+    if scene.kind is SceneKind.SYSTEM and len(scene.states) != len(PLANE):
+        required = "required a plain system in two states, or an array, for --region"
+        raise RefusedError(f"{scene.origin}: {required}, received {len(scene.states)} states")
 
 
 def _under_rules(scene: Any, options: CheckOptions) -> list[Any]:
@@ -260,6 +260,8 @@ def _under_one_rule(
         )
     failures = _failures(result, announce) if options.fail else None
     result = replace(result, required=options.required, shows_evidence=options.evidence)
+    if options.region != RegionSearch.NONE:
+        result = result.with_triangles(str(options.region))
     return replace(result, continuum=continuum, failures=failures)
 
 

@@ -22,7 +22,7 @@ from nonsmooth.proofs.verdicts import Theorem4
 from nonsmooth.reports.answers import answers_record
 from nonsmooth.reports.document import Block, Paragraph, table
 from nonsmooth.reports.facts import Record
-from nonsmooth.reports.progress import steps
+from nonsmooth.reports.progress import progress, steps
 from nonsmooth.reports.records import CHECK_SCHEMA, check_record, checks_record
 from nonsmooth.reports.result import DataTable, Result, short_lines
 from nonsmooth.reports.terminal import header_table, verdict_text
@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from rich.console import RenderableType
 
     from nonsmooth.analysis.continuum import Prediction
+    from nonsmooth.proofs.answers.array_basin import ArrayBasin, NoBasin
     from nonsmooth.proofs.answers.best_point import RestPoint
     from nonsmooth.proofs.answers.destinations import Destinations
     from nonsmooth.proofs.answers.failures import Failure
@@ -139,6 +140,7 @@ class CheckResult(ArrayAnswers):
         continuum: what a continuous field would do, where that was asked.
         failures: the answers with any one wheel failed, where these were asked.
         shows_evidence: whether a terminal shows why, too.
+        region: from where bodies come, as triangles, or why there are none, where these were asked.
         elsewhere: contradictions with what is said in other results.
     """
 
@@ -150,6 +152,7 @@ class CheckResult(ArrayAnswers):
     continuum: tuple[Prediction, ...] | None = None
     failures: tuple[Failure, ...] | None = None
     shows_evidence: bool = False
+    region: ArrayBasin | NoBasin | None = None
     elsewhere: tuple[Contradiction, ...] = ()
 
     @cached_property
@@ -245,6 +248,33 @@ class CheckResult(ArrayAnswers):
 
         return law_of(self.evidence, LawName(name))
 
+    def with_triangles(self, search: str) -> Self:
+        """The same with the region as triangles, or why there are none: see ``nonsmooth check --region``.
+
+        Args:
+            search: ``fast`` or ``best``.
+        """
+        from nonsmooth.proofs.answers.array_basin import find_array_basin
+
+        with progress("region") as report:
+            found = find_array_basin(self.scene, search, lambda what, done, total: report(done, total, what))
+        return replace(self, region=found)
+
+    @property
+    def basin(self) -> ArrayBasin | None:
+        """The region as triangles; None where it was not asked for, and where none are certified."""
+        from nonsmooth.proofs.answers.array_basin import ArrayBasin
+
+        return self.region if isinstance(self.region, ArrayBasin) else None
+
+    def draw(self, ax: Axes) -> None:
+        """The wheels, and the certified triangles among the sampled starts that come."""
+        super().draw(ax)
+        if self.basin is not None:
+            from nonsmooth.reports.figures.triangles import draw_array_basin
+
+            draw_array_basin(ax, self.basin, self.at)
+
     def certificate(self) -> Record:
         """What ``--certificate`` writes; see :meth:`Result.certificate`."""
         from nonsmooth.proofs.kernel.subject import NoCertificateError
@@ -265,7 +295,8 @@ class CheckResult(ArrayAnswers):
         from nonsmooth.proofs.certificate import build_certificate
 
         _ = self.answers  # all of them: they may contradict what is certified
-        certificate = build_certificate(self.evidence)
+        further = [] if self.basin is None else [(self.basin.claim, self.basin.entry)]
+        certificate = build_certificate(self.evidence, further)
         found = tuple(contradictions_of_certificate(certificate, self.evidence))
         compared = replace(self, elsewhere=(*self.elsewhere, *found)) if found else self
         _ = compared.answers
@@ -285,11 +316,14 @@ class CheckResult(ArrayAnswers):
             from nonsmooth.reports.continuum import continuum_record
 
             continuum = continuum_record(self.continuum, check)
-        return check_record(check, answered, continuum, self.failures)
+        region = {} if self.basin is None else {"basin": self.basin.record(self.scene.units.length)}
+        return check_record(check, answered, continuum, self.failures) | region
 
     def lines(self) -> Iterator[Line]:
         """The answers, every clause, the theorem, and what contradicts itself."""
         yield from super().lines()
+        if self.region is not None:
+            yield "region", *region_words(self)
         for clause, found in self.evidence.clauses:
             yield clause.name, str(found.verdict), found.reason
         yield "Theorem 4", self.theorem4, self.reason
@@ -415,13 +449,22 @@ def compared(results: Sequence[CheckResult]) -> RulesResult:
     return RulesResult(tuple(renewed))
 
 
+def region_words(result: CheckResult) -> tuple[str, str]:
+    """Whether a region of an array is certified by triangles, and which, or why none."""
+    from nonsmooth.proofs.answers.array_basin import NoBasin
+
+    if isinstance(result.region, NoBasin):
+        return "no triangles", f"{result.region.why}: what the position says stands"
+    return "certified", "" if result.basin is None else result.basin.words(result.scene.units.length)
+
+
 def check_views(results: Sequence[CheckResult]) -> Sequence[RenderableType]:
     """Answers and verdicts of one array under one rule or several, and why where that was asked."""
     from rich.console import Group
     from rich.text import Text
 
     from nonsmooth.reports.answers import answers_view
-    from nonsmooth.reports.terminal import MORE, check_view, clauses_view, headline, legend, notes_lines
+    from nonsmooth.reports.terminal import MORE, answers_table, check_view, clauses_view, headline, legend, notes_lines
 
     views: list[RenderableType] = []
     evidence, continuum = results[0].shows_evidence, results[0].continuum
@@ -430,6 +473,9 @@ def check_views(results: Sequence[CheckResult]) -> Sequence[RenderableType]:
         check = result.evidence
         answers = [headline(check), answers_view(check, answered)]
         views += [Group(*answers), check_view(check)] if evidence else [Group(*answers, clauses_view(check))]
+        if result.region is not None:
+            verdict, why = region_words(result)
+            views.append(answers_table([("region", verdict, why)]))
         if result.failures is not None:
             views.append(failures_view(result.failures))
     if continuum is not None:

@@ -35,12 +35,9 @@ if TYPE_CHECKING:
     from rich.console import RenderableType
 
     from nonsmooth.proofs.facts import Fact
-    from nonsmooth.proofs.systems.basin import CertifiedBasin
 
 SYSTEM_SCHEMA = "nonsmooth-check/1"
 AUDIT_SCHEMA = "nonsmooth-audit/1"
-
-MESH, BORDER, INK = "#999999", "#0072B2", "black"  # of the picture
 
 
 MEANINGS = {
@@ -141,6 +138,8 @@ class SystemCheckResult(FactResult):
         if basin is None:
             super().draw(ax)
             return
+        from nonsmooth.reports.figures.triangles import draw_triangles
+
         draw_triangles(ax, basin)
         x, y = self.evidence.scene.states
         ax.set(xlabel=x, ylabel=y, aspect="equal", title=f"{one_line(self.evidence.scene.name)}: {self.verdict}")
@@ -269,15 +268,6 @@ def _from_where(result: StabilityResult) -> SystemAnswer:
         if fact.key == "region" and fact.words:  # in one state an interval
             return SystemAnswer(question, "an interval", fact.words)
     return SystemAnswer(question, "from near it", "how far around it is not certified")
-
-
-def draw_triangles(axes: Axes, basin: CertifiedBasin) -> None:
-    """The triangles of a basin, and its border."""
-    x, y, _ = basin.corners.T
-    axes.triplot(x, y, basin.triangles, color=MESH, linewidth=0.3)
-    border = [*basin.border, basin.border[0]]
-    axes.plot(*zip(*border, strict=True), color=BORDER, linewidth=2.0, label="certified region")
-    axes.plot([0], [0], "o", color=INK, markersize=5)
 
 
 def _how_fast(result: StabilityResult) -> SystemAnswer:

@@ -71,6 +71,20 @@ def default_radius(positions: Sequence[Vector], point: Vector) -> Number:
     return size / (_parts_of_size(corners, size, point) or PARTS_WITHOUT_SUPPORT)
 
 
+def widest_square(positions: Sequence[Vector], point: Vector) -> Number | None:
+    """Three digits of the half-width of the largest square about a point in the support polygon.
+
+    None where the point is not strictly inside the polygon.
+    """
+    corners, widths = support_polygon(positions), list[Number]()
+    for corner, following in pairwise([*corners, corners[0]]):
+        e = minus(following, corner)
+        widths.append(cross(e, minus(point, corner)) / (abs(e[0]) + abs(e[1])))
+    if len(corners) < 3 or min(width.sign() for width in widths) <= 0:
+        return None
+    return widths[0].field.rational(min(Fraction(lower_text(width, DIGITS + 1)) for width in widths))
+
+
 def chosen(radius: Number, units: Units) -> Number:
     """A half-width that the program chooses: in a scene with units its first two digits, so that it can be read."""
     return radius.field.rational(Fraction(lower_text(radius, DIGITS))) if units.length else radius

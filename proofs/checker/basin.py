@@ -44,7 +44,7 @@ from fractions import Fraction
 from functools import cache, cached_property, partial
 from itertools import pairwise, product
 from math import comb, lcm
-from typing import Any, TypeAlias
+from typing import Any, Protocol, TypeAlias
 
 from .cells import Domain, Function, Pattern, Surfaces, System
 from .formulas import Formula
@@ -155,6 +155,25 @@ class Side:
         return tuple(Field(whole.parts[2 * k : 2 * k + 2], own, whole.bits) for k, own in enumerate(degrees))
 
 
+class CellFields(Protocol):
+    """Cells that a mesh meets, each with its velocities; the names of cells are told apart, no more.
+
+    Attributes:
+        has_borders: whether there may be several cells.
+    """
+
+    has_borders: bool
+
+    def crossing(self, corners: Sequence[Place]) -> frozenset[Any]:
+        """The cells that may meet the inside of a triangle."""
+
+    def touching(self, corners: Sequence[Place]) -> frozenset[Any]:
+        """The cells whose closures may meet the inside of a side, or hold a corner."""
+
+    def fields(self, cell: Any, corners: Sequence[Place]) -> Iterable[Field]:
+        """Fields that have those of a cell in their hull on a triangle, or at a corner, times positive numbers."""
+
+
 class Plane:
     """The cells of a system in the places of a mesh, by the patterns of signs of its surfaces."""
 
@@ -162,6 +181,7 @@ class Plane:
         self.domain = Domain(system, unit)
         self.surfaces = Surfaces(self.domain, surfaces, [], proofs)
         self._guards = [Field.of([own]) for own in self.surfaces.listed]
+        self.has_borders = bool(self.surfaces.listed)
         self.waves: list[list[tuple[str, Polynomial]]] = []  # of each side, with what they are of
         self._formulas = system.fields(self.domain.place, lambda _, v, end: constant(v.count, end))
         self._counts = [sum(counts) for counts in system.waves]
@@ -319,7 +339,7 @@ def numbers(data: Any, form: re.Pattern[str]) -> tuple[int, int, int]:
     return a, b, c
 
 
-def show_falls(mesh: Mesh, plane: Plane) -> None:
+def show_falls(mesh: Mesh, plane: CellFields) -> None:
     """W falls along every solution until the border is met: conditions 1 to 3."""
     met = []
     for number, own in enumerate(mesh.triangles):
@@ -327,7 +347,7 @@ def show_falls(mesh: Mesh, plane: Plane) -> None:
         met.append(plane.crossing(corners))
         for field in (field for signs in met[-1] for field in plane.fields(signs, corners)):
             require(max(field.along(slope).on(corners)) < 0, f"a function that falls on triangle {number}")
-    if not plane.surfaces.listed:
+    if not plane.has_borders:
         return
     for (i, j), number in mesh.left.items():
         other = mesh.left.get((j, i))

@@ -83,7 +83,7 @@ class Cells:
         name = f"cell {number}"
         polygon = [whole(k, len(self.points) - 1) for k in items(polygon_data)]
         corners = [self.points[k] for k in polygon]
-        self._require_convex(name, corners)
+        self.require_convex(name, corners)
         twists = [(*self.vector(twist, 3), self.one) for twist in items(twists_data)]
         rows = self._rule.rows(name, acting, twists, corners)
         origin = [k for k, corner in enumerate(corners) if is_zero(corner[:2])]
@@ -95,7 +95,7 @@ class Cells:
         rays = self._rays(name, polygon, corners, origin)
         return Cell(tuple(polygon), tuple(corners), acting, motions, rays)
 
-    def _require_convex(self, name: str, corners: Sequence[Vector]) -> None:
+    def require_convex(self, name: str, corners: Sequence[Vector]) -> None:
         """Each side turns left of the last one, or goes straight on; and all of them turn around once."""
         sides = [(q[0] * p[2] - p[0] * q[2], q[1] * p[2] - p[1] * q[2]) for p, q in around(corners)]
         turns = around(sides)

@@ -58,6 +58,12 @@ def _further(kind: str, said: Any, field: Field) -> str:
             plane = f"{a:.6g} v_x + {b:.6g} v_y + {c:.6g} omega = 0"
             return f"obstruction: no static law serves, near the point all motions obey {plane}, rounded"
         return f"drift: a body that rests at the point turns at rates from {a / c:.6g} to {b / c:.6g}, rounded"
+    if "mesh" in said:
+        starts = f"from one of {len(said['mesh']['triangles'])} triangles with W < {said['below']} a body"
+        if kind == "attracts":
+            return f"attracts: {starts} comes to the point"
+        radius = float(rational(said["squared_radius"])) ** 0.5
+        return f"ends: {starts} comes to within {radius:.4g} of the point, rounded, and stays there"
     own = {key: _number(data, field) for key, data in said.items() if data is not None and key != "form"}
     starts = f"from abs(c0)^2 <= {own.get('squared_radius')} a body"
     match kind:

@@ -13,6 +13,7 @@ import json
 from collections.abc import Callable
 from typing import Any, TypeAlias
 
+from .array_basin import show_array_basin
 from .basin import show_basin
 from .cells import System
 from .circles import show_on_circles
@@ -41,6 +42,7 @@ THEOREMS: dict[str, Theorem] = {  # of systems
 OF_ARRAYS: dict[str, Theorem] = {
     "theorem 4": show_theorem4,
     "tolerances": show_tolerances,
+    "basin": show_array_basin,
 }
 
 

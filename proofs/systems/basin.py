@@ -22,8 +22,10 @@ from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.checker.positivity import Proofs
 from nonsmooth.proofs.systems.basin_mesh import MeshBuilder
 from nonsmooth.proofs.systems.basin_rings import (
+    FieldInCells,
     FloatField,
     Floats,
+    area,
     followed_home,
     grow,
     inside_ring,
@@ -32,6 +34,7 @@ from nonsmooth.proofs.systems.basin_rings import (
 )
 
 INSIDE = 0.9  # of the level: the first ring
+POWERS, NEARLY_ALL = (2, 0), 0.95  # tried in turn, until triangles fill so much of the last ring
 FARTHEST = 1e4  # times the size of the first ring: no ring goes there
 MARGIN = 1.25  # of the square around the mesh over which starts are sampled
 
@@ -139,24 +142,35 @@ def find_basin(
     plane = cells("1")
     field, potential = FloatField(plane), _potential(plane, local)
     level, within = INSIDE * _number(local["level"]), _number(local["cells"]["within"])
-    first = level_ring(potential, level, within)
+    first = level_ring(field, potential, level, within)
     if first is None:
         return None
     far = FARTHEST * float(np.abs(first).max())
-    limited = min(limit or far, far)
-    rings = grow(field, first, effort.angle, effort.gap, limited, effort.points, _step(announce, "rings"))
-    if len(rings) < 2:
+    best: tuple[dict[str, Any], int] | None = None
+    for power in POWERS:
+        size, pace = (effort.angle, effort.gap, min(limit or far, far), effort.points), _step(announce, "rings")
+        rings = grow(field, first, *size, pace, power)
+        if len(rings) < 2:
+            continue
+        built = MeshBuilder(field, cells, rings, effort.triangles).build(_step(announce, "bands of triangles"))
+        if built is not None and (best is None or _mesh_area(built) > _mesh_area(best)):
+            best = built
+        if best is not None and _mesh_area(best) > NEARLY_ALL * area(rings[-1]):
+            break
+    if best is None:
         return None
-    built = MeshBuilder(plane, cells, rings, effort.triangles).build(_step(announce, "bands of triangles"))
-    if built is None:
-        return None
-    mesh, below = built
+    mesh, below = best
 
     def is_home(x: Floats) -> NDArray[np.bool_]:
         return np.asarray((potential(x) < level) & (np.abs(x).max(axis=1) <= within))
 
     hypotheses = {"local": local, "surfaces": surfaces, "mesh": mesh, "below": below}
     return CertifiedBasin(hypotheses, _sampled(field, is_home, last_ring(mesh_corners(mesh)), effort.starts, limit))
+
+
+def _mesh_area(built: tuple[dict[str, Any], int]) -> float:
+    """Of what the last ring of a mesh goes around."""
+    return area(last_ring(mesh_corners(built[0])))
 
 
 def _step(announce: Callable[[str, int, int], None], what: str) -> Callable[[int, int], None]:
@@ -196,7 +210,7 @@ def _potential(plane: Plane, local: dict[str, Any]) -> Callable[[Floats], Floats
 
 
 def _sampled(
-    field: FloatField, is_home: Callable[[Floats], NDArray[np.bool_]], border: Floats, count: int, limit: float | None
+    field: FieldInCells, is_home: Callable[[Floats], NDArray[np.bool_]], border: Floats, count: int, limit: float | None
 ) -> tuple[int, int]:
     """Of a grid around the mesh: the starts that are certified, and those that come to the first ring in floats.
 

@@ -11,23 +11,22 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from itertools import pairwise, product
-from math import factorial, gcd, lcm
+from itertools import pairwise
+from math import gcd, lcm
 from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.proofs.checker.basin import Mesh, Plane, show_falls
+from nonsmooth.proofs.checker.basin import CellFields, Mesh, show_falls
 from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.checker.work import RejectedError
-from nonsmooth.proofs.systems.basin_rings import FloatField, Floats, values
+from nonsmooth.proofs.systems.basin_rings import SMALL, FieldInCells, Floats
 
 EVERY = 12  # rings of which one is used, and points of a ring, at first
 ROUNDS = 8  # in which a band is refined
 BITS = 26  # of coordinates
 NEAR_LINE = 0.25  # of the distance of neighbours: points of a ring that are as near to a point on a line are left out
-SMALL = 2.0**-40  # of the largest: what is as small counts as zero, for either sign
 
 Corner: TypeAlias = tuple[int, int]  # a ring, and a point of it
 Triangle: TypeAlias = tuple[Corner, Corner, Corner]
@@ -39,7 +38,8 @@ class LatticeRing:
 
     Attributes:
         points: whole numbers, in units.
-        lines: of each point the surface, a line, on which it lies; -1 on none.
+        lines: of each point the surface, a line, on which it lies, or another mark by which points of two rings belong
+            together; -1 of all others.
         chosen: the points that are corners of the mesh, in order.
     """
 
@@ -80,12 +80,13 @@ class Lattice:
         self.unit = Fraction(1, shared) / Fraction(2) ** power
         self.lines = {number: (int(a), int(b), int(c / self.unit)) for number, (a, b, c) in forms.items()}
 
-    def ring(self, ring: Floats) -> LatticeRing:
+    def ring(self, ring: Floats, marks: NDArray[np.int64]) -> LatticeRing:
         """A ring with the points at which it crosses lines, all on the lattice."""
         scale = 1 / float(self.unit)
-        points, on_line = np.rint(ring * scale), np.full(len(ring), -1)
+        points, on_line = np.rint(ring * scale), marks
         for number, (a, b, c) in self.lines.items():
             value = a * points[:, 0] + b * points[:, 1] + c
+            on_line = np.where((value == 0) & (on_line < 0), number, on_line)
             after, nearest = np.roll(value, -1), np.roll(points, -1, axis=0)
             crossed = np.nonzero((value * after < 0) & (on_line < 0) & (np.roll(on_line, -1) < 0))[0]
             shares = value[crossed] / (value[crossed] - after[crossed])
@@ -94,6 +95,10 @@ class Lattice:
             points = np.insert(points, crossed + 1, places, axis=0)
             on_line = np.insert(on_line, crossed + 1, number)
         return LatticeRing(*_thinned(points, on_line))
+
+    def on_lines(self, corners: Floats) -> dict[int, Floats]:
+        """The values of the surfaces that are lines at whole places: shape (triangles, 3), without error."""
+        return {n: a * corners[:, :, 0] + b * corners[:, :, 1] + c for n, (a, b, c) in self.lines.items()}
 
     def _on_line(self, number: int, place: Floats) -> tuple[int, int]:
         """The point of the lattice on a line near a place."""
@@ -146,6 +151,9 @@ def _sectors(inner: LatticeRing, outer: LatticeRing) -> Iterator[tuple[tuple[int
     seen = [[ring.lines[ring.chosen[k]] for k in listed] for ring, listed in ((inner, own), (outer, other))]
     turns = [t for t in range(len(other)) if seen[0] == seen[1][t:] + seen[1][:t]]
     if not turns:
+        own, other = _in_common(own, other, *seen)
+        turns = [0]
+    if not own:
         own, other, turns = [0], list(range(len(outer.chosen))), list(range(len(outer.chosen)))
     start = inner.points[inner.chosen[own[0]]]
     turn = min(turns, key=lambda t: float(np.sum((outer.points[outer.chosen[other[t]]] - start) ** 2)))
@@ -159,55 +167,56 @@ def _sectors(inner: LatticeRing, outer: LatticeRing) -> Iterator[tuple[tuple[int
         yield stretches[0], stretches[1]
 
 
-class Bernstein:
-    """Values at the points of a triangle's lattice, and Bernstein coefficients from these."""
-
-    def __init__(self, degree: int) -> None:
-        self.degree = degree
-        powers = [(i, j, degree - i - j) for i in range(degree + 1) for j in range(degree + 1 - i)]
-        self.nodes = np.array(powers) / max(degree, 1)
-        if not degree:
-            self.nodes = np.full((1, 3), 1 / 3)
-        columns = []
-        for i, j, k in powers:
-            weight = factorial(degree) / (factorial(i) * factorial(j) * factorial(k))
-            columns.append(weight * self.nodes[:, 0] ** i * self.nodes[:, 1] ** j * self.nodes[:, 2] ** k)
-        self.inverse = np.linalg.inv(np.stack(columns, axis=1))
-
-    def places(self, triangles: Floats) -> Floats:
-        """The points at which a polynomial is looked at: shape (triangles, nodes, 2)."""
-        return np.asarray(np.einsum("kc,mcd->mkd", self.nodes, triangles))
-
-    def weights(self, own: Floats) -> Floats:
-        """The affine functions with some values at the corners, of shape (triangles, 3), at these points."""
-        return np.asarray(own @ self.nodes.T)
-
-    def coefficients(self, own: Floats) -> Floats:
-        """From values of shape (triangles, nodes)."""
-        return np.asarray(own @ self.inverse.T)
+def _in_common(
+    own: list[int], other: list[int], marks: Sequence[int], other_marks: Sequence[int]
+) -> tuple[list[int], list[int]]:
+    """Places whose marks both rings have once, as many as come in one cyclic order: the longest rising chain."""
+    once = [m for m in marks if marks.count(m) == 1 and other_marks.count(m) == 1]
+    if not once:
+        return [], []
+    size, start = len(other), other_marks.index(once[0])
+    ranks = [(other_marks.index(m) - start) % size for m in once]
+    best: list[list[int]] = []  # the longest chain that ends at each mark; all begin at the first one
+    for k, rank in enumerate(ranks):
+        before = [chain for j, chain in enumerate(best) if ranks[j] < rank]
+        best.append([*max(before, key=len, default=[]), k])
+    kept = [once[k] for k in max((chain for chain in best if chain[0] == 0), key=len)]
+    return [own[marks.index(m)] for m in kept], [other[other_marks.index(m)] for m in kept]
 
 
 class MeshBuilder:
     """Rings of which bands are refined until W falls on them.
 
     Args:
-        plane: the cells of the system, in its own lengths; the checker's, in units, are ``exact``.
+        field: the velocities in floats.
+        exact: the checker's cells, told the unit of the mesh.
+        rings: from the first one on.
         most: triangles that are looked at, refined ones anew; then the mesh ends before the first band that is open.
+        is_first_whole: whether all points of the first one are corners, and no others.
     """
 
-    def __init__(self, plane: Plane, exact: Callable[[str], Plane], rings: Sequence[Floats], most: int) -> None:
+    def __init__(
+        self,
+        field: FieldInCells,
+        exact: Callable[[str], CellFields],
+        rings: Sequence[Floats],
+        most: int,
+        *,
+        is_first_whole: bool = False,
+    ) -> None:
         size = max(float(np.abs(ring).max()) for ring in rings)
-        self.lattice = Lattice(plane.surfaces.listed, size)
-        self.field, self.exact = FloatField(plane), exact(str(self.lattice.unit))
+        self.lattice = Lattice(field.surfaces, size)
+        self.field, self.exact = field, exact(str(self.lattice.unit))
         self.dense, self.rings = rings, dict[int, LatticeRing]()
-        self.left = most
-        degree = max((own.degree for own in plane.surfaces.listed), default=0)
-        self.guard_points, self.points = Bernstein(degree), dict[int, Bernstein]()
+        self.left, self.is_first_whole = most, is_first_whole
+        if is_first_whole:
+            self.ring(0).chosen = list(range(len(self.ring(0).points)))
 
     def ring(self, number: int) -> LatticeRing:
         """A ring on the lattice."""
         if number not in self.rings:
-            self.rings[number] = self.lattice.ring(self.dense[number])
+            is_kept = self.is_first_whole and not number
+            self.rings[number] = self.lattice.ring(*self.field.aligned(self.dense[number], is_kept=is_kept))
         return self.rings[number]
 
     def build(self, announce: Callable[[int, int], None]) -> tuple[dict[str, Any], int] | None:
@@ -236,7 +245,7 @@ class MeshBuilder:
                     between.add(pair[1])
             shown = {pair for pair in shown if touched.isdisjoint(pair)}
             used = self._with_more(used, between)
-        if self.exact.surfaces.listed:  # where cells meet the checker asks more than floats have seen
+        if self.exact.has_borders:  # where cells meet the checker asks more than floats have seen
             bands = list(pairwise(used))
             count = next((k for k, pair in enumerate(bands) if not self._is_shown(*pair)), len(bands))
             used = used[: count + 1]
@@ -282,66 +291,12 @@ class MeshBuilder:
         """On which triangles ``n . f < 0`` for the fields of all cells that they may meet."""
         good = np.ones(len(corners), dtype=bool)
         places = corners * float(self.lattice.unit)
-        for signs, here in self._cells(corners, places):
-            for velocities, points in self._velocities(signs, places[here]):
+        for cell, here in self.field.meeting(places, self.lattice.on_lines(corners)):
+            for velocities, points in self.field.velocities(cell, places[here]):
                 rates = points.coefficients(np.einsum("mkd,md->mk", velocities, normals[here]))
                 sizes = np.linalg.norm(velocities, axis=2).max(axis=1) * np.linalg.norm(normals[here], axis=1)
                 good[here] &= rates.max(axis=1) < -SMALL * sizes
         return good
-
-    def _velocities(self, signs: tuple[int, ...], places: Floats) -> Iterator[tuple[Floats, Bernstein]]:
-        """Polynomial fields that have those of a cell in their hull, at the nodes of triangles.
-
-        Sines and cosines lie between affine functions, as the checker bounds them (:mod:`..checker.waves`).
-        """
-        for k, side in enumerate(self.field.plane.sides(signs)):
-            still, *moved = (max(own.degree for own in part) for part in side.parts)
-            degree = max([still, *(own + 1 for own in moved)])
-            points = self.points.setdefault(degree, Bernstein(degree))
-            at = points.places(places)
-            bounds = []
-            for (_, v), own in zip(self.field.plane.waves[k], self._at_corners(k, places), strict=True):
-                arguments = values(v, places.reshape(-1, 2)).reshape(len(places), 3)
-                error = (arguments.max(axis=1) - arguments.min(axis=1)) ** 2 / 8
-                mean = points.weights(own)
-                bounds.append([(mean + sign * error[:, None]).ravel() for sign in (-1, 1)])
-            for waves in product(*bounds):
-                yield self.field.side(signs, k, at.reshape(-1, 2), waves).reshape(at.shape), points
-
-    def _at_corners(self, side: int, places: Floats) -> list[Floats]:
-        """The sines and cosines of a right-hand side at the corners of triangles, each of shape (triangles, 3)."""
-        return [own.reshape(len(places), 3) for own in self.field.waves(side, places.reshape(-1, 2))]
-
-    def _cells(self, corners: Floats, places: Floats) -> Iterator[tuple[tuple[int, ...], NDArray[np.bool_]]]:
-        """Each cell with the triangles whose inside it may meet."""
-        listed = self.field.plane.surfaces.listed
-        if not listed:
-            yield (), np.ones(len(corners), dtype=bool)
-            return
-        at = self.guard_points.places(places)
-        guards = self.field.guards(at.reshape(-1, 2)).reshape(*at.shape[:2], len(listed))
-        allowed = np.empty((len(corners), len(listed), 2), dtype=bool)
-        for number in range(len(listed)):
-            if number in self.lattice.lines:  # exact in floats
-                a, b, c = self.lattice.lines[number]
-                own = a * corners[:, :, 0] + b * corners[:, :, 1] + c
-                slack = 0.0
-            else:
-                own = self.guard_points.coefficients(guards[:, :, number])
-                slack = SMALL * float(np.abs(own).max())
-            allowed[:, number] = np.stack([own.min(axis=1) < -slack, own.max(axis=1) > slack], axis=1)
-            if slack:
-                allowed[:, number] |= np.abs(own).min(axis=1)[:, None] <= slack
-        kinds, which = np.unique(allowed.reshape(len(corners), -1), axis=0, return_inverse=True)
-        groups: dict[tuple[int, ...], NDArray[np.bool_]] = {}
-        for number, kind in enumerate(kinds):
-            patterns: list[tuple[int, ...]] = [()]
-            for low, high in kind.reshape(-1, 2):
-                signs = [s for s, holds in ((-1, low), (1, high)) if holds]
-                patterns = [(*own, s) for own in patterns for s in signs]
-            for pattern in patterns:
-                groups[pattern] = groups.get(pattern, np.zeros(len(corners), dtype=bool)) | (which.ravel() == number)
-        yield from groups.items()
 
     def _refine(self, pair: tuple[int, int], failing: Sequence[tuple[tuple[int, int, int], bool]]) -> set[int]:
         """Halve sides of triangles that fail; which rings have more points."""

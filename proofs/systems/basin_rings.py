@@ -1,8 +1,13 @@
 """Rings that grow from a level set backward in time, in floats: what they propose a mesh proves.
 
 A ring is a closed polygon, counterclockwise, over which all velocities f lead inward: ``n . f < 0`` for its outward
-normal n.  Rings move by ``dx/du = -R f / |x|^2``; where R is the identity they are level sets of the integral of
-``|x|^2`` along solutions.  Near the border of a basin f is nearly along these, too nearly for a polygon of few sides.
+normal n.  Rings move by ``dx/du = -R f s / |x|^p``; where R is the identity they are level sets of the integral of
+``|x|^p / s`` along solutions, with p = 0 of the time.  Where parts of a ring come to the border of a basin long before
+others, rings that follow each other are too near there for triangles; another p may then do better.  The positive
+factor s is zero on the border of a square that no ring may leave: where rings come near it they lie along it, and grow
+elsewhere.
+
+Near the border of a basin f is nearly along these rings, too nearly for a polygon of few sides.
 So R turns f by an angle toward n: f then meets all rings at that angle at least, and they tend to the border of the
 basin of the turned field, which is smaller (the rotated vector fields of Duff 1953).  A smaller angle gives a larger
 basin, and asks for sides that are shorter in proportion.
@@ -12,9 +17,12 @@ Errors here, such as those of interpolated points, cost share and never soundnes
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TypeAlias
+from functools import cache, cached_property
+from itertools import product
+from math import factorial
+from typing import Any, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,8 +37,51 @@ MOVE = 0.02  # of the size of a ring, by which the fastest of its points moves i
 STEPS, PAUSE, GROWTH = 1_500, 50, 1.0015  # at most; between looks at the area; by which this must grow
 BEND = 0.15  # of a side: interpolation that bends more is not believed
 FOLD = 0.2  # sine of the angle between f and n below which f is turned less
-STARTS = 400  # points of the first ring
 PHASE = 2.0  # in radians: sines and cosines need as many points over it as a ring of this size has
+WIDTH = 2.0**-20  # of a ring: of differences
+APART = 2.0**-10  # of a side: as near to a corner no other one is put
+UNFOLDED = 5  # times that points are left out at which a ring turns back
+STARTS = 400  # points of the first ring
+SMALL = 2.0**-40  # of the largest: what is as small counts as zero, for either sign
+
+
+class FieldInCells(Protocol):
+    """The velocities of an inclusion with cells at many places, in floats."""
+
+    @property
+    def surfaces(self) -> Sequence[Polynomial]:
+        """Those of which the lines are worth having corners of triangles on them."""
+
+    def at(self, x: Floats) -> Floats:
+        """The velocities at places, those of one cell where several meet: shape (right-hand sides, places, 2)."""
+
+    @property
+    def scale(self) -> float:
+        """A length over which velocities of one cell change little; infinite for polynomials."""
+
+    def velocities(self, cell: Any, triangles: Floats) -> Iterator[tuple[Floats, Bernstein]]:
+        """Polynomial fields that have those of a cell in their hull, at the nodes of triangles."""
+
+    def slides(self, ring: Floats) -> tuple[NDArray[np.int64], Floats, Floats]:
+        """Where a ring crosses lines along which solutions slide: after which points, the places, and velocities."""
+
+    def aligned(self, ring: Floats, *, is_kept: bool) -> tuple[Floats, NDArray[np.int64]]:
+        """A ring with points beside the borders of cells that it crosses, and marks of these; -1 of all others.
+
+        Neighbours with marks, on both sides of a border, are to be joined with those of the next ring.
+
+        Args:
+            ring: as it has grown.
+            is_kept: whether it may have no other points than its own.
+        """
+
+    def meeting(self, triangles: Floats, exact: Mapping[int, Floats]) -> Iterator[tuple[Any, NDArray[np.bool_]]]:
+        """Each cell with the triangles whose inside it may meet.
+
+        Args:
+            triangles: their corners, shape (triangles, 3, 2).
+            exact: of some surfaces, by their numbers, their values at the corners without error, up to a factor.
+        """
 
 
 @dataclass(frozen=True)
@@ -44,11 +95,107 @@ class FloatField:
     plane: Plane
 
     @property
+    def surfaces(self) -> Sequence[Polynomial]:
+        """All on which the system switches."""
+        return self.plane.surfaces.listed
+
+    def crossings(self, ring: Floats) -> tuple[NDArray[np.int64], NDArray[np.int64], Floats]:
+        """Sides over which one surface alone changes its sign: its number, the first point, and about where."""
+        guards = self.guards(ring)
+        after = np.roll(guards, -1, axis=0)
+        changes = (guards >= 0) != (after >= 0)
+        alone = changes & (changes.sum(axis=1) == 1)[:, None]
+        rows, numbers = np.nonzero(alone)
+        shares = guards[rows, numbers] / (guards[rows, numbers] - after[rows, numbers])
+        return numbers, rows, np.asarray(ring[rows] + shares[:, None] * (np.roll(ring, -1, axis=0) - ring)[rows])
+
+    def slides(self, ring: Floats) -> tuple[NDArray[np.int64], Floats, Floats]:
+        """Where a ring crosses surfaces to which the velocities of both sides lead, with the mixtures along these.
+
+        The mixture ``(b f - a h) / (b - a)`` of velocities f and h, which have the parts a and b along the normal of
+        the surface, is tangent to it.
+        """
+        numbers, rows, places = self.crossings(ring)
+        if not len(rows) or len(self.at(ring[:1])) > 1:
+            return rows[:0], places[:0], places[:0]
+        signs = np.where(self.guards(ring) >= 0, 1, -1)
+        first, last = signs[rows], signs[(rows + 1) % len(ring)]
+        f, h = (
+            np.stack([self.on(tuple(own), x[None])[0, 0] for own, x in zip(k, places, strict=True)])
+            for k in (first, last)
+        )
+        width = WIDTH * float(np.abs(ring).max())
+        columns = []
+        for step in np.eye(2) * width:
+            rise = self.guards(places + step) - self.guards(places - step)
+            columns.append(rise[np.arange(len(rows)), numbers])
+        normals = np.stack(columns, axis=1) * -first[np.arange(len(rows)), numbers][:, None]
+        a, b = (normals * f).sum(axis=1), (normals * h).sum(axis=1)
+        sliding = (a > 0) & (b < 0)
+        mixed = (b[:, None] * f - a[:, None] * h)[sliding] / (b - a)[sliding, None]
+        return rows[sliding], places[sliding], mixed
+
+    def aligned(self, ring: Floats, *, is_kept: bool) -> tuple[Floats, NDArray[np.int64]]:
+        """The ring as it is: points are put on lines, exactly, and curves are crossed where they are."""
+        return ring, np.full(len(ring), -1)
+
+    @property
     def scale(self) -> float:
         """A length over which no sine or cosine changes much; infinite without any."""
         arguments = [v for side in self.plane.waves for _, v in side]
         slopes = [float(np.hypot(float(v.slope(0)), float(v.slope(1)))) for v in arguments]
         return PHASE / max(slopes, default=0.0) if any(slopes) else np.inf
+
+    def velocities(self, cell: Pattern, triangles: Floats) -> Iterator[tuple[Floats, Bernstein]]:
+        """Polynomial fields that have those of a cell in their hull, at the nodes of triangles.
+
+        Sines and cosines lie between affine functions, as the checker bounds them (:mod:`..checker.waves`).
+        """
+        for k, side in enumerate(self.plane.sides(cell)):
+            still, *moved = (max(own.degree for own in part) for part in side.parts)
+            points = bernstein(max([still, *(own + 1 for own in moved)]))
+            at, corners = points.places(triangles), triangles.reshape(-1, 2)
+            bounds = []
+            for (_, v), own in zip(self.plane.waves[k], self.waves(k, corners), strict=True):
+                arguments = values(v, corners).reshape(len(triangles), 3)
+                error = (arguments.max(axis=1) - arguments.min(axis=1)) ** 2 / 8
+                mean = points.weights(own.reshape(len(triangles), 3))
+                bounds.append([(mean + sign * error[:, None]).ravel() for sign in (-1, 1)])
+            for waves in product(*bounds):
+                yield self.side(cell, k, at.reshape(-1, 2), waves).reshape(at.shape), points
+
+    @cached_property
+    def _guard_points(self) -> Bernstein:
+        return bernstein(max((own.degree for own in self.surfaces), default=0))
+
+    def meeting(self, triangles: Floats, exact: Mapping[int, Floats]) -> Iterator[tuple[Pattern, NDArray[np.bool_]]]:
+        """Each cell with the triangles whose inside it may meet: all surfaces may have its signs there."""
+        listed = self.surfaces
+        if not listed:
+            yield (), np.ones(len(triangles), dtype=bool)
+            return
+        at = self._guard_points.places(triangles)
+        guards = self.guards(at.reshape(-1, 2)).reshape(*at.shape[:2], len(listed))
+        allowed = np.empty((len(triangles), len(listed), 2), dtype=bool)
+        for number in range(len(listed)):
+            if number in exact:
+                own, slack = exact[number], 0.0
+            else:
+                own = self._guard_points.coefficients(guards[:, :, number])
+                slack = SMALL * float(np.abs(own).max())
+            allowed[:, number] = np.stack([own.min(axis=1) < -slack, own.max(axis=1) > slack], axis=1)
+            if slack:
+                allowed[:, number] |= np.abs(own).min(axis=1)[:, None] <= slack
+        kinds, which = np.unique(allowed.reshape(len(triangles), -1), axis=0, return_inverse=True)
+        groups: dict[Pattern, NDArray[np.bool_]] = {}
+        for number, kind in enumerate(kinds):
+            patterns: list[Pattern] = [()]
+            for low, high in kind.reshape(-1, 2):
+                signs = [s for s, holds in ((-1, low), (1, high)) if holds]
+                patterns = [(*own, s) for own in patterns for s in signs]
+            for pattern in patterns:
+                groups[pattern] = groups.get(pattern, np.zeros(len(triangles), dtype=bool)) | (which.ravel() == number)
+        yield from groups.items()
 
     def guards(self, x: Floats) -> Floats:
         """The values of the surfaces: shape (places, surfaces)."""
@@ -88,6 +235,40 @@ class FloatField:
         return found
 
 
+class Bernstein:
+    """Values at the points of a triangle's lattice, and Bernstein coefficients from these."""
+
+    def __init__(self, degree: int) -> None:
+        self.degree = degree
+        powers = [(i, j, degree - i - j) for i in range(degree + 1) for j in range(degree + 1 - i)]
+        self.nodes = np.array(powers) / max(degree, 1)
+        if not degree:
+            self.nodes = np.full((1, 3), 1 / 3)
+        columns = []
+        for i, j, k in powers:
+            weight = factorial(degree) / (factorial(i) * factorial(j) * factorial(k))
+            columns.append(weight * self.nodes[:, 0] ** i * self.nodes[:, 1] ** j * self.nodes[:, 2] ** k)
+        self.inverse = np.linalg.inv(np.stack(columns, axis=1))
+
+    def places(self, triangles: Floats) -> Floats:
+        """The points at which a polynomial is looked at: shape (triangles, nodes, 2)."""
+        return np.asarray(np.einsum("kc,mcd->mkd", self.nodes, triangles))
+
+    def weights(self, own: Floats) -> Floats:
+        """The affine functions with some values at the corners, of shape (triangles, 3), at these points."""
+        return np.asarray(own @ self.nodes.T)
+
+    def coefficients(self, own: Floats) -> Floats:
+        """From values of shape (triangles, nodes)."""
+        return np.asarray(own @ self.inverse.T)
+
+
+@cache
+def bernstein(degree: int) -> Bernstein:
+    """Of polynomials of a degree."""
+    return Bernstein(degree)
+
+
 def values(polynomial: Polynomial, x: Floats) -> Floats:
     """A polynomial of a checker at places."""
     total = np.zeros(len(x))
@@ -102,11 +283,26 @@ def area(ring: Floats) -> float:
     return float(np.sum(ring[:, 0] * after[:, 1] - ring[:, 1] * after[:, 0]) / 2)
 
 
-def level_ring(potential: Callable[[Floats], Floats], level: float, radius: float) -> Floats | None:
-    """Where V first is a level on rays from the point, within a square; None where it is not on all of them."""
+def level_ring(field: FloatField, potential: Callable[[Floats], Floats], level: float, radius: float) -> Floats | None:
+    """Where V first is a level on rays from the point, within a square; None where it is not on all of them.
+
+    There are rays to where the level set crosses surfaces, too: it may have corners there.
+    """
     angles = np.linspace(0, 2 * np.pi, STARTS, endpoint=False)
-    rays = np.stack([np.cos(angles), np.sin(angles)], axis=1)
-    near, far = np.zeros(STARTS), np.full(STARTS, np.nan)
+    ring = _on_rays(np.stack([np.cos(angles), np.sin(angles)], axis=1), potential, level, radius)
+    if ring is None:
+        return None
+    _, rows, places = field.crossings(ring)
+    gaps = np.linalg.norm(places - ring[rows], axis=1), np.linalg.norm(places - np.roll(ring, -1, axis=0)[rows], axis=1)
+    apart = np.minimum(*gaps) > APART * (gaps[0] + gaps[1])
+    own = (places / np.linalg.norm(places, axis=1)[:, None])[apart]
+    rays = np.insert(ring / np.linalg.norm(ring, axis=1)[:, None], rows[apart] + 1, own, axis=0)
+    return _on_rays(rays, potential, level, radius)
+
+
+def _on_rays(rays: Floats, potential: Callable[[Floats], Floats], level: float, radius: float) -> Floats | None:
+    """Where V first is a level on rays from the point, within a square; None where it is not on all of them."""
+    near, far = np.zeros(len(rays)), np.full(len(rays), np.nan)
     for share in np.linspace(0, 1, 65)[1:]:
         here = share * radius / np.abs(rays).max(axis=1)
         above = potential(rays * here[:, None]) >= level
@@ -122,13 +318,14 @@ def level_ring(potential: Callable[[Floats], Floats], level: float, radius: floa
 
 
 def grow(
-    field: FloatField,
+    field: FieldInCells,
     ring: Floats,
     angle: float,
     gap: float,
     limit: float,
     most: int,
     announce: Callable[[int, int], None],
+    power: int = 2,
 ) -> list[Floats]:
     """Rings from the first one on, until they grow no more.
 
@@ -140,11 +337,12 @@ def grow(
         limit: half the side of a square that no ring leaves.
         most: points of a ring.
         announce: told the number of steps that are done, and of all.
+        power: p of the speed ``f / |x|^p``.
     """
     rings, before = [ring], area(ring)
     for step in range(1, STEPS):
         announce(step, STEPS)
-        ring = _next_ring(field, ring, angle, gap)
+        ring = _next_ring(field, ring, angle, gap, limit, power)
         if not np.isfinite(ring).all() or np.abs(ring).max() > limit or area(ring) <= 0:
             break
         if len(ring) > most:
@@ -157,7 +355,7 @@ def grow(
     return rings
 
 
-def _next_ring(field: FloatField, ring: Floats, angle: float, gap: float) -> Floats:
+def _next_ring(field: FieldInCells, ring: Floats, angle: float, gap: float, limit: float, power: int) -> Floats:
     """One step of Runge and Kutta backward in time, in which each point keeps its right-hand side and its turn."""
     size = float(np.linalg.norm(ring, axis=1).max())
     along = np.roll(ring, -1, axis=0) - np.roll(ring, 1, axis=0)
@@ -175,17 +373,38 @@ def _next_ring(field: FloatField, ring: Floats, angle: float, gap: float) -> Flo
     def backward(x: Floats) -> Floats:
         f = field.at(x)[chosen, rows]
         turned = np.stack([c * f[:, 0] - s * f[:, 1], s * f[:, 0] + c * f[:, 1]], axis=1)
-        return np.asarray(-turned / (x**2).sum(axis=1)[:, None])
+        room = np.clip(1 - (x / limit) ** 2, 0, 1).prod(axis=1)
+        return np.asarray(-turned * (room / np.linalg.norm(x, axis=1) ** power)[:, None])
 
     first = backward(ring)
     du = MOVE * size / float(np.linalg.norm(first, axis=1).max())
     second = backward(ring + du / 2 * first)
     third = backward(ring + du / 2 * second)
     fourth = backward(ring + du * third)
-    return _spaced(ring + du / 6 * (first + 2 * second + 2 * third + fourth), gap * min(size, field.scale))
+    moved = ring + du / 6 * (first + 2 * second + 2 * third + fourth)
+    after, places, slides = field.slides(ring)
+    room = np.clip(1 - (places / limit) ** 2, 0, 1).prod(axis=1)
+    tips = places - du * (1 - angle) * slides * (room / np.linalg.norm(places, axis=1) ** power)[:, None]
+    is_tip = np.insert(np.zeros(len(ring), dtype=bool), after + 1, np.ones(len(after), dtype=bool))
+    return _spaced(*_unfolded(np.insert(moved, after + 1, tips, axis=0), is_tip), gap * min(size, field.scale))
 
 
-def _spaced(ring: Floats, gap: float) -> Floats:
+def _unfolded(ring: Floats, is_tip: NDArray[np.bool_]) -> tuple[Floats, NDArray[np.bool_]]:
+    """A ring without the points at which it turns back, but for its tips, on lines along which solutions slide; both.
+
+    Where velocities on both sides of a border lead away from it, points of a ring come to it from both sides, and
+    overshoot.  Where they lead to it, points go away from it on both sides; the tip between them goes along the line.
+    """
+    for _ in range(UNFOLDED):
+        after = np.roll(ring, -1, axis=0) - ring
+        turns_back = ((after * np.roll(after, 1, axis=0)).sum(axis=1) < 0) & ~is_tip
+        if not turns_back.any() or turns_back.sum() > len(ring) - 3:
+            break
+        ring, is_tip = ring[~turns_back], is_tip[~turns_back]
+    return ring, is_tip
+
+
+def _spaced(ring: Floats, is_tip: NDArray[np.bool_], gap: float) -> Floats:
     """A ring with points between those that are far apart, and without some of those that are near each other."""
     for _ in range(3):
         after, sides = np.roll(ring, -1, axis=0), _sides(ring)
@@ -197,7 +416,8 @@ def _spaced(ring: Floats, gap: float) -> Floats:
         believed = np.linalg.norm(bent - straight, axis=1) < BEND * sides
         middle = np.where(believed[:, None], bent, straight)
         ring = np.insert(ring, np.nonzero(wide)[0] + 1, middle[wide], axis=0)
-    crowded = _sides(ring) < gap / 6
+        is_tip = np.insert(is_tip, np.nonzero(wide)[0] + 1, False)
+    crowded = (_sides(ring) < gap / 6) & ~is_tip
     crowded[::2] = False  # never two neighbours
     return np.asarray(ring[~crowded])
 
@@ -207,7 +427,7 @@ def _sides(ring: Floats) -> Floats:
 
 
 def followed_home(
-    field: FloatField, starts: Floats, home: Callable[[Floats], NDArray[np.bool_]], far: float
+    field: FieldInCells, starts: Floats, home: Callable[[Floats], NDArray[np.bool_]], far: float
 ) -> NDArray[np.bool_]:
     """Which starts come to where ``home`` is true before they are farther away than some distance, in floats.
 

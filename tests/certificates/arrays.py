@@ -13,6 +13,7 @@ import nonsmooth.symbolic
 from nonsmooth.proofs.certificate import build_certificate
 from nonsmooth.proofs.theorem4 import check_cells
 from nonsmooth.symbolic.files.scene_file import load_scene
+from tests.certificates.cases import diamonds
 from tests.certificates.corpus import PREFIX
 from tests.certificates.forgeries import (
     CLAIMS,
@@ -79,6 +80,19 @@ def array_certificates() -> Iterator[tuple[str, Record]]:
         text = (BUILT_IN / "four-wheel.toml").read_text(encoding="utf-8")
         path.write_text(f"{text}\n{TOLERANCES}", encoding="utf-8")
         yield f"{PREFIX}four-wheel-tolerances", build_certificate(check_cells(load_scene(str(path))))
+    yield f"{PREFIX}four-wheel-basin", with_basin(build_certificate(check_cells(load_scene("four-wheel"))))
+
+
+def with_basin(good: Record) -> Record:
+    """The certificate of four wheels with one theorem more: diamonds from which bodies come to the point."""
+    own = good["evidence"][0]["hypotheses"]
+    shared = {name: own[name] for name in ("points", "cells")}
+    mesh = {"mesh": diamonds((2, 8, 15), unit="1/32"), "below": 2}
+    hypotheses = {"within": good["statement"]["subject"]["radius"], **shared, **mesh, "squared_radius": "1/256"}
+    claims = [*good["statement"]["claims"], {"attracts": mesh}]
+    entry = {"theorem": "basin", "hypotheses": hypotheses, "proofs": {}}
+    statement = {**good["statement"], "claims": claims}
+    return {**good, "statement": statement, "evidence": [*good["evidence"], entry]}
 
 
 # ---- each kind gives the changes that it makes to a good certificate ------------------------------
@@ -351,6 +365,26 @@ def other_tolerances(good: Record) -> Iterator[Any]:
         yield [([*SUBJECT, "tolerances", key], value)]
 
 
+def other_basin(good: Record) -> Iterator[Any]:
+    """Another square, other values of W, a mesh that folds, is cut, or reaches beyond the square."""
+    where = ["evidence", 1, "hypotheses"]
+    for entry in good["evidence"][1:]:
+        if entry["theorem"] != "basin":
+            return
+        corners, triangles = (entry["hypotheses"]["mesh"][name] for name in ("corners", "triangles"))
+        for within in ("0", "-1/2", "1/3", "3/5", "2"):
+            yield [([*where, "within"], within)]
+        for k, corner in enumerate(corners):
+            x, y, value = corner.split(" ")
+            for other in (f"{x} {y} {int(value) + 2}", f"{y} {x} {value}", f"{2 * int(x)} {2 * int(y)} {value}"):
+                yield [([*where, "mesh", "corners", k], other)]
+        for k in range(len(triangles)):
+            yield [([*where, "mesh", "triangles"], [*triangles[:k], *triangles[k + 1 :]])]
+        yield [([*where, "below"], 3)]
+        yield [([*where, "squared_radius"], "1/257")]
+        yield [([*where, "mesh", "unit"], "1/30")]
+
+
 def other_theorem(good: Record) -> Iterator[Any]:
     """Theorems of systems, and none."""
     for name in ("lyapunov", "escape", "theorem 5", "", None):
@@ -377,6 +411,7 @@ ARRAY_KINDS: Kinds = (
     bounds_elsewhere,
     other_proofs,
     other_tolerances,
+    other_basin,
     other_theorem,
 )
 

@@ -20,6 +20,7 @@ from tests.array_certificates import said
 from tests.certificates.corpus import good_arrays, good_certificates, text_of
 from tests.certificates.inclusion import contradiction, half_width
 from tests.conftest import Arrays
+from tests.oracles.bodies_in_triangles import assert_bodies_end
 from tests.oracles.mutants import Attack, at_random, claiming, searching
 from tests.oracles.rebuilt_arrays import assert_still_true
 from tests.oracles.tied_arrays import tied_array
@@ -108,6 +109,17 @@ def of_bounds() -> list[Record]:
     return [robust.bounds_only(own) for own in of_arrays() if "tolerances" in said(own)]
 
 
+def of_basins() -> list[Record]:
+    """Nothing but the triangles of arrays."""
+    found = []
+    for own in of_arrays():
+        entries = [entry for entry in own["evidence"] if entry["theorem"] == "basin"]
+        claims = [claim for claim in own["statement"]["claims"] if {"attracts", "ends"} & set(claim)]
+        if entries:
+            found.append({**own, "statement": {**own["statement"], "claims": claims}, "evidence": entries})
+    return found
+
+
 def of_ties(count: int = TIED) -> list[Record]:
     """Arrays whose wheels are tied."""
     scenes = [scene_of(Arrays(), tied_array(seed)[0]) for seed in range(count)]
@@ -133,4 +145,5 @@ ATTACKS: Mapping[str, Attack] = {
     "feedback": Attack(with_laws, assert_array_agrees, (partial(claiming, proof="feedback"),), sees_evidence=True),
     "ties": Attack(of_ties, assert_paths_agree),
     "tolerances": Attack(of_bounds, assert_array_agrees),
+    "triangles": Attack(of_basins, assert_bodies_end, (at_random, claiming)),
 }

@@ -66,6 +66,13 @@ SYSTEMS: dict[str, tuple[list[str], str, Callable[[Floats, Floats], Any], float,
         ["y", "-y/2 - (sin(x + pi/3) - sin(pi/3))"], "1/2",
         lambda x, y: (y, -y / 2 - (np.sin(x + np.pi / 3) - np.sin(np.pi / 3))), 0.02, 0.2, 0.3,
     ),
+    "narrow ellipse": (
+        ["-x + (5*x**2 + 4*x*y + y**2)*x", "-y + (5*x**2 + 4*x*y + y**2)*y"], "1",
+        lambda x, y: (-x + (5 * x**2 + 4 * x * y + y**2) * x, -y + (5 * x**2 + 4 * x * y + y**2) * y), 0.01, 0.9, 0.97,
+    ),
+    "sliding on a tilted line": (
+        ["y", "x**3 - 2*sign(x + y)"], "1/2", lambda x, y: (y, x**3 - 2 * relay(x + y)), 5e-4, 0.3, 0.8,
+    ),
 }  # fmt: skip
 
 
@@ -105,11 +112,24 @@ def sizes_after(name: str, starts: Floats, time: float) -> Floats:
 def coarse_basin_of(name: str) -> tuple[Any, CertifiedBasin]:
     """By a search that takes seconds."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setitem(EFFORTS, "fast", COARSER if name == "sliding" else COARSE)
+        patch.setitem(EFFORTS, "fast", COARSER if name.startswith("sliding") else COARSE)
         return basin_of(name)
 
 
-@pytest.mark.parametrize("name", keep(1, ["sliding", "van der Pol 1", "van der Pol 3", "inside an ellipse"]))
+@pytest.mark.parametrize(
+    "name",
+    keep(
+        1,
+        [
+            "sliding on a tilted line",
+            "sliding",
+            "narrow ellipse",
+            "van der Pol 1",
+            "van der Pol 3",
+            "inside an ellipse",
+        ],
+    ),
+)
 def test_starts_in_triangles_come_home(name: str) -> None:
     """One smooth system is searched in test_the_command too."""
     result, basin = coarse_basin_of(name)
@@ -165,10 +185,9 @@ def test_the_command(invoke: Invoke, tmp_path: Path, monkeypatch: pytest.MonkeyP
     assert found.status == 0
     assert "triangles about the region" in " ".join(found.out.replace("│", " ").split())
     assert invoke("verify", str(file)).status == 0
-    for name in ("four-wheel", "relay-chain"):
-        refused = invoke("check", name, "--region", "best")
-        assert refused.status == 2
-        assert "required a plain system in two states for --region" in refused.err
+    refused = invoke("check", "relay-chain", "--region", "best")
+    assert refused.status == 2
+    assert "required a plain system in two states, or an array, for --region" in refused.err
 
 
 def test_the_picture() -> None:

@@ -192,4 +192,6 @@ def test_each_claim_of_an_array_is_said_on_a_line() -> None:
         assert len(lines) == 6 + len(further), name
         starts = [line.partition(":")[0] for line in lines[6:]]
         assert [start.replace("within the tolerances", "tolerances") for start in starts] == further, name
-    assert kinds == {"disc", "drift", "arrival", "swing", "turning", "obstruction", "feedback rate", "tolerances"}
+    assert kinds == {
+        *("disc", "drift", "arrival", "swing", "turning", "obstruction", "feedback rate", "tolerances", "attracts")
+    }

@@ -1,0 +1,409 @@
+"""The basin of an array as triangles: from where bodies come to a polygon about the checked point, and stay in it.
+
+Under a rule with cells the centre of mass moves as ``c' = v + omega J c`` with one twist, or a mixture of several, in
+each cell.  Rings are proposed in floats and grow backward (:mod:`nonsmooth.proofs.systems.basin_rings`), from a circle
+over which all velocities lead inward; triangles between them (:mod:`nonsmooth.proofs.systems.basin_mesh`) are shown by
+theorem ``basin`` of arrays (:mod:`nonsmooth.proofs.checker.array_basin`), which derives cells and velocities from the
+wheels.  How much of the square comes home is sampled.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nonsmooth.analysis.cells.contact_partition import build_partition
+from nonsmooth.analysis.cells.nearest import float_vertices
+from nonsmooth.analysis.cells.partition import Partition, RefusalError
+from nonsmooth.proofs.certificate import cells_record, subject_record
+from nonsmooth.proofs.checker.array_basin import ArrayPlane, Core
+from nonsmooth.proofs.checker.basin import Mesh
+from nonsmooth.proofs.checker.contact import Cells
+from nonsmooth.proofs.checker.statements import show_entry
+from nonsmooth.proofs.checker.wheels import read_array
+from nonsmooth.proofs.checker.work import RejectedError
+from nonsmooth.proofs.exact_json import encode
+from nonsmooth.proofs.system_facts import basin_record
+from nonsmooth.proofs.systems.basin import BasinEffort, CertifiedBasin, last_ring, mesh_corners
+from nonsmooth.proofs.systems.basin_mesh import MeshBuilder
+from nonsmooth.proofs.systems.basin_rings import Bernstein, Floats, bernstein, followed_home, grow, inside_ring
+from nonsmooth.symbolic.number_text import float_text, percent_text
+from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.support_polygon import widest_square
+
+EFFORTS = {"fast": BasinEffort(0.12, 0.03, 41), "best": BasinEffort(0.04, 0.012, 101)}
+PIXELS = 96  # of a raster of the square, in each direction, by which cells are looked up
+CIRCLE = 48  # points of the first ring
+INWARD = 0.02  # sine of the angle at which velocities lead inward over it, at least
+RESTING = (1.01, 1.03, 1.1)  # factors by which the convex hull of cells in which bodies rest is made wider
+CIRCLES = 3  # that are tried about one place
+SMALLEST, WIDER = 2.0**-10, 1.06  # radii that are tried: of the square's half-width, and each of the one before
+NEAR = 2.0**-30  # of the square's half-width: what is as near to a line may lie on either side
+SQUARE = 2.0**-20  # by which the square in which the mesh lies is smaller than that of the cells
+ACROSS = 2.0**-10  # of the distance of neighbours on a ring: how far across a border a side ends
+FOLLOWED = ("nearest", "box")  # contact rules
+
+
+class FloatCells:
+    """The cells of an array in floats, about the checked point.
+
+    Attributes:
+        half: of the square that they cover.
+        resting: the convex hull of the cells in which bodies may rest; None without any.
+    """
+
+    surfaces = ()  # no line is worth having corners on it: triangles lie across borders of cells
+    scale = np.inf  # velocities are affine
+
+    def __init__(self, partition: Partition) -> None:
+        self.half = float(partition.domain.vertices[0][0].__abs__())
+        self.outlines = [np.array(float_vertices(cell.polygon)) for cell in partition.cells]
+        self._motions = [np.array(cell.twists, dtype=float) for cell in partition.cells]
+        most, longest = max(map(len, self._motions)), max(map(len, self.outlines))
+        self._padded = np.stack([own[np.arange(most) % len(own)] for own in self._motions])
+        sides = [half_planes(own) for own in self.outlines]
+        self._sides = np.stack([own[np.arange(longest) % len(own)] for own in sides])  # (cells, sides, 3)
+        corners = [own for cell, own in zip(partition.cells, self.outlines, strict=True) if cell.rests]
+        self.resting = convex_outline(np.concatenate(corners)) if corners else None
+        self._boxes = [(own.min(axis=0), own.max(axis=0)) for own in self.outlines]
+
+    @cached_property
+    def _raster(self) -> NDArray[np.int64]:
+        """The cells that each pixel of the square may meet, shape (pixels, most); repeated where there are fewer."""
+        width = 2 * self.half / PIXELS
+        middles = (np.arange(PIXELS) + 0.5) * width - self.half
+        places = np.stack(np.meshgrid(middles, middles, indexing="ij"), axis=-1).reshape(-1, 2)
+        homogeneous = np.column_stack([places, np.ones(len(places))])
+        meets = np.stack([(homogeneous @ own.T).min(axis=1) >= -width for own in self._sides], axis=1)
+        most = int(meets.sum(axis=1).max())
+        order = np.argsort(~meets, axis=1, kind="stable")[:, :most]
+        return np.where(np.take_along_axis(meets, order, axis=1), order, order[:, :1])
+
+    def which(self, x: Floats) -> NDArray[np.int64]:
+        """The cells of places: those of the nearest ones for places outside the square."""
+        pixels = np.clip(((x + self.half) / (2 * self.half) * PIXELS).astype(int), 0, PIXELS - 1)
+        listed = self._raster[pixels[:, 0] * PIXELS + pixels[:, 1]]
+        homogeneous = np.column_stack([x, np.ones(len(x))])
+        inside = np.einsum("pcsk,pk->pcs", self._sides[listed], homogeneous).min(axis=2)
+        return np.asarray(listed[np.arange(len(x)), inside.argmax(axis=1)])
+
+    def at(self, x: Floats) -> Floats:
+        """The velocities at places: shape (motions, places, 2)."""
+        return _velocities(self._padded[self.which(x)].transpose(1, 0, 2), x)
+
+    def _on(self, cell: int, x: Floats) -> Floats:
+        """The velocities that a cell has, wherever the places are: shape (motions, places, 2)."""
+        return _velocities(self._motions[cell][:, None], x)
+
+    def velocities(self, cell: int, triangles: Floats) -> Iterator[tuple[Floats, Bernstein]]:
+        """The affine velocities of a cell at the nodes of triangles, one motion after the other."""
+        points = bernstein(1)
+        at = points.places(triangles)
+        for own in self._on(cell, at.reshape(-1, 2)):
+            yield own.reshape(at.shape), points
+
+    def slides(self, ring: Floats) -> tuple[NDArray[np.int64], Floats, Floats]:
+        """None: sides of rings lie across borders of cells, and so do their tips."""
+        return np.zeros(0, dtype=np.int64), np.zeros((0, 2)), np.zeros((0, 2))
+
+    def aligned(self, ring: Floats, *, is_kept: bool) -> tuple[Floats, NDArray[np.int64]]:
+        """A ring with a side across each border of cells that it crosses, and marks of the ends of that side.
+
+        Where W is the time that solutions take, its gradient jumps across a border by a multiple of the border's
+        normal.  So where solutions cross it, one of the two gradients is right for the velocities of both cells: the
+        side across the border goes on in the direction that the ring has in one cell; or it joins the points beside
+        the border.
+        """
+        cells = self.which(ring)
+        after = np.roll(cells, -1)
+        points, marks = [], []
+        for k in range(len(ring)):
+            points.append(ring[k])
+            marks.append(-1)
+            if cells[k] == after[k]:
+                continue
+            pair = 2 * (int(cells[k]) * len(self.outlines) + int(after[k]))
+            near, far = ring[k], ring[(k + 1) % len(ring)]
+            options = [(near, far)]
+            beyond = before = None
+            if not is_kept:
+                beyond = self._across(ring[k - 1], near, far, int(cells[k]), int(after[k]))
+                before = self._across(ring[(k + 2) % len(ring)], far, near, int(after[k]), int(cells[k]))
+            options += [] if beyond is None else [(near, beyond)]
+            options += [] if before is None else [(before, far)]
+            best = min(range(len(options)), key=lambda j: self._outward(*options[j], int(cells[k]), int(after[k])))
+            first, last = options[best]
+            if first[0] != near[0] or first[1] != near[1]:
+                points.append(first)
+                marks.append(-1)
+            marks[-1] = pair
+            points.append(last)
+            marks.append(pair + 1)
+        return _without_repeats(np.array(points), np.array(marks))
+
+    def _across(self, before: Floats, near: Floats, far: Floats, cell: int, other: int) -> Floats | None:
+        """The point just across the border of a cell on the line on through two points of it; None where it is far."""
+        along = near - before
+        gap = float(np.linalg.norm(far - near))
+        along = along / (float(np.linalg.norm(along)) + np.finfo(float).tiny)
+        sides = half_planes(self.outlines[cell])
+        speeds, rooms = sides[:, :2] @ along, sides[:, :2] @ near + sides[:, 2]
+        leaving = speeds < 0
+        if not leaving.any():
+            return None
+        way = float((rooms[leaving] / -speeds[leaving]).min())
+        way += ACROSS * max(gap, way)
+        point = near + way * along
+        return np.asarray(point) if way < 2 * gap and int(self.which(point[None])[0]) == other else None
+
+    def _outward(self, first: Floats, last: Floats, cell: int, other: int) -> float:
+        """The largest sine at which velocities of two cells lead outward over a side of a ring."""
+        along = last - first
+        normal = np.array([along[1], -along[0]]) / (float(np.linalg.norm(along)) + np.finfo(float).tiny)
+        found = [self._on(own, first[None])[:, 0] for own in (cell, other)]
+        return max(float((v @ normal / (np.linalg.norm(v, axis=1) + np.finfo(float).tiny)).max()) for v in found)
+
+    def meeting(self, triangles: Floats, exact: Mapping[int, Floats]) -> Iterator[tuple[int, NDArray[np.bool_]]]:
+        """Each cell with the triangles that no line of a side, of its own or of theirs, parts from it."""
+        low, high, near = triangles.min(axis=1), triangles.max(axis=1), NEAR * self.half
+        turns = np.stack([half_planes(own) for own in triangles]) if len(triangles) else np.zeros((0, 3, 3))
+        for cell, (own_low, own_high) in enumerate(self._boxes):
+            near_box = ((low <= own_high + near) & (high >= own_low - near)).all(axis=1)
+            todo = np.nonzero(near_box)[0]
+            if not len(todo):
+                continue
+            corners = np.concatenate([triangles[todo], np.ones((len(todo), 3, 1))], axis=2)
+            beyond = np.einsum("sk,tck->tsc", half_planes(self.outlines[cell]), corners).max(axis=2).min(axis=1)
+            outline = np.column_stack([self.outlines[cell], np.ones(len(self.outlines[cell]))])
+            behind = np.einsum("tsk,ck->tsc", turns[todo], outline).max(axis=2).min(axis=1)
+            met = np.zeros(len(triangles), dtype=bool)
+            met[todo] = (beyond > -near) & (behind > -near)
+            if met.any():
+                yield cell, met
+
+
+def _without_repeats(points: Floats, marks: NDArray[np.int64]) -> tuple[Floats, NDArray[np.int64]]:
+    """A ring without points that stand twice, one after the other; a mark of the earlier one is kept."""
+    repeats = (points == np.roll(points, 1, axis=0)).all(axis=1)
+    own = np.roll(repeats, -1) & (marks < 0)  # the later one has a mark, or none has
+    marks[own] = np.roll(marks, -1)[own]
+    return points[~repeats], marks[~repeats]
+
+
+def convex_outline(places: Floats) -> Floats:
+    """The corners of the convex hull of places, counterclockwise."""
+    from scipy.spatial import ConvexHull  # under rule box only
+
+    return np.asarray(places[ConvexHull(places).vertices])
+
+
+def half_planes(outline: Floats) -> Floats:
+    """Of a convex polygon, counterclockwise: a, b, c with ``a x + b y + c`` the distance inward from each side."""
+    along = np.roll(outline, -1, axis=0) - outline
+    normals = np.stack([-along[:, 1], along[:, 0]], axis=1)
+    normals /= np.linalg.norm(normals, axis=1)[:, None] + np.finfo(float).tiny
+    return np.column_stack([normals, -(normals * outline).sum(axis=1)])
+
+
+def _velocities(twists: Floats, x: Floats) -> Floats:
+    """``v + omega J c`` of twists, shape (motions, places or 1, 3), at places."""
+    return np.stack([twists[..., 0] - twists[..., 2] * x[:, 1], twists[..., 1] + twists[..., 2] * x[:, 0]], axis=-1)
+
+
+@dataclass(frozen=True)
+class ArrayBasin:
+    """Triangles from which a body comes to the checked point, or to a polygon about it that it does not leave.
+
+    Attributes:
+        triangles: with their hypotheses, of theorem ``basin`` of arrays.
+        entry: of a certificate, with numbers of the scene's field.
+        claim: what the checker has shown by it.
+        half: of the square of which starts are sampled: the largest in the support polygon.
+        within: of the point, bodies end; None where they come to the point itself.
+        coming: sampled starts that come there in floats, measured from the point, certified or not: shape (starts, 2).
+    """
+
+    triangles: CertifiedBasin
+    entry: dict[str, Any]
+    claim: dict[str, Any]
+    half: float
+    within: float | None
+    coming: Floats
+
+    @property
+    def area(self) -> float:
+        """Of the region, with the polygon inside."""
+        x, y = self.triangles.border.T
+        return float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)) / 2)
+
+    def words(self, length: str) -> str:
+        """What is certified, how much that is of what is sampled, and where; lengths have a unit, or none."""
+        certified, coming = self.triangles.sampled
+        unit = f" {length}" if length else ""
+        ends = "comes home" if self.within is None else f"ends within {float_text(self.within)}{unit} of the point"
+        size = f"{float_text(self.area)}{unit}{2 if unit else ''}"
+        region = f"from anywhere in a region of {size} a body {ends} ({len(self.triangles.triangles)} triangles)"
+        square = f"the square of half-width {float_text(self.half)}{unit}, the largest on the wheels"
+        share = f"{percent_text(self.triangles.share)} of the sampled starts in {square}, that do"
+        return f"{region}: {share} ({certified} of {coming})"
+
+    def record(self, unit: str) -> dict[str, object]:
+        """As JSON, with the area, where bodies end, and the square of which starts are sampled."""
+        further = {"area": self.area, "ends_within": self.within, "square": self.half}
+        return basin_record(self.triangles, self.words(unit)) | further
+
+
+@dataclass(frozen=True)
+class NoBasin:
+    """No triangles were certified.
+
+    Attributes:
+        why: in half a sentence.
+    """
+
+    why: str
+
+
+def find_array_basin(scene: Scene, asked: str, announce: Callable[[str, int, int], None]) -> ArrayBasin | NoBasin:
+    """A basin of triangles about the checked point that the checker has accepted, or why there is none.
+
+    Args:
+        scene: an array.
+        asked: how much may be done for it, of EFFORTS.
+        announce: told what is done, how much of it, and of how much.
+    """
+    if scene.contact.rule not in FOLLOWED:
+        return NoBasin(f"rule {scene.contact.rule} has no cells")
+    if scene.body is not None:
+        return NoBasin("the wheels under a body with an outline change")
+    about = scene.recentred()
+    half = widest_square([wheel.position for wheel in about.wheels], about.check.equilibrium)
+    if half is None:
+        return NoBasin("the point is not inside the support polygon")
+    announce("cells of the support polygon", 0, 1)
+    try:
+        partition = build_partition(replace(about, check=replace(about.check, radius=half)), prune=False)
+    except RefusalError as error:
+        return NoBasin(str(error))
+    return _around(scene, partition, EFFORTS[asked], announce)
+
+
+def _around(
+    scene: Scene, partition: Partition, effort: BasinEffort, announce: Callable[[str, int, int], None]
+) -> ArrayBasin | NoBasin:
+    """The search on the cells of a square."""
+    field = FloatCells(partition)
+    exact = {"within": partition.scene.check.radius, **cells_record(partition)}
+    document = encode({"subject": subject_record(scene), "record": exact})
+    array, record = read_array(document["subject"]), document["record"]
+    cells = Cells(replace(array, radius=array.field.parse(record["within"])), record["points"], record["cells"])
+    limit = field.half * (1 - SQUARE)
+    why = NoBasin(_why_none(field))
+    for first in _first_rings(field):
+        rings = grow(
+            field,
+            first,
+            effort.angle,
+            effort.gap,
+            limit,
+            effort.points,
+            lambda done, total: announce("rings", done, total),
+        )
+        if len(rings) < 2:
+            continue
+        builder = MeshBuilder(field, lambda unit: ArrayPlane(cells, unit), rings, effort.triangles, is_first_whole=True)
+        built = builder.build(lambda done, total: announce("bands of triangles", done, total))
+        if built is None:
+            why = NoBasin("W is not seen to fall beside the first ring")
+            continue
+        mesh, below = built
+        found: dict[str, Any] = {"mesh": mesh, "below": below, "squared_radius": _squared_radius(mesh, below)}
+        announce("the checker", 0, 1)
+        try:
+            (claim,) = show_entry(array, {"theorem": "basin", "hypotheses": {**record, **found}, "proofs": {}})
+        except RejectedError as error:
+            why = NoBasin(f"the checker asks for {error}")
+            continue
+        sampled, coming = _sampled(field, first, last_ring(mesh_corners(mesh)), effort.starts)
+        within = float(Fraction(found["squared_radius"])) ** 0.5 if "ends" in claim else None
+        hypotheses: dict[str, Any] = {**exact, **found}
+        entry = {"theorem": "basin", "hypotheses": hypotheses, "proofs": {}}
+        return ArrayBasin(CertifiedBasin(hypotheses, sampled), entry, claim, field.half, within, coming)
+    return why
+
+
+def _circle(centre: Floats, radius: float) -> Floats:
+    angles = np.linspace(0, 2 * np.pi, CIRCLE, endpoint=False)
+    return np.asarray(centre + radius * np.stack([np.cos(angles), np.sin(angles)], axis=1))
+
+
+def _first_rings(field: FloatCells) -> Iterator[Floats]:
+    """Convex polygons over which velocities are seen to lead inward, small ones first.
+
+    Where bodies rest in cells, polygons about these; else circles about the point, and about where bodies from it end.
+    """
+    if field.resting is not None:
+        middle = field.resting.mean(axis=0)
+        for wider in RESTING:
+            ring = middle + wider * (field.resting - middle)
+            if np.abs(ring).max() < field.half and _largest_outward(field, ring) < -INWARD:
+                yield ring
+        return
+    for centre in (np.zeros(2), _end(field)):
+        radius, found = SMALLEST * field.half, 0
+        while radius < field.half - np.abs(centre).max() and found < CIRCLES:
+            if _largest_outward(field, _circle(centre, radius)) < -INWARD:
+                found += 1
+                radius *= WIDER**found
+                yield _circle(centre, radius)
+            radius *= WIDER
+
+
+def _why_none(field: FloatCells) -> str:
+    if field.resting is None:
+        return "no circle is seen over which all velocities lead inward"
+    if np.abs(field.resting).max() * RESTING[0] >= field.half:
+        return "the area in which bodies rest reaches the border of the largest square on the wheels"
+    return "velocities do not lead inward around the area in which bodies rest"
+
+
+def _largest_outward(field: FloatCells, ring: Floats) -> float:
+    """The largest sine at which velocities at corners and middles of sides lead outward over sides of a polygon."""
+    along = np.roll(ring, -1, axis=0) - ring
+    normals = np.stack([along[:, 1], -along[:, 0]], axis=1) / np.linalg.norm(along, axis=1)[:, None]
+    largest = -1.0
+    for place in (ring, ring + along / 2, ring + along):
+        velocities = field.at(place)
+        speeds = np.linalg.norm(velocities, axis=2) + np.finfo(float).tiny
+        largest = max(largest, float((np.einsum("kij,ij->ki", velocities, normals) / speeds).max()))
+    return largest
+
+
+def _end(field: FloatCells) -> Floats:
+    """The middle of where bodies end that start about the point, by steps that become smaller."""
+    x = _circle(np.zeros(2), field.half / 2)
+    for step in np.geomspace(field.half / 50, field.half / 10_000, 400):
+        v = field.at(x)[0]
+        x = x + step * v / (np.linalg.norm(v, axis=1)[:, None] + np.finfo(float).tiny)
+    return np.asarray(x.mean(axis=0))
+
+
+def _squared_radius(mesh: dict[str, Any], below: int) -> str:
+    """Of the smallest disc about the point that holds the first ring, exactly."""
+    core = Core(Mesh(mesh), below)
+    return str(max(x * x + y * y for x, y in core.places) * Fraction(mesh["unit"]) ** 2)
+
+
+def _sampled(field: FloatCells, first: Floats, border: Floats, count: int) -> tuple[tuple[int, int], Floats]:
+    """Of a grid of the square: how many starts are certified, and how many come to the first ring in floats; these."""
+    line = np.linspace(-field.half, field.half, count + 2)[1:-1]
+    starts = np.array([(x, y) for y in line for x in line])
+    came = followed_home(field, starts, lambda x: inside_ring(first, x), 2 * field.half)
+    certified = inside_ring(border, starts)
+    return (int(np.sum(certified)), int(np.sum(came | certified))), starts[came | certified]
