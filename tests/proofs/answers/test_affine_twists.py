@@ -14,9 +14,10 @@ from nonsmooth.proofs.boxes.balanced_forces import BalancedForces
 from nonsmooth.proofs.boxes.enclosed_rest import enclosed_rest
 from nonsmooth.proofs.boxes.intervals import Intervals
 from nonsmooth.proofs.robust.affine_twists import _affine_twists, affine_rates, refined_rates
-from nonsmooth.proofs.robust.ends import decide_ends
-from nonsmooth.proofs.robust.level_sets import Distance, LevelFunction, SectorFunction, short_levels
+from nonsmooth.proofs.robust.ends import COARSE, _field_beside, _velocity
+from nonsmooth.proofs.robust.level_sets import Distance, LevelFunction, SectorFunction, shapes_about, short_levels
 from nonsmooth.proofs.robust.rest_points import _rising, is_carried_away
+from nonsmooth.proofs.robust.touching_rings import FINER, FINEST, ring_rates
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.friction_set import CutEllipse
 from nonsmooth.symbolic.scene import Scene
@@ -141,13 +142,17 @@ def test_a_slow_spiral_carries_bodies_out_of_the_disc_of_the_accuracy(tmp_path: 
     assert SmallSteps(table).end(np.array([0.9 * accuracy, 0.0]), 60.0, accuracy)[1] > accuracy
 
 
-@thorough  # smaller pieces of rings: the same with coarser ones in test_nearness
-def test_bodies_come_near_where_their_twist_turns_round_over_an_edge(tmp_path: Path) -> None:
+def test_rings_fall_in_small_pieces_where_twists_turn_round_over_an_edge(tmp_path: Path) -> None:
     table = MeasuredTable.symmetric(19, "roller")
     scene = measured(tmp_path, table)
-    found = decide_ends(scene, scene.accuracy)
-    assert found is not None
-    assert found.is_near
-    starts = float(found.within) * np.array([[1.0, 0.0], [0.6, -0.8]])
-    ends, _ = SmallSteps(table)._paced(starts, float(found.after), float(found.about))
-    assert (np.hypot(*ends.T) <= 1.1 * float(found.about)).all()
+    accuracy, forces, velocity = float(scene.accuracy), BalancedForces(scene), _velocity(scene)
+    assert velocity is not None
+    _, coarse = _field_beside(velocity, np.zeros(2), COARSE * accuracy)
+    shape = list(shapes_about(coarse))[1]
+    outer = accuracy * 0.9
+    levels = short_levels(np.geomspace(outer, 0.8 * outer, FINEST[0] + 1))[:2]
+    pieces = shape.pieces(levels[1:], levels[:1], FINEST[0])
+    (rate,) = ring_rates(forces, pieces, more=True)
+    falls = -(pieces.middle_slopes * SmallSteps(table).velocity(pieces.middles)).sum(axis=1)
+    assert 0 < rate <= falls.min() * 1.001
+    assert ring_rates(forces, shape.pieces(levels[1:], levels[:1], FINER[-1]), more=True) == [0.0]
