@@ -63,7 +63,7 @@ def examined(known: Known, search: str, starts: int) -> Record:
 
 
 def astray(system: Any, basin: CertifiedBasin, count: int) -> int | None:
-    """How many random starts in triangles do not come much nearer; None for formulas that are not followed here.
+    """How many random starts in triangles come no nearer; None for formulas that are not followed here.
 
     Near the border of a basin steps of two per cent may lead out of it: who is astray is followed again by a tenth.
     """
@@ -81,7 +81,7 @@ def astray(system: Any, basin: CertifiedBasin, count: int) -> int | None:
 
 
 def lost(inclusion: FloatInclusion, starts: Array, furthest: float, finer: int) -> Array:
-    """The numbers of the starts that do not come much nearer, by steps of a part of the usual length."""
+    """The numbers of the starts that come no nearer, by steps of a part of the usual length."""
     x, begin, todo = starts.copy(), np.linalg.norm(starts, axis=1), np.arange(len(starts))
     for _ in range(STEPS * finer):
         size = np.linalg.norm(x[todo], axis=1)
@@ -91,7 +91,7 @@ def lost(inclusion: FloatInclusion, starts: Array, furthest: float, finer: int) 
         size = np.linalg.norm(x[todo], axis=1)
         v = inclusion.members(x[todo], 0.1 * FINENESS / finer * size)
         x[todo] += (FINENESS / finer * size / (np.linalg.norm(v, axis=1) + 1e-300))[:, None] * v
-    return np.nonzero(np.linalg.norm(x, axis=1) > ARRIVED * begin)[0]
+    return np.nonzero(np.linalg.norm(x, axis=1) > begin)[0]  # slides are slow by such steps: nearer is enough
 
 
 def row(name: str, own: Record) -> str:
