@@ -40,13 +40,34 @@ def drawn(basin: ArrayBasin, count: int, seed: int) -> Floats:
     return np.asarray(np.einsum("ij,ijk->ik", random.dirichlet(np.ones(3), count), chosen))
 
 
-def strays(table: MeasuredTable, basin: ArrayBasin, starts: Floats) -> int:
-    """How many bodies are not where they are said to end, after steps of one length, and then of a tenth of it.
+class LiftedSteps(SmallSteps):
+    """Bodies that go on where wheels are lifted: springs that would pull carry nothing, and the others all of it.
 
-    Under rule ``box`` those are left out that start where a wheel is lifted: the oracle has no loads for that.
+    With the wheels W in touch the loads are ``(p_i, 1) . y``, where ``sum_W (p_i, 1) (p_i, 1)^T y = (c, 1)``; the set W
+    of those that are positive is found by Newton's method for the convex function that y minimizes.
     """
-    oracle = SmallSteps(table)
-    x = starts if table.rule == "nearest" else starts[(oracle._springs_at(starts) >= 0).all(axis=1)]
+
+    def _loads(self, places: Floats) -> Floats:
+        arms = np.column_stack([self.places, np.ones(len(self.places))])
+        asked = np.column_stack([places, np.ones(len(places))])
+        touches = np.ones((len(places), len(arms)), dtype=bool)
+        while True:
+            stiffness = np.einsum("pw,wi,wj->pij", touches, arms, arms)
+            loads = np.linalg.solve(stiffness, asked[:, :, None])[:, :, 0] @ arms.T
+            if np.array_equal(loads > 0, touches):
+                return np.maximum(loads, 0.0)
+            touches = loads > 0
+
+    def velocity(self, place: Floats) -> Floats:
+        """Of bodies at places, (bodies, 2)."""
+        twists = self.twists(place)
+        omega = twists[:, 2] / self.length
+        return np.stack([twists[:, 0] - omega * place[:, 1], twists[:, 1] + omega * place[:, 0]], axis=1)
+
+
+def strays(table: MeasuredTable, basin: ArrayBasin, starts: Floats) -> int:
+    """How many bodies are not where they are said to end, after steps of one length, and then of a tenth of it."""
+    oracle, x = LiftedSteps(table), starts
     for parts, count in STEPS:
         step = basin.half / parts
         for _ in range(count):
