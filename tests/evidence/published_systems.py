@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from nonsmooth.proofs.kernel.subject import NoCertificateError, about
 from nonsmooth.proofs.systems.basin import CertifiedBasin
@@ -80,7 +81,7 @@ def astray(system: Any, basin: CertifiedBasin, count: int) -> int | None:
     return len(x)
 
 
-def lost(inclusion: FloatInclusion, starts: Array, furthest: float, finer: int) -> Array:
+def lost(inclusion: FloatInclusion, starts: Array, furthest: float, finer: int) -> NDArray[np.intp]:
     """The numbers of the starts that come no nearer, by steps of a part of the usual length."""
     x, begin, todo = starts.copy(), np.linalg.norm(starts, axis=1), np.arange(len(starts))
     for _ in range(STEPS * finer):
