@@ -188,11 +188,15 @@ def _dense(value: Polynomial) -> fmpq_poly:
     terms = terms_of(value)
     if any(isinstance(c, Number) for c in terms.values()):
         lead = abs(terms[max(terms)])
-        shares = {e: (c / lead).as_rational() for e, c in terms.items()}
+        shares = {e: _rational(c / lead) for e, c in terms.items()}
         if None in shares.values():
             raise BeyondReachError("numbers with roots in one state")
         terms = shares
     return fmpq_poly([terms.get((k,), fmpq(0)) for k in range(value.degree + 1)])
+
+
+def _rational(value: Number | fmpq) -> fmpq | None:
+    return value.as_rational() if isinstance(value, Number) else value
 
 
 def _sign(polynomial: fmpq_poly, place: Fraction) -> int:

@@ -717,7 +717,10 @@ CLAUSE_FORGERIES: dict[str, tuple[str, Forge]] = {
     "two laws": ("an object with the keys signs", forge_law({"signs": [1] * 8, "plane": ["0", "0", "1"]})),
     "an unknown proof": (LEFT_OVER, lambda c: proofs(c).update(translation={})),
     "no theorem": (unshown("equilibrium", True), lambda c: c["evidence"].clear()),
-    "a theorem of systems": ("a theorem of theorem 4, tolerances", lambda c: c["evidence"][0].update(theorem="escape")),
+    "a theorem of systems": (
+        "a theorem of theorem 4, tolerances, basin",
+        lambda c: c["evidence"][0].update(theorem="escape"),
+    ),
     "tolerances that are not stated": (
         "tolerances, under rule nearest",
         lambda c: c["evidence"].append(

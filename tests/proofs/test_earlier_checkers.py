@@ -36,6 +36,7 @@ NOT_SHOWN: Mapping[str, str] = {
 # Theorems and hypotheses that version 1 has no words for; each is refused with these words alone.
 NO_WORDS = {
     "theorem basin",
+    "theorem circles",
     "theorem escape",
     "departure in two states",
     "instability by two functions",

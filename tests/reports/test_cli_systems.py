@@ -277,9 +277,9 @@ def test_certificates_of_one_state_of_damping_and_of_three(
     assert invoke("verify", file).status == 1
 
 
-def test_a_point_that_no_certificate_names_is_one_line(invoke: Invoke, tmp_path: Path) -> None:
+def test_a_certificate_about_another_irrational_point_is_rejected(invoke: Invoke, tmp_path: Path) -> None:
     file = tmp_path / "c.json"
     assert invoke("check", "flower", "--certificate", str(file)).status == 0
-    refused = invoke("verify", str(file), "flower", "--at", "sqrt(2),0")
-    assert refused.status == BAD_INPUT
-    assert "needs rational numbers" in refused.err
+    rejected = invoke("verify", str(file), "flower", "--at", "sqrt(2),0")
+    assert rejected.status == 1
+    assert "received one with other" in rejected.out
