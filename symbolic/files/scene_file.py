@@ -171,7 +171,7 @@ def load_scene(
     """
     with deep_nesting_refused(source):
         document = read_document(source, rule=rule, radius=radius, at=at, accuracy=accuracy)
-        return build_scene(*document, allow_outside=allow_outside)
+        return build_scene(*document, rule=rule, allow_outside=allow_outside)
 
 
 @contextmanager
@@ -245,12 +245,18 @@ def wheel_table(data: Mapping[str, Any], file: str, path: Path, *, allow_outside
 
 
 def build_scene(
-    data: dict[str, Any], file: str, path: Path, *, allow_outside: bool = False, wheels: str | None = None
+    data: dict[str, Any],
+    file: str,
+    path: Path,
+    *,
+    rule: str | None = None,
+    allow_outside: bool = False,
+    wheels: str | None = None,
 ) -> Scene:
     """The scene of a document, by the parts that :func:`read_document` returns.
 
     A table of wheels is read from outside the scene's folder only with ``allow_outside``; ``wheels`` is its text where
-    that was read before.
+    that was read before.  That a ``rule`` was put into the document is remarked where no wheel takes it.
 
     Raises:
         SceneError: for whatever cannot be used.
@@ -264,6 +270,8 @@ def build_scene(
     built = builder.build(layout.places(numbers))
     body = None if document.body is None else build_body(document.body, numbers)
     numbers.field.remarks += tuple(unit_hints(built, body, document.units.labels))
+    if rule is not None and all("contact" in wheel.named for wheel in built):
+        numbers.field.remarks += (f"rule {rule} is for wheels that name none, and all of these name their own",)
     return Scene(
         name=document.name or path.stem,
         field=numbers.field,

@@ -53,7 +53,7 @@ def load_any(
     with deep_nesting_refused(source):
         data, file, path = read_document(source, rule=rule, radius=radius, at=at, accuracy=accuracy)
         if "system" not in data:
-            scene = build_scene(data, file, path, allow_outside=allow_outside)
+            scene = build_scene(data, file, path, rule=rule, allow_outside=allow_outside)
             scene.field.writes_decimals &= not exact
             return scene
         if rule is not None:

@@ -212,6 +212,13 @@ def test_an_option_replaces_the_rule_of_those_that_name_none(invoke: Invoke, tmp
     assert 'contact.rule: required "ellipse" or "roller" beside wheels of rule' in refused.err
 
 
+def test_an_option_that_no_wheel_takes_is_said(invoke: Invoke, tmp_path: Path) -> None:
+    file = scene_file(tmp_path, ["roller", "ellipse", "roller", "ellipse"])
+    notes = invoke("check", file, "--rule", "nearest", "--json").record["notes"]
+    assert notes[0] == "rule nearest is for wheels that name none, and all of these name their own"
+    assert not any("name none" in note for note in invoke("check", file, "--json").record["notes"])
+
+
 def test_all_rules_are_those_of_all_wheels_and_the_array_as_it_is(invoke: Invoke, tmp_path: Path) -> None:
     checks = invoke("check", scene_file(tmp_path, ROLLERS_AND_RUBBER), "--rule", "all", "--json").record["checks"]
     assert [record["rule"] for record in checks] == ["nearest", "box", "ellipse", "roller", "mixed"]
