@@ -39,7 +39,7 @@ from nonsmooth.reports.progress import progress
 from nonsmooth.reports.result import DataTable, Record
 from nonsmooth.reports.simulate_options import SimulateOptions
 from nonsmooth.symbolic.body import Body
-from nonsmooth.symbolic.contact_set import whole
+from nonsmooth.symbolic.contact_set import accuracy_at_point, whole
 from nonsmooth.symbolic.continuum import Disc
 from nonsmooth.symbolic.number_text import percent_text
 from nonsmooth.symbolic.scene import Scene
@@ -164,7 +164,7 @@ class BodyMapResult(MapResult):
             "starts": found.starts[:, :2].tolist(),
             "ends": [_end(pose, found, k) for k, pose in enumerate(found.poses.tolist())],
             "destination": self.destination_of,
-            "accuracy": float(self.scene.accuracy),
+            "accuracy": float(accuracy_at_point(self.scene)),
             "home": int(self.home.sum()),
             "parts": parts_record(self.parts),
         }

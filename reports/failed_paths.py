@@ -21,7 +21,7 @@ from nonsmooth.reports.document import Block, Paragraph, table
 from nonsmooth.reports.refusals import OptionError
 from nonsmooth.reports.result import DataTable, Record, Result, short_lines
 from nonsmooth.reports.simulate_options import SimulateOptions
-from nonsmooth.symbolic.contact_set import NoLoadsError, whole
+from nonsmooth.symbolic.contact_set import NoLoadsError, accuracy_at_point, whole
 from nonsmooth.symbolic.number_text import float_text, numbers_text, place_text
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import SceneError, one_line
@@ -144,7 +144,8 @@ class FailedPathsResult(Result):
             for failed in self.failures
         ]
         head = {"schema": SCHEMA, "scene": self.scene.name, "rule": str(self.scene.contact.rule), "status": "sampled"}
-        numbers = {"until": self.until, "accuracy": float(self.scene.accuracy), "home": sum(p.home for p in self.whole)}
+        accuracy, home = float(accuracy_at_point(self.scene)), sum(p.home for p in self.whole)
+        numbers = {"until": self.until, "accuracy": accuracy, "home": home}
         return head | numbers | {"failures": summary, "rows": rows}
 
     def table(self) -> DataTable:
@@ -161,7 +162,7 @@ class FailedPathsResult(Result):
     def blocks(self) -> Sequence[Block]:
         """Of one start each end; of many the farthest move, and how many no longer come home."""
         unit = f" {self.scene.units.length}".rstrip()
-        accuracy = f"home: within {float_text(self.scene.accuracy, 3)}{unit} of the checked point"
+        accuracy = f"home: within {float_text(accuracy_at_point(self.scene), 3)}{unit} of the checked point"
         said = Paragraph((f"sampled, without inertia, until t = {self.until:.4g}; {accuracy}",))
         if len(self.whole) == 1:
             return [said, self._of_one_start(), *self._worst()]
@@ -336,7 +337,7 @@ def _leaves_support(array: Scene, places: Sequence[Sequence[object]]) -> int | N
 def _is_home(scene: Scene, path: Trajectory) -> bool:
     x, y = (float(value) for value in path.end.state[:2])
     a, b = map(float, scene.check.equilibrium)
-    return math.hypot(x - a, y - b) <= float(scene.accuracy)
+    return math.hypot(x - a, y - b) <= float(accuracy_at_point(scene))
 
 
 def _record(path: FailedPath, move: tuple[float, float] | None) -> Record:

@@ -44,6 +44,7 @@ from nonsmooth.reports.progress import progress
 from nonsmooth.reports.refusals import OptionError
 from nonsmooth.reports.result import DataTable, Record, Result, short_lines
 from nonsmooth.reports.simulate_options import SimulateOptions
+from nonsmooth.symbolic.contact_set import accuracy_at_point
 from nonsmooth.symbolic.number_text import float_text, percent_text
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import one_line
@@ -97,13 +98,14 @@ def parts_record(parts: Sequence[Part]) -> list[Record]:
 def within_accuracy(scene: Scene, places: Floats) -> NDArray[np.bool_]:
     """Which of the places (m, 2) at which bodies end are within the accuracy of the checked point; none is not."""
     away = places - [float(value) for value in scene.check.equilibrium]
-    return np.asarray(np.hypot(*away.T) <= float(scene.accuracy))
+    return np.asarray(np.hypot(*away.T) <= float(accuracy_at_point(scene)))
 
 
 def home_row(scene: Scene, home: NDArray[np.bool_]) -> tuple[str, str]:
     """How many of all starts end within the accuracy."""
     unit = f" {scene.units.length}".rstrip()
-    return "at the point", f"{int(home.sum())} of {len(home)} end within {float_text(scene.accuracy, 3)}{unit} of it"
+    accuracy = float_text(accuracy_at_point(scene), 3)
+    return "at the point", f"{int(home.sum())} of {len(home)} end within {accuracy}{unit} of it"
 
 
 class MapResult(Result):
@@ -199,7 +201,7 @@ class SettleMapResult(MapResult):
             "until": self.options.until,
             "summary": self._summary,
             **self.found.record(),
-            "accuracy": float(self.partition.scene.accuracy),
+            "accuracy": float(accuracy_at_point(self.partition.scene)),
             "home": int(self.home.sum()),
             "parts": parts_record(self.parts),
         }

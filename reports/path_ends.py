@@ -18,6 +18,7 @@ from nonsmooth.analysis.bodies.settling import Settled, Settling, arrival, swing
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.trajectories.ending import Ending, EndMotion, ending, parts_of, places
 from nonsmooth.analysis.trajectories.result import EndReason, Trajectory
+from nonsmooth.symbolic.contact_set import accuracy_at_point
 from nonsmooth.symbolic.number_text import float_text
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.switched_system import SwitchedSystem
@@ -66,14 +67,14 @@ class ArrayPathEnd:
         """The time after which it stays within the accuracy of where it ends; None where it moves on."""
         if self.ending.motion is EndMotion.MOVING:
             return None
-        return arrival(*self._distances, float(self.scene.accuracy))
+        return arrival(*self._distances, float(accuracy_at_point(self.scene)))
 
     @property
     def swings(self) -> int | None:
         """How often it comes back to more than the accuracy; None where it moves on."""
         if self.ending.motion is EndMotion.MOVING:
             return None
-        return swings_of(self._distances[1], float(self.scene.accuracy))
+        return swings_of(self._distances[1], float(accuracy_at_point(self.scene)))
 
     @property
     def distance(self) -> float:
@@ -82,7 +83,7 @@ class ArrayPathEnd:
 
     def record(self) -> dict[str, Any]:
         """JSON-ready: ``motion, since, speed, turning, distance, accuracy, settles_after, swings``."""
-        where = {"distance": self.distance, "accuracy": float(self.scene.accuracy)}
+        where = {"distance": self.distance, "accuracy": float(accuracy_at_point(self.scene))}
         return self.ending.record() | where | {"settles_after": self.settles_after, "swings": self.swings}
 
     def words(self) -> str:
@@ -119,7 +120,7 @@ def degrees_text(theta: float) -> str:
 
 
 def _settles(scene: Scene, after: float) -> str:
-    accuracy = float_text(float(scene.accuracy), DIGITS) + _unit(scene.units.length)
+    accuracy = float_text(float(accuracy_at_point(scene)), DIGITS) + _unit(scene.units.length)
     return f"within {accuracy} of there after {float_text(after, DIGITS)}{_time(scene)}"
 
 

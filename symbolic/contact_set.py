@@ -102,6 +102,19 @@ def contact_set(scene: Scene) -> ContactSet:
     return ContactSet(numbers, margin, None if body.is_round else free_angle(body, places, margin))
 
 
+def accuracy_at_point(scene: Scene) -> Fraction:
+    """How near a body must come (length): what a check says, which is about the wheels that carry at the checked pose.
+
+    Where a body cannot be put down there, that of all wheels.
+    """
+    if scene.body is None or scene.check.accuracy is not None:
+        return scene.accuracy
+    try:
+        return standing(scene).accuracy
+    except SceneError:
+        return scene.accuracy
+
+
 def standing(scene: Scene) -> Scene:
     """The array of the wheels that carry at the checked pose, in a square where no wheel enters or leaves.
 

@@ -120,3 +120,10 @@ def test_scenes_without_an_outline_are_told_why(invoke: Invoke) -> None:
     found = invoke("simulate", "four-wheel", "--headings", "12")
     assert found.status == 2
     assert "moves alike at every heading" in found.err
+
+
+def test_the_accuracy_of_paths_is_that_of_the_check(invoke: Invoke) -> None:
+    """A carton leaves most wheels of a table out: those that carry it at the checked pose say what is near."""
+    checked = invoke("check", "carton-on-6x6", "--json").record["answers"]["position"]["accuracy"]
+    path = invoke("simulate", "carton-on-6x6", "--from", "0.05,0,0", "--until", "0.1", "--json").record["ending"]
+    assert path["accuracy"] == pytest.approx(checked, rel=1e-3)
