@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from nonsmooth.proofs.answers.answer import Answer, Pose
+from nonsmooth.proofs.answers.answer import UNDECIDED, Answer, Pose
 from nonsmooth.proofs.answers.bounds import DIGITS, at_least, at_most, of_length
 from nonsmooth.proofs.verdicts import Theorem4
 from nonsmooth.reports.answers import stated_answers
@@ -19,8 +19,6 @@ from nonsmooth.reports.sections.opening import array_figure
 from nonsmooth.reports.subject import ArraySubject
 from nonsmooth.symbolic.number_text import float_text
 from nonsmooth.symbolic.scene_error import one_line
-
-UNDECIDED = "undecided"
 
 
 def brief_document(subject: ArraySubject) -> Document:

@@ -13,7 +13,8 @@ hold those of the system: what is proved of all of them is proved of these.  Mul
 from __future__ import annotations
 
 import ast
-from collections.abc import Sequence
+import re
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import product
@@ -108,6 +109,12 @@ def named_formulas(formulas: Sequence[object], taken: frozenset[str]) -> tuple[t
     template = NamedTemplate(taken=taken)
     written = tuple(_template(formula, template) if has_waves(formula) else formula for formula in formulas)
     return written, tuple(template.waves)
+
+
+def in_place_of_names(formula: str, meanings: Mapping[str, str]) -> str:
+    """A formula with texts in place of the names of its sines and cosines."""
+    named = re.compile(rf"\b({'|'.join(map(re.escape, meanings))})\b")
+    return named.sub(lambda own: meanings[own[0]], formula)
 
 
 def has_waves(formula: object) -> bool:

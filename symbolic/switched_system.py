@@ -18,7 +18,7 @@ from nonsmooth.symbolic.notebook import ShortRepr
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.piecewise import PiecewiseExpression, SignOf
+from nonsmooth.symbolic.piecewise import PiecewiseExpression, SignOf, parse_piecewise
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact, requirement
 from nonsmooth.symbolic.scene_kind import SceneKind
 from nonsmooth.symbolic.signed_roots import SignedRoots
@@ -144,6 +144,19 @@ class SwitchedSystem(ShortRepr):
         """The states as polynomials in themselves."""
         return tuple(Polynomial.variable(self.field, self.states, name) for name in self.states)
 
+    def argument_of(self, wave: Wave, states: Sequence[Polynomial] | None = None) -> Polynomial:
+        """What a sine or cosine is of, as a polynomial.
+
+        Args:
+            wave: one of the system's.
+            states: the states as polynomials; :meth:`coordinates` unless given.
+
+        Raises:
+            ExpressionError: where it is none.
+        """
+        values = dict(zip(self.states, self.coordinates() if states is None else states, strict=True))
+        return parse_piecewise(wave.argument, self.states).polynomial(values, _no_sign)
+
     def displaced(self, names: Sequence[str]) -> tuple[Polynomial, ...]:
         """The states as polynomials in the displacement from the checked point, whose entries have these names."""
         variables = (Polynomial.variable(self.field, tuple(names), name) for name in names)
@@ -221,6 +234,10 @@ class SwitchedSystem(ShortRepr):
 
     def _error(self, k: int, expected: str, received: object) -> SceneError:
         return SceneError(self.origin, f"system.rhs[{k + 1}]", expected, received)
+
+
+def _no_sign(expression: Polynomial) -> int:
+    raise ExpressionError(f"required no switching, received {expression}")
 
 
 def require_plane(system: SwitchedSystem) -> None:

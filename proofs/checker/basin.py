@@ -98,8 +98,7 @@ class Field:
 
     def times(self, factor: int) -> Field:
         """A multiple."""
-        parts = tuple({e: value * factor for e, value in part.items()} for part in self.parts)
-        return Field(parts, self.degree, self.bits + factor.bit_length())
+        return Field(tuple(scaled(part, factor) for part in self.parts), self.degree, self.bits + factor.bit_length())
 
     def along(self, vector: Sequence[int]) -> Field:
         """The product with a vector, a polynomial."""

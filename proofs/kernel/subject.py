@@ -21,7 +21,7 @@ from nonsmooth.symbolic.numbers.number import Number, Tower
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.scene_error import one_line
-from nonsmooth.symbolic.sine_enclosures import Wave
+from nonsmooth.symbolic.sine_enclosures import in_place_of_names
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 NUMBERS = re.compile(r"\b(pi|sqrt|sin|cos)\b")
@@ -108,12 +108,11 @@ def _terms(side: PiecewiseExpression, system: SwitchedSystem) -> Iterator[tuple[
 
     With ``cos v - 1`` in place of ``cos v`` constant terms cancel, so that the point remains one of rest.
     """
-    waves = {own.name: f"{own.kind}({_argument(own, system)})" for own in system.names}
+    waves = {own.name: f"{own.kind}({system.argument_of(own)})" for own in system.names}
     if side.switching_parts:
-        named = re.compile(rf"\b({'|'.join(map(re.escape, waves))})\b")
         text = one_line(side.text)
-        can_be_written = not NUMBERS.search(named.sub("w", text))
-        yield ["1"] if can_be_written else [], f"({named.sub(lambda own: waves[own[0]], text)})"
+        can_be_written = not NUMBERS.search(in_place_of_names(text, dict.fromkeys(waves, "w")))
+        yield ["1"] if can_be_written else [], f"({in_place_of_names(text, waves)})"
         return
     factors = {name: name for name in system.states} | waves
     values = {name: Polynomial.variable(system.field, tuple(factors), name) for name in factors}
@@ -126,11 +125,6 @@ def _terms(side: PiecewiseExpression, system: SwitchedSystem) -> Iterator[tuple[
         exact = value.as_rational()
         bounds = bounds_of(value) if exact is None else (exact,)
         yield list(map(str, bounds)), "*".join(factor for factor, exponent in powers for _ in range(exponent))
-
-
-def _argument(wave: Wave, system: SwitchedSystem) -> str:
-    values = dict(zip(system.states, system.coordinates(), strict=True))
-    return str(parse_piecewise(wave.argument, system.states).polynomial(values, lambda _: 0))
 
 
 def _sum(terms: Iterator[tuple[str, str]]) -> str:

@@ -9,7 +9,6 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from fractions import Fraction
 from typing import Any
 
 from nonsmooth.proofs.checker.roots import read_subject
@@ -22,7 +21,7 @@ from nonsmooth.symbolic.expression import ExpressionError
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.scene_error import SceneError, one_line
-from nonsmooth.symbolic.sine_enclosures import Wave
+from nonsmooth.symbolic.sine_enclosures import Wave, in_place_of_names
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 
@@ -55,17 +54,12 @@ def find_energy_on_circles(system: SwitchedSystem) -> tuple[dict[str, Any], str,
 
 def _angles(system: SwitchedSystem) -> tuple[str, ...]:
     """The states of which there are sines and cosines; none unless all of these are 0 at the point."""
-    values = dict(zip(system.states, system.coordinates(), strict=True))
     found = set()
     for wave in system.names:
-        argument = parse_piecewise(wave.argument, system.states).polynomial(values, lambda _: 0)
-        found |= {name for name, k in zip(system.states, range(len(system.states)), strict=True) if _holds(argument, k)}
+        for exponents in system.argument_of(wave).terms:
+            found |= {name for name, exponent in zip(system.states, exponents, strict=True) if exponent}
     at = dict(zip(system.states, system.check.equilibrium, strict=True))
     return () if any(at[name] for name in found) else tuple(name for name in system.states if name in found)
-
-
-def _holds(polynomial: Polynomial, k: int) -> bool:
-    return any(exponents[k] for exponents in polynomial.terms)
 
 
 def on_circles(system: SwitchedSystem, angles: Sequence[str]) -> SwitchedSystem | None:
@@ -106,18 +100,16 @@ def _turned(wave: Wave, system: SwitchedSystem, angles: Sequence[str], values: M
     Raises:
         ExpressionError: for another one.
     """
-    stated = dict(zip(system.states, system.coordinates(), strict=True))
-    argument = parse_piecewise(wave.argument, system.states).polynomial(stated, lambda _: 0)
     one = next(iter(values.values())) * 0 + 1
     sine, cosine = one * 0, one
-    for exponents, value in argument.terms.items():
+    for exponents, value in system.argument_of(wave).terms.items():
         turns = value.as_rational()
-        if sum(exponents) != 1 or turns is None or Fraction(str(turns)).denominator != 1:
+        if sum(exponents) != 1 or turns is None or turns.q != 1:
             raise ExpressionError("required sums of whole multiples of angles")
         name = system.states[exponents.index(1)]
         own, across = values[f"sin_{name}"], values[f"cos_{name}"] + 1
         own = own if turns > 0 else -own
-        for _ in range(abs(int(Fraction(str(turns))))):
+        for _ in range(abs(int(turns.p))):
             sine, cosine = sine * across + cosine * own, cosine * across - sine * own
     return sine if wave.kind == "sin" else cosine
 
@@ -129,10 +121,9 @@ def _text(side: PiecewiseExpression, waves: Mapping[str, Polynomial], others: Se
         ExpressionError: where it names another state than these.
     """
     text = one_line(side.text)
-    named = re.compile(rf"\b({'|'.join(map(re.escape, waves))})\b")
-    left = parse_piecewise(named.sub("0", text), side.states)
+    left = parse_piecewise(in_place_of_names(text, dict.fromkeys(waves, "0")), side.states)
     states = {name for name in side.states if name not in waves}
     used = set(re.findall(r"[A-Za-z_][A-Za-z0-9_]*", left.text)) & states
     if not used <= set(others):
         raise ExpressionError("required angles under sines and cosines alone")
-    return named.sub(lambda own: f"({waves[own[0]]})", text)
+    return in_place_of_names(text, {name: f"({value})" for name, value in waves.items()})

@@ -249,20 +249,15 @@ def _require_zero_arguments(system: SwitchedSystem) -> None:
     Raises:
         SceneError: for such an argument.
     """
-    values = dict(zip(system.states, system.displaced(system.states), strict=True))
     for wave in system.waves:
         try:
-            argument = parse_piecewise(wave.argument, system.states).polynomial(values, _no_sign)
+            argument = system.argument_of(wave, system.displaced(system.states))
         except ExpressionError:
             expected = "sin and cos of polynomials in the states"
             raise SceneError(system.source, "system.rhs", expected, wave.argument) from None
         if (0,) * len(system.states) in argument.terms:
             expected = "sin and cos of what is zero at the checked point, up to a multiple of pi"
             raise SceneError(system.source, "system.rhs", expected, wave.argument)
-
-
-def _no_sign(expression: Polynomial) -> int:
-    raise ExpressionError(f"required no switching, received {expression}")
 
 
 def _equilibrium(check: SystemCheckTable, states: tuple[str, ...], numbers: Numbers) -> tuple[Number, ...]:

@@ -15,6 +15,7 @@ import time
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from nonsmooth.proofs.answers.array_basin import ArrayBasin, NoBasin, find_array_basin
 from nonsmooth.symbolic.files.scene_file import load_scene
@@ -58,11 +59,8 @@ class LiftedSteps(SmallSteps):
                 return np.maximum(loads, 0.0)
             touches = loads > 0
 
-    def velocity(self, place: Floats) -> Floats:
-        """Of bodies at places, (bodies, 2)."""
-        twists = self.twists(place)
-        omega = twists[:, 2] / self.length
-        return np.stack([twists[:, 0] - omega * place[:, 1], twists[:, 1] + omega * place[:, 0]], axis=1)
+    def _stops(self, places: Floats) -> NDArray[np.bool_]:
+        return np.zeros(len(places), dtype=bool)
 
 
 def strays(table: MeasuredTable, basin: ArrayBasin, starts: Floats) -> int:

@@ -108,8 +108,12 @@ class SmallSteps:
         omega = twists[:, 2] / self.length
         found = np.stack([twists[:, 0] - omega * places[:, 1], twists[:, 1] + omega * places[:, 0]], axis=1)
         if self.table.rule != "nearest":
-            found[(self._springs_at(places) < 0).any(axis=1)] = 0.0
+            found[self._stops(places)] = 0.0
         return found if place.ndim > 1 else found[0]
+
+    def _stops(self, places: Floats) -> NDArray[np.bool_]:
+        """Which bodies go no farther: a spring would have to pull."""
+        return np.asarray((self._springs_at(places) < 0).any(axis=1))
 
     def twists(self, places: Floats) -> Floats:
         """``(v, length omega)`` of bodies at places, (bodies, 3)."""
