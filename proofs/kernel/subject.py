@@ -2,7 +2,10 @@
 
 An irrational number is a sum of products of *generators*, the square roots and the ``2 cos(2 pi/N)`` of the scene's
 field.  The subject lists those that its formulas need, each with a name and as the only root above a bound of a
-polynomial; formulas are stated in these names, so that nobody need know what ``sqrt`` and ``cos`` mean.
+polynomial; formulas are stated in these names, so that nobody need know what ``sqrt`` and ``cos`` of numbers mean.
+
+Sines and cosines of states are stated as such, of polynomials that are zero at the point: the checker knows what
+encloses them.  Irrational numbers beside them are put at rational bounds, one right-hand side for each choice of these.
 """
 
 from __future__ import annotations
