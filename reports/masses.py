@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from itertools import cycle
 from typing import TYPE_CHECKING
 
@@ -62,7 +62,8 @@ def _chosen_body(scene: Scene, options: SimulateOptions) -> RigidBody:
     """What the user asked for; else as the scene says (:func:`nonsmooth.analysis.bodies.mass_study.body_of`)."""
     chosen = mass_per_weight(scene) if options.mass is None else options.mass
     try:
-        return body_of(scene, chosen) if options.inertia is None else RigidBody(chosen, options.inertia)
+        body = body_of(scene, chosen)
+        return body if options.inertia is None else replace(body, inertia=options.inertia)
     except ValueError as error:
         raise OptionError(f"--{error}") from None
 

@@ -71,11 +71,13 @@ class BodyInertia:
         gravity: g (length/time^2); per unit of weight the mass is ``1/g``.
         squared_radius: ``rho^2 = I/m``, the squared radius of gyration (length^2); None where it is not stated, and is
             that of a uniform plate of the outline, or of a disc as large as the array.
+        centre_height: of the centre of mass above the wheels (length); None where it is not stated, and is 0.
         is_stated: whether the scene states a mass or an inertia, so that somebody asks for dynamics.
     """
 
     gravity: Number
     squared_radius: Number | None = None
+    centre_height: Number | None = None
     is_stated: bool = False
 
 

@@ -110,6 +110,8 @@ class MassPath(CarriedBody):
         self._evaluations = 0
         if self.scene is None:
             self._on(self._support.carrying, state)
+            if self.margins(self._support.carrying, state[None])[0] < 0 and self._body.centre_height:
+                raise LoadError("required a body that friction does not tip over at its start")
         elif not self._carry(self._support.carrying, state):
             raise self.refusal(LoadError("required loads"))
         size = array_size(self.model) if self.scene is None else self.outline.size
@@ -139,7 +141,7 @@ class MassPath(CarriedBody):
 
     def margins(self, carrying: Wheels, states: Floats) -> Floats:
         """See :class:`nonsmooth.analysis.bodies.supports.CarriedBody`."""
-        return self._on(carrying, states[0]).loads.margins(states[:, :2])
+        return self._on(carrying, states[0]).margins(states)
 
     def _carry(self, wheels: Wheels, state: Floats) -> bool:
         try:

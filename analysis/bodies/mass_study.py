@@ -22,7 +22,7 @@ the comparison, a rest does not.  Paths are compared at sampled times: a sampled
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -123,7 +123,7 @@ class MassStudy(ShortRepr):
 
 def mass_ladder(body: RigidBody, count: int = LADDER) -> tuple[RigidBody, ...]:
     """Bodies of one shape, each a tenth as heavy as the one before."""
-    return tuple(RigidBody(body.mass / 10**k, body.inertia / 10**k) for k in range(count))
+    return tuple(replace(body, mass=body.mass / 10**k, inertia=body.inertia / 10**k) for k in range(count))
 
 
 def rule_path(scene: Scene, rule: str, start: Sequence[float], until: float) -> Trajectory:
@@ -239,14 +239,19 @@ def body_of(scene: Scene, mass: float) -> RigidBody:
     """The body of a scene with a mass per weight.
 
     Its inertia is ``rho^2`` times as large where the scene states that, else that of a uniform plate of the outline,
-    else that of a disc as large as the array.
+    else that of a disc as large as the array.  The height of its centre of mass is 0 unless the scene states it.
 
     Raises:
         ValueError: for a mass that cannot be used.
     """
-    if scene.inertia is not None and scene.inertia.squared_radius is not None:
-        return RigidBody(mass, mass * float(scene.inertia.squared_radius))
-    return disc(contact_model(scene), mass) if scene.body is None else plate(scene.body, mass)
+    stated = scene.inertia
+    if stated is not None and stated.squared_radius is not None:
+        body = RigidBody(mass, mass * float(stated.squared_radius))
+    else:
+        body = disc(contact_model(scene), mass) if scene.body is None else plate(scene.body, mass)
+    if stated is None or stated.centre_height is None:
+        return body
+    return replace(body, centre_height=float(stated.centre_height))
 
 
 def plate(outlined: Body, mass: float) -> RigidBody:

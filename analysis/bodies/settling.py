@@ -216,8 +216,7 @@ def massless_holds_to(
 
     def places(factor: float, start: Pose) -> Floats | None:
         nonlocal work
-        own = RigidBody(factor**2 * body.mass, factor**2 * body.inertia)
-        path = _follower(scene, own).follow(start, until)
+        path = _follower(scene, body.times(factor**2)).follow(start, until)
         work += path.evaluations
         tips = path.trajectory.end.reason in BROKEN_OFF
         return None if tips else path.trajectory.sample(times)[:, :2]

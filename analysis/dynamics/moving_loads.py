@@ -6,9 +6,8 @@ does not, :mod:`nonsmooth.analysis.minimizers.float_loads` finds the loaded set.
 lie beyond the last place where loads exist: there the last table is continued, cut off at zero, and
 :meth:`MovingLoads.margin` is negative, so that no such state is ever kept.
 
-Loads are those of a body in balance: acceleration does not shift them.  That is exact for friction that acts at the
-height of the centre of mass.  A centre at height h shifts loads by up to ``mu h/L`` of the weight while the body
-accelerates (L the size of the array), and not at all in steady motion.
+Loads are those of a body at rest with its centre of mass at c.  Acceleration shifts them as if it were elsewhere
+(:class:`nonsmooth.analysis.dynamics.newton_euler.NewtonEuler`).
 """
 
 from __future__ import annotations

@@ -7,6 +7,14 @@ With mass m, moment of inertia I about the centre of mass, loads ``N_i(c)`` and 
 The weight of the body is 1, as everywhere in this program, so m is mass per weight, ``1/g`` (time^2/length): 0.102 in
 metres and seconds.  Wheels stand still in the world and the plate covers them all, so nothing depends on theta.
 
+Where the centre of mass is at a height h above the wheels, friction tilts the body until loads balance it, so they are
+those of a body at rest whose centre of mass were at the *centre of pressure* q (moments about the centre of mass)::
+
+    sum_i N_i = 1,   sum_i N_i p_i = q = c - h sum_i f_i,     N_i = N_i(q)
+
+Per unit of load friction forces do not depend on loads, which are affine in q as long as the same wheels carry, so this
+is one linear system of two equations.  In balance of forces, and so without inertia, q is c.
+
 The equations are stiff: velocities settle within a time of order ``m |u|/mu``, and a wheel that nearly sticks is
 ``|u|/creep`` times faster still.  Backward differentiation formulas (SciPy's BDF, variable order and step) are implicit
 with one small system per step and an analytic Jacobian, so the cost hardly grows as m -> 0; friction's part of that
@@ -34,6 +42,8 @@ from nonsmooth.analysis.trajectories.result import Trajectory
 RELATIVE_TOLERANCE = 1e-8  # of BDF, per step: below the difference between the models for every mass above 1e-7
 ABSOLUTE_TOLERANCE = 1e-10  # in units of the array's size and of the largest speed
 CREEP = 1e-6  # creep speed over the largest speed: changes paths by as much, and costs a few steps where wheels stick
+MOST_SETS = 12  # of loaded wheels that are tried for one centre of pressure
+BALANCED = 1e-12  # of the weight at the height of the centre of mass: a moment that counts as zero
 LARGEST = 1e100  # mass and inertia, and their inverses: products of two are still doubles
 
 
@@ -47,16 +57,21 @@ class RigidBody:
     Attributes:
         mass: per unit of weight (time^2/length): ``1/g``.
         inertia: moment of inertia about the centre of mass per unit of weight (time^2 length).
+        centre_height: h of the centre of mass above the wheels (length).
 
     Raises:
-        ValueError: for a number that is not positive, or too large or small for doubles.
+        ValueError: for a mass or an inertia that is not positive, or too large or small for doubles, and for a height
+            that is negative or too large.
     """
 
     mass: float
     inertia: float
+    centre_height: float = 0.0
 
     def __post_init__(self) -> None:
-        for name, value in vars(self).items():
+        if not 0 <= self.centre_height <= LARGEST:
+            raise ValueError(f"centre_height: required 0 to {LARGEST:g}, received {self.centre_height}")
+        for name, value in (("mass", self.mass), ("inertia", self.inertia)):
             if not 1 / LARGEST <= value <= LARGEST:
                 raise ValueError(
                     f"{name}: required a positive number, {1 / LARGEST:g} to {LARGEST:g}, received {value}"
@@ -66,6 +81,10 @@ class RigidBody:
     def masses(self) -> Floats:
         """``(m, m, I)``."""
         return np.array([self.mass, self.mass, self.inertia])
+
+    def times(self, factor: float) -> RigidBody:
+        """The same body with another mass per weight."""
+        return RigidBody(factor * self.mass, factor * self.inertia, self.centre_height)
 
 
 def disc(model: ContactModel, mass: float) -> RigidBody:
@@ -127,6 +146,11 @@ class EllipseFriction:
         """Force and torque about the centre of mass ``(F_x, F_y, tau)``, in units of the body's weight."""
         return np.asarray(self.rows(centre).T @ self.forces(centre, velocity, loads).reshape(-1))
 
+    def per_load(self, centre: Floats, velocity: Floats) -> Floats:
+        """Force and torque of every wheel per unit of its load, shape (n, 3)."""
+        rows = self.rows(centre)
+        return np.einsum("ni,nij->nj", self._shares(*self._slips(rows, velocity)), rows.reshape(-1, 2, 3))
+
     def slopes(self, centre: Floats, velocity: Floats, loads: Floats, by_centre: Floats) -> tuple[Floats, Floats]:
         """Derivatives of the total with respect to c, (3, 2), and ``(w, omega)``, (3, 3), symmetric and at most zero.
 
@@ -161,23 +185,61 @@ class EllipseFriction:
 
 
 class NewtonEuler:
-    """The equations as an integrator wants them: state ``(x, y, theta, w_x, w_y, omega)``."""
+    """The equations as an integrator wants them: state ``(x, y, theta, w_x, w_y, omega)``.
+
+    Attributes:
+        loads: by the centre of pressure.
+    """
 
     def __init__(self, model: ContactModel, body: RigidBody, loads: MovingLoads, creep: float) -> None:
-        self._friction, self._masses, self.loads = EllipseFriction(model, creep), body.masses, loads
+        self._friction, self._body, self.loads = EllipseFriction(model, creep), body, loads
 
     def __call__(self, t: float, state: Floats) -> Floats:
         """Time derivative of the state, shape (6,)."""
-        total = self._friction.total(state[:2], state[3:], self.loads.at(state[:2])[0])
-        return np.concatenate([state[3:], total / self._masses])
+        total = self._friction.total(state[:2], state[3:], self.loads.at(self.pressed(state)[0])[0])
+        return np.concatenate([state[3:], total / self._body.masses])
 
     def jacobian(self, t: float, state: Floats) -> Floats:
         """Derivative of the rate, shape (6, 6)."""
-        matrix = np.zeros((6, 6))
+        matrix, (pressed, shift) = np.zeros((6, 6)), self.pressed(state)
         matrix[:3, 3:] = np.eye(3)
-        matrix[3:, :2], matrix[3:, 3:] = self._friction.slopes(state[:2], state[3:], *self.loads.at(state[:2]))
-        matrix[3:] /= self._masses[:, None]
+        matrix[3:, :2], matrix[3:, 3:] = self._friction.slopes(state[:2], state[3:], *self.loads.at(pressed))
+        matrix[3:] = np.linalg.solve(shift, matrix[3:]) if self._body.centre_height else matrix[3:]
+        matrix[3:] /= self._body.masses[:, None]
         return matrix
+
+    def pressed(self, state: Floats) -> tuple[Floats, Floats]:
+        """The centre of pressure q, (2,), and S, (3, 3): forces change by ``S^-1`` of what they would if q were c.
+
+        With B the derivative of forces and torque by q through the loads, (3, 2), ``S = 1 + h (B 0)``.  Newton's method
+        on ``q + h sum_i N_i(q) f_i = c`` takes one step for each set of loaded wheels that it meets.
+        """
+        centre, height, shift = state[:2], self._body.centre_height, np.eye(3)
+        if not height:
+            return centre, shift
+        per_load, pressed = self._friction.per_load(centre, state[3:]), centre
+        for _ in range(MOST_SETS):
+            loads, slope = self.loads.at(pressed)
+            shift[:, :2] = np.eye(3, 2) + height * per_load.T @ slope
+            missing = pressed + height * per_load[:, :2].T @ loads - centre
+            if np.abs(missing).max() <= BALANCED * height:
+                break
+            pressed = pressed - np.linalg.solve(shift[:2, :2], missing)
+        return pressed, shift
+
+    def margins(self, states: Floats) -> Floats:
+        """How far the body is from tipping at states (m, 6): negative where no loads balance it.
+
+        That is the distance of the centre of pressure from the border of where loads exist.  Where the determinant of S
+        is not positive a shift of the loads makes friction shift them farther, without end, and the body tips too.
+        """
+        if not self._body.centre_height:
+            return self.loads.margins(states[:, :2])
+        found = [self.pressed(state) for state in states]
+        rooms = self.loads.margins(np.array([pressed for pressed, _ in found]))
+        return np.array(
+            [room if np.linalg.det(shift) > 0 else -1.0 for room, (_, shift) in zip(rooms, found, strict=True)]
+        )
 
 
 @dataclass(frozen=True, eq=False)

@@ -104,7 +104,8 @@ def _linearized(scene: Scene, rest: EnclosedRest, place: tuple[float, float], sp
     found = rest.balance.at(unknowns_at_rest(arb_mat([[x], [y], [omega]])), rest.place)
     if found is None or scene.inertia is None:
         return NearRest(Inertia.UNDECIDED, "a wheel may stick or lift off at the place of rest", place, spin)
-    pencil = Pencil.about(found[1], found[2], rest.place, omega, ball_of(squared_radius(scene)))
+    height = ball_of(scene.inertia.centre_height or scene.field.zero)
+    pencil = Pencil.about(found[1], found[2], rest.place, omega, ball_of(squared_radius(scene)), height)
     mass = 1 / ball_of(scene.inertia.gravity)
     verdict = VERDICTS[pencil.stability(mass)]
     values = tuple(np.roots([float(value.mid()) for value in reversed(pencil.characteristic(mass))]).tolist())
@@ -253,6 +254,9 @@ def _proved(scene: Scene, near: NearRest) -> Iterator[Fact]:
     yield Fact("gravity", Quantity(None if inertia is None else inertia.gravity))
     yield Fact("squared_radius", Quantity(radius))
     of = f"g = {float_text(gravity, DIGITS)}{unit}/s^2, I/m = {float_text(float(radius), DIGITS)}{unit}^2, {kind}"
+    height = None if inertia is None else inertia.centre_height
+    yield Fact("centre_height", Quantity(height))
+    of += f"; centre of mass {float_text(float(height), DIGITS)}{unit} above the wheels" if height else ""
     yield said(f"a body with inertia ({of})")
     if near.verdict is Inertia.STABLE:
         yield said("close to its place of rest it comes to rest there, by enclosed eigenvalues")

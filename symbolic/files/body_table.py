@@ -17,6 +17,7 @@ from nonsmooth.symbolic.scene_error import SceneError, StatedFact
 
 MAX_VERTICES = 200  # every pair of sides is tested for crossing, exactly
 STANDARD_GRAVITY = Fraction("9.80665")  # m/s^2
+_OF_INERTIA = ("mass", "inertia", "gravity", "centre_height")
 _KEYS = {"disc": ("radius",), "rectangle": ("width", "height"), "polygon": ("vertices",)}
 
 
@@ -35,9 +36,9 @@ class BodyTable(TomlTable):
     """``[body]``: a disc, a rectangle (width along its own x axis) or a convex polygon.
 
     ``heading`` is the angle of the body's own frame at the checked pose, ``centre_of_mass`` a point of that frame: the
-    centroid unless it is stated.  ``mass`` (kg), ``inertia`` about the centre of mass (kg length^2) and ``gravity``
-    (length/s^2) say how it moves where it is not slow; with these alone, and no shape, it covers all wheels at every
-    pose.
+    centroid unless it is stated.  ``mass`` (kg), ``inertia`` about the centre of mass (kg length^2), ``gravity``
+    (length/s^2) and ``centre_height``, of the centre of mass above the wheels, say how it moves where it is not slow;
+    with these alone, and no shape, it covers all wheels at every pose.
     """
 
     shape: Literal["disc", "rectangle", "polygon"] | None = None
@@ -50,11 +51,12 @@ class BodyTable(TomlTable):
     mass: OptionalExact = None
     inertia: OptionalExact = None
     gravity: OptionalExact = None
+    centre_height: OptionalExact = None
 
     @property
     def states_inertia(self) -> bool:
         """Whether anything is said of how heavy the body is."""
-        return any(value is not None for value in (self.mass, self.inertia, self.gravity))
+        return any(getattr(self, key) is not None for key in _OF_INERTIA)
 
 
 def build_inertia(table: BodyTable | None, metres: Fraction | None, numbers: Numbers) -> BodyInertia | None:
@@ -69,7 +71,7 @@ def build_inertia(table: BodyTable | None, metres: Fraction | None, numbers: Num
         SceneError: for a number that is not positive, one without a unit of length, and an inertia without a mass.
     """
     stated = BodyTable() if table is None else table
-    named = {key: getattr(stated, key) for key in ("mass", "inertia", "gravity")}
+    named = {key: getattr(stated, key) for key in _OF_INERTIA}
     found = {key: numbers.positive(value, f"body.{key}") for key, value in named.items() if value is not None}
     if metres is None:
         if found:
@@ -80,7 +82,7 @@ def build_inertia(table: BodyTable | None, metres: Fraction | None, numbers: Num
         raise SceneError(numbers.file, "body.inertia", "body.mass beside it: I/m counts", StatedFact("no mass"))
     gravity = found["gravity"] if "gravity" in found else numbers.field.rational(STANDARD_GRAVITY / metres)
     radius = found["inertia"] / found["mass"] if "inertia" in found else None
-    return BodyInertia(gravity, radius, is_stated=bool(found))
+    return BodyInertia(gravity, radius, found.get("centre_height"), is_stated=bool(found))
 
 
 def build_body(table: BodyTable, numbers: Numbers) -> Body | None:
@@ -91,7 +93,7 @@ def build_body(table: BodyTable, numbers: Numbers) -> Body | None:
             that is not strictly inside the outline.
     """
     if table.shape is None:
-        of_outline = table.model_fields_set - {"mass", "inertia", "gravity"}
+        of_outline = table.model_fields_set.difference(_OF_INERTIA)
         if of_outline or not table.states_inertia:
             received = StatedFact(f"none, beside {', '.join(sorted(of_outline))}" if of_outline else "none")
             raise SceneError(numbers.file, "body.shape", "'disc', 'rectangle' or 'polygon'", received)

@@ -126,6 +126,8 @@ def test_mass_cancels_and_inertia_counts_by_its_share(tmp_path: Path) -> None:
         ("gravity = -1", MILLIMETRES, "body.gravity", "-1"),
         ("mass = 1\ninertia = -2", MILLIMETRES, "body.inertia", "-2"),
         ("inertia = 2", MILLIMETRES, "body.inertia", "no mass"),
+        ("centre_height = -1", MILLIMETRES, "body.centre_height", "-1"),
+        ("centre_height = 1", "", "body.centre_height", "no unit of length"),
         ("mass = 2", "", "body.mass", "no unit of length"),
         ("gravity = 9", "", "body.gravity", "no unit of length"),
         ("mass = 2\nheading = 3", MILLIMETRES, "body.shape", "none, beside heading"),

@@ -16,6 +16,14 @@ Orlando's formula, where the fourth Hurwitz determinant of the quintic ``sum p_k
 
 a polynomial in m.  It is proved positive on an interval in balls of its parts, and negative at a mass beyond.
 
+Where the centre of mass is at a height h above the wheels, loads are those at the centre of pressure
+``q = c - h sum_i f_i`` (:mod:`nonsmooth.analysis.dynamics.newton_euler`).  In G the place counts through the loads
+alone, so to first order forces and moment f are ``-H y - K c + h G (f_x, f_y)``, and the masses of the pencil are ::
+
+    (1 - h (G 0)) diag(m, m, m rho^2)
+
+in place of the diagonal matrix.  That has to be regular with a positive determinant, as at h = 0.
+
 Speeds count as the square root of m: with all speeds s times as large, H is divided by s, and in times s times as long
 the same equations have the mass ``s^2 m``.
 
@@ -40,6 +48,7 @@ from nonsmooth.symbolic.number_text import lower_text, upper_text
 from nonsmooth.symbolic.numbers.coefficients import rational_ball
 from nonsmooth.symbolic.numbers.number import Number
 
+STABLE = Translation.ASYMPTOTICALLY_STABLE
 PRECISION = 256  # bits of the balls
 DIGITS = 4  # of the masses between which stability is lost
 REAL = 2.0**-23  # relative imaginary part below which a proposed root counts as real; a wrong one proves nothing
@@ -68,17 +77,17 @@ class MassLimit:
 
 @dataclass(frozen=True, eq=False)
 class Pencil:
-    """The linearized full dynamics, in balls: ``diag(m, m, m rho^2) (w, omega)' = -C (w, omega) - K c``, ``c' = w``.
+    """The linearized full dynamics, in balls: ``m M (w, omega)' = -C (w, omega) - K c``, ``c' = w``.
 
     Attributes:
         damping: C (3 x 3), positive definite where the motion is determined.
         stiffness: K (3 x 2).
-        squared_radius: ``rho^2``.
+        masses: M (3 x 3), per mass; ``diag(1, 1, rho^2)`` where the centre of mass is at the height of the wheels.
     """
 
     damping: arb_mat
     stiffness: arb_mat
-    squared_radius: arb
+    masses: arb_mat
 
     @classmethod
     def of(cls, linear: Linearization, squared_radius: Number) -> Pencil:
@@ -88,19 +97,33 @@ class Pencil:
         return cls.about(damping, slope, (arb(0), arb(0)), linear.omega.ball(), squared_radius.ball())
 
     @classmethod
-    def about(cls, bend: arb_mat, slope: arb_mat, place: tuple[arb, arb], spin: arb, squared_radius: arb) -> Pencil:
-        """At a place of rest, from H and G with their rows about the origin."""
+    def about(
+        cls,
+        bend: arb_mat,
+        slope: arb_mat,
+        place: tuple[arb, arb],
+        spin: arb,
+        squared_radius: arb,
+        height: arb | None = None,
+    ) -> Pencil:
+        """At a place of rest, from H and G with their rows about the origin; h is 0 unless it is given."""
         x, y = place
         twists = arb_mat([[1, 0, y], [0, 1, -x], [0, 0, 1]])  # T: xi of (w, omega)
         turning = arb_mat([[0, spin], [-spin, 0], [0, 0]])  # of xi by the place, where w = 0
         moments = twists.transpose()
-        return cls(moments * bend * twists, moments * (slope + bend * turning), squared_radius)
+        masses = arb_mat([[1, 0, 0], [0, 1, 0], [0, 0, squared_radius]])
+        if height is not None:
+            by_place = moments * slope
+            for row in range(3):
+                for column in range(2):
+                    masses[row, column] -= height * by_place[row, column]
+        return cls(moments * bend * twists, moments * (slope + bend * turning), masses)
 
     def characteristic(self, mass: arb) -> list[arb]:
         """The coefficients of the quintic at one mass, constant term first."""
         rows = []
-        for r, inertia in enumerate((arb(1), arb(1), self.squared_radius)):
-            masses = [mass * inertia if r == column else arb(0) for column in range(3)]
+        for r in range(3):
+            masses = [mass * self.masses[r, column] for column in range(3)]
             entries = [arb_poly([self.stiffness[r, k], self.damping[r, k], masses[k]]) for k in range(2)]
             rows.append((*entries, arb_poly([self.damping[r, 2], masses[2]])))
         return [_determinant(rows)[k] for k in range(6)]
@@ -145,14 +168,18 @@ def decide_mass_limit(linearization: Linearization, squared_radius: Number) -> M
 def mass_limits(pencil: Pencil) -> tuple[Fraction, Fraction | None] | None:
     """``stable_to`` and ``unstable_at`` of :class:`MassLimit`, for C positive definite and A Hurwitz; None where open.
 
+    Between masses at which the determinant is positive no eigenvalue crosses the imaginary axis: none but zero could,
+    and their product, ``det A`` by a positive factor, is not zero.  So one mass that is shown to be stable decides.
     To be called with the precision of its balls set.
     """
     determinant = hurwitz_determinant(pencil)
     end, root = _far(pencil), _least_positive_root(determinant)
     if root is None or root >= end:
-        return (end, None) if _is_confirmed(end, None, determinant) else None
-    low, high = (Fraction(text(Fraction(root), DIGITS)) for text in (lower_text, upper_text))
-    return (low, high) if _is_confirmed(low, high, determinant) else None
+        low, high = end, None
+    else:
+        low, high = (Fraction(text(Fraction(root), DIGITS)) for text in (lower_text, upper_text))
+    is_shown = _is_confirmed(low, high, determinant) and pencil.stability(rational_ball(low)) is STABLE
+    return (low, high) if is_shown else None
 
 
 def _is_confirmed(stable_to: Fraction, unstable_at: Fraction | None, determinant: arb_poly) -> bool:
@@ -182,8 +209,8 @@ def _characteristic(pencil: Pencil) -> arb_poly:
     Rows: balance of forces and of moments; columns: c, which moves at ``w = lambda c``, and omega.
     """
     damping, stiffness, rows, zero = pencil.damping, pencil.stiffness, [], arb(0)
-    for r, inertia in enumerate((arb(1), arb(1), pencil.squared_radius)):
-        mass = [inertia if r == column else zero for column in range(3)]
+    for r in range(3):
+        mass = [pencil.masses[r, column] for column in range(3)]
         entries = [arb_poly([stiffness[r, k], *[zero] * 3, damping[r, k], *[zero] * 4, mass[k]]) for k in range(2)]
         rows.append((*entries, arb_poly([damping[r, 2], *[zero] * 4, mass[2]])))
     return _determinant(rows)

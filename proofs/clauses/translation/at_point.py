@@ -136,6 +136,9 @@ def decide_translation_at(
     if point.translation is Translation.ASYMPTOTICALLY_STABLE and linear is not None:
         mass = decide_mass_limit(linear, squared_radius_of_disc(point.scene))
     home = home_disc(point.scene, point.region, linear) if mass is not None else None
+    inertia = point.scene.inertia
+    if inertia is not None and inertia.centre_height is not None:
+        mass = None  # it is that of a body whose centre of mass is at the wheels; the answer on inertia says more
     return EllipseTranslation(point, lemma, sampled, mass, region_radius=home)
 
 
