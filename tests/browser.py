@@ -7,10 +7,12 @@ import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pytest
-from playwright.sync_api import Browser, BrowserContext, Page, sync_playwright
+
+if TYPE_CHECKING:  # not installed beside the oldest libraries
+    from playwright.sync_api import Browser, BrowserContext, Page
 
 # The one without windows first: it draws the same pages in half the processor time.
 BROWSERS = ("chromium-headless-shell", "chromium", "chromium-browser", "google-chrome")
@@ -51,6 +53,8 @@ CONTRAST = """(e) => {
 @contextmanager
 def chromium() -> Iterator[Browser]:
     """Headless Chromium."""
+    from playwright.sync_api import sync_playwright
+
     options = [*OPTIONS, *(["--no-sandbox"] if os.geteuid() == 0 else [])]
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=CHROMIUM, args=options)

@@ -5,14 +5,16 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import pytest
-from playwright.sync_api import Browser
 
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import run
 from tests.browser import chromium
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
 
 Record: TypeAlias = dict[str, Any]
 DESTINATIONS = "nonsmooth.proofs.answers.answers._destinations_of"
