@@ -9,7 +9,7 @@ is written has passed the checker.
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
@@ -32,6 +32,7 @@ from nonsmooth.proofs.kernel.subject import (
     formula_in_names,
     polynomial_in_names,
 )
+from nonsmooth.proofs.many_states.reshaped_region import find_reshaped_region
 from nonsmooth.proofs.scalar_theorems import scalar_theorem
 from nonsmooth.proofs.system_facts import (
     gain_words,
@@ -43,7 +44,7 @@ from nonsmooth.proofs.system_facts import (
 from nonsmooth.proofs.systems.basin import EFFORTS, CertifiedBasin, find_basin
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.findings import DecidedSystem, ExaminedFunction, Method, PotentialPiece
-from nonsmooth.proofs.systems.sublevel_region import SublevelRegion
+from nonsmooth.proofs.systems.sublevel_region import ReshapedRegion, SublevelRegion
 from nonsmooth.proofs.theorem_searches import show_verdict
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.proofs.verified import verified
@@ -152,6 +153,9 @@ def _certificate_about(result: DecidedSystem) -> Record:
                 raise NoCertificateError("a certificate of a mesh of triangles needs rational numbers")
             if result.reach.basin is not None:
                 draft.add_entry(system, "basin", result.reach.basin.hypotheses)
+            if result.reach.reshaped is not None:
+                own = result.reach.reshaped
+                draft.add_entry(system, "lyapunov", own.hypotheses, own.region.proofs)
             draft.left_out += _beyond_words(result, draft)
             return _checked(result.scene, subject, draft)
     except BeyondReachError as error:
@@ -246,13 +250,13 @@ class Draft:
             self.evidence.append(entry)
             self.statements += [{"attracts": "everywhere"}]
 
-    def add_entry(self, system: System, theorem: str, hypotheses: Record) -> None:
-        """One more theorem.
+    def add_entry(self, system: System, theorem: str, hypotheses: Record, known: Mapping[str, Any] = {}) -> None:
+        """One more theorem, with the evidence that is known of its claims.
 
         Raises:
             NotShownError: where a hypothesis is not shown.
         """
-        entry, statements = Search().entry(system, theorem, hypotheses)
+        entry, statements = Search(known=known).entry(system, theorem, hypotheses)
         self.evidence.append(entry)
         self.statements += [own for own in statements if own not in self.statements]
 
@@ -477,6 +481,32 @@ def find_region_of_triangles(
         found = find_basin(system, local, surfaces, EFFORTS[asked], limit, announce)
         if found is not None:
             search.entry(system, "basin", found.hypotheses)
+    except (NoCertificateError, NotShownError, BeyondReachError):
+        return None
+    return found
+
+
+def find_region_of_another_function(
+    result: DecidedSystem, asked: str, announce: Callable[[str, int, int], None]
+) -> ReshapedRegion | None:
+    """A larger region by a V that is reshaped, which the checker has accepted; None without one.
+
+    Args:
+        result: of a system in three states and more, with a V that falls and does not bend.
+        asked: how much may be done for it, of EFFORTS.
+        announce: told what is done, how much of it, and of how much.
+    """
+    function, everywhere = result.function, result.reach.everywhere
+    if result.reach.region is None or function is None or function.formula is None or everywhere:
+        return None
+    scene = result.scene
+    limit = Fraction(exact_text(scene.check.radius)) if scene.denominators else None
+    try:
+        found = find_reshaped_region(scene, function.formula, asked, announce, limit=limit)
+        if found is not None:
+            subject, draft = about(scene), Draft([], [], [])
+            draft.add_entry(read_subject(subject), "lyapunov", found.hypotheses, found.region.proofs)
+            _checked(scene, subject, draft)
     except (NoCertificateError, NotShownError, BeyondReachError):
         return None
     return found

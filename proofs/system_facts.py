@@ -22,7 +22,7 @@ from nonsmooth.proofs.systems.findings import (
     PotentialPiece,
     Reach,
 )
-from nonsmooth.proofs.systems.sublevel_region import SublevelRegion
+from nonsmooth.proofs.systems.sublevel_region import ReshapedRegion, SublevelRegion
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.number_text import percent_text, place_text
 from nonsmooth.symbolic.scene import Scene
@@ -56,6 +56,9 @@ def system_facts(result: DecidedSystem) -> Iterator[Fact]:
         yield row_fact("from everywhere", global_words(reach.global_entry))
     if reach.region is not None:
         yield row_fact("region", region_words(reach.region, states))
+    if reach.reshaped is not None:
+        words = reshaped_words(reach.reshaped, states)
+        yield Fact("reshaped", _reshaped_record(reach.reshaped, words), words, row="reshaped V")
     if reach.basin is not None:
         yield Fact(
             "basin", basin_record(reach.basin, basin_words(reach.basin)), basin_words(reach.basin), row="triangles"
@@ -189,6 +192,17 @@ def _region_record(region: SublevelRegion, states: Sequence[str]) -> dict[str, o
     if region.refuted is not None:
         record |= {"refuted": Quantity(region.refuted), "point": Quantity(region.point)}
     return record | {"text": region_words(region, states)}
+
+
+def reshaped_words(own: ReshapedRegion, states: Sequence[str]) -> str:
+    """What is certified of a sublevel set of another V."""
+    where = cube_text(own.region.radius, states)
+    return f"every start with {one_line(own.formula.text)} < {own.region.level} within {where} reaches the equilibrium"
+
+
+def _reshaped_record(own: ReshapedRegion, words: str) -> dict[str, object]:
+    level, within = Quantity(own.region.level), Quantity(own.region.radius)
+    return {"V": one_line(own.formula.text), "level": level, "within": within, "text": words}
 
 
 def basin_words(basin: CertifiedBasin) -> str:

@@ -81,8 +81,8 @@ class CheckOptions(Options):
     fail: int | None = option(None, FAIL, metavar="1")
     region: RegionSearch = option(
         RegionSearch.NONE,
-        "Certify the region by triangles, too, of a plain system in two states, or of an array under nearest or box; "
-        "fast takes seconds, best a minute.",
+        "Certify a larger region, too: by triangles, of a plain system in two states or an array under nearest or box, "
+        "by another V in more states; fast takes seconds, best a minute.",
         RegionSearch,
     )
     evidence: bool = option(False, "Print why, too: each clause, or V and its derivatives, with all numbers.")
@@ -142,7 +142,7 @@ class CheckStudy(SceneStudy[CheckOptions]):
             wanted = next((name for name in OF_ONE_ARRAY if name in asked.given), "")
             _require_array(scenes[0], f"--{wanted}" if wanted else "", "a plain switched system")
         if "region" in asked.given:
-            _require_plane(scenes[0])
+            _require_several_states(scenes[0])
 
     def run(self, scene: AnyScene | Sequence[AnyScene], options: CheckOptions) -> Result:
         """Check; write the files that were asked for."""
@@ -167,11 +167,11 @@ def _require_array(scene: AnyScene, option: str, received: str) -> None:
         raise RefusedError(f"{scene.origin}: required an array of wheels for {option}, received {received}")
 
 
-def _require_plane(scene: AnyScene) -> None:
-    """Refuse a search for the region of a plain system in other than two states."""
-    if scene.kind is SceneKind.SYSTEM and len(scene.states) != len(PLANE):
-        required = "required a plain system in two states, or an array, for --region"
-        raise RefusedError(f"{scene.origin}: {required}, received {len(scene.states)} states")
+def _require_several_states(scene: AnyScene) -> None:
+    """Refuse a search for the region of a plain system in one state, whose region is known exactly."""
+    if scene.kind is SceneKind.SYSTEM and len(scene.states) < len(PLANE):
+        required = "required a plain system in two states or more, or an array, for --region"
+        raise RefusedError(f"{scene.origin}: {required}, received one state")
 
 
 def _under_rules(scene: Any, options: CheckOptions) -> list[Any]:
@@ -342,9 +342,10 @@ def _check_system(system: Any, options: CheckOptions) -> SystemCheckResult:
     """The stability of a plain system; its certificate where one is asked for."""
     result = replace(check_system(system), shows_evidence=options.evidence)
     if options.region != RegionSearch.NONE:
-        result = result.with_triangles(str(options.region))
-        if result.evidence.reach.basin is None:
-            _notice(system.origin, f"--region {options.region}: no triangles are certified beyond the rest")
+        result = result.with_region(str(options.region))
+        if result.evidence.reach.basin is None and result.evidence.reach.reshaped is None:
+            what = "triangles are" if len(system.states) == len(PLANE) else "larger region is"
+            _notice(system.origin, f"--region {options.region}: no {what} certified beyond the rest")
     if options.certificate is not None:
         from nonsmooth.proofs.kernel.subject import NoCertificateError
         from nonsmooth.proofs.system_certificates import certificate_text, left_out

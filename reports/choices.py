@@ -33,7 +33,7 @@ class Drawing(StrEnum):
 
 
 class RegionSearch(StrEnum):
-    """How much is done for the region of a plain system in the plane, beyond a level set of V."""
+    """How much is done for the region, beyond a level set of the V that decides."""
 
     NONE = "none"
     FAST = "fast"

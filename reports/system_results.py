@@ -18,6 +18,7 @@ from nonsmooth.proofs.system_facts import (
     rate_words,
     reached_words,
     region_rate_words,
+    reshaped_words,
     rewriting_words,
     system_facts,
 )
@@ -29,6 +30,7 @@ from nonsmooth.reports.progress import progress
 from nonsmooth.reports.result import DataTable, Result, short_lines
 from nonsmooth.symbolic.numbers.measured_angles import angle_notes
 from nonsmooth.symbolic.scene_error import one_line
+from nonsmooth.symbolic.switched_system import PLANE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -119,17 +121,27 @@ class SystemCheckResult(FactResult):
 
         return certificate_of(self.evidence)
 
-    def with_triangles(self, search: str) -> SystemCheckResult:
-        """The same with the region as triangles, where these are certified: see ``nonsmooth check --region``.
+    def with_region(self, search: str) -> SystemCheckResult:
+        """The same with a larger region, where one is certified: see ``nonsmooth check --region``.
+
+        In two states it consists of triangles, in more it is a sublevel set of another V.
 
         Args:
             search: ``fast`` or ``best``.
         """
-        from nonsmooth.proofs.system_certificates import find_region_of_triangles
+        from nonsmooth.proofs.system_certificates import find_region_of_another_function, find_region_of_triangles
 
+        in_plane, basin, reshaped = len(self.evidence.scene.states) == len(PLANE), None, None
         with progress("region") as report:
-            basin = find_region_of_triangles(self.evidence, search, lambda what, done, total: report(done, total, what))
-        reach = replace(self.evidence.reach, basin=basin)
+
+            def announce(what: str, done: int, total: int) -> None:
+                report(done, total, what)
+
+            if in_plane:
+                basin = find_region_of_triangles(self.evidence, search, announce)
+            else:
+                reshaped = find_region_of_another_function(self.evidence, search, announce)
+        reach = replace(self.evidence.reach, basin=basin, reshaped=reshaped)
         return replace(self, evidence=replace(self.evidence, reach=reach))
 
     def draw(self, ax: Axes) -> None:
@@ -262,6 +274,8 @@ def _from_where(result: StabilityResult) -> SystemAnswer:
     if reach.basin is not None:
         words = f"{reached_words(reach.region, states)}; {basin_words(reach.basin)}" if reach.region else ""
         return SystemAnswer(question, "a region", words)
+    if reach.reshaped is not None:
+        return SystemAnswer(question, "a region", reshaped_words(reach.reshaped, states))
     if reach.region is not None:
         return SystemAnswer(question, "a region", reached_words(reach.region, states))
     for fact in result.deciding.facts:

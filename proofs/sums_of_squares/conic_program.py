@@ -85,9 +85,16 @@ def _without_small(problem: Problem, grams: Grams) -> Problem:
 
 
 def solve(
-    problems: Sequence[Problem], parameters: int, *, inner: float, bounded: bool, strict: bool = True
+    problems: Sequence[Problem],
+    parameters: int,
+    *,
+    inner: float,
+    bounded: bool,
+    strict: bool = True,
+    price: NDArray[np.float64] | None = None,
+    least: float = 0.0,
 ) -> Solution | None:
-    """Maximize the margin; None where none is found.
+    """Maximize the margin, or minimize a price of the parameters with some margin; None where none is found.
 
     Args:
         problems: conditions with their blocks.
@@ -95,6 +102,8 @@ def solve(
         inner: by which part of the margin the Gram matrices beside guards must be definite.
         bounded: whether the parameters lie between -1 and 1.
         strict: whether the margin must be positive.
+        price: of each parameter, whose sum is minimized.
+        least: the least margin where there is a price.
     """
     import clarabel
     from scipy import sparse
@@ -106,6 +115,10 @@ def solve(
         right += _comparison(condition, blocks, own, matrix)
     cones: list[Any] = [clarabel.ZeroConeT(matrix.count)]
     limits = _limits(parameters, margin, matrix, bounded=bounded)
+    if price is not None:
+        matrix.add(matrix.count, margin, -1.0)
+        matrix.count += 1
+        limits.append(-least)
     right += limits
     cones.append(clarabel.NonnegativeConeT(len(limits)))
     for (_, blocks), own in zip(problems, starts, strict=True):
@@ -124,13 +137,15 @@ def solve(
         return None
     shape = (matrix.count, total)
     rows = sparse.csc_matrix((matrix.values, (matrix.rows, matrix.columns)), shape=shape)
-    price = np.zeros(total)
-    price[margin] = -1.0
+    objective = np.zeros(total)
+    objective[margin] = -1.0
+    if price is not None:
+        objective[: margin + 1] = [*price, 0.0]
     settings = clarabel.DefaultSettings()
     settings.verbose = False
     settings.max_iter = ITERATIONS
     nothing = sparse.csc_matrix((total, total))
-    found = clarabel.DefaultSolver(nothing, price, rows, np.array(right), cones, settings).solve()
+    found = clarabel.DefaultSolver(nothing, objective, rows, np.array(right), cones, settings).solve()
     values = np.asarray(found.x)
     if not len(values) or not np.all(np.isfinite(values)) or (strict and not values[margin] > LEAST_MARGIN):
         return None

@@ -18,7 +18,7 @@ from nonsmooth.proofs.systems.basin import CertifiedBasin
 from nonsmooth.proofs.systems.decay_rate import DecayRate, DisturbanceGain, RegionRate
 from nonsmooth.proofs.systems.derivatives import Decrease, Supremum
 from nonsmooth.proofs.systems.domain import Domain
-from nonsmooth.proofs.systems.sublevel_region import SublevelRegion
+from nonsmooth.proofs.systems.sublevel_region import ReshapedRegion, SublevelRegion
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.number_text import brief_text
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
@@ -192,6 +192,7 @@ class Reach:
         region_rate: of V on the region, where that is larger than ``near``.
         gain: of a disturbance, on the square on which V is proved.
         basin: triangles around the region of which every start reaches the point, where they were asked for.
+        reshaped: a larger region of another V, in three states and more, where it was asked for.
         in_finite_time: of a system in roots of states, whether solutions near the point are known to arrive in time.
     """
 
@@ -203,6 +204,7 @@ class Reach:
     region_rate: RegionRate | None = None
     gain: DisturbanceGain | None = None
     in_finite_time: bool = False
+    reshaped: ReshapedRegion | None = field(default=None, hash=False)
     global_entry: dict[str, Any] | None = field(default=None, hash=False)
     basin: CertifiedBasin | None = field(default=None, hash=False)
 

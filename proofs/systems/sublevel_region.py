@@ -33,6 +33,7 @@ from nonsmooth.proofs.systems.lyapunov_rows import Floats, values_at
 from nonsmooth.symbolic.numbers.enclosures import DIGITS, short_below
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
+from nonsmooth.symbolic.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.surfaces import factorize
 
 BISECTIONS = 12  # after the first one: the level is the largest up to a part in four thousand
@@ -65,6 +66,21 @@ class SublevelRegion:
 
     def __str__(self) -> str:
         return f"V < {self.level}"
+
+
+@dataclass(frozen=True)
+class ReshapedRegion:
+    """Another V, whose region reaches farther than that of the V that decided.
+
+    Attributes:
+        formula: V, in the displacement under the states' names.
+        region: every start with V below its level in the cube reaches the point.
+        hypotheses: of theorem ``lyapunov``, whose evidence the region holds.
+    """
+
+    formula: PiecewiseExpression
+    region: SublevelRegion
+    hypotheses: dict[str, Any]
 
 
 @dataclass(frozen=True)

@@ -55,7 +55,7 @@ def examined(known: Known, search: str, starts: int) -> Record:
         return {**found, "where": ""}
     if result.evidence.reach.everywhere:
         return {**found, "where": "everywhere"}
-    basin = result.with_triangles(search).evidence.reach.basin
+    basin = result.with_region(search).evidence.reach.basin
     found["region"] = time.process_time() - decided
     if basin is None:
         return {**found, "where": "a level of V" if result.evidence.reach.region is not None else "near the point"}

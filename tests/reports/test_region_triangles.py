@@ -79,7 +79,7 @@ SYSTEMS: dict[str, tuple[list[str], str, Callable[[Floats, Floats], Any], float,
 def basin_of(name: str, search: str = "fast") -> tuple[Any, CertifiedBasin]:
     """The check of a system, and its triangles."""
     rhs, radius, *_ = SYSTEMS[name]
-    result = check_system(ns.System(["x", "y"], rhs, radius=radius).system).with_triangles(search)
+    result = check_system(ns.System(["x", "y"], rhs, radius=radius).system).with_region(search)
     basin = result.evidence.reach.basin
     assert basin is not None
     return result, basin
@@ -185,9 +185,10 @@ def test_the_command(invoke: Invoke, tmp_path: Path, monkeypatch: pytest.MonkeyP
     assert found.status == 0
     assert "triangles about the region" in " ".join(found.out.replace("│", " ").split())
     assert invoke("verify", str(file)).status == 0
-    refused = invoke("check", "relay-chain", "--region", "best")
+    scene.write_text('[system]\nstates = ["x"]\nrhs = ["-x"]\n')
+    refused = invoke("check", str(scene), "--region", "best")
     assert refused.status == 2
-    assert "required a plain system in two states, or an array, for --region" in refused.err
+    assert "required a plain system in two states or more, or an array, for --region" in refused.err
 
 
 def test_the_picture() -> None:

@@ -1,0 +1,444 @@
+"""A region of attraction in many states whose V is reshaped: the V-s iteration with sums of squares.
+
+A start with ``V < 1`` reaches the point where V is positive, ``V' < 0`` where ``0 < V <= 1``, and the level set is
+bounded.  With a square s (S-procedure) that is asked of all of space at once,
+
+    -V' - s (1 - V)  a sum of squares,    s = z' S z,  S positive semidefinite,
+
+which is bilinear in V and s.  So the two are searched in turn (Jarvis-Wloszek 2003; Topcu, Packard and Seiler 2008):
+for V the largest level and an s that shows it; for s a V that is as small as it can be on the border of the region
+before, in the mean, which for a quadratic form is the first order of the volume of its ellipsoid.  A V counts as better
+where its region reaches farther in the mean over directions.
+
+Everything up to here is a proposal in floats.  V is then rounded, and the claims of theorem ``lyapunov`` with ``below``
+are shown on a cube around the region: V is positive and falls where ``V <= level``, and ``V >= level`` on its border.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from itertools import combinations_with_replacement
+from typing import Any, TypeAlias
+
+import numpy as np
+from flint import fmpq
+from numpy.typing import NDArray
+
+from nonsmooth.proofs.kernel.cells import BeyondReachError, stated_cells
+from nonsmooth.proofs.kernel.claims import Collected
+from nonsmooth.proofs.kernel.search import stability_hypotheses
+from nonsmooth.proofs.kernel.squares import condition_of, find
+from nonsmooth.proofs.kernel.written import terms_of
+from nonsmooth.proofs.many_states.examination import functions_on
+from nonsmooth.proofs.sums_of_squares.ansatz import Blocks, Condition, build_blocks
+from nonsmooth.proofs.sums_of_squares.conic_program import Solution, solve
+from nonsmooth.proofs.sums_of_squares.prove import Effort
+from nonsmooth.proofs.systems.sublevel_region import ReshapedRegion, SublevelRegion
+from nonsmooth.proofs.verdicts import Translation
+from nonsmooth.symbolic.numbers.polynomial import Exponents, Terms, add_terms, float_values, multiply_terms
+from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
+from nonsmooth.symbolic.switched_system import SwitchedSystem
+
+Floats: TypeAlias = NDArray[np.float64]
+Announce: TypeAlias = Callable[[str, int, int], None]
+
+DIRECTIONS, PLACES, FARTHEST = 3_000, 240, 64.0  # rays, places on each up to a multiple of the half-width
+LEVELS = (0.999, 0.99, 0.96, 0.9, 0.75, 0.5, 0.25, 0.06, 1e-2, 1e-3)  # of the largest that samples allow, in turn
+INSIDE = 0.995  # of the largest level: where s is taken, so that it leaves room for another V
+MARGIN = 2.0**-12  # of the Gram matrices while V is made small
+BETTER = 0.0015  # of the logarithm of the mean distance
+MOST_UNKNOWNS = 14_000  # entries of Gram matrices in one program
+FINE = 1 << 16  # denominator of coefficients, against the largest
+SHARES = tuple(Fraction(k, 256) for k in (255, 252, 248, 240, 224, 192, 128, 64))  # of the largest level, in turn
+CUBES = (1.05, 1.5)  # of the extent of the region: half-widths of the cube on which it is shown
+TINY, HALVINGS = 1e-12, 30
+
+
+@dataclass(frozen=True)
+class SearchEffort:
+    """What a search may cost.
+
+    Attributes:
+        degrees: of V, one after the other.
+        rounds: of the iteration for each.
+    """
+
+    degrees: tuple[int, ...]
+    rounds: int
+
+
+EFFORTS = {"fast": SearchEffort((2,), 16), "best": SearchEffort((2, 4), 25)}
+
+
+@dataclass(frozen=True)
+class _Shape:
+    """A polynomial V in the displacement over the half-width, in floats, with its level one."""
+
+    exponents: tuple[Exponents, ...]
+    values: Floats
+
+    @property
+    def terms(self) -> Terms:
+        """By exponents, rounded as floats are."""
+        return {e: fmpq(round(value * 2**40), 2**40) for e, value in zip(self.exponents, self.values, strict=True)}
+
+    def times(self, factor: float) -> _Shape:
+        """A multiple."""
+        return replace(self, values=self.values * factor)
+
+    @property
+    def hessian(self) -> Floats:
+        """P of the quadratic part ``x' P x``."""
+        count = len(self.exponents[0])
+        matrix = np.zeros((count, count))
+        for exponents, value in zip(self.exponents, self.values, strict=True):
+            if sum(exponents) == 2:
+                i, j = (k for k, e in enumerate(exponents) for _ in range(e))
+                matrix[i, j] += value / 2
+                matrix[j, i] += value / 2
+        return matrix
+
+
+def find_reshaped_region(
+    system: SwitchedSystem, start: PiecewiseExpression, asked: str, announce: Announce, *, limit: Fraction | None = None
+) -> ReshapedRegion | None:
+    """The widest region that the iteration finds and exact arithmetic shows; None where none is shown.
+
+    Args:
+        system: in rational numbers.
+        start: a V that falls near the point, a polynomial of the displacement.
+        asked: how much may be done for it, of EFFORTS.
+        announce: told what is done, how much of it, and of how much.
+        limit: half the side of a cube that the region may not leave; None without one.
+    """
+    effort, best = EFFORTS[asked], None
+    try:
+        search = _Iteration(system, start, limit)
+    except (BeyondReachError, ValueError):
+        return None
+    total = 1 + effort.rounds * len(effort.degrees)
+    announce("shapes of V", 0, total)
+    best = search.first()
+    for k, degree in enumerate(effort.degrees if best is not None else ()):
+        for done in range(effort.rounds):
+            announce("shapes of V", 1 + k * effort.rounds + done, total)
+            best = search.rescaled(best)
+            further = search.improved(best, degree)
+            if further is None:
+                break
+            best = further
+    return None if best is None else search.shown(search.rescaled(best))
+
+
+@dataclass(frozen=True)
+class _Level:
+    """A V whose level one is the largest that floats show, with its multipliers and how far it reaches.
+
+    Attributes:
+        shape: V.
+        squares: s of each condition.
+        border: places with ``V = 1``, one on each ray.
+        reach: the logarithm of their distances, in the mean, in the units of the system.
+    """
+
+    shape: _Shape
+    squares: tuple[Terms, ...]
+    border: Floats
+    reach: float
+
+
+class _Iteration:
+    """The conditions on V of a basis of monomials, on the cells of a cube, and what is searched with them."""
+
+    def __init__(self, system: SwitchedSystem, start: PiecewiseExpression, limit: Fraction | None) -> None:
+        self.system, self.limit, self.count = system, limit, len(system.states)
+        values = dict(zip(system.states, system.coordinates(), strict=True))
+        own = start.polynomial(values, _no_sign)  # V that bends is refused
+        self.start = {e: c.as_rational() for e, c in own.terms.items()}
+        self._falls: dict[int, list[Condition]] = {}
+        self.radius = system.check.radius.as_rational() or fmpq(1, 2)
+
+    # -- conditions in floats
+
+    def exponents(self, degree: int) -> tuple[Exponents, ...]:
+        """The monomials of V up to an even degree."""
+        found = []
+        for own in range(2, degree + 1):
+            for chosen in combinations_with_replacement(range(self.count), own):
+                found.append(tuple(chosen.count(k) for k in range(self.count)))
+        return tuple(found)
+
+    def falls(self, degree: int) -> list[Condition]:
+        """``-V' > 0`` cell by cell and field by field, affine in the coefficients of V, without the cube."""
+        if degree not in self._falls:
+            states, monomials = self.system.states, self.exponents(degree)
+            texts = []
+            for exponents in monomials:
+                texts.append("*".join(f"{x}**{e}" for x, e in zip(states, exponents, strict=True) if e))
+            stated = stated_cells(self.system, self.system.field(self.radius))
+            functions = functions_on(self.system, stated, texts)
+            by_function = [functions.claims(k, positive=False) for k in range(len(texts))]
+            found = []
+            for claims in zip(*by_function, strict=True):
+                blank = condition_of(claims[0], claims[0].inequalities[0], ())
+                slopes = {}
+                for k, (claim, exponents) in enumerate(zip(claims, monomials, strict=True)):
+                    own = terms_of(claim.inequalities[0].value)
+                    if own:
+                        slopes[k] = {e: c / self.radius ** sum(exponents) for e, c in own.items()}
+                found.append(replace(blank, constant={}, slopes=slopes, bounds=()))
+            self._falls[degree] = found
+        return self._falls[degree]
+
+    def falling(self, shape: _Shape) -> list[Condition]:
+        """The same of one V."""
+        degree = max(map(sum, shape.exponents))
+        found = []
+        for condition in self.falls(degree):
+            total: Terms = {}
+            for k, value in enumerate(shape.terms.values()):
+                if k in condition.slopes and value:
+                    total = add_terms(total, {e: c * value for e, c in condition.slopes[k].items()})
+            found.append(replace(condition, constant={e: c for e, c in total.items() if c}, slopes={}))
+        return found
+
+    # -- one step each
+
+    def first(self) -> _Level | None:
+        """The level of the V that is given."""
+        scaled = {e: c * self.radius ** sum(e) for e, c in self.start.items()}
+        degree = max(map(sum, scaled))
+        if degree % 2 or min(map(sum, scaled)) < 2:
+            return None
+        exponents = self.exponents(degree)
+        size = max(abs(float(c)) for c in scaled.values())
+        values = np.array([float(scaled.get(e, 0)) / size for e in exponents])
+        return self.level(_Shape(exponents, values))
+
+    def level(self, shape: _Shape) -> _Level | None:
+        """The largest level of a V that squares show, as level one."""
+        conditions = self.falling(shape)
+        most = self._allowed(shape, conditions)
+        for share in LEVELS:
+            if self._squares(shape, conditions, most * share) is not None:
+                break
+        else:
+            return None
+        squares = self._squares(shape, conditions, most * share * INSIDE)
+        own = shape.times(1 / (most * share))
+        border = _border(own)
+        if border is None:
+            return None
+        distances = np.linalg.norm(border, axis=1)
+        reach = float(np.log(distances).mean()) + float(np.log(float(self.radius)))
+        # -V' - s (level - V) >= 0 says of V / level the same, with the same s
+        return None if squares is None else _Level(own, squares, border, reach)
+
+    def _allowed(self, shape: _Shape, conditions: Sequence[Condition]) -> float:
+        """The least V at which it is seen not to fall, and that the cube of the limit allows."""
+        rays, least = _rays(shape), np.inf
+        along = _along(shape.terms, rays)
+        rates = [_along(condition.constant, rays) for condition in conditions]
+        guards = [[_along(guard, rays) for guard in condition.guards] for condition in conditions]
+        widest = np.abs(rays).max(axis=1) * float(self.radius)
+        for length in np.geomspace(1 / FARTHEST, FARTHEST, PLACES):
+            value = _at(along, length)
+            bad = value <= 0
+            for rate, own in zip(rates, guards, strict=True):
+                inside = np.ones(len(rays), dtype=bool)
+                for guard in own:
+                    inside &= _at(guard, length) >= 0
+                bad |= inside & (_at(rate, length) <= 0)
+            if self.limit is not None:
+                bad |= widest * length >= float(self.limit)
+            if bad.any():
+                least = min(least, float(np.where(bad, value, np.inf).min()))
+        return least if np.isfinite(least) else float(_at(along, FARTHEST).min())
+
+    def _squares(self, shape: _Shape, conditions: Sequence[Condition], level: float) -> tuple[Terms, ...] | None:
+        """The multiplier s of each condition at a level; None where none is found."""
+        zero = (0,) * self.count
+        below = add_terms({zero: fmpq(round(level * 2**40), 2**40)}, {e: -c for e, c in shape.terms.items()})
+        found = []
+        for condition in conditions:
+            asked = replace(condition, guards=(*condition.guards, below))
+            blocks = build_blocks(asked)
+            if _unknowns(blocks) > MOST_UNKNOWNS:
+                return None
+            solved = solve([(asked, blocks)], 0, inner=0.0, bounded=False)
+            if solved is None:
+                return None
+            found.append(_square(blocks, solved, len(condition.guards)))
+        return tuple(found)
+
+    def rescaled(self, before: _Level) -> _Level:
+        """The same V in units in which its region has a half-width between one half and one."""
+        extent = float(np.abs(before.border).max())
+        if 0.5 < extent <= 1:
+            return before
+        factor = Fraction(2) ** int(np.ceil(np.log2(extent)))
+        sizes = [float(factor) ** sum(e) for e in before.shape.exponents]
+        known = self.radius, self._falls
+        self.radius, self._falls = self.radius * fmpq(factor.numerator, factor.denominator), {}
+        found = self.level(replace(before.shape, values=before.shape.values * np.array(sizes)))
+        if found is None:
+            self.radius, self._falls = known
+        return found or before
+
+    def improved(self, before: _Level, degree: int) -> _Level | None:
+        """A V of a degree that reaches farther; None where none is found."""
+        degree = max(degree, *map(sum, before.shape.exponents))
+        exponents = self.exponents(degree)
+        problems: list[tuple[Condition, Blocks]] = []
+        for condition, square in zip(self.falls(degree), before.squares, strict=True):
+            slopes = dict(condition.slopes)
+            for k, exponent in enumerate(exponents):
+                own = multiply_terms(square, {exponent: fmpq(1)})
+                slopes[k] = add_terms(slopes.get(k, {}), own)
+            asked = replace(condition, constant={e: -c for e, c in square.items()}, slopes=slopes)
+            problems.append((asked, build_blocks(asked)))
+        positive = Condition({}, {k: {e: fmpq(1)} for k, e in enumerate(exponents)}, (), (), self.count)
+        problems.append((positive, build_blocks(positive)))
+        if sum(_unknowns(blocks) for _, blocks in problems) > MOST_UNKNOWNS:
+            return None
+        price = np.array([float_values({e: fmpq(1)}, before.border).mean() for e in exponents])
+        solved = solve(problems, len(exponents), inner=0.0, bounded=False, strict=False, price=price, least=MARGIN)
+        found = None if solved is None else self.level(_Shape(exponents, solved.parameters))
+        return found if found is not None and found.reach > before.reach + BETTER else None
+
+    # -- exact
+
+    def shown(self, best: _Level) -> ReshapedRegion | None:
+        """The region of a rounded V, by evidence that the checker takes."""
+        shape = best.shape
+        size = float(np.abs(shape.values).max())
+        unscaled = []
+        for exponents, value in zip(shape.exponents, shape.values, strict=True):
+            unscaled.append(fmpq(round(value / size * FINE), FINE) / self.radius ** sum(exponents))
+        top = 1 / size  # the level of the rounded V, in floats
+        formula = parse_piecewise(_text(self.system.states, shape.exponents, unscaled), self.system.states)
+        for cube in CUBES:
+            extent = float(np.abs(best.border).max()) * float(self.radius) * cube
+            within = _short_above(extent)
+            if self.limit is not None:
+                within = min(within, self.limit)
+            for share in SHARES:
+                level = _short_below(top * float(share))
+                found = self._shown_at(formula, level, within)
+                if found is not None:
+                    return found
+        return None
+
+    def _shown_at(self, formula: PiecewiseExpression, level: Fraction, within: Fraction) -> ReshapedRegion | None:
+        """The claims of theorem ``lyapunov`` below a level."""
+        radius = self.system.field(within)
+        try:
+            stated = stated_cells(self.system, radius)
+            functions = functions_on(self.system, stated, [formula.text])
+        except BeyondReachError:
+            return None
+        functions.require_below(level)
+        claims = functions.claims()
+        functions.proofs = border = Collected()
+        functions.show_border(level)
+        proofs = dict(stated.proofs)
+        for claim in (*claims, *border.claims):
+            found = find(claim, Effort.HASTY)
+            if found is None:
+                return None
+            proofs[claim.name] = found.evidence
+        verdict = str(Translation.ASYMPTOTICALLY_STABLE)
+        own = stability_hypotheses(stated.record, formula.text, verdict)
+        hypotheses = {**own, "below": True, "level": str(level)}
+        region = SublevelRegion(level, None, None, within, False, proofs)
+        return ReshapedRegion(formula, region, hypotheses)
+
+
+def _no_sign(surface: Any) -> int:
+    raise ValueError("required a V that does not bend")
+
+
+def _unknowns(blocks: Blocks) -> int:
+    return sum(len(block.monomials) * (len(block.monomials) + 1) // 2 for block in blocks)
+
+
+def _square(blocks: Blocks, solved: Solution, guard: int) -> Terms:
+    """The polynomial ``z' S z`` beside a guard."""
+    total: Terms = {}
+    for block, gram in zip(blocks, solved.grams[0], strict=True):
+        if block.factors != (guard,):
+            continue
+        for i, a in enumerate(block.monomials):
+            for j, b in enumerate(block.monomials):
+                term = {tuple(map(int.__add__, a, b)): fmpq(round(float(gram[i, j]) * 2**40), 2**40)}
+                total = add_terms(total, term)
+    return total
+
+
+def _rays(shape: _Shape) -> Floats:
+    """Directions, as many to each side of the ellipsoid of the quadratic part, scaled to its border."""
+    source = np.random.default_rng(0)
+    count = len(shape.exponents[0])
+    units = source.normal(size=(DIRECTIONS, count))
+    units /= np.linalg.norm(units, axis=1, keepdims=True)
+    values, vectors = np.linalg.eigh(shape.hessian)
+    axes = vectors / np.sqrt(np.maximum(values, TINY * max(values.max(), TINY)))
+    along = np.vstack([np.eye(count), -np.eye(count)])
+    return np.vstack([units, along]) @ axes.T
+
+
+def _along(terms: Terms, rays: Floats) -> dict[int, Floats]:
+    """A polynomial along rays from the origin: its coefficient of each power of the length, ray by ray."""
+    by_degree: dict[int, Terms] = {}
+    for exponents, value in terms.items():
+        by_degree.setdefault(sum(exponents), {})[exponents] = value
+    return {degree: float_values(own, rays) for degree, own in by_degree.items()}
+
+
+def _at(along: dict[int, Floats], length: float | Floats) -> Floats:
+    """Its values at one length on all rays, or at one on each."""
+    return sum((own * length**degree for degree, own in along.items()), np.zeros(1))
+
+
+def _border(shape: _Shape) -> Floats | None:
+    """The first place with ``V = 1`` on each ray; None where V stays below on one."""
+    rays = _rays(shape)
+    along = _along(shape.terms, rays)
+    low, high = np.zeros(len(rays)), np.full(len(rays), np.inf)
+    for length in np.geomspace(1 / FARTHEST, FARTHEST, PLACES):
+        high[(_at(along, length) >= 1) & np.isinf(high)] = length
+        low[np.isinf(high)] = length
+    if np.isinf(high).any():
+        return None
+    for _ in range(HALVINGS):
+        middle = (low + high) / 2
+        over = _at(along, middle) >= 1
+        high, low = np.where(over, middle, high), np.where(over, low, middle)
+    return np.asarray(rays * low[:, None])
+
+
+def _text(states: Sequence[str], exponents: Sequence[Exponents], values: Sequence[fmpq]) -> str:
+    """A polynomial as a formula."""
+    terms: list[str] = []
+    for exponent, value in zip(exponents, values, strict=True):
+        if value:
+            powers = [x if e == 1 else f"{x}**{e}" for x, e in zip(states, exponent, strict=True) if e]
+            terms.append("*".join([f"{value.p}", *powers]) + (f"/{value.q}" if value.q != 1 else ""))
+    return " + ".join(terms).replace("+ -", "- ") or "0"
+
+
+def _short_above(value: float) -> Fraction:
+    """A short fraction above a number."""
+    return -_short_below(-value)
+
+
+def _short_below(value: float) -> Fraction:
+    """A short fraction below a number."""
+    power = Fraction(1)
+    while abs(value) * power < 128:
+        power *= 2
+    while abs(value) * power >= 256:
+        power /= 2
+    return Fraction(int(np.floor(value * float(power)))) / power

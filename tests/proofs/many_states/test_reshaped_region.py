@@ -1,0 +1,167 @@
+"""Regions of V that are reshaped: near the exact ones, accepted by the checker, and by paths every start comes home."""
+
+from __future__ import annotations
+
+import copy
+from fractions import Fraction
+from functools import cache
+from pathlib import Path
+from typing import Any, NamedTuple, TypeAlias
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from nonsmooth.proofs.checker.statements import refusal as refused
+from nonsmooth.proofs.system_certificates import certificate_of, certificate_text
+from nonsmooth.reports.check import check_system
+from nonsmooth.symbolic.files.system_file import build_system
+from tests.thorough import thorough
+
+Floats: TypeAlias = NDArray[np.float64]
+NAMES = ("x", "y", "z", "u", "v", "w")
+STARTS, STEP, STEPS = 400, 0.01, 3_000
+
+
+class Found(NamedTuple):
+    """What a check shows.
+
+    Attributes:
+        certificate: as it is written.
+        values: V over its level, at places of shape (places, states).
+        within: half the side of the cube.
+    """
+
+    certificate: dict[str, Any]
+    values: Any
+    within: float
+
+
+def refusal(certificate: dict[str, Any]) -> str:
+    """Why the checker rejects it."""
+    return refused(certificate, len(certificate_text(certificate)))
+
+
+def found(names: tuple[str, ...], rhs: tuple[str, ...]) -> Found:
+    """A check with ``--region fast``."""
+    document = {"system": {"states": list(names), "rhs": list(rhs)}}
+    result = check_system(build_system(document, "reshaped", Path("reshaped.toml"))).with_region("fast")
+    own = result.evidence.reach.reshaped
+    assert own is not None
+    formula, level = own.formula.text, float(own.region.level)
+
+    def values(places: Floats) -> Floats:
+        named = {name: places[:, k] for k, name in enumerate(names)}
+        return np.asarray(eval(formula, {}, named) / level)  # noqa: S307 - our own V
+
+    return Found(certificate_of(result.evidence), values, float(own.region.radius))
+
+
+def form(count: int) -> Floats:
+    """A positive definite form with axes that differ by ten and more."""
+    root = np.random.default_rng(1).integers(-2, 3, (count, count))
+    return np.asarray(root @ root.T + np.eye(count, dtype=int), dtype=float)
+
+
+@cache
+def family(count: int) -> Found:
+    """``x' = -x + (x' B x) x``, which attracts where ``x' B x < 1`` and nowhere else."""
+    matrix, names = form(count), NAMES[:count]
+    terms = []
+    for i, a in enumerate(names):
+        terms += [f"{int(matrix[i, j])}*{a}*{b}" for j, b in enumerate(names) if matrix[i, j]]
+    square = " + ".join(terms)
+    return found(names, tuple(f"-{name} + ({square})*{name}" for name in names))
+
+
+def quadratic(own: Found, count: int) -> Floats:
+    """P with ``V = x' P x``."""
+    unit = np.eye(count)
+    matrix = np.zeros((count, count))
+    for i in range(count):
+        for j in range(count):
+            plus, minus = own.values(np.array([unit[i] + unit[j], unit[i] - unit[j]]))
+            matrix[i, j] = (plus - minus) / 4
+    return matrix
+
+
+@pytest.mark.parametrize("count", [3, 4, pytest.param(6, marks=thorough)])
+def test_nine_tenths_of_the_exact_level(count: int) -> None:
+    """The region holds ``x' B x < 9/10``, and nothing outside of ``x' B x < 1``."""
+    own = family(count)
+    ratios = np.linalg.eigvals(np.linalg.solve(form(count), quadratic(own, count))).real
+    assert ratios.min() >= 1
+    assert ratios.max() <= 1 / 0.9
+    assert not refusal(own.certificate)
+
+
+SYSTEMS: dict[str, tuple[tuple[str, ...], Any]] = {
+    "relaxation": (
+        ("-y", "-z", "-0.5*x + (1 - 0.5*x**2)*y - z"),
+        lambda x, y, z: (-y, -z, -0.5 * x + (1 - 0.5 * x**2) * y - z),
+    ),
+    "between products": (
+        ("-x + y*z**2", "-y + x*y", "-z"),
+        lambda x, y, z: (-x + y * z**2, -y + x * y, -z),
+    ),
+    "switched": (
+        ("-x + y**3 - x*Max(z, 0)", "-y + x**2*y", "-z - sign(z)*z**2/4 + x*z**2"),
+        lambda x, y, z: (
+            -x + y**3 - x * np.maximum(z, 0), -y + x**2 * y, -z - np.sign(z) * z**2 / 4 + x * z**2,
+        ),
+    ),
+}  # fmt: skip
+
+
+@cache
+def known(name: str) -> Found:
+    """A system in three states."""
+    return found(NAMES[:3], SYSTEMS[name][0])
+
+
+def sizes_after(name: str, starts: Floats) -> Floats:
+    """Distances from the point, by Runge and Kutta with equal steps."""
+    _, field = SYSTEMS[name]
+
+    def rate(places: Floats) -> Floats:
+        return np.stack(field(*places), axis=0)
+
+    z = starts.T.copy()
+    for _ in range(STEPS):
+        a = rate(z)
+        b = rate(z + STEP / 2 * a)
+        c = rate(z + STEP / 2 * b)
+        z = z + STEP / 6 * (a + 2 * b + 2 * c + rate(z + STEP * c))
+    return np.linalg.norm(z, axis=0)
+
+
+@pytest.mark.parametrize("name", SYSTEMS)
+def test_every_start_comes_home(name: str) -> None:
+    """From all over the region, most starts near its border."""
+    own = known(name)
+    assert not refusal(own.certificate)
+    places = np.random.default_rng(2).uniform(-own.within, own.within, (60 * STARTS, 3))
+    starts = places[own.values(places) < 1]
+    outer = np.argsort(-own.values(starts))[:STARTS]
+    assert len(outer) == STARTS
+    assert sizes_after(name, starts[outer]).max() < 1e-2 * np.linalg.norm(starts[outer], axis=1).max()
+
+
+@pytest.mark.parametrize("name", SYSTEMS)
+@pytest.mark.parametrize("key", ["level", "function", "within", "proofs"])
+def test_forged_regions_are_refused(name: str, key: str) -> None:
+    """A higher level, a smaller V, a smaller cube, and evidence that is left out or changed."""
+    forged = copy.deepcopy(known(name).certificate)
+    entry = forged["evidence"][-1]
+    hypotheses = entry["hypotheses"]
+    claim = next(own["attracts"] for own in forged["statement"]["claims"][::-1] if "attracts" in own)
+    assert claim["function"] == hypotheses["function"]
+    if key == "level":
+        hypotheses["level"] = claim["below"] = str(Fraction(hypotheses["level"]) * 2)
+    elif key == "function":
+        hypotheses["function"] = claim["function"] = f"({hypotheses['function']})/2"
+    elif key == "within":
+        hypotheses["cells"]["within"] = claim["within"] = "1/64"
+    else:
+        del entry["proofs"][next(iter(entry["proofs"]))]
+    assert refusal(forged)
