@@ -16,7 +16,7 @@ are shown on a cube around the region: V is positive and falls where ``V <= leve
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import combinations_with_replacement
@@ -26,7 +26,7 @@ import numpy as np
 from flint import fmpq
 from numpy.typing import NDArray
 
-from nonsmooth.proofs.kernel.cells import BeyondReachError, stated_cells
+from nonsmooth.proofs.kernel.cells import BeyondReachError, rational, rational_terms, stated_cells
 from nonsmooth.proofs.kernel.claims import Collected
 from nonsmooth.proofs.kernel.search import stability_hypotheses
 from nonsmooth.proofs.kernel.squares import condition_of, find
@@ -112,16 +112,17 @@ def find_reshaped_region(
         asked: how much may be done for it, of EFFORTS.
         announce: told what is done, how much of it, and of how much.
         limit: half the side of a cube that the region may not leave; None without one.
+
+    Raises:
+        BeyondReachError: for a V that bends, and for a system that is not decided here.
     """
-    effort, best = EFFORTS[asked], None
-    try:
-        search = _Iteration(system, start, limit)
-    except (BeyondReachError, ValueError):
-        return None
+    effort, search = EFFORTS[asked], _Iteration(system, start, limit)
     total = 1 + effort.rounds * len(effort.degrees)
     announce("shapes of V", 0, total)
     best = search.first()
-    for k, degree in enumerate(effort.degrees if best is not None else ()):
+    if best is None:
+        return None
+    for k, degree in enumerate(effort.degrees):
         for done in range(effort.rounds):
             announce("shapes of V", 1 + k * effort.rounds + done, total)
             best = search.rescaled(best)
@@ -129,7 +130,7 @@ def find_reshaped_region(
             if further is None:
                 break
             best = further
-    return None if best is None else search.shown(search.rescaled(best))
+    return search.shown(search.rescaled(best))
 
 
 @dataclass(frozen=True)
@@ -156,9 +157,9 @@ class _Iteration:
         self.system, self.limit, self.count = system, limit, len(system.states)
         values = dict(zip(system.states, system.coordinates(), strict=True))
         own = start.polynomial(values, _no_sign)  # V that bends is refused
-        self.start = {e: c.as_rational() for e, c in own.terms.items()}
+        self.start = rational_terms(own)
         self._falls: dict[int, list[Condition]] = {}
-        self.radius = system.check.radius.as_rational() or fmpq(1, 2)
+        self.radius = rational(system.check.radius)
 
     # -- conditions in floats
 
@@ -357,7 +358,7 @@ class _Iteration:
 
 
 def _no_sign(surface: Any) -> int:
-    raise ValueError("required a V that does not bend")
+    raise BeyondReachError("V that bends")
 
 
 def _unknowns(blocks: Blocks) -> int:
@@ -389,7 +390,7 @@ def _rays(shape: _Shape) -> Floats:
     return np.vstack([units, along]) @ axes.T
 
 
-def _along(terms: Terms, rays: Floats) -> dict[int, Floats]:
+def _along(terms: Mapping[Exponents, Any], rays: Floats) -> dict[int, Floats]:
     """A polynomial along rays from the origin: its coefficient of each power of the length, ray by ray."""
     by_degree: dict[int, Terms] = {}
     for exponents, value in terms.items():
