@@ -32,9 +32,11 @@ from nonsmooth.proofs.kernel.search import stability_hypotheses
 from nonsmooth.proofs.kernel.squares import condition_of, find
 from nonsmooth.proofs.kernel.written import terms_of
 from nonsmooth.proofs.many_states.examination import functions_on
+from nonsmooth.proofs.many_states.lyapunov_search import PiecewiseFunction, formula_text
 from nonsmooth.proofs.sums_of_squares.ansatz import Blocks, Condition, build_blocks
 from nonsmooth.proofs.sums_of_squares.conic_program import Solution, solve
 from nonsmooth.proofs.sums_of_squares.prove import Effort
+from nonsmooth.proofs.sums_of_squares.rounding import nearest
 from nonsmooth.proofs.systems.sublevel_region import ReshapedRegion, SublevelRegion
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.numbers.polynomial import Exponents, Terms, add_terms, float_values, multiply_terms
@@ -45,15 +47,26 @@ Floats: TypeAlias = NDArray[np.float64]
 Announce: TypeAlias = Callable[[str, int, int], None]
 
 DIRECTIONS, PLACES, FARTHEST = 3_000, 240, 64.0  # rays, places on each up to a multiple of the half-width
-LEVELS = (0.999, 0.99, 0.96, 0.9, 0.75, 0.5, 0.25, 0.06, 1e-2, 1e-3)  # of the largest that samples allow, in turn
+LEVELS = (
+    0.999,
+    0.99,
+    0.96,
+    0.9,
+    0.75,
+    0.5,
+    0.25,
+    1 / 16,
+    1 / 64,
+    1 / 1024,
+)  # of what samples allow, in turn
 INSIDE = 0.995  # of the largest level: where s is taken, so that it leaves room for another V
 MARGIN = 2.0**-12  # of the Gram matrices while V is made small
 BETTER = 0.0015  # of the logarithm of the mean distance
 MOST_UNKNOWNS = 14_000  # entries of Gram matrices in one program
-FINE = 1 << 16  # denominator of coefficients, against the largest
+FINE, FLOATS = 1 << 16, 1 << 40  # denominators of coefficients against the largest, and of proposals
 SHARES = tuple(Fraction(k, 256) for k in (255, 252, 248, 240, 224, 192, 128, 64))  # of the largest level, in turn
 CUBES = (1.05, 1.5)  # of the extent of the region: half-widths of the cube on which it is shown
-TINY, HALVINGS = 1e-12, 30
+TINY, HALVINGS = 2.0**-40, 30
 
 
 @dataclass(frozen=True)
@@ -82,7 +95,7 @@ class _Shape:
     @property
     def terms(self) -> Terms:
         """By exponents, rounded as floats are."""
-        return {e: fmpq(round(value * 2**40), 2**40) for e, value in zip(self.exponents, self.values, strict=True)}
+        return {e: nearest(value, FLOATS) for e, value in zip(self.exponents, self.values, strict=True)}
 
     def times(self, factor: float) -> _Shape:
         """A multiple."""
@@ -171,13 +184,19 @@ class _Iteration:
                 found.append(tuple(chosen.count(k) for k in range(self.count)))
         return tuple(found)
 
+    def monomials(self, exponents: Sequence[Exponents]) -> list[PiecewiseFunction]:
+        """Monomials as functions."""
+        found = []
+        for own in exponents:
+            powers = [x if e == 1 else f"{x}**{e}" for x, e in zip(self.system.states, own, strict=True) if e]
+            found.append(PiecewiseFunction("*".join(powers), sum(own)))
+        return found
+
     def falls(self, degree: int) -> list[Condition]:
         """``-V' > 0`` cell by cell and field by field, affine in the coefficients of V, without the cube."""
         if degree not in self._falls:
-            states, monomials = self.system.states, self.exponents(degree)
-            texts = []
-            for exponents in monomials:
-                texts.append("*".join(f"{x}**{e}" for x, e in zip(states, exponents, strict=True) if e))
+            monomials = self.exponents(degree)
+            texts = [own.text for own in self.monomials(monomials)]
             stated = stated_cells(self.system, self.system.field(self.radius))
             functions = functions_on(self.system, stated, texts)
             by_function = [functions.claims(k, positive=False) for k in range(len(texts))]
@@ -261,7 +280,7 @@ class _Iteration:
     def _squares(self, shape: _Shape, conditions: Sequence[Condition], level: float) -> tuple[Terms, ...] | None:
         """The multiplier s of each condition at a level; None where none is found."""
         zero = (0,) * self.count
-        below = add_terms({zero: fmpq(round(level * 2**40), 2**40)}, {e: -c for e, c in shape.terms.items()})
+        below = add_terms({zero: nearest(level, FLOATS)}, {e: -c for e, c in shape.terms.items()})
         found = []
         for condition in conditions:
             asked = replace(condition, guards=(*condition.guards, below))
@@ -317,9 +336,9 @@ class _Iteration:
         size = float(np.abs(shape.values).max())
         unscaled = []
         for exponents, value in zip(shape.exponents, shape.values, strict=True):
-            unscaled.append(fmpq(round(value / size * FINE), FINE) / self.radius ** sum(exponents))
+            unscaled.append(nearest(value / size, FINE) / self.radius ** sum(exponents))
         top = 1 / size  # the level of the rounded V, in floats
-        formula = parse_piecewise(_text(self.system.states, shape.exponents, unscaled), self.system.states)
+        formula = parse_piecewise(formula_text(self.monomials(shape.exponents), unscaled), self.system.states)
         for cube in CUBES:
             extent = float(np.abs(best.border).max()) * float(self.radius) * cube
             within = _short_above(extent)
@@ -373,7 +392,7 @@ def _square(blocks: Blocks, solved: Solution, guard: int) -> Terms:
             continue
         for i, a in enumerate(block.monomials):
             for j, b in enumerate(block.monomials):
-                term = {tuple(map(int.__add__, a, b)): fmpq(round(float(gram[i, j]) * 2**40), 2**40)}
+                term = {tuple(map(int.__add__, a, b)): nearest(float(gram[i, j]), FLOATS)}
                 total = add_terms(total, term)
     return total
 
@@ -418,16 +437,6 @@ def _border(shape: _Shape) -> Floats | None:
         over = _at(along, middle) >= 1
         high, low = np.where(over, middle, high), np.where(over, low, middle)
     return np.asarray(rays * low[:, None])
-
-
-def _text(states: Sequence[str], exponents: Sequence[Exponents], values: Sequence[fmpq]) -> str:
-    """A polynomial as a formula."""
-    terms: list[str] = []
-    for exponent, value in zip(exponents, values, strict=True):
-        if value:
-            powers = [x if e == 1 else f"{x}**{e}" for x, e in zip(states, exponent, strict=True) if e]
-            terms.append("*".join([f"{value.p}", *powers]) + (f"/{value.q}" if value.q != 1 else ""))
-    return " + ".join(terms).replace("+ -", "- ") or "0"
 
 
 def _short_above(value: float) -> Fraction:
