@@ -47,18 +47,7 @@ Floats: TypeAlias = NDArray[np.float64]
 Announce: TypeAlias = Callable[[str, int, int], None]
 
 DIRECTIONS, PLACES, FARTHEST = 3_000, 240, 64.0  # rays, places on each up to a multiple of the half-width
-LEVELS = (
-    0.999,
-    0.99,
-    0.96,
-    0.9,
-    0.75,
-    0.5,
-    0.25,
-    1 / 16,
-    1 / 64,
-    1 / 1024,
-)  # of what samples allow, in turn
+LEVELS = (0.999, 0.99, 0.96, 0.9, 0.75, 0.5, 0.25, 1 / 16, 1 / 64, 1 / 1024)  # of what samples allow, in turn
 INSIDE = 0.995  # of the largest level: where s is taken, so that it leaves room for another V
 MARGIN = 2.0**-12  # of the Gram matrices while V is made small
 BETTER = 0.0015  # of the logarithm of the mean distance
