@@ -89,23 +89,23 @@ class Lines:
 
     def __init__(self, file: Path) -> None:
         self._file = file
-        self._known: dict[str, Record] = {}
+        self.known: dict[str, Record] = {}
         for line in file.read_text(encoding="utf-8").splitlines() if file.exists() else ():
             try:
                 found = json.loads(line)
             except json.JSONDecodeError:
                 continue
-            self._known[found["key"]] = found
+            self.known[found["key"]] = found
 
     def of(self, key: str, compute: Callable[[], Record]) -> Record:
         """What stands under a key, or is computed and written there."""
-        if key not in self._known:
+        if key not in self.known:
             begin = time.process_time()
             found = {"key": key, **compute(), "seconds": round(time.process_time() - begin, 2)}
-            self._known[key] = found
+            self.known[key] = found
             with self._file.open("a", encoding="utf-8") as lines:
                 lines.write(json.dumps(found) + "\n")
-        return self._known[key]
+        return self.known[key]
 
 
 # ---- answers -------------------------------------------------------------------------------------

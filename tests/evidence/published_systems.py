@@ -1,18 +1,20 @@
-"""``python -m tests.evidence.published_systems``: planar systems of the literature, and from where they are certified.
+"""``python -m tests.evidence.published_systems``: systems of the literature, and from where they are certified.
 
 A line of JSON for each system is written into ``--into``, and what stands there is not computed again, so that a study
 goes on where it was stopped.  Printed is a table: the verdict beside what is published, whether every start arrives,
 the part of the sampled starts that arrive which a certified region holds, seconds of a processor, and how many of
 ``--starts`` random starts in the region go astray, by polygons along the literal formulas, without the proof.
+``--page docs/systems.md`` writes the table between the marks of that page, of what has been computed so far.
 The study ends with status 1 where a verdict is not the published one, or a start goes astray.
 """
 
 from __future__ import annotations
 
 import argparse
+import re
 import statistics
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -21,50 +23,86 @@ from numpy.typing import NDArray
 
 from nonsmooth.proofs.kernel.subject import NoCertificateError, about
 from nonsmooth.proofs.systems.basin import CertifiedBasin
+from nonsmooth.proofs.systems.sublevel_region import ReshapedRegion
 from nonsmooth.reports.check import check_system
 from nonsmooth.symbolic.files.system_file import build_system
 from tests.certificates.inclusion import Array, FloatInclusion
 from tests.evidence.measured_tables import Lines, Record
-from tests.proofs.published_regions import PUBLISHED
+from tests.proofs.literature import literature
 from tests.proofs.system_families import ATTRACTS, Known, families
 
 STEPS, FINENESS = 1_500, 0.02  # of a polygon, and the length of a step against the distance from the point
 ARRIVED = 0.2  # of the distance of the start
+AROUND = 1.25  # of the extent of a region: the box over which starts are sampled in three states and more
+SAMPLED = 2_000
 NAMES = ("system", "published", "verdict", "from where", "share", "seconds", "astray")
+MARKED = re.compile(r"(?s)(<!-- systems -->\n).*?(?=<!-- end -->)")
 
 
 def systems() -> Iterator[Known]:
-    """Those of the families, and those whose regions are published."""
+    """Those of the literature, and those of the families."""
+    yield from literature()
     yield from families()
-    for own in PUBLISHED:
-        yield Known(f"{own.name} (region)", own.rhs, ATTRACTS, own.source, {"radius": str(own.radius)})
-    for mu in (3,):
-        yield Known(f"van der Pol {mu}", ("-y", f"x - {mu}*(1 - x**2)*y"), ATTRACTS, "LyZNet: 0.852 of the region")
 
 
 def examined(known: Known, search: str, starts: int) -> Record:
     """The verdict, and the region of an attracting point."""
     check = {"radius": "1/2", **known.check}
-    document = {"system": {"states": ["x", "y"], "rhs": list(known.rhs)}, "check": check}
+    document = {"system": {"states": list(known.states), "rhs": list(known.rhs)}, "check": check}
     system = build_system(document, known.name, Path("published.toml"))
     begin = time.process_time()
     result = check_system(system)
     decided = time.process_time()
-    found = {"truth": known.truth, "source": known.source, "verdict": result.verdict, "decided": decided - begin}
+    found = {"verdict": result.verdict, "reason": result.reason, "decided": decided - begin}
     if result.verdict != ATTRACTS:
         return {**found, "where": ""}
     if result.evidence.reach.everywhere:
         return {**found, "where": "everywhere"}
-    basin = result.with_region(search).evidence.reach.basin
+    reach = result.with_region(search).evidence.reach
     found["region"] = time.process_time() - decided
-    if basin is None:
-        return {**found, "where": "a level of V" if result.evidence.reach.region is not None else "near the point"}
-    lost = astray(result.evidence.scene, basin, starts)
-    return {**found, "where": "triangles", "share": basin.share, "triangles": len(basin.triangles), "astray": lost}
+    scene = result.evidence.scene
+    if reach.basin is not None:
+        basin = reach.basin
+        lost = astray(scene, in_triangles(basin, starts))
+        return {**found, "where": f"{len(basin.triangles)} triangles", "share": basin.share, "astray": lost}
+    if reach.reshaped is not None:
+        inside, share = below_level(scene, reach.reshaped, starts)
+        return {**found, "where": "another V", "share": share, "astray": astray(scene, inside)}
+    return {**found, "where": "a level of V" if reach.region is not None else "near the point"}
 
 
-def astray(system: Any, basin: CertifiedBasin, count: int) -> int | None:
-    """How many random starts in triangles come no nearer; None for formulas that are not followed here.
+def in_triangles(basin: CertifiedBasin, count: int) -> Array:
+    """Random starts in triangles."""
+    random = np.random.default_rng(1)
+    chosen = basin.corners[random.choice(basin.triangles, count)][:, :, :2]
+    return np.asarray(np.einsum("ij,ijk->ik", random.dirichlet(np.ones(3), count), chosen))
+
+
+def below_level(system: Any, own: ReshapedRegion, count: int) -> tuple[Array, float | None]:
+    """Random starts with V below its level, and the part that these are of the starts around that come home."""
+    inclusion, random = FloatInclusion(about(system), 1), np.random.default_rng(1)
+    level, half = float(own.region.level), float(own.region.radius)
+    states = len(system.states)
+    inside = np.zeros((0, states))
+    while len(inside) < count:
+        places = random.uniform(-half, half, (20 * count, states))
+        inside = np.vstack([inside, places[inclusion.function(own.formula.text, places) < level]])
+    extent = AROUND * np.abs(inside).max(axis=0)
+    around = random.uniform(-extent, extent, (SAMPLED, states))
+    certified = inclusion.function(own.formula.text, around) < level
+    gone = set(astray_ones(system, around[~certified]) or ())
+    coming = int(certified.sum()) + int((~certified).sum()) - len(gone)
+    return inside[:count], float(certified.sum()) / coming if coming else None
+
+
+def astray(system: Any, starts: Array) -> int | None:
+    """How many starts come no nearer; None for formulas that are not followed here."""
+    found = astray_ones(system, starts)
+    return None if found is None else len(found)
+
+
+def astray_ones(system: Any, starts: Array) -> NDArray[np.intp] | None:
+    """The numbers of the starts that come no nearer; None for formulas that are not followed here.
 
     Near the border of a basin steps of two per cent may lead out of it: who is astray is followed again by a tenth.
     """
@@ -72,13 +110,11 @@ def astray(system: Any, basin: CertifiedBasin, count: int) -> int | None:
         inclusion = FloatInclusion(about(system), 1)
     except NoCertificateError:
         return None
-    random = np.random.default_rng(1)
-    chosen = basin.corners[random.choice(basin.triangles, count)][:, :, :2]
-    x: Array = np.einsum("ij,ijk->ik", random.dirichlet(np.ones(3), count), chosen)
-    furthest = 1.1 * float(np.linalg.norm(basin.corners[:, :2], axis=1).max())
+    left = np.arange(len(starts))
+    furthest = 4 * float(np.linalg.norm(starts, axis=1).max()) if len(starts) else 0.0
     for finer in (1, 10):
-        x = x[lost(inclusion, x, furthest, finer)]
-    return len(x)
+        left = left[lost(inclusion, starts[left], furthest, finer)]
+    return left
 
 
 def lost(inclusion: FloatInclusion, starts: Array, furthest: float, finer: int) -> NDArray[np.intp]:
@@ -95,13 +131,50 @@ def lost(inclusion: FloatInclusion, starts: Array, furthest: float, finer: int) 
     return np.nonzero(np.linalg.norm(x, axis=1) > begin)[0]  # slides are slow by such steps: nearer is enough
 
 
-def row(name: str, own: Record) -> str:
+# ---- the table -----------------------------------------------------------------------------------
+
+
+def row(known: Known, own: Record) -> tuple[str, ...]:
     """A line of the table."""
-    share = f"{own['share']:.3f} ({own['triangles']})" if "share" in own else ""
-    seconds = f"{own['decided']:.1f} + {own.get('region', 0.0):.1f}"
+    share = "" if own.get("share") is None else f"{own['share']:.3f}"
+    seconds = f"{own['decided']:.1f} + {own['region']:.1f}" if "region" in own else f"{own['decided']:.1f}"
     lost = "" if own.get("astray") is None else str(own["astray"])
-    cells = (name, f"{own['truth']}: {own['source']}", own["verdict"], own["where"], share, seconds, lost)
-    return f"| {' | '.join(cells)} |"
+    truth = f"{known.truth}{' from everywhere' if known.everywhere else ''}: {known.source}"
+    verdict = own["verdict"] if own["verdict"] != "undecided" else f"undecided: {own['reason']}"
+    return known.name, truth, verdict, own["where"], share, seconds, lost
+
+
+def table(rows: Iterable[tuple[str, ...]]) -> str:
+    """In Markdown."""
+    lines = [NAMES, ("---",) * len(NAMES), *rows]
+    return "\n".join(f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in line)} |" for line in lines) + "\n"
+
+
+def summary(found: list[tuple[Known, Record]]) -> str:
+    """How many, how much and how long, in a sentence or two."""
+    shares = [own["share"] for _, own in found if own.get("share") is not None]
+    seconds = [own["region"] for _, own in found if "region" in own]
+    wrong = sum(is_wrong(known, own) for known, own in found)
+    undecided = sum(own["verdict"] == "undecided" for _, own in found)
+    missed = sum(known.everywhere and own["where"] != "everywhere" for known, own in found)
+    said = f"{len(found)} systems: {wrong} wrong, {undecided} undecided, {missed} of those that attract from everywhere "
+    said += "without that claim."
+    if shares:
+        said += f" {len(shares)} regions hold {statistics.median(shares):.3f} of the sampled starts that arrive in the "
+        said += f"median, {min(shares):.3f} at least, in {statistics.median(seconds):.1f} s of a processor in the "
+        said += f"median, {max(seconds):.1f} s at most."
+    return said
+
+
+def is_wrong(known: Known, own: Record) -> bool:
+    """Whether a verdict is not the published one, or a start goes astray."""
+    return own["verdict"] not in (known.truth, "undecided") or bool(own.get("astray"))
+
+
+def write(page: Path, found: list[tuple[Known, Record]]) -> None:
+    """The table and its summary between the marks of a page."""
+    text = f"{summary(found)}\n\n{table(row(known, own) for known, own in found)}"
+    page.write_text(MARKED.sub(lambda part: part[1] + text, page.read_text(encoding="utf-8")), encoding="utf-8")
 
 
 def main() -> int:
@@ -111,24 +184,21 @@ def main() -> int:
     parser.add_argument("--starts", type=int, default=10_000)
     parser.add_argument("--only", default="", help="systems whose names hold this")
     parser.add_argument("--into", type=Path, default=Path("build/published_systems"))
+    parser.add_argument("--page", type=Path, help="whose table is written, of what has been computed")
     chosen = parser.parse_args()
     chosen.into.mkdir(parents=True, exist_ok=True)
-    lines, wrong, shares, seconds = Lines(chosen.into / f"{chosen.search}.jsonl"), 0, list[float](), list[float]()
-    print(f"| {' | '.join(NAMES)} |\n|{' --- |' * len(NAMES)}")
-    for known in systems():
-        if chosen.only in known.name:
-            own = lines.of(known.name, lambda known=known: examined(known, chosen.search, chosen.starts))  # type: ignore[misc]
-            print(row(known.name, own), flush=True)
-            wrong += own["verdict"] not in (known.truth, "undecided") or bool(own.get("astray"))
-            shares += [own["share"]] if "share" in own else []
-            seconds += [own["region"]] if "region" in own else []
-    if shares:
-        print(f"\n{len(shares)} regions of triangles: share {statistics.median(shares):.3f} in the median, ", end="")
-        print(
-            f"{min(shares):.3f} at least; {statistics.median(seconds):.1f} s in the median, {max(seconds):.1f} at most"
-        )
-    print(f"{wrong} wrong")
-    return 1 if wrong else 0
+    lines = Lines(chosen.into / f"{chosen.search}.jsonl")
+    listed = [known for known in systems() if chosen.only in known.name]
+    if chosen.page is not None:
+        write(chosen.page, [(known, lines.known[known.name]) for known in listed if known.name in lines.known])
+        return 0
+    found = []
+    for known in listed:
+        own = lines.of(known.name, lambda known=known: examined(known, chosen.search, chosen.starts))  # type: ignore[misc]
+        found.append((known, own))
+        print(table([row(known, own)]).splitlines()[-1], flush=True)
+    print(f"\n{summary(found)}")
+    return int(any(is_wrong(known, own) for known, own in found))
 
 
 if __name__ == "__main__":

@@ -17,17 +17,21 @@ class Known:
 
     Attributes:
         name: of the family and the member.
-        rhs: both formulas.
+        rhs: a formula for each state.
         truth: what is known of the checked point.
         source: where from.
         check: further keys of ``[check]``.
+        states: their names.
+        everywhere: whether every start is known to come to the point.
     """
 
     name: str
-    rhs: tuple[str, str]
+    rhs: tuple[str, ...]
     truth: str
     source: str
     check: Mapping[str, object] = field(default_factory=dict)
+    states: tuple[str, ...] = ("x", "y")
+    everywhere: bool = False
 
 
 def saturated(formula: str, level: str = "1") -> str:
