@@ -22,6 +22,7 @@ from nonsmooth.proofs.systems.findings import (
     PotentialPiece,
     Reach,
 )
+from nonsmooth.proofs.systems.outer_ring import ring_of
 from nonsmooth.proofs.systems.sublevel_region import ReshapedRegion, SublevelRegion
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.number_text import percent_text, place_text
@@ -210,7 +211,12 @@ def basin_words(basin: CertifiedBasin) -> str:
     certified, coming = basin.sampled
     share = percent_text(basin.share)
     mesh = f"every start in {len(basin.triangles)} triangles about the region reaches the equilibrium"
-    return f"{mesh}; the region and they hold {share} of the sampled starts that do ({certified} of {coming})"
+    sampled = f"the region and they hold {share} of the sampled starts that do ({certified} of {coming})"
+    if basin.filled is None or basin.outside is None:
+        return f"{mesh}; {sampled}"
+    sides, filled = len(basin.outside["corners"]), percent_text(basin.filled)
+    outer = f"no start outside of a polygon of {sides} sides does, of whose area the region fills {filled}"
+    return f"{mesh}; {sampled}; {outer}"
 
 
 def basin_record(basin: CertifiedBasin, words: str) -> dict[str, object]:
@@ -222,8 +228,16 @@ def basin_record(basin: CertifiedBasin, words: str) -> dict[str, object]:
         "simplices": basin.triangles.tolist(),
         "share": {"sampled": basin.share, "certified_starts": certified, "starts": coming},
         "unit": basin.mesh["unit"],
+        "outside": outside_record(basin),
         "text": words,
     }
+
+
+def outside_record(basin: CertifiedBasin) -> dict[str, object] | None:
+    """The polygon outside of which no start reaches the point, and how much of its area the region fills."""
+    if basin.outside is None:
+        return None
+    return {"polygon": ring_of(basin.outside).tolist(), "filled": basin.filled}
 
 
 def rate_words(reach: Reach, states: Sequence[str]) -> str:

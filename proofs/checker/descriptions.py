@@ -129,6 +129,10 @@ def _attracts(said: Any, system: System) -> str:
     return f"{starts} tends to the point, {_function(said, system)}"
 
 
+def _outside(said: Any, system: System) -> str:
+    return f"no start outside of a polygon of {len(said['corners'])} sides, or on it, comes to the point"
+
+
 def _rate(said: Any, system: System) -> str:
     fall = f"{said['kappa']} V" if said["kind"] == "exponential" else said["kappa"]
     where = "the whole space" if said["within"] is None else _cube(said, system)
@@ -157,6 +161,7 @@ OF_SYSTEMS: dict[str, Callable[[Any, System], str]] = {
     "stability": _stability,
     "equilibrium": _equilibrium,
     "attracts": _attracts,
+    "outside": _outside,
     "rate": _rate,
     "gain": _gain,
 }

@@ -18,6 +18,7 @@ from .basin import show_basin
 from .cells import System
 from .circles import show_on_circles
 from .escape import show_escape
+from .outside import show_outside
 from .positivity import Proofs
 from .roots import read_subject
 from .theorem4 import show_theorem4
@@ -38,6 +39,7 @@ THEOREMS: dict[str, Theorem] = {  # of systems
     "escape": show_escape,
     "basin": show_basin,
     "circles": show_on_circles,
+    "outside": show_outside,
 }
 OF_ARRAYS: dict[str, Theorem] = {
     "theorem 4": show_theorem4,

@@ -32,6 +32,7 @@ from nonsmooth.proofs.systems.basin_rings import (
     level_ring,
     values,
 )
+from nonsmooth.proofs.systems.outer_ring import find_outer_ring, ring_of
 
 INSIDE = 0.9  # of the level: the first ring
 POWERS, NEARLY_ALL = (2, 0), 0.95  # tried in turn, until triangles fill so much of the last ring
@@ -72,10 +73,13 @@ class CertifiedBasin:
         hypotheses: of theorem ``basin``; the mesh is among them.
         sampled: of the starts of a grid around the mesh that come to the point in floats, how many are certified, and
             how many there are.
+        outside: the hypotheses of theorem ``outside``: a polygon around the triangles, such that no start outside of it
+            comes to the point; None where none is known.
     """
 
     hypotheses: dict[str, Any]
     sampled: tuple[int, int]
+    outside: dict[str, Any] | None = None
 
     @property
     def mesh(self) -> dict[str, Any]:
@@ -96,6 +100,11 @@ class CertifiedBasin:
     def border(self) -> Floats:
         """The last ring, on which W is the level: shape (corners, 2)."""
         return last_ring(self.corners)
+
+    @property
+    def filled(self) -> float | None:
+        """The area of the region, in floats, over that of the polygon, which holds the true one; None without one."""
+        return None if self.outside is None else area(self.border) / area(ring_of(self.outside))
 
     @property
     def share(self) -> float:
@@ -165,7 +174,9 @@ def find_basin(
         return np.asarray((potential(x) < level) & (np.abs(x).max(axis=1) <= within))
 
     hypotheses = {"local": local, "surfaces": surfaces, "mesh": mesh, "below": below}
-    return CertifiedBasin(hypotheses, _sampled(field, is_home, last_ring(mesh_corners(mesh)), effort.starts, limit))
+    border = last_ring(mesh_corners(mesh))
+    outside = find_outer_ring(system, surfaces, border, effort.angle, effort.gap) if limit is None else None
+    return CertifiedBasin(hypotheses, _sampled(field, is_home, border, effort.starts, limit), outside)
 
 
 def _mesh_area(built: tuple[dict[str, Any], int]) -> float:

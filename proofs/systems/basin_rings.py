@@ -342,7 +342,7 @@ def grow(
     rings, before = [ring], area(ring)
     for step in range(1, STEPS):
         announce(step, STEPS)
-        ring = _next_ring(field, ring, angle, gap, limit, power)
+        ring = next_ring(field, ring, angle, gap, limit, power)
         if not np.isfinite(ring).all() or np.abs(ring).max() > limit or area(ring) <= 0:
             break
         if len(ring) > most:
@@ -355,7 +355,7 @@ def grow(
     return rings
 
 
-def _next_ring(field: FieldInCells, ring: Floats, angle: float, gap: float, limit: float, power: int) -> Floats:
+def next_ring(field: FieldInCells, ring: Floats, angle: float, gap: float, limit: float, power: int) -> Floats:
     """One step of Runge and Kutta backward in time, in which each point keeps its right-hand side and its turn."""
     size = float(np.linalg.norm(ring, axis=1).max())
     along = np.roll(ring, -1, axis=0) - np.roll(ring, 1, axis=0)

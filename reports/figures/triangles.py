@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from nonsmooth.proofs.answers.array_basin import ArrayBasin
     from nonsmooth.proofs.systems.basin import CertifiedBasin
 
-MESH, BORDER = "#999999", "#0072B2"
+MESH, BORDER, OUTER = "#999999", "#0072B2", "#D55E00"
 
 
 def draw_triangles(axes: Axes, basin: CertifiedBasin, at: tuple[float, float] = (0.0, 0.0)) -> None:
@@ -23,6 +23,12 @@ def draw_triangles(axes: Axes, basin: CertifiedBasin, at: tuple[float, float] = 
     axes.triplot(x, y, basin.triangles, color=MESH, linewidth=0.3)
     border = np.concatenate([basin.border, basin.border[:1]]) + at
     axes.plot(*border.T, color=BORDER, linewidth=2.0, label="certified region")
+    if basin.outside is not None:
+        from nonsmooth.proofs.systems.outer_ring import ring_of
+
+        outer = ring_of(basin.outside)
+        outer = np.concatenate([outer, outer[:1]]) + at
+        axes.plot(*outer.T, "--", color=OUTER, linewidth=1.5, label="no start outside comes")
     axes.plot(*at, "o", color=INK, markersize=5)
 
 

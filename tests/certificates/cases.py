@@ -435,6 +435,24 @@ def energies_on_circles() -> Iterator[Case]:
     yield Case("circles-coupled", subject(own), "circles", hypotheses)
 
 
+def polygons() -> Iterator[Case]:
+    """Polygons over which all velocities lead outward: of one field, of two, and with relays on a line and a curve."""
+    systems: dict[str, tuple[Any, list[str]]] = {
+        "plain": (["x", "y"], []),
+        "cubic": (["-x + x**3", "-y + y**3"], []),
+        "turning": ([["x - y/2", "x/2 + y"], ["x + y/2", "y - x/2"]], []),
+        "relay": (["x + sign(x)", "y - x/4"], ["x"]),
+        "curve": (["x + relu(x - y**2/16)/4", "y"], ["x - y**2/16"]),
+    }
+    shapes = {
+        "square": ["8 -8", "8 8", "-8 8", "-8 -8"],
+        "notched": ["8 -8", "8 8", "0 6", "-8 8", "-8 -8"],
+    }
+    for (name, (sides, surfaces)), (shape, corners) in product(systems.items(), shapes.items()):
+        hypotheses = {"surfaces": surfaces, "unit": "1/4", "corners": corners}
+        yield Case(f"outside-{name}-{shape}", subject(sides), "outside", hypotheses)
+
+
 GROUPS = (
     in_one_state,
     linear_systems,
@@ -449,6 +467,7 @@ GROUPS = (
     gains,
     basins,
     energies_on_circles,
+    polygons,
 )
 
 

@@ -326,6 +326,25 @@ def other_mesh(good: Record) -> Iterator[Any]:
     yield [([*HYPOTHESES, "local", "level"], "1/64")]
 
 
+def other_polygon(good: Record) -> Iterator[Any]:
+    """A polygon that is turned over, that meets itself or the point, that holds it not; other corners."""
+    hypotheses = good["evidence"][0]["hypotheses"]
+    if "corners" not in hypotheses:
+        return
+    own, last = hypotheses["corners"], len(good["statement"]["claims"]) - 1
+    claim = [*CLAIMS, last, "outside", "corners"]
+    rings = [own[::-1], own[:2], [], [*own, own[0]], [*own, own[1]], [own[1], own[0], *own[2:]], own * 2]
+    for k in range(len(own)):
+        for corner in ("0 0", "1 0", "0 99", "1/2 0", "1", "1 2 3", 7, f"{own[k]} "):
+            rings.append([*own[:k], corner, *own[k + 1 :]])
+            rings.append([*own[:k], corner, *own[k:]])
+    for ring in rings:
+        yield [([*HYPOTHESES, "corners"], ring), (claim, ring)]
+    for unit in ("4", "0", "-1/4", "1/0", 1, None):
+        yield [([*HYPOTHESES, "unit"], unit)]
+    yield [([*HYPOTHESES, "surfaces"], ["y - 1"])]
+
+
 def other_theorem(good: Record) -> Iterator[Any]:
     """The evidence of one theorem for another."""
     for name in ("lyapunov", "instability", "departure", "Lyapunov", "", None, "show_stability"):
@@ -376,6 +395,7 @@ KINDS: Kinds = (
     other_direction,
     other_mixture,
     other_mesh,
+    other_polygon,
     other_theorem,
     other_numbers,
 )

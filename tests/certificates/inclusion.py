@@ -23,6 +23,7 @@ Values: TypeAlias = Mapping[str, Array]
 NEAR = 3  # places near a point at which the right-hand sides are taken
 FINENESS = 0.03  # of a step, in distances from the point
 STARTS, STEPS = 16, 200
+NEARER = 0.1  # of a distance: nearer none comes from outside of a polygon
 TIME, LONGEST = 0.02, 5.0  # a step and all of them, where steps are equal
 
 OPERATIONS: dict[type, Callable[[Any, Any], Any]] = {
@@ -192,7 +193,7 @@ def contradiction(statement: Record, half: float = 1.0, seed: int = 1) -> str:
 def half_width(hypotheses: Record) -> float:
     """Half the side of the cube of a theorem; one where it is all of the space."""
     known = hypotheses.get("local", hypotheses)
-    within = known.get("cells", known)["within"]
+    within = known.get("cells", known).get("within")
     return 1.0 if within is None else float(Fraction(within))
 
 
@@ -258,6 +259,21 @@ def judge_mesh(own: FloatInclusion, said: Any) -> str:
     return f"a polygon gets from {sizes[0][stays][0]:.3g} to {sizes[-1][stays][0]:.3g}" if stays.any() else ""
 
 
+def judge_outside(own: FloatInclusion, said: Record, half: float) -> str:
+    """Polygons from places just outside do not come to the middle of what is inside."""
+    ring = np.array([place.split(" ") for place in said["corners"]], dtype=float) * float(Fraction(said["unit"]))
+    if not np.linalg.norm(ring, axis=1).min() > 0:
+        return "a corner at the point"
+    chosen = own.random.integers(0, len(ring), 8 * STARTS)
+    share = own.random.uniform(0, 1, (8 * STARTS, 1))
+    starts = (share * ring[chosen] + (1 - share) * ring[(chosen + 1) % len(ring)]) * 1.05
+    begin = np.linalg.norm(starts, axis=1)
+    places, _ = own.follow(starts)
+    sizes = np.linalg.norm(places, axis=2)
+    least = np.where(np.isfinite(sizes), sizes, np.inf).min(axis=0) / begin
+    return f"a polygon from outside comes to {least.min():.3g} of its distance" if least.min() < NEARER else ""
+
+
 def judge_rate(own: FloatInclusion, said: Record, half: float) -> str:
     """Along polygons V falls as fast as is said, while they stay where it is said."""
     half = half if said["within"] is None else float(Fraction(said["within"]))
@@ -309,6 +325,7 @@ JUDGES: dict[str, Callable[[FloatInclusion, Any, float], str]] = {
     "stability": judge_stability,
     "equilibrium": judge_equilibrium,
     "attracts": judge_region,
+    "outside": judge_outside,
     "rate": judge_rate,
     "gain": judge_gain,
 }

@@ -157,7 +157,9 @@ def summary(found: list[tuple[Known, Record]]) -> str:
     wrong = sum(is_wrong(known, own) for known, own in found)
     undecided = sum(own["verdict"] == "undecided" for _, own in found)
     missed = sum(known.everywhere and own["where"] != "everywhere" for known, own in found)
-    said = f"{len(found)} systems: {wrong} wrong, {undecided} undecided, {missed} of those that attract from everywhere "
+    said = (
+        f"{len(found)} systems: {wrong} wrong, {undecided} undecided, {missed} of those that attract from everywhere "
+    )
     said += "without that claim."
     if shares:
         said += f" {len(shares)} regions hold {statistics.median(shares):.3f} of the sampled starts that arrive in the "

@@ -79,6 +79,7 @@ def that_attract_everywhere() -> Iterator[Known]:
 
 def in_more_states() -> Iterator[Known]:
     """In three states and more."""
+
     def known(name: str, rhs: tuple[str, ...], source: str, *, everywhere: bool = False) -> Known:
         return Known(name, rhs, ATTRACTS, source, states=NAMES[: len(rhs)], everywhere=everywhere)
 

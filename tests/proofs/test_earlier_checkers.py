@@ -38,6 +38,7 @@ NO_WORDS = {
     "theorem basin",
     "theorem circles",
     "theorem escape",
+    "theorem outside",
     "departure in two states",
     "instability by two functions",
     "claims below a level alone",

@@ -1,0 +1,146 @@
+"""What comes to the point from no start: all that a polygon leaves outside, over which all velocities lead outward.
+
+*Theorem.*  Let P be a simple closed polygon, counterclockwise, with the point inside.  Let ``n . f > 0`` on each side,
+with its outward normal n, for every field f of a cell whose closure meets the inside of the side; and at each corner
+for the normals of both sides and every cell whose closure holds it.  Then no solution from a start on P or outside is
+ever inside P: none comes to the point.
+
+*Proof.*  Let a solution be on P or outside first, and inside at a later time s.  Let t be the last time before s at
+which it is not inside; then x(t) is on P, and from t to s the solution is inside.  At x(t), inside of a side or at a
+corner, all velocities of F have positive products with the normals of the sides that meet there; F is upper
+semicontinuous, so for some d > 0 they are at least d near x(t), and ``n . (x(r) - x(t)) >= d (r - t)`` for r just after
+t and each of these n.  Near the inside of a side the inside of P is where ``n . (x - x(t)) < 0``.  Near a corner it is
+where that holds for both of its sides, or, where the corner is reentrant, for at least one.  So x(r) is not inside.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from fractions import Fraction
+from itertools import pairwise
+from typing import Any
+
+from .basin import Place, Plane
+from .cells import System
+from .positivity import Proofs
+from .theorems import Statement
+from .work import BUDGET, items, require, take
+
+MAX_CORNERS = 20_000
+CORNER = re.compile(r"-?[0-9]{1,40} -?[0-9]{1,40}")
+
+
+def show_outside(system: System, hypotheses: Any, proofs: Proofs) -> list[Statement]:
+    """No start outside of a polygon, or on it, comes to the point.
+
+    Hypotheses: ``surfaces`` on which fields switch, ``unit``, and ``corners``, each its place in units from the point.
+    """
+    surfaces, unit, corners = take(hypotheses, "surfaces unit corners")
+    require(system.count == 2 and system.coordinates == system.states, "a system in the plane, in its states")
+    require(not system.numbers, "rational numbers, for a polygon")
+    ring = [place_of(own) for own in items(corners, most=MAX_CORNERS)]
+    require_simple(ring)
+    require(winds_around(ring), "the point inside the polygon, which is counterclockwise")
+    plane = Plane(system, unit, surfaces, proofs)
+    require(not any(plane.waves), "polynomials, for a polygon")
+    show_outward(ring, plane)
+    return [{"outside": {"unit": unit, "corners": corners}}]
+
+
+def show_outward(ring: Sequence[Place], plane: Plane) -> None:
+    """All velocities lead outward on each side, and at each corner for both of its sides."""
+    for first, corner, last in zip(ring, (*ring[1:], ring[0]), (*ring[2:], *ring[:2]), strict=True):
+        own = outward(first, corner)
+        require_positive(plane, (first, corner), [own])
+        require_positive(plane, (corner,), [own, outward(corner, last)])
+
+
+def require_positive(plane: Plane, places: Sequence[Place], normals: Sequence[tuple[int, int]]) -> None:
+    """The fields of all cells that meet a side, or a corner, have positive products with normals there."""
+    for cell in plane.touching(places):
+        for field in plane.fields(cell, places):
+            for normal in normals:
+                require(min(field.along(normal).on(places)) > 0, f"velocities that lead outward at {places}")
+
+
+def place_of(data: Any) -> Place:
+    """Two whole numbers from a text such as ``-3 0``."""
+    require(type(data) is str and CORNER.fullmatch(data), "two whole numbers in a text")
+    x, y = map(int, data.split(" "))
+    return x, y
+
+
+def outward(first: Place, last: Place) -> tuple[int, int]:
+    """The normal of a side to its right: outward where a polygon is counterclockwise."""
+    return last[1] - first[1], first[0] - last[0]
+
+
+def turn(a: Place, b: Place, c: Place) -> int:
+    """Positive where a, b and c turn to the left, zero where they are on one line."""
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+
+
+def require_simple(ring: Sequence[Place]) -> None:
+    """No two sides have a point in common, but neighbours the corner between them.
+
+    Sides are taken from left to right, and each is compared with those that reach as far as its left end.
+    """
+    count = len(ring)
+    require(count > 2 and len(set(ring)) == count, "a polygon whose corners differ")
+    sides = list(pairwise((*ring, ring[0])))
+    order = sorted(range(count), key=lambda k: min(own[0] for own in sides[k]))
+    active: list[int] = []
+    for k in order:
+        left = min(own[0] for own in sides[k])
+        active = [j for j in active if max(own[0] for own in sides[j]) >= left]
+        BUDGET.spend(1 + len(active))
+        for j in active:
+            require(not meet(sides[j], sides[k], (k - j) % count, (j - k) % count), "sides that do not meet")
+        active.append(k)
+
+
+def meet(first: tuple[Place, Place], second: tuple[Place, Place], after: int, before: int) -> bool:
+    """Whether two sides have a point in common that they need not have.
+
+    Args:
+        first: its ends.
+        second: likewise.
+        after: how many sides the second one comes after the first.
+        before: how many it comes before.
+    """
+    (a, b), (c, d) = first, second
+    if after == 1:  # b = c: only where the second one turns back along the first
+        return turn(a, b, d) == 0 and along(b, a, d) > 0
+    if before == 1:  # d = a
+        return turn(c, a, b) == 0 and along(a, c, b) > 0
+    if any(
+        max(p[k] for p in first) < min(p[k] for p in second) or max(p[k] for p in second) < min(p[k] for p in first)
+        for k in (0, 1)
+    ):
+        return False
+    return turn(a, b, c) * turn(a, b, d) <= 0 and turn(c, d, a) * turn(c, d, b) <= 0
+
+
+def along(a: Place, b: Place, c: Place) -> int:
+    """The product of the ways from a to b and from a to c."""
+    return (b[0] - a[0]) * (c[0] - a[0]) + (b[1] - a[1]) * (c[1] - a[1])
+
+
+def winds_around(ring: Sequence[Place]) -> bool:
+    """Whether a simple polygon goes around the origin counterclockwise: on x > 0 it crosses upward once more.
+
+    A corner on the axis counts as above it; where a side meets the origin itself, it is not inside.
+    """
+    total = 0
+    for (ax, ay), (bx, by) in pairwise((*ring, ring[0])):
+        if (ay < 0) == (by < 0):
+            if ay == by == 0 and min(ax, bx) <= 0 <= max(ax, bx):
+                return False
+            continue
+        crossing = ax + Fraction(-ay * (bx - ax), by - ay)
+        if not crossing:
+            return False
+        if crossing > 0:
+            total += 1 if ay < 0 else -1
+    return total == 1

@@ -1,0 +1,133 @@
+"""Polygons outside of which no start comes to the point: around the certified region, and false ones refused."""
+
+from __future__ import annotations
+
+import copy
+from fractions import Fraction
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from nonsmooth.proofs.checker.outside import meet, require_simple, winds_around
+from nonsmooth.proofs.checker.statements import refusal
+from nonsmooth.proofs.checker.work import RejectedError
+from nonsmooth.proofs.system_certificates import certificate_of, certificate_text
+from nonsmooth.proofs.systems.basin import EFFORTS, BasinEffort
+from nonsmooth.proofs.systems.outer_ring import ring_of
+from nonsmooth.reports.check import check_system
+from nonsmooth.symbolic.files.system_file import build_system
+
+CIRCLE = ["-y - x*(1 - x**2 - y**2)", "x - y*(1 - x**2 - y**2)"]  # attracts inside the unit circle, exactly
+
+
+@cache
+def circle() -> Any:
+    """The check of the circle with a coarse search."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(EFFORTS, "fast", BasinEffort(0.12, 0.05, 21))
+        document = {"system": {"states": ["x", "y"], "rhs": CIRCLE}}
+        return check_system(build_system(document, "circle", Path("circle.toml"))).with_region("fast")
+
+
+def refused(certificate: dict[str, Any]) -> str:
+    return refusal(certificate, len(certificate_text(certificate)))
+
+
+def test_the_polygon_is_around_the_circle() -> None:
+    """All of it is outside of the true region, and near it; what it is filled by is a lower bound of the true share."""
+    basin = circle().evidence.reach.basin
+    sizes = np.linalg.norm(ring_of(basin.outside), axis=1)
+    assert sizes.min() > 1
+    assert sizes.max() < 1.2
+    ring = basin.border
+    area = float(np.sum(ring[:, 0] * np.roll(ring[:, 1], -1) - ring[:, 1] * np.roll(ring[:, 0], -1)) / 2)
+    assert 0.6 < basin.filled < area / np.pi
+
+
+def test_what_is_said_of_it() -> None:
+    """In words, in JSON, and in a certificate that the checker accepts."""
+    record = circle().facts()["basin"]
+    assert "no start outside of a polygon of" in record["text"]
+    assert len(record["outside"]["polygon"]) > 20
+    certificate = certificate_of(circle().evidence)
+    assert any("outside" in claim for claim in certificate["statement"]["claims"])
+    assert not refused(certificate)
+
+
+@pytest.mark.parametrize("scale", [Fraction(1, 2), Fraction(9, 10)])
+def test_a_smaller_polygon_is_refused(scale: Fraction) -> None:
+    """From between it and the circle all starts come home."""
+    forged = copy.deepcopy(certificate_of(circle().evidence))
+    claim = next(own["outside"] for own in forged["statement"]["claims"] if "outside" in own)
+    entry = next(own["hypotheses"] for own in forged["evidence"] if own["theorem"] == "outside")
+    claim["unit"] = entry["unit"] = str(Fraction(entry["unit"]) * scale)
+    assert refused(forged)
+
+
+def test_no_polygon_where_the_basin_reaches_to_infinity() -> None:
+    """Of ``x y < 1`` none is found, and nothing is said."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(EFFORTS, "fast", BasinEffort(0.2, 0.1, 5))
+        document = {"system": {"states": ["x", "y"], "rhs": ["-x + 2*x**2*y", "-y"]}}
+        result = check_system(build_system(document, "hyperbola", Path("hyperbola.toml"))).with_region("fast")
+    basin = result.evidence.reach.basin
+    assert basin is not None
+    assert basin.outside is None
+    assert basin.filled is None
+
+
+SIMPLE = {
+    "triangle": [(2, 0), (-1, 2), (-1, -2)],
+    "reentrant": [(4, -4), (4, 4), (0, 1), (-4, 4), (-4, -4)],
+}
+CROSSED = {
+    "eight": [(4, -4), (4, 4), (-4, -4), (-4, 4)],
+    "spike": [(4, -4), (4, 4), (4, 8), (4, 2), (-4, 4), (-4, -4)],
+    "touching": [(4, -4), (4, 4), (0, -4), (-4, 4), (-4, -4)],
+    "twice": [(4, -4), (4, 4), (-4, 4), (-4, -4), (4, -4), (4, 4), (-4, 4), (-4, -4)],
+}
+
+
+@pytest.mark.parametrize("name", SIMPLE)
+def test_simple_polygons(name: str) -> None:
+    """Counterclockwise about the origin, and from the other side not."""
+    require_simple(SIMPLE[name])
+    assert winds_around(SIMPLE[name])
+    assert not winds_around(SIMPLE[name][::-1])
+    assert not winds_around([(x + 100, y) for x, y in SIMPLE[name]])
+
+
+@pytest.mark.parametrize("name", CROSSED)
+def test_polygons_that_meet_themselves(name: str) -> None:
+    """Refused."""
+    with pytest.raises(RejectedError):
+        require_simple(CROSSED[name])
+
+
+def test_sides_meet_as_points_on_them_do() -> None:
+    """Against a literal definition: two sides on a small grid meet where some point of one is on the other."""
+    random = np.random.default_rng(1)
+    for _ in range(400):
+        a, b, c, d = (tuple(map(int, random.integers(-3, 4, 2))) for _ in range(4))
+        if a == b or c == d:
+            continue
+        assert meet((a, b), (c, d), 5, 5) == literally_meet(a, b, c, d), (a, b, c, d)
+
+
+def literally_meet(a: Any, b: Any, c: Any, d: Any) -> bool:
+    """By Cramer's rule in fractions, or where parallel by projections."""
+    r, s = (b[0] - a[0], b[1] - a[1]), (d[0] - c[0], d[1] - c[1])
+    between = (c[0] - a[0], c[1] - a[1])
+    bottom = r[0] * s[1] - r[1] * s[0]
+    if bottom:
+        t = Fraction(between[0] * s[1] - between[1] * s[0], bottom)
+        u = Fraction(between[0] * r[1] - between[1] * r[0], bottom)
+        return 0 <= t <= 1 and 0 <= u <= 1
+    if between[0] * r[1] - between[1] * r[0]:
+        return False
+    length = r[0] ** 2 + r[1] ** 2
+    ends = sorted(Fraction((p[0] - a[0]) * r[0] + (p[1] - a[1]) * r[1], length) for p in (c, d))
+    return ends[0] <= 1 and ends[1] >= 0
