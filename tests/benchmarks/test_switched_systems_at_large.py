@@ -26,7 +26,7 @@ FIRST = 50_000  # seeds apart from those of the tests
 MOST_UNDECIDED = 0.02
 
 
-def system_of(rhs: tuple[str, str], check: Mapping[str, object] | None = None) -> SwitchedSystem:
+def system_of(rhs: tuple[str, ...], check: Mapping[str, object] | None = None) -> SwitchedSystem:
     return build_system(
         {"system": {"states": ["x", "y"], "rhs": list(rhs)}, "check": dict(check or {})}, "large", Path("l.toml")
     )

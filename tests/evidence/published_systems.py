@@ -33,6 +33,7 @@ from tests.proofs.system_families import ATTRACTS, Known, families
 
 STEPS, FINENESS = 1_500, 0.02  # of a polygon, and the length of a step against the distance from the point
 ARRIVED = 0.2  # of the distance of the start
+PASSES = ((1, 0.1), (10, 0.1), (10, 1e-5))  # how much finer steps are, and from how far away velocities, of a step
 AROUND = 1.25  # of the extent of a region: the box over which starts are sampled in three states and more
 SAMPLED = 2_000
 NAMES = ("system", "published", "verdict", "from where", "share", "seconds", "astray")
@@ -90,8 +91,10 @@ def below_level(system: Any, own: ReshapedRegion, count: int) -> tuple[Array, fl
     extent = AROUND * np.abs(inside).max(axis=0)
     around = random.uniform(-extent, extent, (SAMPLED, states))
     certified = inclusion.function(own.formula.text, around) < level
-    gone = set(astray_ones(system, around[~certified]) or ())
-    coming = int(certified.sum()) + int((~certified).sum()) - len(gone)
+    gone = astray_ones(system, around[~certified])
+    if gone is None:
+        return inside[:count], None
+    coming = len(around) - len(gone)
     return inside[:count], float(certified.sum()) / coming if coming else None
 
 
@@ -104,7 +107,8 @@ def astray(system: Any, starts: Array) -> int | None:
 def astray_ones(system: Any, starts: Array) -> NDArray[np.intp] | None:
     """The numbers of the starts that come no nearer; None for formulas that are not followed here.
 
-    Near the border of a basin steps of two per cent may lead out of it: who is astray is followed again by a tenth.
+    Near the border of a basin steps of two per cent may lead out of it, and so may velocities from places beside: who is
+    astray is followed again by a tenth, and then with velocities from places that are nearer by far.
     """
     try:
         inclusion = FloatInclusion(about(system), 1)
@@ -112,13 +116,16 @@ def astray_ones(system: Any, starts: Array) -> NDArray[np.intp] | None:
         return None
     left = np.arange(len(starts))
     furthest = 4 * float(np.linalg.norm(starts, axis=1).max()) if len(starts) else 0.0
-    for finer in (1, 10):
-        left = left[lost(inclusion, starts[left], furthest, finer)]
+    for finer, near in PASSES:
+        left = left[lost(inclusion, starts[left], furthest, finer, near)]
     return left
 
 
-def lost(inclusion: FloatInclusion, starts: Array, furthest: float, finer: int) -> NDArray[np.intp]:
-    """The numbers of the starts that come no nearer, by steps of a part of the usual length."""
+def lost(inclusion: FloatInclusion, starts: Array, furthest: float, finer: int, near: float) -> NDArray[np.intp]:
+    """The numbers of the starts that come no nearer, by steps of a part of the usual length.
+
+    Velocities are taken from places around, up to a part of a step away.
+    """
     x, begin, todo = starts.copy(), np.linalg.norm(starts, axis=1), np.arange(len(starts))
     for _ in range(STEPS * finer):
         size = np.linalg.norm(x[todo], axis=1)
@@ -126,7 +133,7 @@ def lost(inclusion: FloatInclusion, starts: Array, furthest: float, finer: int) 
         if not len(todo):
             break
         size = np.linalg.norm(x[todo], axis=1)
-        v = inclusion.members(x[todo], 0.1 * FINENESS / finer * size)
+        v = inclusion.members(x[todo], near * FINENESS / finer * size)
         x[todo] += (FINENESS / finer * size / (np.linalg.norm(v, axis=1) + 1e-300))[:, None] * v
     return np.nonzero(np.linalg.norm(x, axis=1) > begin)[0]  # slides are slow by such steps: nearer is enough
 

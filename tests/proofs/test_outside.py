@@ -111,7 +111,7 @@ def test_sides_meet_as_points_on_them_do() -> None:
     """Against a literal definition: two sides on a small grid meet where some point of one is on the other."""
     random = np.random.default_rng(1)
     for _ in range(400):
-        a, b, c, d = (tuple(map(int, random.integers(-3, 4, 2))) for _ in range(4))
+        a, b, c, d = ((int(x), int(y)) for x, y in random.integers(-3, 4, (4, 2)))
         if a == b or c == d:
             continue
         assert meet((a, b), (c, d), 5, 5) == literally_meet(a, b, c, d), (a, b, c, d)
