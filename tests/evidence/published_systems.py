@@ -107,8 +107,8 @@ def astray(system: Any, starts: Array) -> int | None:
 def astray_ones(system: Any, starts: Array) -> NDArray[np.intp] | None:
     """The numbers of the starts that come no nearer; None for formulas that are not followed here.
 
-    Near the border of a basin steps of two per cent may lead out of it, and so may velocities from places beside: who is
-    astray is followed again by a tenth, and then with velocities from places that are nearer by far.
+    Near the border of a basin steps of two per cent may lead out of it, and so may velocities from places beside: who
+    is astray is followed again by a tenth, and then with velocities from places that are nearer by far.
     """
     try:
         inclusion = FloatInclusion(about(system), 1)
