@@ -10,6 +10,7 @@ A condition ``g > 0`` is the factor ``relu(sgn(g))``: 1 where it holds, 0 where 
 
 from __future__ import annotations
 
+import ast
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
@@ -20,7 +21,7 @@ from typing import Any
 from nonsmooth.symbolic.piecewise import MAX_TEXT
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact
 
-ZERO, ONE = "0", "1"
+ZERO, ONE, MINUS_ONE = "0", "1", "(-1)"
 
 
 @dataclass(frozen=True)
@@ -102,7 +103,9 @@ def product_text(factors: Sequence[str]) -> str:
     """A product as a factor: zero where one factor is, without factors that are one."""
     if ZERO in factors:
         return ZERO
-    return _balanced([factor for factor in factors if factor != ONE], "*", ONE)
+    others = [factor for factor in factors if factor not in (ONE, MINUS_ONE)]
+    found = _balanced(others, "*", ONE)
+    return f"(-{found})" if factors.count(MINUS_ONE) % 2 else found
 
 
 def difference_text(left: str, right: str) -> str:
@@ -143,6 +146,17 @@ def _balanced(parts: Sequence[str], joint: str, empty: str) -> str:
         return parts[0] if parts else empty
     middle = len(parts) // 2
     return f"({_balanced(parts[:middle], joint, empty)}{joint}{_balanced(parts[middle:], joint, empty)})"
+
+
+
+def without_parentheses(text: str) -> str:
+    """The formula without parentheses that say nothing; as it is where it holds decimals, which stay as written."""
+    try:
+        tree = ast.parse(text.strip(), mode="eval")
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        return text  # for the parser of formulas to refuse
+    decimals = any(isinstance(node, ast.Constant) and not isinstance(node.value, int) for node in ast.walk(tree))
+    return text if decimals else ast.unparse(tree)
 
 
 FUNCTIONS: dict[str, Callable[..., str]] = {

@@ -15,6 +15,7 @@ from nonsmooth.reports.study import takes
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.systems.larger_region import LargerRegion
+    from nonsmooth.reports.exchange.formulas import FieldFormulas
     from nonsmooth.reports.maps import MapResult
     from nonsmooth.reports.orbits import OrbitResult
     from nonsmooth.reports.paths import PathResult
@@ -107,7 +108,7 @@ class System(PythonScene):
 
         named = dict(parameters or {})
         walker = formulas_of_sympy(states, rhs, list(named), Reading("System.from_sympy", decimals))
-        return cls(
+        return cls._of_formulas(
             [walker.names[state] for state in states],
             walker.written,
             lyapunov=None if lyapunov is None else walker.formula(lyapunov, "lyapunov"),
@@ -152,7 +153,7 @@ class System(PythonScene):
         rhs: Any = modes if len(modes) > 1 else modes[0] if modes else []
         if cones is not None:
             rhs = from_matrices.on_cones(modes, cones, names, reading)
-        return cls(names, rhs, lyapunov=from_matrices.quadratic_form(lyapunov, names, reading), **more)
+        return cls._of_formulas(names, rhs, lyapunov=from_matrices.quadratic_form(lyapunov, names, reading), **more)
 
     @classmethod
     def from_casadi(
@@ -187,7 +188,7 @@ class System(PythonScene):
         names, rhs = formulas_of_casadi(function, states, inputs or {}, reading)
         if lyapunov is not None and not isinstance(lyapunov, str):
             lyapunov = formulas_of_casadi(lyapunov, states, {}, reading)[1][0]
-        return cls(names, rhs, lyapunov=lyapunov, **more)
+        return cls._of_formulas(names, rhs, lyapunov=lyapunov, **more)
 
     @classmethod
     def from_control(
@@ -220,7 +221,7 @@ class System(PythonScene):
         from nonsmooth.reports.exchange.from_control import formulas_of_control
 
         reading = Reading("System.from_control", decimals)
-        return cls(*formulas_of_control(plant, nonlinearity, limit, sign, reading), **more)
+        return cls._of_formulas(*formulas_of_control(plant, nonlinearity, limit, sign, reading), **more)
 
     @classmethod
     def from_nosnoc(
@@ -242,7 +243,17 @@ class System(PythonScene):
         from nonsmooth.reports.exchange.formula_text import Reading
         from nonsmooth.reports.exchange.from_nosnoc import formulas_of_nosnoc
 
-        return cls(*formulas_of_nosnoc(states, c, S, F, Reading("System.from_nosnoc", decimals)), **more)
+        return cls._of_formulas(*formulas_of_nosnoc(states, c, S, F, Reading("System.from_nosnoc", decimals)), **more)
+
+    @classmethod
+    def _of_formulas(cls, states: Sequence[str], rhs: Sequence[Any], **more: Any) -> Self:
+        """The system of formulas that a door has written, with fewer parentheses."""
+        from nonsmooth.reports.exchange.formula_text import without_parentheses
+
+        plain = [
+            without_parentheses(side) if isinstance(side, str) else list(map(without_parentheses, side)) for side in rhs
+        ]
+        return cls(states, plain, **more)
 
     def _set(self, document: Mapping[str, Any]) -> None:
         object.__setattr__(self, "document", document)
@@ -273,6 +284,15 @@ class System(PythonScene):
         sides = rhs if all(isinstance(side, list) for side in rhs) else [rhs]
         shown = ["; ".join(f"{s}' = {formula}" for s, formula in zip(states, side, strict=True)) for side in sides]
         return f"System: {' or '.join(shown)}"[:400]
+
+    def formulas(self) -> FieldFormulas:
+        """The stated field for SymPy, CasADi, Python and C; that of a check holds the V that was found, too.
+
+        ``formulas().sympy()``, ``.casadi()``, ``.program("python")`` and ``.program("c")``.
+        """
+        from nonsmooth.reports.exchange.formulas import formulas_of
+
+        return formulas_of(self.system)
 
     def check(self, **changes: Any) -> SystemCheckResult:
         """Stability of the equilibrium.
