@@ -119,7 +119,7 @@ class Result(ABC):
         return import_module("pandas").DataFrame(self.rows())
 
     def dimensions(self) -> Sequence[str]:
-        """The columns of the table that say where a row lies: time, start, what a sweep varies; the first unless told."""
+        """The columns of the table that say where a row lies: time, start, what varies; the first unless told."""
         return self.table().columns[:1]
 
     def to_xarray(self) -> Any:

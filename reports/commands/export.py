@@ -17,7 +17,13 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 Output = Annotated[
-    str | None, typer.Option("-o", "--output", metavar="FILE", help="Of an array .xml (MJCF; standard output without); of a system .smt2, .kyx, .py, .c.")
+    str | None,
+    typer.Option(
+        "-o",
+        "--output",
+        metavar="FILE",
+        help="Of an array .xml (MJCF; standard output without); of a system .smt2, .kyx, .py, .c.",
+    ),
 ]
 Place = Annotated[
     str | None,
@@ -66,7 +72,9 @@ def export(
 
     if output is not None and output.lower().endswith(tuple(EXPORTS)):
         if place is not None or rule is not None or allow_outside or frame is not ExportFrame.BODY:
-            raise RefusedError(f"{output}: required no --from, --frame, --rule and --allow-outside, received one of them")
+            raise RefusedError(
+                f"{output}: required no --from, --frame, --rule and --allow-outside, received one of them"
+            )
         return _export_system(scene, output_path(output, EXPORTS))
     path = None if output is None else output_path(output, (".xml", *EXPORTS))
     with deep_nesting_refused(scene):

@@ -148,7 +148,6 @@ def _balanced(parts: Sequence[str], joint: str, empty: str) -> str:
     return f"({_balanced(parts[:middle], joint, empty)}{joint}{_balanced(parts[middle:], joint, empty)})"
 
 
-
 def without_parentheses(text: str) -> str:
     """The formula without parentheses that say nothing; as it is where it holds decimals, which stay as written."""
     try:

@@ -88,9 +88,7 @@ class Target:
         return self.functions["sgn" if name in SIGNS else name](*arguments)
 
 
-def _objects(
-    number: Callable[[Fraction], Any], pi: Any, functions: Mapping[str, Callable[..., Any]]
-) -> Target:
+def _objects(number: Callable[[Fraction], Any], pi: Any, functions: Mapping[str, Callable[..., Any]]) -> Target:
     """A target whose formulas are objects with Python's operators."""
     operators: dict[type, Callable[..., Any]] = {
         ast.Add: lambda a, b: a + b,

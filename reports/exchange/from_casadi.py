@@ -6,6 +6,7 @@ A function of MX is expanded to SX, whose instructions are scalar.  ``if_else(a 
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Mapping, Sequence
 from importlib import import_module
 from typing import Any
@@ -112,7 +113,7 @@ def _of_expression(casadi: Any, expression: Any, symbols: Sequence[Any], reading
     ends = [0]
     for symbol in symbols:
         ends.append(ends[-1] + symbol.numel())
-    pieces = [x[a:b] for a, b in zip(ends, ends[1:], strict=False)]
+    pieces = [x[a:b] for a, b in itertools.pairwise(ends)]
     return casadi.Function("field", [x], [parts(*pieces)])
 
 

@@ -76,9 +76,7 @@ def vector(value: Any, count: int, key: str, reading: Reading) -> list[str]:
 
 def times(rows: Rows, names: Sequence[str]) -> list[str]:
     """The entries of a matrix times named states."""
-    return [
-        sum_text([product_text([number, name]) for number, name in zip(row, names, strict=True)]) for row in rows
-    ]
+    return [sum_text([product_text([number, name]) for number, name in zip(row, names, strict=True)]) for row in rows]
 
 
 def modes_of_matrices(matrices: Sequence[Any], offsets: Any, names: Sequence[str], reading: Reading) -> Rows:
@@ -137,6 +135,9 @@ def quadratic_form(value: Any, names: Sequence[str], reading: Reading) -> str:
         return value
     rows = matrix(value, "lyapunov", reading, (len(names), len(names)))
     return sum_text(
-        [product_text([number, a, b]) for a, row in zip(names, rows, strict=True) for b, number in zip(names, row, strict=True)]
+        [
+            product_text([number, a, b])
+            for a, row in zip(names, rows, strict=True)
+            for b, number in zip(names, row, strict=True)
+        ]
     )
-

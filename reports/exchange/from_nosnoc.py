@@ -106,7 +106,9 @@ def _require_smooth(switching: Sequence[str], names: Sequence[str], reading: Rea
         try:
             parsed = parse_piecewise(text, names)
         except ExpressionError as error:
-            raise reading.refused(f"c[{k}]", "a formula of the states", str(error).partition(", received ")[2]) from None
+            raise reading.refused(
+                f"c[{k}]", "a formula of the states", str(error).partition(", received ")[2]
+            ) from None
         if parsed.switching_parts:
             raise reading.refused(f"c[{k}]", "a switching function without sign, Abs, Max and Min", text)
 

@@ -94,7 +94,8 @@ def obligations_of(certificate: Mapping[str, Any], source: str) -> list[Obligati
 
 def _of_claim(claim: Claim, theorem: str) -> Iterator[Obligation]:
     """One obligation for all inequalities with common functions mu, or one for each; nothing is claimed at the origin
-    alone."""
+    alone.
+    """
     if not claim.count and not claim.at_origin:
         return
     name = f"{theorem}: {claim.name}"
@@ -168,7 +169,9 @@ def _roots(field: Field) -> tuple[list[str], list[Term]]:
     for k, generator in enumerate(field.generators):
         name = f"r{k}"
         powers: list[Term] = [("^", name, generator.degree)]
-        powers += [_product(_number(value), _power(name, power)) for power, value in enumerate(generator.lower) if value]
+        powers += [
+            _product(_number(value), _power(name, power)) for power, value in enumerate(generator.lower) if value
+        ]
         names.append(name)
         equations += [("=", ("+", *powers), ZERO), (">", name, generator.above)]
     return names, equations

@@ -69,7 +69,7 @@ def python_program(formulas: FieldFormulas) -> str:
     """A module with ``field(x)``, a list, and ``lyapunov(x)``."""
     fields, lyapunov = _functions(formulas, PYTHON)
     lines = [f'"""{chr(10).join(_head(formulas))}"""', "", "from math import cos, pi, sin, sqrt  # noqa: F401"]
-    lines += ["", "", "def sgn(a):", "    return (a > 0) - (a < 0)"]
+    lines += ["", "", "def sgn(a):", "    return float(a > 0) - float(a < 0)"]
     for name, own in fields:
         lines += ["", "", f"def {name}(x):", "    return [", *(f"        {part}," for part in own), "    ]"]
     lines += [] if lyapunov is None else ["", "", "def lyapunov(x):", f"    return {lyapunov}"]
@@ -80,7 +80,7 @@ def c_program(formulas: FieldFormulas) -> str:
     """A file with ``void field(const double x[], double dx[])`` and ``double lyapunov(const double x[])``."""
     fields, lyapunov = _functions(formulas, C)
     count = len(formulas.states)
-    lines = [f"/* {' */{0}/* '.format(chr(10)).join(_head(formulas))} */", "", "#include <math.h>", ""]
+    lines = [f"/* {f' */{chr(10)}/* '.join(_head(formulas))} */", "", "#include <math.h>", ""]
     lines += ["static double sgn(double a) { return (a > 0) - (a < 0); }"]
     for name, own in fields:
         lines += ["", f"void {name}(const double x[{count}], double dx[{count}])", "{"]

@@ -225,9 +225,16 @@ class System(PythonScene):
 
     @classmethod
     def from_nosnoc(
-        cls, states: Any, c: Any, S: Any, F: Any, *, decimals: bool = False, **more: Any  # noqa: N803 - nosnoc's names
+        cls,
+        states: Any,
+        c: Any,
+        S: Any,
+        F: Any,
+        *,
+        decimals: bool = False,
+        **more: Any,
     ) -> Self:
-        """nosnoc's ``x' = F(x) theta``: column i of F holds where ``S_ij c_j(x) > 0`` for all j.
+        """Nosnoc's ``x' = F(x) theta``: column i of F holds where ``S_ij c_j(x) > 0`` for all j.
 
         Args:
             states: names, symbols of SymPy, or a vector of CasADi's symbols; c and F are formulas in them.
