@@ -60,7 +60,7 @@ class Reading:
             case Decimal() if value.is_finite():
                 return fraction_text(Fraction(value))
             case Rational():
-                return fraction_text(Fraction(value.numerator, value.denominator))
+                return fraction_text(Fraction(int(value.numerator), int(value.denominator)))
             case Real():
                 return self._float(value, key)
         raise self.refused(key, "a finite number", value)

@@ -129,8 +129,8 @@ def on_cones(modes: Rows, cones: Any, names: Sequence[str], reading: Reading) ->
     ]
 
 
-def quadratic_form(value: Any, names: Sequence[str], reading: Reading) -> str:
-    """The formula ``x' P x`` of a Lyapunov function; a formula is taken as it is."""
+def quadratic_form(value: Any, names: Sequence[str], reading: Reading) -> str | None:
+    """The formula ``x' P x`` of a Lyapunov function; a formula, or None, is taken as it is."""
     if value is None or isinstance(value, str):
         return value
     rows = matrix(value, "lyapunov", reading, (len(names), len(names)))
