@@ -37,7 +37,7 @@ export NPY_DISABLE_CPU_FEATURES ?= X86_V4 AVX512_ICL AVX512_SPR
 endif
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test golden lowest tools lint format measure bench precision evidence gallery clean
+.PHONY: help demo test golden lowest tools lint format measure bench precision evidence gallery site clean
 
 help: ## show this list
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "make %-9s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -90,6 +90,11 @@ evidence: $(INSTALLED) ## compare with data that others made and write docs/evid
 
 gallery: $(PACKAGE) ## rebuild docs/gallery.md and the reports in it
 	$(BIN)/python -m tests.gallery docs
+
+site: $(PACKAGE) ## build the site of the documents into build/site, every link checked
+	@$(PIP_INSTALL) --no-build-isolation -e '.[site]'
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
+	@echo "The site is in build/site: $(BIN)/python -m http.server -d build/site"
 
 clean: ## remove all that make has built, .venv included
 	rm -rf .venv $(LOWEST) build dist nonsmooth.egg-info .mypy_cache .pytest_cache .ruff_cache .hypothesis
