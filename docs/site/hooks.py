@@ -21,6 +21,7 @@ FROM_ROOT = {"contributing.md": "CONTRIBUTING.md", "changelog.md": "CHANGELOG.md
 MATH = re.compile(r"^```math\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 LINK = re.compile(r"\]\((docs/)?([\w./-]+\.md)(#[\w-]+)?\)")
 LIST_AFTER_TEXT = re.compile(r"^(?!\s*([-*]|\d+\.)\s|\s*$|\s*[|#>])(.+)\n(?=([-*]|1\.) )", re.MULTILINE)
+ROLE = re.compile(r":(meth|class|mod|func|data|attr):(?=<code>)")
 FENCE = re.compile(r"^```.*?^```$", re.MULTILINE | re.DOTALL)
 PACKAGES = ("symbolic", "analysis", "proofs", "reports")
 
@@ -38,7 +39,7 @@ def on_files(files: Files, config: Any) -> Files:
 def reference_pages() -> Iterator[tuple[str, str]]:
     """A page for each public name of the Python interface, one for the names of each package, and their index."""
     lines = ["# Classes and functions", "", "`import nonsmooth as ns`; made from the docstrings.", ""]
-    for name, module in sorted(nonsmooth._MODULES.items()):  # noqa: SLF001 - the one list of public names
+    for name, module in sorted(nonsmooth._MODULES.items()):
         yield f"reference/{name}.md", f"::: nonsmooth.{module}.{name}\n"
         lines.append(f"- [`ns.{name}`]({name}.md)")
     lines += ["", "The packages below it, by their public names:", ""]
@@ -68,6 +69,11 @@ def on_page_markdown(markdown: str, **_: Any) -> str:
         parts += [_spaced(with_formulas[place : fence.start()]), fence.group()]
         place = fence.end()
     return "".join([*parts, _spaced(with_formulas[place:])])
+
+
+def on_page_content(html: str, **_: Any) -> str:
+    """Roles of docstrings, such as ``:meth:``, are no words."""
+    return ROLE.sub("", html)
 
 
 def _spaced(text: str) -> str:
