@@ -7,6 +7,7 @@ import re
 import runpy
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -47,6 +48,17 @@ def test_every_public_name_has_a_page_and_formulas_become_mathml() -> None:
     assert "&lt; \\frac" in drawn  # the label that is read aloud
     assert "Text:\n\n- one\n- two\n" in drawn
     assert "kept\n- so\n" in drawn
+
+
+def test_the_conda_recipe_has_the_dependencies_of_the_package() -> None:
+    with (ROOT / "pyproject.toml").open("rb") as file:
+        project = tomllib.load(file)["project"]
+    recipe = (ROOT / "docs" / "packaging" / "meta.yaml").read_text(encoding="utf-8")
+    run = recipe.partition("  run:\n")[2].partition("\ntest:")[0]
+    listed = {line.strip(" -").replace("matplotlib-base", "matplotlib") for line in run.splitlines() if line.strip()}
+    wanted = {dependency.replace(">= ", ">=") for dependency in project["dependencies"]}
+    assert listed == {*wanted, f"python {project['requires-python'].replace(' ', '')}"}
+    assert f'version: "{project["version"]}"' in recipe
 
 
 @pytest.mark.thorough

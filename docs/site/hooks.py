@@ -17,7 +17,12 @@ from mkdocs.structure.files import File, Files
 import nonsmooth
 
 ROOT = Path(__file__).resolve().parents[2]
-FROM_ROOT = {"contributing.md": "CONTRIBUTING.md", "changelog.md": "CHANGELOG.md"}
+FROM_ROOT = {
+    "contributing.md": "CONTRIBUTING.md",
+    "changelog.md": "CHANGELOG.md",
+    "security.md": "SECURITY.md",
+    "conduct.md": "CODE_OF_CONDUCT.md",
+}
 MATH = re.compile(r"^```math\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 LINK = re.compile(r"\]\((docs/)?([\w./-]+\.md)(#[\w-]+)?\)")
 LIST_AFTER_TEXT = re.compile(r"^(?!\s*([-*]|\d+\.)\s|\s*$|\s*[|#>])(.+)\n(?=([-*]|1\.) )", re.MULTILINE)
