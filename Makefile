@@ -96,7 +96,7 @@ gallery: $(PACKAGE) ## rebuild docs/gallery.md and the reports in it
 release-check: $(PACKAGE) ## build wheel and source distribution, install each for every Python that is there, and check
 	@rm -rf build/release && mkdir -p build/release
 	@$(PIP_INSTALL) build
-	@$(BIN)/python -m build --no-isolation --outdir build/release . > build/release/build.log
+	@$(BIN)/python -m build --no-isolation --outdir build/release . > build/release/build.log 2>&1
 	@for python in $(PYTHONS); do command -v $$python > /dev/null || { echo "$$python: not there"; continue; }; \
 	    for file in build/release/*.whl build/release/*.tar.gz; do \
 	        $$python -m venv --clear build/release/venv && \

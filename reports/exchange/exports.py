@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any
-
-if TYPE_CHECKING:
-    from nonsmooth.reports.system_results import SystemCheckResult
+from typing import Any
 
 LANGUAGES = {".py": "python", ".c": "c"}
 
 
-def _program(result: SystemCheckResult, ending: str) -> bytes:
+def _program(result: Any, ending: str) -> bytes:
     return result.formulas().program(LANGUAGES[ending]).encode()
 
 
-def _problem(result: SystemCheckResult, ending: str) -> bytes:
-    """The inequalities that the certificate of a verdict rests on.
+def _problem(result: Any, ending: str) -> bytes:
+    """The inequalities that the certificate of a check of a plain system rests on.
 
     Raises:
         NoCertificateError: where there is no certificate.
