@@ -33,6 +33,7 @@ from nonsmooth.symbolic.scene_error import SceneError, StatedFact
 Term: TypeAlias = Any
 
 ZERO = Fraction(0)
+MESH = "basin"  # the theorem whose conditions are about numbers at corners of triangles
 
 
 @dataclass(frozen=True)
@@ -73,7 +74,8 @@ def obligations_of(certificate: Mapping[str, Any], source: str) -> list[Obligati
         source: what messages call the system.
 
     Raises:
-        SceneError: for an array, whose certificate rests on other arithmetic, and where nothing is left to prove.
+        SceneError: for an array and for a mesh of triangles, whose certificates rest on other arithmetic, and where
+            nothing is left to prove.
     """
     data = json.loads(json.dumps(certificate))
     if is_of_array(data["statement"]["subject"]):
@@ -81,6 +83,8 @@ def obligations_of(certificate: Mapping[str, Any], source: str) -> list[Obligati
     subject = read_subject(data["statement"]["subject"])
     found: list[Obligation] = []
     for number, entry in enumerate(data["evidence"], 1):
+        if entry["theorem"] == MESH:
+            raise SceneError(source, "", "a certificate without a mesh", StatedFact("one by the theorem basin"))
         proofs = _Noted(entry["proofs"])
         THEOREMS[entry["theorem"]](subject, entry["hypotheses"], proofs)
         theorem = f"{number} {entry['theorem']}"

@@ -123,6 +123,14 @@ def test_z3_is_asked_something(tmp_path: Path) -> None:
             assert found[number] == "sat"
 
 
+def test_a_mesh_of_triangles_is_refused() -> None:
+    """Its conditions are no inequalities between polynomials: a file without them would say too much."""
+    certificate = system("relay-oscillator-damped").check().certificate()
+    certificate["evidence"] = [*certificate["evidence"], {"theorem": "basin", "hypotheses": {}, "proofs": {}}]
+    with pytest.raises(ns.SceneError, match="without a mesh"):
+        obligations_of(certificate, "relays")
+
+
 @pytest.mark.parametrize("name", ["relay-oscillator-damped", "three states", "stick-slip"])
 def test_archives_of_keymaera_x_are_formulas_that_are_true(name: str) -> None:
     result = system(name).check()
