@@ -97,7 +97,7 @@ release-check: $(PACKAGE) ## build wheel and source distribution, install each f
 	@rm -rf build/release && mkdir -p build/release
 	@$(PIP_INSTALL) build
 	@$(BIN)/python -m build --no-isolation --outdir build/release . > build/release/build.log 2>&1
-	@for python in $(PYTHONS); do command -v $$python > /dev/null || { echo "$$python: not there"; continue; }; \
+	@for python in $(PYTHONS); do $$python -c "import venv" > /dev/null 2>&1 || { echo "$$python: not there"; continue; }; \
 	    for file in build/release/*.whl build/release/*.tar.gz; do \
 	        $$python -m venv --clear build/release/venv && \
 	        build/release/venv/bin/python -m pip install -qq --disable-pip-version-check -c constraints.txt "$$file" && \
