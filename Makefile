@@ -19,6 +19,8 @@ WORKERS ?= 2
 # `make lowest`: what touches each library, against its oldest version that pyproject.toml allows.
 # Needs Python 3.11 or 3.12 (make PYTHON=python3.12 lowest): for later ones these versions were never built.
 LOWEST := .venv-lowest
+# `make release-check`: those of the support window (docs/stability.md) that are there.
+PYTHONS := python3.11 python3.12 python3.13 python3.14
 LOWEST_TESTS := tests/symbolic tests/analysis/test_minimizers.py tests/analysis/test_filippov.py \
     tests/analysis/test_trajectory.py tests/analysis/test_dynamics.py tests/proofs/test_theorem4.py \
     tests/proofs/test_quadratic.py tests/proofs/test_systems.py tests/proofs/test_ellipse.py \
@@ -37,10 +39,10 @@ export NPY_DISABLE_CPU_FEATURES ?= X86_V4 AVX512_ICL AVX512_SPR
 endif
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test golden lowest tools lint format measure bench precision evidence gallery clean
+.PHONY: help demo test golden lowest tools lint format measure bench precision evidence gallery release-check site clean
 
 help: ## show this list
-	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "make %-9s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-13s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 
 demo: $(PACKAGE) ## check the four-wheel array under every contact rule and write its derivation report
 	$(BIN)/nonsmooth check four-wheel
@@ -90,6 +92,25 @@ evidence: $(INSTALLED) ## compare with data that others made and write docs/evid
 
 gallery: $(PACKAGE) ## rebuild docs/gallery.md and the reports in it
 	$(BIN)/python -m tests.gallery docs
+
+release-check: $(PACKAGE) ## build wheel and source distribution, install each for every Python that is there, and check
+	@rm -rf build/release && mkdir -p build/release
+	@$(PIP_INSTALL) build
+	@$(BIN)/python -m build --no-isolation --outdir build/release . > build/release/build.log 2>&1
+	@for python in $(PYTHONS); do $$python -c "import venv" > /dev/null 2>&1 || { echo "$$python: not there"; continue; }; \
+	    for file in build/release/*.whl build/release/*.tar.gz; do \
+	        $$python -m venv --clear build/release/venv && \
+	        build/release/venv/bin/python -m pip install -qq --disable-pip-version-check -c constraints.txt "$$file" && \
+	        (cd build/release && venv/bin/nonsmooth check four-wheel --certificate four.json > check.log && \
+	            venv/bin/nonsmooth verify four.json > verify.log && \
+	            venv/bin/python -c "import nonsmooth as ns; ns.load('relay-oscillator').check()") && \
+	        echo "$$python: $$file installs, checks and verifies" || exit 1; \
+	    done; done
+
+site: $(PACKAGE) ## build the site of the documents into build/site, every link checked
+	@$(PIP_INSTALL) --no-build-isolation -e '.[site]'
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
+	@echo "The site is in build/site: $(BIN)/python -m http.server -d build/site"
 
 clean: ## remove all that make has built, .venv included
 	rm -rf .venv $(LOWEST) build dist nonsmooth.egg-info .mypy_cache .pytest_cache .ruff_cache .hypothesis

@@ -132,6 +132,10 @@ class MapResult(Result):
         named = ", ".join(f"{part.starts} {part.text}" for part in sorted(parts, key=lambda part: -part.starts))
         return f"{sum(part.starts for part in parts)} starts: {named}"
 
+    def dimensions(self) -> Sequence[str]:
+        """The two coordinates of the starts."""
+        return self.table().columns[:2]
+
     def __repr__(self) -> str:
         return short_lines(f"{self.title}: {self.summary()} (sampled)", self.shares)
 

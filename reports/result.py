@@ -118,6 +118,20 @@ class Result(ABC):
         """
         return import_module("pandas").DataFrame(self.rows())
 
+    def dimensions(self) -> Sequence[str]:
+        """The columns of the table that say where a row lies: time, start, what varies; the first unless told."""
+        return self.table().columns[:1]
+
+    def to_xarray(self) -> Any:
+        """The rows as an xarray Dataset over :meth:`dimensions` (extra ``nonsmooth[tables]``).
+
+        Raises:
+            ImportError: where pandas or xarray are not installed.
+        """
+        from nonsmooth.reports.exchange.tables import dataset
+
+        return dataset(self.to_dataframe(), self.dimensions())
+
     def figure(self) -> Figure:
         """The picture of a file."""
         from matplotlib.figure import Figure

@@ -47,6 +47,10 @@ class FieldResult(Result):
         numbers = np.column_stack([field.points, field.velocities, field.rates, field.upper_derivative])
         return DataTable(COLUMNS, [floats(line) for line in numbers.tolist()])
 
+    def dimensions(self) -> Sequence[str]:
+        """The two coordinates of the points."""
+        return self.table().columns[:2]
+
     def draw(self, ax: Axes) -> None:
         """Streamlines over V*."""
         from nonsmooth.reports.figures.cells import draw_field

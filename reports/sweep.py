@@ -88,6 +88,11 @@ class SweepResult(Result):
         """The JSON record of ``nonsmooth sweep --json``."""
         return sweep_record(self.sweep)
 
+    def dimensions(self) -> Sequence[str]:
+        """The numbers that vary: each has a column with its exact text beside it."""
+        columns = self.table().columns
+        return [name for name in columns if f"{name} exact" in columns]
+
     def table(self) -> DataTable:
         """One line for each scene."""
         rows = list(flat_rows(self.sweep))

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 from nonsmooth.proofs.system_audit import AuditResult
 from nonsmooth.proofs.system_decision import StabilityResult
@@ -25,9 +25,10 @@ from nonsmooth.proofs.system_facts import (
 from nonsmooth.proofs.systems.decay_rate import DecayKind
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.reports.document import Block, Paragraph, findings
+from nonsmooth.reports.exchange.exports import EXPORTS
 from nonsmooth.reports.facts import Record, fact_record, fact_rows, with_exact
 from nonsmooth.reports.progress import progress
-from nonsmooth.reports.result import DataTable, Result, short_lines
+from nonsmooth.reports.result import FORMATS, DataTable, Result, short_lines
 from nonsmooth.symbolic.numbers.measured_angles import angle_notes
 from nonsmooth.symbolic.scene_error import one_line
 from nonsmooth.symbolic.switched_system import PLANE
@@ -37,6 +38,8 @@ if TYPE_CHECKING:
     from rich.console import RenderableType
 
     from nonsmooth.proofs.facts import Fact
+    from nonsmooth.proofs.systems.findings import ExaminedFunction
+    from nonsmooth.reports.exchange.formulas import FieldFormulas
 
 SYSTEM_SCHEMA = "nonsmooth-check/1"
 AUDIT_SCHEMA = "nonsmooth-audit/1"
@@ -97,10 +100,15 @@ class FactResult(Result):
 class SystemCheckResult(FactResult):
     """What a check of a plain system found: the V that proves it, or what the scene's V shows, and the derivatives.
 
+    ``save`` writes the problem for other provers too (``.smt2``, ``.kyx``), and the field with V as a program (``.py``,
+    ``.c``).
+
     Attributes:
         evidence: everything that was proved; ``evidence.check()`` asks the stand-alone checker.
         shows_evidence: whether a terminal shows all of it.
     """
+
+    formats: ClassVar[Mapping[str, Callable[[Any, str], bytes]]] = {**FORMATS, **EXPORTS}
 
     evidence: StabilityResult
     shows_evidence: bool = False
@@ -157,10 +165,24 @@ class SystemCheckResult(FactResult):
         ax.set(xlabel=x, ylabel=y, aspect="equal", title=f"{one_line(self.evidence.scene.name)}: {self.verdict}")
 
     @property
+    def _function(self) -> ExaminedFunction | None:
+        """The function that shows stability; None where none does."""
+        functions = (own.function for own in reversed(self.evidence.findings))
+        return next((own for own in functions if own is not None and not own.grows), None)
+
+    @property
     def lyapunov(self) -> str | None:
         """The function that shows stability, as text; None where none does."""
-        functions = (own.function for own in reversed(self.evidence.findings))
-        return next((own.text for own in functions if own is not None and not own.grows), None)
+        return None if self._function is None else self._function.text
+
+    def formulas(self) -> FieldFormulas:
+        """The stated field and the function that shows stability, for SymPy, CasADi, Python and C.
+
+        ``formulas().sympy()``, ``.casadi()``, ``.program("python")`` and ``.program("c")``.
+        """
+        from nonsmooth.reports.exchange.formulas import formulas_of
+
+        return formulas_of(self.evidence.scene, self._function)
 
     @property
     def exit_status(self) -> int:

@@ -1,9 +1,9 @@
-"""``nonsmooth export``: a scene as a file for a physics engine, with what is predicted of it."""
+"""``nonsmooth export``: an array for a physics engine, with what is predicted; a decided system for other programs."""
 
 from __future__ import annotations
 
 from enum import StrEnum
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -13,8 +13,17 @@ from nonsmooth.reports.refusals import RefusedError, refusals_named
 from nonsmooth.reports.study_command import offered
 from nonsmooth.reports.study_options import SceneOptions
 
+if TYPE_CHECKING:
+    from pathlib import Path
+
 Output = Annotated[
-    str | None, typer.Option("-o", "--output", metavar="FILE", help="MJCF: .xml; standard output without.")
+    str | None,
+    typer.Option(
+        "-o",
+        "--output",
+        metavar="FILE",
+        help="Of an array .xml (MJCF; standard output without); of a system .smt2, .kyx, .py, .c.",
+    ),
 ]
 Place = Annotated[
     str | None,
@@ -47,17 +56,27 @@ def export(
     rule: Annotated[str | None, offered(SceneOptions, "rule")] = None,
     allow_outside: Annotated[bool, offered(SceneOptions, "allow_outside")] = False,
 ) -> int:
-    """Export a scene to MuJoCo's MJCF; comments state the predicted twist and motion, and a bound on creep.
+    """Export an array to MuJoCo's MJCF, or a decided plain system to other provers and programs.
+
+    MJCF: comments state the predicted twist and motion, and a bound on creep.  A plain system: the inequalities of its
+    verdict for SMT solvers (.smt2) and KeYmaera X (.kyx), or its field and V as a program (.py, .c).
 
     Exit status: 0 done, 2 bad input.
     """
+    from nonsmooth.reports.exchange.exports import EXPORTS
     from nonsmooth.reports.files import output_path, write_whole
     from nonsmooth.reports.mjcf import export_scene
     from nonsmooth.reports.mjcf_world import export_world
     from nonsmooth.symbolic.files.scene_file import build_scene, deep_nesting_refused, read_document
     from nonsmooth.symbolic.files.vehicle_file import build_vehicle
 
-    path = None if output is None else output_path(output, (".xml",))
+    if output is not None and output.lower().endswith(tuple(EXPORTS)):
+        if place is not None or rule is not None or allow_outside or frame is not ExportFrame.BODY:
+            raise RefusedError(
+                f"{output}: required no --from, --frame, --rule and --allow-outside, received one of them"
+            )
+        return _export_system(scene, output_path(output, EXPORTS))
+    path = None if output is None else output_path(output, (".xml", *EXPORTS))
     with deep_nesting_refused(scene):
         data, label, file = read_document(scene, at=place)
         is_vehicle = "vehicle" in data
@@ -77,4 +96,23 @@ def export(
         return 0
     write_whole(path, exported.text().encode())
     write(f"{path}: {exported.summary}\n")
+    return 0
+
+
+def _export_system(scene: str, path: Path) -> int:
+    """Decide a plain system, and write what others may prove again or run."""
+    from nonsmooth.proofs.kernel.subject import NoCertificateError
+    from nonsmooth.reports.check import check_system
+    from nonsmooth.symbolic.files.scene_file import deep_nesting_refused
+    from nonsmooth.symbolic.files.system_file import load_system
+
+    with deep_nesting_refused(scene):
+        system = load_system(scene)
+    with refusals_named(system):
+        result = check_system(system)
+    try:
+        result.write_to(path)
+    except NoCertificateError as error:
+        raise RefusedError(f"{system.origin}: {error}") from None
+    write(f"{path}: {system.name}, {result.verdict}\n")
     return 0

@@ -68,7 +68,7 @@ COMMANDS = {  # in the order of the help
         "design four-wheel --free headings --require position,heading --rule ellipse -o better.toml",
     ),
     "export": Entry(
-        "Export a scene to MuJoCo's MJCF; comments state the predicted twist and motion, and a bound on creep.",
+        "Export an array to MuJoCo's MJCF, or a decided plain system to other provers and programs.",
         "export ring-6 -o ring-6.xml",
     ),
     "vehicle": Entry(

@@ -136,6 +136,22 @@ class Array(PythonScene):
         path = Path(file)
         return cls.of_document(placed({"wheels": {"file": path.name}}, more), path.parent)
 
+    @classmethod
+    def from_table(cls, table: Any, **more: Any) -> Self:
+        """Wheels of a table of columns, read as those of a CSV file are: a data frame, or lists by name.
+
+        Args:
+            table: a data frame of pandas or polars, or a mapping from names of columns to their entries; columns x, y
+                and optionally the others of :meth:`from_csv`. None and NaN are empty cells.
+            **more: as for :meth:`with_`.
+
+        Raises:
+            SceneError: for whatever cannot be used, naming row and column.
+        """
+        from nonsmooth.reports.exchange.wheel_table import wheels_of_table
+
+        return cls.of_document(placed({"wheel": wheels_of_table(table)}, more))
+
     def with_(self, **changes: Any) -> Self:
         """Another array in which some keys are changed.
 

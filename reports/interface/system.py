@@ -15,6 +15,7 @@ from nonsmooth.reports.study import takes
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.systems.larger_region import LargerRegion
+    from nonsmooth.reports.exchange.formulas import FieldFormulas
     from nonsmooth.reports.maps import MapResult
     from nonsmooth.reports.orbits import OrbitResult
     from nonsmooth.reports.paths import PathResult
@@ -74,6 +75,193 @@ class System(PythonScene):
         system._set(document)
         return system
 
+    # ---- from other libraries (reports/exchange) -------------------------------------------------
+
+    @classmethod
+    def from_sympy(
+        cls,
+        states: Sequence[Any],
+        rhs: Any,
+        *,
+        parameters: Mapping[Any, Any] | None = None,
+        decimals: bool = False,
+        lyapunov: Any = None,
+        **more: Any,
+    ) -> Self:
+        """The system ``x' = f(x)`` of SymPy's expressions, with Piecewise, sign, Abs, Max, Min and Heaviside.
+
+        What a Piecewise says on a border itself is ignored; numbers stay exact.
+
+        Args:
+            states: symbols, functions of time such as ``x(t)``, or names.
+            rhs: one expression for each state, or a matrix of them; or several lists (arbitrary switching).
+            parameters: numbers by symbol or name; an interval such as ``[1, 2]``.
+            decimals: a float means its shortest decimal; otherwise it is the binary number that it is.
+            lyapunov: V as an expression or a text.
+            **more: at, radius and name, as for a :class:`System`.
+
+        Raises:
+            SceneError: for an expression that is no formula of the states.
+        """
+        from nonsmooth.reports.exchange.formula_text import Reading
+        from nonsmooth.reports.exchange.from_sympy import formulas_of_sympy
+
+        named = dict(parameters or {})
+        walker = formulas_of_sympy(states, rhs, list(named), Reading("System.from_sympy", decimals))
+        return cls._of_formulas(
+            [walker.names[state] for state in states],
+            walker.written,
+            lyapunov=None if lyapunov is None else walker.formula(lyapunov, "lyapunov"),
+            parameters={walker.names[symbol]: value for symbol, value in named.items()} or None,
+            **more,
+        )
+
+    @classmethod
+    def from_matrices(
+        cls,
+        matrices: Sequence[Any],
+        cones: Sequence[Any] | None = None,
+        *,
+        offsets: Sequence[Any] | None = None,
+        states: Sequence[str] | None = None,
+        decimals: bool = False,
+        lyapunov: Any = None,
+        **more: Any,
+    ) -> Self:
+        """``x' = A_i x + b_i``: under arbitrary switching, or the first whose rows ``C_i x`` are all positive.
+
+        Args:
+            matrices: the A_i, arrays of NumPy or rows of numbers, each n x n.
+            cones: for each of them C_i of n columns, or n + 1 with a constant; None for the last, which holds
+                everywhere else. Without cones the field may be any of them at any time.
+            offsets: the b_i, n numbers each; zero unless given.
+            states: n names; x1, x2, ... unless given.
+            decimals: a float means its shortest decimal; otherwise it is the binary number that it is.
+            lyapunov: P of ``V = x' P x``, n x n, or V as a text.
+            **more: at, radius and name, as for a :class:`System`.
+
+        Raises:
+            SceneError: for matrices of other shapes, and for what is no number.
+        """
+        from nonsmooth.reports.exchange import from_matrices
+        from nonsmooth.reports.exchange.formula_text import Reading
+
+        reading = Reading("System.from_matrices", decimals)
+        count = len(from_matrices.matrix(matrices[0], "matrices[1]", reading)) if len(matrices) else 0
+        names = from_matrices.state_names(count) if states is None else list(states)
+        modes = from_matrices.modes_of_matrices(matrices, offsets, names, reading)
+        rhs: Any = modes if len(modes) > 1 else modes[0] if modes else []
+        if cones is not None:
+            rhs = from_matrices.on_cones(modes, cones, names, reading)
+        return cls._of_formulas(names, rhs, lyapunov=from_matrices.quadratic_form(lyapunov, names, reading), **more)
+
+    @classmethod
+    def from_casadi(
+        cls,
+        function: Any,
+        states: Any = None,
+        *,
+        inputs: Mapping[str, Any] | None = None,
+        decimals: bool = False,
+        lyapunov: Any = None,
+        **more: Any,
+    ) -> Self:
+        """The system of a ``casadi.Function`` or expression, by its instructions (extra ``nonsmooth[casadi]``).
+
+        Its constants are doubles: 1/3 there is the binary number next to a third.
+
+        Args:
+            function: a Function whose first input is the vector of states, or an expression.
+            states: of a Function names, x1, x2, ... unless given; of an expression its symbols.
+            inputs: numbers for each further input of a Function, by its name.
+            decimals: a float means its shortest decimal; otherwise it is the binary number that it is.
+            lyapunov: V as an expression in the same symbols, or a text.
+            **more: at, radius and name, as for a :class:`System`.
+
+        Raises:
+            SceneError: without CasADi, and for instructions that formulas do not have.
+        """
+        from nonsmooth.reports.exchange.formula_text import Reading
+        from nonsmooth.reports.exchange.from_casadi import formulas_of_casadi
+
+        reading = Reading("System.from_casadi", decimals)
+        names, rhs = formulas_of_casadi(function, states, inputs or {}, reading)
+        if lyapunov is not None and not isinstance(lyapunov, str):
+            lyapunov = formulas_of_casadi(lyapunov, states, {}, reading)[1][0]
+        return cls._of_formulas(names, rhs, lyapunov=lyapunov, **more)
+
+    @classmethod
+    def from_control(
+        cls,
+        plant: Any,
+        nonlinearity: Any = None,
+        *,
+        limit: Any = 1,
+        sign: int = -1,
+        decimals: bool = False,
+        **more: Any,
+    ) -> Self:
+        """The Lur'e system of python-control's state space with a nonlinearity in its loop (``nonsmooth[control]``).
+
+        ``x' = A x + B u``, ``y = C x``, ``u_i = sign phi_i(y_i)``.
+
+        Args:
+            plant: a StateSpace in continuous time without feedthrough.
+            nonlinearity: "saturation", "relay" or "deadzone"; python-control's own saturation, or relay without
+                hysteresis; a list for several outputs. Without one the loop is open.
+            limit: of a saturation or relay its largest value, of a dead zone its half-width; or a list.
+            sign: of the feedback.
+            decimals: a float means its shortest decimal; otherwise it is the binary number that it is.
+            **more: at, radius, lyapunov and name, as for a :class:`System`.
+
+        Raises:
+            SceneError: without python-control, and for what is no such loop.
+        """
+        from nonsmooth.reports.exchange.formula_text import Reading
+        from nonsmooth.reports.exchange.from_control import formulas_of_control
+
+        reading = Reading("System.from_control", decimals)
+        return cls._of_formulas(*formulas_of_control(plant, nonlinearity, limit, sign, reading), **more)
+
+    @classmethod
+    def from_nosnoc(
+        cls,
+        states: Any,
+        c: Any,
+        S: Any,
+        F: Any,
+        *,
+        decimals: bool = False,
+        **more: Any,
+    ) -> Self:
+        """Nosnoc's ``x' = F(x) theta``: column i of F holds where ``S_ij c_j(x) > 0`` for all j.
+
+        Args:
+            states: names, symbols of SymPy, or a vector of CasADi's symbols; c and F are formulas in them.
+            c: m switching functions; or a list of such lists, for independent parts whose fields are added.
+            S: p rows of m entries -1, 0 or 1, one row for each mode; or a list of such matrices.
+            F: n rows of p formulas, one row for each state; or a list of such matrices.
+            decimals: a float means its shortest decimal; otherwise it is the binary number that it is.
+            **more: at, radius, lyapunov and name, as for a :class:`System`.
+
+        Raises:
+            SceneError: for shapes that do not fit, and where not exactly one row of S holds for a pattern of signs.
+        """
+        from nonsmooth.reports.exchange.formula_text import Reading
+        from nonsmooth.reports.exchange.from_nosnoc import formulas_of_nosnoc
+
+        return cls._of_formulas(*formulas_of_nosnoc(states, c, S, F, Reading("System.from_nosnoc", decimals)), **more)
+
+    @classmethod
+    def _of_formulas(cls, states: Sequence[str], rhs: Sequence[Any], **more: Any) -> Self:
+        """The system of formulas that a door has written, with fewer parentheses."""
+        from nonsmooth.reports.exchange.formula_text import without_parentheses
+
+        plain = [
+            without_parentheses(side) if isinstance(side, str) else list(map(without_parentheses, side)) for side in rhs
+        ]
+        return cls(states, plain, **more)
+
     def _set(self, document: Mapping[str, Any]) -> None:
         object.__setattr__(self, "document", document)
         _ = self.system  # refuse what cannot be used at once
@@ -103,6 +291,15 @@ class System(PythonScene):
         sides = rhs if all(isinstance(side, list) for side in rhs) else [rhs]
         shown = ["; ".join(f"{s}' = {formula}" for s, formula in zip(states, side, strict=True)) for side in sides]
         return f"System: {' or '.join(shown)}"[:400]
+
+    def formulas(self) -> FieldFormulas:
+        """The stated field for SymPy, CasADi, Python and C; that of a check holds the V that was found, too.
+
+        ``formulas().sympy()``, ``.casadi()``, ``.program("python")`` and ``.program("c")``.
+        """
+        from nonsmooth.reports.exchange.formulas import formulas_of
+
+        return formulas_of(self.system)
 
     def check(self, **changes: Any) -> SystemCheckResult:
         """Stability of the equilibrium.

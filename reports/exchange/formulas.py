@@ -1,0 +1,329 @@
+"""The field of a plain system and the V that was found for it, as SymPy, CasADi, Python and C.
+
+A formula is a tree of Python's grammar that was checked when the scene was read; it is walked, and each node is written
+in the target's own way.  The field is that which was stated: with its fractions, sines and roots of states, and its
+parameters at their values.  V is a function of the states, not of the displacement from the checked point.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import reduce
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from nonsmooth.reports.exchange.formula_text import (
+    Reading,
+    difference_text,
+    first_that_holds,
+    in_parentheses,
+    indicator,
+    product_text,
+)
+from nonsmooth.reports.exchange.from_casadi import library
+from nonsmooth.symbolic.expression import decimal_value, parse_tree
+from nonsmooth.symbolic.piecewise import EXTREMES, MAX_TEXT, SIGNS
+from nonsmooth.symbolic.scene_error import SceneError, StatedFact, one_line
+
+if TYPE_CHECKING:
+    import sympy
+
+    from nonsmooth.proofs.systems.findings import ExaminedFunction
+    from nonsmooth.symbolic.switched_system import SwitchedSystem
+
+
+@dataclass(frozen=True)
+class Target:
+    """How a library or a language writes formulas.
+
+    Attributes:
+        number: of a rational number.
+        pi: the number.
+        functions: sgn, Abs, Max and Min of two, sqrt, sin, cos.
+        operators: of the classes of Python's grammar: Add, Sub, Mult, Div, USub, and Pow with a whole exponent.
+    """
+
+    number: Callable[[Fraction], Any]
+    pi: Any
+    functions: Mapping[str, Callable[..., Any]]
+    operators: Mapping[type, Callable[..., Any]]
+
+    def written(self, node: ast.expr, text: str, names: Mapping[str, Any]) -> Any:
+        """A part of a formula in the target.
+
+        Args:
+            node: the part.
+            text: of the whole formula, in which decimals stand as they were written.
+            names: what stands for each state.
+        """
+        match node:
+            case ast.Constant():
+                return self.number(decimal_value(ast.get_source_segment(text, node) or ""))
+            case ast.Name(id=name):
+                return self.pi if name == "pi" and name not in names else names[name]
+            case ast.UnaryOp(op=ast.USub()):
+                return self.operators[ast.USub](self.written(node.operand, text, names))
+            case ast.UnaryOp():
+                return self.written(node.operand, text, names)
+            case ast.BinOp(op=ast.Pow()):
+                return self.operators[ast.Pow](self.written(node.left, text, names), ast.literal_eval(node.right))
+            case ast.BinOp():
+                sides = (self.written(side, text, names) for side in (node.left, node.right))
+                return self.operators[type(node.op)](*sides)
+            case ast.Call(func=ast.Name(id=name)):
+                return self._called(name, [self.written(argument, text, names) for argument in node.args])
+        raise TypeError(f"required a formula, received {ast.dump(node)}")
+
+    def _called(self, name: str, arguments: list[Any]) -> Any:
+        """A function of formulas; ``relu`` and ``sat`` are written by Max and Min, these two by two."""
+        largest, smallest = self.functions["Max"], self.functions["Min"]
+        if name == "relu":
+            return largest(arguments[0], self.number(Fraction(0)))
+        if name == "sat":
+            return largest(arguments[1], smallest(arguments[2], arguments[0]))
+        if name in EXTREMES:
+            return reduce(largest if EXTREMES[name] > 0 else smallest, arguments)
+        return self.functions["sgn" if name in SIGNS else name](*arguments)
+
+
+def _objects(number: Callable[[Fraction], Any], pi: Any, functions: Mapping[str, Callable[..., Any]]) -> Target:
+    """A target whose formulas are objects with Python's operators."""
+    operators: dict[type, Callable[..., Any]] = {
+        ast.Add: lambda a, b: a + b,
+        ast.Sub: lambda a, b: a - b,
+        ast.Mult: lambda a, b: a * b,
+        ast.Div: lambda a, b: a / b,
+        ast.Pow: lambda a, b: a**b,
+        ast.USub: lambda a: -a,
+    }
+    return Target(number, pi, functions, operators)
+
+
+# ---- what is written -----------------------------------------------------------------------------
+
+
+class SympyField(NamedTuple):
+    """A system in SymPy: real symbols, one tuple of expressions for each right-hand side, and V or None."""
+
+    states: tuple[sympy.Symbol, ...]
+    fields: tuple[tuple[sympy.Expr, ...], ...]
+    lyapunov: sympy.Expr | None
+
+
+class CasadiField(NamedTuple):
+    """A system in CasADi: one Function x -> dx for each right-hand side, and the Function x -> V or None."""
+
+    fields: tuple[Any, ...]
+    lyapunov: Any
+
+
+@dataclass(frozen=True)
+class FieldFormulas:
+    """The stated right-hand sides of a system, and a V.
+
+    Attributes:
+        name: of the system.
+        states: their names.
+        fields: formulas by right-hand side (several under arbitrary switching) and state.
+        lyapunov: V in the displacement, under the names of the states; None where none was found.
+        point: the checked point, a formula for each state.
+    """
+
+    name: str
+    states: tuple[str, ...]
+    fields: tuple[tuple[str, ...], ...]
+    lyapunov: str | None
+    point: tuple[str, ...]
+
+    def written(self, target: Target, names: Sequence[Any]) -> tuple[list[list[Any]], Any]:
+        """All fields, and V or None, in a target.
+
+        Args:
+            target: how formulas are written.
+            names: what stands for each state.
+        """
+        named = dict(zip(self.states, names, strict=True))
+        fields = [[_formula(target, text, named) for text in field] for field in self.fields]
+        if self.lyapunov is None:
+            return fields, None
+        moved = dict(named)
+        for state, at in zip(self.states, self.point, strict=True):
+            if at != "0":
+                moved[state] = target.operators[ast.Sub](named[state], _formula(target, at, {}))
+        return fields, _formula(target, self.lyapunov, moved)
+
+    def sympy(self) -> SympyField:
+        """In SymPy, with exact numbers."""
+        import sympy
+
+        functions = {"sgn": sympy.sign, **{name: getattr(sympy, name) for name in _NAMED}}
+        states = tuple(sympy.Symbol(name, real=True) for name in self.states)
+        target = _objects(lambda value: sympy.Rational(value.numerator, value.denominator), sympy.pi, functions)
+        fields, lyapunov = self.written(target, states)
+        return SympyField(states, tuple(tuple(map(sympy.sympify, field)) for field in fields), lyapunov)
+
+    def casadi(self) -> CasadiField:
+        """In CasADi, with doubles.
+
+        Raises:
+            SceneError: without CasADi.
+        """
+        casadi = library("casadi", Reading("casadi"))
+        functions = {"Abs": casadi.fabs, "Max": casadi.fmax, "Min": casadi.fmin, "sgn": casadi.sign}
+        functions |= {name: getattr(casadi, name) for name in ("sqrt", "sin", "cos")}
+        x = casadi.SX.sym("x", len(self.states))
+        target = _objects(lambda value: casadi.SX(float(value)), casadi.SX(casadi.pi), functions)
+        fields, lyapunov = self.written(target, x.elements())
+        made = tuple(casadi.Function("field", [x], [casadi.vertcat(*own)], ["x"], ["dx"]) for own in fields)
+        return CasadiField(made, None if lyapunov is None else casadi.Function("V", [x], [lyapunov], ["x"], ["V"]))
+
+    def program(self, language: str) -> str:
+        """The source of a program of its own, with doubles.
+
+        Args:
+            language: ``python`` or ``c``.
+
+        Raises:
+            ValueError: for another language.
+        """
+        if language not in PROGRAMS:
+            raise ValueError(f"required a language of {', '.join(PROGRAMS)}, received {language!r}")
+        return PROGRAMS[language](self)
+
+
+_NAMED = ("Abs", "Max", "Min", "sqrt", "sin", "cos")
+
+
+def _formula(target: Target, text: str, names: Mapping[str, Any]) -> Any:
+    stated, tree = parse_tree(text, MAX_TEXT, "a formula")
+    return target.written(tree, stated, names)
+
+
+# ---- programs, complete by themselves ------------------------------------------------------------
+
+
+LARGEST_WHOLE = 2**53  # up to which whole numbers are doubles
+
+_OPERATORS: dict[type, Callable[..., str]] = {
+    ast.Add: "({} + {})".format,
+    ast.Sub: "({} - {})".format,
+    ast.Mult: "({} * {})".format,
+    ast.Div: "({} / {})".format,
+    ast.USub: "(-{})".format,
+}
+
+
+def _number(value: Fraction) -> str:
+    """A double: a quotient of whole numbers where both are doubles, else the nearest."""
+    if float(value) == value or max(abs(value.numerator), value.denominator) > LARGEST_WHOLE:
+        return repr(float(value)) if value >= 0 else f"({float(value)!r})"
+    return f"({value.numerator}.0 / {value.denominator}.0)"
+
+
+def _target(names: dict[str, str], pi: str, power: Callable[..., str]) -> Target:
+    functions = {name: f"{called}({{}})".format for name, called in names.items() if name not in ("Max", "Min")}
+    functions |= {name: f"{names[name]}({{}}, {{}})".format for name in ("Max", "Min")}
+    return Target(_number, pi, functions, {**_OPERATORS, ast.Pow: power})
+
+
+PYTHON = _target(
+    {"sgn": "sgn", "Abs": "abs", "sqrt": "sqrt", "sin": "sin", "cos": "cos", "Max": "max", "Min": "min"},
+    "pi",
+    "({} ** {})".format,
+)
+C = _target(
+    {"sgn": "sgn", "Abs": "fabs", "sqrt": "sqrt", "sin": "sin", "cos": "cos", "Max": "fmax", "Min": "fmin"},
+    repr(3.141592653589793),
+    "pow({}, {})".format,
+)
+
+
+def _head(formulas: FieldFormulas) -> list[str]:
+    """What the program is, on lines without quotes, backslashes and the ends of comments."""
+    states = ", ".join(f"x[{k}] = {name}" for k, name in enumerate(formulas.states))
+    name = one_line(formulas.name).replace("\\", "/").replace('"', "'").replace("*/", "* /")
+    said = [f"The field of {name}, x' = f(x), with {states}. Written by nonsmooth; numbers are doubles."]
+    said.append("On the surfaces where f jumps its value is one of many: solutions are Filippov's.")
+    if len(formulas.fields) > 1:
+        said.append(f"The system may switch between {len(formulas.fields)} fields at any time.")
+    if formulas.lyapunov is not None:
+        said.append("lyapunov is the V of the verdict, zero at the checked point.")
+    return said
+
+
+def _functions(formulas: FieldFormulas, target: Target) -> tuple[list[tuple[str, list[str]]], str | None]:
+    """The fields by their names, and V."""
+    fields, lyapunov = formulas.written(target, [f"x[{k}]" for k in range(len(formulas.states))])
+    names = ["field"] if len(fields) == 1 else [f"field_{k}" for k in range(1, len(fields) + 1)]
+    return list(zip(names, fields, strict=True)), lyapunov
+
+
+def python_program(formulas: FieldFormulas) -> str:
+    """A module with ``field(x)``, a list, and ``lyapunov(x)``."""
+    fields, lyapunov = _functions(formulas, PYTHON)
+    lines = [f'"""{chr(10).join(_head(formulas))}"""', "", "from math import cos, pi, sin, sqrt  # noqa: F401"]
+    lines += ["", "", "def sgn(a):", "    return float(a > 0) - float(a < 0)"]
+    for name, own in fields:
+        lines += ["", "", f"def {name}(x):", "    return [", *(f"        {part}," for part in own), "    ]"]
+    lines += [] if lyapunov is None else ["", "", "def lyapunov(x):", f"    return {lyapunov}"]
+    return "\n".join([*lines, ""])
+
+
+def c_program(formulas: FieldFormulas) -> str:
+    """A file with ``void field(const double x[], double dx[])`` and ``double lyapunov(const double x[])``."""
+    fields, lyapunov = _functions(formulas, C)
+    count = len(formulas.states)
+    lines = [f"/* {f' */{chr(10)}/* '.join(_head(formulas))} */", "", "#include <math.h>", ""]
+    lines += ["static double sgn(double a) { return (a > 0) - (a < 0); }"]
+    for name, own in fields:
+        lines += ["", f"void {name}(const double x[{count}], double dx[{count}])", "{"]
+        lines += [*(f"    dx[{k}] = {part};" for k, part in enumerate(own)), "}"]
+    if lyapunov is not None:
+        lines += ["", f"double lyapunov(const double x[{count}])", "{", f"    return {lyapunov};", "}"]
+    return "\n".join([*lines, ""])
+
+
+PROGRAMS: dict[str, Callable[[FieldFormulas], str]] = {"python": python_program, "c": c_program}
+
+
+# ---- from a system -------------------------------------------------------------------------------
+
+
+def formulas_of(system: SwitchedSystem, function: ExaminedFunction | None = None) -> FieldFormulas:
+    """The stated field of a system, with a V.
+
+    Args:
+        system: a plain system.
+        function: the V that was found; none of a system that is seen by roots of its states.
+    """
+    lists = system.written or tuple(tuple(side.text for side in (member.rhs)) for member in system.members)
+    lyapunov = None if function is None or system.by_roots is not None else _lyapunov_text(function, system)
+    point = tuple(map(str, system.check.equilibrium))
+    if system.by_roots is not None:
+        point = ("0",) * len(system.stated_states)  # V alone asks for it
+    return FieldFormulas(system.name, system.stated_states, lists, lyapunov, point)
+
+
+def _lyapunov_text(function: ExaminedFunction, system: SwitchedSystem) -> str:
+    """V as one formula: of pieces on cones the one in whose cone the displacement is."""
+    if function.formula is not None:
+        return function.formula.text
+    *first, last = function.pieces
+    choices = []
+    for piece in first:
+        if piece.start is None or piece.end is None:
+            raise SceneError(system.origin, "lyapunov", "a V of one piece or of cones", StatedFact("another"))
+        x, y = system.states
+        beyond_start = _cross(piece.start, x, y, 1)
+        before_end = _cross(piece.end, x, y, -1)
+        inside = product_text([indicator(beyond_start, strict=False), indicator(before_end)])
+        choices.append((inside, f"({piece.potential})"))
+    return first_that_holds(choices, f"({last.potential})")
+
+
+def _cross(ray: Any, x: str, y: str, side: int) -> str:
+    """``side (a y - b x)`` of a ray (a, b): positive on the left of it for side 1."""
+    a, b = (in_parentheses(str(part * side)) for part in ray)
+    return difference_text(product_text([a, y]), product_text([b, x]))

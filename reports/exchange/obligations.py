@@ -1,0 +1,214 @@
+"""What a verdict about a plain system rests on, as formulas of real arithmetic that other provers can decide.
+
+The certificate of a verdict is read as the checker reads it (:mod:`nonsmooth.proofs.checker.statements`): its theorem
+derives every inequality from the system, and each is noted here beside its evidence, which is not used.  So a prover
+that shows all of them has proved the verdict again, by the theorem alone.
+
+An inequality *is about* the closure of the points at which its open guards are positive.  Where it is not strict,
+continuity lets us ask it at those points alone; where it is strict it is asked wherever the guards are at least zero,
+which may be more: a prover that refutes that has not refuted the verdict.
+
+A claim with functions mu, ``p_i + sum_j mu_j q_ij > 0`` for all i, is asked by its dual (Motzkin): weights
+``w_i >= 0``, not all zero, with ``sum_i w_i q_ij = 0`` for all j have ``sum_i w_i p_i > 0``.  That is the claim itself:
+V falls along every mixture of velocities that is tangent to the surface, Filippov's sliding velocities.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any, TypeAlias
+
+from nonsmooth.proofs.checker.polynomials import Polynomial
+from nonsmooth.proofs.checker.positivity import Claim, Inequality, Proofs
+from nonsmooth.proofs.checker.roots import read_subject
+from nonsmooth.proofs.checker.statements import THEOREMS, is_of_array
+from nonsmooth.proofs.checker.tower import Field, Number
+from nonsmooth.symbolic.scene_error import SceneError, StatedFact
+
+# A term or a formula: a number, a name, or an operator with its parts.  Operators are those of SMT-LIB:
+# + * ^ (a whole exponent), >= > = , and or not =>.
+Term: TypeAlias = Any
+
+ZERO = Fraction(0)
+MESH = "basin"  # the theorem whose conditions are about numbers at corners of triangles
+
+
+@dataclass(frozen=True)
+class Obligation:
+    """A formula that must be valid: ``hypotheses => conclusion`` for all real numbers.
+
+    Attributes:
+        name: of the claim, with the theorem that asks it.
+        variables: the coordinates z, in units of the half-width of the cube about the point; weights w; roots r.
+        hypotheses: all of them.
+        conclusion: what follows.
+    """
+
+    name: str
+    variables: tuple[str, ...]
+    hypotheses: tuple[Term, ...]
+    conclusion: Term
+
+
+class _Noted(Proofs):
+    """Shows claims by their evidence, and keeps them."""
+
+    def __init__(self, data: Any) -> None:
+        super().__init__(data)
+        self.claims: list[Claim] = []
+
+    def show(self, claim: Claim) -> None:
+        """Show a claim by its evidence, and keep it."""
+        super().show(claim)
+        self.claims.append(claim)
+
+
+def obligations_of(certificate: Mapping[str, Any], source: str) -> list[Obligation]:
+    """The obligations of all theorems in the evidence of a certificate.
+
+    Args:
+        certificate: of a plain system.
+        source: what messages call the system.
+
+    Raises:
+        SceneError: for an array and for a mesh of triangles, whose certificates rest on other arithmetic, and where
+            nothing is left to prove.
+    """
+    data = json.loads(json.dumps(certificate))
+    if is_of_array(data["statement"]["subject"]):
+        raise SceneError(source, "", "a plain system", StatedFact("an array of wheels"))
+    subject = read_subject(data["statement"]["subject"])
+    found: list[Obligation] = []
+    for number, entry in enumerate(data["evidence"], 1):
+        if entry["theorem"] == MESH:
+            raise SceneError(source, "", "a certificate without a mesh", StatedFact("one by the theorem basin"))
+        proofs = _Noted(entry["proofs"])
+        THEOREMS[entry["theorem"]](subject, entry["hypotheses"], proofs)
+        theorem = f"{number} {entry['theorem']}"
+        found += [own for claim in proofs.claims for own in _of_claim(claim, theorem)]
+    if not found:
+        expected = "a verdict that rests on inequalities between polynomials"
+        theorems = ", ".join(entry["theorem"] for entry in data["evidence"])
+        raise SceneError(source, "", expected, StatedFact(f"one by the theorem {theorems}, which rests on numbers"))
+    return found
+
+
+def _of_claim(claim: Claim, theorem: str) -> Iterator[Obligation]:
+    """One obligation for all inequalities with common functions mu, or one for each; nothing is claimed at the origin
+    alone.
+    """
+    if not claim.count and not claim.at_origin:
+        return
+    name = f"{theorem}: {claim.name}"
+    if claim.inequalities[0].pushes:
+        yield _with_weights(claim, name)
+        return
+    for number, own in enumerate(claim.inequalities, 1):
+        hypotheses = [*_guards(own, claim), *(("=", term(h), ZERO) for h in own.zeros.values())]
+        marked = name if len(claim.inequalities) == 1 else f"{name} [{number}]"
+        yield _obligation(claim, marked, (), hypotheses, term(own.value), _border([own], claim))
+
+
+def _with_weights(claim: Claim, name: str) -> Obligation:
+    """The dual of a claim with functions mu, in weights that add up to 1."""
+    weights = [f"w{i}" for i in range(len(claim.inequalities))]
+    hypotheses: list[Term] = [(">=", weight, ZERO) for weight in weights]
+    hypotheses.append(("=", ("+", *weights), Fraction(1)))
+    for weight, own in zip(weights, claim.inequalities, strict=True):
+        held = dict.fromkeys([*_guards(own, claim), *(("=", term(h), ZERO) for h in own.zeros.values())])
+        if held:
+            hypotheses.append(("or", ("=", weight, ZERO), ("and", *held)))
+    first = claim.inequalities[0]
+    for j in range(len(first.pushes)):
+        hypotheses.append(("=", _mixed(weights, [own.pushes[j] for own in claim.inequalities]), ZERO))
+    for j in range(len(first.weak)):
+        hypotheses.append(("=", _mixed(weights, [own.weak[j] for own in claim.inequalities]), ZERO))
+    total = _mixed(weights, [own.value for own in claim.inequalities])
+    return _obligation(claim, name, weights, hypotheses, total, _border(claim.inequalities, claim))
+
+
+def _mixed(weights: Sequence[str], values: Sequence[Polynomial]) -> Term:
+    """``sum_i w_i p_i``."""
+    return ("+", *(("*", weight, term(value)) for weight, value in zip(weights, values, strict=True)))
+
+
+def _guards(own: Inequality, claim: Claim) -> list[Term]:
+    """The guards: positive where they are open and nothing strict is claimed, else at least zero."""
+    return [
+        (">" if name in own.open and not claim.strict else ">=", term(guard), ZERO)
+        for name, guard in own.guards.items()
+    ]
+
+
+def _border(inequalities: Sequence[Inequality], claim: Claim) -> Term | None:
+    """The guard whose zeros nothing strict is claimed at."""
+    found = next((own.guards[claim.border] for own in inequalities if claim.border in own.guards), None)
+    return None if found is None else term(found)
+
+
+def _obligation(
+    claim: Claim, name: str, weights: Sequence[str], hypotheses: Sequence[Term], total: Term, border: Term | None
+) -> Obligation:
+    places = [f"z{k}" for k in range(claim.count)]
+    domain: list[Term] = []
+    if claim.bounded:
+        for place in places:
+            domain += [(">=", place, Fraction(-1)), (">=", Fraction(1), place)]
+    if not claim.at_origin:
+        domain.append(("or", *(("not", ("=", place, ZERO)) for place in places)))
+    conclusion: Term = (">" if claim.strict else ">=", total, ZERO)
+    if claim.strict and border is not None:
+        conclusion = ("and", (">=", total, ZERO), ("=>", (">", border, ZERO), conclusion))
+    roots, equations = ([], []) if claim.field is None else _roots(claim.field)
+    stated = dict.fromkeys((*equations, *domain, *hypotheses))  # guards of the cube stand there more than once
+    return Obligation(name, (*places, *weights, *roots), tuple(stated), conclusion)
+
+
+def _roots(field: Field) -> tuple[list[str], list[Term]]:
+    """A name for each irrational number, the only root of its polynomial above its bound."""
+    names, equations = [], []
+    for k, generator in enumerate(field.generators):
+        name = f"r{k}"
+        powers: list[Term] = [("^", name, generator.degree)]
+        powers += [
+            _product(_number(value), _power(name, power)) for power, value in enumerate(generator.lower) if value
+        ]
+        names.append(name)
+        equations += [("=", ("+", *powers), ZERO), (">", name, generator.above)]
+    return names, equations
+
+
+def _power(name: str, exponent: int) -> list[Term]:
+    return [] if not exponent else [name] if exponent == 1 else [("^", name, exponent)]
+
+
+def _number(value: Any) -> Term:
+    """A rational number, or a sum of products of roots."""
+    if not isinstance(value, Number):
+        return Fraction(value)
+    return _sum(
+        _product(Fraction(factor, value.bottom), [f"r{k}" for k in monomial])
+        for monomial, factor in value.terms.items()
+    )
+
+
+def term(value: Polynomial) -> Term:
+    """A polynomial in z0, z1, ..."""
+    return _sum(
+        _product(_number(coefficient), [part for k, power in enumerate(exponents) for part in _power(f"z{k}", power)])
+        for exponents, coefficient in value.terms.items()
+    )
+
+
+def _sum(parts: Iterable[Term]) -> Term:
+    listed = list(parts)
+    return ("+", *listed) if listed else ZERO
+
+
+def _product(number: Term, factors: Sequence[Term]) -> Term:
+    if not factors:
+        return number
+    return ("*", *factors) if number == 1 else ("*", number, *factors)

@@ -1,0 +1,76 @@
+"""Thirty verdicts, exported and proved again by Z3 and cvc5: how many of the inequalities each shows, and how fast.
+
+A solver may say ``unknown``, or run out of time; it must never say ``sat``.
+"""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import nonsmooth as ns
+from nonsmooth.proofs.kernel.subject import NoCertificateError
+from nonsmooth.reports.exchange.obligations import Obligation, obligations_of
+from nonsmooth.reports.exchange.smtlib import smtlib_text
+from tests.reports.exchange.exchanged import NAMES, system
+from tests.reports.exchange.provers import z3_answers
+
+VERDICTS = 30
+CVC5_MILLISECONDS = 1_000
+
+
+def decided() -> list[tuple[str, list[Obligation]]]:
+    """Thirty systems with their obligations: the twenty that are exchanged, then random switched linear ones."""
+    found: list[tuple[str, list[Obligation]]] = []
+    rng = np.random.default_rng(44)
+    made = [(name, system(name)) for name in NAMES]
+    for k in range(2 * VERDICTS):
+        a = rng.integers(-5, 6, size=(2, 2, 2)) - 4 * np.eye(2, dtype=int)
+        cones = [[[*rng.integers(-3, 4, size=2), 0, 4]], None] if k % 2 else None
+        made.append((f"random {k}", ns.System.from_matrices(list(a), cones)))
+    for name, own in made:
+        try:
+            found.append((name, obligations_of(own.check().certificate(), name)))
+        except (NoCertificateError, ns.SceneError):
+            continue  # undecided, or by numbers alone
+        if len(found) == VERDICTS:
+            return found
+    raise AssertionError(f"only {len(found)} verdicts")
+
+
+def cvc5_answers(file: Path) -> list[str]:
+    """What cvc5 answers, in this process."""
+    cvc5 = pytest.importorskip("cvc5", reason="cvc5 is a dependency of the benchmarks only: pip install '.[bench]'")
+    solver = cvc5.Solver()
+    solver.setOption("incremental", "true")
+    solver.setOption("tlimit-per", str(CVC5_MILLISECONDS))
+    parser = cvc5.InputParser(solver)
+    parser.setFileInput(cvc5.InputLanguage.SMT_LIB_2_6, str(file))
+    found: list[str] = []
+    while not (command := parser.nextCommand()).isNull():
+        said = str(command.invoke(solver, parser.getSymbolManager())).strip()
+        found += [said] if said else []
+    return found
+
+
+@pytest.mark.benchmark
+def test_thirty_verdicts_are_proved_again(tmp_path: Path) -> None:
+    cases = decided()
+    for solver, ask in (("Z3", z3_answers), ("cvc5", cvc5_answers)):
+        counts: Counter[str] = Counter()
+        whole, start = 0, time.perf_counter()
+        for name, obligations in cases:
+            file = tmp_path / "problem.smt2"
+            file.write_text(smtlib_text(obligations, [name]), encoding="utf-8")
+            found = ask(file)
+            assert "sat" not in found, (solver, name, found)
+            assert len(found) == len(obligations), (solver, name, found)
+            counts.update(found)
+            whole += set(found) == {"unsat"}
+        seconds = time.perf_counter() - start
+        print(f"{solver}: {whole} of {VERDICTS} verdicts, {dict(counts)}, {seconds:.0f} s")
+        assert whole > VERDICTS * 3 // 4 or solver == "cvc5"
