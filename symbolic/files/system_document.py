@@ -93,8 +93,9 @@ class SystemDocument(TomlTable):
 # ---- regions -------------------------------------------------------------------------------------
 #
 # The first table whose guards hold counts; the last one has no guards and holds everywhere else, so the fields cover
-# all states and nothing is ambiguous.  A guard ``g > 0`` is half of ``1 + sgn(g)``, so the tables become one formula
-# for each state; on the borders themselves values are ignored as everywhere (Filippov 1988, sec. 4).
+# all states and nothing is ambiguous.  A guard ``g > 0`` is ``relu(sgn(g))``, 1 where it holds and 0 where it does not, and
+# ``g >= 0`` is ``1 - relu(sgn(-g))``, so the tables become one formula for each state.  On borders values are ignored as
+# everywhere (Filippov 1988, sec. 4); but a guard with absolute values may be zero on a whole cell, where it counts.
 
 
 MAX_REGIONS = 12
@@ -125,7 +126,7 @@ class RegionTable(TomlTable):
 
 @dataclass(frozen=True)
 class Guarded:
-    """A table as texts: guards that are positive inside, and its formulas."""
+    """A table as texts: for each guard what is 1 where it holds and 0 elsewhere, and its formulas."""
 
     guards: tuple[str, ...]
     rhs: tuple[str, ...]
@@ -167,21 +168,24 @@ def _guarded(table: RegionTable, states: Sequence[str], check: Checker, file: st
 
 
 def _guard(value: Any, check: Checker, file: str, key: str) -> str:
-    """What is positive where the guard holds."""
+    """What is 1 where the guard holds, and 0 elsewhere."""
     parts = _GUARD.fullmatch(value) if isinstance(value, str) else None
     if parts is None:
         raise SceneError(file, key, 'a guard such as "x - y > 0", with one of < <= > >=', value)
     left, comparison, right = (part.strip() for part in parts.groups())
     for side in (left, right):
         check(side, key)
-    return f"({left}) - ({right})" if comparison.startswith(">") else f"({right}) - ({left})"
+    if comparison.startswith("<"):
+        left, right = right, left
+    strict = f"relu(sgn(({left}) - ({right})))"
+    return f"(1 - relu(sgn(({right}) - ({left}))))" if comparison.endswith("=") else strict
 
 
 def _formula(regions: Sequence[Guarded], j: int) -> str:
     """``1_1 f_1 + (1 - 1_1) (1_2 f_2 + (1 - 1_2) (...))`` for one state."""
     formula = regions[-1].rhs[j]
     for region in reversed(regions[:-1]):
-        inside = "*".join(f"(1 + sgn({guard}))/2" for guard in region.guards)
+        inside = "*".join(region.guards)
         if region.rhs[j] != formula:
             formula = f"({inside}*{region.rhs[j]} + (1 - {inside})*{formula})"
     return formula

@@ -75,6 +75,15 @@ def test_tables_take_parameters_sines_and_one_state() -> None:
 
 
 @pytest.mark.parametrize(
+    ("guard", "verdict"), [("Abs(x) - x <= 0", "unstable"), ("Abs(x) - x < 0", "asymptotically stable")]
+)
+def test_a_guard_that_is_zero_on_a_whole_cell_holds_there_or_not(guard: str, verdict: str) -> None:
+    """Where x > 0 the guard is zero: with ``<=`` it holds, and ``x' = x``."""
+    tables = [{"where": [guard], "rhs": ["x"]}, {"rhs": ["-x"]}]
+    assert str(decide_system(built(tables, ("x",))).verdict) == verdict
+
+
+@pytest.mark.parametrize(
     ("tables", "said"),
     [
         ([], "system.rhs: required formulas, or [[region]] tables, received neither"),
