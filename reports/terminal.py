@@ -19,6 +19,7 @@ from nonsmooth.reports.document import Block, Paragraph, Table, plain_text, tabl
 from nonsmooth.reports.facts import fact_lines
 from nonsmooth.symbolic.number_text import short_text
 from nonsmooth.symbolic.numbers.measured_angles import angle_notes
+from nonsmooth.symbolic.numbers.number_field import FirstRemark
 from nonsmooth.symbolic.scene_error import one_line
 
 if TYPE_CHECKING:
@@ -96,7 +97,7 @@ def partition_blocks(partition: Partition) -> Sequence[Block]:
     notes = (
         f"area of the square minus area of the cells: {short_text(partition.area_error)} ({exact})",
         "R1 and S1 are the roll and side row of wheel 1; (v_x, v_y) is the body's velocity at the world origin",
-        *(f"note: {note}" for note in angle_notes(partition.scene.field)),
+        *(f"note: {note}" for note in later_notes(partition.scene.field)),
     )
     cells = table(("cell", "rows held", "v_x", "v_y", "omega", "area"), rows, (1.0,) * 6)
     return [Paragraph((f"{head}, rule {partition.rule}",)), cells, *(Paragraph((note,)) for note in notes)]
@@ -112,7 +113,12 @@ def scenes_view(descriptions: dict[str, str]) -> RenderableType:
 
 def notes_lines(field: NumberField) -> list[Text]:
     """What a reader must know about the numbers of a scene."""
-    return [Text(f"note: {note}") for note in angle_notes(field)]
+    return [Text(f"note: {note}") for note in later_notes(field)]
+
+
+def later_notes(field: NumberField) -> list[str]:
+    """What a reader must know about the numbers of a scene, and does not stand above all results."""
+    return [note for note in angle_notes(field) if not isinstance(note, FirstRemark)]
 
 
 def legend() -> RenderableType:

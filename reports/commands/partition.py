@@ -17,6 +17,7 @@ from nonsmooth.reports.result import DataTable, Result
 from nonsmooth.reports.study import SceneStudy, StudyRequest
 from nonsmooth.reports.study_command import command
 from nonsmooth.reports.study_options import Options, option
+from nonsmooth.reports.terminal import later_notes
 from nonsmooth.symbolic.number_text import place_text, short_text
 from nonsmooth.symbolic.numbers.measured_angles import angle_notes
 from nonsmooth.symbolic.scene import Scene
@@ -170,7 +171,7 @@ class PossibleMotions(Result):
             *more,
             "every motion under any load on two wheels or more is one of these, or a mean of some",
             "the areas overlap; their corners are exact in --json",
-            *(f"note: {note}" for note in angle_notes(self.scene.field)),
+            *(f"note: {note}" for note in later_notes(self.scene.field)),
         ]
         rows = table(*self.table(), (1.0, 1.0, 1.0, 1.0, 1.0, 3.0))
         return [Paragraph((self.summary(),)), rows, *(Paragraph((note,)) for note in notes)]

@@ -31,6 +31,7 @@ from nonsmooth.symbolic.files.scene_values import Numbers, angle_remarks, angles
 from nonsmooth.symbolic.files.unit_hints import unit_hints
 from nonsmooth.symbolic.files.wheel_builder import WheelBuilder
 from nonsmooth.symbolic.files.wheel_csv import WheelRows, parse_wheels
+from nonsmooth.symbolic.numbers.number_field import FirstRemark
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact
 
@@ -269,7 +270,7 @@ def build_scene(
     builder = WheelBuilder(document, numbers)
     built = builder.build(layout.places(numbers))
     body = None if document.body is None else build_body(document.body, numbers)
-    numbers.field.remarks += tuple(unit_hints(built, body, document.units.labels))
+    numbers.field.remarks += tuple(map(FirstRemark, unit_hints(built, body, document.units.labels)))
     if rule is not None and all("contact" in wheel.named for wheel in built):
         numbers.field.remarks += (f"rule {rule} is for wheels that name none, and all of these name their own",)
     return Scene(
@@ -343,6 +344,9 @@ def _turns(document: SceneDocument, layout: Layout) -> Iterator[Fraction]:
 def _remarks(document: SceneDocument, layout: Layout) -> Iterator[str]:
     """What a reader must know about how the files were read."""
     table = layout if isinstance(layout, WheelRows) else WheelRows("", [], [])
+    if table.rows and document.field is None and all(row.own.heading is None for row in table.rows):
+        others = "a column heading, or [field], says otherwise"
+        yield FirstRemark(f"{table.name} states no heading: all wheels drive toward (0, 0); {others}")
     yield from table.remarks
     yield from angle_remarks([document, table.cells])
 

@@ -17,16 +17,19 @@ from fractions import Fraction
 from typing import Any, NamedTuple
 
 from nonsmooth.symbolic.files.layouts import MAX_WHEELS, Own, WheelPlace, read_name
-from nonsmooth.symbolic.files.scene_values import AngleUnit, Exact, Numbers, angles, read_exact
+from nonsmooth.symbolic.files.scene_values import Exact, Numbers, angles, read_exact
 from nonsmooth.symbolic.files.velocity_fields import Heading, read_heading
 from nonsmooth.symbolic.rule import read_rule
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact, requirement
 from nonsmooth.symbolic.suggestions import is_meant
+from nonsmooth.symbolic.units import AngleUnit
 
 COLUMNS = ("x", "y", "heading", "speed", "mu_roll", "mu_side", "speed_limit", "axis", "contact")
 NAMES = ("name", "wheel", "roller", "motor", "label", "number", "id", "nr", "no")
 WORDS = (NAMES[0], "contact")  # columns without numbers
 DIRECTIONS = ("heading", "axis")
+HEADINGS = ("angle", "azimuth", "dir", "direction", "orientation", "phi", "psi", "richtung", "rot", "rotation", "theta")
+HEADINGS += ("winkel", "yaw")  # what others call a heading, also with a unit behind it, as angle_deg or angle [deg]
 SEPARATORS = (",", ";", "\t")
 MOST_SHOWN = 4  # columns that a note lists
 MAX_COLUMNS = 200
@@ -224,7 +227,8 @@ def _columns(header: list[str], key: str, file: str) -> list[str | None]:
     if required:
         raise SceneError(file, key, "a header with x and y", StatedFact(f"one without {required}"))
     for name in _unread(header, columns):
-        meant = is_meant(name, missing)
+        is_heading = "heading" in missing and re.split(r"[^a-z]", name.lower())[0] in HEADINGS
+        meant = " (is heading meant?)" if is_heading else is_meant(name, missing)
         if meant:
             raise SceneError(file, key, f"a header out of {','.join(COLUMNS)}{meant}", name)
     return columns
