@@ -34,7 +34,7 @@ from nonsmooth.reports.figures.style import (
 )
 from nonsmooth.reports.figures.wheels import outline_of, placed
 from nonsmooth.reports.maps import MapResult, Part, grid_of, home_row, massless, parts_record, within_accuracy
-from nonsmooth.reports.path_ends import degrees_text
+from nonsmooth.reports.path_ends import degrees_text, heading_text
 from nonsmooth.reports.progress import progress
 from nonsmooth.reports.result import DataTable, Record
 from nonsmooth.reports.simulate_options import SimulateOptions
@@ -205,11 +205,12 @@ class BodyMapResult(MapResult):
         if tips.any():
             at_once = float((tips & (self.found.times == 0)).mean())
             rows.append(("of these", f"{percent_text(at_once)} of all starts tip where they start"))
-        rows.append((f"latest end{massless(self.scene)}", f"t = {self.found.times.max():.6g}"))
+        unit, second = (f" {label}".rstrip() for label in (self.scene.units.length, self.scene.units.time))
+        rows.append((f"latest end{massless(self.scene)}", f"t = {self.found.times.max():.6g}{second}"))
         (left, low), (right, high) = self.found.starts[:, :2].min(axis=0), self.found.starts[:, :2].max(axis=0)
-        head = f"{self.title}: {self.head} until t = {self.found.until:.6g}, sampled"
+        head = f"{self.title}: {self.head} until t = {self.found.until:.6g}{second}, sampled"
         square = f"x from {left:.6g} to {right:.6g}, y from {low:.6g} to {high:.6g}"
-        starts = f"{square}, theta_0 = {self.options.heading:.6g}"
+        starts = f"{square}{unit}, {heading_text(self.scene.units, self.options.heading, 'theta_0')}"
         open_heading = [Paragraph((OPEN_HEADING,))] if rule_of(self.scene).keeps_rows else []
         if self.scene.body is None:
             open_heading = [Paragraph((TURNS_ON,))]

@@ -26,7 +26,7 @@ from nonsmooth.reports.progress import progress, steps
 from nonsmooth.reports.records import CHECK_SCHEMA, check_record, checks_record
 from nonsmooth.reports.result import DataTable, Result, short_lines
 from nonsmooth.reports.terminal import header_table, verdict_text
-from nonsmooth.symbolic.contact_set import ContactSet, contact_set
+from nonsmooth.symbolic.contact_set import ContactSet, contact_set, wheels_text
 from nonsmooth.symbolic.number_text import short_text
 from nonsmooth.symbolic.scene_error import one_line
 
@@ -110,7 +110,7 @@ class ArrayAnswers(Result):
 
     def headline(self) -> str:
         """What is checked."""
-        return f"{self.scene.name}: {len(self.scene.wheels)} wheels, rule {self.scene.contact.rule}"
+        return f"{self.scene.name}: {wheels_text(self.scene)}, rule {self.scene.contact.rule}"
 
     def summary(self) -> str:
         """The answers."""

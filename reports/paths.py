@@ -37,7 +37,7 @@ from nonsmooth.reports.choices import LawName, PathMethod
 from nonsmooth.reports.document import Block, Paragraph, findings
 from nonsmooth.reports.feedback_loop import FeedbackLoop, build_loop
 from nonsmooth.reports.files import FILMS, output_path, write_whole
-from nonsmooth.reports.path_ends import ArrayPathEnd, settled_record, settled_words, system_end
+from nonsmooth.reports.path_ends import ArrayPathEnd, pose_text, settled_record, settled_words, system_end
 from nonsmooth.reports.progress import steps
 from nonsmooth.reports.refusals import OptionError
 from nonsmooth.reports.result import FORMATS, DataTable, Record, Result, short_lines
@@ -175,20 +175,21 @@ class PathResult(Result):
     def _events(self) -> list[tuple[str, str]]:
         """When something happens, and what; the end last."""
         events, end = self.trajectory.events, self.trajectory.end
+        second = "" if self.scene is None or not self.scene.units.time else f" {self.scene.units.time}"
         rows = []
         for event in events[:SHOWN]:
             note = f"; {event.note}" if event.note else ""
             what = f"{event.kind} at {self._place(event.state, 6)}: {event.surface}{note}"
-            rows.append((f"t = {float(event.t):.6g}", what))
+            rows.append((f"t = {float(event.t):.6g}{second}", what))
         if len(events) > SHOWN:
             rows.append(("...", f"{len(events) - SHOWN} more events"))
-        return [*rows, (f"end, t = {float(end.t):.6g}", f"{self._place(end.state, 10)}: {end.reason}")]
+        return [*rows, (f"end, t = {float(end.t):.6g}{second}", f"{self._place(end.state, 10)}: {end.reason}")]
 
     def _place(self, state: Sequence[Any], digits: int) -> str:
         """A state in words; positions of a body as a point."""
+        if self.scene is not None:
+            return pose_text(self.scene.units, state, digits)
         values = [f"{float(value):.{digits}g}" for value in state]
-        if self.states == POSE:
-            return f"({values[0]}, {values[1]}), theta = {values[2]}"
         return ", ".join(f"{name} = {value}" for name, value in zip(self.states, values, strict=True))
 
 

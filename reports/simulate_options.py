@@ -48,7 +48,7 @@ class SimulateOptions(Options):
     until: float | None = option(
         None, "Last time; 2 unless given, with --grid until all have ended.", float | None, metavar="T"
     )
-    heading: float | str = option(
+    heading: float = option(
         0.0,
         "Heading of all starts with --grid, such as 30deg or pi/6; without a unit in that of the scene's angles.",
         str,

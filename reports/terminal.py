@@ -17,6 +17,7 @@ from rich.text import Text
 from nonsmooth.proofs.verdicts import Theorem4
 from nonsmooth.reports.document import Block, Paragraph, Table, plain_text, table
 from nonsmooth.reports.facts import fact_lines
+from nonsmooth.symbolic.contact_set import wheels_text
 from nonsmooth.symbolic.number_text import short_text
 from nonsmooth.symbolic.numbers.measured_angles import angle_notes
 from nonsmooth.symbolic.numbers.number_field import FirstRemark
@@ -49,7 +50,7 @@ _STYLES = {
     "undecided": "yellow",
     "no certificate": "yellow",
     "fails": "red",
-    "hypotheses not met": "red",
+    "hypotheses not met": "yellow",
 }
 _LEGEND = (
     ("c, v, omega", "centre of mass measured from the checked point c*, its velocity, rotation rate"),
@@ -134,7 +135,7 @@ def headline(result: Check) -> Text:
     scene = result.scene
     x, y = (short_text(entry) for entry in scene.check.equilibrium)
     head = Text(one_line(scene.name), "bold")
-    head.append(f": {len(scene.wheels)} wheels, rule {scene.contact.rule}", "not bold")
+    head.append(f": {wheels_text(scene)}, rule {scene.contact.rule}", "not bold")
     unit = f" {scene.units.length}" if scene.units.length else ""
     return head.append(f", checked at c* = ({x}, {y}) within {short_text(scene.check.radius)}{unit}", "not bold")
 

@@ -115,6 +115,13 @@ def accuracy_at_point(scene: Scene) -> Fraction:
         return scene.accuracy
 
 
+def wheels_text(scene: Scene) -> str:
+    """How many wheels there are, and how many of them carry the body of a scene that stands on some."""
+    if not scene.idle:
+        return f"{len(scene.wheels)} wheels"
+    return f"{len(scene.wheels)} of {len(scene.wheels) + len(scene.idle)} wheels carry the body"
+
+
 def standing(scene: Scene) -> Scene:
     """The array of the wheels that carry at the checked pose, in a square where no wheel enters or leaves.
 

@@ -28,12 +28,13 @@ COLUMNS = ("x", "y", "heading", "speed", "mu_roll", "mu_side", "speed_limit", "a
 NAMES = ("name", "wheel", "roller", "motor", "label", "number", "id", "nr", "no")
 WORDS = (NAMES[0], "contact")  # columns without numbers
 DIRECTIONS = ("heading", "axis")
-HEADINGS = ("angle", "azimuth", "dir", "direction", "orientation", "phi", "psi", "richtung", "rot", "rotation", "theta")
-HEADINGS += ("winkel", "yaw")  # what others call a heading, also with a unit behind it, as angle_deg or angle [deg]
 SEPARATORS = (",", ";", "\t")
 MOST_SHOWN = 4  # columns that a note lists
 MAX_COLUMNS = 200
 MAX_NAME = 30  # characters of a column's name that a message shows
+_LIKE_HEADING = re.compile(  # what others call a heading, also with a unit behind it, as angle_deg or angle [deg]
+    r"(angle|azimuth|dir|direction|orientation|phi|psi|richtung|rot|rotation|theta|winkel|yaw)([^a-z].*)?", re.I
+)
 _DECIMAL_COMMA = re.compile(r"[+-]?[0-9]*,[0-9]+([eE][+-]?[0-9]+)?")
 
 
@@ -227,7 +228,7 @@ def _columns(header: list[str], key: str, file: str) -> list[str | None]:
     if required:
         raise SceneError(file, key, "a header with x and y", StatedFact(f"one without {required}"))
     for name in _unread(header, columns):
-        is_heading = "heading" in missing and re.split(r"[^a-z]", name.lower())[0] in HEADINGS
+        is_heading = "heading" in missing and _LIKE_HEADING.fullmatch(name)
         meant = " (is heading meant?)" if is_heading else is_meant(name, missing)
         if meant:
             raise SceneError(file, key, f"a header out of {','.join(COLUMNS)}{meant}", name)
