@@ -140,6 +140,11 @@ class PathResult(Result):
         """How many events, and how it ends."""
         return f"{len(self.trajectory.events)} events, {self.end}"
 
+    def written(self, ending: str) -> str:
+        """The same, and below it where the path ends, when and how."""
+        _, ends = self.ending
+        return "\n".join((self.summary(), ends, *self.beside()))
+
     def draw(self, ax: Axes) -> None:
         """The path in the plane of the first two states, or over time where there is one state only."""
         from nonsmooth.reports.figures.path import draw_plane

@@ -72,9 +72,16 @@ class PartitionStudy(SceneStudy[PartitionOptions]):
             from nonsmooth.reports.phase_portrait import PhasePortrait
 
             return PhasePortrait(scene)
-        from nonsmooth.symbolic.contact_set import standing
+        from nonsmooth.symbolic.contact_set import TipsError, standing
 
-        stands = standing(scene)
+        try:
+            stands = standing(scene)
+        except TipsError as tipping:
+            if options.show is not Drawing.ARRAY or options.compare:
+                raise
+            from nonsmooth.reports.check_results import TippedResult
+
+            return TippedResult(scene, tipping, is_drawn=True)
         with refusals_named(stands):
             return _of_array(stands, options)
 

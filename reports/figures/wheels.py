@@ -35,6 +35,7 @@ from nonsmooth.symbolic.continuum import Disc
 from nonsmooth.symbolic.free_rollers import askew_wheels
 from nonsmooth.symbolic.scene import Scene, Wheel
 from nonsmooth.symbolic.scene_error import one_line
+from nonsmooth.symbolic.support_polygon import support_polygon
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -48,6 +49,7 @@ LEAST_NAME, NAME_SHARE = 5.0, 0.75  # points; of the gap between neighbours that
 RIM_SHARE = 0.16  # half of a rim's length of the distance to the next wheel, so that arrows stay apart
 AXIS, AXIS_COLOR = 1.5, "#d95f02"  # half of a friction axis, in half-lengths of the rim
 TIP = 2.1  # where an arrowhead lies, in half-lengths of the rim
+TIPS = "#d7191c"
 IDLE, IDLE_NAME = "0.7", "0.4"  # colors of wheels that do not carry the body, and of their names
 CORNERS = 72  # of the polygon that a disc is drawn as: its sides leave the circle by less than 0.1 % of the radius
 
@@ -172,20 +174,35 @@ SLOWEST, FASTEST = 1.4, 2.6  # where the arrowheads of the slowest and fastest w
 AXES_SHARE = 0.8  # of the width of the picture that the axes take
 
 
-def array_figure(scene: Scene) -> Figure:
-    """Every wheel with its rim and surface speed, the body, and the square that is checked, with a legend."""
+def array_figure(scene: Scene, tips: str = "") -> Figure:
+    """Every wheel with its rim and surface speed, the body, and the square that is checked, with a legend.
+
+    Args:
+        scene: the array.
+        tips: why the body does not stand on the wheels that are under it, which have their hull drawn.
+    """
     from matplotlib.patches import Patch
 
     figure = new_figure(PICTURE, PICTURE + 2 * LEGEND_ROW)
-    draw_array(figure.subplots(), scene)
+    axes = figure.subplots()
+    draw_array(axes, scene)
+    if tips:
+        title_axes(axes, f"{one_line(scene.name)}: {tips}")
+        hull = (
+            corners_of(support_polygon([wheel.position for wheel in scene.wheels]))
+            if scene.wheels
+            else np.empty((0, 2))
+        )
+        axes.fill(*hull.T, fill=False, edgecolor=TIPS, linestyle=":", linewidth=1.6, zorder=2.5)
     entries = [
         line_entry("wheel: rim and number", color=INK, linewidth=5),
         mark_entry(r"$\rightarrow$", "surface speed (size)", markersize=9),
         *[line_entry("friction axis", color=AXIS_COLOR, linewidth=1.2)] * bool(askew_wheels(scene)),
         *[line_entry("outline of the body", color=INK, linewidth=1)] * (scene.body is not None),
         *[line_entry("wheel that does not carry it", color=IDLE, linewidth=5)] * bool(scene.idle),
+        *[line_entry("hull of the wheels under it", color=TIPS, linestyle=":", linewidth=1.6)] * bool(tips),
         Patch(facecolor=PALETTE[0], alpha=TINT / 2, edgecolor=INK, linestyle="--", label="checked square"),
-        mark_entry("+", "checked point", markersize=9),
+        mark_entry("+", "its centre of mass" if tips else "checked point", markersize=9),
     ]
     legend_below(figure, entries, fontsize=LABEL - 1)
     return figure
@@ -207,7 +224,7 @@ def draw_array(axes: Axes, scene: Scene) -> None:
     draw_names(axes, scene, AXES_SHARE * PICTURE * POINTS_PER_INCH)
     for wheel in scene.idle:
         draw_rim(axes, wheel, rim, IDLE)
-    largest = max(abs(float(wheel.speed)) for wheel in scene.wheels) or 1.0
+    largest = max((abs(float(wheel.speed)) for wheel in scene.wheels), default=0.0) or 1.0
     for wheel in scene.wheels:
         tip = SLOWEST + (FASTEST - SLOWEST) * abs(float(wheel.speed)) / largest
         draw_wheel(axes, wheel, rim, tip=tip, named=False)
