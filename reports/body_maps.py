@@ -27,6 +27,7 @@ from nonsmooth.reports.figures.style import (
     grid_extent,
     grid_side,
     legend_below,
+    line_entry,
     mark_entry,
     new_figure,
     start_labels,
@@ -242,6 +243,11 @@ def destinations_figure(shown: BodyMapResult) -> Figure:
     """Starts by where they end, and the body at each destination."""
     entries: list[Artist] = [*_destinations_legend(shown.destinations)]
     entries += [mark_entry("+", "checked point", markersize=9), mark_entry(".", "wheel", markersize=4)]
+    if shown.scene.body is not None and any(one.pose is not None for one in shown.destinations):
+        entries += [
+            line_entry("body where it rests, arrow: its heading", color=INK, linewidth=2),
+            line_entry("the same, at the outermost headings", color=INK, linewidth=1, alpha=0.5),
+        ]
     panes = 1 if shown.scene.body is None else 2  # a body that covers all wheels has no outline to show
     figure = new_figure(SIZE[0] * panes / 2, SIZE[1] + LEGEND_LINE * -(-len(entries) // 2))
     figure.set_layout_engine("compressed")

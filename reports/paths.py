@@ -147,9 +147,11 @@ class PathResult(Result):
 
     def draw(self, ax: Axes) -> None:
         """The path in the plane of the first two states, or over time where there is one state only."""
-        from nonsmooth.reports.figures.path import draw_plane
+        from nonsmooth.reports.figures.path import draw_plane, label_plane
 
-        draw_plane(ax, self.picture())
+        picture = self.picture()
+        draw_plane(ax, picture)
+        label_plane(ax, picture)
 
     def figure(self) -> Figure:
         """The states over time too, and in a closed loop the speeds of the wheels."""
