@@ -148,9 +148,13 @@ class Export:
     @property
     def _where(self) -> str:
         """The place, with the checked point where that is another."""
-        x, y = (float(value) for value in self.given.check.equilibrium)
-        beside = "" if (x, y) == self.place else f" (the checked point is {place_text((x, y))})"
-        return place_text(self.place) + beside
+        point = tuple(float(value) for value in self.given.check.equilibrium)
+        return place_text(self.place) + f" (the checked point is {place_text(point)})" * self._is_beside
+
+    @property
+    def _is_beside(self) -> bool:
+        """Whether the place is not the checked point."""
+        return tuple(float(value) for value in self.given.check.equilibrium) != self.place
 
     def differences(self) -> Iterator[str]:
         """What the file holds otherwise than the scene, and what it leaves out."""
@@ -203,7 +207,7 @@ class Export:
             f"{model_name(self.scene)}, rule {RULE}, exported by nonsmooth: "
             "the frame is reversed, the array rides on the body.",
             f"centre of mass in the scene: {self._where}",
-            f"{BESIDE} (--from X,Y: elsewhere)",
+            *[f"{BESIDE} (--from X,Y: elsewhere)"] * self._is_beside,
             f"scale: 1 in this file is {float_text(self.scale, 9)}{unit} in the scene; "
             f"speeds are those of the scene times {float_text(self.pace, 9)}",
             SLOWED,
