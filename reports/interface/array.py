@@ -316,6 +316,8 @@ class Array(PythonScene):
         Returns:
             The axes.
         """
+        from matplotlib.figure import Figure
+
         from nonsmooth.reports.cells import drawing
         from nonsmooth.reports.figures.cells import draw_cells, draw_rates, draw_scale, explain_cells
         from nonsmooth.reports.figures.wheels import draw_array
@@ -326,7 +328,7 @@ class Array(PythonScene):
             draw_array(axes, self.scene)
         elif chosen is Drawing.CELLS:
             kinds = draw_cells(axes, self.partition)
-            if ax is None:
+            if ax is None and isinstance(axes.figure, Figure):
                 explain_cells(axes.figure, axes, self.partition, kinds)
         else:
             levels = draw_rates(axes, self.partition)

@@ -65,6 +65,30 @@ def test_a_bare_heading_is_in_the_unit_of_the_scene(invoke: Invoke, tmp_path: Pa
     assert "required a unit, as 0.3deg or 0.3rad" in refused.err
 
 
+def test_numbers_of_events_maps_and_failures_have_units(invoke: Invoke, tmp_path: Path) -> None:
+    scene = tmp_path / "table.toml"
+    scene.write_text(TABLE, encoding="utf-8")
+    start = ("simulate", str(scene), "--from", "30,20,5", "--until", "0.01")
+    path = sentence(invoke(*start).out.replace("\u2502", " "))
+    assert "end, t = 0.01 s" in path
+    assert re.search(r"\(\S+, \S+\) mm, heading [45]\S* deg: the time is over", path)
+    assert "theta" not in path
+    mapped = sentence(invoke("simulate", str(scene), "--grid", "2", "--heading", "5", "--until", "0.01").out)
+    assert "mm, heading 5 deg" in mapped
+    assert "moved (mm)" in invoke(*start, "--fail", "1").out
+
+
+def test_a_file_does_not_hide_how_the_path_ends(invoke: Invoke, tmp_path: Path) -> None:
+    scene, file = tmp_path / "table.toml", tmp_path / "path.csv"
+    scene.write_text(TABLE, encoding="utf-8")
+    first, *rest = invoke(
+        "simulate", str(scene), "--from", "30,20,0", "--until", "0.01", "-o", str(file)
+    ).out.splitlines()
+    assert first.startswith(f"{file}: 0 events")
+    assert rest[0].startswith("without inertia: ends ")
+    assert rest[1].startswith("with inertia (simulated, from rest): ")
+
+
 def test_with_units_the_body_has_inertia(invoke: Invoke, tmp_path: Path) -> None:
     """The time to settle is that of the longer path that ``--method dynamics`` follows with finer steps."""
     scene = tmp_path / "table.toml"
