@@ -243,12 +243,14 @@ def destinations_figure(shown: BodyMapResult) -> Figure:
     """Starts by where they end, and the body at each destination."""
     entries: list[Artist] = [*_destinations_legend(shown.destinations)]
     entries += [mark_entry("+", "checked point", markersize=9), mark_entry(".", "wheel", markersize=4)]
-    if shown.scene.body is not None and any(one.pose is not None for one in shown.destinations):
+    # a body that covers all wheels has no outline to show, and one that moves on no place for it
+    has_bodies = shown.scene.body is not None and any(one.pose is not None for one in shown.destinations)
+    if has_bodies:
         entries += [
             line_entry("body where it rests, arrow: its heading", color=INK, linewidth=2),
             line_entry("the same, at the outermost headings", color=INK, linewidth=1, alpha=0.5),
         ]
-    panes = 1 if shown.scene.body is None else 2  # a body that covers all wheels has no outline to show
+    panes = 2 if has_bodies else 1
     figure = new_figure(SIZE[0] * panes / 2, SIZE[1] + LEGEND_LINE * -(-len(entries) // 2))
     figure.set_layout_engine("compressed")
     starts, *others = figure.subplots(1, panes, squeeze=False)[0]
