@@ -46,6 +46,7 @@ ARROW = {"arrowstyle": "-|>", "color": INK, "shrinkA": 0, "shrinkB": 0, "linewid
 RIM_WIDTH = 5  # points, as drawn
 ON_SIDE = 200  # points on a side of an outline at which names are kept off it
 BOLD = 0.72  # width of a bold letter, of the size
+SHORT_NAME = 0.35  # of the gap between neighbours: names that are no longer may stand beyond the ends of their rims
 PAST = 3.2  # times as far beyond the end of a rim, past its arrow, as beside it
 LEAST_NAME, NAME_SHARE = 5.0, 0.75  # points; of the gap between neighbours that a name may take
 RIM_SHARE = 0.16  # half of a rim's length of the distance to the next wheel, so that arrows stay apart
@@ -274,12 +275,10 @@ def draw_names(axes: Axes, scene: Scene, points: float, rings: Sequence[Floats] 
         color = INK if wheel.index in carrying else IDLE_NAME
         place, (dx, dy), name = floats(wheel.position), floats(wheel.unit_direction), str(wheel.index)
         near = lines - np.array(place) * points / (right - left)
-        ways = [(dx, dy), (-dx, -dy), (-dy, dx), (dy, -dx)]  # beside the rim, then beyond its ends
-        away = [1.0, 1.0, PAST, PAST]
-        offsets = [
-            (share * x, share * y)
-            for share, (x, y) in zip(away, [name_offset(w, name, size) for w in ways], strict=True)
-        ]
+        offsets = [name_offset(way, name, size) for way in ((dx, dy), (-dx, -dy))]
+        if name_width(name, size) < SHORT_NAME * gap * points / (right - left):  # room beyond the ends of the rim too
+            ends = (name_offset(way, name, size) for way in ((-dy, dx), (dy, -dx)))
+            offsets += [(PAST * x, PAST * y) for x, y in ends]
         middle = min(offsets, key=lambda offset: _covered(near, offset, name, size))
         _write_name(axes, place, middle, name, color, size)
 
