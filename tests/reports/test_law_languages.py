@@ -441,7 +441,7 @@ def test_the_place_of_each_wheel_in_the_array_of_speeds_is_said(tmp_path: Path) 
     (tmp_path / "wheels.csv").write_text(f"name,x,y\n{lines}", encoding="utf-8")
     scene = tmp_path / "table.toml"
     scene.write_text(OUTLINED, encoding="utf-8")
-    law = ns.load(str(scene)).check().law()
+    law = law_of(check_theorem4(load_scene(scene)))
     text = " ".join(law.program("st").split())
     assert "[1] wheel 2 W2, [2] wheel 3 W3, [3] wheel 5 W5, [4] wheel 6 W6" in text
     assert "[0] wheel 2 W2, [1] wheel 3 W3" in law.program("c")
