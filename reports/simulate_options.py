@@ -136,9 +136,8 @@ class SimulateOptions(Options):
         if isinstance(self.feedback, str):
             object.__setattr__(self, "law", self.feedback)
             object.__setattr__(self, "feedback", True)
-        if isinstance(self.heading, str):
-            if not _value("--heading", self.heading, is_angle=True):
-                object.__setattr__(self, "heading", 0.0)  # the default, which needs no unit
+        if isinstance(self.heading, str) and not _value("--heading", self.heading, is_angle=True):
+            object.__setattr__(self, "heading", 0.0)  # the default, which needs no unit
         super().__post_init__()
 
     @property
