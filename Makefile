@@ -133,7 +133,7 @@ $(TOOLS): | $(INSTALLED)
 	@touch $@
 
 $(INSTALLED): $(PACKAGE)
-	@echo "Installing what the tests need into .venv ..."
+	@echo "Installing what the tests need into .venv (a minute, without a word) ..."
 	@$(PIP_INSTALL) --no-build-isolation -e '.[test]'
 	@touch $@
 
@@ -153,7 +153,7 @@ $(PACKAGE): pyproject.toml constraints.txt
 	@$(PYTHON) -c 'import ensurepip, venv' 2> /dev/null || { \
 	    echo "error: this Python cannot make virtual environments (venv or ensurepip is missing);" \
 	         "on Debian and Ubuntu: apt install python3-venv" >&2; exit 1; }
-	@echo "Installing into .venv (only now, and when pyproject.toml or constraints.txt change) ..."
+	@echo "Installing into .venv (only now, and when pyproject.toml or constraints.txt change): a minute or two, without a word ..."
 	@$(PYTHON) -m venv .venv
 	@$(PIP_INSTALL) setuptools wheel
 	@$(PIP_INSTALL) --no-build-isolation -e .

@@ -17,6 +17,7 @@ from nonsmooth.proofs.answers.contact_wheels import contact_facts
 from nonsmooth.proofs.answers.other_rules import OtherRule
 from nonsmooth.proofs.facts import Quantity
 from nonsmooth.proofs.theorem4_result import Check, Contradiction
+from nonsmooth.proofs.verdicts import Theorem4
 from nonsmooth.reports.document import Table, table, without_empty_columns
 from nonsmooth.reports.equilibrium_headings import headings_blocks, headings_record
 from nonsmooth.reports.facts import Record, as_record, fact_record
@@ -84,8 +85,15 @@ def answers_view(result: Check, answers: Answers) -> RenderableType:
     parts += [Text(f"note: {note}", "yellow") for note in stated.notes]
     if answers.others:
         parts.append(Text(f"other rules: {'; '.join(map(_in_short, answers.others))}"))
-    parts.append(Text(THEOREM).append_text(verdict_text(result.verdict, bold=True)))
+    parts.append(Text(THEOREM).append_text(verdict_text(result.verdict, bold=True)).append(_theorem_note(result)))
     return Group(*parts)
+
+
+def _theorem_note(result: Check) -> str:
+    """What hypotheses that are not met mean for the answers: nothing."""
+    if result.verdict is not Theorem4.HYPOTHESES_NOT_MET:
+        return ""
+    return " (it asks for rest at the point itself; the answers above do not, and stand without it)"
 
 
 def inertia_notes(scene: Scene) -> Iterator[str]:

@@ -27,6 +27,7 @@ from nonsmooth.reports.figures.style import (
     grid_extent,
     grid_side,
     legend_below,
+    line_entry,
     mark_entry,
     new_figure,
     start_labels,
@@ -34,7 +35,7 @@ from nonsmooth.reports.figures.style import (
 )
 from nonsmooth.reports.figures.wheels import outline_of, placed
 from nonsmooth.reports.maps import MapResult, Part, grid_of, home_row, massless, parts_record, within_accuracy
-from nonsmooth.reports.path_ends import degrees_text
+from nonsmooth.reports.path_ends import degrees_text, heading_text
 from nonsmooth.reports.progress import progress
 from nonsmooth.reports.result import DataTable, Record
 from nonsmooth.reports.simulate_options import SimulateOptions
@@ -205,11 +206,12 @@ class BodyMapResult(MapResult):
         if tips.any():
             at_once = float((tips & (self.found.times == 0)).mean())
             rows.append(("of these", f"{percent_text(at_once)} of all starts tip where they start"))
-        rows.append((f"latest end{massless(self.scene)}", f"t = {self.found.times.max():.6g}"))
+        unit, second = (f" {label}".rstrip() for label in (self.scene.units.length, self.scene.units.time))
+        rows.append((f"latest end{massless(self.scene)}", f"t = {self.found.times.max():.6g}{second}"))
         (left, low), (right, high) = self.found.starts[:, :2].min(axis=0), self.found.starts[:, :2].max(axis=0)
-        head = f"{self.title}: {self.head} until t = {self.found.until:.6g}, sampled"
+        head = f"{self.title}: {self.head} until t = {self.found.until:.6g}{second}, sampled"
         square = f"x from {left:.6g} to {right:.6g}, y from {low:.6g} to {high:.6g}"
-        starts = f"{square}, theta_0 = {self.options.heading:.6g}"
+        starts = f"{square}{unit}, {heading_text(self.scene.units, self.options.heading, 'theta_0')}"
         open_heading = [Paragraph((OPEN_HEADING,))] if rule_of(self.scene).keeps_rows else []
         if self.scene.body is None:
             open_heading = [Paragraph((TURNS_ON,))]
@@ -241,7 +243,14 @@ def destinations_figure(shown: BodyMapResult) -> Figure:
     """Starts by where they end, and the body at each destination."""
     entries: list[Artist] = [*_destinations_legend(shown.destinations)]
     entries += [mark_entry("+", "checked point", markersize=9), mark_entry(".", "wheel", markersize=4)]
-    panes = 1 if shown.scene.body is None else 2  # a body that covers all wheels has no outline to show
+    # a body that covers all wheels has no outline to show, and one that moves on no place for it
+    has_bodies = shown.scene.body is not None and any(one.pose is not None for one in shown.destinations)
+    if has_bodies:
+        entries += [
+            line_entry("body where it rests, arrow: its heading", color=INK, linewidth=2),
+            line_entry("the same, at the outermost headings", color=INK, linewidth=1, alpha=0.5),
+        ]
+    panes = 2 if has_bodies else 1
     figure = new_figure(SIZE[0] * panes / 2, SIZE[1] + LEGEND_LINE * -(-len(entries) // 2))
     figure.set_layout_engine("compressed")
     starts, *others = figure.subplots(1, panes, squeeze=False)[0]

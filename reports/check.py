@@ -45,7 +45,9 @@ OF_ONE_SCENE = ("certificate", "evidence", "region", *OF_ONE_ARRAY)
 class CheckOptions(Options):
     """What is asked of a check."""
 
-    rule: str | None = option(None, "Contact rule; replaces the scene's.", names=lambda: (*CONTACT_RULES, ALL_RULES))
+    rule: str | None = option(
+        None, "Contact rule; replaces the scene's.", names=lambda: (*CONTACT_RULES, MIXED, ALL_RULES)
+    )
     at: Any = option(
         None,
         "The point to check, such as 0,1/4; replaces the scene's. auto: the best rest point of the square.",

@@ -26,12 +26,13 @@ from nonsmooth.reports.progress import progress, steps
 from nonsmooth.reports.records import CHECK_SCHEMA, check_record, checks_record
 from nonsmooth.reports.result import DataTable, Result, short_lines
 from nonsmooth.reports.terminal import header_table, verdict_text
-from nonsmooth.symbolic.contact_set import ContactSet, contact_set
+from nonsmooth.symbolic.contact_set import ContactSet, contact_set, tipped, wheels_text
 from nonsmooth.symbolic.number_text import short_text
 from nonsmooth.symbolic.scene_error import one_line
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
     from rich.console import RenderableType
 
     from nonsmooth.analysis.continuum import Prediction
@@ -110,7 +111,7 @@ class ArrayAnswers(Result):
 
     def headline(self) -> str:
         """What is checked."""
-        return f"{self.scene.name}: {len(self.scene.wheels)} wheels, rule {self.scene.contact.rule}"
+        return f"{self.scene.name}: {wheels_text(self.scene)}, rule {self.scene.contact.rule}"
 
     def summary(self) -> str:
         """The answers."""
@@ -353,10 +354,12 @@ class TippedResult(ArrayAnswers):
     Attributes:
         scene: the array, with the body.
         tipping: which wheels are under the body, and why it does not stand on them.
+        is_drawn: whether only the picture was asked for.
     """
 
     scene: Scene
     tipping: TipsError
+    is_drawn: bool = False
 
     @property
     def _answers(self) -> Mapping[str, Answer]:
@@ -377,7 +380,23 @@ class TippedResult(ArrayAnswers):
     @property
     def exit_status(self) -> int:
         """1, whatever is required: the body is not where it should be."""
-        return 1
+        return int(not self.is_drawn)
+
+    def draw(self, ax: Axes) -> None:
+        """The wheels under the body and those that it misses, its outline, and its centre of mass."""
+        from nonsmooth.reports.figures.wheels import draw_array
+
+        draw_array(ax, tipped(self.scene, self.tipping))
+
+    def figure(self) -> Figure:
+        """The same with a legend, and why it tips."""
+        from nonsmooth.reports.figures.wheels import array_figure
+
+        return array_figure(tipped(self.scene, self.tipping), self.tipping.why)
+
+    def summary(self) -> str:
+        """Why it tips."""
+        return self.tipping.why
 
     def facts(self) -> Record:
         """The JSON record of ``nonsmooth check --json``."""
@@ -396,7 +415,8 @@ class TippedResult(ArrayAnswers):
         from nonsmooth.reports.answers import tipped_view
         from nonsmooth.reports.terminal import notes_lines
 
-        return [tipped_view(self.scene, [*self._answers.values()]), *notes_lines(self.scene.field)]
+        drawn = Text("nonsmooth partition SCENE --show array -o FILE.png draws it")
+        return [tipped_view(self.scene, [*self._answers.values()]), drawn, *notes_lines(self.scene.field)]
 
 
 # ---- under every contact rule --------------------------------------------------------------------

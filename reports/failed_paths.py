@@ -18,6 +18,7 @@ from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.trajectories.result import EndReason, Trajectory, TrajectoryError
 from nonsmooth.proofs.answers.failures import NO_TABLE, FailureKind, stopped, without
 from nonsmooth.reports.document import Block, Paragraph, table
+from nonsmooth.reports.path_ends import in_unit
 from nonsmooth.reports.refusals import OptionError
 from nonsmooth.reports.result import DataTable, Record, Result, short_lines
 from nonsmooth.reports.simulate_options import SimulateOptions
@@ -161,12 +162,18 @@ class FailedPathsResult(Result):
 
     def blocks(self) -> Sequence[Block]:
         """Of one start each end; of many the farthest move, and how many no longer come home."""
-        unit = f" {self.scene.units.length}".rstrip()
+        unit, second = (f" {label}".rstrip() for label in (self.scene.units.length, self.scene.units.time))
         accuracy = f"home: within {float_text(accuracy_at_point(self.scene), 3)}{unit} of the checked point"
-        said = Paragraph((f"sampled, without inertia, until t = {self.until:.4g}; {accuracy}",))
+        said = Paragraph((f"sampled, without inertia, until t = {self.until:.4g}{second}; {accuracy}",))
         if len(self.whole) == 1:
             return [said, self._of_one_start(), *self._worst()]
-        names = ("failed", "end moves at most", "no longer home", "tip", "not followed")
+        names = (
+            "failed",
+            in_unit("end moves at most", self.scene.units.length),
+            "no longer home",
+            "tip",
+            "not followed",
+        )
         lines = []
         for failed in self.failures:
             after = [path for _, path in self.pairs(failed)]
@@ -176,7 +183,7 @@ class FailedPathsResult(Result):
         return [said, Paragraph((home,)), table(names, lines, (1.5, 1.0, 1.0, 0.5, 0.7)), *self._worst()]
 
     def _of_one_start(self) -> Block:
-        (before,) = self.whole
+        (before,), unit = self.whole, self.scene.units.length
         lines = []
         for path in (before, *self.paths):
             move = moved(before, path) if path.failed.wheels else None
@@ -185,7 +192,7 @@ class FailedPathsResult(Result):
             home = "yes" if path.home else "no"
             lines.append([str(path.failed), place, heading, _text(move and move[0]), home, path.how])
         return table(
-            ("failed", "ends at", "heading (deg)", "moved", "home", "how it ends"),
+            ("failed", in_unit("ends at", unit), "heading (deg)", in_unit("moved", unit), "home", "how it ends"),
             lines,
             (1.0, 1.0, 0.7, 0.6, 0.4, 1.6),
         )

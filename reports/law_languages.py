@@ -9,14 +9,18 @@ it in :data:`LANGUAGES`.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Sequence
 from enum import StrEnum
+from fractions import Fraction
 from pprint import pformat
 from textwrap import wrap
 
 from nonsmooth.reports.law_table import LawKind, LawRegion, LawTable
+from nonsmooth.symbolic.number_text import float_text
 
 WIDTH = 100  # of lines
+_FRACTION = re.compile(r"\b\d+/[1-9]\d*\b")
 _NAMES = {"e": "E", "f": "F", "w": "WEIGHT", "l": "LENGTH"}
 
 
@@ -61,7 +65,25 @@ def header(law: LawTable, at: str) -> list[str]:
     said.append(f"Limits of speed: {stated}.")
     said.append("Where one would be exceeded all speeds are scaled by one factor: the body takes the same way, later.")
     said.append(f"The speeds are combinations of: {law.kind}.")
+    said = [_FRACTION.sub(_decimal, sentence) if units.length else sentence for sentence in said]
     return [line for sentence in said for line in wrap(sentence, WIDTH, subsequent_indent="  ")]
+
+
+def _decimal(fraction: re.Match[str]) -> str:
+    """A fraction of a scene with units as a decimal, as people wrote its numbers; the program holds floats."""
+    return float_text(Fraction(fraction[0]), 12)
+
+
+def _order(law: LawTable, first: int) -> list[str]:
+    """Which wheel each place of an array of speeds belongs to, whose places are counted from ``first``."""
+    places = (f"[{k}] {_wheel_words(wheel.index)}" for k, wheel in enumerate(law.scene.wheels, first))
+    return wrap(f"speeds by wheel: {', '.join(places)}", WIDTH - 10)
+
+
+def _wheel_words(index: int) -> str:
+    """``wheel 2``, or ``wheel 2 A2`` of a table with names."""
+    named = str(index) != f"{index:d}"
+    return f"wheel {index:d}{' ' + _plain(str(index)) if named else ''}"
 
 
 def _plain(text: str) -> str:
@@ -289,7 +311,8 @@ def c_program(law: LawTable, head: Sequence[str]) -> str:
         f"#define TERMS {len(tables.rows[0][0])}",
     ]
     lines += [f"static const double {name} = {value!r};" for name, value in _constants(law)]
-    lines += ["", f"const int law_wheels[LAW_WHEELS] = {_braces(tables.wheels)};"]
+    lines += ["", *(f"/* {_comment(line)} */" for line in _order(law, 0))]
+    lines += [f"const int law_wheels[LAW_WHEELS] = {_braces(tables.wheels)};"]
     lines += [f"double law_limits[LAW_WHEELS] = {_braces(tables.limits)}; /* 0: none */"]
     lines += [f"static const int SIDE_COUNTS[REGIONS] = {_braces(tables.side_counts)};"]
     lines += [f"static const double SIDES[REGIONS][{len(tables.sides[0])}][3] = {_braces(tables.sides)};"]
@@ -418,7 +441,8 @@ def structured_text(law: LawTable, head: Sequence[str]) -> str:
         f"limits : {_array(tables.limits)}; (* 0.0: none *)",
     ]
     outputs = [
-        f"speeds : ARRAY[1..{wheels}] OF LREAL; (* in the order of wheels *)",
+        *(f"(* {_comment(line)} *)" for line in _order(law, 1)),
+        f"speeds : ARRAY[1..{wheels}] OF LREAL;",
         "region : INT; (* 0: outside of all *)",
     ]
     blocks = (("VAR_INPUT", inputs), ("VAR_OUTPUT", outputs), ("VAR CONSTANT", constants), ("VAR", variables))

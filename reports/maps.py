@@ -40,6 +40,7 @@ from nonsmooth.reports.figures.style import (
     time_label,
     title_figure,
 )
+from nonsmooth.reports.path_ends import heading_text, shown_angle
 from nonsmooth.reports.progress import progress
 from nonsmooth.reports.refusals import OptionError
 from nonsmooth.reports.result import DataTable, Record, Result, short_lines
@@ -240,16 +241,19 @@ class SettleMapResult(MapResult):
             rows.append((percent_text(sum(basin.share for basin in others)), f"{len(others)} others"))
         rows.insert(0, home_row(self.partition.scene, self.home))
         theta, latest = summary["theta"], summary["latest_arrival"]
-        rows.append(("theta_inf", "-" if theta is None else f"{theta[0]:.10g} to {theta[1]:.10g}"))
+        units = self.partition.scene.units
+        unit, second = (f" {label}".rstrip() for label in (units.length, units.time))
+        shown = [shown_angle(units, angle) for angle in theta or ()]
+        last = f"{shown[0]:.10g} to {shown[1]:.10g}{' deg' * units.in_degrees}" if shown else "-"
+        rows.append(("last heading" if units.in_degrees else "theta_inf", last))
         rows.append(
-            (f"latest arrival{massless(self.partition.scene)}", "-" if latest is None else f"t = {latest:.10g}")
+            (f"latest arrival{massless(self.partition.scene)}", "-" if latest is None else f"t = {latest:.10g}{second}")
         )
         rows.append(("never arrive", percent_text(1 - summary["arrived"])))
         rows.append(("not unique", percent_text(1 - summary["unique"])))
         (left, low), (right, high) = self.found.starts.min(axis=0), self.found.starts.max(axis=0)
-        starts = (
-            f"x from {left:.6g} to {right:.6g}, y from {low:.6g} to {high:.6g}, theta_0 = {self.options.heading:.6g}"
-        )
+        turned = heading_text(units, self.options.heading, "theta_0")
+        starts = f"x from {left:.6g} to {right:.6g}, y from {low:.6g} to {high:.6g}{unit}, {turned}"
         return [Paragraph((self.head,)), Paragraph((starts,)), findings(rows)]
 
     @property

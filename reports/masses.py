@@ -24,6 +24,7 @@ from nonsmooth.analysis.contact_rule import massless_rule
 from nonsmooth.analysis.dynamics.newton_euler import DynamicPath, RigidBody
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.reports.document import Block, Paragraph, table
+from nonsmooth.reports.path_ends import in_unit, pose_text, shown_angle
 from nonsmooth.reports.paths import ArrayPath
 from nonsmooth.reports.refusals import OptionError
 from nonsmooth.reports.result import DataTable, Record, Result, short_lines
@@ -99,12 +100,16 @@ class NewtonEulerPath(ArrayPath):
 
     def blocks(self) -> Sequence[Block]:
         """Events, a few moments of the motion, and how it ends."""
-        path, rows = self.trajectory, []
+        path, rows, units = self.trajectory, [], self.scene.units
         for k in range(MOMENTS):
             t = float(path.end.t) * k / (MOMENTS - 1)
             x, y, theta, *velocity, omega = self.motion.state(t).tolist()
-            rows.append([*map(float_text, (t, x, y, theta, sum(w**2 for w in velocity) ** 0.5, omega))])
-        moments = table(("t", "x", "y", "theta", "speed", "omega"), rows, (1.0,) * 6)
+            turned = [shown_angle(units, angle) for angle in (theta, omega)]
+            rows.append([*map(float_text, (t, x, y, turned[0], sum(w**2 for w in velocity) ** 0.5, turned[1]))])
+        angle = units.angle if units.length or units.in_degrees else ""
+        labels = (units.time, units.length, units.length, angle, units.speed, angle and f"{angle}/{units.time}")
+        names = map(in_unit, ("t", "x", "y", "theta", "speed", "omega"), labels)
+        moments = table(tuple(names), rows, (1.0,) * 6)
         begin = super().blocks() if path.events else [Paragraph((line,)) for line in (*self.head(), self.ending[1])]
         return [*begin, moments, Paragraph((f"end: {self.end}",)), Paragraph((mass_note(self.scene),))]
 
@@ -196,7 +201,9 @@ class MassResult(Result):
             limits = {limit.rule: limit for limit in study.limits}
             rows.append(["-> 0", *("0, 0" if rule == self.limit else _pair(limits[rule]) for rule in rules)])
         x, y, theta = study.start
-        head = f"{one_line(self.scene.name)}: full dynamics from rest at ({x:g}, {y:g}), theta = {theta:g}"
+        head = (
+            f"{one_line(self.scene.name)}: full dynamics from rest at {pose_text(self.scene.units, (x, y, theta), 6)}"
+        )
         what = f"largest distance from the path of each contact rule until t = {study.until:g}: of (x, y), of theta"
         limit = "" if study.limits is None else f"-> 0: the distance of rule {self.limit}'s own path from the others; "
         names = ("mass", *(f"rule {rule}" for rule in rules))

@@ -24,6 +24,7 @@ from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
+from nonsmooth.analysis.bodies.gyration import squared_radius
 from nonsmooth.analysis.contact_rule import SmoothRule, contact_rule
 from nonsmooth.analysis.vehicles import require_friction
 from nonsmooth.symbolic.contact_set import standing, whole
@@ -39,6 +40,12 @@ if TYPE_CHECKING:
     from nonsmooth.symbolic.scene import Wheel
 
 RULE = "ellipse"  # the engine's elliptic cone
+BESIDE = (
+    "beside the checked point, where a body may rest, unless a place is given: so that there is a motion to compare"
+)
+SLOWED = (
+    "so slow, because the engine couples slip and load: the friction law alone decides, as for a body without inertia"
+)
 SPEED = 1e-6  # largest speed of a surface in the file (metre/second)
 RADIUS, HALF_LENGTH = 0.05, 1e-4  # of the capsules (metre)
 LEAST_FRICTION = 1e-5  # of the engine
@@ -52,6 +59,31 @@ AT_REST = 1e-9  # of the wheels' speed: slower is rounding of rest
 def model_name(scene: Scene) -> str:
     """The name of a scene on one line, without the two hyphens that end a comment of XML."""
     return one_line(scene.name).replace("--", "- ")
+
+
+def engine_inertia(scene: Scene, scale: float) -> tuple[float, float] | None:
+    """Mass (kg) and inertia about the vertical through the centre of mass, in lengths of the file; None without units.
+
+    Args:
+        scene: of the wheels that carry the body.
+        scale: the file's length of 1 in lengths of the scene.
+    """
+    if scene.inertia is None:
+        return None
+    mass = 1.0 if scene.inertia.mass is None else float(scene.inertia.mass)
+    return mass, mass * float(squared_radius(scene)) / scale**2
+
+
+def inertia_words(scene: Scene, scale: float) -> str:
+    """Whose mass and inertia the file holds, and that they do not matter."""
+    found = engine_inertia(scene, scale)
+    if found is None:
+        return "mass 1 and inertia 1 stand for any"
+    stated = scene.inertia is not None and scene.inertia.mass is not None
+    mass = f"mass {float_text(found[0])} kg, {'as stated' if stated else 'for any (none is stated)'}"
+    return (
+        f"{mass}; inertia {float_text(found[1] / found[0] * scale**2)} {scene.units.length}^2 per mass, as in the scene"
+    )
 
 
 class Motion(StrEnum):
@@ -116,9 +148,13 @@ class Export:
     @property
     def _where(self) -> str:
         """The place, with the checked point where that is another."""
-        x, y = (float(value) for value in self.given.check.equilibrium)
-        beside = "" if (x, y) == self.place else f" (the checked point is {place_text((x, y))})"
-        return place_text(self.place) + beside
+        point = tuple(float(value) for value in self.given.check.equilibrium)
+        return place_text(self.place) + f" (the checked point is {place_text(point)})" * self._is_beside
+
+    @property
+    def _is_beside(self) -> bool:
+        """Whether the place is not the checked point."""
+        return tuple(float(value) for value in self.given.check.equilibrium) != self.place
 
     def differences(self) -> Iterator[str]:
         """What the file holds otherwise than the scene, and what it leaves out."""
@@ -137,13 +173,14 @@ class Export:
             "errors of a feedback loop": self.given.loop_errors,
         }
         yield from (f"left out: {name}" for name, part in parts.items() if part)
-        yield "mass 1 and inertia 1 stand for any: the predicted motion does not depend on them"
+        yield f"{inertia_words(self.scene, self.scale)}: the predicted motion does not depend on them"
 
     def text(self) -> str:
         """The MJCF document."""
         wheels = "\n".join(self._wheel(wheel) for wheel in self.scene.wheels)
         pairs = "\n".join(self._pair(wheel) for wheel in self.scene.wheels)
         x, y = (value / self.scale for value in self.place)
+        mass, turning = engine_inertia(self.scene, self.scale) or (1.0, 1.0)
         return f"""<mujoco model={quoteattr(model_name(self.scene))}>
   <!--
 {self._comment()}
@@ -153,7 +190,7 @@ class Export:
     <geom name="body" type="plane" size="5 5 1" contype="0" conaffinity="0"/>
     <body name="array">
       <freejoint/>
-      <inertial pos="{x!r} {y!r} {RADIUS!r}" mass="1" diaginertia="1 1 1"/>
+      <inertial pos="{x!r} {y!r} {RADIUS!r}" mass="{mass:g}" diaginertia="{turning:.9g} {turning:.9g} {turning:.9g}"/>
 {wheels}
     </body>
   </worldbody>
@@ -170,8 +207,10 @@ class Export:
             f"{model_name(self.scene)}, rule {RULE}, exported by nonsmooth: "
             "the frame is reversed, the array rides on the body.",
             f"centre of mass in the scene: {self._where}",
+            *[f"{BESIDE} (--from X,Y: elsewhere)"] * self._is_beside,
             f"scale: 1 in this file is {float_text(self.scale, 9)}{unit} in the scene; "
             f"speeds are those of the scene times {float_text(self.pace, 9)}",
+            SLOWED,
             *self.differences(),
             f"predicted twist (v_x, v_y, omega): {vx!r} {vy!r} {omega!r}",
             f"predicted motion: {self.motion}",

@@ -21,7 +21,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 from xml.sax.saxutils import quoteattr
 
-from nonsmooth.reports.mjcf import LEAST_FRICTION, RULE, model_name
+from nonsmooth.reports.mjcf import LEAST_FRICTION, RULE, SLOWED, engine_inertia, inertia_words, model_name
 from nonsmooth.symbolic.contact_set import whole
 from nonsmooth.symbolic.continuum import Disc
 from nonsmooth.symbolic.number_text import float_text, place_text
@@ -84,6 +84,7 @@ class WorldExport:
         wheels = "\n".join(map(self._wheel, self.scene.wheels))
         pairs = "\n".join(map(self._pair, self.scene.wheels))
         x, y = self._in_file(self.place)
+        mass, turning = engine_inertia(self.scene, self.scale) or (1.0, 0.5)
         return f"""<mujoco model={quoteattr(model_name(self.scene))}>
   <!--
 {self._comment()}
@@ -94,7 +95,7 @@ class WorldExport:
 {wheels}
     <body name="body" pos="{x!r} {y!r} {THICK!r}">
       <freejoint/>
-      <inertial pos="0 0 0" mass="1" diaginertia="0.25 0.25 0.5"/>
+      <inertial pos="0 0 0" mass="{mass:g}" diaginertia="{turning / 2:.9g} {turning / 2:.9g} {turning:.9g}"/>
       <geom name="body" {self._plate()} contype="0" conaffinity="0"/>
     </body>
   </worldbody>
@@ -121,7 +122,8 @@ class WorldExport:
             f"turned: the file's x lies at {float_text(turn, 9)} degrees in the scene (friction axes along x or y)",
             *(f"left out: {name}" for name, part in left.items() if part),
             *self._least_friction(),
-            "mass 1 stands for any, and inertia does not show: the wheels run too slowly for it",
+            f"{inertia_words(self.scene, self.scale)}: neither shows, since the wheels run too slowly for it",
+            SLOWED,
             f"start of the centre of mass in the scene: {place_text(self.place)}, at rest",
             f"predicted end (x, y, theta) after {self.seconds!r} s: {' '.join(map(repr, self.file_end))}",
             f"how the predicted path ends: {self.path.end.reason}",

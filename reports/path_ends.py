@@ -8,6 +8,7 @@ body stays near where it ends are counted as for bodies with inertia (:mod:`nons
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -19,9 +20,10 @@ from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.trajectories.ending import Ending, EndMotion, ending, parts_of, places
 from nonsmooth.analysis.trajectories.result import EndReason, Trajectory
 from nonsmooth.symbolic.contact_set import accuracy_at_point
-from nonsmooth.symbolic.number_text import float_text
+from nonsmooth.symbolic.number_text import float_text, place_text
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.units import Units
 
 DIGITS = 3
 AT_POINT = 1e-9  # of the scene's length: a distance that is rounding
@@ -117,6 +119,31 @@ def degrees_text(theta: float) -> str:
     """A heading (radian) in degrees: ``7.49 deg``."""
     degrees = math.degrees(theta)
     return f"{float_text(degrees if abs(degrees) > 1e-9 else 0.0, DIGITS)} deg"
+
+
+def pose_text(units: Units, state: Sequence[Any], digits: int) -> str:
+    """``(180, 120) mm, heading 5 deg`` of a scene with degrees, ``(0.2, 0.4), theta = 0.3`` of others."""
+    x, y, theta = (float(value) for value in state)
+    if not units.in_degrees:
+        return f"{place_text((x, y), digits)}, theta = {float_text(theta, digits)}"
+    return f"{place_text((x, y), digits)}{_unit(units.length)}, {heading_text(units, theta, digits=digits)}"
+
+
+def heading_text(units: Units, theta: float, symbol: str = "theta", digits: int = 6) -> str:
+    """``heading 5 deg`` of a scene with degrees, ``theta_0 = 0.3`` of others."""
+    if not units.in_degrees:
+        return f"{symbol} = {float_text(theta, digits)}"
+    return f"heading {float_text(math.degrees(theta), digits)} {units.angle}"
+
+
+def shown_angle(units: Units, radians: float) -> float:
+    """An angle, or a rate of one, as people read it."""
+    return math.degrees(radians) if units.in_degrees else radians
+
+
+def in_unit(name: str, unit: str) -> str:
+    """The head of a column: ``moved (mm)``."""
+    return f"{name} ({unit})" if unit else name
 
 
 def _settles(scene: Scene, after: float) -> str:

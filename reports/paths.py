@@ -37,7 +37,7 @@ from nonsmooth.reports.choices import LawName, PathMethod
 from nonsmooth.reports.document import Block, Paragraph, findings
 from nonsmooth.reports.feedback_loop import FeedbackLoop, build_loop
 from nonsmooth.reports.files import FILMS, output_path, write_whole
-from nonsmooth.reports.path_ends import ArrayPathEnd, settled_record, settled_words, system_end
+from nonsmooth.reports.path_ends import ArrayPathEnd, pose_text, settled_record, settled_words, system_end
 from nonsmooth.reports.progress import steps
 from nonsmooth.reports.refusals import OptionError
 from nonsmooth.reports.result import FORMATS, DataTable, Record, Result, short_lines
@@ -140,11 +140,18 @@ class PathResult(Result):
         """How many events, and how it ends."""
         return f"{len(self.trajectory.events)} events, {self.end}"
 
+    def written(self, ending: str) -> str:
+        """The same, and below it where the path ends, when and how."""
+        _, ends = self.ending
+        return "\n".join((self.summary(), ends, *self.beside()))
+
     def draw(self, ax: Axes) -> None:
         """The path in the plane of the first two states, or over time where there is one state only."""
-        from nonsmooth.reports.figures.path import draw_plane
+        from nonsmooth.reports.figures.path import draw_plane, label_plane
 
-        draw_plane(ax, self.picture())
+        picture = self.picture()
+        draw_plane(ax, picture)
+        label_plane(ax, picture)
 
     def figure(self) -> Figure:
         """The states over time too, and in a closed loop the speeds of the wheels."""
@@ -175,20 +182,21 @@ class PathResult(Result):
     def _events(self) -> list[tuple[str, str]]:
         """When something happens, and what; the end last."""
         events, end = self.trajectory.events, self.trajectory.end
+        second = "" if self.scene is None or not self.scene.units.time else f" {self.scene.units.time}"
         rows = []
         for event in events[:SHOWN]:
             note = f"; {event.note}" if event.note else ""
             what = f"{event.kind} at {self._place(event.state, 6)}: {event.surface}{note}"
-            rows.append((f"t = {float(event.t):.6g}", what))
+            rows.append((f"t = {float(event.t):.6g}{second}", what))
         if len(events) > SHOWN:
             rows.append(("...", f"{len(events) - SHOWN} more events"))
-        return [*rows, (f"end, t = {float(end.t):.6g}", f"{self._place(end.state, 10)}: {end.reason}")]
+        return [*rows, (f"end, t = {float(end.t):.6g}{second}", f"{self._place(end.state, 10)}: {end.reason}")]
 
     def _place(self, state: Sequence[Any], digits: int) -> str:
         """A state in words; positions of a body as a point."""
+        if self.scene is not None:
+            return pose_text(self.scene.units, state, digits)
         values = [f"{float(value):.{digits}g}" for value in state]
-        if self.states == POSE:
-            return f"({values[0]}, {values[1]}), theta = {values[2]}"
         return ", ".join(f"{name} = {value}" for name, value in zip(self.states, values, strict=True))
 
 

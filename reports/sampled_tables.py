@@ -23,6 +23,7 @@ from nonsmooth.reports.progress import steps
 from nonsmooth.reports.refusals import OptionError
 from nonsmooth.reports.result import DataTable, Record, Result, short_lines
 from nonsmooth.reports.simulate_options import SimulateOptions
+from nonsmooth.symbolic.contact_set import accuracy_at_point
 from nonsmooth.symbolic.number_text import float_text
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact, one_line
@@ -59,6 +60,16 @@ class SampledTablesResult(Result):
     certified: Robust | None
 
     @property
+    def accuracy(self) -> float:
+        """How near a body must come (length)."""
+        return float(accuracy_at_point(self.scene))
+
+    @property
+    def near(self) -> int:
+        """On how many tables bodies end within the accuracy, at a place of rest that attracts."""
+        return int((self.all.distances <= self.accuracy).sum())
+
+    @property
     def binding(self) -> str:
         """The tolerance that alone moves the end farthest (95 % of the tables)."""
         return max(self.alone, key=lambda one: one.moved(SHARE)).names[0]
@@ -79,6 +90,8 @@ class SampledTablesResult(Result):
             "within": _number(self.all.within(SHARE)),
             "farthest": _number(self.all.within(1.0)),
             "missing": self.all.missing,
+            "accuracy": self.accuracy,
+            "near": self.near,
             "binding": self.binding,
             "parts": [_record(one) for one in (self.all, *self.groups, *self.alone)],
             "certified": certified,
@@ -95,7 +108,9 @@ class SampledTablesResult(Result):
         count, unit = len(self.all.places), of_length(self.scene)
         within = self.all.within(SHARE)
         near = f"end within {_text(within)}{unit}" if math.isfinite(within) else "do not all end near the point"
-        return f"{100 * SHARE:g} % of {count} tables {near} (sampled, seed {self.seed}); {self._certified(unit)}"
+        counted = f"{self.near} of {count} within the accuracy, {_text(self.accuracy)}{unit}"
+        head = f"{100 * SHARE:g} % of {count} tables {near} (sampled, seed {self.seed})"
+        return f"{head}; {counted}; {self._certified(unit)}"
 
     def _certified(self, unit: str) -> str:
         proved = self.certified

@@ -138,6 +138,7 @@ def _run_array(scene: Any, options: SimulateOptions) -> Result:
     from nonsmooth.analysis.cells.partition import RefusalError
     from nonsmooth.analysis.trajectories.result import TrajectoryError
 
+    options = options.read_for(scene)
     if options.tables is not None:
         from nonsmooth.reports.sampled_tables import draw_tables
 

@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
 
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.reports.choices import LawName, PathMethod
 from nonsmooth.reports.refusals import OptionError
 from nonsmooth.reports.study_options import Options, option
+from nonsmooth.symbolic.units import AngleUnit
+
+if TYPE_CHECKING:
+    from nonsmooth.symbolic.scene import Scene
 
 # Headings of the help: what an option belongs to.
 PATH = "One path"
@@ -31,7 +35,8 @@ class SimulateOptions(Options):
 
     start: str | Sequence[float] | None = option(
         None,
-        "Start in world coordinates, such as 0.2,sqrt(2)/4,pi/6: one number per state.",
+        "Start in world coordinates, such as 0.2,sqrt(2)/4,pi/6 or 180,120,5deg: one number per state. A heading "
+        "without a unit is in that of the scene's angles.",
         str | None,
         flag="--from",
         heading=PATH,
@@ -45,7 +50,7 @@ class SimulateOptions(Options):
     )
     heading: float = option(
         0.0,
-        "Heading of all starts in radians, or such as 30deg, with --grid.",
+        "Heading of all starts with --grid, such as 30deg or pi/6; without a unit in that of the scene's angles.",
         str,
         heading=MAP,
         metavar="THETA",
@@ -123,7 +128,7 @@ class SimulateOptions(Options):
     )
 
     def __post_init__(self) -> None:
-        """In Python ``feedback`` may name a law; a heading may be typed with its unit.
+        """In Python ``feedback`` may name a law; a typed heading waits for the scene's unit (:meth:`read_for`).
 
         Raises:
             OptionError: for a heading that is no angle.
@@ -131,8 +136,8 @@ class SimulateOptions(Options):
         if isinstance(self.feedback, str):
             object.__setattr__(self, "law", self.feedback)
             object.__setattr__(self, "feedback", True)
-        if isinstance(self.heading, str):
-            object.__setattr__(self, "heading", _value("--heading", self.heading, is_angle=True))
+        if isinstance(self.heading, str) and not _value("--heading", self.heading, is_angle=True):
+            object.__setattr__(self, "heading", 0.0)  # the default, which needs no unit
         super().__post_init__()
 
     @property
@@ -150,6 +155,20 @@ class SimulateOptions(Options):
         """The last time of a single path."""
         return self.until or UNTIL
 
+    def read_for(self, scene: Scene) -> SimulateOptions:
+        """The options with numbers for what was typed: an angle without a unit is in that of the scene's angles.
+
+        Numbers of Python are radians.
+
+        Raises:
+            OptionError: for no numbers, and an angle that names no unit where the scene states none either.
+        """
+        unit = unit_of_typed_angles(scene)
+        start = self.place(POSE, angle="theta", unit=unit) if isinstance(self.start, str) else self.start
+        typed = self.heading
+        heading = _value("--heading", typed, is_angle=True, unit=unit) if isinstance(typed, str) else typed
+        return replace(self, start=start, heading=heading)
+
     @property
     def pose(self) -> tuple[float, float, float]:
         """The start of a body over an array; its heading may hold pi.
@@ -160,8 +179,15 @@ class SimulateOptions(Options):
         x, y, theta = self.place(POSE, angle="theta")
         return x, y, theta
 
-    def place(self, states: Sequence[str], angle: str = "") -> tuple[float, ...]:
+    def place(
+        self, states: Sequence[str], angle: str = "", unit: AngleUnit | None = AngleUnit.RADIAN
+    ) -> tuple[float, ...]:
         """The start: a finite number for each state; typed ones may be formulas, that of the state ``angle`` with pi.
+
+        Args:
+            states: their names.
+            angle: the state that is an angle.
+            unit: of an angle that names none.
 
         Raises:
             OptionError: for anything else.
@@ -174,7 +200,7 @@ class SimulateOptions(Options):
             received = repr(self.start[:60]) if isinstance(self.start, str) else len(parts)
             raise OptionError(f"{required}, received {received}")
         return tuple(
-            _value(f"--from: {name}", part, is_angle=name == angle) if isinstance(part, str) else float(part)
+            _value(f"--from: {name}", part, is_angle=name == angle, unit=unit) if isinstance(part, str) else float(part)
             for name, part in zip(states, parts, strict=True)
         )
 
@@ -189,7 +215,16 @@ class SimulateOptions(Options):
                 raise OptionError(f"{flag}: required a positive number, received {value}")
 
 
-def _value(where: str, text: str, *, is_angle: bool) -> float:
+def unit_of_typed_angles(scene: Scene) -> AngleUnit | None:
+    """The unit of typed angles that name none; None where the scene's own were taken for degrees untold."""
+    from nonsmooth.symbolic.files.scene_values import AngleReading
+
+    if scene.units.in_degrees:
+        return AngleUnit.DEGREE
+    return None if AngleReading.WITHOUT_UNIT.value in scene.field.remarks else AngleUnit.RADIAN
+
+
+def _value(where: str, text: str, *, is_angle: bool, unit: AngleUnit | None = AngleUnit.RADIAN) -> float:
     """A number as typed, or an angle (radian), with or without its unit.
 
     Raises:
@@ -199,7 +234,7 @@ def _value(where: str, text: str, *, is_angle: bool) -> float:
     from nonsmooth.symbolic.scene_error import requirement, shown
 
     try:
-        value = read_start_angle(text) if is_angle else read_start_value(text)
+        value = read_start_angle(text, unit) if is_angle else read_start_value(text)
     except OverflowError:
         value = math.inf
     except ValueError as error:

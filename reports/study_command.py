@@ -49,9 +49,24 @@ def _run_command(study: SceneStudy[Any], context: Any, scene: Any, given: dict[s
     loaded = study.load(scene, options, **{name: given[name] for name in study.changes})
     typed = [parameter.name for parameter in context.command.params if _is_typed(context, parameter.name)]
     study.refuse(StudyRequest(options, typed, loaded), path)
+    if not json:
+        _warn(loaded)
     result = study.run(loaded, options)
     show(result, path, json=json)
     return result.exit_status
+
+
+def _warn(scene: Any) -> None:
+    """Print what of a scene may not be what was meant, above all that is said of it; of many scenes nothing."""
+    from nonsmooth.reports.console import write
+    from nonsmooth.symbolic.numbers.number_field import FirstRemark
+    from nonsmooth.symbolic.scene_error import one_line
+
+    scenes = scene if isinstance(scene, list) else [scene]
+    field = getattr(scenes[0], "field", None) if len(scenes) == 1 else None
+    for note in getattr(field, "remarks", ()):
+        if isinstance(note, FirstRemark):
+            write(f"note: {one_line(note)}\n")
 
 
 def _is_typed(context: Any, name: str) -> bool:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, fields
 from enum import Enum
 from typing import Any, get_type_hints
 
-from nonsmooth.symbolic.rule import CONTACT_RULES
+from nonsmooth.symbolic.rule import CONTACT_RULES, MIXED
 
 # what `fail` means for one array and for each of a sweep
 FAIL = "Also with any one wheel failed: stopped (its friction stays) or lifted; the worst is named."
@@ -61,7 +61,7 @@ class Options:
 class SceneOptions(Options):
     """What the command line may change of a scene; Python has :meth:`nonsmooth.Array.with_`."""
 
-    rule: str | None = option(None, "Contact rule; replaces the scene's.", names=lambda: CONTACT_RULES)
+    rule: str | None = option(None, "Contact rule; replaces the scene's.", names=lambda: (*CONTACT_RULES, MIXED))
     radius: str | None = option(
         None, "Half-width of the checked square, such as 1/2; replaces the scene's.", metavar="R"
     )

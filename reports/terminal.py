@@ -17,8 +17,10 @@ from rich.text import Text
 from nonsmooth.proofs.verdicts import Theorem4
 from nonsmooth.reports.document import Block, Paragraph, Table, plain_text, table
 from nonsmooth.reports.facts import fact_lines
+from nonsmooth.symbolic.contact_set import wheels_text
 from nonsmooth.symbolic.number_text import short_text
 from nonsmooth.symbolic.numbers.measured_angles import angle_notes
+from nonsmooth.symbolic.numbers.number_field import FirstRemark
 from nonsmooth.symbolic.scene_error import one_line
 
 if TYPE_CHECKING:
@@ -48,7 +50,7 @@ _STYLES = {
     "undecided": "yellow",
     "no certificate": "yellow",
     "fails": "red",
-    "hypotheses not met": "red",
+    "hypotheses not met": "yellow",
 }
 _LEGEND = (
     ("c, v, omega", "centre of mass measured from the checked point c*, its velocity, rotation rate"),
@@ -96,7 +98,7 @@ def partition_blocks(partition: Partition) -> Sequence[Block]:
     notes = (
         f"area of the square minus area of the cells: {short_text(partition.area_error)} ({exact})",
         "R1 and S1 are the roll and side row of wheel 1; (v_x, v_y) is the body's velocity at the world origin",
-        *(f"note: {note}" for note in angle_notes(partition.scene.field)),
+        *(f"note: {note}" for note in later_notes(partition.scene.field)),
     )
     cells = table(("cell", "rows held", "v_x", "v_y", "omega", "area"), rows, (1.0,) * 6)
     return [Paragraph((f"{head}, rule {partition.rule}",)), cells, *(Paragraph((note,)) for note in notes)]
@@ -112,7 +114,12 @@ def scenes_view(descriptions: dict[str, str]) -> RenderableType:
 
 def notes_lines(field: NumberField) -> list[Text]:
     """What a reader must know about the numbers of a scene."""
-    return [Text(f"note: {note}") for note in angle_notes(field)]
+    return [Text(f"note: {note}") for note in later_notes(field)]
+
+
+def later_notes(field: NumberField) -> list[str]:
+    """What a reader must know about the numbers of a scene, and does not stand above all results."""
+    return [note for note in angle_notes(field) if not isinstance(note, FirstRemark)]
 
 
 def legend() -> RenderableType:
@@ -128,7 +135,7 @@ def headline(result: Check) -> Text:
     scene = result.scene
     x, y = (short_text(entry) for entry in scene.check.equilibrium)
     head = Text(one_line(scene.name), "bold")
-    head.append(f": {len(scene.wheels)} wheels, rule {scene.contact.rule}", "not bold")
+    head.append(f": {wheels_text(scene)}, rule {scene.contact.rule}", "not bold")
     unit = f" {scene.units.length}" if scene.units.length else ""
     return head.append(f", checked at c* = ({x}, {y}) within {short_text(scene.check.radius)}{unit}", "not bold")
 

@@ -73,12 +73,14 @@ class BodyInertia:
             that of a uniform plate of the outline, or of a disc as large as the array.
         centre_height: of the centre of mass above the wheels (length); None where it is not stated, and is 0.
         is_stated: whether the scene states a mass or an inertia, so that somebody asks for dynamics.
+        mass: as stated (kg), for files of physics engines; None where it is not.
     """
 
     gravity: Number
     squared_radius: Number | None = None
     centre_height: Number | None = None
     is_stated: bool = False
+    mass: Number | None = None
 
 
 def outline_text(outline: Footprint) -> str:

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from math import isqrt
+from math import hypot, isqrt
 
 from flint import arb, fmpq
 
@@ -20,7 +20,7 @@ from nonsmooth.symbolic.body import Body
 from nonsmooth.symbolic.characteristic_length import default_length
 from nonsmooth.symbolic.continuum import Disc
 from nonsmooth.symbolic.load_model import LoadModel
-from nonsmooth.symbolic.number_text import short_text
+from nonsmooth.symbolic.number_text import float_text, short_text
 from nonsmooth.symbolic.numbers.enclosures import PRECISION, rational_below
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.plane import Vector, around, cross, dot, minus
@@ -115,6 +115,13 @@ def accuracy_at_point(scene: Scene) -> Fraction:
         return scene.accuracy
 
 
+def wheels_text(scene: Scene) -> str:
+    """How many wheels there are, and how many of them carry the body of a scene that stands on some."""
+    if not scene.idle:
+        return f"{len(scene.wheels)} wheels"
+    return f"{len(scene.wheels)} of {len(scene.wheels) + len(scene.idle)} wheels carry the body"
+
+
 def standing(scene: Scene) -> Scene:
     """The array of the wheels that carry at the checked pose, in a square where no wheel enters or leaves.
 
@@ -143,6 +150,13 @@ def standing(scene: Scene) -> Scene:
     if widest < check.radius:
         check = replace(check, radius=widest)
     return replace(scene, wheels=carrying, idle=idle, check=check)
+
+
+def tipped(scene: Scene, tipping: TipsError) -> Scene:
+    """The array of a body that does not stand: its wheels are those under the body, idle those that it misses."""
+    wheels = whole(scene).wheels
+    under = tuple(wheel for wheel in wheels if wheel.index in tipping.carrying)
+    return replace(scene, wheels=under, idle=tuple(wheel for wheel in wheels if wheel not in under))
 
 
 def whole(scene: Scene) -> Scene:
@@ -268,10 +282,20 @@ def require_standing(scene: Scene, carrying: Sequence[Wheel], point: Vector) -> 
     hull = support_polygon(outer_positions([wheel.position for wheel in carrying]))
     if len(hull) < 3:
         raise TipsError(scene, numbers, f"all {len(numbers)} wheels under it on one line: it tips")
-    for corner, following in around(hull):
-        if cross(minus(following, corner), minus(point, corner)).sign() <= 0:
-            edge = f"wheels {_number_at(carrying, corner)} and {_number_at(carrying, following)}"
-            raise TipsError(scene, numbers, f"its centre of mass not inside the line through {edge}: it tips over it")
+    beyond = [side for side in around(hull) if cross(minus(side[1], side[0]), minus(point, side[0])).sign() <= 0]
+    if beyond:
+        corner, following = max(beyond, key=lambda side: _distance_beyond(side, point))
+        away = _distance_beyond((corner, following), point)
+        where = f"{float_text(away, 4)} {scene.units.length}".rstrip() + " beyond" if away > 0 else "on"
+        edge = f"wheels {_number_at(carrying, corner)} and {_number_at(carrying, following)}"
+        why = f"its centre of mass {where} the line through {edge}: it tips over it"
+        raise TipsError(scene, numbers, why)
+
+
+def _distance_beyond(side: tuple[Vector, Vector], point: Vector) -> float:
+    """How far a point is on the outer side of a side of a polygon (length)."""
+    along = minus(side[1], side[0])
+    return -float(cross(along, minus(point, side[0]))) / hypot(*map(float, along))
 
 
 def _number_at(wheels: Sequence[Wheel], place: Vector) -> int:

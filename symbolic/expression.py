@@ -9,6 +9,7 @@ text can keep the machine busy.
 from __future__ import annotations
 
 import ast
+import re
 import warnings
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
@@ -28,6 +29,7 @@ MAX_DECIMAL_EXPONENT = 400
 MAX_ANGLE_DENOMINATOR = 360
 MAX_FIELD_ORDER = 2_000  # angles with many different denominators multiply the degree of the field
 
+_WITH_UNIT = re.compile(r"([0-9]{1,20}(?:\.[0-9]{1,20})?) ?(%|kg|g|lb|N|m|cm|mm|in|(?:m|cm|mm|in)/s|s)")
 _FUNCTIONS = ("sqrt", "sin", "cos")
 _OPERATORS = (ast.Add, ast.Sub, ast.Mult, ast.Div)
 
@@ -113,7 +115,18 @@ def parse_tree(value: object, longest: int, required: str) -> tuple[str, ast.exp
             warnings.simplefilter("ignore")  # Python's advice on "1if 2else 3" and the like, refused below
             return text, ast.parse(text, mode="eval").body
     except (SyntaxError, ValueError, MemoryError, RecursionError):
-        raise ExpressionError(f"required {required}, received {shown(value)}") from None
+        hint = _without_unit(text)
+        raise ExpressionError(f"required {hint or required}, received {shown(value)}") from None
+
+
+def _without_unit(text: str) -> str:
+    """What stands for a number with a percent sign or a unit behind it; empty for other texts."""
+    named = _WITH_UNIT.fullmatch(text)
+    if named is None:
+        return ""
+    if named[2] == "%":
+        return f'a number (for {named[1]} % write "{named[1]}/100")'
+    return f"a number without a unit: lengths and speeds as [units] states them, mass in kg (is {named[1]} meant?)"
 
 
 def decimal_value(text: str) -> Fraction:

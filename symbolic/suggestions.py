@@ -23,6 +23,20 @@ RULES = {
     "square": "box",
     "rectangle": "box",
 }
+# What others call keys and columns.
+KEYS = {
+    "weight": "mass",
+    "angle": "heading",
+    "direction": "heading",
+    "orientation": "heading",
+    "rotation": "heading",
+    "theta": "heading",
+    "yaw": "heading",
+    "pos": "position",
+    "velocity": "speed",
+    "length": "width",
+    "center_of_mass": "centre_of_mass",
+}
 
 
 def is_meant(given: object, known: Collection[str]) -> str:
@@ -31,6 +45,6 @@ def is_meant(given: object, known: Collection[str]) -> str:
         return ""
     plain = given[:MAX_READ].strip().lower()
     likeliest = get_close_matches(plain, [name for name in known if len(name) >= SHORTEST], 1, LIKENESS)
-    alias = RULES.get(plain.replace("-", "").replace(" ", "").removesuffix("s"), "")
-    found = likeliest[0] if likeliest else alias if alias in known else ""
+    alias = KEYS.get(plain) or RULES.get(plain.replace("-", "").replace(" ", "").removesuffix("s"), "")
+    found = alias if alias in known else likeliest[0] if likeliest else ""
     return f" (is {found} meant?)" if found else ""

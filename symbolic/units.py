@@ -40,6 +40,13 @@ class SpeedUnit(StrEnum):
         return LengthUnit[self.name]
 
 
+class AngleUnit(StrEnum):
+    """Unit of a number that is an angle."""
+
+    DEGREE = "deg"
+    RADIAN = "rad"
+
+
 _METRES = {
     LengthUnit.METRE: Fraction(1),
     LengthUnit.CENTIMETRE: Fraction(1, 100),

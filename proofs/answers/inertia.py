@@ -25,13 +25,13 @@ from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.analysis.dynamics.newton_euler import RigidBody
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.proofs.answers.answer import Answer, Inertia, has_dynamics
-from nonsmooth.proofs.answers.bounds import DIGITS, at_least, at_most, of_length
+from nonsmooth.proofs.answers.bounds import DIGITS, angle_at_least, angle_at_most, at_least, at_most, of_length
 from nonsmooth.proofs.boxes.enclosed_rest import EnclosedRest, enclosed_rest, unknowns_at_rest
 from nonsmooth.proofs.clauses.at_point.mass import PRECISION, Pencil, mass_limits
 from nonsmooth.proofs.enclosures import is_positive_definite
 from nonsmooth.proofs.facts import Fact, Quantity, said
 from nonsmooth.proofs.verdicts import Translation
-from nonsmooth.symbolic.contact_set import alone, contact_set
+from nonsmooth.symbolic.contact_set import ContactSet, alone, contact_set
 from nonsmooth.symbolic.edge_headings import ball_of
 from nonsmooth.symbolic.number_text import float_text
 from nonsmooth.symbolic.numbers.rounded import either_way
@@ -80,6 +80,10 @@ VERDICTS = {
     Translation.UNSTABLE: Inertia.UNSTABLE,
     Translation.UNDECIDED: Inertia.UNDECIDED,
 }
+VERDICT_WORDS = {
+    Inertia.STABLE: "close to its place of rest it comes to rest there, by enclosed eigenvalues",
+    Inertia.UNSTABLE: "close to its place of rest it swings or drifts away from it, by enclosed eigenvalues",
+}
 
 
 def near_rest(scene: Scene) -> NearRest:
@@ -92,11 +96,28 @@ def near_rest(scene: Scene) -> NearRest:
     place, spin = (float(rest.place[0]), float(rest.place[1])), float(rest.spin)
     if rest.balance.size > 3:
         return NearRest(Inertia.UNDECIDED, "a wheel sticks at the place of rest: no linearization", place, spin)
-    turns = None if 0 not in rest.spin else Fraction(0)
-    if not kept.keeps(rest.distance, turns):
-        return NearRest(Inertia.UNDECIDED, "other wheels come under it at the place of rest", place, spin)
+    if not kept.keeps(rest.distance, Fraction(0)):
+        away = f"{at_most(rest.distance)}{of_length(scene)} away"
+        why = f"at the place of rest, up to {away}, other wheels may carry it"
+        return NearRest(Inertia.UNDECIDED, why, place, spin)
     with ctx.workprec(PRECISION):
-        return _linearized(scene, rest, place, spin)
+        near = _linearized(scene, rest, place, spin)
+    if kept.angle is None or 0 in rest.spin:
+        return near
+    said_of = VERDICT_WORDS.get(near.verdict, near.why_not)
+    why = f"on the wheels that carry it here {said_of}; but {_until_others(scene, kept, rest)}"
+    return NearRest(Inertia.UNDECIDED, why, place, spin, near.eigenvalues)
+
+
+def _until_others(scene: Scene, kept: ContactSet, rest: EnclosedRest) -> str:
+    """How fast a body turns at its place of rest, and how long the same wheels carry it there for certain."""
+    margin, angle = kept.margin, kept.angle
+    if margin is None or angle is None:
+        return ""
+    free, fastest = angle * (1 - rest.distance / margin), Fraction(at_most(abs(rest.spin)))
+    turning = f"there it turns all the time, at up to {angle_at_most(fastest, scene.units)}/s"
+    beyond = f"after {angle_at_least(free, scene.units)}, {at_least(free / fastest)} s at least"
+    return f"{turning}, and {beyond}, others may come under it"
 
 
 def _linearized(scene: Scene, rest: EnclosedRest, place: tuple[float, float], spin: float) -> NearRest:
@@ -258,12 +279,7 @@ def _proved(scene: Scene, near: NearRest) -> Iterator[Fact]:
     yield Fact("centre_height", Quantity(height))
     of += f"; centre of mass {float_text(float(height), DIGITS)}{unit} above the wheels" if height else ""
     yield said(f"a body with inertia ({of})")
-    if near.verdict is Inertia.STABLE:
-        yield said("close to its place of rest it comes to rest there, by enclosed eigenvalues")
-    elif near.verdict is Inertia.UNSTABLE:
-        yield said("close to its place of rest it swings or drifts away from it, by enclosed eigenvalues")
-    else:
-        yield said(near.why_not)
+    yield said(VERDICT_WORDS.get(near.verdict, near.why_not))
     yield Fact("stable_to", Quantity(near.stable_to))
     yield Fact("unstable_at", Quantity(near.unstable_at))
     if near.stable_to is not None and near.unstable_at is not None:

@@ -25,6 +25,7 @@ from nonsmooth.analysis.cells.load_sets import Loads
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.proofs.answers.answer import Results
+from nonsmooth.proofs.answers.bounds import angle_at_least
 from nonsmooth.proofs.boxes.enclosed_rest import EnclosedRest, enclosed_rest
 from nonsmooth.proofs.clauses.equilibrium.at_point import EllipseEquilibrium, EveryLoadEquilibrium
 from nonsmooth.proofs.clauses.translation.every_load import EveryLoadTranslation
@@ -181,7 +182,8 @@ def _why_not(scene: Scene, accuracy: Fraction, kept: ContactSet) -> str:
     if kept.margin is not None and kept.margin <= accuracy:
         return "within the accuracy other wheels come under it"
     if kept.angle is not None:
-        return "it may turn until other wheels come under it"
+        within = angle_at_least(kept.angle, scene.units)
+        return f"that it turns by less than {within} on its way is not shown, and beyond that others may come under it"
     if len(scene.wheels) > MOST_WHEELS:
         return f"bodies are followed on up to {MOST_WHEELS} wheels"
     return ""

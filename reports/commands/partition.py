@@ -17,6 +17,7 @@ from nonsmooth.reports.result import DataTable, Result
 from nonsmooth.reports.study import SceneStudy, StudyRequest
 from nonsmooth.reports.study_command import command
 from nonsmooth.reports.study_options import Options, option
+from nonsmooth.reports.terminal import later_notes
 from nonsmooth.symbolic.number_text import place_text, short_text
 from nonsmooth.symbolic.numbers.measured_angles import angle_notes
 from nonsmooth.symbolic.scene import Scene
@@ -71,9 +72,16 @@ class PartitionStudy(SceneStudy[PartitionOptions]):
             from nonsmooth.reports.phase_portrait import PhasePortrait
 
             return PhasePortrait(scene)
-        from nonsmooth.symbolic.contact_set import standing
+        from nonsmooth.symbolic.contact_set import TipsError, standing
 
-        stands = standing(scene)
+        try:
+            stands = standing(scene)
+        except TipsError as tipping:
+            if options.show is not Drawing.ARRAY or options.compare:
+                raise
+            from nonsmooth.reports.check_results import TippedResult
+
+            return TippedResult(scene, tipping, is_drawn=True)
         with refusals_named(stands):
             return _of_array(stands, options)
 
@@ -170,7 +178,7 @@ class PossibleMotions(Result):
             *more,
             "every motion under any load on two wheels or more is one of these, or a mean of some",
             "the areas overlap; their corners are exact in --json",
-            *(f"note: {note}" for note in angle_notes(self.scene.field)),
+            *(f"note: {note}" for note in later_notes(self.scene.field)),
         ]
         rows = table(*self.table(), (1.0, 1.0, 1.0, 1.0, 1.0, 3.0))
         return [Paragraph((self.summary(),)), rows, *(Paragraph((note,)) for note in notes)]

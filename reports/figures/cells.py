@@ -121,9 +121,7 @@ def cells_figure(partition: Partition) -> Figure:
     require_drawable(partition.scene)
     figure = new_figure(PICTURE, PICTURE)
     axes = figure.subplots()
-    kinds = draw_cells(axes, partition)
-    wheels = wheels_in_view(axes, partition.scene.wheels)
-    _explain(figure, kinds, wheels=bool(wheels), rests=any(not any(cell.twists[0]) for cell in partition.cells))
+    explain_cells(figure, axes, partition, draw_cells(axes, partition))
     return figure
 
 
@@ -199,12 +197,14 @@ def _draw_switching(axes: Axes, partition: Partition) -> list[EdgeKind]:
     return [kind for kind in EdgeKind if any(stretch.kind is kind for stretch in stretches)]
 
 
-def _explain(figure: Figure, kinds: list[EdgeKind], *, wheels: bool, rests: bool) -> None:
-    """The legend, below the axes."""
+def explain_cells(figure: Figure, axes: Axes, partition: Partition, kinds: list[EdgeKind]) -> None:
+    """The legend of cells with these kinds of edges, below the axes."""
     from matplotlib.patches import Patch
 
+    wheels = wheels_in_view(axes, partition.scene.wheels)
+    rests = any(not any(cell.twists[0]) for cell in partition.cells)
     entries = [
-        Patch(facecolor=PALETTE[0], alpha=TINT, label="cell: number, sense of rotation"),
+        Patch(facecolor=PALETTE[0], alpha=TINT, label=f"cell: number, {TURNS[1]} {TURNS[-1]} how the body turns"),
         mark_entry(r"$\rightarrow$", "velocity of the centre of mass (direction)", markersize=9),
         mark_entry("+", "checked point", markersize=9),
     ]
@@ -341,6 +341,15 @@ def field_figure(field: SampledField) -> Figure:
         draw_bar(
             figure, bands, square_rate_label("upper derivative V*, sampled", field.scene.units), ax=axes, shrink=0.85
         )
+    entries = [
+        mark_entry(r"$\rightarrow$", "motion of the centre of mass", markersize=9),
+        mark_entry("+", "checked point", markersize=9),
+        *[mark_entry("o", "the body rests", markersize=DOT)] * bool(field.rests.any()),
+        *[line_entry("wheel: rim, surface speed, number", color=INK, linewidth=5)]
+        * bool(wheels_in_view(axes, field.scene.wheels)),
+    ]
+    figure.set_figheight(WITH_BAR[1] + LEGEND_ROW * math.ceil(len(entries) / 2))
+    legend_below(figure, entries, fontsize=LABEL - 1)
     return figure
 
 

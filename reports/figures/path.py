@@ -21,6 +21,8 @@ from nonsmooth.reports.figures.cells import fill_cells, view_square
 from nonsmooth.reports.figures.style import (
     INK,
     LINES,
+    PALETTE,
+    TINT,
     TO_SHOW,
     centre_labels,
     drawn,
@@ -32,6 +34,7 @@ from nonsmooth.reports.figures.style import (
     pose_labels,
     require_drawable,
     time_label,
+    title_axes,
     title_figure,
 )
 from nonsmooth.reports.figures.wheels import draw_axis, draw_names, outline_of, placed
@@ -42,6 +45,7 @@ from nonsmooth.symbolic.switched_system import SwitchedSystem
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from matplotlib.lines import Line2D
 
 WIDE, ARRAY = 9.6, (8.0, 4.6)  # inches: width of a plain system's picture; size of an array's
 LEAST_HEIGHT, CURVE = 5.6, 1.5  # inches: of a plain system's picture at least, of one of its curves
@@ -69,6 +73,7 @@ BODY: dict[str, dict[str, Any]] = {
     "body at the start": {"color": INK, "linewidth": 1.4, "linestyle": "--"},
     "body at the end": {"color": INK, "linewidth": 1.4},
 }
+CELL: dict[str, Any] = {"color": PALETTE[0], "alpha": TINT / 2, "linewidth": 9}
 RIM: dict[str, Any] = {"color": "0.45", "linewidth": 4, "solid_capstyle": "butt"}
 
 Ground = Callable[["Axes"], None]
@@ -138,7 +143,8 @@ def cells_picture(
     require_drawable(scene)
     said = f"rule {partition.rule}, {trajectory.kinematics} kinematics, method {trajectory.method}"
     title = f"{one_line(scene.name)}: {said}" + (f"\n{law}" if law else "")
-    return array_picture(scene, trajectory, title, lambda axes: draw_cells(axes, partition, trajectory), speeds)
+    picture = array_picture(scene, trajectory, title, lambda axes: draw_cells(axes, partition, trajectory), speeds)
+    return replace(picture, explained={"cell (a color for each motion)": CELL})
 
 
 def wheels_picture(
@@ -277,11 +283,23 @@ def _draw_speeds(axes: Axes, curves: SpeedCurves) -> None:
         axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False, fontsize="small")
 
 
+def label_plane(axes: Axes, picture: PathPicture) -> None:
+    """A title and a legend for a path that is drawn alone."""
+    title_axes(axes, picture.title)
+    axes.legend(handles=_entries(picture, curves=False), fontsize="x-small", framealpha=0.8)
+
+
 def _explain(figure: Figure, picture: PathPicture) -> None:
     """The legend of all lines and marks."""
+    entries = _entries(picture, curves=True)
+    legend_below(figure, entries, min(len(entries), IN_A_ROW))
+
+
+def _entries(picture: PathPicture, *, curves: bool) -> list[Line2D]:
+    """What the lines and marks of a path are, with those of the curves over time or without."""
     entries = [line_entry("path" if picture.beside is None else picture.trajectory.method, color=PATH, linewidth=1.8)]
     if picture.home:
-        entries += [line_entry("at the checked point", color="0.6", linewidth=0.8)]
+        entries += [line_entry("at the checked point", color="0.6", linewidth=0.8)] * curves
         entries += [mark_entry("+", "checked point", markersize=9)] * (picture.ground is not None)
     entries += [line_entry(name, **style) for name, style in picture.explained.items()]
     if picture.beside is not None:
@@ -289,7 +307,7 @@ def _explain(figure: Figure, picture: PathPicture) -> None:
     entries.append(mark_entry(">", "start", color=PATH))
     for kind in dict.fromkeys(event.kind for event in picture.trajectory.events):
         entries.append(mark_entry(MARKERS[kind], str(kind), fillstyle="none"))
-    legend_below(figure, entries, min(len(entries), IN_A_ROW))
+    return entries
 
 
 def marked(events: Sequence[Event]) -> Sequence[Event]:
@@ -338,12 +356,14 @@ def draw_wheels(axes: Axes, scene: Scene, trajectory: Trajectory) -> None:
     """The rims of the wheels, and the body where it starts, at its events, and where it ends."""
     _draw_rims(axes, contact_model(scene))
     axes.set(aspect="equal", **centre_labels(scene.units))
-    draw_names(axes, scene, PLANE)
     outline = outline_of(scene)
     if outline is None:
+        draw_names(axes, scene, PLANE, ())
         return
     events = [event.state for event in trajectory.events[:MOST_OUTLINES]]
     poses = [trajectory.states[0], *events, trajectory.end.state]
+    ends = [placed(outline, np.array(pose, float)) for pose in (poses[0], poses[-1])]
+    draw_names(axes, scene, PLANE, ends)
     for k, pose in enumerate(poses):
         is_end = k in (0, len(poses) - 1)
         axes.fill(

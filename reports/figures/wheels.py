@@ -33,8 +33,10 @@ from nonsmooth.reports.figures.style import (
 from nonsmooth.symbolic.contact_set import whole
 from nonsmooth.symbolic.continuum import Disc
 from nonsmooth.symbolic.free_rollers import askew_wheels
+from nonsmooth.symbolic.number_text import float_text
 from nonsmooth.symbolic.scene import Scene, Wheel
 from nonsmooth.symbolic.scene_error import one_line
+from nonsmooth.symbolic.support_polygon import support_polygon
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -44,10 +46,13 @@ ARROW = {"arrowstyle": "-|>", "color": INK, "shrinkA": 0, "shrinkB": 0, "linewid
 RIM_WIDTH = 5  # points, as drawn
 ON_SIDE = 200  # points on a side of an outline at which names are kept off it
 BOLD = 0.72  # width of a bold letter, of the size
+SHORT_NAME = 0.35  # of the gap between neighbours: names that are no longer may stand beyond the ends of their rims
+PAST = 3.2  # times as far beyond the end of a rim, past its arrow, as beside it
 LEAST_NAME, NAME_SHARE = 5.0, 0.75  # points; of the gap between neighbours that a name may take
 RIM_SHARE = 0.16  # half of a rim's length of the distance to the next wheel, so that arrows stay apart
 AXIS, AXIS_COLOR = 1.5, "#d95f02"  # half of a friction axis, in half-lengths of the rim
 TIP = 2.1  # where an arrowhead lies, in half-lengths of the rim
+TIPS = "#d7191c"
 IDLE, IDLE_NAME = "0.7", "0.4"  # colors of wheels that do not carry the body, and of their names
 CORNERS = 72  # of the polygon that a disc is drawn as: its sides leave the circle by less than 0.1 % of the radius
 
@@ -106,10 +111,15 @@ def draw_wheel(axes: Axes, wheel: Wheel, half: float, *, tip: float = TIP, named
 
 def name_wheel(axes: Axes, place: XY, along: XY, name: str, color: str = INK, size: float = LABEL) -> None:
     """The name of a wheel beside its rim."""
+    _write_name(axes, place, name_offset(along, name, size), name, color, size)
+
+
+def _write_name(axes: Axes, place: XY, offset: XY, name: str, color: str, size: float) -> None:
+    """A name with its middle some points from its wheel."""
     axes.annotate(
         name,
         place,
-        name_offset(along, name, size),
+        offset,
         textcoords="offset points",
         ha="center",
         va="center",
@@ -169,26 +179,51 @@ def placed(points: Floats, pose: Floats) -> Floats:
 
 LARGEST_RIM = 0.035  # half of a rim's length, of the width of the view
 SLOWEST, FASTEST = 1.4, 2.6  # where the arrowheads of the slowest and fastest wheels lie, in half-lengths of the rim
+SAME = 1e-3  # of the fastest speed: a difference that no arrow shows
 AXES_SHARE = 0.8  # of the width of the picture that the axes take
 
 
-def array_figure(scene: Scene) -> Figure:
-    """Every wheel with its rim and surface speed, the body, and the square that is checked, with a legend."""
+def array_figure(scene: Scene, tips: str = "") -> Figure:
+    """Every wheel with its rim and surface speed, the body, and the square that is checked, with a legend.
+
+    Args:
+        scene: the array.
+        tips: why the body does not stand on the wheels that are under it, which have their hull drawn.
+    """
     from matplotlib.patches import Patch
 
     figure = new_figure(PICTURE, PICTURE + 2 * LEGEND_ROW)
-    draw_array(figure.subplots(), scene)
+    axes = figure.subplots()
+    draw_array(axes, scene)
+    if tips:
+        title_axes(axes, f"{one_line(scene.name)}: {tips}")
+        hull = (
+            corners_of(support_polygon([wheel.position for wheel in scene.wheels]))
+            if scene.wheels
+            else np.empty((0, 2))
+        )
+        axes.fill(*hull.T, fill=False, edgecolor=TIPS, linestyle=":", linewidth=1.6, zorder=2.5)
     entries = [
         line_entry("wheel: rim and number", color=INK, linewidth=5),
-        mark_entry(r"$\rightarrow$", "surface speed (size)", markersize=9),
+        mark_entry(r"$\rightarrow$", _speed_words(scene), markersize=9),
         *[line_entry("friction axis", color=AXIS_COLOR, linewidth=1.2)] * bool(askew_wheels(scene)),
         *[line_entry("outline of the body", color=INK, linewidth=1)] * (scene.body is not None),
         *[line_entry("wheel that does not carry it", color=IDLE, linewidth=5)] * bool(scene.idle),
+        *[line_entry("hull of the wheels under it", color=TIPS, linestyle=":", linewidth=1.6)] * bool(tips),
         Patch(facecolor=PALETTE[0], alpha=TINT / 2, edgecolor=INK, linestyle="--", label="checked square"),
-        mark_entry("+", "checked point", markersize=9),
+        mark_entry("+", "its centre of mass" if tips else "checked point", markersize=9),
     ]
     legend_below(figure, entries, fontsize=LABEL - 1)
     return figure
+
+
+def _speed_words(scene: Scene) -> str:
+    """What the arrows stand for: ``surface speed: 100 to 250 mm/s``, the longest is the fastest."""
+    speeds = sorted({abs(float(wheel.speed)) for wheel in scene.wheels} or {0.0})
+    unit = f" {scene.units.speed}".rstrip()
+    if speeds[-1] - speeds[0] <= SAME * speeds[-1]:
+        return f"surface speed: {float_text(speeds[-1], 3)}{unit}"
+    return f"surface speed: {float_text(speeds[0], 3)} to {float_text(speeds[-1], 3)}{unit}"
 
 
 def draw_array(axes: Axes, scene: Scene) -> None:
@@ -207,7 +242,7 @@ def draw_array(axes: Axes, scene: Scene) -> None:
     draw_names(axes, scene, AXES_SHARE * PICTURE * POINTS_PER_INCH)
     for wheel in scene.idle:
         draw_rim(axes, wheel, rim, IDLE)
-    largest = max(abs(float(wheel.speed)) for wheel in scene.wheels) or 1.0
+    largest = max((abs(float(wheel.speed)) for wheel in scene.wheels), default=0.0) or 1.0
     for wheel in scene.wheels:
         tip = SLOWEST + (FASTEST - SLOWEST) * abs(float(wheel.speed)) / largest
         draw_wheel(axes, wheel, rim, tip=tip, named=False)
@@ -216,13 +251,17 @@ def draw_array(axes: Axes, scene: Scene) -> None:
     title_axes(axes, f"{one_line(scene.name)}: {carried} wheels")
 
 
-def draw_names(axes: Axes, scene: Scene, points: float) -> None:
+def draw_names(axes: Axes, scene: Scene, points: float, rings: Sequence[Floats] | None = None) -> None:
     """The names of all wheels beside their rims, as large as their distances allow; none where they are too many.
+
+    Each stands on a side of its rim, or beyond an end of it, where it covers the fewest points of lines.
 
     Args:
         axes: with the limits of the view.
         scene: the array.
         points: that the view is wide.
+        rings: closed lines (m, 2) that names keep off; the outline at the checked point and the checked square unless
+            given.
     """
     wheels = whole(scene).wheels
     left, right = axes.get_xlim()
@@ -230,21 +269,32 @@ def draw_names(axes: Axes, scene: Scene, points: float) -> None:
     size = name_size(wheels, gap * points / (right - left))
     if not size:
         return
-    carrying, lines = {wheel.index for wheel in scene.wheels}, _lines(scene) * points / (right - left)
+    carrying = {wheel.index for wheel in scene.wheels}
+    lines = _points_on(_rings(scene) if rings is None else rings) * points / (right - left)
     for wheel in wheels:
         color = INK if wheel.index in carrying else IDLE_NAME
         place, (dx, dy), name = floats(wheel.position), floats(wheel.unit_direction), str(wheel.index)
         near = lines - np.array(place) * points / (right - left)
-        along = min(((dx, dy), (-dx, -dy)), key=lambda way: _covered(near, name_offset(way, name, size), name, size))
-        name_wheel(axes, place, along, name, color, size)
+        offsets = [name_offset(way, name, size) for way in ((dx, dy), (-dx, -dy))]
+        if name_width(name, size) < SHORT_NAME * gap * points / (right - left):  # room beyond the ends of the rim too
+            ends = (name_offset(way, name, size) for way in ((-dy, dx), (dy, -dx)))
+            offsets += [(PAST * x, PAST * y) for x, y in ends]
+        middle = min(offsets, key=lambda offset: _covered(near, offset, name, size))
+        _write_name(axes, place, middle, name, color, size)
 
 
-def _lines(scene: Scene) -> Floats:
-    """Points (m, 2) on the outline of the body at the checked point and on the border of the checked square."""
+def _rings(scene: Scene) -> list[Floats]:
+    """The outline of the body at the checked point and the border of the checked square."""
     centre, radius = np.array(floats(scene.check.equilibrium)), float(scene.check.radius)
     outline = outline_of(scene)
     rings = [centre + radius * np.array([(1, 1), (-1, 1), (-1, -1), (1, -1)])]
-    rings += [] if outline is None else [outline + centre]
+    return rings if outline is None else [*rings, outline + centre]
+
+
+def _points_on(rings: Sequence[Floats]) -> Floats:
+    """Points (m, 2) close together on closed lines."""
+    if not rings:
+        return np.empty((0, 2))
     shares = np.linspace(0, 1, ON_SIDE)[:, None, None]
     return np.concatenate([(ring + shares * (np.roll(ring, -1, axis=0) - ring)).reshape(-1, 2) for ring in rings])
 

@@ -326,14 +326,16 @@ class Array(PythonScene):
         """Draw the wheels (``array``), the cells with their motions (``cells``) or V* over the cells (``rates``).
 
         Args:
-            ax: where to draw; a new figure unless given, which shows the scale of V* too.
+            ax: where to draw; a new figure unless given, which shows a legend, or the scale of V*, too.
             show: what to draw.
 
         Returns:
             The axes.
         """
+        from matplotlib.figure import Figure
+
         from nonsmooth.reports.cells import drawing
-        from nonsmooth.reports.figures.cells import draw_cells, draw_rates, draw_scale
+        from nonsmooth.reports.figures.cells import draw_cells, draw_rates, draw_scale, explain_cells
         from nonsmooth.reports.figures.wheels import draw_array
         from nonsmooth.reports.result import own_axes
 
@@ -341,7 +343,9 @@ class Array(PythonScene):
         if chosen is Drawing.ARRAY:
             draw_array(axes, self.scene)
         elif chosen is Drawing.CELLS:
-            draw_cells(axes, self.partition)
+            kinds = draw_cells(axes, self.partition)
+            if ax is None and isinstance(axes.figure, Figure):
+                explain_cells(axes.figure, axes, self.partition, kinds)
         else:
             levels = draw_rates(axes, self.partition)
             if ax is None:

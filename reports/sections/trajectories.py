@@ -35,13 +35,15 @@ from nonsmooth.reports.figures.path import (
 )
 from nonsmooth.reports.figures.style import drawn
 from nonsmooth.reports.papers.murphey_burdick_2001.paper import is_paper_array, law_of_section_3_3
+from nonsmooth.reports.path_ends import pose_text, shown_angle
 from nonsmooth.reports.paths import ArrayPath, follow_cells
 from nonsmooth.reports.prose import paragraph, prose
 from nonsmooth.reports.sections.feedback import law_formulas, region_blocks
-from nonsmooth.reports.simulate_options import SimulateOptions
+from nonsmooth.reports.simulate_options import SimulateOptions, unit_of_typed_angles
 from nonsmooth.reports.subject import ArraySubject
 from nonsmooth.symbolic.number_text import float_text, lower_text, place_text
 from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.units import AngleUnit, Units
 
 if TYPE_CHECKING:
     from nonsmooth.reports.driven_loop import DrivenLoop
@@ -71,7 +73,8 @@ def starts(partition: Partition) -> list[Start]:
 def typed_start(start: Start, scene: Scene) -> str:
     """``x,y,theta`` for ``--from``, which takes world coordinates; a report measures from the checked point."""
     x, y = (centre + value for centre, value in zip(map(float, scene.check.equilibrium), start, strict=False))
-    return ",".join(map(float_text, (x, y, start[2])))
+    names_unit = start[2] != 0 and unit_of_typed_angles(scene) is not AngleUnit.RADIAN
+    return ",".join(map(float_text, (x, y, start[2]))) + "rad" * names_unit
 
 
 def _typed(value: float) -> float:
@@ -109,8 +112,10 @@ def _trajectories(subject: ArraySubject) -> Section:
 
 
 def _first_section(subject: ArraySubject, start: Start, path: Trajectory, whole: Trajectory) -> Section:
-    words = paragraph("From (x, y, theta) = {}:", Math(place_text(start), place_text(start)))
-    blocks = (words, _first_figure(subject, start, path), *_first_words(whole), _event_table(path))
+    units = subject.scene.units
+    place = place_text((*start[:2], shown_angle(units, start[2]))) + " deg" * (units.in_degrees and start[2] != 0)
+    words = paragraph("From (x, y, theta) = {}:", Math(place, place))
+    blocks = (words, _first_figure(subject, start, path), *_first_words(whole, units), _event_table(path, units))
     return Section("Without feedback", blocks)
 
 
@@ -120,7 +125,10 @@ def _starts_section(subject: ArraySubject, places: list[Start], paths: list[Traj
         "over:",
         str(len(places)),
     )
-    return Section("Many starts", (words, _starts_figure(subject, places, paths), _starts_table(places, paths)))
+    return Section(
+        "Many starts",
+        (words, _starts_figure(subject, places, paths), _starts_table(places, paths, subject.scene.units)),
+    )
 
 
 def _whole_path(field: ConstantField, start: Start) -> Trajectory:
@@ -147,29 +155,45 @@ def _first_path(field: ConstantField, start: Start, whole: Trajectory) -> Trajec
     return simulate(field, start, AFTERWARDS * float(whole.end.t) or 1.0)
 
 
-def _first_words(path: Trajectory) -> list[Block]:
+def _first_words(path: Trajectory, units: Units) -> list[Block]:
     """How theta changes at first, and where it ends."""
-    end, theta = _number(path.end.t), _number(path.end.state[2])
+    end, theta = _number(path.end.t), _number(shown_angle(units, float(path.end.state[2])))
     unique = "No other solution branches off." if path.unique else "Other solutions branch off on the way."
     if not path.end.t or not path.pieces[0].end:
         return [paragraph("The path ends where it begins: {}. {}", str(path.end.reason), unique)]
     first = float(path.pieces[0].end)
     rate = (float(path.at(first)[2]) - float(path.at(0.0)[2])) / first
     kind = "constant" if len(path.pieces[0].cells) == 1 else "mean"
-    words = "Until t = {} the orientation changes at the {} rate {}; the path ends at t = {} with `theta` = {}: {}. {}"
-    return [paragraph(words, _number(first), kind, _number(rate), end, theta, str(path.end.reason), unique)]
+    degrees, rates = (" deg", " deg/s") if units.in_degrees else ("", "")
+    words = (
+        f"Until t = {{}} the orientation changes at the {{}} rate {{}}{rates}; "
+        f"the path ends at t = {{}} with `theta` = {{}}{degrees}: {{}}. {{}}"
+    )
+    shown = _number(shown_angle(units, rate))
+    return [paragraph(words, _number(first), kind, shown, end, theta, str(path.end.reason), unique)]
+
+
+def _shown_pose(state: Sequence[SupportsFloat], units: Units) -> tuple[float, float, float]:
+    """A pose with its heading as people read it."""
+    x, y, theta = (float(value) for value in state)
+    return x, y, shown_angle(units, theta)
+
+
+def _theta(units: Units, where: str = "") -> Entry:
+    """The head of a column of headings."""
+    return prose(f"`theta`{where}{' (deg)' * units.in_degrees}")
 
 
 def _number(value: SupportsFloat) -> Math:
     return decimal(float_text(value))
 
 
-def _event_table(path: Trajectory) -> Block:
+def _event_table(path: Trajectory, units: Units) -> Block:
     rows: list[tuple[Entry, ...]] = [
-        (_short(event.t), *(_short(value) for value in event.state), str(event.kind), event.surface)
+        (_short(event.t), *map(_short, _shown_pose(event.state, units)), str(event.kind), event.surface)
         for event in path.events[:SHOWN_EVENTS]
     ]
-    header = ("t", "x", "y", prose("`theta`"), "event", "where")
+    header = ("t", "x", "y", _theta(units), "event", "where")
     return table(header, rows, (2, 2.2, 2.2, 2.2, 2.2, 4.5))
 
 
@@ -191,7 +215,8 @@ def _first_figure(subject: ArraySubject, start: Start, path: Trajectory) -> Figu
 
 
 def _starts_figure(subject: ArraySubject, places: list[Start], paths: list[Trajectory]) -> Figure:
-    labels = [_label(k, start, path) for k, (start, path) in enumerate(zip(places, paths, strict=True), 1)]
+    units = subject.scene.units
+    labels = [_label(k, start, path, units) for k, (start, path) in enumerate(zip(places, paths, strict=True), 1)]
     return Figure(
         "starts",
         prose("Paths from many starts, one at a time where they can be chosen; all are listed below."),
@@ -202,25 +227,25 @@ def _starts_figure(subject: ArraySubject, places: list[Start], paths: list[Traje
     )
 
 
-def _label(number: int, start: Start, path: Trajectory) -> str:
-    x, y, theta = (_short(value) for value in path.end.state)
-    end = f"({x}, {y}), theta = {theta} at t = {_short(path.end.t)}"
+def _label(number: int, start: Start, path: Trajectory, units: Units) -> str:
+    pose = [round(float(value), 12) + 0.0 for value in path.end.state]
+    end = f"{pose_text(units, pose, 4)} at t = {_short(path.end.t)}"
     return f"{number}: from ({_short(start[0])}, {_short(start[1])}) to {end}"
 
 
-def _starts_table(places: list[Start], paths: list[Trajectory]) -> Block:
+def _starts_table(places: list[Start], paths: list[Trajectory], units: Units) -> Block:
     rows: list[tuple[Entry, ...]] = [
         (
             str(k),
             f"({_short(start[0])}, {_short(start[1])})",
             _short(path.end.t),
             f"({_short(path.end.state[0])}, {_short(path.end.state[1])})",
-            _short(path.end.state[2]),
+            _short(shown_angle(units, float(path.end.state[2]))),
             str(path.end.reason),
         )
         for k, (start, path) in enumerate(zip(places, paths, strict=True), 1)
     ]
-    header = ("start", "(x, y)", "last t", "ends at (x, y)", prose("`theta` there"), "how it ends")
+    header = ("start", "(x, y)", "last t", "ends at (x, y)", _theta(units, " there"), "how it ends")
     marks = [(start_mark(k),) for k in range(1, len(rows) + 1)]
     return table(header, rows, (1.5, 3, 1.6, 3, 2.2, 4), marks)
 
@@ -248,9 +273,9 @@ class FollowedStart:
         return self.path.end.reason is EndReason.OUTSIDE
 
 
-def _ends_table(value: str, how: str, rows: Sequence[tuple[Entry, ...]]) -> Block:
+def _ends_table(value: str, how: str, rows: Sequence[tuple[Entry, ...]], units: Units) -> Block:
     """Start, V there, last time, pose and V at the end, and one thing more, of each path."""
-    header = ("start (x, y, theta)", f"{value} there", "last t", "x", "y", prose("`theta`"), value, how)
+    header = ("start (x, y, theta)", f"{value} there", "last t", "x", "y", _theta(units), value, how)
     return table(header, rows, (2.8, 2, 1.5, 2.1, 2.1, 2.1, 1.9, 2.5))
 
 
@@ -338,16 +363,17 @@ def _smaller(start: Start, factor: float) -> Start:
 
 def _cells_ends(loop: FeedbackLoop, paths: list[FollowedStart]) -> Block:
     value = "V" if loop.region is None or loop.feedback.cascade is None else "W"
-    return _ends_table(value, "how it ended", [_cells_row(loop, path) for path in paths])
+    units = loop.partition.scene.units
+    return _ends_table(value, "how it ended", [_cells_row(loop, path, units) for path in paths], units)
 
 
-def _cells_row(loop: FeedbackLoop, path: FollowedStart) -> tuple[Entry, ...]:
+def _cells_row(loop: FeedbackLoop, path: FollowedStart, units: Units) -> tuple[Entry, ...]:
     end, region = path.path.end, loop.region
     x, y, theta = (float(value) for value in end.state)
     first, last = ("" if region is None else float_text(region.value(p), 2) for p in (path.start, (x, y, theta)))
     # What rounding leaves of zero differs from machine to machine: it is shown as zero.
-    place = [float_text(round(value, 12) + 0.0, 2) for value in (x, y, theta)]
-    return place_text(path.start), first, float_text(end.t, 4), *place, last, str(end.reason)
+    place = [float_text(round(value, 12) + 0.0, 2) for value in _shown_pose((x, y, theta), units)]
+    return place_text(_shown_pose(path.start, units)), first, float_text(end.t, 4), *place, last, str(end.reason)
 
 
 def _cells_figure(subject: ArraySubject, loop: FeedbackLoop, path: FollowedStart) -> Figure:
@@ -470,22 +496,24 @@ def _start(loop: DrivenLoop, direction: Vector, size: float) -> Start:
 
 
 def _driven_ends(loop: DrivenLoop, paths: list[FollowedStart]) -> Block:
-    return _ends_table("V", "switches", [_driven_row(loop, path) for path in paths])
+    units = loop.scene.units
+    return _ends_table("V", "switches", [_driven_row(loop, path, units) for path in paths], units)
 
 
-def _driven_row(loop: DrivenLoop, path: FollowedStart) -> tuple[Entry, ...]:
+def _driven_row(loop: DrivenLoop, path: FollowedStart, units: Units) -> tuple[Entry, ...]:
     end = path.path.end
-    place = [float_text(float(value), 2) for value in end.state]
+    place = [float_text(value, 2) for value in _shown_pose(end.state, units)]
     values = [float_text(loop.value(pose), 2) for pose in (path.start, end.state)]
     switches = "not located" if loop.is_sampled else str(len(path.path.events))
-    return place_text(path.start), values[0], float_text(end.t, 4), *place, values[1], switches
+    return place_text(_shown_pose(path.start, units)), values[0], float_text(end.t, 4), *place, values[1], switches
 
 
 def _driven_figure(subject: ArraySubject, loop: DrivenLoop, path: FollowedStart) -> Figure:
+    begin = pose_text(loop.scene.units, path.start, 6) if loop.scene.units.in_degrees else place_text(path.start)
     picture = centre_picture(loop.scene, path.path, "certified law, measured from the checked point")
     return Figure(
         "closed-loop",
-        prose("The closed loop of clause 4 from {}: x, y and `theta` over time, and the path.", place_text(path.start)),
+        prose("The closed loop of clause 4 from {}: x, y and `theta` over time, and the path.", begin),
         "Curves of x, y and theta over time under feedback, and the path.",
         subject.invocation.line("derive", "--only", "feedback", "-o", "closed-loop.html"),
         drawn(path_figure, picture),

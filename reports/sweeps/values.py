@@ -11,8 +11,9 @@ from fractions import Fraction
 from typing import TypeAlias
 
 from nonsmooth.symbolic.expression import Expression, ExpressionError
-from nonsmooth.symbolic.files.scene_values import AngleUnit, read_exact
+from nonsmooth.symbolic.files.scene_values import read_exact
 from nonsmooth.symbolic.scene_error import requirement, shown
+from nonsmooth.symbolic.units import AngleUnit
 
 
 class SweepError(ValueError):

@@ -82,7 +82,8 @@ def build_inertia(table: BodyTable | None, metres: Fraction | None, numbers: Num
         raise SceneError(numbers.file, "body.inertia", "body.mass beside it: I/m counts", StatedFact("no mass"))
     gravity = found["gravity"] if "gravity" in found else numbers.field.rational(STANDARD_GRAVITY / metres)
     radius = found["inertia"] / found["mass"] if "inertia" in found else None
-    return BodyInertia(gravity, radius, found.get("centre_height"), is_stated=bool(found))
+    height, mass = found.get("centre_height"), found.get("mass")
+    return BodyInertia(gravity, radius, height, is_stated=bool(found), mass=mass)
 
 
 def build_body(table: BodyTable, numbers: Numbers) -> Body | None:

@@ -14,7 +14,6 @@ from nonsmooth.symbolic.files.scene_values import (
     PLANE,
     Angle,
     AngleField,
-    AngleUnit,
     Exact,
     ExactField,
     Numbers,
@@ -30,7 +29,7 @@ from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.rule import DEFAULT_RULE
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact
 from nonsmooth.symbolic.tolerances import Tolerance
-from nonsmooth.symbolic.units import LengthUnit, SpeedUnit, Units
+from nonsmooth.symbolic.units import AngleUnit, LengthUnit, SpeedUnit, Units
 
 MAX_NAME = 200  # characters
 

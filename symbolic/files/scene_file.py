@@ -31,6 +31,8 @@ from nonsmooth.symbolic.files.scene_values import Numbers, angle_remarks, angles
 from nonsmooth.symbolic.files.unit_hints import unit_hints
 from nonsmooth.symbolic.files.wheel_builder import WheelBuilder
 from nonsmooth.symbolic.files.wheel_csv import WheelRows, parse_wheels
+from nonsmooth.symbolic.numbers.number_field import FirstRemark
+from nonsmooth.symbolic.rule import BY_FRICTION_SET, MIXED
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact
 
@@ -141,7 +143,7 @@ def read_document(
         expected = "two numbers with a comma between them, such as 240,0"
         raise SceneError(file, "check.equilibrium", expected, at)
     changes: dict[str, dict[str, object]] = {
-        "contact": {"rule": rule},
+        "contact": {"rule": None if rule == MIXED else rule},
         "check": {"radius": radius, "equilibrium": equilibrium, "accuracy": accuracy},
     }
     return _overridden(_read_toml(path, file), changes), file, path
@@ -269,8 +271,9 @@ def build_scene(
     builder = WheelBuilder(document, numbers)
     built = builder.build(layout.places(numbers))
     body = None if document.body is None else build_body(document.body, numbers)
-    numbers.field.remarks += tuple(unit_hints(built, body, document.units.labels))
-    if rule is not None and all("contact" in wheel.named for wheel in built):
+    numbers.field.remarks += tuple(map(FirstRemark, unit_hints(built, body, document.units.labels)))
+    _require_mixed(rule, builder.rule, file)
+    if rule not in (None, MIXED) and all("contact" in wheel.named for wheel in built):
         numbers.field.remarks += (f"rule {rule} is for wheels that name none, and all of these name their own",)
     return Scene(
         name=document.name or path.stem,
@@ -286,6 +289,13 @@ def build_scene(
         tolerances=None if document.tolerances is None else build_tolerance(document.tolerances, numbers),
         loop_errors=None if document.feedback is None else build_loop_errors(document.feedback, numbers),
     )
+
+
+def _require_mixed(rule: str | None, found: str, file: str) -> None:
+    """Refuse rule ``mixed`` of wheels that have one rule: it is what wheels of different rules make."""
+    if rule == MIXED != found:
+        mixing = " and ".join(sorted(BY_FRICTION_SET))
+        raise SceneError(file, "contact.rule", f"wheels of rules {mixing} for rule {MIXED}", StatedFact(f"all {found}"))
 
 
 def _require_array(data: Mapping[str, Any], file: str) -> None:
@@ -343,6 +353,9 @@ def _turns(document: SceneDocument, layout: Layout) -> Iterator[Fraction]:
 def _remarks(document: SceneDocument, layout: Layout) -> Iterator[str]:
     """What a reader must know about how the files were read."""
     table = layout if isinstance(layout, WheelRows) else WheelRows("", [], [])
+    if table.rows and document.field is None and all(row.own.heading is None for row in table.rows):
+        others = "a column heading, or [field], says otherwise"
+        yield FirstRemark(f"{table.name} states no heading: all wheels drive toward (0, 0); {others}")
     yield from table.remarks
     yield from angle_remarks([document, table.cells])
 

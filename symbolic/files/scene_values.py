@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from enum import Enum, StrEnum
+from enum import Enum
 from fractions import Fraction
 from typing import Annotated, Any, TypeAlias, get_args
 
@@ -25,6 +25,7 @@ from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.plane import Vector
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact, requirement, shown
+from nonsmooth.symbolic.units import AngleUnit
 
 PLANE = ("x", "y")  # the variables of a formula in the plane
 MAX_ROOTS = 64  # independent square roots in one file: each is proved new against all earlier ones,
@@ -52,13 +53,6 @@ def tables_in(annotation: Any) -> Iterator[type[TomlTable]]:
 def keys_of(table: type[TomlTable]) -> dict[str, FieldInfo]:
     """The keys of a table as a file writes them."""
     return {field.alias or name: field for name, field in table.model_fields.items()}
-
-
-class AngleUnit(StrEnum):
-    """Unit of a number that is an angle."""
-
-    DEGREE = "deg"
-    RADIAN = "rad"
 
 
 class AngleReading(Enum):

@@ -16,7 +16,6 @@ from pydantic import Field, PlainValidator, ValidationInfo
 from nonsmooth.symbolic.files.scene_values import (
     Angle,
     AngleField,
-    AngleUnit,
     Exact,
     ExactField,
     Numbers,
@@ -28,6 +27,7 @@ from nonsmooth.symbolic.files.scene_values import (
     unit_of_angles,
 )
 from nonsmooth.symbolic.plane import Vector
+from nonsmooth.symbolic.units import AngleUnit
 
 Psi: TypeAlias = Callable[[Vector], Vector]
 Speed: TypeAlias = Literal["unit", "magnitude"] | Exact

@@ -17,11 +17,12 @@ from fractions import Fraction
 from typing import Any, NamedTuple
 
 from nonsmooth.symbolic.files.layouts import MAX_WHEELS, Own, WheelPlace, read_name
-from nonsmooth.symbolic.files.scene_values import AngleUnit, Exact, Numbers, angles, read_exact
+from nonsmooth.symbolic.files.scene_values import Exact, Numbers, angles, read_exact
 from nonsmooth.symbolic.files.velocity_fields import Heading, read_heading
 from nonsmooth.symbolic.rule import read_rule
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact, requirement
 from nonsmooth.symbolic.suggestions import is_meant
+from nonsmooth.symbolic.units import AngleUnit
 
 COLUMNS = ("x", "y", "heading", "speed", "mu_roll", "mu_side", "speed_limit", "axis", "contact")
 NAMES = ("name", "wheel", "roller", "motor", "label", "number", "id", "nr", "no")
@@ -31,6 +32,9 @@ SEPARATORS = (",", ";", "\t")
 MOST_SHOWN = 4  # columns that a note lists
 MAX_COLUMNS = 200
 MAX_NAME = 30  # characters of a column's name that a message shows
+_LIKE_HEADING = re.compile(  # what others call a heading, also with a unit behind it, as angle_deg or angle [deg]
+    r"(angle|azimuth|dir|direction|orientation|phi|psi|richtung|rot|rotation|theta|winkel|yaw)([^a-z].*)?", re.I
+)
 _DECIMAL_COMMA = re.compile(r"[+-]?[0-9]*,[0-9]+([eE][+-]?[0-9]+)?")
 
 
@@ -224,7 +228,8 @@ def _columns(header: list[str], key: str, file: str) -> list[str | None]:
     if required:
         raise SceneError(file, key, "a header with x and y", StatedFact(f"one without {required}"))
     for name in _unread(header, columns):
-        meant = is_meant(name, missing)
+        is_heading = "heading" in missing and _LIKE_HEADING.fullmatch(name)
+        meant = " (is heading meant?)" if is_heading else is_meant(name, missing)
         if meant:
             raise SceneError(file, key, f"a header out of {','.join(COLUMNS)}{meant}", name)
     return columns

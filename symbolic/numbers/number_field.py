@@ -24,6 +24,12 @@ from nonsmooth.symbolic.numbers.rounded import rounded
 from nonsmooth.symbolic.numbers.square_roots import square_root
 
 
+class FirstRemark(str):
+    """A remark that stands above all results: what was read may not be what was meant."""
+
+    __slots__ = ()
+
+
 class NumberField(Tower):
     """The field ``Q(2 cos(2 pi/N), sqrt g_1, ..., sqrt g_r)``, r growing on demand.
 

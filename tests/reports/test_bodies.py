@@ -95,6 +95,19 @@ def test_tipping_is_the_answer_under_every_rule(rule: str, carton: str, invoke: 
     assert found["theorem4"]["verdict"] == "hypotheses not met"
 
 
+def test_what_tips_says_over_which_edge_and_how_far_and_is_drawn(carton: str, invoke: Invoke, tmp_path: Path) -> None:
+    """The carton is 2.6 wide: at (2.7, 0) the columns of wheels at 1.5 and 2.5 carry it, and it is 0.2 beyond these."""
+    done = invoke("check", carton, "--at", "2.7,0")
+    assert "its centre of mass 0.2 beyond the line through wheels" in " ".join(done.out.replace("\u2502", " ").split())
+    picture = tmp_path / "tips.svg"
+    drawn = invoke("partition", carton, "--at", "2.7,0", "--show", "array", "-o", str(picture))
+    assert (drawn.status, "0.2 beyond" in drawn.out) == (0, True)
+    shown = picture.read_text(encoding="utf-8")
+    assert "hull of the wheels under it" in shown
+    assert "wheel that does not carry it" in shown
+    assert invoke("partition", carton, "--at", "2.7,0").status == 2
+
+
 def test_tipping_among_many_scenes(carton: str, invoke: Invoke) -> None:
     done = invoke("check", carton, "four-wheel", "--at", "2.9,2.9")
     assert done.status != 0

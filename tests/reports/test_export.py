@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -105,6 +106,18 @@ def test_a_plain_export_names_no_difference(invoke: Invoke, tmp_path: Path) -> N
     (tmp_path / "plain.toml").write_text(RING + 'rule = "ellipse"\n', encoding="utf-8")
     out = invoke("export", "plain.toml", "--from", "0,0").out
     assert not any(words in out for words in ("left out", "in place of", "is written as", "the checked point"))
+
+
+def test_the_mass_and_the_inertia_are_those_of_the_scene(invoke: Invoke, tmp_path: Path) -> None:
+    """In kg and in lengths of the file."""
+    units = 'units = { length = "m" }\nbody = { mass = 2.5, inertia = 10 }\n'
+    (tmp_path / "plain.toml").write_text(units + RING + 'rule = "ellipse"\n', encoding="utf-8")
+    out = invoke("export", "plain.toml", "--from", "0,0").out
+    (scale,) = map(float, re.findall(r"1 in this file is (\S+) m", out))
+    ((mass, turning),) = re.findall(r'mass="(\S+)" diaginertia="(\S+) ', out)
+    assert float(mass) == 2.5
+    assert float(turning) * scale**2 == pytest.approx(10, rel=1e-6)
+    assert "mass 2.5 kg, as stated; inertia 4 m^2 per mass" in out
 
 
 def test_a_place_is_exact_and_stated() -> None:

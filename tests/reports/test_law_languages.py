@@ -47,6 +47,15 @@ if TYPE_CHECKING:
 Speeds: TypeAlias = Mapping[int, float]
 Law: TypeAlias = Callable[[float, float, float, float], Speeds]
 
+OUTLINED = """
+units = { length = "m" }
+friction = { mu_roll = 1, mu_side = 0.5 }
+contact = { rule = "ellipse" }
+field = { kind = "expression", x = "1.5 - x", y = "0.5 - y" }
+wheels = { file = "wheels.csv" }
+body = { shape = "rectangle", width = 1.6, height = 1.6 }
+check = { equilibrium = [1.5, 0.5] }
+"""
 POSES = 40
 CLOSE = 1e-9  # of the fastest wheel
 COMPILER = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
@@ -424,3 +433,17 @@ def test_the_interpreter_refuses_what_a_compiler_would(body: str, said: str) -> 
     text = f"{head}VAR a : LREAL; n : INT; END_VAR {body} END_FUNCTION_BLOCK"
     with pytest.raises(StructuredTextError, match=re.escape(said)):
         FunctionBlock(text)()
+
+
+def test_the_place_of_each_wheel_in_the_array_of_speeds_is_said(tmp_path: Path) -> None:
+    """Of a body on wheels 2, 3, 5 and 6 of nine: Structured Text counts from 1, C from 0."""
+    lines = "".join(f"W{k + 1},{x},{y}\n" for k, (y, x) in enumerate((y, x) for y in (0, 1, 2) for x in (0, 1, 2)))
+    (tmp_path / "wheels.csv").write_text(f"name,x,y\n{lines}", encoding="utf-8")
+    scene = tmp_path / "table.toml"
+    scene.write_text(OUTLINED, encoding="utf-8")
+    law = law_of(check_theorem4(load_scene(scene)))
+    text = " ".join(law.program("st").split())
+    assert "[1] wheel 2 W2, [2] wheel 3 W3, [3] wheel 5 W5, [4] wheel 6 W6" in text
+    assert "[0] wheel 2 W2, [1] wheel 3 W3" in law.program("c")
+    head = text.split("FUNCTION_BLOCK")[0]
+    assert not re.search(r"\d/\d", head)

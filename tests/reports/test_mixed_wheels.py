@@ -275,3 +275,15 @@ def test_a_vehicle_may_have_both(tmp_path: Path) -> None:
     (tmp_path / "a.toml").write_text(head + tables, encoding="utf-8")
     vehicle = load_vehicle(tmp_path / "a.toml")
     assert vehicle.scene.contact.rule == "mixed"
+
+
+def test_the_rule_that_is_printed_can_be_typed(invoke: Invoke, tmp_path: Path) -> None:
+    """``--rule mixed`` leaves wheels of different rules theirs, and is refused where all have one."""
+    file = scene_file(tmp_path, ROLLERS_AND_RUBBER)
+    asked = ("simulate", file, "--from", "0.1,0.05,0", "--until", "0.1", "--json")
+    assert invoke(*asked, "--rule", "mixed").out == invoke(*asked).out
+    refused = invoke("simulate", "four-wheel", "--from", "0.1,0.05,0", "--rule", "mixed")
+    assert (refused.status, refused.err.rstrip().split("required ")[1]) == (
+        2,
+        "wheels of rules ellipse and roller for rule mixed, received all nearest",
+    )

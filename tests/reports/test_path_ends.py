@@ -46,6 +46,49 @@ def test_a_body_of_rule_nearest_rests_where_the_engine_says(invoke: Invoke) -> N
     assert "inertia" not in shown
 
 
+def test_a_bare_heading_is_in_the_unit_of_the_scene(invoke: Invoke, tmp_path: Path) -> None:
+    """Degrees beside a unit of length; refused where the file's own angles were taken for degrees untold."""
+    scene = tmp_path / "table.toml"
+    scene.write_text(TABLE, encoding="utf-8")
+    found = [
+        invoke("simulate", str(scene), "--from", f"30,20,{angle}", "--until", "0.01", "--json").record["state"][0]
+        for angle in ("5", "5deg", "pi/36")
+    ]
+    assert found[0] == found[1] == found[2] == pytest.approx([30, 20, math.pi / 36])
+    mapped = invoke("simulate", str(scene), "--grid", "2", "--heading", "5", "--until", "0.01", "--json").record
+    assert mapped["theta_0"] == pytest.approx(math.pi / 36)
+    four = [(1, 1, 225), (-1, 1, 315), (-1, -1, 45), (1, -1, 135)]
+    wheels = "".join(f"[[wheel]]\nposition = [{x}, {y}]\nheading = {angle}\n" for x, y, angle in four)
+    scene.write_text(f"friction = {{ mu_roll = 1, mu_side = 0.5 }}\n{wheels}", encoding="utf-8")
+    refused = invoke("simulate", str(scene), "--from", "0.2,0.4,0.3")
+    assert refused.status == 2
+    assert "required a unit, as 0.3deg or 0.3rad" in refused.err
+
+
+def test_numbers_of_events_maps_and_failures_have_units(invoke: Invoke, tmp_path: Path) -> None:
+    scene = tmp_path / "table.toml"
+    scene.write_text(TABLE, encoding="utf-8")
+    start = ("simulate", str(scene), "--from", "30,20,5", "--until", "0.01")
+    path = sentence(invoke(*start).out.replace("\u2502", " "))
+    assert "end, t = 0.01 s" in path
+    assert re.search(r"\(\S+, \S+\) mm, heading [45]\S* deg: the time is over", path)
+    assert "theta" not in path
+    mapped = sentence(invoke("simulate", str(scene), "--grid", "2", "--heading", "5", "--until", "0.01").out)
+    assert "mm, heading 5 deg" in mapped
+    assert "moved (mm)" in invoke(*start, "--fail", "1").out
+
+
+def test_a_file_does_not_hide_how_the_path_ends(invoke: Invoke, tmp_path: Path) -> None:
+    scene, file = tmp_path / "table.toml", tmp_path / "path.csv"
+    scene.write_text(TABLE, encoding="utf-8")
+    first, *rest = invoke(
+        "simulate", str(scene), "--from", "30,20,0", "--until", "0.01", "-o", str(file)
+    ).out.splitlines()
+    assert first.startswith(f"{file}: 0 events")
+    assert rest[0].startswith("without inertia: ends ")
+    assert rest[1].startswith("with inertia (simulated, from rest): ")
+
+
 def test_with_units_the_body_has_inertia(invoke: Invoke, tmp_path: Path) -> None:
     """The time to settle is that of the longer path that ``--method dynamics`` follows with finer steps."""
     scene = tmp_path / "table.toml"

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
+import re
 from pathlib import Path
 
 import pytest
 
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import BAD_INPUT, run
+from nonsmooth.symbolic.expression import ExpressionError
+from nonsmooth.symbolic.files.scene_values import read_exact
 from nonsmooth.symbolic.files.start_values import read_start_angle
 from nonsmooth.symbolic.rule import CONTACT_RULES
 from nonsmooth.symbolic.suggestions import RULES, is_meant
@@ -39,6 +42,9 @@ def test_every_other_name_of_a_rule_is_one_of_ours() -> None:
         ("Omni-wheels", list(CONTACT_RULES), " (is roller meant?)"),
         ("omni", ["nearest", "box"], ""),
         ("frog", list(CONTACT_RULES), ""),
+        ("weight", ["height", "mass", "width"], " (is mass meant?)"),
+        ("weight", ["height", "width"], " (is height meant?)"),
+        ("direction", ["heading", "speed"], " (is heading meant?)"),
         (7, list(CONTACT_RULES), ""),
         ("x" * 10**6, ["x"], ""),
     ],
@@ -58,6 +64,22 @@ def test_a_scene_is_refused_with_a_guess(
     file.write_text(SCENE.format(side=side, rule=rule))
     assert run(app, ["check", str(file)]) == BAD_INPUT
     assert said in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("text", "hint"),
+    [
+        ("15 %", '(for 15 % write "15/100")'),
+        ("15%", '(for 15 % write "15/100")'),
+        ("4 kg", "mass in kg (is 4 meant?)"),
+        ("0.5m", "(is 0.5 meant?)"),
+        ("0.25 m/s", "(is 0.25 meant?)"),
+        ("4 cats", 'a formula such as "sqrt(2)/2"'),
+    ],
+)
+def test_a_number_with_a_unit_is_told_what_to_write(text: str, hint: str) -> None:
+    with pytest.raises(ExpressionError, match=re.escape(hint)):
+        read_exact(text)
 
 
 def test_options_guess_too(capsys: pytest.CaptureFixture[str]) -> None:

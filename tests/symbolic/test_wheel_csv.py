@@ -12,10 +12,12 @@ import pytest
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.files.wheel_csv import parse_wheels
 from nonsmooth.symbolic.numbers.measured_angles import angle_notes
+from nonsmooth.symbolic.numbers.number_field import FirstRemark
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import SceneError
 
 SCENE = '[friction]\nmu_roll = 1\nmu_side = 0.5\n[wheels]\nfile = "w.csv"\n'
+UNTOLD = "w.csv states no heading: all wheels drive toward (0, 0); a column heading, or [field], says otherwise"
 CELLS = [
     {"x": "0.5", "y": "1", "heading": "pi/2", "speed": "2", "mu_roll": "3", "mu_side": "4"},
     {"x": "-1", "y": "1e-1", "heading": "[3, 4]", "speed": "", "mu_roll": "", "mu_side": ""},
@@ -69,7 +71,25 @@ def test_other_columns_are_not_read_and_a_note_says_so(tmp_path: Path) -> None:
     text = "z;x;Colour;y\n1;0.5;=cmd|' /C calc'!A0;1\n2;-1;;1e-1\n"
     scene = load(tmp_path, text)
     assert [list(wheel.position) for wheel in scene.wheels] == [[Fraction(1, 2), 1], [-1, Fraction(1, 10)]]
-    assert angle_notes(scene.field) == ("columns of the table of wheels that are not read: z, Colour",)
+    assert angle_notes(scene.field) == (UNTOLD, "columns of the table of wheels that are not read: z, Colour")
+
+
+@pytest.mark.parametrize("column", ["angle", "Direction", "theta", "orientation", "angle_deg", "Winkel [deg]"])
+def test_a_column_that_looks_like_a_heading_is_refused(tmp_path: Path, column: str) -> None:
+    with pytest.raises(SceneError, match=r"\(is heading meant\?\)"):
+        load(tmp_path, f"x,y,{column}\n1,1,225\n-1,1,-45\n")
+    assert angle_notes(load(tmp_path, f"x,y,heading,{column}\n1,1,pi,225\n-1,1,0,-45\n").field) == (
+        f"columns of the table of wheels that are not read: {column}",
+    )
+
+
+def test_no_heading_at_all_is_said_above_all_results(tmp_path: Path) -> None:
+    (note,) = load(tmp_path, "x,y\n1,1\n-1,1\n").field.remarks
+    assert (note, type(note)) == (UNTOLD, FirstRemark)
+    assert load(tmp_path, "x,y,heading\n1,1,pi\n-1,1,\n").field.remarks == ()
+    (tmp_path / "w.csv").write_text("x,y\n1,1\n-1,1\n", encoding="utf-8")
+    (tmp_path / "my.toml").write_text(f'{SCENE}[field]\nkind = "radial"\n', encoding="utf-8")
+    assert load_scene(tmp_path / "my.toml").field.remarks == ()
 
 
 def test_the_note_is_short_and_shows_names_only(tmp_path: Path) -> None:
@@ -77,7 +97,7 @@ def test_the_note_is_short_and_shows_names_only(tmp_path: Path) -> None:
     rows = [["1", "2", *["?"] * 7], ["2", "2", *[""] * 7]]
     scene = load(tmp_path, "\n".join(",".join(row) for row in [names, *rows]))
     expected = "columns of the table of wheels that are not read: a, (no name), wheel no. 1, (no name), 1 more"
-    assert angle_notes(scene.field) == (expected,)
+    assert angle_notes(scene.field) == (UNTOLD, expected)
 
 
 def test_a_cell_of_another_column_may_hold_anything() -> None:
@@ -85,7 +105,7 @@ def test_a_cell_of_another_column_may_hold_anything() -> None:
     assert [[row.x, row.y] for row in rows] == [[Fraction(1), Fraction(2)], [Fraction(3), Fraction(4)]]
 
 
-@pytest.mark.parametrize("name", ["type", "supplier", "z", "diameter", "index", "colour", "note", "theta"])
+@pytest.mark.parametrize("name", ["type", "supplier", "z", "diameter", "index", "colour", "note", "anglet"])
 def test_columns_that_are_not_taken_for_misspelt_ones(name: str) -> None:
     assert parse_wheels(f"x,y,{name}\n1,2,\n", "w.csv", "my.toml").ignored == (name,)
 

@@ -7,8 +7,10 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from nonsmooth.symbolic.expression import ExpressionError
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.files.start_values import read_start_angle
+from nonsmooth.symbolic.units import AngleUnit
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -21,6 +23,25 @@ PLACES = ((1, 1), (-1, 1), (-1, -1), (1, -1))
 @pytest.mark.parametrize("word", [*WORDS, "-pi/4 radians"])
 def test_a_start(word: str) -> None:
     assert read_start_angle(word) == pytest.approx(-math.pi / 4, rel=1e-15)
+
+
+@pytest.mark.parametrize("text", ["5", " 5 ", "10/2"])
+def test_a_bare_number_is_in_the_unit_of_the_scene(text: str) -> None:
+    assert read_start_angle(text, AngleUnit.DEGREE) == read_start_angle("5deg")
+    assert read_start_angle(text, AngleUnit.RADIAN) == 5.0
+
+
+@pytest.mark.parametrize("unit", [*AngleUnit, None])
+@pytest.mark.parametrize(
+    ("text", "expected"), [("pi/36", math.pi / 36), ("5deg", math.pi / 36), ("0", 0.0), ("1 rad", 1)]
+)
+def test_an_angle_that_names_its_unit_keeps_it(text: str, expected: float, unit: AngleUnit | None) -> None:
+    assert read_start_angle(text, unit) == pytest.approx(expected, rel=1e-15)
+
+
+def test_a_bare_number_where_no_unit_is_known_is_refused_with_both_spellings() -> None:
+    with pytest.raises(ExpressionError, match="required a unit, as 5deg or 5rad "):
+        read_start_angle("5", None)
 
 
 @pytest.mark.parametrize("word", WORDS)
