@@ -19,7 +19,7 @@ pytestmark = pytest.mark.benchmark
 RUNS = 10
 COMMAND_LINE = ("-m", "nonsmooth.reports.cli")
 # Of `import sympy`. The help cannot cost less than `import typer`, some 0.2 of it.
-ALLOWED = {
+ALLOWED: dict[tuple[str, ...], float] = {
     **{("check", "four-wheel", "--rule", rule): 1.4 for rule in ("nearest", "box", "ellipse", "roller")},
     ("--help",): 0.3,
 }
