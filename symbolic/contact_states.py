@@ -7,7 +7,7 @@ cofactors of one 3 x 3 matrix over the scene's field: no elimination, no simplif
 
 from __future__ import annotations
 
-from dataclasses import field
+from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import combinations
 from math import comb
