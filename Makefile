@@ -79,10 +79,11 @@ format: $(INSTALLED) ## format the code and mend what ruff can mend
 measure: $(INSTALLED) ## size of the product beside the last row of tests/measure.csv; ROW="what was done" appends one
 	@$(BIN)/python -m tests.measure $(if $(ROW),--row "$$ROW")
 
-bench: $(INSTALLED) ## run the further cases that `make test` leaves out, and the comparisons in tests/benchmarks
+bench: $(INSTALLED) ## run what `make test` leaves out and the comparisons in tests/benchmarks; write docs/speed.md
 	@$(PIP_INSTALL) --no-build-isolation -e '.[bench]'
 	$(BIN)/python -m pytest -n 2 --dist worksteal --ignore=tests/benchmarks -m "thorough or hypothesis" --hypothesis-profile all -q
 	$(BIN)/python -m pytest tests/benchmarks
+	$(BIN)/python -m tests.speed_page docs
 
 precision: $(PACKAGE) ## measure error against run time and write docs/precision.md (some minutes)
 	$(BIN)/python -m tests.precision_page docs

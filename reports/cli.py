@@ -52,7 +52,10 @@ def main() -> None:
     """Entry point of the ``nonsmooth`` command."""
     prepare_streams()
     gc.set_threshold(GARBAGE_THRESHOLD)
-    sys.exit(run(app, sys.argv[1:]))
+    try:
+        sys.exit(run(app, sys.argv[1:]))
+    finally:
+        gc.freeze()  # what the process leaves behind is not searched for cycles: that takes a sixth of a whole check
 
 
 if __name__ == "__main__":

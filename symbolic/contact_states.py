@@ -7,10 +7,11 @@ cofactors of one 3 x 3 matrix over the scene's field: no elimination, no simplif
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import combinations
 from math import comb
+from typing import TypeAlias
 
 from nonsmooth.symbolic.constraints import (
     Row,
@@ -25,7 +26,10 @@ from nonsmooth.symbolic.constraints import (
     scaled,
 )
 from nonsmooth.symbolic.notebook import ShortRepr
+from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import Scene
+
+Solution: TypeAlias = tuple[tuple[Triple, Triple, Triple], Number]
 
 
 @dataclass(frozen=True, repr=False)
@@ -36,10 +40,12 @@ class ContactState(ShortRepr):
         rows: the rows held without slip, in the order the rule chose them: three for rule ``nearest``, all that
             the twist satisfies for rule ``box``.
         twist: the annihilator ``xi`` for the scene's speeds.
+        solution: cofactors and the inverse of the determinant of three rows, where they are known already.
     """
 
     rows: tuple[Row, ...]
     twist: Twist
+    solution: Solution | None = field(default=None, repr=False, compare=False)
 
     @property
     def name(self) -> str:
@@ -66,14 +72,19 @@ class ContactState(ShortRepr):
         """
         if len(self.rows) != 3:
             raise ValueError(f"required three rows, received {self.name}")
-        columns = cofactors(*(row.normal for row in self.rows))
-        inverse = inner(self.rows[0].normal, columns[0]).inverse()
+        columns, inverse = self.solution or _solution((self.rows[0], self.rows[1], self.rows[2]))
         fields: dict[int, Triple] = {}
         for row, column in zip(self.rows, columns, strict=True):
             if row.gain:
                 own, index = scaled(column, row.gain * inverse), row.wheel.index
                 fields[index] = added(fields[index], own) if index in fields else own
         return fields
+
+
+def _solution(rows: tuple[Row, Row, Row]) -> Solution:
+    """Of independent rows."""
+    columns = cofactors(*(row.normal for row in rows))
+    return columns, inner(rows[0].normal, columns[0]).inverse()
 
 
 def solve_rows(rows: tuple[Row, Row, Row]) -> ContactState | None:
@@ -132,7 +143,7 @@ def regular_states(scene: Scene) -> list[ContactState]:
         columns = (crosses[j, k], (-opposite[0], -opposite[1], -opposite[2]), crosses[i, j])
         x, y, z = combine([rows[m].rhs for m in (i, j, k)], columns)
         twist = Twist(x * inverse, y * inverse, z * inverse)
-        states.append(ContactState((rows[i], rows[j], rows[k]), twist))
+        states.append(ContactState((rows[i], rows[j], rows[k]), twist, (columns, inverse)))
     return states
 
 

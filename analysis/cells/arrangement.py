@@ -16,7 +16,8 @@ Floats sort ratios and decide clear signs; every doubtful sign and every tie is 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TypeAlias
@@ -25,6 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.loads import Affine, LoadRegion, value_at
+from nonsmooth.analysis.cells.nearest import SMALLEST_NORMAL
 from nonsmooth.analysis.cells.polygon import Point, Polygon
 from nonsmooth.symbolic.constraints import (
     Row,
@@ -48,6 +50,8 @@ FLOAT_DOUBT = 2.0**-29
 # Relative: residuals and rates beyond the doubt above carry seven correct digits, so do their ratios; ratios closer
 # than this are compared exactly.
 STEP_DOUBT = 2.0**-16
+
+beyond_floats = np.errstate(over="ignore", invalid="ignore")  # nothing is sure there, and signs are exact
 
 Lexicographic: TypeAlias = tuple[int, int]
 
@@ -101,9 +105,9 @@ class Arrangement:
             [tuple(b * entry for b in weight) for entry in row.normal]
             for row, weight in zip(self.rows, self.weights, strict=True)
         ]
-        self.normals = np.array([[float(x) for x in row.normal] for row in self.rows])
-        self.rhs = np.array([float(row.rhs) for row in self.rows])
-        self.float_weights = np.array([[float(x) for x in weight] for weight in self.weights])
+        self.normals = np.array([normal_floats(row.normal) for row in self.rows])
+        self.rhs = np.array(normal_floats([row.rhs for row in self.rows]))
+        self.float_weights = np.array([normal_floats(weight) for weight in self.weights])
         self.corners = float_corners(region.polygon)
         self._vertices: dict[Twist, Vertex] = {}
         self._edges: dict[tuple[int, int], Triple] = {}
@@ -122,18 +126,19 @@ class Arrangement:
             self._edges[first, second] = cross_product(self.rows[first].normal, self.rows[second].normal)
         return self._edges[first, second]
 
+    @beyond_floats
     def float_dissipation(self, twist: Twist, point: Point) -> float:
         """D at a centre of mass, rounded."""
-        with np.errstate(over="ignore", invalid="ignore"):
-            residuals = self.normals @ np.array([float(x) for x in twist]) - self.rhs
-            weights = self.float_weights @ np.array([1.0, float(point[0]), float(point[1])])
-            return float(weights @ np.abs(residuals))
+        residuals = self.normals @ np.array([float(x) for x in twist]) - self.rhs
+        weights = self.float_weights @ np.array([1.0, float(point[0]), float(point[1])])
+        return float(weights @ np.abs(residuals))
 
+    @beyond_floats
     def _residual_signs(self, twist: Twist) -> NDArray[np.int_]:
         """Exact signs of all residuals; floats decide the clear ones."""
-        values = np.array([float(x) for x in twist])
+        values = np.array(normal_floats(twist))
         residuals = self.normals @ values - self.rhs
-        doubt = (np.abs(self.normals) @ np.abs(values) + np.abs(self.rhs)) * FLOAT_DOUBT
+        doubt = (np.abs(self.normals) @ np.abs(values) + np.abs(self.rhs)) * FLOAT_DOUBT + SMALLEST_NORMAL
         signs = np.sign(residuals).astype(int)
         for k in np.flatnonzero(~(np.abs(residuals) > doubt)):
             signs[k] = self.rows[k].residual(twist).sign()
@@ -178,17 +183,17 @@ class Arrangement:
 
     def breakpoints(self, vertex: Vertex, direction: Triple) -> Iterator[tuple[Number, list[int]]]:
         """Steps t > 0 at which rows change sign along ``xi + t direction``, ascending, with those rows."""
-        m = np.array([float(x) for x in direction])
-        xi = np.array([float(x) for x in vertex.twist])
+        m, xi = np.array(normal_floats(direction)), np.array(normal_floats(vertex.twist))
         rates, residuals = self.normals @ m, self.normals @ xi - self.rhs
-        flat = np.abs(rates) <= np.abs(self.normals) @ np.abs(m) * FLOAT_DOUBT
-        close = np.abs(residuals) <= (np.abs(self.normals) @ np.abs(xi) + np.abs(self.rhs)) * FLOAT_DOUBT
-        doubtful = flat | close
+        clear = np.abs(rates) > np.abs(self.normals) @ np.abs(m) * FLOAT_DOUBT + SMALLEST_NORMAL
+        sizes = np.abs(self.normals) @ np.abs(xi) + np.abs(self.rhs)
+        clear &= np.abs(residuals) > sizes * FLOAT_DOUBT + SMALLEST_NORMAL
         steps = np.full(len(rates), -1.0)
-        np.divide(-residuals, rates, out=steps, where=~doubtful)
-        for k in np.flatnonzero(doubtful):
+        np.divide(-residuals, rates, out=steps, where=clear)
+        clear &= np.isfinite(steps) & (np.abs(steps) > SMALLEST_NORMAL)  # what is beyond floats is no ratio
+        for k in np.flatnonzero(~clear):
             step = self._step(vertex, direction, int(k))
-            steps[k] = -1.0 if step is None else float(step)
+            steps[k] = -1.0 if step is None else max(float(step), SMALLEST_NORMAL)
         tight = set(vertex.tight)
         candidates = [int(k) for k in np.argsort(steps) if k not in tight and steps[k] > 0]
         while candidates:
@@ -245,9 +250,21 @@ def _clearly_differ(a: Number, b: Number, c: Number, d: Number) -> bool:
     return TINY < size < HUGE and abs(first - second) > size * FLOAT_DOUBT
 
 
+def normal_floats(numbers: Collection[Number]) -> list[float]:
+    """Numbers as floats that err by less than ``2^-52`` of themselves, and nan for those that have none.
+
+    Nothing that is made of nan is ever sure, so that what lies beyond the range of floats is left to exact arithmetic.
+    """
+    found = [float(number) for number in numbers]
+    if all(SMALLEST_NORMAL <= abs(value) < math.inf for value in found):
+        return found
+    kept = zip(numbers, found, strict=True)
+    return [value if SMALLEST_NORMAL <= abs(value) < math.inf or not number else math.nan for number, value in kept]
+
+
 def float_corners(polygon: Polygon) -> NDArray[np.float64]:
     """Vertices as rows ``(1, x, y)``."""
-    return np.array([[1.0, float(x), float(y)] for x, y in polygon.vertices])
+    return np.array([[1.0, *normal_floats(vertex)] for vertex in polygon.vertices])
 
 
 def tight_rows(signs: NDArray[np.int_]) -> tuple[int, ...]:

@@ -21,8 +21,10 @@ from nonsmooth.analysis.cells.arrangement import (
     Beside,
     SlopeOfD,
     Vertex,
+    beyond_floats,
     float_corners,
     is_multiple,
+    normal_floats,
     order,
 )
 from nonsmooth.analysis.cells.loads import Affine, LoadRegion, at_least_zero, load_regions
@@ -38,6 +40,7 @@ from nonsmooth.symbolic.scene import Scene
 STEP = "cells of rule box"
 
 
+@beyond_floats
 def build_box_partition(scene: Scene, domain: Polygon | None = None) -> Partition:
     """Cells of rule ``box`` in the checked square, or in another domain within the support polygon.
 
@@ -55,6 +58,7 @@ def build_box_partition(scene: Scene, domain: Polygon | None = None) -> Partitio
     return Partition(scene, "box", domain, tuple(cells), len(scene.wheels))
 
 
+@beyond_floats
 def build_rest_partition(scene: Scene) -> Partition | None:
     """The cells of rest alone, where they hold the centred equilibrium in their interior; None where they do not.
 
@@ -148,7 +152,7 @@ class _Walk:
         """Descend to the optimal vertex just beside the centre of the region, from the best twist at hand."""
         centre = self.region.polygon.centre
         # both rows of the nearest wheel and one of the next at another place: any independent rows would do
-        near, *others = sorted(self.scene.wheels, key=lambda w: sum(float(p) ** 2 for p in w.position))
+        near, *others = sorted(self.scene.wheels, key=lambda w: sum(float(p) * float(p) for p in w.position))
         rows = (row for wheel in others for row in preferred_rows(wheel))
         state = next(state for row in rows if (state := solve_rows((*wheel_rows(near), row))) is not None)
         twists = (state.twist, *self.known)
@@ -166,7 +170,7 @@ class _Walk:
 
         A slope that floats show to fall is taken at once; only where there is none, those in doubt are built.
         """
-        point = np.array([[1.0, *map(float, place.point)]])
+        point = np.array([[1.0, *normal_floats(place.point)]])
         while True:
             slopes = self.slopes(vertex)
             falling = slopes.falling(point)

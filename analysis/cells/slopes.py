@@ -15,7 +15,15 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.analysis.cells.arrangement import FLOAT_DOUBT, Arrangement, SlopeOfD, tight_rows
+from nonsmooth.analysis.cells.arrangement import (
+    FLOAT_DOUBT,
+    Arrangement,
+    SlopeOfD,
+    beyond_floats,
+    normal_floats,
+    tight_rows,
+)
+from nonsmooth.analysis.cells.nearest import SMALLEST_NORMAL
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.symbolic.constraints import Triple, inner
 
@@ -34,9 +42,10 @@ class FloatForms:
     values: Floats
     bounds: Floats
 
+    @beyond_floats
     def at(self, points: Floats) -> tuple[Floats, Floats]:
         """Values at points ``(1, x, y)``, one column each, and the doubt about them."""
-        return self.values @ points.T, self.bounds @ np.abs(points).T * FLOAT_DOUBT
+        return self.values @ points.T, self.bounds @ np.abs(points).T * FLOAT_DOUBT + SMALLEST_NORMAL
 
     def positive(self, points: Floats) -> NDArray[np.bool_]:
         """Whether a form is certainly positive at all points."""
@@ -85,7 +94,7 @@ class Slopes:
             both = self._arrangement.slopes_along(direction, self._signs)
             for k, slope in enumerate(both, number - number % 2):
                 self._exact[k] = slope
-                self._forms.values[k] = [float(x) for x in slope.form]
+                self._forms.values[k] = normal_floats(slope.form)
                 self._forms.bounds[k] = np.abs(self._forms.values[k])
         return self._exact[number]
 
@@ -122,13 +131,14 @@ class Slopes:
     @cached_property
     def flat(self) -> tuple[SlopeOfD, ...]:
         """Directions along which D does not change, whatever c: twists that tie on the whole cell."""
-        small = (np.abs(self._forms.values) <= self._forms.bounds * FLOAT_DOUBT).all(axis=1)
+        small = ~(np.abs(self._forms.values) > self._forms.bounds * FLOAT_DOUBT + SMALLEST_NORMAL).any(axis=1)
         return tuple(self[k] for k in np.flatnonzero(small).tolist() if not any(self[k].form))
 
 
 class _PairTable:
     """All pairs of tight rows in floats: directions of edges, and the slopes along them and back."""
 
+    @beyond_floats
     def __init__(self, arrangement: Arrangement, signs: NDArray[np.int_]) -> None:
         self.arrangement = arrangement
         tight = np.array(tight_rows(signs), dtype=int)

@@ -155,8 +155,25 @@ def _outside(corners: Floats, points: Floats) -> NDArray[np.bool_]:
 def _hull_sides(corners: bytes) -> Floats:
     """Rows ``(n_x, n_y, offset)`` with ``n . p + offset <= 0`` in the hull of corners (n, 2) of doubles.
 
-    A path asks for the loads of one array at thousands of places.
+    A path asks for the loads of one array at thousands of places.  The hull is Andrew's monotone chain: SciPy's
+    would take a third of a whole check to import.
     """
-    from scipy.spatial import ConvexHull
+    places = sorted({(x, y) for x, y in np.frombuffer(corners).reshape(-1, 2).tolist()})
+    chain = [*_half_hull(places), *_half_hull(places[::-1])]
+    starts, ends = np.array(chain), np.array([*chain[1:], chain[0]])
+    along = (ends - starts) / np.hypot(*(ends - starts).T)[:, None]
+    normals = np.column_stack([along[:, 1], -along[:, 0]])
+    return np.column_stack([normals, -(normals * starts).sum(axis=1)])
 
-    return np.asarray(ConvexHull(np.frombuffer(corners).reshape(-1, 2)).equations)
+
+def _half_hull(places: list[tuple[float, float]]) -> list[tuple[float, float]]:
+    """The corners to the right of the way from the first place to the last, without the last."""
+    chain: list[tuple[float, float]] = []
+    for x, y in places:
+        while len(chain) > 1:
+            (x_0, y_0), (x_1, y_1) = chain[-2:]
+            if (x_1 - x_0) * (y - y_0) - (y_1 - y_0) * (x - x_0) > 0:
+                break
+            chain.pop()
+        chain.append((x, y))
+    return chain[:-1]

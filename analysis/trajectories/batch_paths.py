@@ -126,7 +126,7 @@ class BatchPaths:
         x, y, self.theta[own] = Free((self.points[own, 0], self.points[own, 1]), self.theta[own], flow).state(time)
         self.points[own] = np.column_stack([x, y])
         self.time[own] += time
-        for k in np.unique(side).tolist():
+        for k in sorted(set(side.tolist())):  # numpy.unique would import masked arrays
             self._land(cell, k, own[side == k])
 
     def _active(self, cell: int, entry: int) -> frozenset[int]:

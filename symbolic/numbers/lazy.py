@@ -18,7 +18,7 @@ from typing import Any, TypeAlias
 from flint import arb, ctx, fmpq
 
 from nonsmooth.symbolic.numbers.exact_real import ExactReal
-from nonsmooth.symbolic.numbers.number import Number, Tower
+from nonsmooth.symbolic.numbers.number import HUGE, TINY, Number, Tower
 from nonsmooth.symbolic.numbers.rounded import Rounded
 
 # With more independent square roots than this, quotients stay unevaluated: their exact form may hold 2^r terms.
@@ -177,8 +177,7 @@ class Lazy(ExactReal):
     def __float__(self) -> float:
         if self.ball.rel_accuracy_bits() > _FLOAT_BITS:
             return float(self.ball.mid())
-        numerator, denominator = self.quotient()
-        return float(numerator) / float(denominator)
+        return float_quotient(*self.quotient())
 
     def __str__(self) -> str:
         numerator, denominator = self.quotient()
@@ -231,6 +230,15 @@ def divided(numerator: Number, denominator: Number) -> Any:
     if len(numerator.field.radicands) > FEW_ROOTS:
         return Lazy.of(numerator) / Lazy.of(denominator)
     return numerator / denominator
+
+
+def float_quotient(numerator: Number, denominator: Number) -> float:
+    """The quotient, rounded; of numbers beyond the range of floats too, as their quotient may well lie within it."""
+    parts = float(numerator), float(denominator)
+    if not numerator or all(TINY < abs(part) < HUGE for part in parts):
+        return parts[0] / parts[1] if numerator else 0.0
+    with ctx.workprec(_PRECISION):
+        return float((numerator.accurate_ball(_FLOAT_BITS) / denominator.accurate_ball(_FLOAT_BITS)).mid())
 
 
 def quotient(numerator: Number, denominator: Number) -> Number | Lazy:

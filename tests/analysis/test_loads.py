@@ -7,10 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy.spatial import ConvexHull
 
 from nonsmooth.analysis.cells.loads import LoadError, load_regions, value_at
 from nonsmooth.analysis.fields.contact_model import ContactModel, contact_model
-from nonsmooth.analysis.minimizers.float_loads import elastic_loads, loads_at, table_loads
+from nonsmooth.analysis.minimizers.float_loads import ON_HULL, _outside, elastic_loads, loads_at, table_loads
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Contact, LoadTable
 from tests.four_wheel import CORNERS
@@ -177,3 +178,16 @@ def test_table_with_a_negative_load() -> None:
 def test_no_table() -> None:
     with pytest.raises(LoadError, match="load table"):
         table_loads(array(FOUR), [(0, 0)])
+
+
+def test_hull_of_floats_as_qhull_finds_it() -> None:
+    """Which places lie outside, for wheels anywhere, in rows, and turned by an angle."""
+    rng = np.random.default_rng(3)
+    turned = np.array([[0.6, 0.8], [-0.8, 0.6]])
+    for count in (3, 4, 9, 200):
+        for corners in (rng.normal(size=(count, 2)), rng.integers(-4, 5, size=(count + 9, 2)) @ turned):
+            sides = ConvexHull(corners).equations
+            places = np.vstack([rng.normal(size=(300, 2)) * 3, corners])
+            beyond = (places @ sides[:, :2].T + sides[:, 2] > ON_HULL).any(axis=1)
+            assert beyond.any()
+            assert (_outside(corners, places) == beyond).all()

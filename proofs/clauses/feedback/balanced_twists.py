@@ -278,11 +278,20 @@ def _demand(scene: Scene, wheels: Sequence[WheelForces], twist: Triple) -> RimDe
 
 
 def _best_pivots(slopes: Sequence[Sequence[arb]]) -> list[int]:
-    """Three values whose derivatives of the balance are well conditioned (pivoted QR)."""
-    from scipy.linalg import qr
+    """Three values whose derivatives of the balance are well conditioned: each farthest from the span of those before.
 
-    _, _, order = qr(np.array([[float(x) for x in column] for column in slopes]).T, pivoting=True)
-    return [int(k) for k in order[:3]]
+    They are the pivots of a QR factorization; SciPy's would take a third of a whole check to import.
+    """
+    left = np.array([[float(x) for x in column] for column in slopes])
+    chosen: list[int] = []
+    for _ in range(3):
+        lengths = np.hypot.reduce(left, axis=1)
+        lengths[chosen] = -1.0
+        chosen.append(int(lengths.argmax()))
+        if lengths[chosen[-1]] > 0:
+            direction = left[chosen[-1]] / lengths[chosen[-1]]
+            left = left - np.outer(left @ direction, direction)
+    return chosen
 
 
 def rounded(value: float) -> Fraction:

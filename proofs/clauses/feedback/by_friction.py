@@ -69,7 +69,7 @@ from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.constraints import Triple
 from nonsmooth.symbolic.free_rollers import with_rims_along_axes
 from nonsmooth.symbolic.number_text import brief_text, lower_text
-from nonsmooth.symbolic.numbers.lazy import Lazy, divided, quotient
+from nonsmooth.symbolic.numbers.lazy import Lazy, divided, float_quotient, quotient
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.rounded import BY_ROUNDING
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, work_limit
@@ -192,7 +192,7 @@ class DrivenFeedback:
         if self.every_load is not None:
             return None
         bounds = dict.fromkeys(bound for cone in self.cones for bound in cone.bounds)
-        floats = {bound: float(bound[0]) / float(bound[1]) for bound in bounds}
+        floats = {bound: float_quotient(*bound) for bound in bounds}
         least = min(floats.values(), default=0) * (1 + SAME_REACH)
         near = [bound for bound, value in floats.items() if value <= least]
         if not near:
