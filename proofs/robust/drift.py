@@ -135,7 +135,7 @@ def _slowest(scene: Scene, accuracy: Fraction) -> Fraction | None:
         return None
     corners = _squares(float(accuracy))
     places = corners.reshape(-1, 2)
-    twists = forces.minimizers(places, np.zeros((len(places), 3)))
+    twists = forces.minimizers(places)
     omega = twists[:, 2:] / forces.length
     turned = np.stack([-places[:, 1], places[:, 0]], axis=1)
     direction = _direction(twists[:, :2] + omega * turned)
@@ -150,15 +150,15 @@ def _slowest(scene: Scene, accuracy: Fraction) -> Fraction | None:
 
 def _largest(forces: BalancedForces, corners: Floats, covector: Triple) -> float:
     """An upper bound of ``g . xi`` for every motion over squares; g is affine on each, and about as long as one."""
-    free = forces.minimizers(corners.mean(axis=1), np.zeros((len(corners), 3)))
+    free = forces.minimizers(corners.mean(axis=1))
     best = np.full(len(corners), np.inf)
     total = float(forces.float_loads(np.zeros((1, 2))).sum() * forces.largest_friction.max())
     for share in SHARES:
         strength = Intervals.of(np.array(share * total))
         pulls = strength * covector[0], strength * covector[1], strength * covector[2]
         middle = np.stack([pull.middle for pull in pulls], axis=-1).reshape(-1, 3)
-        pushed = forces.minimizers(corners.reshape(-1, 2), middle, np.repeat(free, 4, axis=0)).reshape(-1, 4, 3)
-        shown = forces.powers(corners, pulls, pushed, free) / (share * total)
+        against = forces.against(corners.reshape(-1, 2), middle, np.repeat(free, 4, axis=0))
+        shown = forces.powers(corners, pulls, against.forces, free) / (share * total)
         shown = shown + 2.0**-40 * np.abs(shown)
         best = np.fmin(best, np.where(np.isfinite(shown).all(axis=1), shown.max(axis=1), np.inf))
     return float(best.max())
