@@ -35,7 +35,9 @@ TINY = 1e-300  # keeps 0/0 at 0
 ROUNDING = 1e-16  # multiple of the identity beside a Hessian, of its trace: a singular one (a face) stays solvable
 REGULAR = 1e-14  # the same where nothing else keeps steps short
 CACHED = 16384  # sets handled together: their arrays fit the processor's cache
-SMALLEST_BLOCK = 256  # problems handled together at least: fewer would pay more for Python than for floats
+# Problems handled together at least: fewer would pay more for Python than for floats.  With many more, products of
+# matrices for hundreds of wheels are so large that BLAS shares them among threads, which takes ten times as long.
+SMALLEST_BLOCK = 32
 COMPACT = 0.8  # unsolved share of a block at which the solved problems are taken out
 
 # What proves a solution.
