@@ -2,18 +2,20 @@
 
 A stopped wheel stands still and keeps its friction; a lifted one touches nothing.  Each path is followed as
 ``simulate`` follows it, so what is said here is sampled, from these starts, without inertia.  A body is home whose
-path ends, or still is when the time is over, within the scene's accuracy of the checked point.
+path ends, or still is when the time is over, within the scene's accuracy of the checked point.  Where none of the
+failed wheels ever carries the body on its path over the whole table, that is its path without them too.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from nonsmooth.analysis.bodies.mass_study import rule_path
+from nonsmooth.analysis.bodies.path import BodyPath
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.trajectories.result import EndReason, Trajectory, TrajectoryError
 from nonsmooth.proofs.answers.failures import NO_TABLE, FailureKind, stopped, without
@@ -273,9 +275,9 @@ def follow_failures(scene: Scene, options: SimulateOptions) -> FailedPathsResult
         before.append(FailedPath(Failed(), start, path, home=_is_home(scene, path)))
     after: list[FailedPath] = []
     for failed in cases:
-        for start in starts:
+        for start, whole_path in zip(starts, before, strict=True):
             tell_count(len(before) + len(after), total, "paths")
-            after.append(_followed(scene, failed, start, until))
+            after.append(_followed(scene, failed, start, until, whole_path))
     return FailedPathsResult(scene, until, tuple(before), tuple(after))
 
 
@@ -309,13 +311,17 @@ def _long(scene: Scene) -> float:
     return ENOUGH * float(scene.check.radius) / fastest
 
 
-def _followed(scene: Scene, failed: Failed, start: tuple[float, float, float], until: float) -> FailedPath:
-    """The path with wheels failed, or why there is none."""
+def _followed(
+    scene: Scene, failed: Failed, start: tuple[float, float, float], until: float, before: FailedPath
+) -> FailedPath:
+    """The path with wheels failed, or why there is none; ``before`` is that of the whole table."""
     lifted = failed.kind is FailureKind.LIFTED
     try:
         array = without(scene, failed.wheels) if lifted else stopped(scene, failed.wheels)
         if lifted and scene.body is None and _leaves_support(array, [start[:2]]) is not None:
             return FailedPath(failed, start, None, "the body does not stand on the wheels that are left", 0.0)
+        if _never_carry(scene, failed, before.path):
+            return replace(before, failed=failed)
         path = rule_path(array, scene.contact.rule, start, until)
     except NoLoadsError:
         return FailedPath(failed, start, None, NO_TABLE)
@@ -325,6 +331,14 @@ def _followed(scene: Scene, failed: Failed, start: tuple[float, float, float], u
     tips = None if out is None else float(path.times[out])
     home = tips is None and path.end.reason is not EndReason.TIPS and _is_home(scene, path)
     return FailedPath(failed, start, path, tips=tips, home=home)
+
+
+def _never_carry(scene: Scene, failed: Failed, path: Trajectory | None) -> bool:
+    """Whether no failed wheel carries a body with an outline on a path that tells which wheels do."""
+    if scene.body is None or path is None or path.method != BodyPath.method:
+        return False
+    carrying = {name for piece in path.pieces for name in piece.cells}
+    return carrying.isdisjoint(map(str, failed.wheels))
 
 
 def _leaves_support(array: Scene, places: Sequence[Sequence[object]]) -> int | None:

@@ -200,17 +200,22 @@ class CutEllipse(Generic[X]):
             room *= narrow[:, :, None] * narrow[:, None, :]
         return np.asarray(room)
 
+    def rounded_arc(self, r: X, s: X, third: X) -> tuple[X, X, X]:
+        """Lengths ``sqrt(X^2 + Y^2 + Z^2)`` of slips with a third part Z, and ``X`` and ``Y`` over them."""
+        x, y = self._weighted(r, s)
+        size = self._length(self._length(x, y), third)
+        return size, x / size, y / size
+
     def rounded_gradient(self, r: X, s: X, third: X) -> tuple[X, X]:
         """Forces inside the sets: the gradient of the support function of a slip with a third part; arrays of floats.
 
         The third part Z rounds the edges of D where slips vanish: ``sqrt(X^2 + Y^2 + Z^2)`` on the arc,
         ``sqrt(1 - kappa^2) sqrt(X^2 + Z^2) + kappa |Y|`` at a corner.
         """
-        x, y = self._weighted(r, s)
-        size = _length(_length(x, y), third)
-        rho, tau = x / size, y / size
+        _, rho, tau = self.rounded_arc(r, s, third)
         if self.is_whole:
             return self.along * rho, self.across * tau
+        x = self.along * r
         rho = np.where(np.abs(tau) > self.cut, self.corner * x / _length(x, third), rho)
         return self.along * rho, self.across * np.clip(tau, -self.cut, self.cut)
 
@@ -220,12 +225,10 @@ class CutEllipse(Generic[X]):
         At a corner the one across is of ``kappa sqrt(Y^2 + Z^2)``: D is straight there, but Newton's method must not
         lose where that begins.
         """
-        x, y = self._weighted(r, s)
-        size = _length(_length(x, y), third)
-        rho, tau = x / size, y / size
+        size, rho, tau = self.rounded_arc(r, s, third)
         rr, rs, ss = (1 - rho * rho) / size, -rho * tau / size, (1 - tau * tau) / size
         if not self.is_whole:
-            turns = np.abs(tau) > self.cut
+            (x, y), turns = self._weighted(r, s), np.abs(tau) > self.cut
             rr = np.where(turns, self.corner * _rounded_bend(x, third), rr)
             rs = np.where(turns, 0.0, rs)
             ss = np.where(turns, self.cut * _rounded_bend(y, third), ss)
@@ -351,6 +354,35 @@ class NearestForce(NamedTuple):
         return np.asarray(self.rate * (change - self.normal * (x * change[0] + y * change[1])))
 
 
+class Approach(NamedTuple):
+    """How a force nears that of a slip while the slip changes: ``dp = move + A dr``; of arrays (...).
+
+    Attributes:
+        move: its entries.
+        slopes: of A, by rows.
+        bearing: ``(a, b)`` of the rollers' speeds, ``dt = a + b dp_2``; None where nothing is cut.
+    """
+
+    move: tuple[Floats, Floats]
+    slopes: tuple[Floats, Floats, Floats, Floats]
+    bearing: tuple[Floats, Floats] | None
+
+    @property
+    def rates(self) -> Floats:
+        """The symmetric part of A, entries ``(xx, yy, xy)``, shape (3, ...)."""
+        a00, a01, a10, a11 = self.slopes
+        return np.array([a00, a11, (a01 + a10) / 2])
+
+    def change(self, r: Floats, s: Floats) -> Floats:
+        """``dp``, shape (2, ...), where the slip changes by (r, s)."""
+        (d0, d1), (a00, a01, a10, a11) = self.move, self.slopes
+        return np.array([d0 + a00 * r + a01 * s, d1 + a10 * r + a11 * s])
+
+    def turned(self, change: Floats) -> Floats | float:
+        """``dt``, where the force changes by dp."""
+        return 0.0 if self.bearing is None else self.bearing[0] + self.bearing[1] * change[1]
+
+
 class FrictionSets(Protocol):
     """The sets of n contacts in units of their half-axes, arrays of shape (n, m) in and out."""
 
@@ -368,8 +400,8 @@ class UnitDiscs(CutEllipse[Any]):
     """The sets of many wheels in units of their half-axes: discs of radius one that strips cut; floats of order one."""
 
     def __init__(self, cuts: Floats) -> None:
-        """For kappa (n,), and points of shape (2, n, m)."""
-        super().__init__(1.0, 1.0, cuts[:, None])
+        """For kappa (n,) and points of shape (2, n, m), or kappa and points of shapes that go together."""
+        super().__init__(1.0, 1.0, cuts[:, None] if cuts.ndim == 1 else cuts)
 
     def excess(self, x: Floats, y: Floats) -> Floats:
         """How far beyond its set a force lies, in parts of it; at most 0 inside."""
@@ -396,6 +428,43 @@ class UnitDiscs(CutEllipse[Any]):
         force[1] = np.where(bound, np.sign(y) * self.cut, force[1])
         normal[0], normal[1] = np.where(bound, 0.0, normal[0]), np.where(bound, side, normal[1])
         return NearestForce(force, np.where(bound, side, rate), normal)
+
+    def rounded_support(self, r: Floats, s: Floats, turning: Floats, third: Floats | float) -> Floats:
+        """``sqrt(r^2 + (s - t)^2 + Z^2) + kappa sqrt(t^2 + Z^2)``: least by the speed t of its rollers, the support."""
+        size = self._length(self._length(r, s - turning), third)
+        return np.asarray(size if self.is_whole else size + self.cut * self._length(turning, third) * (self.cut < 1))
+
+    def rollers(self, r: Floats, s: Floats) -> Floats:
+        """The speeds t of rollers at which that is least without a third part; zero where nothing is cut."""
+        if self.is_whole:
+            return np.zeros_like(s)
+        return np.asarray(np.sign(s) * np.maximum(np.abs(s) - self.cut * np.abs(r) / _divisor(self.corner), 0.0))
+
+    def approach(
+        self, slip: tuple[Floats, Floats], force: tuple[Floats, Floats], turning: Floats, third: Floats | float
+    ) -> Approach:
+        """A step of Newton's method towards the rounded force of a slip, with the force as an unknown of its own.
+
+        On ``rho p = w``, ``w = (r, s - t)`` and ``rho = sqrt(|w|^2 + Z^2)`` (Chan, Golub and Mulet 1999).  The force
+        across is that of the rollers' bearing, too, ``sqrt(t^2 + Z^2) p_2 = kappa t``; linearized it gives
+        ``dt = a + b dp_2``, which is taken out.
+        """
+        z0, z1 = force
+        size, u0, u1 = self.rounded_arc(slip[0], slip[1] - turning, third)
+        # dp = d + A dr with A = (1 - p u^T)/size and d = u - p
+        d0, d1 = u0 - z0, u1 - z1
+        a00, a01, a10, a11 = (1 - z0 * u0) / size, -z0 * u1 / size, -z1 * u0 / size, (1 - z1 * u1) / size
+        if self.is_whole:
+            return Approach((d0, d1), (a00, a01, a10, a11), None)
+        cut, bearing = self.cut < 1, self._length(turning, third)
+        room = np.where(cut, self.cut - z1 * turning / bearing, 1.0)
+        a = np.where(cut, (bearing * z1 - self.cut * turning) / room, 0.0)
+        b = np.where(cut, bearing / room, 0.0)
+        share = 1 / (1 + b * a11)
+        d1 = (d1 - a11 * a) * share
+        d0 = d0 - a01 * (a + b * d1)
+        a10, a11 = a10 * share, a11 * share
+        return Approach((d0, d1), (a00 - b * a01 * a10, a01 - b * a01 * a11, a10, a11), (a, b))
 
     def longest_step(self, force: Floats, change: Floats) -> Floats:
         """The largest t at which ``force + t change`` lies in its set, for forces in it."""

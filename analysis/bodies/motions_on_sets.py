@@ -11,7 +11,7 @@ import numpy as np
 
 from nonsmooth.analysis.bodies.many_contacts import Mask, Numbers, RowsOfWheels, loads_of, widest_gaps
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
-from nonsmooth.analysis.minimizers.many_twists import ManyTwists, turning_rollers, with_rollers
+from nonsmooth.analysis.minimizers.many_twists import Contacts, ManyTwists
 
 
 @dataclass(frozen=True)
@@ -54,12 +54,9 @@ class LeastTwists:
         """
         loads, balanced = loads_of(self._model, wheels, carrying, levers)
         rows, targets = self._rows.at(wheels, levers, self._size)
-        cuts, pressing = self._cuts[wheels], loads
-        if (cuts < 1).any():
-            start = np.concatenate([start, turning_rollers(rows, targets, cuts, start)], axis=1)
-            rows, targets, pressing = with_rollers(rows, targets, loads, cuts)
-        found, settled = self._twists.minimize(rows, targets, pressing, start)
-        return SetMotions(np.where(settled[:, None], found[:, :3], 0.0), loads, settled & balanced)
+        contacts = Contacts.of(rows, targets, loads, self._cuts[wheels])
+        found, settled = self._twists.minimize(contacts, start)
+        return SetMotions(np.where(settled[:, None], found, 0.0), loads, settled & balanced)
 
 
 class MotionsOnSets:

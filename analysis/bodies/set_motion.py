@@ -9,16 +9,12 @@ afterwards where the regime ended.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import TypeAlias
-
 import numpy as np
 
 from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.analysis.dynamics.moving_loads import MovingLoads
 from nonsmooth.analysis.fields.contact_model import ContactModel, ContactRows, Floats
 from nonsmooth.analysis.minimizers.ellipse_minimizer import WarmMinimizer
-from nonsmooth.analysis.minimizers.minimum import Minima
 from nonsmooth.analysis.minimizers.proved import resists_every_motion
 from nonsmooth.analysis.minimizers.regime import NOBODY
 from nonsmooth.analysis.minimizers.smooth_newton import SmoothNewton
@@ -47,6 +43,7 @@ class SetMotion:
         self._minimizer = path_minimizer(model)
         self._quick = SmoothNewton(model) if model.has_whole_ellipses else None
         self._regime = NOBODY
+        self._resisted: dict[bytes, bool] = {}
 
     @property
     def cold(self) -> int:
@@ -69,7 +66,32 @@ class SetMotion:
             TrajectoryError: where the minimizer is not proved to be the motion.
         """
         loads = self._loads.at(pose[:2])[0]
-        return with_kinematics(proved_twist(self.model, self._quick, self._minimizer.minimize, loads, pose), pose)
+        return with_kinematics(self._proved_twist(loads, pose), pose)
+
+    def _proved_twist(self, loads: Floats, pose: Floats) -> Floats:
+        """The minimizer of D: by Newton steps from the last one, else by multipliers.
+
+        Raises:
+            TrajectoryError: where the minimizer is not proved to be the motion.
+        """
+        found = None if self._quick is None else self._quick.minimize(loads)
+        if found is not None:
+            return found
+        twist = self._minimizer.minimize(loads)
+        if twist is None or not self._resists_every_motion(loads):
+            place = place_text((float(pose[0]), float(pose[1])))
+            raise TrajectoryError(f"required a certified motion, received a minimum without proof at {place}")
+        if self._quick is not None:
+            self._quick.start_from(twist)
+            self._quick.minimize(loads)  # finds the regime, if it can
+        return twist
+
+    def _resists_every_motion(self, loads: Floats) -> bool:
+        """The same for all loads that press the same wheels."""
+        pattern = (loads > 0).tobytes()
+        if pattern not in self._resisted:
+            self._resisted[pattern] = bool(resists_every_motion(self.model, loads[None])[0])
+        return self._resisted[pattern]
 
     @property
     def _newton(self) -> SmoothNewton:
@@ -218,38 +240,7 @@ class ContactSets:
 # g)`` of the least D.  The field is so stiff that backward differentiation formulas follow it from the start.
 
 
-Minimize: TypeAlias = Callable[[Floats], Minima]  # from loads (n,)
-
 DRAG = 1e-6  # of the friction of the whole weight
-
-
-def proved_twist(
-    model: ContactModel, quick: SmoothNewton | None, minimize: Minimize, loads: Floats, pose: Floats
-) -> Floats:
-    """The minimizer of D: by Newton steps from the last one, else by multipliers.
-
-    Args:
-        model: the contacts.
-        quick: Newton's method, which remembers the last minimizer; None where friction sets are cut.
-        minimize: what is asked where Newton's method does not prove its result.
-        loads: of the wheels, shape (n,).
-        pose: where the body is, for the message of an error.
-
-    Raises:
-        TrajectoryError: where the minimizer is not proved to be the motion.
-    """
-    found = None if quick is None else quick.minimize(loads)
-    if found is not None:
-        return found
-    minima = minimize(loads)
-    if not (minima.check() & resists_every_motion(model, loads[None]))[0]:
-        place = place_text((float(pose[0]), float(pose[1])))
-        raise TrajectoryError(f"required a certified motion, received a minimum without proof at {place}")
-    (twist,) = minima.twists
-    if quick is not None:
-        quick.start_from(twist)
-        quick.minimize(loads)  # finds the regime, if it can
-    return np.asarray(twist)
 
 
 def needs_drag(model: ContactModel) -> bool:
@@ -276,7 +267,7 @@ class DraggedMinimizer(WarmMinimizer):
         )
         super().__init__(dragged)
 
-    def minimize(self, loads: Floats) -> Minima:
+    def minimize(self, loads: Floats) -> Floats | None:
         """At loads (n,) of the wheels."""
         return super().minimize(np.concatenate([loads, np.full(3, DRAG * loads.sum())]))
 

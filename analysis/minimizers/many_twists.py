@@ -2,17 +2,20 @@
 
 ``w_i = W_i x - t_i`` is the slip of contact i, weighted by its friction, and ``x = (c', size theta')``.  The norms are
 smoothed to ``rho_i = sqrt(|w_i|^2 + g^2)``, so that contacts may stick: the twist moves by the order of g.  Newton's
-method on ``rho_i z_i = w_i`` with the forces ``z_i`` as unknowns of their own (Chan, Golub and Mulet 1999) settles in a
-few steps from the twist of the step before; a step that D grows along is halved.
+method with the forces as unknowns of their own (:meth:`nonsmooth.symbolic.friction_set.UnitDiscs.approach`) settles in
+a few steps from the twist of the step before; a step that D grows along is halved.
 """
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
 from nonsmooth.analysis.minimizers.float_loads import loads_at
+from nonsmooth.symbolic.friction_set import UnitDiscs
 
 STEPS = 25  # of Newton's method at one g
 SHARPER = 0.2  # from one g to the next
@@ -28,6 +31,53 @@ EACH_STEP = 150_000  # the same of a step, however few problems take it
 REGULAR = 1e-13  # multiple of the identity beside a Hessian, of its trace
 
 
+class Contacts(NamedTuple):
+    """Contacts of m bodies, k each, in units of their half-axes.
+
+    Attributes:
+        rows: W, shape (m, 2k, 3), first those along, then those across.
+        targets: t, shape (m, 2k).
+        loads: N, shape (m, k).
+        cuts: kappa (m, k), 1 where nothing is cut.
+    """
+
+    rows: Floats
+    targets: Floats
+    loads: Floats
+    cuts: Floats
+
+    @classmethod
+    def of(cls, rows: Floats, targets: Floats, loads: Floats, cuts: Floats) -> Contacts:
+        """For rows of shape (m, k, 2, 3) and targets of shape (m, k, 2)."""
+        apart = (np.concatenate([array[:, :, 0], array[:, :, 1]], axis=1) for array in (rows, targets))
+        return cls(*apart, loads, cuts)
+
+    def take(self, chosen: NDArray[np.bool_] | NDArray[np.int_]) -> Contacts:
+        """Of some bodies."""
+        return Contacts(*(array[chosen] for array in self))
+
+    def moved(self, x: Floats) -> tuple[Floats, Floats]:
+        """``W x`` along and across, each (m, k), of x (m, 3)."""
+        moves, k = (self.rows @ x[..., None])[..., 0], self.loads.shape[1]
+        return moves[:, :k], moves[:, k:]
+
+    def slips(self, x: Floats) -> tuple[Floats, Floats]:
+        """``W x - t``."""
+        slips, k = (self.rows @ x[..., None])[..., 0] - self.targets, self.loads.shape[1]
+        return slips[:, :k], slips[:, k:]
+
+    def total(self, pairs: Floats) -> Floats:
+        """``W^T`` of pairs (2, m, k): shape (m, 3)."""
+        return np.asarray((np.concatenate([*pairs], axis=1)[:, None] @ self.rows)[:, 0])
+
+    def hessian(self, rates: Floats) -> Floats:
+        """``W^T S W`` with S by its entries ``(xx, yy, xy)``, (3, m, k): shape (m, 3, 3)."""
+        (xx, yy, xy), k = rates[..., None], self.loads.shape[1]
+        first, second = self.rows[:, :k], self.rows[:, k:]
+        weighted = np.concatenate([xx * first + xy * second, xy * first + yy * second], axis=1)
+        return np.asarray(self.rows.transpose(0, 2, 1) @ weighted)
+
+
 class ManyTwists:
     """Minimizers, each from the one of the step before.
 
@@ -40,153 +90,98 @@ class ManyTwists:
         self._unit, self.work = speed or 1.0, 0
         self._smoothing = SMOOTHING_OF_ROLLERS if rollers else SMOOTHING
 
-    def minimize(self, rows: Floats, targets: Floats, loads: Floats, start: Floats) -> tuple[Floats, NDArray[np.bool_]]:
-        """``x`` of shape (m, d), and whether it settled.
+    def minimize(self, contacts: Contacts, start: Floats) -> tuple[Floats, NDArray[np.bool_]]:
+        """``x`` of shape (m, 3) from others, and whether it settled."""
+        return self._again(contacts, *self.track(contacts, start), np.zeros_like(start), 1.0)
 
-        Args:
-            rows: weighted, (m, k, 2, d).
-            targets: weighted, (m, k, 2).
-            loads: (m, k).
-            start: (m, d).
-        """
-        flat = rows.reshape(len(rows), -1, rows.shape[-1])
-        found, settled = self.track(rows, targets, loads, start)
-        again = np.flatnonzero(~settled)
-        if len(again):
-            at_rest = np.zeros((len(again), flat.shape[2]))
-            found[again], settled[again] = self._from_smooth(flat[again], targets[again], loads[again], at_rest, 1.0)
-        return found, settled
-
-    def follow(self, rows: Floats, targets: Floats, loads: Floats, start: Floats) -> tuple[Floats, NDArray[np.bool_]]:
+    def follow(self, contacts: Contacts, start: Floats) -> tuple[Floats, NDArray[np.bool_]]:
         """The same from near starts, where twists may have jumped since: g is first made larger, but not by much."""
-        flat = rows.reshape(len(rows), -1, rows.shape[-1])
-        found, settled = self.track(rows, targets, loads, start)
+        return self._again(contacts, *self.track(contacts, start), start, COARSE / SHARPER)
+
+    def track(self, contacts: Contacts, start: Floats) -> tuple[Floats, NDArray[np.bool_]]:
+        """The same by Newton's method from near starts alone, without another try where it does not settle."""
+        return self._settle(contacts, start, self._smoothing)
+
+    def _again(
+        self, contacts: Contacts, found: Floats, settled: NDArray[np.bool_], start: Floats, smoothing: float
+    ) -> tuple[Floats, NDArray[np.bool_]]:
+        """Where it did not settle, from a start and with g large at first."""
         again = np.flatnonzero(~settled)
         if len(again):
-            near = flat[again], targets[again], loads[again], start[again]
-            found[again], settled[again] = self._from_smooth(*near, COARSE / SHARPER)
+            found[again], settled[again] = self._from_smooth(contacts.take(again), start[again], smoothing)
         return found, settled
 
-    def track(self, rows: Floats, targets: Floats, loads: Floats, start: Floats) -> tuple[Floats, NDArray[np.bool_]]:
-        """The same by Newton's method from near starts alone, without another try where it does not settle."""
-        flat = rows.reshape(len(rows), -1, rows.shape[-1])
-        return self._settle(flat, targets, loads, start, self._smoothing)
-
-    def _from_smooth(
-        self, flat: Floats, targets: Floats, loads: Floats, start: Floats, smoothing: float
-    ) -> tuple[Floats, NDArray[np.bool_]]:
+    def _from_smooth(self, contacts: Contacts, start: Floats, smoothing: float) -> tuple[Floats, NDArray[np.bool_]]:
         """With g large at first: there Newton's method settles from afar."""
         found = start.copy()
-        known = np.zeros(len(flat), bool)
+        known = np.zeros(len(start), bool)
         while True:
             smoothing = max(smoothing, self._smoothing)
-            nearer, settled = self._settle(flat, targets, loads, found, smoothing)
+            nearer, settled = self._settle(contacts, found, smoothing)
             found = np.where(settled[:, None], nearer, found)
             known |= settled & (smoothing <= COARSE)
             if smoothing <= self._smoothing:
                 return found, known
             smoothing *= SHARPER
 
-    def _settle(
-        self, flat: Floats, targets: Floats, loads: Floats, start: Floats, smoothing: float
-    ) -> tuple[Floats, NDArray[np.bool_]]:
+    def _settle(self, contacts: Contacts, start: Floats, smoothing: float) -> tuple[Floats, NDArray[np.bool_]]:
         """Newton's method at one g."""
-        found, settled = start.copy(), np.zeros(len(start), bool)
-        at = np.arange(len(start))
-        forces: Floats | None = None
-        aims, weights = targets, loads
+        found, settled, g = start.copy(), np.zeros(len(start), bool), smoothing * self._unit
+        at, sets, slips = np.arange(len(start)), UnitDiscs(contacts.cuts), contacts.slips(start)
+        turning = sets.rollers(*slips)
+        forces = np.array(sets.rounded_arc(slips[0], slips[1] - turning, g)[1:])
         for _ in range(STEPS):
+            self.work += EACH_STEP + len(at) * (SMALLEST + contacts.rows.shape[1] * contacts.rows.shape[2] ** 2)
             x = found[at]
-            self.work += EACH_STEP + len(at) * (SMALLEST + flat.shape[1] * flat.shape[2] ** 2)
-            step, forces = self._step(flat, aims, weights, x, forces, smoothing)
-            found[at] = x + self._downhill(flat, aims, weights, x, step, smoothing)
-            sizes = np.abs(step).max(axis=1)
+            step, change, turns = _newton_step(contacts, sets, x, forces, turning, g)
+            share = _downhill(contacts, x, step, turning, turns, g)
+            found[at] = x + share * step
+            forces = forces + change
+            forces /= np.maximum(sets.gauge(*forces), 1.0)
+            turning = turning + share * turns
+            sizes = np.maximum(np.abs(step).max(axis=1), np.abs(turns).max(axis=1, initial=0.0))
             settled[at[sizes <= SETTLED * self._unit]] = True
             going = (sizes > SETTLED * self._unit) & (sizes < LOST * self._unit)
             if not going.any():
                 break
-            at, flat, aims, weights, forces = at[going], flat[going], aims[going], weights[going], forces[going]
+            at, contacts, forces, turning = at[going], contacts.take(going), forces[:, going], turning[going]
+            sets = UnitDiscs(contacts.cuts)
         return found, settled & np.isfinite(found).all(axis=1)
 
-    def _downhill(
-        self, flat: Floats, targets: Floats, loads: Floats, x: Floats, step: Floats, smoothing: float
-    ) -> Floats:
-        """The steps (m, d), halved until the smoothed D does not grow."""
-        before = self._value(flat, targets, loads, x, smoothing) * (1 + ROUNDING)
-        steps, trying = step.copy(), np.arange(len(x))
-        for _ in range(HALVINGS):
-            there = self._value(flat[trying], targets[trying], loads[trying], x[trying] + steps[trying], smoothing)
-            trying = trying[~(there <= before[trying])]
-            if not len(trying):
-                break
-            steps[trying] /= 2
-        return steps
 
-    def _value(self, flat: Floats, targets: Floats, loads: Floats, x: Floats, smoothing: float) -> Floats:
-        """``sum_i N_i rho_i``, shape (m,)."""
-        slips = (flat @ x[..., None]).reshape(targets.shape) - targets
-        return np.asarray((loads * np.sqrt(_inner(slips, slips) + (smoothing * self._unit) ** 2)).sum(axis=1))
-
-    def _step(
-        self, flat: Floats, targets: Floats, loads: Floats, x: Floats, forces: Floats | None, smoothing: float
-    ) -> tuple[Floats, Floats]:
-        """The Newton step (m, d), and the forces after it, kept in their unit discs (m, k, 2)."""
-        slips = (flat @ x[..., None]).reshape(targets.shape) - targets
-        sizes = np.sqrt(_inner(slips, slips) + (smoothing * self._unit) ** 2)
-        units = slips / sizes[..., None]
-        z = units if forces is None else forces
-        pull = loads / sizes
-        gradient = (flat.transpose(0, 2, 1) @ (loads[..., None] * units).reshape(len(x), -1, 1))[..., 0]
-        # sum of N/rho W^T (1 - sym(z w^T)/rho) W
-        whole = flat.reshape(*targets.shape, -1)
-        first, second = whole[:, :, 0], whole[:, :, 1]
-        along_w = units[..., :1] * first + units[..., 1:] * second
-        along_z = (pull * z[..., 0])[..., None] * first + (pull * z[..., 1])[..., None] * second
-        weighted = np.repeat(pull, 2, axis=1)[..., None] * flat
-        mixed = along_z.transpose(0, 2, 1) @ along_w
-        hessian = flat.transpose(0, 2, 1) @ weighted - (mixed + mixed.transpose(0, 2, 1)) / 2
-        trace = np.trace(hessian, axis1=1, axis2=2)
-        hessian += (REGULAR * np.abs(trace) + 1e-300)[:, None, None] * np.eye(x.shape[1])
-        step = -np.linalg.solve(hessian, gradient[..., None])[..., 0]
-        moved = (flat @ step[..., None]).reshape(targets.shape)
-        z = units + (moved - z * _inner(units, moved)[..., None]) / sizes[..., None]
-        z /= np.maximum(np.sqrt(_inner(z, z)), 1.0)[..., None]
-        return np.asarray(step, float), z
+def _newton_step(
+    contacts: Contacts, sets: UnitDiscs, x: Floats, forces: Floats, turning: Floats, g: float
+) -> tuple[Floats, Floats, Floats]:
+    """Of x (m, 3), of the forces (2, m, k), which are unknowns of their own, and of the speeds of rollers (m, k)."""
+    near = sets.approach(contacts.slips(x), (forces[0], forces[1]), turning, g)
+    gradient = contacts.total(contacts.loads * (forces + near.move))
+    hessian = contacts.hessian(contacts.loads * near.rates)
+    trace = np.trace(hessian, axis1=1, axis2=2)
+    hessian += (REGULAR * np.abs(trace) + 1e-300)[:, None, None] * np.eye(x.shape[1])
+    step = -np.linalg.solve(hessian, gradient[..., None])[..., 0]
+    change = near.change(*contacts.moved(step))
+    return step, change, np.broadcast_to(near.turned(change), turning.shape)
 
 
-def _inner(first: Floats, second: Floats) -> Floats:
-    """Inner products over the last axis, of length two: several times as fast as a sum over so short an axis."""
-    return np.asarray(first[..., 0] * second[..., 0] + first[..., 1] * second[..., 1])
+def _downhill(contacts: Contacts, x: Floats, step: Floats, turning: Floats, turns: Floats, g: float) -> Floats:
+    """The share (m, 1) of a step, halved until the smoothed D does not grow."""
+    before = _value(contacts, x, turning, g) * (1 + ROUNDING)
+    shares, trying = np.ones((len(x), 1)), np.arange(len(x))
+    for _ in range(HALVINGS):
+        share = shares[trying]
+        ahead = x[trying] + share * step[trying], turning[trying] + share * turns[trying]
+        there = _value(contacts.take(trying) if len(trying) < len(x) else contacts, *ahead, g)
+        trying = trying[~(there <= before[trying])]
+        if not len(trying):
+            break
+        shares[trying] /= 2
+    return shares
 
 
-def with_rollers(rows: Floats, targets: Floats, loads: Floats, cuts: Floats) -> tuple[Floats, Floats, Floats]:
-    """The same as sums of norms where strips cut the ellipses: one more unknown ``t_i``, how fast rollers turn.
-
-    The support function of the cut ellipse is ``min over t of |w - t e_2| + cut |t|``.
-
-    Args:
-        rows: weighted by the half-axes, (m, k, 2, 3).
-        targets: weighted, (m, k, 2).
-        loads: (m, k).
-        cuts: (m, k), 1 where nothing is cut.
-
-    Returns:
-        rows (m, 2k, 2, 3 + k), targets (m, 2k, 2) and loads (m, 2k).
-    """
-    m, k = loads.shape
-    wide = np.zeros((m, 2 * k, 2, 3 + k))
-    wide[:, :k, :, :3] = rows
-    which = np.arange(k)
-    wide[:, which, 1, 3 + which] = -1.0
-    wide[:, k + which, 1, 3 + which] = cuts
-    return wide, np.concatenate([targets, np.zeros_like(targets)], axis=1), np.concatenate([loads, loads], axis=1)
-
-
-def turning_rollers(rows: Floats, targets: Floats, cuts: Floats, x: Floats) -> Floats:
-    """The ``t`` (m, k) that are least at twists x (m, 3)."""
-    along, across = np.moveaxis((rows @ x[:, None, :, None])[..., 0] - targets, -1, 0)
-    kept = np.abs(along) * cuts / np.sqrt(np.maximum(1 - cuts**2, 1e-12))
-    return np.asarray(np.sign(across) * np.maximum(np.abs(across) - kept, 0.0))
+def _value(contacts: Contacts, x: Floats, turning: Floats, g: float) -> Floats:
+    """The smoothed D, shape (m,)."""
+    sets = UnitDiscs(contacts.cuts)
+    return np.asarray((contacts.loads * sets.rounded_support(*contacts.slips(x), turning, g)).sum(axis=1))
 
 
 class MovingTwists:
@@ -210,7 +205,7 @@ class MovingTwists:
 
     @property
     def work(self) -> int:
-        """What all Newton steps so far cost, in multiplications; the speeds of rollers are unknowns too."""
+        """What all Newton steps so far cost, in multiplications."""
         return self._twists.work
 
     def remember(self, twists: Floats, paths: NDArray[np.int_]) -> None:
@@ -223,14 +218,11 @@ class MovingTwists:
         Raises:
             nonsmooth.analysis.cells.loads.LoadError: where a load of a table is negative.
         """
-        count, start, loads = len(centres), self._last[paths], loads_at(self._model, centres)
+        count, loads = len(centres), loads_at(self._model, centres)
         rows = np.broadcast_to(self._rows, (count, *self._rows.shape))
         targets = np.broadcast_to(self._targets, (count, *self._targets.shape))
-        if self._turns:
-            cuts = np.broadcast_to(self._model.cuts, loads.shape)
-            start = np.concatenate([start, turning_rollers(rows, targets, cuts, start)], axis=1)
-            rows, targets, loads = with_rollers(rows, targets, loads, cuts)
+        contacts = Contacts.of(rows, targets, loads, np.broadcast_to(self._model.cuts, loads.shape))
         settle = self._twists.follow if self._turns else self._twists.track
-        found, settled = settle(rows, targets, loads, start)
-        self._last[paths[settled]] = found[settled, :3]
-        return found[:, :3] / self._unit, settled
+        found, settled = settle(contacts, self._last[paths])
+        self._last[paths[settled]] = found[settled]
+        return found / self._unit, settled

@@ -27,6 +27,7 @@ import numpy as np
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
 from nonsmooth.analysis.minimizers.regime import NOBODY, Regime, changed
 from nonsmooth.analysis.minimizers.smallest_forces import smallest_forces
+from nonsmooth.symbolic.friction_set import UnitDiscs
 
 STEPS = 15  # a start beside the last minimum needs three or four
 NEAR = 0.01  # of the fastest wheel's speed: contacts that slip less keep their forces
@@ -37,6 +38,8 @@ RESIDUAL = 1e-13  # slip of contacts that stick, of the fastest wheel's speed
 SINGULAR = 1e-10  # ratio of the extreme eigenvalues of a Hessian, columns scaled, below which it may be singular
 LOST = 1e6  # a slip that is so many times as fast leads nowhere
 CHANGES = 6  # of contacts that stick for contacts that slip, before the other method is asked
+
+DISC = UnitDiscs(np.ones(1))  # the friction set of every contact, in units of its half-axes
 
 
 class SmoothNewton:
@@ -83,7 +86,7 @@ class SmoothNewton:
     def _tracked(self, regime: Regime, unknowns: Floats, loads: Floats) -> tuple[Regime, Floats]:
         """With forces of all loaded contacts that nearly stick."""
         moves = (self._rows @ unknowns[:3] - self._targets).reshape(-1, 2)
-        sizes = np.sqrt(moves[:, 0] ** 2 + moves[:, 1] ** 2)
+        sizes = DISC.support(*moves.T)
         contacts = np.flatnonzero((sizes < NEAR * self._speed) & (loads != 0))
         if np.array_equal(contacts, regime.contacts):
             return regime, unknowns
@@ -131,7 +134,7 @@ class SmoothNewton:
     def is_near_rest(self, regime: Regime, unknowns: Floats, loads: Floats) -> bool:
         """Whether another contact nearly sticks by now."""
         moves = (self._rows @ unknowns[:3] - self._targets).reshape(-1, 2)
-        near = (np.hypot(moves[:, 0], moves[:, 1]) < NEAR * self._speed) & (loads != 0)
+        near = (DISC.support(*moves.T) < NEAR * self._speed) & (loads != 0)
         near[regime.contacts] = False
         return bool(near.any())
 
@@ -157,17 +160,16 @@ class SmoothNewton:
         None where a contact that the regime does not know nearly sticks.
         """
         slips = (self._rows @ unknowns[:3] - self._targets).reshape(-1, 2)
-        sizes = np.sqrt(slips[:, 0] ** 2 + slips[:, 1] ** 2)
-        sizes[loads == 0] = self._speed
         known, others = len(regime.contacts) > 0, loads
         if known:
-            sizes[regime.contacts] = self._speed
             others = loads.copy()
             others[regime.contacts] = 0.0
+        unused = np.where(others == 0, self._speed, 0.0)  # nothing is divided by a slip that does not count
+        sizes, *both = DISC.rounded_arc(*slips.T, unused)
         listed = sizes.tolist()
         if not STUCK * self._speed <= min(listed) <= max(listed) < LOST * self._speed or listed[0] != listed[0]:
             return None
-        units = slips / sizes[:, None]
+        units = np.stack(both, axis=1)
         turned = units[:, :1] * self._second - units[:, 1:] * self._first
         hessian = (turned.T * (others / sizes)) @ turned
         if known:

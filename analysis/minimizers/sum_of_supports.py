@@ -1,8 +1,9 @@
-"""``min_y sum_i w_i h_i(E_i y - e_i)``: sums of support functions of plane convex sets, many problems at once.
+"""``min_y sum_i w_i h_i(E_i y - e_i) - G . y``: sums of support functions of plane convex sets, many problems at once.
 
-The unknowns are three; ``h_i(r) = max p . r over p in K_i`` with K_i a friction set in units of its half-axes.  The
-dual is ``max -sum w_i p_i . e_i`` over forces p_i in K_i that balance, ``sum w_i E_i^T p_i = 0``; unknowns and balanced
-forces in their sets with equal values prove each other (:meth:`SupportSums.judge`), however they were found.
+The unknowns are three; ``h_i(r) = max p . r over p in K_i`` with K_i a friction set in units of its half-axes, G a pull
+(mostly none).  The dual is ``max -sum w_i p_i . e_i`` over forces p_i in K_i that balance it, ``sum w_i E_i^T p_i =
+G``; unknowns and balanced forces in their sets with equal values prove each other (:meth:`SupportSums.judge`), however
+they were found.
 
 Two methods find it.
 
@@ -34,7 +35,9 @@ TINY = 1e-300  # keeps 0/0 at 0
 ROUNDING = 1e-16  # multiple of the identity beside a Hessian, of its trace: a singular one (a face) stays solvable
 REGULAR = 1e-14  # the same where nothing else keeps steps short
 CACHED = 16384  # sets handled together: their arrays fit the processor's cache
-SMALLEST_BLOCK = 256  # problems handled together at least: fewer would pay more for Python than for floats
+# Problems handled together at least: fewer would pay more for Python than for floats.  With many more, products of
+# matrices for hundreds of wheels are so large that BLAS shares them among threads, which takes ten times as long.
+SMALLEST_BLOCK = 32
 COMPACT = 0.8  # unsolved share of a block at which the solved problems are taken out
 
 # What proves a solution.
@@ -52,10 +55,14 @@ class SupportSums:
         maps: E_i, shape (n, 2, 3), columns of comparable size.
         targets: e_i of order 1, shape (2, n, m), or (2, n, 1) for all problems alike.
         sets: K_i.
+        pulls: G, shape (3, m); none unless given.
     """
 
-    def __init__(self, weights: Floats, maps: Floats, targets: Floats, sets: FrictionSets) -> None:
-        self.weights = weights / np.maximum(weights.sum(axis=0), TINY)
+    def __init__(
+        self, weights: Floats, maps: Floats, targets: Floats, sets: FrictionSets, pulls: Floats | None = None
+    ) -> None:
+        whole = np.maximum(weights.sum(axis=0), TINY)
+        self.weights, self.pulls = weights / whole, None if pulls is None else pulls / whole
         self.maps, self.targets, self.sets = maps, targets, sets
         self._columns = maps.transpose(2, 1, 0).reshape(3, -1)
         first, second = maps[:, 0], maps[:, 1]
@@ -66,7 +73,8 @@ class SupportSums:
     def take(self, chosen: NDArray[np.bool_] | NDArray[np.int_]) -> SupportSums:
         """Only some problems."""
         targets = self.targets if self.targets.shape[-1] == 1 else self.targets[..., chosen]
-        return SupportSums(self.weights[:, chosen], self.maps, targets, self.sets)
+        pulls = None if self.pulls is None else self.pulls[:, chosen]
+        return SupportSums(self.weights[:, chosen], self.maps, targets, self.sets, pulls)
 
     def moved(self, y: Floats) -> Floats:
         """``E_i y``, shape (2, n, m), of y (3, m)."""
@@ -77,8 +85,9 @@ class SupportSums:
         return self.moved(y) - self.targets
 
     def total(self, forces: Floats) -> Floats:
-        """``sum_i w_i E_i^T p_i``, shape (3, m)."""
-        return np.asarray(self._columns @ np.concatenate(self.weights * forces))
+        """``sum_i w_i E_i^T p_i - G``, shape (3, m)."""
+        total = self._columns @ np.concatenate(self.weights * forces)
+        return np.asarray(total if self.pulls is None else total - self.pulls)
 
     def newton_step(self, total: Floats, rates: Floats, shift: Floats | float, rounding: float) -> Floats:
         """``-(sum_i w_i E_i^T S_i E_i + shift)^-1 total`` with ``S_i = rates (xx, yy, xy)``, shape (3, n, m).
@@ -233,9 +242,14 @@ class Smoothed(NamedTuple):
 
 
 def by_smoothing(
-    weights: Floats, maps: Floats, targets: Floats, sets: FrictionSets, passes: int = PASSES
+    weights: Floats,
+    maps: Floats,
+    targets: Floats,
+    sets: FrictionSets,
+    passes: int = PASSES,
+    pulls: Floats | None = None,
 ) -> tuple[Floats, Floats]:
-    """Minimizers y, shape (m, 3), and forces, shape (m, n, 2), with ``sum_i w_i E_i^T p_i = 0``.
+    """Minimizers y, shape (m, 3), and forces, shape (m, n, 2), with ``sum_i w_i E_i^T p_i = G``.
 
     Args:
         weights: w, shape (m, n), at least 0.
@@ -243,6 +257,7 @@ def by_smoothing(
         targets: e_i of order 1, shape (n, 2), or (m, n, 2) where every problem has its own.
         sets: K_i; of others than cut discs multipliers find all.
         passes: of multipliers, from nothing, for what smoothing does not finish.
+        pulls: G, shape (m, 3); none unless given.  One beyond all friction leaves nothing to find.
     """
     size = max(SMALLEST_BLOCK, CACHED // weights.shape[1])
     found = []
@@ -251,7 +266,8 @@ def by_smoothing(
             block = slice(first, first + size)
             own = targets[block] if targets.ndim == 3 else targets[None]
             columns = np.ascontiguousarray(own.transpose(2, 1, 0))
-            sums = SupportSums(np.ascontiguousarray(weights[block].T), maps, columns, sets)
+            back = None if pulls is None else np.ascontiguousarray(pulls[block].T)
+            sums = SupportSums(np.ascontiguousarray(weights[block].T), maps, columns, sets, back)
             found.append(_solved(sums, sets, passes))
     forces = [each.forces.transpose(2, 1, 0) for each in found]
     return np.concatenate([each.y.T for each in found]), np.concatenate(forces)
@@ -298,41 +314,16 @@ def _finish(found: Solutions, at: NDArray[np.int_], sums: SupportSums, state: Sm
 
 
 def smoother_step(sums: SupportSums, sets: UnitDiscs, state: Smoothed) -> Smoothed:
-    """One step of y, forces and rollers, and the next g.
-
-    Of a disc that is cut at kappa the rollers turn at speed t: the contact slips with ``(x, s - t)``, and the force
-    across is that of the bearing, too, ``sqrt(t^2 + g^2) p_2 = kappa t``.  Linearized, the bearing gives
-    ``dt = a + b dp_2``, which is taken out.
-    """
-    y, (z0, z1), turning, g = state
-    slips = sums.slips(y)
-    across = slips[1] - turning
-    size = np.sqrt(np.square(slips[0]) + np.square(across) + np.square(g))
-    u0, u1 = slips[0] / size, across / size
-    # dp = d + A dr with A = (1 - p u^T)/size and d = u - p
-    a00, a01, a10, a11 = (1 - z0 * u0) / size, -z0 * u1 / size, -z1 * u0 / size, (1 - z1 * u1) / size
-    d0, d1 = u0 - z0, u1 - z1
-    cut = sets.cut < 1
-    if not sets.is_whole:
-        bearing = np.sqrt(np.square(turning) + np.square(g))
-        room = np.where(cut, sets.cut - z1 * turning / bearing, 1.0)
-        a = np.where(cut, (bearing * z1 - sets.cut * turning) / room, 0.0)
-        b = np.where(cut, bearing / room, 0.0)
-        share = 1 / (1 + b * a11)
-        d1 = (d1 - a11 * a) * share
-        d0 = d0 - a01 * (a + b * d1)
-        a10, a11 = a10 * share, a11 * share
-        a00, a01 = a00 - b * a01 * a10, a01 - b * a01 * a11
-    total = sums.total(np.array([z0 + d0, z1 + d1]))
-    step = sums.newton_step(total, np.array([a00, a11, (a01 + a10) / 2]), 0.0, REGULAR)
-    r0, r1 = sums.moved(step)
-    change = np.array([d0 + a00 * r0 + a01 * r1, d1 + a10 * r0 + a11 * r1])
+    """One step of y, forces and rollers, and the next g."""
+    near = sets.approach(sums.slips(state.y), state.forces, state.turning, state.g)
+    step = sums.newton_step(sums.total(state.forces + near.move), near.rates, 0.0, REGULAR)
+    change = near.change(*sums.moved(step))
     shares = np.minimum(1.0, TO_BORDER * sets.longest_step(state.forces, change).min(axis=0))
-    forces = state.forces + shares * change
-    turning = turning if sets.is_whole else turning + np.where(cut, a + b * change[1], 0.0)
-    after = Smoothed(y + step, forces, turning, g * np.where(shares < BLOCKED, RISE, np.maximum(FASTEST, 1 - shares)))
-    sound = np.isfinite(after.g) & np.isfinite(after.y).all(axis=0) & np.isfinite(forces).all(axis=(0, 1))
-    return Smoothed(*(np.where(sound, new, old) for new, old in zip(after, state._replace(g=RISE * g), strict=True)))
+    g = state.g * np.where(shares < BLOCKED, RISE, np.maximum(FASTEST, 1 - shares))
+    after = Smoothed(state.y + step, state.forces + shares * change, state.turning + near.turned(change), g)
+    sound = np.isfinite(g) & np.isfinite(after.y).all(axis=0) & np.isfinite(after.forces).all(axis=(0, 1))
+    stays = state._replace(g=RISE * state.g)
+    return Smoothed(*(np.where(sound, new, old) for new, old in zip(after, stays, strict=True)))
 
 
 # ---- three unknowns ------------------------------------------------------------------------------

@@ -13,8 +13,9 @@ makes it a bound of ``lambda g . c'``.
 Loads are affine in c.  So forces at the corners of a polygon, mixed, are forces at each of its points, and where G is
 affine on it the bounds at the corners, with one ``xi^`` and one lambda, mixed, bound ``lambda g . c'`` all over it.
 
-Floats find the forces, by Newton's method on D with its edges rounded (whose gradient is a force inside the limits,
-whatever the rounding); intervals bound what follows.  The twist itself is bounded by ``D(xi) <= D(0)``.
+Floats find the forces, with the minimizer (:mod:`nonsmooth.analysis.minimizers.sum_of_supports`), or under rule ``box``
+by Newton's method on D with its edges rounded (whose gradient is a force inside the limits, whatever the rounding);
+intervals bound what follows.  The twist itself is bounded by ``D(xi) <= D(0)``.
 """
 
 from __future__ import annotations
@@ -22,16 +23,17 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from functools import cached_property
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from flint import arb, ctx
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.contact_rule import friction_sets
+from nonsmooth.analysis.minimizers.sum_of_supports import by_smoothing
 from nonsmooth.proofs.boxes.intervals import Intervals
 from nonsmooth.proofs.boxes.load_box import load_box
-from nonsmooth.symbolic.friction_set import float_sets, joined
+from nonsmooth.symbolic.friction_set import Box, float_sets, joined
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import Scene
@@ -43,6 +45,7 @@ PRECISION = 128  # bits of the balls
 INSIDE = 1 - 2.0**-40  # of its limit: the largest friction force that is proposed
 ROUNDINGS = tuple(2.0**-k for k in range(3, 25, 3))  # of the fastest surface: slips over which edges are rounded
 STEPS = 16  # of Newton's method for each of them
+PASSES = 30  # of multipliers, for pulls that smoothing does not finish: most of them are beyond all friction
 SETTLED = 2.0**-46  # of all friction: a gradient that counts as zero
 NEARLY = 2.0**-20  # the same for all roundings but the last
 LONGEST = 4.0  # step, in speeds of the fastest surface
@@ -54,6 +57,18 @@ def _enclosed(numbers: Sequence[Number]) -> Intervals:
     """Exact numbers; ones stay exact, by which whole ellipses are known."""
     about, ones = Intervals.about([number.ball() for number in numbers]), np.array([number == 1 for number in numbers])
     return Intervals(np.where(ones, 1.0, about.low), np.where(ones, 1.0, about.high))
+
+
+class Balanced(NamedTuple):
+    """About where ``D - G . xi`` is least.
+
+    Attributes:
+        twists: ``(v, length omega)``, shape (m, 3).
+        forces: per unit of load, inside the friction sets, along and across, (m, wheels) each.
+    """
+
+    twists: Floats
+    forces: tuple[Floats, Floats]
 
 
 class BalancedForces:
@@ -127,25 +142,32 @@ class BalancedForces:
         along, across = self._float_rows
         return twists @ along.T - self.speeds[0].middle, twists @ across.T - self.speeds[1].middle
 
-    def minimizers(self, places: Floats, pulls: Floats, start: Floats | None = None) -> Floats:
-        """About the twists ``(v, length omega)`` at which ``D - G . xi`` is least, (m, 3).
+    def minimizers(self, places: Floats) -> Floats:
+        """About the twists ``(v, length omega)`` at which D is least, (m, 3)."""
+        return self.against(places, np.zeros((len(places), 3))).twists
+
+    def against(self, places: Floats, pulls: Floats, start: Floats | None = None) -> Balanced:
+        """About where ``D - G . xi`` is least.
 
         Args:
             places: of the body (m, 2).
             pulls: G (m, 3).
-            start: where the search begins (m, 3).
+            start: where the search under rule ``box`` begins (m, 3).
         """
-        twists = np.zeros((len(places), 3)) if start is None else start.copy()
         loads = self.float_loads(places)
-        for rounding in ROUNDINGS:
-            settled = SETTLED if rounding == ROUNDINGS[-1] else NEARLY
-            twists = self._newton(twists, loads, pulls, rounding * self.fastest, settled)
-        return twists
-
-    def corrected(self, places: Floats, twists: Floats) -> Floats:
-        """About the minimizers of D, (m, 3), from twists close to them, where D has no edge."""
-        nothing = np.zeros_like(twists)
-        return self._newton(twists, self.float_loads(places), nothing, ROUNDINGS[-1] * self.fastest, SETTLED)
+        if isinstance(self.sets, Box):
+            twists = np.zeros((len(places), 3)) if start is None else start
+            for rounding in ROUNDINGS:
+                settled = SETTLED if rounding == ROUNDINGS[-1] else NEARLY
+                twists = self._newton(twists, loads, pulls, rounding * self.fastest, settled)
+            return Balanced(twists, self.forces(twists))
+        halves = np.stack([self.sets.along, self.sets.across], axis=1)
+        maps = halves[:, :, None] * np.stack(self._float_rows, axis=1)
+        targets = halves * np.stack([speed.middle for speed in self.speeds], axis=1) / self.fastest
+        sets = self.sets.searched(self.sets.cut)
+        y, shares = by_smoothing(np.maximum(loads, 0.0), maps, targets, sets, PASSES, pulls)
+        along, across = np.moveaxis(INSIDE * halves * shares, -1, 0)
+        return Balanced(self.fastest * y, (along, across))
 
     def _newton(self, twists: Floats, loads: Floats, pulls: Floats, width: float, settled: float) -> Floats:
         """Newton's method on the rounded D; a step is halved while the gradient along it does not point back."""
@@ -178,7 +200,7 @@ class BalancedForces:
     def _gradient(
         self, twists: Floats, loads: Floats, pulls: Floats, width: float, *, hessian: bool
     ) -> tuple[Floats, Floats]:
-        """Of ``D - G . xi``, (m, 3), and its derivative (m, 3, 3)."""
+        """Of the rounded ``D - G . xi``, (m, 3), and its derivative (m, 3, 3)."""
         along, across = self._float_rows
         r, s = self.slips(twists)
         f, g = self.sets.rounded_gradient(r, s, self.sets.along * width)
@@ -198,7 +220,7 @@ class BalancedForces:
             slopes: the covectors (m, 2).
         """
         zero = np.zeros((1, 2))
-        still = self.minimizers(zero, np.zeros((1, 3)))
+        still = self.minimizers(zero)
         still[:, :2] = 0.0
         gradient, _ = self._gradient(
             np.repeat(still, len(places), axis=0),
@@ -240,19 +262,19 @@ class BalancedForces:
 
     # ---- intervals: what follows ------------------------------------------------------------------
 
-    def powers(self, corners: Floats, pulls: Triple, pushed: Floats, free: Floats) -> Floats:
+    def powers(self, corners: Floats, pulls: Triple, forces: tuple[Floats, Floats], free: Floats) -> Floats:
         """Upper bounds of ``G . xi`` at the corners of quadrangles, (pieces, 4), for all minimizers xi of D.
 
         Args:
             corners: (pieces, 4, 2).
             pulls: G by ``(v, length omega)``, affine in the place on each quadrangle; (pieces, 4) each.
-            pushed: twists about where ``D - G . xi`` is least, (pieces, 4, 3).
+            forces: per unit of load that about balance G, (4 pieces, wheels) each.
             free: ``xi^`` (pieces, 3).
         """
         x, y = (Intervals.of(corners[:, :, k])[..., None] for k in range(2))
         one, by_x, by_y = self.forms
         loads = one + by_x * x + by_y * y
-        f, g = (each.reshape(len(corners), 4, -1) for each in self.forces(pushed.reshape(-1, 3)))
+        f, g = (each.reshape(len(corners), 4, -1) for each in forces)
         along, across = (loads * force for force in self._inside(f, g))
         rest = [(along * self.rows[0][k] + across * self.rows[1][k]).sum(axis=-1) - pulls[k] for k in range(3)]
         missing = (rest[0].square + rest[1].square + rest[2].square).sqrt()

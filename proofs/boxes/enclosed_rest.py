@@ -234,10 +234,10 @@ def _guess(scene: Scene) -> tuple[Balance, arb_mat] | None:
         forces = BalancedForces(scene)
     except ArithmeticError:
         return None
-    twist = forces.minimizers(np.zeros((1, 2)), np.zeros((1, 3)))
+    twist, (along_rims, across_rims) = forces.against(np.zeros((1, 2)), np.zeros((1, 3)))
     along, across = (np.abs(slip[0]) < HELD * forces.fastest for slip in forces.slips(twist))
     held = {k: 2 if across[k] else 1 for k in range(len(along)) if along[k] and (across[k] or forces.sets.cut[k] < 1)}
-    pulls = [pull[0] for pull in forces.forces(twist)]
+    pulls = along_rims[0], across_rims[0]
     start = [0.0, 0.0, float(twist[0, 2]) / forces.length]
     start += [float(pulls[kind][k]) for k, count in held.items() for kind in range(count)]
     return Balance(scene, loads, held), arb_mat([[arb(entry)] for entry in start])

@@ -39,7 +39,7 @@ AT_ONCE = 2**20  # numbers of one array, about
 def refined_rates(forces: BalancedForces, pieces: RingPieces) -> list[float]:
     """For each ring a kappa with ``V' <= -kappa`` on it, by quadrangles halved until twists are enclosed; else zero."""
     rates, owners = np.full(len(pieces.corners), np.inf), np.arange(len(pieces.corners))
-    left, free = pieces, forces.minimizers(pieces.middles, np.zeros((len(pieces.corners), 3)))
+    left, free = pieces, forces.minimizers(pieces.middles)
     for _ in range(MOST_HALVINGS + 1):
         shown = affine_rates(forces, left, free)
         hopeless = ~(_seen(forces, left, free) > 0) | _sticks(forces, free)
@@ -53,7 +53,7 @@ def refined_rates(forces: BalancedForces, pieces: RingPieces) -> list[float]:
         if not len(again):
             break
         left, is_exact = left.at(again).halves
-        free = forces.corrected(left.middles, np.tile(free[again], (2, 1)))
+        free = forces.minimizers(left.middles)
         owners = np.tile(owners[again], 2)
         if not is_exact.all() or len(owners) > MOST_PIECES:
             rates[owners] = 0.0

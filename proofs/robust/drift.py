@@ -11,6 +11,7 @@ Bounds are those of cells with one motion each where the rule has cells, else of
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from fractions import Fraction
 from typing import TypeAlias
 
@@ -59,7 +60,7 @@ def largest_spin(scene: Scene, radius: Fraction) -> Fraction | None:
         return None
     corners = _squares(float(radius))
     zero, one = (Intervals.of(np.full(corners.shape[:2], entry)) for entry in (0.0, 1.0))
-    most = max(_largest(forces, corners, (zero, zero, turn)) for turn in (one, -one))
+    most = _largest(forces, corners, [(zero, zero, turn) for turn in (one, -one)])
     return Fraction(most) / Fraction(forces.length) if math.isfinite(most) else None
 
 
@@ -135,7 +136,7 @@ def _slowest(scene: Scene, accuracy: Fraction) -> Fraction | None:
         return None
     corners = _squares(float(accuracy))
     places = corners.reshape(-1, 2)
-    twists = forces.minimizers(places, np.zeros((len(places), 3)))
+    twists = forces.minimizers(places)
     omega = twists[:, 2:] / forces.length
     turned = np.stack([-places[:, 1], places[:, 0]], axis=1)
     direction = _direction(twists[:, :2] + omega * turned)
@@ -144,24 +145,30 @@ def _slowest(scene: Scene, accuracy: Fraction) -> Fraction | None:
     a, b = (Intervals.of(np.full(corners.shape[:2], -entry)) for entry in direction)
     x, y = (Intervals.of(corners[:, :, k]) for k in range(2))
     back = a, b, (b * x - a * y) * Intervals.of(np.array(1 / forces.length)).widened
-    most = _largest(forces, corners, back)
+    most = _largest(forces, corners, [back])
     return Fraction(-most) if math.isfinite(most) else None
 
 
-def _largest(forces: BalancedForces, corners: Floats, covector: Triple) -> float:
-    """An upper bound of ``g . xi`` for every motion over squares; g is affine on each, and about as long as one."""
-    free = forces.minimizers(corners.mean(axis=1), np.zeros((len(corners), 3)))
-    best = np.full(len(corners), np.inf)
+def _largest(forces: BalancedForces, corners: Floats, covectors: Sequence[Triple]) -> float:
+    """An upper bound of ``g . xi`` for all motions over squares and all covectors g, affine in the place, about one."""
+    free = forces.minimizers(corners.mean(axis=1))
     total = float(forces.float_loads(np.zeros((1, 2))).sum() * forces.largest_friction.max())
-    for share in SHARES:
-        strength = Intervals.of(np.array(share * total))
-        pulls = strength * covector[0], strength * covector[1], strength * covector[2]
-        middle = np.stack([pull.middle for pull in pulls], axis=-1).reshape(-1, 3)
-        pushed = forces.minimizers(corners.reshape(-1, 2), middle, np.repeat(free, 4, axis=0)).reshape(-1, 4, 3)
-        shown = forces.powers(corners, pulls, pushed, free) / (share * total)
-        shown = shown + 2.0**-40 * np.abs(shown)
-        best = np.fmin(best, np.where(np.isfinite(shown).all(axis=1), shown.max(axis=1), np.inf))
-    return float(best.max())
+    # neighbours share their corners, and forces there
+    places, first, number = np.unique(corners.reshape(-1, 2), axis=0, return_index=True, return_inverse=True)
+    beside, number = np.repeat(free, 4, axis=0)[first], number.reshape(-1)
+    most = []
+    for covector in covectors:
+        best = np.full(len(corners), np.inf)
+        for share in SHARES:
+            strength = Intervals.of(np.array(share * total))
+            pulls = strength * covector[0], strength * covector[1], strength * covector[2]
+            middle = np.stack([pull.middle for pull in pulls], axis=-1).reshape(-1, 3)
+            along, across = forces.against(places, middle[first], beside).forces
+            shown = forces.powers(corners, pulls, (along[number], across[number]), free) / (share * total)
+            shown = shown + 2.0**-40 * np.abs(shown)
+            best = np.fmin(best, np.where(np.isfinite(shown).all(axis=1), shown.max(axis=1), np.inf))
+        most.append(float(best.max()))
+    return max(most)
 
 
 def _squares(half: float) -> Floats:

@@ -286,7 +286,7 @@ def _velocity(scene: Scene) -> Velocity | None:
 
     def velocity(places: Floats) -> Floats:
         several = np.atleast_2d(places)
-        x, y, spin = forces.minimizers(several, np.zeros((len(several), 3))).T
+        x, y, spin = forces.minimizers(several).T
         omega = spin / forces.length
         found = np.stack([x - omega * several[:, 1], y + omega * several[:, 0]], axis=1)
         return found if places.ndim > 1 else found[0]

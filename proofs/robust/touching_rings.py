@@ -230,7 +230,7 @@ def ring_rates(forces: BalancedForces, pieces: RingPieces, *, more: bool = False
         pieces: of the rings.
         more: whether pulls of more strengths are tried.
     """
-    free = forces.minimizers(pieces.middles, np.zeros((len(pieces.corners), 3)))
+    free = forces.minimizers(pieces.middles)
     slopes, places = pieces.middle_slopes, pieces.middles
     moments = slopes[:, 1] * places[:, 0] - slopes[:, 0] * places[:, 1]
     falls = -(slopes * free[:, :2]).sum(axis=1) - moments * free[:, 2] / forces.length
@@ -271,8 +271,8 @@ def piece_rates(
         strength = Intervals.of(chosen[:, None])
         pulls = strength * some.slopes[0], strength * some.slopes[1], strength * some.moments * inverse
         middle = np.stack([pull.middle for pull in pulls], axis=-1).reshape(-1, 3)
-        pushed = forces.minimizers(some.corners.reshape(-1, 2), middle, np.repeat(free[left], 4, axis=0))
-        shown = forces.powers(some.corners, pulls, pushed.reshape(-1, 4, 3), free[left])
+        against = forces.against(some.corners.reshape(-1, 2), middle, np.repeat(free[left], 4, axis=0))
+        shown = forces.powers(some.corners, pulls, against.forces, free[left])
         with np.errstate(invalid="ignore"):
             rates = -shown / (chosen[:, None] * some.sizes) * (1 - 2.0**-40)
         rates = np.where(np.isfinite(rates).all(axis=1), rates.min(axis=1), -np.inf)

@@ -90,7 +90,7 @@ class Motion(NamedTuple):
         if carrying not in self.minimizers:
             contacts = (self.positions[wheels], self.rims[wheels], self.speeds[wheels], self.friction[wheels])
             self.minimizers[carrying] = WarmMinimizer(ContactModel.build(*contacts))
-        twist = self.minimizers[carrying].minimize(self.loads(wheels, pose[:2])).twists[0]
+        twist = self.minimizers[carrying].minimize(self.loads(wheels, pose[:2]))
         v, omega = twist[:2], twist[2]
         return np.array([v[0] - omega * pose[1], v[1] + omega * pose[0], omega])
 

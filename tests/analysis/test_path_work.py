@@ -10,7 +10,6 @@ from nonsmooth.analysis.contact_rule import SmoothRule, contact_rule
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.minimizers import ellipse_minimizer
 from nonsmooth.analysis.minimizers.ellipse_minimizer import WarmMinimizer
-from nonsmooth.analysis.minimizers.minimum import Minima
 from nonsmooth.analysis.minimizers.sum_of_supports import by_smoothing
 from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.proofs.answers.failures import without
@@ -33,7 +32,7 @@ def test_a_body_that_all_wheels_carry_along_hardly_begins_anew(monkeypatch: pyte
     begun: list[bool] = []
     warm, cold = WarmMinimizer.minimize, by_smoothing
 
-    def counted_warm(self: WarmMinimizer, loads: Floats) -> Minima:
+    def counted_warm(self: WarmMinimizer, loads: Floats) -> Floats | None:
         asked.append(True)
         return warm(self, loads)
 

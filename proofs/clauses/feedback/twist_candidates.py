@@ -195,7 +195,9 @@ def _least_grip(along: Floats, across: Floats) -> Floats:
     m = normals[lengths > lengths.max() * SAME] / lengths[lengths > lengths.max() * SAME, None]
     pushed = np.abs(m @ across.T).sum(axis=1)
     grip = np.divide(np.abs(m @ along.T).sum(axis=1), pushed, out=np.full(len(m), np.inf), where=pushed > 0)
-    return np.asarray(m[np.argsort(grip, kind="stable")[:DIRECTIONS]])
+    few = min(DIRECTIONS, len(grip))
+    least = np.flatnonzero(grip <= np.partition(grip, few - 1)[few - 1])
+    return np.asarray(m[least[np.argsort(grip[least], kind="stable")[:few]]])
 
 
 def _some_pairs(count: int) -> NDArray[np.int_]:

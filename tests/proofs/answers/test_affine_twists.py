@@ -40,7 +40,7 @@ def test_twists_are_those_of_an_independent_minimizer(seed: int, rule: str, tmp_
     table = MeasuredTable.random(seed, rule, off=9.0)
     forces, body, rng = BalancedForces(measured(tmp_path, table)), SmallSteps(table), np.random.default_rng(seed)
     pieces = SHAPES[1].pieces(LEVELS[1:], LEVELS[:1])
-    free = forces.minimizers(pieces.middles, np.zeros((len(pieces.corners), 3)))
+    free = forces.minimizers(pieces.middles)
     found = _affine_twists(forces, pieces, free)
     assert found is not None
     middle, by_place, rest, is_enclosed = found
@@ -65,7 +65,7 @@ def test_rates_bound_how_fast_small_steps_fall(shape: LevelFunction, tmp_path: P
         pieces = shape.pieces(LEVELS[1:], LEVELS[:1])
         pieces = pieces.turned if turned else pieces
         pieces = pieces.halves[0]
-        free = forces.minimizers(pieces.middles, np.zeros((len(pieces.corners), 3)))
+        free = forces.minimizers(pieces.middles)
         rates = affine_rates(forces, pieces, free)
         shares = rng.dirichlet(np.ones(4), len(rates))
         places = (shares[:, :, None] * pieces.corners).sum(axis=1)

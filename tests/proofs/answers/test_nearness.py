@@ -305,7 +305,7 @@ def test_proposed_motions_are_those_of_least_dissipation(name: str, rule: str) -
     forces = BalancedForces(scene)
     places = np.random.default_rng(0).uniform(-0.3, 0.3, (60, 2)) * float(scene.check.radius)
     (along, across), loads = forces._float_rows, forces.float_loads(places)
-    found = forces.minimizers(places, np.zeros((60, 3)))
+    found = forces.minimizers(places)
     beside = found[:, None] + np.random.default_rng(1).normal(0, 1e-3, (60, 200, 3))
 
     def dissipation(twists: np.ndarray) -> np.ndarray:
