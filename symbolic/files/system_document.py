@@ -93,9 +93,9 @@ class SystemDocument(TomlTable):
 # ---- regions -------------------------------------------------------------------------------------
 #
 # The first table whose guards hold counts; the last one has no guards and holds everywhere else, so the fields cover
-# all states and nothing is ambiguous.  A guard ``g > 0`` is ``relu(sgn(g))``, 1 where it holds and 0 where it does not, and
-# ``g >= 0`` is ``1 - relu(sgn(-g))``, so the tables become one formula for each state.  On borders values are ignored as
-# everywhere (Filippov 1988, sec. 4); but a guard with absolute values may be zero on a whole cell, where it counts.
+# all states and nothing is ambiguous.  A guard ``g > 0`` is ``relu(sgn(g))``, 1 where it holds and 0 elsewhere, and
+# ``g >= 0`` is ``1 - relu(sgn(-g))``, so the tables become one formula for each state.  On borders values are ignored
+# as everywhere (Filippov 1988, sec. 4); but a guard with absolute values may be zero on a whole cell, where it counts.
 
 
 MAX_REGIONS = 12
