@@ -441,7 +441,7 @@ class UnitDiscs(CutEllipse[Any]):
         return np.asarray(np.sign(s) * np.maximum(np.abs(s) - self.cut * np.abs(r) / _divisor(self.corner), 0.0))
 
     def approach(
-        self, slip: tuple[Floats, Floats], force: tuple[Floats, Floats], turning: Floats, third: Floats | float
+        self, slip: Sequence[Floats] | Floats, force: Floats, turning: Floats, third: Floats | float
     ) -> Approach:
         """A step of Newton's method towards the rounded force of a slip, with the force as an unknown of its own.
 

@@ -49,8 +49,8 @@ class Contacts(NamedTuple):
     @classmethod
     def of(cls, rows: Floats, targets: Floats, loads: Floats, cuts: Floats) -> Contacts:
         """For rows of shape (m, k, 2, 3) and targets of shape (m, k, 2)."""
-        apart = (np.concatenate([array[:, :, 0], array[:, :, 1]], axis=1) for array in (rows, targets))
-        return cls(*apart, loads, cuts)
+        along_first, goals = (np.concatenate([array[:, :, 0], array[:, :, 1]], axis=1) for array in (rows, targets))
+        return cls(along_first, goals, loads, cuts)
 
     def take(self, chosen: NDArray[np.bool_] | NDArray[np.int_]) -> Contacts:
         """Of some bodies."""
@@ -153,12 +153,12 @@ def _newton_step(
     contacts: Contacts, sets: UnitDiscs, x: Floats, forces: Floats, turning: Floats, g: float
 ) -> tuple[Floats, Floats, Floats]:
     """Of x (m, 3), of the forces (2, m, k), which are unknowns of their own, and of the speeds of rollers (m, k)."""
-    near = sets.approach(contacts.slips(x), (forces[0], forces[1]), turning, g)
+    near = sets.approach(contacts.slips(x), forces, turning, g)
     gradient = contacts.total(contacts.loads * (forces + near.move))
     hessian = contacts.hessian(contacts.loads * near.rates)
     trace = np.trace(hessian, axis1=1, axis2=2)
     hessian += (REGULAR * np.abs(trace) + 1e-300)[:, None, None] * np.eye(x.shape[1])
-    step = -np.linalg.solve(hessian, gradient[..., None])[..., 0]
+    step: Floats = -np.linalg.solve(hessian, gradient[..., None])[..., 0].astype(np.float64, copy=False)
     change = near.change(*contacts.moved(step))
     return step, change, np.broadcast_to(near.turned(change), turning.shape)
 

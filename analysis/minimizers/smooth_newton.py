@@ -164,12 +164,12 @@ class SmoothNewton:
         if known:
             others = loads.copy()
             others[regime.contacts] = 0.0
-        unused = np.where(others == 0, self._speed, 0.0)  # nothing is divided by a slip that does not count
-        sizes, *both = DISC.rounded_arc(*slips.T, unused)
+        sizes = DISC.support(*slips.T)
+        sizes[others == 0] = self._speed  # nothing is divided by a slip that does not count
         listed = sizes.tolist()
         if not STUCK * self._speed <= min(listed) <= max(listed) < LOST * self._speed or listed[0] != listed[0]:
             return None
-        units = np.stack(both, axis=1)
+        units = slips / sizes[:, None]
         turned = units[:, :1] * self._second - units[:, 1:] * self._first
         hessian = (turned.T * (others / sizes)) @ turned
         if known:

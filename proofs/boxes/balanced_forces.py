@@ -156,7 +156,7 @@ class BalancedForces:
         """
         loads = self.float_loads(places)
         if isinstance(self.sets, Box):
-            twists = np.zeros((len(places), 3)) if start is None else start
+            twists = np.zeros((len(places), 3)) if start is None else start.copy()
             for rounding in ROUNDINGS:
                 settled = SETTLED if rounding == ROUNDINGS[-1] else NEARLY
                 twists = self._newton(twists, loads, pulls, rounding * self.fastest, settled)

@@ -9,6 +9,11 @@ from typing import TYPE_CHECKING
 import pytest
 
 import nonsmooth as ns
+from nonsmooth.analysis.bodies.mass_study import rule_path
+from nonsmooth.proofs.answers.failures import stopped, without
+from nonsmooth.reports.failed_paths import follow_failures
+from nonsmooth.reports.simulate_options import SimulateOptions
+from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.thorough import keep
 
 if TYPE_CHECKING:
@@ -59,6 +64,18 @@ def test_every_path_is_that_of_the_table_without_the_wheel(invoke: Invoke, tmp_p
         assert row["turned"] == pytest.approx(end[2] - whole["end"][2], abs=1e-9)
         compared += 1
     assert compared >= 8
+
+
+def test_wheels_that_never_carry_change_no_path() -> None:
+    """The path of the table is taken for theirs; that of a wheel under the body is not."""
+    scene = load_scene("carton-on-6x6", rule="ellipse")
+    start, until = (0.15, 0.1, 0.08), 0.02
+    far = follow_failures(scene, SimulateOptions(start="0.15,0.1,0.08", until=until, fail="1"))
+    assert [one.path for one in far.paths] == [far.whole[0].path] * 2
+    for array in (stopped(scene, (1,)), without(scene, (1,))):
+        assert rule_path(array, "ellipse", start, until).end.state == far.whole[0].path.end.state
+    near = follow_failures(scene, SimulateOptions(start="0.15,0.1,0.08", until=until, fail="22"))
+    assert near.paths[0].path.end.state != far.whole[0].path.end.state
 
 
 def test_what_no_longer_comes_home_is_counted(invoke: Invoke, tmp_path: Path) -> None:

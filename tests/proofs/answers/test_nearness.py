@@ -320,6 +320,26 @@ def test_proposed_motions_are_those_of_least_dissipation(name: str, rule: str) -
     assert (dissipation(found[:, None]) <= dissipation(beside) + 1e-7).all()
 
 
+@pytest.mark.parametrize("rule", ["ellipse", "roller"])
+def test_forces_against_a_pull_balance_it_and_take_all_its_power(rule: str) -> None:
+    """Weak duality, by the definition alone: ``D(xi) - G . xi >= -sum_i N_i f_i . u_i``, an equality at the minimum."""
+    scene = load_scene("off-center", rule=rule).recentred()
+    forces, rng = BalancedForces(scene), np.random.default_rng(5)
+    places = rng.uniform(-0.3, 0.3, (40, 2)) * float(scene.check.radius)
+    pulls = rng.normal(0, 0.1, (40, 3))
+    twists, (along, across) = forces.against(places, pulls)
+    loads, (first, second) = forces.float_loads(places), forces._float_rows
+    balance = (loads * along) @ first + (loads * across) @ second
+    assert np.abs(balance - pulls).max() <= 1e-11
+    a, b = float(scene.wheels[0].friction.roll), float(scene.wheels[0].friction.side)
+    limits = (a, b) if rule == "ellipse" else (a, a)
+    assert (np.hypot(along / limits[0], across / limits[1]) <= 1).all()
+    assert rule == "ellipse" or (np.abs(across) <= b).all()
+    r, s = (twists @ rows.T - speed.middle for rows, speed in zip((first, second), forces.speeds, strict=True))
+    power = along * r + across * s  # of admissible forces: at most the friction loss of each wheel
+    assert (power >= (1 - 1e-10) * forces.sets.support(r, s) - 1e-12).all()
+
+
 @pytest.mark.parametrize("rule", ["nearest", "box", "ellipse", "roller"])
 def test_nothing_comes_near_where_every_rim_points_outward(rule: str) -> None:
     scene = load_scene("outward", rule=rule).recentred()
