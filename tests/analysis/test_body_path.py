@@ -91,6 +91,7 @@ class Motion(NamedTuple):
             contacts = (self.positions[wheels], self.rims[wheels], self.speeds[wheels], self.friction[wheels])
             self.minimizers[carrying] = WarmMinimizer(ContactModel.build(*contacts))
         twist = self.minimizers[carrying].minimize(self.loads(wheels, pose[:2]))
+        assert twist is not None
         v, omega = twist[:2], twist[2]
         return np.array([v[0] - omega * pose[1], v[1] + omega * pose[0], omega])
 

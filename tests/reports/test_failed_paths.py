@@ -71,11 +71,15 @@ def test_wheels_that_never_carry_change_no_path() -> None:
     scene = load_scene("carton-on-6x6", rule="ellipse")
     start, until = (0.15, 0.1, 0.08), 0.02
     far = follow_failures(scene, SimulateOptions(start="0.15,0.1,0.08", until=until, fail="1"))
-    assert [one.path for one in far.paths] == [far.whole[0].path] * 2
+    whole = far.whole[0].path
+    assert whole is not None
+    assert [one.path for one in far.paths] == [whole] * 2
     for array in (stopped(scene, (1,)), without(scene, (1,))):
-        assert rule_path(array, "ellipse", start, until).end.state == far.whole[0].path.end.state
+        assert rule_path(array, "ellipse", start, until).end.state == whole.end.state
     near = follow_failures(scene, SimulateOptions(start="0.15,0.1,0.08", until=until, fail="22"))
-    assert near.paths[0].path.end.state != far.whole[0].path.end.state
+    other = near.paths[0].path
+    assert other is not None
+    assert other.end.state != whole.end.state
 
 
 def test_what_no_longer_comes_home_is_counted(invoke: Invoke, tmp_path: Path) -> None:
