@@ -429,6 +429,11 @@ class UnitDiscs(CutEllipse[Any]):
         normal[0], normal[1] = np.where(bound, 0.0, normal[0]), np.where(bound, side, normal[1])
         return NearestForce(force, np.where(bound, side, rate), normal)
 
+    def rounded_arc(self, r: Floats, s: Floats, third: Floats | float) -> tuple[Floats, Floats, Floats]:
+        """In one root."""
+        size = np.sqrt(r * r + s * s + third * third)
+        return size, r / size, s / size
+
     def rounded_support(self, r: Floats, s: Floats, turning: Floats, third: Floats | float) -> Floats:
         """``sqrt(r^2 + (s - t)^2 + Z^2) + kappa sqrt(t^2 + Z^2)``: least by the speed t of its rollers, the support."""
         size = self._length(self._length(r, s - turning), third)
