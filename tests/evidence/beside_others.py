@@ -12,6 +12,7 @@ import math
 import re
 import time
 from collections.abc import Callable
+from importlib import import_module
 from importlib.util import find_spec
 from typing import Any
 
@@ -26,9 +27,7 @@ START, LAST, STAGES = (1.0, 0.3), 2.0, 25
 
 def by_nosnoc() -> tuple[np.ndarray, float]:
     """Where the relay is after two seconds, and the seconds that it took."""
-    import casadi
-    import nosnoc
-
+    casadi, nosnoc = map(import_module, ("casadi", "nosnoc"))
     x = casadi.SX.sym("x", 2)
     fields = [casadi.vertcat(x[1], -x[0] - x[1] - sign) for sign in (1, -1)]
     sides = [np.array([[1], [-1]])]
@@ -79,14 +78,13 @@ def by_formula() -> np.ndarray:
 
 def drake_and_check() -> None:
     """A region of van der Pol's equation in reversed time."""
-    from pydrake.symbolic import Variable
-    from pydrake.systems.analysis import RegionOfAttraction
-    from pydrake.systems.primitives import SymbolicVectorSystem
-
-    x, y = Variable("x"), Variable("y")
-    system = SymbolicVectorSystem(state=np.array([x, y]), dynamics=[-y, x + (x**2 - 1) * y])
+    symbolic, analysis, primitives = (
+        import_module(f"pydrake.{name}") for name in ("symbolic", "systems.analysis", "systems.primitives")
+    )
+    x, y = symbolic.Variable("x"), symbolic.Variable("y")
+    system = primitives.SymbolicVectorSystem(state=np.array([x, y]), dynamics=[-y, x + (x**2 - 1) * y])
     begin = time.process_time()
-    function = RegionOfAttraction(system, system.CreateDefaultContext())
+    function = analysis.RegionOfAttraction(system, system.CreateDefaultContext())
     seconds = time.process_time() - begin
     text = str(function.Expand()).replace("x(0)", "x").replace("x(1)", "y")  # states, as Drake writes them
     text = re.sub(r"pow\((\w), 2\)", r"\1**2", text)
