@@ -252,7 +252,9 @@ class Draft:
             self.evidence.append(entry)
             self.statements += [{"attracts": "everywhere"}]
 
-    def add_entry(self, system: System, theorem: str, hypotheses: Record, known: Mapping[str, Any] = {}) -> None:
+    def add_entry(
+        self, system: System, theorem: str, hypotheses: Record, known: Mapping[str, Any] | None = None
+    ) -> None:
         """One more theorem, with the evidence that is known of its claims.
 
         Raises:

@@ -18,7 +18,7 @@ import numpy as np
 
 from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
-from nonsmooth.analysis.minimizers.float_loads import affine_loads, loads_at
+from nonsmooth.analysis.minimizers.float_loads import affine_loads, hull_sides, loads_at
 
 LIFTED = 1e-12  # share of the weight: a load above minus this one is not yet negative
 
@@ -76,9 +76,7 @@ class MovingLoads:
         """Affine forms (k, 3) of (1, c), all of them >= 0 where loads exist."""
         if self.model.load_table is not None:
             return self.model.load_table[self.model.load_table.any(axis=1)]
-        from scipy.spatial import ConvexHull
-
-        return -np.asarray(ConvexHull(self.model.positions).equations[:, [2, 0, 1]])
+        return -hull_sides(self.model.positions)[:, [2, 0, 1]]
 
 
 def _least(forms: Floats, centres: Floats) -> Floats:

@@ -204,8 +204,7 @@ class NewtonEuler:
         matrix, (pressed, shift) = np.zeros((6, 6)), self.pressed(state)
         matrix[:3, 3:] = np.eye(3)
         matrix[3:, :2], matrix[3:, 3:] = self._friction.slopes(state[:2], state[3:], *self.loads.at(pressed))
-        matrix[3:] = np.linalg.solve(shift, matrix[3:]) if self._body.centre_height else matrix[3:]
-        matrix[3:] /= self._body.masses[:, None]
+        matrix[3:] = np.linalg.solve(shift, matrix[3:]) / self._body.masses[:, None]
         return matrix
 
     def pressed(self, state: Floats) -> tuple[Floats, Floats]:

@@ -147,17 +147,21 @@ def _affine(points: Floats) -> Floats:
 
 def _outside(corners: Floats, points: Floats) -> NDArray[np.bool_]:
     """Whether points (m, 2) lie outside the convex hull of the corners (n, 2)."""
-    sides = _hull_sides(np.ascontiguousarray(corners).tobytes())
+    sides = hull_sides(corners)
     return np.asarray((points @ sides[:, :2].T + sides[:, 2] > ON_HULL).any(axis=1))
 
 
-@lru_cache(maxsize=HULLS)
-def _hull_sides(corners: bytes) -> Floats:
-    """Rows ``(n_x, n_y, offset)`` with ``n . p + offset <= 0`` in the hull of corners (n, 2) of doubles.
+def hull_sides(corners: Floats) -> Floats:
+    """Rows ``(n_x, n_y, offset)`` with ``n . p + offset <= 0`` in the hull of corners (n, 2), not all on a line.
 
-    A path asks for the loads of one array at thousands of places.  The hull is Andrew's monotone chain: SciPy's
-    would take a third of a whole check to import.
+    The hull is Andrew's monotone chain: SciPy's would take a third of a whole check to import.
     """
+    return _hull_sides(np.ascontiguousarray(corners).tobytes())
+
+
+@lru_cache(maxsize=HULLS)  # a path asks for the loads of one array at thousands of places
+def _hull_sides(corners: bytes) -> Floats:
+    """The same, of doubles."""
     places = sorted({(x, y) for x, y in np.frombuffer(corners).reshape(-1, 2).tolist()})
     chain = [*_half_hull(places), *_half_hull(places[::-1])]
     starts, ends = np.array(chain), np.array([*chain[1:], chain[0]])

@@ -63,8 +63,8 @@ class Contacts(NamedTuple):
 
     def slips(self, x: Floats) -> tuple[Floats, Floats]:
         """``W x - t``."""
-        slips, k = (self.rows @ x[..., None])[..., 0] - self.targets, self.loads.shape[1]
-        return slips[:, :k], slips[:, k:]
+        (along, across), k = self.moved(x), self.loads.shape[1]
+        return along - self.targets[:, :k], across - self.targets[:, k:]
 
     def total(self, pairs: Floats) -> Floats:
         """``W^T`` of pairs (2, m, k): shape (m, 3)."""

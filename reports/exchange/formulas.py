@@ -14,16 +14,9 @@ from fractions import Fraction
 from functools import reduce
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from nonsmooth.reports.exchange.formula_text import (
-    Reading,
-    difference_text,
-    first_that_holds,
-    in_parentheses,
-    indicator,
-    product_text,
-)
-from nonsmooth.reports.exchange.from_casadi import library
+from nonsmooth.reports.exchange.reading import Reading
 from nonsmooth.symbolic.expression import decimal_value, parse_tree
+from nonsmooth.symbolic.formula_text import difference_text, first_that_holds, in_parentheses, indicator, product_text
 from nonsmooth.symbolic.piecewise import EXTREMES, MAX_TEXT, SIGNS
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact, one_line
 
@@ -170,7 +163,7 @@ class FieldFormulas:
         Raises:
             SceneError: without CasADi.
         """
-        casadi = library("casadi", Reading("casadi"))
+        casadi = Reading("casadi").library("casadi")
         functions = {"Abs": casadi.fabs, "Max": casadi.fmax, "Min": casadi.fmin, "sgn": casadi.sign}
         functions |= {name: getattr(casadi, name) for name in ("sqrt", "sin", "cos")}
         x = casadi.SX.sym("x", len(self.states))

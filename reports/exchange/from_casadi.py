@@ -8,19 +8,11 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Mapping, Sequence
-from importlib import import_module
 from typing import Any
 
-from nonsmooth.reports.exchange.formula_text import (
-    Reading,
-    complement,
-    difference_text,
-    disjunction,
-    indicator,
-    product_text,
-    sum_text,
-)
 from nonsmooth.reports.exchange.from_matrices import state_names
+from nonsmooth.reports.exchange.reading import Reading
+from nonsmooth.symbolic.formula_text import complement, difference_text, disjunction, indicator, product_text, sum_text
 
 # What an instruction writes, from the texts of its arguments.
 INSTRUCTIONS: dict[str, Callable[..., str]] = {
@@ -64,7 +56,7 @@ def formulas_of_casadi(
     Raises:
         SceneError: without CasADi, for further inputs without numbers, and for instructions that formulas have not.
     """
-    casadi = library("casadi", reading)
+    casadi = reading.library("casadi")
     if isinstance(function, casadi.Function):
         found = function
         names = state_names(found.numel_in(0) if found.n_in() else 0) if states is None else list(map(str, states))
@@ -73,18 +65,6 @@ def formulas_of_casadi(
         names = [name for symbol in symbols for name in _names(casadi, symbol, reading)]
         found = _of_expression(casadi, function, symbols, reading)
     return names, written(casadi, _of_vector(casadi, found, len(names), inputs, reading), names, reading)
-
-
-def library(name: str, reading: Reading) -> Any:
-    """A library that is not required.
-
-    Raises:
-        SceneError: where it is not installed.
-    """
-    try:
-        return import_module(name)
-    except ImportError:
-        raise reading.refused("", f"the package {name} (extra nonsmooth[{name}])", "a Python without it") from None
 
 
 def _names(casadi: Any, symbol: Any, reading: Reading) -> list[str]:

@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from nonsmooth.reports.exchange.formula_text import ZERO, Reading, difference_text, product_text, sum_text
-from nonsmooth.reports.exchange.from_casadi import library
 from nonsmooth.reports.exchange.from_matrices import Rows, matrix, state_names, times
+from nonsmooth.reports.exchange.reading import Reading
+from nonsmooth.symbolic.formula_text import ZERO, difference_text, product_text, sum_text
 
 PHI: dict[str, Callable[[str, str], str]] = {
     "saturation": "sat({0}, -{1}, {1})".format,
@@ -38,7 +38,7 @@ def formulas_of_control(
     Raises:
         SceneError: without python-control, for discrete time, feedthrough, and what is no such nonlinearity.
     """
-    control = library("control", reading)
+    control = reading.library("control")
     if not isinstance(plant, control.StateSpace):
         hint = "a StateSpace (control.ss makes one, in floats, of a transfer function)"
         raise reading.refused("plant", hint, type(plant).__name__)

@@ -5,13 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, TypeAlias
 
-from nonsmooth.reports.exchange.formula_text import (
-    Reading,
-    first_that_holds,
-    indicator,
-    product_text,
-    sum_text,
-)
+from nonsmooth.reports.exchange.reading import Reading
+from nonsmooth.symbolic.formula_text import first_that_holds, indicator, product_text, sum_text
 
 Rows: TypeAlias = list[list[str]]  # texts of numbers
 

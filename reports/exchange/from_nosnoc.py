@@ -10,16 +10,9 @@ from collections.abc import Sequence
 from itertools import product
 from typing import Any
 
-from nonsmooth.reports.exchange.formula_text import (
-    ONE,
-    Reading,
-    complement,
-    in_parentheses,
-    indicator,
-    product_text,
-    sum_text,
-)
+from nonsmooth.reports.exchange.reading import Reading
 from nonsmooth.symbolic.expression import ExpressionError
+from nonsmooth.symbolic.formula_text import ONE, complement, in_parentheses, indicator, product_text, sum_text
 from nonsmooth.symbolic.piecewise import parse_piecewise
 
 MAX_SURFACES = 12  # of one S, which has a row for each of at most 2^12 patterns of signs

@@ -6,20 +6,18 @@ everywhere (Filippov 1988, sec. 4).
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from nonsmooth.reports.exchange.formula_text import (
-    FUNCTIONS,
+from nonsmooth.reports.exchange.reading import Reading, fraction_text
+from nonsmooth.symbolic.formula_text import (
     ONE,
     ZERO,
-    Reading,
     complement,
     difference_text,
     disjunction,
     first_that_holds,
-    fraction_text,
     indicator,
     product_text,
     sum_text,
@@ -32,6 +30,15 @@ Names: TypeAlias = Mapping[Any, str]  # of symbols, and of functions of time suc
 
 DOUBLE_BITS = 53
 ALLOWED = "states, parameters, numbers, + - * /, powers, sqrt, sin, cos, Abs, sign, Max, Min, Heaviside and Piecewise"
+
+FUNCTIONS: dict[str, Callable[..., str]] = {
+    "sqrt": "sqrt({})".format,
+    "sin": "sin({})".format,
+    "cos": "cos({})".format,
+    "Abs": "Abs({})".format,
+    "sign": "sgn({})".format,
+    "Heaviside": "((1 + sgn({}))/2)".format,
+}  # of one argument, as formulas write them
 
 
 def formulas_of_sympy(states: Sequence[Any], rhs: Any, parameters: Sequence[Any], reading: Reading) -> SympyFormulas:

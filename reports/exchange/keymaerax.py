@@ -46,8 +46,6 @@ def kyx_term(term: Term) -> str:
             return f"{kyx_term(base)}^{exponent}"
         case ("not", inner):
             return f"!{kyx_term(inner)}"
-        case ("+" | "*" | "or" | "and", single):
-            return kyx_term(single)
         case (operator, *parts):
             return f"({_JOINTS[operator].join(map(kyx_term, parts))})"
     raise TypeError(f"required a term, received {term!r}")

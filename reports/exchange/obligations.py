@@ -116,11 +116,11 @@ def _with_weights(claim: Claim, name: str) -> Obligation:
     """The dual of a claim with functions mu, in weights that add up to 1."""
     weights = [f"w{i}" for i in range(len(claim.inequalities))]
     hypotheses: list[Term] = [(">=", weight, ZERO) for weight in weights]
-    hypotheses.append(("=", ("+", *weights), Fraction(1)))
+    hypotheses.append(("=", _joined("+", weights), Fraction(1)))
     for weight, own in zip(weights, claim.inequalities, strict=True):
         held = dict.fromkeys([*_guards(own, claim), *(("=", term(h), ZERO) for h in own.zeros.values())])
         if held:
-            hypotheses.append(("or", ("=", weight, ZERO), ("and", *held)))
+            hypotheses.append(("or", ("=", weight, ZERO), _joined("and", held)))
     first = claim.inequalities[0]
     for j in range(len(first.pushes)):
         hypotheses.append(("=", _mixed(weights, [own.pushes[j] for own in claim.inequalities]), ZERO))
@@ -132,7 +132,7 @@ def _with_weights(claim: Claim, name: str) -> Obligation:
 
 def _mixed(weights: Sequence[str], values: Sequence[Polynomial]) -> Term:
     """``sum_i w_i p_i``."""
-    return ("+", *(("*", weight, term(value)) for weight, value in zip(weights, values, strict=True)))
+    return _joined("+", (("*", weight, term(value)) for weight, value in zip(weights, values, strict=True)))
 
 
 def _guards(own: Inequality, claim: Claim) -> list[Term]:
@@ -158,7 +158,7 @@ def _obligation(
         for place in places:
             domain += [(">=", place, Fraction(-1)), (">=", Fraction(1), place)]
     if not claim.at_origin:
-        domain.append(("or", *(("not", ("=", place, ZERO)) for place in places)))
+        domain.append(_joined("or", (("not", ("=", place, ZERO)) for place in places)))
     conclusion: Term = (">" if claim.strict else ">=", total, ZERO)
     if claim.strict and border is not None:
         conclusion = ("and", (">=", total, ZERO), ("=>", (">", border, ZERO), conclusion))
@@ -177,7 +177,7 @@ def _roots(field: Field) -> tuple[list[str], list[Term]]:
             _product(_number(value), _power(name, power)) for power, value in enumerate(generator.lower) if value
         ]
         names.append(name)
-        equations += [("=", ("+", *powers), ZERO), (">", name, generator.above)]
+        equations += [("=", _joined("+", powers), ZERO), (">", name, generator.above)]
     return names, equations
 
 
@@ -205,10 +205,16 @@ def term(value: Polynomial) -> Term:
 
 def _sum(parts: Iterable[Term]) -> Term:
     listed = list(parts)
-    return ("+", *listed) if listed else ZERO
+    return _joined("+", listed) if listed else ZERO
 
 
 def _product(number: Term, factors: Sequence[Term]) -> Term:
     if not factors:
         return number
-    return ("*", *factors) if number == 1 else ("*", number, *factors)
+    return _joined("*", factors if number == 1 else (number, *factors))
+
+
+def _joined(operator: str, parts: Iterable[Term]) -> Term:
+    """Parts under an operator, or the only part."""
+    listed = list(parts)
+    return listed[0] if len(listed) == 1 else (operator, *listed)

@@ -44,8 +44,6 @@ def smt_term(term: Term) -> str:
             return term
         case ("^", base, exponent):
             return f"(* {' '.join([smt_term(base)] * int(exponent))})"
-        case ("+" | "*" | "or" | "and", single):
-            return smt_term(single)
         case (operator, *parts):
             return f"({operator} {' '.join(map(smt_term, parts))})"
     raise TypeError(f"required a term, received {term!r}")

@@ -103,8 +103,8 @@ class System(PythonScene):
         Raises:
             SceneError: for an expression that is no formula of the states.
         """
-        from nonsmooth.reports.exchange.formula_text import Reading
         from nonsmooth.reports.exchange.from_sympy import formulas_of_sympy
+        from nonsmooth.reports.exchange.reading import Reading
 
         named = dict(parameters or {})
         walker = formulas_of_sympy(states, rhs, list(named), Reading("System.from_sympy", decimals))
@@ -144,7 +144,7 @@ class System(PythonScene):
             SceneError: for matrices of other shapes, and for what is no number.
         """
         from nonsmooth.reports.exchange import from_matrices
-        from nonsmooth.reports.exchange.formula_text import Reading
+        from nonsmooth.reports.exchange.reading import Reading
 
         reading = Reading("System.from_matrices", decimals)
         count = len(from_matrices.matrix(matrices[0], "matrices[1]", reading)) if len(matrices) else 0
@@ -181,8 +181,8 @@ class System(PythonScene):
         Raises:
             SceneError: without CasADi, and for instructions that formulas do not have.
         """
-        from nonsmooth.reports.exchange.formula_text import Reading
         from nonsmooth.reports.exchange.from_casadi import formulas_of_casadi
+        from nonsmooth.reports.exchange.reading import Reading
 
         reading = Reading("System.from_casadi", decimals)
         names, rhs = formulas_of_casadi(function, states, inputs or {}, reading)
@@ -217,8 +217,8 @@ class System(PythonScene):
         Raises:
             SceneError: without python-control, and for what is no such loop.
         """
-        from nonsmooth.reports.exchange.formula_text import Reading
         from nonsmooth.reports.exchange.from_control import formulas_of_control
+        from nonsmooth.reports.exchange.reading import Reading
 
         reading = Reading("System.from_control", decimals)
         return cls._of_formulas(*formulas_of_control(plant, nonlinearity, limit, sign, reading), **more)
@@ -247,15 +247,15 @@ class System(PythonScene):
         Raises:
             SceneError: for shapes that do not fit, and where not exactly one row of S holds for a pattern of signs.
         """
-        from nonsmooth.reports.exchange.formula_text import Reading
         from nonsmooth.reports.exchange.from_nosnoc import formulas_of_nosnoc
+        from nonsmooth.reports.exchange.reading import Reading
 
         return cls._of_formulas(*formulas_of_nosnoc(states, c, S, F, Reading("System.from_nosnoc", decimals)), **more)
 
     @classmethod
     def _of_formulas(cls, states: Sequence[str], rhs: Sequence[Any], **more: Any) -> Self:
         """The system of formulas that a door has written, with fewer parentheses."""
-        from nonsmooth.reports.exchange.formula_text import without_parentheses
+        from nonsmooth.reports.exchange.reading import without_parentheses
 
         plain = [
             without_parentheses(side) if isinstance(side, str) else list(map(without_parentheses, side)) for side in rhs

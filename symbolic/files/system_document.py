@@ -16,6 +16,7 @@ from pydantic import Field, PlainValidator
 from nonsmooth.symbolic.files.parameters import read_parameters
 from nonsmooth.symbolic.files.scene_document import Name
 from nonsmooth.symbolic.files.scene_values import Exact, ExactField, TomlTable, read_exact
+from nonsmooth.symbolic.formula_text import first_that_holds, indicator, product_text
 from nonsmooth.symbolic.piecewise import NUMBERS, SWITCHES
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact
 
@@ -93,9 +94,9 @@ class SystemDocument(TomlTable):
 # ---- regions -------------------------------------------------------------------------------------
 #
 # The first table whose guards hold counts; the last one has no guards and holds everywhere else, so the fields cover
-# all states and nothing is ambiguous.  A guard ``g > 0`` is ``relu(sgn(g))``, 1 where it holds and 0 elsewhere, and
-# ``g >= 0`` is ``1 - relu(sgn(-g))``, so the tables become one formula for each state.  On borders values are ignored
-# as everywhere (Filippov 1988, sec. 4); but a guard with absolute values may be zero on a whole cell, where it counts.
+# all states and nothing is ambiguous.  A guard is a factor, 1 where it holds and 0 elsewhere, so the tables become one
+# formula for each state (:mod:`nonsmooth.symbolic.formula_text`).  On borders values are ignored as everywhere
+# (Filippov 1988, sec. 4); but a guard with absolute values may be zero on a whole cell, where it counts.
 
 
 MAX_REGIONS = 12
@@ -126,9 +127,9 @@ class RegionTable(TomlTable):
 
 @dataclass(frozen=True)
 class Guarded:
-    """A table as texts: for each guard what is 1 where it holds and 0 elsewhere, and its formulas."""
+    """A table as texts: what is 1 where each of its guards holds and 0 elsewhere, and its formulas."""
 
-    guards: tuple[str, ...]
+    truths: tuple[str, ...]
     rhs: tuple[str, ...]
 
 
@@ -151,10 +152,14 @@ def regions_as_formulas(
         raise SceneError(file, "region", f"at most {MAX_REGIONS} tables", StatedFact(f"{len(tables)}"))
     found = [_guarded(table, states, check, file, f"region[{k}]") for k, table in enumerate(tables, 1)]
     for k, region in enumerate(found, 1):
-        if bool(region.guards) is (k == len(found)):
+        if bool(region.truths) is (k == len(found)):
             expected = "guards in all tables but the last one, which holds everywhere else"
-            raise SceneError(file, f"region[{k}].where", expected, StatedFact(f"{len(region.guards)}"))
-    return tuple(_formula(found, j) for j in range(len(states)))
+            raise SceneError(file, f"region[{k}].where", expected, StatedFact(f"{len(region.truths)}"))
+    *guarded, last = found
+    return tuple(
+        first_that_holds([(product_text(region.truths), region.rhs[j]) for region in guarded], last.rhs[j])
+        for j in range(len(states))
+    )
 
 
 def _guarded(table: RegionTable, states: Sequence[str], check: Checker, file: str, key: str) -> Guarded:
@@ -177,15 +182,4 @@ def _guard(value: Any, check: Checker, file: str, key: str) -> str:
         check(side, key)
     if comparison.startswith("<"):
         left, right = right, left
-    strict = f"relu(sgn(({left}) - ({right})))"
-    return f"(1 - relu(sgn(({right}) - ({left}))))" if comparison.endswith("=") else strict
-
-
-def _formula(regions: Sequence[Guarded], j: int) -> str:
-    """``1_1 f_1 + (1 - 1_1) (1_2 f_2 + (1 - 1_2) (...))`` for one state."""
-    formula = regions[-1].rhs[j]
-    for region in reversed(regions[:-1]):
-        inside = "*".join(region.guards)
-        if region.rhs[j] != formula:
-            formula = f"({inside}*{region.rhs[j]} + (1 - {inside})*{formula})"
-    return formula
+    return indicator(f"({left}) - ({right})", strict=not comparison.endswith("="))

@@ -1,27 +1,24 @@
-"""Formulas of scene files, written from the graphs and matrices of other libraries.
+"""How the objects of other libraries are read: their numbers, exactly, and what is refused in one line.
 
-What a library hands over is walked node by node and written as a text that :mod:`nonsmooth.symbolic.piecewise` reads;
-nothing of it is evaluated.  Integers and fractions stay exact.  A float is the rational number that it is: the double
-0.1 is 3602879701896397/36028797018963968.  Who means decimals says so (``decimals=True``): then it is one tenth.
-
-A condition ``g > 0`` is the factor ``relu(sgn(g))``: 1 where it holds, 0 where it does not.  The factor
-``(1 + sgn(g))/2`` would be one half wherever g is zero, and a g with absolute values may be zero on whole cells.
+What a library hands over is walked node by node and written as a text (:mod:`nonsmooth.symbolic.formula_text`) that
+:mod:`nonsmooth.symbolic.piecewise` reads; nothing of it is evaluated.  Integers and fractions stay exact.  A float is
+the rational number that it is: the double 0.1 is 3602879701896397/36028797018963968.  Who means decimals says so
+(``decimals=True``): then it is one tenth.
 """
 
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
+from importlib import import_module
 from numbers import Integral, Rational, Real
 from typing import Any
 
+from nonsmooth.symbolic.formula_text import in_parentheses
 from nonsmooth.symbolic.piecewise import MAX_TEXT
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact
-
-ZERO, ONE, MINUS_ONE = "0", "1", "(-1)"
 
 
 @dataclass(frozen=True)
@@ -72,6 +69,17 @@ class Reading:
             raise self.refused(key, "a finite number", value) from None
         return fraction_text(Fraction(Decimal(str(value))) if self.decimals else exact)
 
+    def library(self, name: str) -> Any:
+        """A library that is not required.
+
+        Raises:
+            SceneError: where it is not installed.
+        """
+        try:
+            return import_module(name)
+        except ImportError:
+            raise self.refused("", f"the package {name} (extra nonsmooth[{name}])", "a Python without it") from None
+
     def require_short(self, text: str, key: str) -> str:
         """The text, unless it is longer than a formula may be.
 
@@ -89,65 +97,6 @@ def fraction_text(value: Fraction) -> str:
     return str(value) if value >= 0 and value.denominator == 1 else f"({value})"
 
 
-def in_parentheses(text: str) -> str:
-    """A formula as a factor."""
-    return text if text.isalnum() else f"({text})"
-
-
-def sum_text(terms: Sequence[str]) -> str:
-    """A sum as a factor, without terms that are zero; nested like a balanced tree, since depth is limited."""
-    return _balanced([term for term in terms if term != ZERO], " + ", ZERO)
-
-
-def product_text(factors: Sequence[str]) -> str:
-    """A product as a factor: zero where one factor is, without factors that are one."""
-    if ZERO in factors:
-        return ZERO
-    others = [factor for factor in factors if factor not in (ONE, MINUS_ONE)]
-    found = _balanced(others, "*", ONE)
-    return f"(-{found})" if factors.count(MINUS_ONE) % 2 else found
-
-
-def difference_text(left: str, right: str) -> str:
-    """``left - right`` as a factor."""
-    return left if right == ZERO else f"({left} - {right})"
-
-
-def indicator(guard: str, *, strict: bool = True) -> str:
-    """1 where a formula is positive (or where it is not negative), else 0, as a factor."""
-    return f"relu(sgn({guard}))" if strict else complement(indicator(f"-{in_parentheses(guard)}"))
-
-
-def complement(truth: str) -> str:
-    """1 where a factor of truth is 0, and 0 where it is 1."""
-    return {ZERO: ONE, ONE: ZERO}.get(truth, f"(1 - {truth})")
-
-
-def disjunction(truths: Sequence[str]) -> str:
-    """1 where one of some factors of truth is 1."""
-    return complement(product_text([complement(truth) for truth in truths]))
-
-
-def first_that_holds(choices: Sequence[tuple[str, str]], otherwise: str) -> str:
-    """The formula of the first choice whose factor of truth is 1, and another formula where none is.
-
-    ``1_1 f_1 + (1 - 1_1) (1_2 f_2 + (1 - 1_2) (...))``.
-    """
-    formula = otherwise
-    for truth, chosen in reversed(choices):
-        if chosen != formula:
-            kept = product_text([complement(truth), formula])
-            formula = sum_text([product_text([truth, chosen]), kept])
-    return formula
-
-
-def _balanced(parts: Sequence[str], joint: str, empty: str) -> str:
-    if len(parts) <= 1:
-        return parts[0] if parts else empty
-    middle = len(parts) // 2
-    return f"({_balanced(parts[:middle], joint, empty)}{joint}{_balanced(parts[middle:], joint, empty)})"
-
-
 def without_parentheses(text: str) -> str:
     """The formula without parentheses that say nothing; as it is where it holds decimals, which stay as written."""
     try:
@@ -156,13 +105,3 @@ def without_parentheses(text: str) -> str:
         return text  # for the parser of formulas to refuse
     decimals = any(isinstance(node, ast.Constant) and not isinstance(node.value, int) for node in ast.walk(tree))
     return text if decimals else ast.unparse(tree)
-
-
-FUNCTIONS: dict[str, Callable[..., str]] = {
-    "sqrt": "sqrt({})".format,
-    "sin": "sin({})".format,
-    "cos": "cos({})".format,
-    "Abs": "Abs({})".format,
-    "sign": "sgn({})".format,
-    "Heaviside": "((1 + sgn({}))/2)".format,
-}  # of one argument, as formulas write them
