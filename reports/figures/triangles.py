@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from nonsmooth.proofs.systems.outer_ring import ring_of
 from nonsmooth.reports.figures.style import INK
 
 if TYPE_CHECKING:
@@ -13,23 +14,26 @@ if TYPE_CHECKING:
 
     from nonsmooth.proofs.answers.array_basin import ArrayBasin
     from nonsmooth.proofs.systems.basin import CertifiedBasin
+    from nonsmooth.proofs.systems.basin_rings import Floats
 
 MESH, BORDER, OUTER = "#999999", "#0072B2", "#D55E00"
 
 
 def draw_triangles(axes: Axes, basin: CertifiedBasin, at: tuple[float, float] = (0.0, 0.0)) -> None:
-    """The triangles of a basin about a point, and its border."""
+    """The triangles of a basin about a point, its border, and the polygon that no start outside comes from."""
     x, y = (basin.corners[:, :2] + at).T
     axes.triplot(x, y, basin.triangles, color=MESH, linewidth=0.3)
-    border = np.concatenate([basin.border, basin.border[:1]]) + at
-    axes.plot(*border.T, color=BORDER, linewidth=2.0, label="certified region")
+    axes.plot(*_closed(basin.border + at), color=BORDER, linewidth=2.0, label="certified region")
     if basin.outside is not None:
-        from nonsmooth.proofs.systems.outer_ring import ring_of
-
-        outer = ring_of(basin.outside)
-        outer = np.concatenate([outer, outer[:1]]) + at
-        axes.plot(*outer.T, "--", color=OUTER, linewidth=1.5, label="no start outside comes")
+        outer = _closed(ring_of(basin.outside) + at)
+        axes.plot(*outer, "--", color=OUTER, linewidth=1.5, label="from outside no start comes")
     axes.plot(*at, "o", color=INK, markersize=5)
+    axes.legend(fontsize="x-small", frameon=False, ncols=2, loc="upper center", bbox_to_anchor=(0.5, -0.1))
+
+
+def _closed(ring: Floats) -> Floats:
+    """Coordinates (2, corners + 1) of a closed line through a ring (corners, 2)."""
+    return np.concatenate([ring, ring[:1]]).T
 
 
 def draw_array_basin(axes: Axes, basin: ArrayBasin, at: tuple[float, float]) -> None:
