@@ -121,11 +121,9 @@ def _with_weights(claim: Claim, name: str) -> Obligation:
         held = dict.fromkeys([*_guards(own, claim), *(("=", term(h), ZERO) for h in own.zeros.values())])
         if held:
             hypotheses.append(("or", ("=", weight, ZERO), _joined("and", held)))
-    first = claim.inequalities[0]
-    for j in range(len(first.pushes)):
-        hypotheses.append(("=", _mixed(weights, [own.pushes[j] for own in claim.inequalities]), ZERO))
-    for j in range(len(first.weak)):
-        hypotheses.append(("=", _mixed(weights, [own.weak[j] for own in claim.inequalities]), ZERO))
+    multiplied = [(*own.pushes, *own.weak) for own in claim.inequalities]  # by functions mu
+    for column in zip(*multiplied, strict=True):
+        hypotheses.append(("=", _mixed(weights, column), ZERO))
     total = _mixed(weights, [own.value for own in claim.inequalities])
     return _obligation(claim, name, weights, hypotheses, total, _border(claim.inequalities, claim))
 
