@@ -9,7 +9,7 @@ wheels.  How much of the square comes home is sampled.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
@@ -30,8 +30,8 @@ from nonsmooth.proofs.checker.wheels import read_array
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.exact_json import encode
 from nonsmooth.proofs.system_facts import basin_record
-from nonsmooth.proofs.systems.basin import BasinEffort, CertifiedBasin, last_ring, mesh_corners
-from nonsmooth.proofs.systems.basin_mesh import MeshBuilder
+from nonsmooth.proofs.systems.basin import BasinEffort, CertifiedBasin
+from nonsmooth.proofs.systems.basin_mesh import MeshBuilder, last_ring, mesh_corners, mesh_of_rings
 from nonsmooth.proofs.systems.basin_rings import Bernstein, Floats, bernstein, followed_home, grow, inside_ring
 from nonsmooth.symbolic.number_text import float_text, percent_text
 from nonsmooth.symbolic.scene import Scene
@@ -305,6 +305,10 @@ def _around(
     cells = Cells(replace(array, radius=array.field.parse(record["within"])), record["points"], record["cells"])
     limit = field.half * (1 - SQUARE)
     why = NoBasin(_why_none(field))
+
+    def builder(rings: Sequence[Floats]) -> MeshBuilder:
+        return MeshBuilder(field, lambda unit: ArrayPlane(cells, unit), rings, effort.triangles, is_first_whole=True)
+
     for first in _first_rings(field):
         rings = grow(
             field,
@@ -315,14 +319,11 @@ def _around(
             effort.points,
             lambda done, total: announce("rings", done, total),
         )
-        if len(rings) < 2:
-            continue
-        builder = MeshBuilder(field, lambda unit: ArrayPlane(cells, unit), rings, effort.triangles, is_first_whole=True)
-        built = builder.build(lambda done, total: announce("bands of triangles", done, total))
+        built, _ = mesh_of_rings(rings, builder, lambda done, total: announce("bands of triangles", done, total))
         if built is None:
             why = NoBasin("W is not seen to fall beside the first ring")
             continue
-        mesh, below = built
+        mesh, below = built.record, built.below
         found: dict[str, Any] = {"mesh": mesh, "below": below, "squared_radius": _squared_radius(mesh, below)}
         announce("the checker", 0, 1)
         try:

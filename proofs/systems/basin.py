@@ -7,7 +7,7 @@ numbers.  How much of the true basin that is, is sampled.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property, partial
 from typing import Any
@@ -20,12 +20,13 @@ from nonsmooth.proofs.checker.cells import Pattern, System
 from nonsmooth.proofs.checker.formulas import Formula
 from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.checker.positivity import Proofs
-from nonsmooth.proofs.systems.basin_mesh import MeshBuilder
+from nonsmooth.proofs.systems.basin_mesh import BuiltMesh, MeshBuilder, last_ring, mesh_corners, mesh_of_rings
 from nonsmooth.proofs.systems.basin_rings import (
     FieldInCells,
     FloatField,
     Floats,
     area,
+    by_pattern,
     followed_home,
     grow,
     inside_ring,
@@ -113,19 +114,6 @@ class CertifiedBasin:
         return certified / coming if coming else 0.0
 
 
-def mesh_corners(mesh: dict[str, Any]) -> Floats:
-    """The corners of a mesh in floats."""
-    found = np.array([own.split(" ") for own in mesh["corners"]], dtype=float)
-    numerator, _, denominator = mesh["unit"].partition("/")
-    found[:, :2] *= float(numerator) / float(denominator or 1)
-    return found
-
-
-def last_ring(corners: Floats) -> Floats:
-    """The corners with the largest value, which are a ring in order."""
-    return np.asarray(corners[corners[:, 2] == corners[:, 2].max()][:, :2])
-
-
 def find_basin(
     system: System,
     local: dict[str, Any],
@@ -148,6 +136,9 @@ def find_basin(
     def cells(unit: str) -> Plane:
         return Plane(system, unit, surfaces, Proofs({}))
 
+    def builder(rings: Sequence[Floats]) -> MeshBuilder:
+        return MeshBuilder(field, cells, rings, effort.triangles)
+
     plane = cells("1")
     field, potential = FloatField(plane), _potential(plane, local)
     level, within = INSIDE * _number(local["level"]), _number(local["cells"]["within"])
@@ -155,33 +146,25 @@ def find_basin(
     if first is None:
         return None
     far = FARTHEST * float(np.abs(first).max())
-    best: tuple[dict[str, Any], int] | None = None
+    best: BuiltMesh | None = None
     for power in POWERS:
         size, pace = (effort.angle, effort.gap, min(limit or far, far), effort.points), _step(announce, "rings")
         rings = grow(field, first, *size, pace, power)
-        if len(rings) < 2:
-            continue
-        built = MeshBuilder(field, cells, rings, effort.triangles).build(_step(announce, "bands of triangles"))
-        if built is not None and (best is None or _mesh_area(built) > _mesh_area(best)):
+        built, last = mesh_of_rings(rings, builder, _step(announce, "bands of triangles"))
+        if built is not None and (best is None or built.area > best.area):
             best = built
-        if best is not None and _mesh_area(best) > NEARLY_ALL * area(rings[-1]):
+        if best is not None and best.area > NEARLY_ALL * area(last):
             break
     if best is None:
         return None
-    mesh, below = best
 
     def is_home(x: Floats) -> NDArray[np.bool_]:
         return np.asarray((potential(x) < level) & (np.abs(x).max(axis=1) <= within))
 
-    hypotheses = {"local": local, "surfaces": surfaces, "mesh": mesh, "below": below}
-    border = last_ring(mesh_corners(mesh))
+    hypotheses = {"local": local, "surfaces": surfaces, "mesh": best.record, "below": best.below}
+    border = last_ring(best.corners)
     outside = find_outer_ring(system, surfaces, border, effort.angle, effort.gap) if limit is None else None
     return CertifiedBasin(hypotheses, _sampled(field, is_home, border, effort.starts, limit), outside)
-
-
-def _mesh_area(built: tuple[dict[str, Any], int]) -> float:
-    """Of what the last ring of a mesh goes around."""
-    return area(last_ring(mesh_corners(built[0])))
 
 
 def _step(announce: Callable[[str, int, int], None], what: str) -> Callable[[int, int], None]:
@@ -210,9 +193,8 @@ def _potential(plane: Plane, local: dict[str, Any]) -> Callable[[Floats], Floats
 
     def potential(x: Floats) -> Floats:
         found = np.full(len(x), np.inf)
-        kinds, which = np.unique(sign_patterns(x), axis=0, return_inverse=True)
-        for number, kind in enumerate(kinds):
-            own, here = piece(tuple(int(sign) for sign in kind)), which.ravel() == number
+        for signs, here in by_pattern(sign_patterns(x)):
+            own = piece(signs)
             if own is not None:
                 found[here] = values(own, x[here])
         return found
@@ -234,6 +216,6 @@ def _sampled(
     lines = [np.linspace(m - h, m + h, count) for m, h in zip(middle, half, strict=True)]
     starts = np.array([(x, y) for y in lines[1] for x in lines[0]])
     far = 20 * float(np.linalg.norm(border, axis=1).max())
-    came = followed_home(field, starts, is_home, far)
     certified = inside_ring(border, starts)
-    return int(np.sum(certified)), int(np.sum(came | certified))
+    came = followed_home(field, starts[~certified], is_home, far)
+    return int(np.sum(certified)), int(np.sum(certified) + np.sum(came))

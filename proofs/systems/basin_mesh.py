@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from itertools import pairwise
+from itertools import islice, pairwise
 from math import gcd, lcm
 from typing import Any, TypeAlias
 
@@ -21,15 +21,19 @@ from numpy.typing import NDArray
 from nonsmooth.proofs.checker.basin import CellFields, Mesh, show_falls
 from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.checker.work import RejectedError
-from nonsmooth.proofs.systems.basin_rings import SMALL, FieldInCells, Floats
+from nonsmooth.proofs.systems.basin_rings import SMALL, FieldInCells, Floats, area
 
 EVERY = 12  # rings of which one is used, and points of a ring, at first
 ROUNDS = 8  # in which a band is refined
+AHEAD = 4  # bands that are refined at a time: those beyond one that cannot be refined are not needed
+STAGES = (25, 375, 750, 1_500)  # rings that are made, as long as the mesh goes as far as they do
 BITS = 26  # of coordinates
 NEAR_LINE = 0.25  # of the distance of neighbours: points of a ring that are as near to a point on a line are left out
 
 Corner: TypeAlias = tuple[int, int]  # a ring, and a point of it
 Triangle: TypeAlias = tuple[Corner, Corner, Corner]
+Band: TypeAlias = tuple[int, int]  # the rings on both sides
+Failing: TypeAlias = tuple[tuple[int, int, int], bool]  # a triangle of a band, and whether it is turned over
 
 
 @dataclass
@@ -184,6 +188,58 @@ def _in_common(
     return [own[marks.index(m)] for m in kept], [other[other_marks.index(m)] for m in kept]
 
 
+@dataclass(frozen=True)
+class BuiltMesh:
+    """A mesh on which W falls, as floats see it.
+
+    Attributes:
+        record: as a certificate holds it.
+        below: W on its last ring.
+        is_whole: whether that is the last of the rings that were made.
+    """
+
+    record: dict[str, Any]
+    below: int
+    is_whole: bool
+
+    @property
+    def corners(self) -> Floats:
+        """Places in the displacement from the point, each with its value of W: shape (corners, 3)."""
+        return mesh_corners(self.record)
+
+    @property
+    def area(self) -> float:
+        """Of what the last ring goes around."""
+        return area(last_ring(self.corners))
+
+
+def mesh_corners(mesh: dict[str, Any]) -> Floats:
+    """The corners of a mesh in floats."""
+    found = np.array([own.split(" ") for own in mesh["corners"]], dtype=float)
+    numerator, _, denominator = mesh["unit"].partition("/")
+    found[:, :2] *= float(numerator) / float(denominator or 1)
+    return found
+
+
+def last_ring(corners: Floats) -> Floats:
+    """The corners with the largest value, which are a ring in order."""
+    return np.asarray(corners[corners[:, 2] == corners[:, 2].max()][:, :2])
+
+
+def mesh_of_rings(
+    rings: Iterator[Floats], builder: Callable[[Sequence[Floats]], MeshBuilder], announce: Callable[[int, int], None]
+) -> tuple[BuiltMesh | None, Floats]:
+    """The mesh of rings that are made as far as it comes, and the last of them."""
+    made: list[Floats] = []
+    built = None
+    for count in STAGES:
+        made += islice(rings, count - len(made))
+        built = builder(made).build(announce) if len(made) > 1 else None
+        if built is None or not built.is_whole or len(made) < count:
+            break
+    return built, made[-1]
+
+
 class MeshBuilder:
     """Rings of which bands are refined until W falls on them.
 
@@ -219,13 +275,13 @@ class MeshBuilder:
             self.rings[number] = self.lattice.ring(*self.field.aligned(self.dense[number], is_kept=is_kept))
         return self.rings[number]
 
-    def build(self, announce: Callable[[int, int], None]) -> tuple[dict[str, Any], int] | None:
-        """The mesh as a certificate holds it, and W on its last ring; None without a band on which W falls."""
+    def build(self, announce: Callable[[int, int], None]) -> BuiltMesh | None:
+        """The bands from the first ring on, a few at a time; None without one on which W falls."""
         used = [*range(0, len(self.dense) - 1, EVERY), len(self.dense) - 1]
         shown: set[tuple[int, int]] = set()
         rounds: dict[tuple[int, int], int] = {}
         while True:
-            open_bands = [pair for pair in pairwise(used) if pair not in shown]
+            open_bands = [pair for pair in pairwise(used) if pair not in shown][:AHEAD]
             if not open_bands:
                 break
             announce(len(shown), len(used) - 1)
@@ -233,9 +289,8 @@ class MeshBuilder:
                 used = used[: next(k for k, pair in enumerate(pairwise(used)) if pair not in shown) + 1]
                 break
             touched, between = set[int](), set[int]()
-            for pair in open_bands:
+            for pair, failing in self._failing(open_bands).items():
                 rounds[pair] = rounds.get(pair, 0) + 1
-                failing = self._failing(*pair)
                 if not failing:
                     shown.add(pair)
                     continue
@@ -249,7 +304,9 @@ class MeshBuilder:
             bands = list(pairwise(used))
             count = next((k for k, pair in enumerate(bands) if not self._is_shown(*pair)), len(bands))
             used = used[: count + 1]
-        return self._record(used) if len(used) > 1 else None
+        if len(used) < 2:
+            return None
+        return BuiltMesh(self._record(used), len(used) - 1, is_whole=used[-1] == len(self.dense) - 1)
 
     def _with_more(self, used: list[int], between: set[int]) -> list[int]:
         """A ring more before each of some, or no rings from one on before which there is none."""
@@ -272,20 +329,23 @@ class MeshBuilder:
         top = (other, opposite[apex % len(opposite)])
         return (first, last, top) if which else (first, top, last)
 
-    def _failing(self, inner: int, outer: int) -> list[tuple[tuple[int, int, int], bool]]:
-        """The triangles of a band on which W is not seen to fall, and whether they are turned over."""
-        pair = (inner, outer)
-        triangles = band(self.ring(inner), self.ring(outer))
-        self.left -= len(triangles)
-        named = [self._corners(pair, own) for own in triangles]
+    def _failing(self, pairs: Sequence[Band]) -> dict[Band, list[Failing]]:
+        """The triangles of each band on which W is not seen to fall, and whether they are turned over."""
+        bands = [(pair, own) for pair in pairs for own in band(self.ring(pair[0]), self.ring(pair[1]))]
+        self.left -= len(bands)
+        named = [self._corners(pair, own) for pair, own in bands]
         corners = np.array([[self.ring(ring).points[point] for ring, point in own] for own in named])
         a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
         areas = (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (c[:, 0] - a[:, 0]) * (b[:, 1] - a[:, 1])
-        outer_side = np.array([own[0] == 1 for own in triangles])
+        outer_side = np.array([own[0] == 1 for _, own in bands])
         along = np.where(outer_side[:, None], b - a, c - a)
         normals = np.stack([along[:, 1], -along[:, 0]], axis=1)
         good = (areas > 0) & self._falls(corners, normals)
-        return [(own, bool(size <= 0)) for own, holds, size in zip(triangles, good, areas, strict=True) if not holds]
+        found: dict[Band, list[Failing]] = {pair: [] for pair in pairs}
+        for number in np.nonzero(~good)[0]:
+            pair, own = bands[number]
+            found[pair].append((own, bool(areas[number] <= 0)))
+        return found
 
     def _falls(self, corners: Floats, normals: Floats) -> NDArray[np.bool_]:
         """On which triangles ``n . f < 0`` for the fields of all cells that they may meet."""
@@ -298,7 +358,7 @@ class MeshBuilder:
                 good[here] &= rates.max(axis=1) < -SMALL * sizes
         return good
 
-    def _refine(self, pair: tuple[int, int], failing: Sequence[tuple[tuple[int, int, int], bool]]) -> set[int]:
+    def _refine(self, pair: Band, failing: Sequence[Failing]) -> set[int]:
         """Halve sides of triangles that fail; which rings have more points."""
         more: dict[int, set[int]] = {number: set() for number in pair}
         for (which, place, apex), is_turned in failing:
@@ -319,15 +379,14 @@ class MeshBuilder:
 
     def _is_shown(self, inner: int, outer: int) -> bool:
         """Whether the checker's conditions hold on a band."""
-        record, _ = self._record([inner, outer])
         try:
-            show_falls(Mesh(record), self.exact)
+            show_falls(Mesh(self._record([inner, outer])), self.exact)
         except RejectedError:
             return False
         return True
 
-    def _record(self, used: Sequence[int]) -> tuple[dict[str, Any], int]:
-        """The mesh of some rings, and W on the last."""
+    def _record(self, used: Sequence[int]) -> dict[str, Any]:
+        """The mesh of some rings, on which W is 0, 1, 2 and so on."""
         numbers: dict[Corner, int] = {}
         corners, triangles = list[str](), list[str]()
         for value, number in enumerate(used):
@@ -339,4 +398,4 @@ class MeshBuilder:
         for pair in pairwise(used):
             for own in band(self.ring(pair[0]), self.ring(pair[1])):
                 triangles.append(" ".join(str(numbers[corner]) for corner in self._corners(pair, own)))
-        return {"unit": str(self.lattice.unit), "corners": corners, "triangles": triangles}, len(used) - 1
+        return {"unit": str(self.lattice.unit), "corners": corners, "triangles": triangles}
