@@ -23,7 +23,7 @@ from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.systems.basin_rings import SMALL, FieldInCells, Floats, area
 
-EVERY = 12  # rings of which one is used, and points of a ring, at first
+RINGS, EVERY = 24, 12  # of which one is used at first, and of the points of a ring
 ROUNDS = 8  # in which a band is refined
 AHEAD = 4  # bands that are refined at a time: those beyond one that cannot be refined are not needed
 STAGES = (25, 375, 750, 1_500)  # rings that are made, as long as the mesh goes as far as they do
@@ -277,7 +277,7 @@ class MeshBuilder:
 
     def build(self, announce: Callable[[int, int], None]) -> BuiltMesh | None:
         """The bands from the first ring on, a few at a time; None without one on which W falls."""
-        used = [*range(0, len(self.dense) - 1, EVERY), len(self.dense) - 1]
+        used = [*range(0, len(self.dense) - 1, RINGS), len(self.dense) - 1]
         shown: set[tuple[int, int]] = set()
         rounds: dict[tuple[int, int], int] = {}
         while True:
