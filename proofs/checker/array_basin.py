@@ -32,6 +32,7 @@ from typing import Any, TypeAlias
 
 from .basin import Field, Mesh, Place, show_falls
 from .contact import Cells, Motion
+from .outside import turn
 from .plane import around, convex_hull
 from .positivity import Proofs
 from .theorems import Statement
@@ -136,11 +137,6 @@ def bounds(outline: Sequence[Place]) -> Box:
     """Of some places."""
     across, up = [x for x, _ in outline], [y for _, y in outline]
     return min(across), min(up), max(across), max(up)
-
-
-def turn(a: Place, b: Place, c: Place) -> int:
-    """Twice the area of a triangle, positive where it is counterclockwise."""
-    return (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1])
 
 
 class Core:

@@ -110,7 +110,9 @@ def build_cells(
         fields = (member.velocity(sign_of, states) for member in system.members)
         velocities = tuple(tuple(read(part) for part in field) for field in fields)
         found.append(SignCell(signs, velocities))
-    return SignCells(system.states, surfaces, tuple(found), rational(radius), not system.denominators)
+    in_line = len(system.states) == 1  # where intervals may be of any size
+    half = (in_line and radius.as_rational()) or rational(radius)
+    return SignCells(system.states, surfaces, tuple(found), half, not system.denominators)
 
 
 def adjoining(cells: SignCells) -> list[SignCell]:

@@ -22,7 +22,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from itertools import combinations, combinations_with_replacement
+from itertools import chain, combinations, combinations_with_replacement
 from typing import Any
 
 import numpy as np
@@ -321,36 +321,24 @@ def find_growth(system: SwitchedSystem) -> GrowthEvidence | None:
     Raises:
         BeyondReachError: for a system that is not decided here.
     """
-    return _falling(system) or _falling_by_square(system)
+    falling = (_shown(system, own, radius, Effort.STRICT) for radius, own in proposals(system, positive=False))
+    by_square = (
+        _shown(system, own, radius, Effort.FULL, SPEED) for radius, _ in _cubes(system) for own in _products(system)
+    )
+    return next(filter(None, chain(falling, by_square)), None)
 
 
-def _falling(system: SwitchedSystem) -> GrowthEvidence | None:
-    """By a V that falls along every solution."""
-    for radius, formula in proposals(system, positive=False):
-        stated, conditions = conditions_on(system, formula, radius)
-        falls = conditions.claims(positive=False)
-        direction = negative_direction(conditions)
-        if direction is None or find_failure(stated.cells, falls) is not None:
-            continue
-        proofs = _proofs(falls, Effort.STRICT)
-        if proofs is not None:
-            return GrowthEvidence(formula, radius, direction, stated, proofs)
-    return None
-
-
-def _falling_by_square(system: SwitchedSystem) -> GrowthEvidence | None:
-    """By one of some products, which falls where it is negative."""
-    for radius, _ in _cubes(system):
-        for formula in _products(system):
-            stated, conditions = conditions_on(system, formula, radius)
-            falls = conditions.claims_by_square(SPEED)
-            direction = negative_direction(conditions)
-            if direction is None or find_failure(stated.cells, falls) is not None:
-                continue
-            proofs = _proofs(falls, Effort.FULL)
-            if proofs is not None:
-                return GrowthEvidence(formula, radius, direction, stated, proofs, SPEED)
-    return None
+def _shown(
+    system: SwitchedSystem, formula: PiecewiseExpression, radius: Number, effort: Effort, speed: Fraction | None = None
+) -> GrowthEvidence | None:
+    """A V that falls along every solution, or with a speed where it is negative; None where that is not shown."""
+    stated, conditions = conditions_on(system, formula, radius)
+    falls = conditions.claims(positive=False) if speed is None else conditions.claims_by_square(speed)
+    direction = negative_direction(conditions)
+    if direction is None or find_failure(stated.cells, falls) is not None:
+        return None
+    proofs = _proofs(falls, effort)
+    return None if proofs is None else GrowthEvidence(formula, radius, direction, stated, proofs, speed)
 
 
 def _products(system: SwitchedSystem) -> Iterator[PiecewiseExpression]:

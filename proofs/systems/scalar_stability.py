@@ -171,6 +171,14 @@ def _marks(scene: SwitchedSystem, turn: int) -> list[RealRoot]:
     return _inside(scene, [*surfaces, *(f for f in fields if f.degree)])
 
 
+def clear_distance(scene: SwitchedSystem) -> Number | Fraction:
+    """A distance up to which nothing switches, and no field vanishes, beside the point."""
+    distances: list[Number | Fraction] = [scene.check.radius]
+    for turn in (1, -1):
+        distances += [mark.low for mark in _marks(scene, turn)]
+    return min(distances)
+
+
 def _inner(scene: SwitchedSystem) -> Fraction:
     """A rational point inside the checked interval."""
     small = Fraction(1)
