@@ -207,6 +207,10 @@ class FailedPathsResult(Result):
         lost = self.lost(worst)
         came = sum(path.home for path in self.whole)
         said = f"{lost} of {came} no longer come home" if lost else "all that came home still do"
+        if not came:  # which is the worst for bodies that end elsewhere anyhow is no question
+            return [
+                Paragraph((f"with all wheels none of {len(self.whole)} comes home; {worst} moves the end farthest",))
+            ]
         return [Paragraph((f"the worst: {worst}: {said}",))]
 
     def summary(self) -> str:

@@ -18,15 +18,16 @@ import numpy as np
 from nonsmooth.analysis.bodies.many_paths import ENDS, BodyEnd, BodyEnds, ManyPaths, turned_heading
 from nonsmooth.analysis.contact_rule import CellRule, SmoothRule, rule_of
 from nonsmooth.reports.document import Block, Paragraph, table
-from nonsmooth.reports.path_ends import degrees_text, distance_from_point
+from nonsmooth.reports.path_ends import distance_from_point, shown_angle
 from nonsmooth.reports.progress import progress
 from nonsmooth.reports.refusals import OptionError
 from nonsmooth.reports.result import DataTable, Record, Result, short_lines
 from nonsmooth.reports.simulate_options import SimulateOptions
 from nonsmooth.symbolic.contact_set import whole
-from nonsmooth.symbolic.number_text import float_text
+from nonsmooth.symbolic.number_text import float_text, place_text
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact, one_line
+from nonsmooth.symbolic.units import Units
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -35,6 +36,7 @@ SCHEMA = "nonsmooth-headings/1"
 FEWEST, MOST = 8, 3_600
 ALIKE = math.radians(1.0)
 SHOWN = 12  # arcs listed on a terminal
+NO_ANGLE = 1e-9  # an angle that is rounding
 NEIGHBOURS = 3  # starts of an arc at least
 
 
@@ -138,21 +140,27 @@ class HeadingsResult(Result):
         """The headings that return."""
         if not self.returning:
             return "no heading returns"
-        return "; ".join(f"{degrees_text(arc.heading or 0.0)} returns from {_arc_text(arc)}" for arc in self.returning)
+        units = self.scene.units
+        return "; ".join(
+            f"{_angle_text(units, arc.heading or 0.0)} returns from {_arc_text(units, arc)}" for arc in self.returning
+        )
 
     def blocks(self) -> Sequence[Block]:
         """The headings that return, and where all arcs end."""
-        unit = f" {self.scene.units.length}".rstrip()
-        x, y = self.place
-        step = degrees_text(2 * math.pi / len(self.found.starts))
-        what = f"bodies from ({x:.6g}, {y:.6g}), a heading every {step}, until t = {self.found.until:.4g}, sampled"
+        units = self.scene.units
+        length, time = (f" {units.length}", " s") if units.length else ("", "")
+        place = f"{place_text(self.place, 6)}{length}"
+        step = _angle_text(units, 2 * math.pi / len(self.found.starts))
+        what = f"bodies from {place}, a heading every {step}, until t = {self.found.until:.4g}{time}, sampled"
         head = f"{one_line(self.scene.name)}, rule {self.scene.contact.rule}: {what}, without inertia"
         rows = []
         shown = sorted(self.arcs, key=lambda arc: (not arc.returns, -arc.starts))[:SHOWN]
         for arc in sorted(shown, key=lambda arc: arc.first):
-            ends = "-" if arc.heading is None else degrees_text(arc.heading)
-            far = "-" if arc.farthest is None else f"{float_text(arc.farthest, 3)}{unit}"
-            rows.append([_arc_text(arc), str(arc.starts), arc.reason.value, ends, far, "yes" if arc.returns else "no"])
+            ends = "-" if arc.heading is None else _angle_text(units, arc.heading)
+            far = "-" if arc.farthest is None else f"{float_text(arc.farthest, 3)}{length}"
+            rows.append(
+                [_arc_text(units, arc), str(arc.starts), arc.reason.value, ends, far, "yes" if arc.returns else "no"]
+            )
         names = ("started at", "starts", "how it ends", "heading", "from the point", "returns")
         found = table(names, rows, (1.2, 0.5, 1.2, 0.8, 0.9, 0.5))
         left = len(self.arcs) - len(shown)
@@ -160,26 +168,33 @@ class HeadingsResult(Result):
         return [Paragraph((head,)), Paragraph((self.summary(),)), found, *others]
 
     def draw(self, ax: Axes) -> None:
-        """The heading at the end over that at the start, in degrees; a dashed line where it would be kept."""
-        begins = np.degrees(self.found.starts[:, 2])
+        """The heading at the end over that at the start, in the scene's unit; a dashed line where it would be kept."""
+        units = self.scene.units
+        of_radian = shown_angle(units, 1.0)
+        begins = of_radian * self.found.starts[:, 2]
         stands = np.array([self._stands(k) for k in range(len(begins))])
-        ends = np.degrees(turned_heading(self.found.poses[:, 2]))
+        ends = of_radian * turned_heading(self.found.poses[:, 2])
         ax.plot(begins[stands], ends[stands], "o", color="#0072B2", markersize=3, label="upright")
         ax.plot(begins[~stands], begins[~stands], "x", color="#D55E00", markersize=4, label="falls")
         ax.plot(begins, begins, "--", color="0.6", linewidth=1, label="kept")
-        ax.set(xlabel="heading at the start [deg]", ylabel="heading at the end [deg]")
+        ax.set(xlabel=f"heading at the start [{units.angle}]", ylabel=f"heading at the end [{units.angle}]")
         ax.set_title(f"{one_line(self.scene.name)}: which headings return", fontsize=10)
         ax.legend(fontsize=8)
 
     def __repr__(self) -> str:
-        said = [(_arc_text(arc), arc.reason.value) for arc in self.arcs]
+        said = [(_arc_text(self.scene.units, arc), arc.reason.value) for arc in self.arcs]
         return short_lines(f"headings of {self.scene.name}: {self.summary()}", said)
 
 
-def _arc_text(arc: HeadingArc) -> str:
-    if arc.starts == 1:
-        return degrees_text(arc.first)
-    return f"{degrees_text(arc.first).removesuffix(' deg')} to {degrees_text(arc.last)}"
+def _arc_text(units: Units, arc: HeadingArc) -> str:
+    first, last = _angle_text(units, arc.first), _angle_text(units, arc.last)
+    return first if arc.starts == 1 else f"{first.removesuffix(f' {units.angle}')} to {last}"
+
+
+def _angle_text(units: Units, radians: float) -> str:
+    """A heading in the unit of the scene: ``7.49 deg``, ``0.131 rad``."""
+    shown = shown_angle(units, radians)
+    return f"{float_text(shown if abs(shown) > NO_ANGLE else 0.0, 3)} {units.angle}"
 
 
 def follow_headings(scene: Scene, options: SimulateOptions) -> HeadingsResult:

@@ -113,7 +113,7 @@ class MassPath(CarriedBody):
             if self.margins(self._support.carrying, state[None])[0] < 0 and self._body.centre_height:
                 raise LoadError("required a body that friction does not tip over at its start")
         elif not self._carry(self._support.carrying, state):
-            raise self.refusal(LoadError("required loads"))
+            raise self.refusal(LoadError("required loads"), state[:3])
         size = array_size(self.model) if self.scene is None else self.outline.size
         absolute = self._coarser * absolute_tolerances(size, self._speed)
         stepper = Integrator("BDF", self._coarser * RELATIVE_TOLERANCE, absolute)

@@ -18,7 +18,7 @@ import numpy as np
 from nonsmooth.analysis.bodies.mixing import subsets_of
 from nonsmooth.analysis.bodies.moving_outline import MovingOutline
 from nonsmooth.analysis.bodies.set_cells import CellsBySet, SetCell, Side, agrees
-from nonsmooth.analysis.bodies.supports import CarryingWheels, finite_start, tipping_edge, wheel_changes
+from nonsmooth.analysis.bodies.supports import CarryingWheels, finite_start, tipped_start, tipping_edge, wheel_changes
 from nonsmooth.analysis.contact_rule import CellRule
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.fields.kinematics import Kinematics
@@ -293,7 +293,7 @@ class CellPath:
         """
         pose = finite_start(start, until)
         if not self.stands(start):
-            raise ValueError("required a start where the body stands on its wheels, received one where it tips")
+            raise tipped_start(self._scene, self._field.under(self._own(pose)), self._own(pose))
         path = _OnWheels(self._field, self._scene).path(self._own(pose).tolist(), until, near_rounding(self._field))
         return path.in_lengths(self._length)
 

@@ -128,7 +128,7 @@ class BodyPath(CarriedBody):
             support = self._support_at(path.state)
         except TippedError as error:
             if before is None:
-                raise self.refusal(error) from None
+                raise self.refusal(error, np.array(path.pose)) from None
             return self.tipped(path, self._well_under(path.state))
         if before is not None:
             self.tell_changes(path, before, support, "" if support.unique else "other choices go on too")

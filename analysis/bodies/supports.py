@@ -111,11 +111,12 @@ class CarriedBody(HybridField):
             for kind, words in wheel_changes(self.scene, before, after):
                 path.tell(kind, words, note=of_slides if kind is EventKind.SLIDE and of_slides else note)
 
-    def refusal(self, error: Exception) -> Exception:
+    def refusal(self, error: Exception, pose: Floats) -> Exception:
         """What is said of a start at which the body tips."""
         if self.scene is None:
             return error.__cause__ if isinstance(error.__cause__, Exception) else error
-        return ValueError("required a start where the body stands on its wheels, received one where it tips")
+        under = frozenset(np.flatnonzero(self.outline.depths(pose) > self.edge_depth).tolist())
+        return tipped_start(self.scene, under, pose)
 
     def tipped(self, path: Path, carrying: Wheels) -> EndReason:
         """Note that the body tips; without an outline the reason alone says so."""
@@ -203,6 +204,12 @@ def wheel_changes(scene: Scene, before: CarryingWheels, after: CarryingWheels) -
     for kind, wheels, words in changes:
         if wheels:
             yield kind, f"wheel {', '.join(str(scene.wheels[k].index) for k in sorted(wheels))} {words}"
+
+
+def tipped_start(scene: Scene, carrying: frozenset[int], pose: Floats) -> ValueError:
+    """The refusal of a start at which the body tips, which names the edge (:func:`tipping_edge`)."""
+    edge = tipping_edge(scene, carrying, pose)
+    return ValueError(f"required a start where the body stands on its wheels, received one where it tips {edge}")
 
 
 def tipping_edge(scene: Scene, carrying: frozenset[int], pose: Floats) -> str:

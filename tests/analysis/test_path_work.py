@@ -82,7 +82,9 @@ def test_a_centre_of_mass_that_comes_ever_nearer_to_the_border_of_its_support_ti
 
 def test_a_start_over_the_line_through_two_wheels_is_refused() -> None:
     """It ended with a message of NumPy about shapes."""
-    with pytest.raises(ValueError, match="where the body stands on its wheels, received one where it tips"):
+    with pytest.raises(
+        ValueError, match="where the body stands on its wheels, received one where it tips over the line "
+    ):
         without_wheel_15().follow((0.0, 0.0, 0.3), 1.0)
 
 

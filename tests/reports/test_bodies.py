@@ -163,7 +163,7 @@ def test_a_path_of_every_kind_through_the_command(
         assert invoke(*run, "-o", str(tmp_path / name)).status == 0
     tips = invoke("simulate", carton, *options, "--from", "2.9,2.9,0")
     assert (tips.status, tips.out) == (2, "")
-    assert tips.err.endswith("required a start where the body stands on its wheels, received one where it tips\n")
+    assert tips.err.endswith("where the body stands on its wheels, received one where it tips over wheel 36\n")
 
 
 def test_a_path_through_the_command_and_python(carton: str, invoke: Invoke) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,6 +15,7 @@ from nonsmooth.analysis.bodies.many_paths import ENDS, BodyEnd, BodyEnds
 from nonsmooth.analysis.bodies.mass_study import body_of, body_path
 from nonsmooth.reports.heading_maps import HeadingsResult
 from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.units import Units
 
 if TYPE_CHECKING:
     from tests.reports.conftest import Invoke
@@ -150,6 +152,9 @@ def test_a_heading_returns_from_the_arc_that_ends_there() -> None:
     assert arcs == [(-90, 30), (120, 180)]
     assert [round(math.degrees(arc.heading or 0.0)) for arc in found.returning] == [5, 178]
     assert sum(arc.starts for arc in found.arcs) == 12
+    assert found.summary() == "0.0873 rad returns from -1.57 to 0.524 rad; 3.11 rad returns from 2.09 to 3.14 rad"
+    in_degrees = replace(found, scene=replace(found.scene, units=Units("mm", in_degrees=True)))
+    assert in_degrees.summary() == "5 deg returns from -90 to 30 deg; 178 deg returns from 120 to 180 deg"
 
 
 def test_headings_that_fall_or_lie_beside_their_arc_do_not_return() -> None:
