@@ -8,22 +8,19 @@ displacement from the point, or about that of the signed root where the state ha
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from fractions import Fraction
 from typing import Any, TypeAlias
 
 from nonsmooth.proofs.checker.cells import System, pattern
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE, STABLE
-from nonsmooth.proofs.kernel.cells import SignCell, StatedCells, sharpened, stated_cells
+from nonsmooth.proofs.kernel.cells import StatedCells, sharpened, stated_cells
 from nonsmooth.proofs.kernel.search import Search, stability_hypotheses
 from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.systems.findings import DecidedSystem
 from nonsmooth.proofs.systems.scalar_stability import clear_distance
 from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.surfaces import factorize
-from nonsmooth.symbolic.switched_system import SwitchedSystem, signs_by_factors
+from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 FINE = 1 << 20  # an end with roots is certified up to this part of its distance
 
@@ -55,29 +52,9 @@ def scalar_theorem(result: DecidedSystem, system: System) -> Theorem:
 
 
 def _cells(scene: SwitchedSystem, system: System, radius: Fraction) -> StatedCells:
-    """The cells of an interval about the point, which the point parts, and factors of even powers."""
-    half, point = scene.field(radius), scene.coordinates()
-    stated = stated_cells(scene, half, point, irrational=True)
-    even = list(_even_factors(scene, stated))
-    if even:
-        stated = stated_cells(scene, half, (*point, *even), irrational=True)
+    """The cells of an interval about the point, which the point parts."""
+    stated = stated_cells(scene, scene.field(radius), scene.coordinates(), irrational=True)
     return sharpened(stated, system, Search())
-
-
-def _even_factors(scene: SwitchedSystem, stated: StatedCells) -> Iterator[Polynomial]:
-    """What switching expressions hold an even power of: they keep their signs there."""
-    states, surfaces = scene.displaced(scene.states), stated.surfaces
-    for cell in stated.cells.cells:
-        asked: list[Polynomial] = []
-
-        def sign_of(expression: Polynomial, cell: SignCell = cell, asked: list[Polynomial] = asked) -> int:
-            asked.append(expression)
-            return signs_by_factors(dict(zip(surfaces, cell.signs, strict=True)))(expression)
-
-        for member in scene.members:
-            member.velocity(sign_of, states)
-        for factors in filter(None, map(factorize, asked)):
-            yield from (factor for factor, exponent in factors[1] if exponent % 2 == 0)
 
 
 def _attraction(result: DecidedSystem, system: System) -> Theorem:

@@ -30,7 +30,8 @@ from nonsmooth.proofs.kernel.subject import NoCertificateError, about, polynomia
 from nonsmooth.proofs.kernel.written import written_number
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Exponents, Polynomial, float_values
-from nonsmooth.symbolic.piecewise import PiecewiseExpression
+from nonsmooth.symbolic.piecewise import PiecewiseExpression, SignOf
+from nonsmooth.symbolic.surfaces import factorize
 from nonsmooth.symbolic.switched_system import MAX_PATTERNS, SwitchedSystem, UnknownSign, signs_by_factors
 
 MAX_SURFACES = 24
@@ -83,7 +84,12 @@ class SignCells:
 
 
 def build_cells(
-    system: SwitchedSystem, radius: Number, more: Iterable[Polynomial] = (), *, irrational: bool = False
+    system: SwitchedSystem,
+    radius: Number,
+    more: Iterable[Polynomial] = (),
+    *,
+    irrational: bool = False,
+    asked: set[Polynomial] | None = None,
 ) -> SignCells:
     """The cells of a cube.
 
@@ -92,6 +98,7 @@ def build_cells(
         radius: half the side of the cube.
         more: further surfaces, of a V.
         irrational: whether fields may have irrational coefficients; they are then left as they are.
+        asked: to which the switching expressions are added whose signs the fields ask for.
 
     Raises:
         BeyondReachError: for irrational numbers, and for too many surfaces or cells.
@@ -106,7 +113,13 @@ def build_cells(
     for signs in patterns(surfaces, radius):
         if len(found) == MAX_CELLS:
             raise BeyondReachError(f"over {MAX_CELLS} cells")
-        sign_of = signs_by_factors(dict(zip(surfaces, signs, strict=True)))
+        known = signs_by_factors(dict(zip(surfaces, signs, strict=True)))
+
+        def sign_of(expression: Polynomial, known: SignOf = known) -> int:
+            if asked is not None:
+                asked.add(expression)
+            return known(expression)
+
         fields = (member.velocity(sign_of, states) for member in system.members)
         velocities = tuple(tuple(read(part) for part in field) for field in fields)
         found.append(SignCell(signs, velocities))
@@ -269,7 +282,7 @@ class StatedCells:
 def stated_cells(
     system: SwitchedSystem, radius: Number | None, more: Iterable[Polynomial] = (), *, irrational: bool = False
 ) -> StatedCells:
-    """The cells of a system.
+    """The cells of a system, with the surfaces on which a switching expression is zero and does not change its sign.
 
     Args:
         system: in any number of states.
@@ -281,12 +294,21 @@ def stated_cells(
         BeyondReachError: for other irrational numbers, and for too many surfaces or cells.
     """
     half = system.field(1) if radius is None else radius
-    known = {monic(surface) for surface in build_cells(system, half, irrational=irrational).surfaces}
-    new = {monic(surface): surface for surface in more}
+    asked: set[Polynomial] = set()
+    known = {monic(surface) for surface in build_cells(system, half, irrational=irrational, asked=asked).surfaces}
+    new = {monic(surface): surface for surface in (*more, *even_factors(asked))}
     further = [surface for own, surface in new.items() if own not in known]
     cells = build_cells(system, half, further, irrational=irrational)
     within = None if radius is None else str(radius)
     return StatedCells(within, cells.surfaces, dict(_empty_patterns(cells)), cells)
+
+
+def even_factors(expressions: Iterable[Polynomial]) -> list[Polynomial]:
+    """What expressions hold an even power of, which is not constant: they keep their signs there."""
+    found: dict[Polynomial, None] = {}
+    for factors in filter(None, map(factorize, expressions)):
+        found.update((factor, None) for factor, exponent in factors[1] if exponent % 2 == 0)
+    return sorted(found, key=str)
 
 
 def monic(polynomial: Polynomial) -> Polynomial:

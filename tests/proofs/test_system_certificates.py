@@ -183,6 +183,14 @@ def test_every_condition_must_be_shown(name: str) -> None:
     assert "proofs of claims that are asked" in rejected({**record, "evidence": [{**entry, "proofs": more}, *others]})
 
 
+@pytest.mark.parametrize("field", [["-x - sign(x**3*(x - 1/4)**2)", "-y"], ["y", "-x - y - sign(y*(x + y - 1/4)**4)"]])
+def test_a_switching_expression_that_keeps_its_sign_where_it_is_zero_has_a_surface_there(field: list[str]) -> None:
+    record = certified(ns.System(["x", "y"], field, radius="1/2"))
+    assert not rejected(record)
+    surfaces = record["evidence"][0]["hypotheses"]["cells"]["surfaces"]
+    assert any("1/4" in surface or "- 1" in surface for surface in surfaces)
+
+
 @pytest.mark.parametrize(("more", "face"), keep(1, [("", "00+"), (" + Abs(x + y) + Abs(x - y)", "00+00")]))
 def test_faces_on_which_v_bends_are_asked(more: str, face: str) -> None:
     """Some planes share the z axis, along which solutions slide outward; V falls everywhere else."""
