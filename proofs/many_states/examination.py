@@ -278,10 +278,10 @@ def find_slide(system: SwitchedSystem, conditions: Functions, claim: Claim) -> R
         conditions: on V.
         claim: about the face; about a cell nothing is found.
     """
-    kind, signs, *_ = claim.name.split()
+    kind, *signs = claim.name.split()  # without a surface there are no signs
     if kind != FACE or system.only_encloses:
         return None
-    found = rising_slide(conditions, [j for j, sign in enumerate(signs) if sign == "0"])
+    found = rising_slide(conditions, [j for j, sign in enumerate(signs[0]) if sign == "0"])
     return None if found is None else Refutation(*found, SLIDES_UP)
 
 

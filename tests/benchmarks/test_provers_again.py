@@ -30,7 +30,7 @@ def decided() -> list[tuple[str, list[Obligation]]]:
     made = [(name, system(name)) for name in NAMES]
     for k in range(2 * VERDICTS):
         a = rng.integers(-5, 6, size=(2, 2, 2)) - 4 * np.eye(2, dtype=int)
-        cones = [[[*rng.integers(-3, 4, size=2), 0, 4]], None] if k % 2 else None
+        cones = [[rng.integers(-3, 4, size=2)], None] if k % 2 else None
         made.append((f"random {k}", ns.System.from_matrices(list(a), cones)))
     for name, own in made:
         try:

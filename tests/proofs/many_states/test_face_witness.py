@@ -95,6 +95,16 @@ def test_a_face_that_solutions_leave_at_once_refutes_nothing() -> None:
     assert not slides(["-sgn(x)", "-sgn(y)", "-sgn(z)"], (1, 1, 1))
 
 
+def test_without_surfaces_there_is_no_face_to_refute_on() -> None:
+    """Claims about a smooth system have no signs in their names; an audit that could not prove one asks here."""
+    system = built(["-x", "-y", "-z"])
+    formula = parse_lyapunov("x**2 + y**2 + z**2", system.states, "t", "lyapunov")
+    _, conditions = conditions_on(system, formula, system.check.radius)
+    claims = conditions.claims()
+    assert claims
+    assert [find_slide(system, conditions, claim) for claim in claims] == [None] * len(claims)
+
+
 def slides(rhs: Sequence[str], weights: Sequence[int]) -> list[Refutation]:
     system = built(rhs)
     formula = parse_lyapunov(bent(weights), system.states, "t", "lyapunov")
