@@ -14,6 +14,7 @@ from typing import Any
 import pytest
 
 import nonsmooth
+from tests.test_api import typed_names
 
 ROOT = Path(__file__).resolve().parents[1]
 LOADED = re.compile(r"<(?:script|link|img|iframe|source)\b[^>]*\b(?:src|href)=\"(https?:)?//", re.IGNORECASE)
@@ -42,6 +43,10 @@ def test_every_public_name_has_a_page_and_formulas_become_mathml() -> None:
     for name in nonsmooth._MODULES:
         assert f"reference/{name}.md" in pages
         assert f"({name}.md)" in pages["reference/index.md"]
+    for package in ("symbolic", "analysis", "proofs", "reports"):
+        names = typed_names(package)
+        assert names
+        assert all(f"::: {module}.{name}\n" in pages[f"reference/{package}.md"] for name, module in names.items())
     formula = "```math\nx^2 < \\frac{1}{2}\n```"
     drawn = made["on_page_markdown"](f"Text:\n- one\n- two\n\n{formula}\n\n```\nkept\n- so\n```\n")
     assert "<math" in drawn

@@ -5,6 +5,7 @@ Called by MkDocs (mkdocs.yml).  The public names are those of ``nonsmooth.__init
 
 from __future__ import annotations
 
+import ast
 import re
 from collections.abc import Iterator
 from html import escape
@@ -58,12 +59,18 @@ def _package_page(package: str) -> Iterator[str]:
     """The names that a package offers itself."""
     yield f"# nonsmooth.{package}"
     yield ""
-    modules = getattr(__import__(f"nonsmooth.{package}", fromlist=["_MODULES"]), "_MODULES", {})
-    for name, module in sorted(modules.items()):
-        yield f"::: nonsmooth.{module}.{name}"
+    for name, module in sorted(offered(package).items()):
+        yield f"::: {module}.{name}"
         yield "    options:"
         yield "      heading_level: 2"
         yield ""
+
+
+def offered(package: str) -> dict[str, str]:
+    """The public names of a package, each with its module: what its ``__init__`` names for type checkers."""
+    tree = ast.parse((ROOT / package / "__init__.py").read_text(encoding="utf-8"))
+    imports = [node for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)]
+    return {name.name: str(node.module) for node in imports for name in node.names if name.asname == name.name}
 
 
 def on_page_markdown(markdown: str, **_: Any) -> str:

@@ -11,6 +11,9 @@ space.  For each
   where ``V' > 0``, or a direction u in which the lowest form of V' is positive, so that V rises at ``t u`` for every
   small t, arbitrarily near the point.
 
+Each is examined in a process of its own, for ``--seconds`` of a processor at most and 3 GB: what is stopped there is
+undecided, and says so.
+
 A line of JSON for each is written into ``--into``, and what stands there is not computed again.  Status 1 where the
 two contradict each other: a V that is called valid rises in the cube, or one called invalid is positive and does not
 rise at its witness, by fractions.
@@ -21,11 +24,14 @@ from __future__ import annotations
 import argparse
 import math
 import re
+import resource
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
+from multiprocessing import get_context
+from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import TypeAlias
 
@@ -42,6 +48,7 @@ HALF = Fraction(1, 2)  # of the side of the checked cube
 DIRECTIONS, LENGTHS = 1_500, (1e-2, 0.1, 0.4, 1.0, 3.0, 10.0)
 FINE = 1 << 12  # denominator of the coordinates of a witness beside its length
 SEEN = 1e-6  # of the sum of the sizes of all terms: a value that is taken to be positive, in floats
+MEMORY = 3 << 30  # bytes that an audit may take
 DIGITS = re.compile(r"-?\d+(/\d+)?")  # a rational number
 OPERATORS = ("+", "-", "*", "^")
 
@@ -221,6 +228,31 @@ def examined(own: Published) -> Record:
     }
 
 
+def bounded(own: Published, seconds: int) -> Record:
+    """What :func:`examined` says, within bounds of time and memory."""
+    fork = get_context("fork")
+    here, there = fork.Pipe(duplex=False)
+    child = fork.Process(target=_send_examined, args=(own, seconds, there))
+    child.start()
+    there.close()
+    try:
+        return dict(here.recv())
+    except EOFError:  # the process ended without an answer
+        reason = f"stopped after {seconds} s, or at {MEMORY >> 30} GB"
+        answer = {"states": len(own.field), "verdict": "undecided", "proves": "", "reason": reason, "witness": []}
+        return {**answer, **refuted(own)}
+    finally:
+        child.join()
+
+
+def _send_examined(own: Published, seconds: int, there: Connection) -> None:
+    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+    spent = resource.getrusage(resource.RUSAGE_SELF)
+    most = round(spent.ru_utime + spent.ru_stime) + seconds
+    resource.setrlimit(resource.RLIMIT_CPU, (most, most))
+    there.send(examined(own))
+
+
 def contradiction(own: Published, found: Mapping[str, object]) -> str:
     """What is wrong with an answer; empty where nothing is."""
     rises, witness = found["rises_at"], found["witness"]
@@ -244,6 +276,7 @@ def main() -> int:
     parser.add_argument("--folder", type=Path, required=True)
     parser.add_argument("--into", type=Path, required=True, help="a file of lines of JSON")
     parser.add_argument("--most-states", type=int, default=9)
+    parser.add_argument("--seconds", type=int, default=20, help="of a processor, for each")
     asked = parser.parse_args()
     lines, wrong = Lines(asked.into), 0
     for name in FILES:
@@ -251,7 +284,7 @@ def main() -> int:
         for own in published(asked.folder / name):
             if len(own.field) > asked.most_states:
                 continue
-            found = lines.of(own.name, partial(examined, own))
+            found = lines.of(own.name, partial(bounded, own, asked.seconds))
             counts[str(found["verdict"])] += 1
             if found["verdict"] == "invalid":
                 counts[f"invalid: {found['reason']}"] += 1

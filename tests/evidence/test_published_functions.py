@@ -5,7 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 from pathlib import Path
 
-from tests.evidence.published_functions import contradiction, examined, published, refuted, text
+from tests.evidence.published_functions import bounded, contradiction, examined, published, refuted, text
 
 # x0' = -12 x0, x1' = x0 x1 - x1; V = x0^2 + x1^2 - and the same with a V that rises where x0 x1 < 0
 GOOD = "1|INT+ 2 <SPECIAL_3> * INT- 1 2 x0 <SPECIAL_3> + * x0 x1 * INT- 1 x1\t+ ^ x0 INT+ 2 ^ x1 INT+ 2"
@@ -37,3 +37,14 @@ def test_answers_that_fractions_contradict_are_named(tmp_path: Path) -> None:
     )
     claimed = {"verdict": "invalid", "witness": ["1/8", "1/8"], **refuted(good)}
     assert contradiction(good, claimed) == "invalid, but V is positive and does not rise at its witness"
+
+
+def test_what_takes_too_long_is_stopped_and_says_so(tmp_path: Path) -> None:
+    file = tmp_path / "own"
+    file.write_text(f"{GOOD}\n{BAD}\n")
+    good, bad = published(file)
+    assert bounded(good, 20) == examined(good)
+    stopped = bounded(bad, 0)
+    assert stopped["verdict"] == "undecided"
+    assert "stopped after 0 s" in str(stopped["reason"])
+    assert stopped["rises_along"] is not None
