@@ -53,7 +53,7 @@ class CellsResult(Result):
         return DataTable(("cell", "rows held", "v_x", "v_y", "omega", "area"), lines)
 
     def picture(self, suffix: str = ".svg", *, show: str = "cells") -> bytes:
-        """A picture as the bytes of a file; see :meth:`save`."""
+        """A picture as the bytes of a file that ends in ``suffix``; ``show`` as for :meth:`save`."""
         return drawn(self.partition.scene, suffix, show, self.partition)
 
     def save(self, file: str | Path, *, show: str = "cells") -> Path:

@@ -117,7 +117,13 @@ def wheel_constraints(wheel: Wheel, *, symbolic_input: bool = False, body: bool 
 
 
 def stacked_constraints(state: ContactState, *, symbolic_input: bool = False, body: bool = False) -> sympy.Matrix:
-    """The 3 x 4 SymPy matrix of the state's rows; its null vector with last entry 1 is the motion."""
+    """The 3 x 4 SymPy matrix of the state's rows; its null vector with last entry 1 is the motion.
+
+    Args:
+        state: three rows that hold together.
+        symbolic_input: write speeds as ``u_i``.
+        body: take moments about the centre of mass, as in :func:`wheel_constraints`.
+    """
     import sympy
 
     rows = []

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import ast
+import inspect
 import pkgutil
 import re
 import runpy
 import subprocess
 import sys
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from fractions import Fraction
 from importlib import import_module
 from importlib.metadata import version
 from pathlib import Path
+from types import FunctionType
 from typing import TYPE_CHECKING
 
 import pytest
@@ -100,6 +103,39 @@ def test_the_front_of_the_package() -> None:
     assert nonsmooth.__version__ == version("nonsmooth")
     with pytest.raises(AttributeError, match="module 'nonsmooth' has no attribute 'nothing'"):
         getattr(nonsmooth, "nothing")  # noqa: B009
+
+
+def public_functions() -> Iterator[tuple[str, FunctionType]]:
+    """Every public function, and every method of a public class, below its dotted name."""
+    for package in (".", *PACKAGES):
+        for name, module in typed_names(package).items():
+            value = getattr(import_module(module), name)
+            members = vars(value) if isinstance(value, type) else {"": value}
+            for inner, member in members.items():
+                function = getattr(member, "__func__", getattr(member, "fget", member))
+                if isinstance(function, FunctionType) and not inner.startswith("_"):
+                    yield f"{module}.{name}.{inner}".rstrip("."), function
+
+
+def unsaid(function: Callable[..., object]) -> list[str]:
+    """What a docstring does not name: itself, or one of several arguments."""
+    said = inspect.getdoc(function) or ""
+    named = [name for name in inspect.signature(function).parameters if name not in ("self", "cls")]
+    lacking = [name for name in named if not re.search(rf"\b{name}\b", said)] if len(named) > 1 else []
+    return lacking if said else ["docstring", *lacking]
+
+
+def test_every_argument_of_every_public_function_is_documented() -> None:
+    found = dict(public_functions())
+    assert len(found) > 200
+    inherited = {name for name, function in found.items() if not function.__doc__}  # said where it is declared first
+    assert {name: unsaid(own) for name, own in found.items() if name not in inherited and unsaid(own)} == {}
+
+    def plain(one: int, another: int) -> int:
+        """One is said here."""
+        return one + another
+
+    assert unsaid(plain) == ["one", "another"]  # the words count, not their capitals
 
 
 def test_importing_the_package_loads_nothing() -> None:

@@ -107,7 +107,7 @@ def long(path: Path) -> object:
     return pytest.param(path, marks=thorough) if path.stem == "from-one-wheel-to-theorem-4" else path
 
 
-@pytest.mark.parametrize("path", map(long, NOTEBOOKS), ids=[path.stem for path in NOTEBOOKS])
+@pytest.mark.parametrize("path", list(map(long, NOTEBOOKS)), ids=[path.stem for path in NOTEBOOKS])
 def test_notebook_runs_and_renders(path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     for name in ("IPYTHONDIR", "JUPYTER_CONFIG_DIR", "JUPYTER_RUNTIME_DIR"):
         monkeypatch.setenv(name, str(tmp_path))

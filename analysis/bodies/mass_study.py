@@ -122,7 +122,12 @@ class MassStudy(ShortRepr):
 
 
 def mass_ladder(body: RigidBody, count: int = LADDER) -> tuple[RigidBody, ...]:
-    """Bodies of one shape, each a tenth as heavy as the one before."""
+    """Bodies of one shape, each a tenth as heavy as the one before.
+
+    Args:
+        body: the first of them.
+        count: how many.
+    """
     return tuple(replace(body, mass=body.mass / 10**k, inertia=body.inertia / 10**k) for k in range(count))
 
 

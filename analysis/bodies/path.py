@@ -68,6 +68,11 @@ LOOSER = 100.0  # of both with drag, which moves a path by more, and turns round
 def ellipse_path(model: ContactModel, start: Sequence[float], until: float) -> Trajectory:
     """Follow an array from ``(x, y, theta)`` at time zero, by the model with its friction sets.
 
+    Args:
+        model: the array in floats.
+        start: x, y, theta (radian).
+        until: last time.
+
     Raises:
         ValueError: for a last time that is not positive, or numbers that are not finite.
         nonsmooth.analysis.cells.loads.LoadError: for a start without loads.

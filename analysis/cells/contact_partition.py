@@ -12,6 +12,10 @@ def build_partition(scene: Scene, *, prune: bool = True) -> Partition:
 
     A check asks the partition of its workspace (:mod:`nonsmooth.proofs.clauses.workspace`), about the checked point.
 
+    Args:
+        scene: the array.
+        prune: leave out wheels that cannot matter; without, the cells are the same.
+
     Raises:
         RefusalError: for a rule without cells, and where the motion is not determined.
     """

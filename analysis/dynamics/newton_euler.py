@@ -88,7 +88,12 @@ class RigidBody:
 
 
 def disc(model: ContactModel, mass: float) -> RigidBody:
-    """A uniform disc as large as the array: ``I = m R^2/2``, ``R^2`` the mean squared distance of the wheels."""
+    """A uniform disc as large as the array: ``I = m R^2/2``, ``R^2`` the mean squared distance of the wheels.
+
+    Args:
+        model: of the array; lengths in its unit.
+        mass: m > 0, in the unit of mass of the scene.
+    """
     return RigidBody(mass, mass * array_size(model) ** 2 / 2)
 
 

@@ -75,6 +75,11 @@ def feedback_field(partition: Partition, law: StateLaw, kinematics: Kinematics) 
 
     Leading-order kinematics are those of the checked point: the twist's velocity is taken there.
 
+    Args:
+        partition: the cells of the array.
+        law: the speeds of the rims from cell and pose.
+        kinematics: exact pose, or leading order as in the paper.
+
     Raises:
         ValueError: for a contact state of more than three rows (rule ``box``), which has no control fields.
     """

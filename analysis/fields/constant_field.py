@@ -159,6 +159,11 @@ def flow_of(twist: Sequence[Entry], kinematics: Kinematics) -> Flow:
 def array_field(partition: Partition, kinematics: Kinematics, *, exact: bool = False) -> ConstantField:
     """The field of an array under rule ``nearest`` or ``box``, with the scene's own speeds.
 
+    Args:
+        partition: the cells of the array, each with its twists.
+        kinematics: exact pose, or leading order as in the paper.
+        exact: numbers of the scene's field in place of floats.
+
     Raises:
         ValueError: for exact numbers with exact pose kinematics, whose arcs are transcendental.
     """
@@ -182,6 +187,12 @@ def piecewise_constant(
 
     Floats are read as the binary fractions that they are, so cells meet exactly.  The part of the domain outside all
     cells is outside the field.
+
+    Args:
+        domain: a convex polygon.
+        pieces: half-planes and the motion between them, for each cell.
+        kinematics: how theta moves the velocity.
+        exact: exact numbers in place of floats.
 
     Raises:
         ValueError: for a cell without area in the domain, or exact numbers with exact pose kinematics.

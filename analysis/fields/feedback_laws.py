@@ -55,12 +55,22 @@ def gradient_law(gain: float, shape: tuple[float, float] = (0.0, 0.0), weight: f
 
 
 def printed_law(gain: float, length: float = 1.0) -> StateLaw:
-    """``u_j = -k l theta, u_i = |u_j| + k|c|`` in every cell, with ``l = 1`` as printed; k (1/time), l (length)."""
+    """``u_j = -k l theta, u_i = |u_j| + k|c|`` in every cell, with ``l = 1`` as printed.
+
+    Args:
+        gain: k (1/time).
+        length: l, what a radian counts as.
+    """
     return _paper_law(gain, length, corrected=False)
 
 
 def corrected_law(gain: float, length: float = 1.0) -> StateLaw:
-    """``u_j = -g k l theta, u_i = |u_j| + k|c|`` with g the sign of wheel j's torque in the cell."""
+    """``u_j = -g k l theta, u_i = |u_j| + k|c|`` with g the sign of wheel j's torque in the cell.
+
+    Args:
+        gain: k (1/time).
+        length: l, what a radian counts as.
+    """
     return _paper_law(gain, length, corrected=True)
 
 

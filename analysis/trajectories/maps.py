@@ -98,6 +98,10 @@ def _finite(values: Floats) -> list[float | None]:
 def grid_starts(field: ConstantField, count: int) -> Floats:
     """``count x count`` starts, evenly over the bounding box of the domain, borders included; x runs first.
 
+    Args:
+        field: on its domain; shape of what is returned: (count^2, 2).
+        count: starts in a row, and rows; two at least.
+
     Raises:
         ValueError: for fewer than two starts in a row.
     """

@@ -108,7 +108,11 @@ def draw_hatch(axes: Axes, corners: Floats, hatch: str) -> None:
 
 
 def cell_map(partition: Partition, suffix: str) -> bytes:
-    """The picture of the cells as the bytes of a file; ``suffix`` is one of PICTURES.  Equal input gives equal bytes.
+    """The picture of the cells of a partition as the bytes of a file; equal input gives equal bytes.
+
+    Args:
+        partition: the cells, in the scene's unit of length.
+        suffix: of the file, one of PICTURES.
 
     Raises:
         SceneError: where the square is too large, too small or too far away to be drawn with floats.

@@ -127,7 +127,14 @@ class PathPicture:
 
 
 def trajectory_figure(partition: Partition, trajectory: Trajectory, suffix: str, law: str = "") -> bytes:
-    """The picture of a path over cells as the bytes of a file; ``law`` names that of a closed loop."""
+    """The picture of a path over cells as the bytes of a file.
+
+    Args:
+        partition: the cells.
+        trajectory: the path.
+        suffix: of the file, one of PICTURES.
+        law: the name of that of a closed loop.
+    """
     return drawn(path_figure, cells_picture(partition, trajectory, law))(suffix)
 
 

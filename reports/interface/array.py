@@ -101,7 +101,11 @@ class Array(PythonScene):
 
     @classmethod
     def of_document(cls, document: Mapping[str, Any], folder: Path | None = None) -> Self:
-        """The array of a scene file's tables; a table of wheels lies in the folder.
+        """The array of a scene file's tables.
+
+        Args:
+            document: tables and keys as in a scene file.
+            folder: in which a table of wheels lies.
 
         Raises:
             SceneError: for whatever cannot be used.
@@ -126,13 +130,28 @@ class Array(PythonScene):
 
     @classmethod
     def grid(cls, rows: int, columns: int, *, pitch: Any = 1, **more: Any) -> Self:
-        """``rows x columns`` wheels, centred on the origin, rims to it unless a field says otherwise."""
+        """``rows x columns`` wheels, centred on the origin, rims to it unless a field says otherwise.
+
+        Args:
+            rows: in y.
+            columns: in x.
+            pitch: distance of neighbours (length).
+            **more: as for :meth:`with_`.
+        """
         layout = table({"rows": rows, "columns": columns, "pitch": pitch})
         return cls.of_document(placed({"grid": layout}, more))
 
     @classmethod
     def from_csv(cls, file: str | Path, **more: Any) -> Self:
-        """Wheels of a CSV table with columns x, y and optionally the other keywords of a :class:`Wheel`."""
+        """Wheels of a CSV table with columns x, y and optionally the other keywords of a :class:`Wheel`.
+
+        Args:
+            file: the table.
+            **more: as for :meth:`with_`.
+
+        Raises:
+            SceneError: for whatever cannot be used, naming row and column.
+        """
         path = Path(file)
         return cls.of_document(placed({"wheels": {"file": path.name}}, more), path.parent)
 

@@ -43,9 +43,16 @@ def load_any(
     allow_outside: bool = False,
     exact: bool = False,
 ) -> Scene | SwitchedSystem:
-    """Read a wheel array or a plain switched system, whichever the file holds; arguments as for ``load_scene``.
+    """Read a wheel array or a plain switched system, whichever the file holds.
 
-    With ``exact`` numbers of a scene with units are written in exact forms, as those of all other scenes are.
+    Args:
+        source: a scene file or the name of a built-in one.
+        rule: contact rule in place of the file's; refused for a system.
+        radius: half-width of the checked square in place of the file's, in its unit of length.
+        at: the checked point in place of the file's.
+        accuracy: how near is near enough, in place of the file's (length).
+        allow_outside: a scene may name tables outside its own folder.
+        exact: numbers of a scene with units are written in exact forms, as those of all other scenes are.
 
     Raises:
         SceneError: for whatever cannot be used.
