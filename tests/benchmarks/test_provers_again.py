@@ -5,8 +5,12 @@ A solver may say ``unknown``, or run out of time; it must never say ``sat``.
 
 from __future__ import annotations
 
+import resource
 import time
 from collections import Counter
+from contextlib import suppress
+from multiprocessing import get_context
+from multiprocessing.connection import Connection
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +25,7 @@ from tests.reports.exchange.provers import z3_answers
 
 VERDICTS = 30
 CVC5_MILLISECONDS = 1_000
+CVC5_SECONDS = 6  # of a processor for all queries of a verdict
 
 
 def decided() -> list[tuple[str, list[Obligation]]]:
@@ -43,18 +48,35 @@ def decided() -> list[tuple[str, list[Obligation]]]:
 
 
 def cvc5_answers(file: Path) -> list[str]:
-    """What cvc5 answers, in this process."""
-    cvc5 = pytest.importorskip("cvc5", reason="cvc5 is a dependency of the benchmarks only: pip install '.[bench]'")
+    """What cvc5 answers before its process is stopped: of some queries it does not keep its own limit of time."""
+    pytest.importorskip("cvc5", reason="cvc5 is a dependency of the benchmarks only: pip install '.[bench]'")
+    fork = get_context("fork")
+    here, there = fork.Pipe(duplex=False)
+    child = fork.Process(target=_send_answers, args=(file, there))
+    child.start()
+    there.close()
+    found: list[str] = []
+    with suppress(EOFError):
+        while True:
+            found.append(here.recv())
+    child.join()
+    return found
+
+
+def _send_answers(file: Path, there: Connection) -> None:
+    import cvc5
+
+    most = int(resource.getrusage(resource.RUSAGE_SELF).ru_utime) + CVC5_SECONDS
+    resource.setrlimit(resource.RLIMIT_CPU, (most, most))
     solver = cvc5.Solver()
     solver.setOption("incremental", "true")
     solver.setOption("tlimit-per", str(CVC5_MILLISECONDS))
     parser = cvc5.InputParser(solver)
     parser.setFileInput(cvc5.InputLanguage.SMT_LIB_2_6, str(file))
-    found: list[str] = []
     while not (command := parser.nextCommand()).isNull():
         said = str(command.invoke(solver, parser.getSymbolManager())).strip()
-        found += [said] if said else []
-    return found
+        if said:
+            there.send(said)
 
 
 @pytest.mark.benchmark
@@ -68,9 +90,10 @@ def test_thirty_verdicts_are_proved_again(tmp_path: Path) -> None:
             file.write_text(smtlib_text(obligations, [name]), encoding="utf-8")
             found = ask(file)
             assert "sat" not in found, (solver, name, found)
-            assert len(found) == len(obligations), (solver, name, found)
+            assert len(found) == len(obligations) or solver == "cvc5", (solver, name, found)
             counts.update(found)
-            whole += set(found) == {"unsat"}
+            counts["stopped"] += len(obligations) - len(found)
+            whole += found == ["unsat"] * len(obligations)
         seconds = time.perf_counter() - start
         print(f"{solver}: {whole} of {VERDICTS} verdicts, {dict(counts)}, {seconds:.0f} s")
-        assert whole > VERDICTS * 3 // 4 or solver == "cvc5"
+        assert whole > VERDICTS * 3 // 4
