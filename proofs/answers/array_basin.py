@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -32,12 +32,12 @@ from nonsmooth.proofs.exact_json import encode
 from nonsmooth.proofs.system_facts import basin_record
 from nonsmooth.proofs.systems.basin import BasinEffort, CertifiedBasin
 from nonsmooth.proofs.systems.basin_mesh import MeshBuilder, last_ring, mesh_corners, mesh_of_rings
-from nonsmooth.proofs.systems.basin_rings import Bernstein, Floats, bernstein, followed_home, grow, inside_ring
+from nonsmooth.proofs.systems.basin_rings import Bernstein, Floats, Pace, bernstein, followed_home, grow, inside_ring
 from nonsmooth.symbolic.number_text import float_text, percent_text
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.support_polygon import widest_square
 
-EFFORTS = {"fast": BasinEffort(0.12, 0.03, 41), "best": BasinEffort(0.04, 0.012, 101)}
+EFFORTS = {"fast": BasinEffort(Pace(0.12, 0.03, 0.04), 41), "best": BasinEffort(Pace(0.04, 0.012, 0.02), 101)}
 PIXELS = 96  # of a raster of the square, in each direction, by which cells are looked up
 CIRCLE = 48  # points of the first ring
 INWARD = 0.02  # sine of the angle at which velocities lead inward over it, at least
@@ -307,19 +307,21 @@ def _around(
     why = NoBasin(_why_none(field))
 
     def builder(rings: Sequence[Floats]) -> MeshBuilder:
-        return MeshBuilder(field, lambda unit: ArrayPlane(cells, unit), rings, effort.triangles, is_first_whole=True)
+        plane = partial(ArrayPlane, cells)
+        return MeshBuilder(field, plane, rings, effort.pace.move, effort.triangles, is_first_whole=True)
 
     for first in _first_rings(field):
         rings = grow(
             field,
             first,
-            effort.angle,
-            effort.gap,
+            effort.pace,
             limit,
             effort.points,
             lambda done, total: announce("rings", done, total),
         )
-        built, _ = mesh_of_rings(rings, builder, lambda done, total: announce("bands of triangles", done, total))
+        built, _ = mesh_of_rings(
+            rings, builder, effort.pace.move, lambda done, total: announce("bands of triangles", done, total)
+        )
         if built is None:
             why = NoBasin("W is not seen to fall beside the first ring")
             continue

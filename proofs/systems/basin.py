@@ -25,6 +25,7 @@ from nonsmooth.proofs.systems.basin_rings import (
     FieldInCells,
     FloatField,
     Floats,
+    Pace,
     area,
     by_pattern,
     followed_home,
@@ -46,23 +47,21 @@ class BasinEffort:
     """What a search may cost.
 
     Attributes:
-        angle: by which velocities are turned outward, in radians.
-        gap: between points of a dense ring, of its size.
+        pace: of rings.
         starts: in a row of those that are sampled.
         points: of a ring, at most.
         triangles: that are looked at in floats, at most; those near the point come first.
     """
 
-    angle: float
-    gap: float
+    pace: Pace
     starts: int
     points: int = 4_000
     triangles: int = 300_000
 
 
 EFFORTS = {
-    "fast": BasinEffort(0.04, 0.012, 41),
-    "best": BasinEffort(0.007, 0.0025, 101, 20_000, 10_000_000),
+    "fast": BasinEffort(Pace(0.04, 0.012, 0.04), 41),
+    "best": BasinEffort(Pace(0.007, 0.0025, 0.02), 101, 20_000, 10_000_000),
 }
 
 
@@ -137,7 +136,7 @@ def find_basin(
         return Plane(system, unit, surfaces, Proofs({}))
 
     def builder(rings: Sequence[Floats]) -> MeshBuilder:
-        return MeshBuilder(field, cells, rings, effort.triangles)
+        return MeshBuilder(field, cells, rings, effort.pace.move, effort.triangles)
 
     plane = cells("1")
     field, potential = FloatField(plane), _potential(plane, local)
@@ -148,9 +147,9 @@ def find_basin(
     far = FARTHEST * float(np.abs(first).max())
     best: BuiltMesh | None = None
     for power in POWERS:
-        size, pace = (effort.angle, effort.gap, min(limit or far, far), effort.points), _step(announce, "rings")
-        rings = grow(field, first, *size, pace, power)
-        built, last = mesh_of_rings(rings, builder, _step(announce, "bands of triangles"))
+        farthest, tell = min(limit or far, far), _step(announce, "rings")
+        rings = grow(field, first, effort.pace, farthest, effort.points, tell, power)
+        built, last = mesh_of_rings(rings, builder, effort.pace.move, _step(announce, "bands of triangles"))
         if built is not None and (best is None or built.area > best.area):
             best = built
         if best is not None and best.area > NEARLY_ALL * area(last):
@@ -163,7 +162,7 @@ def find_basin(
 
     hypotheses = {"local": local, "surfaces": surfaces, "mesh": best.record, "below": best.below}
     border = last_ring(best.corners)
-    outside = find_outer_ring(system, surfaces, border, effort.angle, effort.gap) if limit is None else None
+    outside = find_outer_ring(system, surfaces, border, effort.pace.angle, effort.pace.gap) if limit is None else None
     return CertifiedBasin(hypotheses, _sampled(field, is_home, border, effort.starts, limit), outside)
 
 

@@ -21,12 +21,13 @@ from numpy.typing import NDArray
 from nonsmooth.proofs.checker.basin import CellFields, Mesh, show_falls
 from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.checker.work import RejectedError
-from nonsmooth.proofs.systems.basin_rings import SMALL, FieldInCells, Floats, area
+from nonsmooth.proofs.systems.basin_rings import SMALL, WAY, FieldInCells, Floats, area
 
-RINGS, EVERY = 24, 12  # of which one is used at first, and of the points of a ring
+EVERY = 12  # points of a ring of which one is used at first
+BETWEEN = 0.5  # the way between two rings that are used at first, of their size
 ROUNDS = 8  # in which a band is refined
 AHEAD = 4  # bands that are refined at a time: those beyond one that cannot be refined are not needed
-STAGES = (25, 375, 750, 1_500)  # rings that are made, as long as the mesh goes as far as they do
+STAGES = (0.5, 7.5, 15.0, WAY)  # of the way that rings go, as long as the mesh goes as far as they do
 BITS = 26  # of coordinates
 NEAR_LINE = 0.25  # of the distance of neighbours: points of a ring that are as near to a point on a line are left out
 
@@ -227,12 +228,15 @@ def last_ring(corners: Floats) -> Floats:
 
 
 def mesh_of_rings(
-    rings: Iterator[Floats], builder: Callable[[Sequence[Floats]], MeshBuilder], announce: Callable[[int, int], None]
+    rings: Iterator[Floats],
+    builder: Callable[[Sequence[Floats]], MeshBuilder],
+    move: float,
+    announce: Callable[[int, int], None],
 ) -> tuple[BuiltMesh | None, Floats]:
     """The mesh of rings that are made as far as it comes, and the last of them."""
     made: list[Floats] = []
     built = None
-    for count in STAGES:
+    for count in (round(way / move) for way in STAGES):
         made += islice(rings, count - len(made))
         built = builder(made).build(announce) if len(made) > 1 else None
         if built is None or not built.is_whole or len(made) < count:
@@ -247,6 +251,7 @@ class MeshBuilder:
         field: the velocities in floats.
         exact: the checker's cells, told the unit of the mesh.
         rings: from the first one on.
+        move: from each to the next one, of their size.
         most: triangles that are looked at, refined ones anew; then the mesh ends before the first band that is open.
         is_first_whole: whether all points of the first one are corners, and no others.
     """
@@ -256,6 +261,7 @@ class MeshBuilder:
         field: FieldInCells,
         exact: Callable[[str], CellFields],
         rings: Sequence[Floats],
+        move: float,
         most: int,
         *,
         is_first_whole: bool = False,
@@ -265,6 +271,7 @@ class MeshBuilder:
         self.field, self.exact = field, exact(str(self.lattice.unit))
         self.dense, self.rings = rings, dict[int, LatticeRing]()
         self.left, self.is_first_whole = most, is_first_whole
+        self.between = max(round(BETWEEN / move), 1)
         if is_first_whole:
             self.ring(0).chosen = list(range(len(self.ring(0).points)))
 
@@ -277,7 +284,7 @@ class MeshBuilder:
 
     def build(self, announce: Callable[[int, int], None]) -> BuiltMesh | None:
         """The bands from the first ring on, a few at a time; None without one on which W falls."""
-        used = [*range(0, len(self.dense) - 1, RINGS), len(self.dense) - 1]
+        used = [*range(0, len(self.dense) - 1, self.between), len(self.dense) - 1]
         shown: set[tuple[int, int]] = set()
         rounds: dict[tuple[int, int], int] = {}
         while True:

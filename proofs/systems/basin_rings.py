@@ -33,8 +33,7 @@ from nonsmooth.proofs.checker.polynomials import Polynomial
 
 Floats: TypeAlias = NDArray[np.float64]
 
-MOVE = 0.02  # of the size of a ring, by which the fastest of its points moves in a step
-STEPS, PAUSE, GROWTH = 1_500, 50, 1.0015  # at most; between looks at the area; by which this must grow
+WAY, PAUSE, GROWTH = 30.0, 1.0, 1.0015  # of a ring's size at most; between looks at the area; by which this must grow
 BEND = 0.15  # of a side: interpolation that bends more is not believed
 FOLD = 0.2  # sine of the angle between f and n below which f is turned less
 PHASE = 2.0  # in radians: sines and cosines need as many points over it as a ring of this size has
@@ -43,6 +42,21 @@ APART = 2.0**-10  # of a side: as near to a corner no other one is put
 UNFOLDED = 5  # times that points are left out at which a ring turns back
 STARTS = 400  # points of the first ring
 SMALL = 2.0**-40  # of the largest: what is as small counts as zero, for either sign
+
+
+@dataclass(frozen=True)
+class Pace:
+    """How rings grow.
+
+    Attributes:
+        angle: by which velocities are turned outward, in radians.
+        gap: between neighbours on a ring, of its size.
+        move: of the size of a ring, by which the fastest of its points moves in a step.
+    """
+
+    angle: float
+    gap: float
+    move: float
 
 
 class FieldInCells(Protocol):
@@ -353,8 +367,7 @@ def _on_rays(rays: Floats, potential: Callable[[Floats], Floats], level: float, 
 def grow(
     field: FieldInCells,
     ring: Floats,
-    angle: float,
-    gap: float,
+    pace: Pace,
     limit: float,
     most: int,
     announce: Callable[[int, int], None],
@@ -365,30 +378,29 @@ def grow(
     Args:
         field: of the system.
         ring: the first one.
-        angle: by which velocities are turned outward, in radians.
-        gap: between neighbours on a ring, of its size.
+        pace: of them.
         limit: half the side of a square that no ring leaves.
         most: points of a ring.
         announce: told the number of steps that are done, and of all.
         power: p of the speed ``f / |x|^p``.
     """
     yield ring
-    before = area(ring)
-    for step in range(1, STEPS):
-        announce(step, STEPS)
-        ring = next_ring(field, ring, angle, gap, limit, power)
+    before, steps, pause = area(ring), round(WAY / pace.move), round(PAUSE / pace.move)
+    for step in range(1, steps):
+        announce(step, steps)
+        ring = next_ring(field, ring, pace, limit, power)
         if not np.isfinite(ring).all() or np.abs(ring).max() > limit or area(ring) <= 0:
             return
         if len(ring) > most:
             return
         yield ring
-        if step % PAUSE == 0:
+        if step % pause == 0:
             if area(ring) < GROWTH * before:
                 return
             before = area(ring)
 
 
-def next_ring(field: FieldInCells, ring: Floats, angle: float, gap: float, limit: float, power: int) -> Floats:
+def next_ring(field: FieldInCells, ring: Floats, pace: Pace, limit: float, power: int) -> Floats:
     """One step of Runge and Kutta backward in time, in which each point keeps its right-hand side and its turn."""
     size = float(np.linalg.norm(ring, axis=1).max())
     along = np.roll(ring, -1, axis=0) - np.roll(ring, 1, axis=0)
@@ -400,7 +412,7 @@ def next_ring(field: FieldInCells, ring: Floats, angle: float, gap: float, limit
     chosen = outward.argmax(axis=0)  # the one that leads least inward
     rows = np.arange(len(ring))
     v, speed = velocities[chosen, rows], speeds[chosen, rows]
-    turn = angle * np.clip((v[:, 0] * normals[:, 1] - v[:, 1] * normals[:, 0]) / speed / FOLD, -1, 1)
+    turn = pace.angle * np.clip((v[:, 0] * normals[:, 1] - v[:, 1] * normals[:, 0]) / speed / FOLD, -1, 1)
     c, s = np.cos(turn), np.sin(turn)
 
     def backward(x: Floats) -> Floats:
@@ -410,16 +422,16 @@ def next_ring(field: FieldInCells, ring: Floats, angle: float, gap: float, limit
         return np.asarray(-turned * (room / np.linalg.norm(x, axis=1) ** power)[:, None])
 
     first = backward(ring)
-    du = MOVE * size / float(np.linalg.norm(first, axis=1).max())
+    du = pace.move * size / float(np.linalg.norm(first, axis=1).max())
     second = backward(ring + du / 2 * first)
     third = backward(ring + du / 2 * second)
     fourth = backward(ring + du * third)
     moved = ring + du / 6 * (first + 2 * second + 2 * third + fourth)
     after, places, slides = field.slides(ring)
     room = np.clip(1 - (places / limit) ** 2, 0, 1).prod(axis=1)
-    tips = places - du * (1 - angle) * slides * (room / np.linalg.norm(places, axis=1) ** power)[:, None]
+    tips = places - du * (1 - pace.angle) * slides * (room / np.linalg.norm(places, axis=1) ** power)[:, None]
     is_tip = np.insert(np.zeros(len(ring), dtype=bool), after + 1, np.ones(len(after), dtype=bool))
-    return _spaced(*_unfolded(np.insert(moved, after + 1, tips, axis=0), is_tip), gap * min(size, field.scale))
+    return _spaced(*_unfolded(np.insert(moved, after + 1, tips, axis=0), is_tip), pace.gap * min(size, field.scale))
 
 
 def _unfolded(ring: Floats, is_tip: NDArray[np.bool_]) -> tuple[Floats, NDArray[np.bool_]]:

@@ -18,12 +18,12 @@ from nonsmooth.proofs.checker.cells import System
 from nonsmooth.proofs.checker.outside import show_outside
 from nonsmooth.proofs.checker.positivity import Proofs
 from nonsmooth.proofs.checker.work import RejectedError
-from nonsmooth.proofs.systems.basin_rings import FloatField, Floats, area, next_ring
+from nonsmooth.proofs.systems.basin_rings import FloatField, Floats, Pace, area, next_ring
 
 WIDER = (1.15, 1.4, 2.0)  # of the certified region: first rings, tried in turn
 TURNS, SLENDER = (3.0, 1.0, 0.5), 0.3  # of the angle, one after the other; the largest gap over it
 STEPS, PAUSE, STILL = 400, 25, 0.9995  # at most; between looks at the area; by which this must shrink
-FARTHEST, POWER = 50.0, 2  # times the certified region; p of the speed
+FARTHEST, MOVE, POWER = 50.0, 0.02, 2  # times the certified region; a step, of a ring's size; p of the speed
 BITS = 24  # of places on a ring
 
 
@@ -70,7 +70,7 @@ def _shrunk(field: FloatField, ring: Floats, border: Floats, angle: float, gap: 
     limit = FARTHEST * float(np.abs(border).max())
     least, before = area(border), area(ring)
     for step in range(1, STEPS):
-        ring = next_ring(field, ring, -angle, gap, limit, POWER)
+        ring = next_ring(field, ring, Pace(-angle, gap, MOVE), limit, POWER)
         if not np.isfinite(ring).all() or np.abs(ring).max() > limit / 2 or area(ring) < least:
             return None
         if step % PAUSE == 0:

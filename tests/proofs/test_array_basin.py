@@ -16,11 +16,12 @@ from nonsmooth.proofs.checker.contact import Cells
 from nonsmooth.proofs.checker.statements import refusal
 from nonsmooth.proofs.checker.wheels import read_array
 from nonsmooth.proofs.systems.basin import BasinEffort
+from nonsmooth.proofs.systems.basin_rings import Pace
 from tests.certificates.corpus import good_arrays, text_of
 from tests.evidence.array_basins import basin_of, drawn, strays
 from tests.oracles.measured_tables import MeasuredTable
 
-COARSE = BasinEffort(0.2, 0.05, 15)
+COARSE = BasinEffort(Pace(0.2, 0.05, 0.04), 15)
 
 
 @pytest.fixture

@@ -18,6 +18,7 @@ from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.kernel.subject import about
 from nonsmooth.proofs.system_certificates import certificate_of, certificate_text
 from nonsmooth.proofs.systems.basin import EFFORTS, BasinEffort
+from nonsmooth.proofs.systems.basin_rings import Pace
 from nonsmooth.proofs.systems.outer_ring import find_outer_ring, ring_of
 from nonsmooth.reports.check import check_system
 from nonsmooth.symbolic.files.system_file import build_system
@@ -29,7 +30,7 @@ CIRCLE = ["-y - x*(1 - x**2 - y**2)", "x - y*(1 - x**2 - y**2)"]  # attracts ins
 def circle() -> Any:
     """The check of the circle with a coarse search."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setitem(EFFORTS, "fast", BasinEffort(0.12, 0.05, 21))
+        patch.setitem(EFFORTS, "fast", BasinEffort(Pace(0.12, 0.05, 0.04), 21))
         document = {"system": {"states": ["x", "y"], "rhs": CIRCLE}}
         return check_system(build_system(document, "circle", Path("circle.toml"))).with_region("fast")
 

@@ -11,13 +11,14 @@ import pytest
 from nonsmooth.proofs.answers import array_basin
 from nonsmooth.proofs.answers.array_basin import NoBasin, find_array_basin
 from nonsmooth.proofs.systems.basin import BasinEffort
+from nonsmooth.proofs.systems.basin_rings import Pace
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.oracles.measured_tables import MeasuredTable
 
 if TYPE_CHECKING:
     from tests.reports.conftest import Invoke
 
-COARSE = BasinEffort(0.2, 0.05, 15)
+COARSE = BasinEffort(Pace(0.2, 0.05, 0.04), 15)
 
 
 @pytest.fixture

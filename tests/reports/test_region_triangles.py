@@ -16,6 +16,7 @@ import nonsmooth as ns
 from nonsmooth.proofs.checker.statements import refusal
 from nonsmooth.proofs.system_certificates import find_region_of_triangles
 from nonsmooth.proofs.systems.basin import EFFORTS, BasinEffort, CertifiedBasin
+from nonsmooth.proofs.systems.basin_rings import Pace
 from nonsmooth.reports.check import check_system
 from tests.thorough import keep, thorough
 
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 
 Floats: TypeAlias = NDArray[np.float64]
 
-COARSE, COARSER = BasinEffort(0.12, 0.03, 21), BasinEffort(0.12, 0.06, 11)
+COARSE, COARSER = BasinEffort(Pace(0.12, 0.03, 0.04), 21), BasinEffort(Pace(0.12, 0.06, 0.04), 11)
 STEEP = 1e-3  # width over which the oracle's sign rises
 VAN_DER_POL = """
 name = "van der Pol, reversed"
