@@ -14,6 +14,8 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from nonsmooth.analysis.bodies.mass_study import rule_path
 from nonsmooth.analysis.bodies.path import BodyPath
 from nonsmooth.analysis.cells.partition import RefusalError
@@ -34,13 +36,15 @@ from nonsmooth.symbolic.under_way import tell_count
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
+    from numpy.typing import NDArray
 
 SCHEMA = "nonsmooth-failed-paths/1"
 ANY = "any"
 ENOUGH = 20.0  # times in which the fastest rim runs the half-width of the square: paths from a grid of starts
 INSIDE = 1e-9  # of a side's length: a centre of mass as near to the edge of its support does not stand, as in a check
-LEGEND = 8  # failures that are named in a picture
+COLORS = ("C0", "C1", "C2", "C3", "C4", "C5", "C6", "C8")  # of the worst failures, which are named; C7 is gray
+COLUMNS = 4  # of the legend
+OTHERS, OTHER_COLOR = "other failures", "0.45"
 
 
 @dataclass(frozen=True)
@@ -199,11 +203,15 @@ class FailedPathsResult(Result):
             (1.0, 1.0, 0.7, 0.6, 0.4, 1.6),
         )
 
+    def _worst_first(self) -> list[Failed]:
+        """The failures by how many bodies no longer come home; of equal ones by how far the end moves."""
+        return sorted(self.failures, key=lambda failed: (-self.lost(failed), -(self.farthest(failed) or 0.0)))
+
     def _worst(self) -> list[Block]:
         """The failure with which the fewest bodies come home; of equal ones that which moves the end farthest."""
         if not self.failures:
             return []
-        worst = max(self.failures, key=lambda failed: (self.lost(failed), self.farthest(failed) or 0.0))
+        worst = self._worst_first()[0]
         lost = self.lost(worst)
         came = sum(path.home for path in self.whole)
         said = f"{lost} of {came} no longer come home" if lost else "all that came home still do"
@@ -218,32 +226,51 @@ class FailedPathsResult(Result):
         return f"{len(self.paths)} paths with wheels failed"
 
     def draw(self, ax: Axes) -> None:
-        """All paths over the array: black of the whole table, full with wheels stopped, dashed with wheels lifted."""
-        from nonsmooth.reports.figures.style import title_axes
+        """All paths near the checked square: full with wheels stopped, dashed with wheels lifted, wide and gray of all.
+
+        The worst failures have colors and are named; of the others no line is told from the next.
+        """
+        from nonsmooth.reports.figures.style import INK, title_axes
         from nonsmooth.reports.figures.wheels import draw_array
 
-        draw_array(ax, self.scene)
-        named = len(self.failures) <= LEGEND
-        for number, failed in enumerate(self.failures):
+        followed = [_points(path.path) for path in (*self.whole, *self.paths) if path.path is not None]
+        draw_array(ax, self.scene, np.concatenate(followed) if followed else None)
+        colors = dict(zip(self._worst_first(), COLORS, strict=False))
+        for failed in self.failures:
+            label = str(failed) if failed in colors else OTHERS
+            color, order = (colors[failed], 2.5) if failed in colors else (OTHER_COLOR, 2.45)
             style = "--" if failed.kind is FailureKind.LIFTED else "-"
-            label = str(failed) if named else None
             for path in (after for _, after in self.pairs(failed)):
-                _draw(ax, path, color=f"C{number % 10}", linestyle=style, label=label, linewidth=1.4, zorder=2.5)
-                label = None
-        for k, path in enumerate(self.whole):  # below and wide: what it is compared with stays seen
-            _draw(ax, path, color="0.55", linewidth=4.5, zorder=2.4, label="all wheels" if k == 0 else None)
+                _draw(ax, path, color=color, linestyle=style, label=label, linewidth=1.4, zorder=order)
+        for path in self.whole:  # below and wide: what it is compared with stays seen
+            _draw(ax, path, color="0.75", linewidth=4.5, zorder=2.4, label="all wheels")
+        for path in self.whole:
+            ax.plot(*path.start[:2], ">", color=INK, markersize=6, zorder=2.6, label="start")
         title_axes(ax, f"{one_line(self.scene.name)}: paths with wheels failed")
 
     def figure(self) -> Figure:
-        """The same with a legend below, which covers nothing."""
-        from nonsmooth.reports.figures.style import LABEL, LEGEND_ROW, PICTURE, legend_below, mark_entry, new_figure
+        """The array, and beside it the same with a legend below, which covers nothing."""
+        from nonsmooth.reports.figures.style import (
+            INK,
+            LABEL,
+            LEGEND_ROW,
+            PICTURE,
+            legend_below,
+            line_entry,
+            mark_entry,
+            new_figure,
+        )
+        from nonsmooth.reports.figures.wheels import draw_array
 
-        figure = new_figure(PICTURE, PICTURE)
-        axes = figure.subplots()
-        self.draw(axes)
-        entries = [*axes.get_legend_handles_labels()[0], mark_entry("+", "checked point", markersize=9)]
-        figure.set_figheight(PICTURE + LEGEND_ROW * -(-len(entries) // 2))
-        legend_below(figure, entries, fontsize=LABEL - 1)
+        figure = new_figure(2 * PICTURE, PICTURE)
+        array, near = figure.subplots(1, 2)
+        draw_array(array, self.scene)
+        self.draw(near)
+        named = {str(label): handle for handle, label in zip(*near.get_legend_handles_labels(), strict=True)}
+        entries = [*named.values(), mark_entry("+", "checked point", markersize=9)]
+        entries += [mark_entry("o", "end", markersize=4), line_entry("checked square", linestyle="--", color=INK)]
+        figure.set_figheight(PICTURE + LEGEND_ROW * (1 - (-len(entries) // COLUMNS)))  # and one for the titles
+        legend_below(figure, entries, columns=COLUMNS, fontsize=LABEL - 1)
         return figure
 
     def __repr__(self) -> str:
@@ -376,10 +403,14 @@ def _draw(ax: Axes, path: FailedPath, **style: object) -> None:
     """A line with a dot at its end, or a cross where the body tips."""
     if path.path is None:
         return
-    points = [(float(state[0]), float(state[1])) for state in path.path.states]
-    points.append((float(path.path.end.state[0]), float(path.path.end.state[1])))
-    (line,) = ax.plot(*zip(*points, strict=True), **style)  # type: ignore[arg-type]
+    points = _points(path.path)
+    (line,) = ax.plot(*points.T, **style)  # type: ignore[arg-type]
     ax.plot(*points[-1], "x" if path.does_tip else "o", color=line.get_color(), markersize=4)
+
+
+def _points(path: Trajectory) -> NDArray[np.float64]:
+    """Places (m, 2) along a path, and its end."""
+    return np.array([state[:2] for state in (*path.states, path.end.state)], float)
 
 
 def _text(value: float | None) -> str:

@@ -5,7 +5,7 @@ A wheel is a rim with an arrow for its surface speed, a number, and a friction a
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
@@ -47,7 +47,6 @@ RIM_WIDTH = 5  # points, as drawn
 ON_SIDE = 200  # points on a side of an outline at which names are kept off it
 BOLD = 0.72  # width of a bold letter, of the size
 SHORT_NAME = 0.35  # of the gap between neighbours: names that are no longer may stand beyond the ends of their rims
-PAST = 3.2  # times as far beyond the end of a rim, past its arrow, as beside it
 LEAST_NAME, NAME_SHARE = 5.0, 0.75  # points; of the gap between neighbours that a name may take
 RIM_SHARE = 0.16  # half of a rim's length of the distance to the next wheel, so that arrows stay apart
 AXIS, AXIS_COLOR = 1.5, "#d95f02"  # half of a friction axis, in half-lengths of the rim
@@ -226,24 +225,34 @@ def _speed_words(scene: Scene) -> str:
     return f"surface speed: {float_text(speeds[0], 3)} to {float_text(speeds[-1], 3)}{unit}"
 
 
-def draw_array(axes: Axes, scene: Scene) -> None:
-    """Every wheel, the body at the checked point, and the checked square, on axes of equal scale."""
+def draw_array(axes: Axes, scene: Scene, near: Floats | None = None) -> None:
+    """The wheels, the body at the checked point, and the checked square, on axes of equal scale.
+
+    Args:
+        axes: where to draw.
+        scene: the array.
+        near: points (m, 2) that are shown, with the checked square; the whole array unless given.
+    """
     places = corners_of(wheel.position for wheel in whole(scene).wheels)
     centre, radius = np.array(floats(scene.check.equilibrium)), float(scene.check.radius)
     square = np.array([centre - radius, centre + radius])
     outline = outline_of(scene)
     body = np.empty((0, 2)) if outline is None else outline + centre
-    rim = _rim(places, np.concatenate([places, square, body]))
-    _set_view(axes, np.concatenate([places - 3 * rim, places + 3 * rim, square, body]))
+    rim = _rim(places, np.concatenate([places, square, body] if near is None else [square, near]))
+    shown = [places - 3 * rim, places + 3 * rim, square, body] if near is None else [square, near]
+    _set_view(axes, np.concatenate(shown))
     _draw_square(axes, centre, radius)
     draw_checked_point(axes, scene)
     if len(body):
         axes.fill(*body.T, fill=False, edgecolor=INK, linewidth=1, zorder=2)
     draw_names(axes, scene, AXES_SHARE * PICTURE * POINTS_PER_INCH)
-    for wheel in scene.idle:
+    if near is not None:  # names of wheels at its border would lie on the numbers of the axes
+        for name in axes.texts:
+            name.set_clip_path(axes.patch)
+    for wheel in wheels_in_view(axes, scene.idle):
         draw_rim(axes, wheel, rim, IDLE)
     largest = max((abs(float(wheel.speed)) for wheel in scene.wheels), default=0.0) or 1.0
-    for wheel in scene.wheels:
+    for wheel in wheels_in_view(axes, scene.wheels):
         tip = SLOWEST + (FASTEST - SLOWEST) * abs(float(wheel.speed)) / largest
         draw_wheel(axes, wheel, rim, tip=tip, named=False)
     axes.set(xlabel=length_label("x", scene.units), ylabel=length_label("y", scene.units))
@@ -277,10 +286,18 @@ def draw_names(axes: Axes, scene: Scene, points: float, rings: Sequence[Floats] 
         near = lines - np.array(place) * points / (right - left)
         offsets = [name_offset(way, name, size) for way in ((dx, dy), (-dx, -dy))]
         if name_width(name, size) < SHORT_NAME * gap * points / (right - left):  # room beyond the ends of the rim too
-            ends = (name_offset(way, name, size) for way in ((-dy, dx), (dy, -dx)))
-            offsets += [(PAST * x, PAST * y) for x, y in ends]
+            half = min(LARGEST_RIM * (right - left), gap * RIM_SHARE) * points / (right - left)
+            offsets += _beyond_ends((dx, dy), wheel.speed.sign() < 0, half, name, size)
         middle = min(offsets, key=lambda offset: _covered(near, offset, name, size))
         _write_name(axes, place, middle, name, color, size)
+
+
+def _beyond_ends(along: XY, backward: bool, half: float, name: str, size: float) -> Iterator[XY]:
+    """Where the middle of a name is from its wheel (points) behind the rim, close to it, and before the arrow's tip."""
+    dx, dy = (-along[0], -along[1]) if backward else along
+    for ahead, reach in ((-1, half), (1, FASTEST * half)):
+        x, y = name_offset((ahead * dy, -ahead * dx), name, size)
+        yield x + ahead * reach * dx, y + ahead * reach * dy
 
 
 def _rings(scene: Scene) -> list[Floats]:
