@@ -24,6 +24,7 @@ SLIP, STICK, QUIET = "#D55E00", "#009E73", "0.65"  # of Okabe and Ito's palette,
 RING = 2.4  # radius of the mark of a wheel that carries, in half-lengths of the rim
 HEADING = 7.0  # length of the heading's line in half-lengths of the rim
 FAINT = 0.3  # opacity of the slip of a wheel that carries nothing
+SLIPPING: Any = {"linewidth": 1.4, "linestyle": (0, (3, 2))}  # the ring of a wheel that carries and slips
 WIDTH = 0.0035  # of an arrow's shaft, of the view's width
 
 
@@ -68,7 +69,7 @@ class Stage:
         ring: Any = {"facecolor": "none", "zorder": 3}
         pieces = {
             "sticking": axes.scatter([], [], edgecolor=STICK, linewidth=2, **ring),
-            "slipping": axes.scatter([], [], edgecolor=SLIP, linewidth=1.4, linestyle=(0, (3, 2)), **ring),
+            "slipping": axes.scatter([], [], edgecolor=SLIP, **SLIPPING, **ring),
             "speeds": axes.quiver(*places.T, zeros, zeros, color=INK, zorder=5, **arrows),
             "slips": axes.quiver(*places.T, zeros, zeros, color=SLIP, zorder=6, **arrows),
             "idle": axes.quiver(*places.T, zeros, zeros, color=SLIP, alpha=FAINT, zorder=3, **arrows),
@@ -179,9 +180,10 @@ def _explain(figure: Figure, film: Film) -> None:
     from matplotlib.lines import Line2D
 
     ring: Any = {"marker": "o", "linestyle": "none", "markerfacecolor": "none", "markersize": 9}
+    slips = figure.axes[0].scatter([], [], s=81, edgecolor=SLIP, facecolor="none", label="carries, slips", **SLIPPING)
     entries = [
         Line2D([], [], label="carries, sticks", markeredgecolor=STICK, markeredgewidth=2, **ring),
-        Line2D([], [], label="carries, slips", markeredgecolor=SLIP, **ring),
+        slips,
         Line2D([], [], label="slip", color=SLIP, marker=r"$\rightarrow$", linestyle="none", markersize=10),
         Line2D([], [], label="speed of the rim", color=INK, marker=r"$\rightarrow$", linestyle="none", markersize=10),
         Line2D([], [], label="checked point", color=INK, marker="+", linestyle="none", markersize=9),
