@@ -14,14 +14,14 @@ const EXPORTS = [
 ];
 
 export class Files {
-  constructor({ scenes, rules, menu, input, dialog }, { api, store, tell }) {
-    Object.assign(this, { scenes, rules, menu, input, dialog, api, store, tell });
+  constructor({ scenes, rules, menu, input, dialog }, { api, store, results, tell }) {
+    Object.assign(this, { scenes, rules, menu, input, dialog, api, store, results, tell });
     scenes.addEventListener("change", () => this.choose(scenes.value));
     rules.addEventListener("change", () => this.#rule(rules.value));
     input.addEventListener("change", () => this.#read(input.files[0]));
     for (const [kind, label] of EXPORTS) menu.append(h("li", {}, h("button", { type: "button", "data-export": kind, onclick: () => this.export(kind) }, label)));
     menu.append(h("li", {}, h("button", { type: "button", id: "copy-link", onclick: () => this.link() }, "Copy a link to this scene")));
-    store.addEventListener("change", () => this.show());
+    for (const source of [store, results]) source.addEventListener("change", () => this.show());
   }
 
   /** Fills both lists; returns what the command line opened. */
@@ -30,7 +30,8 @@ export class Files {
     const group = (kind, label) => h("optgroup", { label }, ...scenes.filter((scene) => scene.kind === kind).map(({ name, summary }) => h("option", { value: name, title: summary }, name)));
     const own = h("option", { value: "", hidden: true }, "Choose a scene …");
     this.scenes.replaceChildren(own, group("array", "Arrays of wheels"), group("system", "Plain switched systems"));
-    this.rules.replaceChildren(...rules.map(({ name, summary }) => h("option", { value: name, title: summary }, name)));
+    const mixed = h("option", { value: "mixed", hidden: true }, "mixed"); // shown where wheels have rules of their own, not chosen
+    this.rules.replaceChildren(...rules.map(({ name, summary }) => h("option", { value: name, title: summary }, name)), mixed);
     this.summaries = new Map(rules.map(({ name, summary }) => [name, summary]));
     this.show();
     return opened;
@@ -98,7 +99,7 @@ export class Files {
 
   show() {
     const { contact, system, name = "" } = this.store.document;
-    this.rules.value = contact?.rule ?? "nearest";
+    this.rules.value = contact?.rule ?? this.results.geometry?.values?.rule ?? "nearest";
     this.rules.closest("label").hidden = Boolean(system);
     this.scenes.value = [...this.scenes.options].some((option) => option.value === name) ? name : "";
   }

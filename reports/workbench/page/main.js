@@ -51,7 +51,7 @@ function panels() {
 function controls() {
   const starts = new StartsPanel({ list: byId("starts"), until: byId("until") }, store, drawing);
   const playback = new Playback({ button: byId("play"), slider: byId("time"), output: byId("clock") }, store, drawing);
-  const files = new Files({ scenes: byId("scene"), rules: byId("rule"), menu: byId("export-menu"), input: byId("file"), dialog: byId("export-box") }, { api, store, tell });
+  const files = new Files({ scenes: byId("scene"), rules: byId("rule"), menu: byId("export-menu"), input: byId("file"), dialog: byId("export-box") }, { api, store, results, tell });
   const help = () => byId("help").showModal();
   new Pointer(drawing, operations, conversation);
   startReadout(byId("readout"), byId("how"), drawing);

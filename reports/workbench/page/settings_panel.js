@@ -125,11 +125,12 @@ export class Sliders {
     const id = `slider-${label.replace(/\W+/g, "-").toLowerCase()}`;
     const input = h("input", { id, type: "range", ...range });
     const output = h("output", { for: id });
-    const element = h("div", { class: "slider" }, h("label", { for: id }, label), output, input);
+    const unit = h("span", {});
+    const element = h("div", { class: "slider" }, h("label", { for: id }, label, unit), output, input);
     input.addEventListener("input", () => this.#moved(input, take, id));
     input.addEventListener("change", () => this.#released());
     container.append(element);
-    return { input, output, element };
+    return { input, output, element, unit };
   }
 
   #moved(input, take, id) {
@@ -229,6 +230,8 @@ export class Sliders {
     const system = isSystem(this.store.document);
     this.ofKinds.hidden = system;
     this.length.element.hidden = system;
+    const unit = unitOf(this.store.document, "length");
+    for (const slider of [this.radius, this.length]) say(slider.unit, unit ? ` [${unit}]` : "");
     this.#showKinds(system ? [] : geometry.wheels ?? []);
     for (const [slider, value] of [[this.radius, geometry.square?.radius], [this.length, geometry.square?.length]]) this.#put(slider, value > 0 ? Math.log10(value / this.size()) : 0, value);
   }

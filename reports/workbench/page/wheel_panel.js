@@ -20,7 +20,7 @@ const COLUMNS = ["", "x", "y", "heading", "speed", "friction"];
 
 export class WheelPanel {
   constructor({ fields, title, body, empty }, store, results, operations) {
-    Object.assign(this, { store, results, operations, title, body, empty, box: fields });
+    Object.assign(this, { store, results, operations, title, body, empty, hint: empty.textContent, box: fields });
     this.fields = KEYS.map((line) => ({ line, field: new Field({ ...line }, (text) => this.#take(line.key, text)) }));
     fields.append(...this.fields.map(({ field }) => field.element));
     const later = sparingly(() => this.show(), () => store.isMerging);
@@ -64,6 +64,8 @@ export class WheelPanel {
     const one = chosen.length === 1;
     this.box.hidden = !one;
     this.empty.hidden = chosen.length > 0;
+    const unit = unitOf(this.store.document, "length"); // replies are in lengths per second
+    say(this.empty, unit ? `${this.hint} Lengths are in ${unit}, speeds in ${unit}/s.` : this.hint);
     say(this.title, one ? `Wheel ${wheels[chosen[0]]?.name ?? chosen[0] + 1}` : chosen.length ? `${chosen.length} wheels selected` : "Wheels");
     if (one) this.#showFields(chosen[0]);
     else for (const { field } of this.fields) field.complain(null);

@@ -183,10 +183,22 @@ def test_speeds_are_set_in_the_unit_of_the_scene(page: Page) -> None:
     slider.focus()
     wheels = edited(page, lambda: page.keyboard.press("ArrowRight"))["wheel"]
     assert {wheel["speed"] for wheel in wheels} == {0.252}
+    assert page.locator("label[for=slider-checked-radius]").inner_text() == "Checked radius [mm]"
+    assert "Lengths are in mm, speeds in mm/s." in page.locator("#wheel-hint").inner_text()
+
+
+def test_the_rule_that_is_shown_is_the_one_that_holds(page: Page) -> None:
+    """Also where no rule is stated, but each wheel has one of its own."""
+    assert page.locator("#rule").input_value() == "nearest"
+    page.evaluate(OWN_RULES)
+    page.wait_for_function("() => document.querySelector('#rule').value === 'mixed'")
 
 
 IN_MILLIMETRES = """() => workbench.store.open({ ...workbench.store.document, units: { length: "mm", speed: "m/s" },
   check: undefined, wheel: workbench.store.document.wheel.map((wheel) => ({ ...wheel, speed: 0.25 })) })"""
+
+OWN_RULES = """() => workbench.store.open({ ...workbench.store.document, contact: undefined,
+  wheel: workbench.store.document.wheel.map((wheel, k) => ({ ...wheel, contact: k ? "ellipse" : "roller" })) })"""
 
 SECOND_KIND = """() => { workbench.store.edit(({ document }) => ({ document: { ...document,
   wheel: document.wheel.map((wheel, k) => (k === 1 ? { ...wheel, mu_side: 0.2, mu_roll: 1, speed: 2 } : wheel)) } }));
