@@ -269,6 +269,7 @@ class FailedPathsResult(Result):
         named = {str(label): handle for handle, label in zip(*near.get_legend_handles_labels(), strict=True)}
         entries = [*named.values(), mark_entry("+", "checked point", markersize=9)]
         entries += [mark_entry("o", "end", markersize=4), line_entry("checked square", linestyle="--", color=INK)]
+        entries += [mark_entry("x", "tips", markersize=4)] * any(path.does_tip for path in self.paths)
         figure.set_figheight(PICTURE + LEGEND_ROW * (1 - (-len(entries) // COLUMNS)))  # and one for the titles
         legend_below(figure, entries, columns=COLUMNS, fontsize=LABEL - 1)
         return figure

@@ -103,7 +103,9 @@ def test_what_no_longer_comes_home_is_counted(invoke: Invoke, tmp_path: Path) ->
         assert len(list(csv.DictReader(file))) == 4 * 9
     assert invoke(*command, "-o", "failed.svg").status == 0
     picture = (tmp_path / "failed.svg").read_text(encoding="utf-8")
-    assert all(words in picture for words in ("wheel 1 stopped", "wheel 4 lifted", "start", "end", "checked square"))
+    assert all(
+        words in picture for words in ("wheel 1 stopped", "wheel 4 lifted", "start", "end", "tips", "checked square")
+    )
     assert "other failures" not in picture  # all eight are named
 
 
