@@ -137,7 +137,11 @@ def headline(result: Check) -> Text:
     head = Text(one_line(scene.name), "bold")
     head.append(f": {wheels_text(scene)}, rule {scene.contact.rule}", "not bold")
     unit = f" {scene.units.length}" if scene.units.length else ""
-    return head.append(f", checked at c* = ({x}, {y}) within {short_text(scene.check.radius)}{unit}", "not bold")
+    head.append(f", checked at c* = ({x}, {y}) within {short_text(scene.check.radius)}{unit}", "not bold")
+    if scene.check.wider is not None:
+        stated = f"{short_text(scene.check.wider)}{unit}"
+        head.append(f" (of the {stated} that are stated: farther out other wheels may carry it)", "not bold")
+    return head
 
 
 def _census(result: Check) -> str:

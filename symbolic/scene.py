@@ -216,6 +216,7 @@ class CheckedSquare:
     which feedback weighs headings against places; ``has_default_length`` says that it follows the point (module
     ``characteristic_length``), ``has_default_radius`` that the radius follows the wheels that carry the body.
     ``accuracy`` is how near a body must come (length); None where it is not stated (:attr:`Scene.accuracy`).
+    ``wider`` is the radius that the scene states where the square is smaller, so that no wheel enters or leaves.
     """
 
     equilibrium: Vector
@@ -225,6 +226,7 @@ class CheckedSquare:
     has_default_length: bool = dataclasses.field(default=False, compare=False)
     has_default_radius: bool = dataclasses.field(default=False, compare=False)
     accuracy: Number | None = None
+    wider: Number | None = dataclasses.field(default=None, compare=False)
 
     @property
     def named_lyapunov(self) -> str | None:
@@ -308,7 +310,7 @@ class Scene(ShortRepr):
 
     def checked_at(self, point: Vector, radius: Number) -> Scene:
         """The same array, checked at another point, within ``radius`` of it; a length that is not stated follows it."""
-        check = replace(self.check, equilibrium=point, radius=radius)
+        check = replace(self.check, equilibrium=point, radius=radius, wider=None)
         if check.has_default_length:
             check = replace(check, length=default_length([wheel.position for wheel in self.wheels], point))
         return replace(self, check=check)

@@ -43,6 +43,7 @@ def scaled(scene: Scene, factor: Fraction) -> Scene:
         scene.check,
         equilibrium=(x * factor, y * factor),
         radius=scene.check.radius * factor,
+        wider=None,
         lyapunov=None,
         length=scene.check.length * factor,
         accuracy=None if scene.check.accuracy is None else scene.check.accuracy * factor,

@@ -58,13 +58,20 @@ def build_check(document: SceneDocument, numbers: Numbers, wheels: tuple[Wheel, 
         radius = chosen(default_radius([wheel.position for wheel in wheels], (x, y)), document.units.labels)
     else:
         radius = numbers.positive(table.radius, "check.radius")
-    defaults = {"has_default_radius": table.radius is None, "has_default_length": table.length is None}
     if table.length is not None:
         length = _stated_length(table.length, numbers)
     else:
         length = default_length([wheel.position for wheel in wheels], (x, y))
     accuracy = None if table.accuracy is None else numbers.positive(table.accuracy, "check.accuracy")
-    return CheckedSquare((x, y), radius, table.lyapunov, length, **defaults, accuracy=accuracy)
+    return CheckedSquare(
+        (x, y),
+        radius,
+        table.lyapunov,
+        length,
+        has_default_radius=table.radius is None,
+        has_default_length=table.length is None,
+        accuracy=accuracy,
+    )
 
 
 def _stated_length(value: Exact, numbers: Numbers) -> Fraction:

@@ -104,7 +104,10 @@ def test_the_square_of_a_stated_radius_is_cut_where_a_wheel_enters(tmp_path: Pat
     stands = standing(scene_of(tmp_path, f"{BOX}[check]\nradius = 1\n"))
     assert str(stands.check.radius) == "1/5"
     assert str(contact_set(stands).margin) == "1/5"
-    assert str(standing(scene_of(tmp_path, f'{BOX}[check]\nradius = "1/9"\n')).check.radius) == "1/9"
+    assert str(stands.check.wider) == "1"
+    within = standing(scene_of(tmp_path, f'{BOX}[check]\nradius = "1/9"\n')).check
+    assert (str(within.radius), within.wider) == ("1/9", None)
+    assert standing(scene_of(tmp_path, BOX)).check.wider is None
 
 
 def test_a_wheel_under_the_edge_is_named_with_the_way_out(tmp_path: Path) -> None:
