@@ -212,13 +212,12 @@ class FailedPathsResult(Result):
         if not self.failures:
             return []
         worst = self._worst_first()[0]
-        lost = self.lost(worst)
         came = sum(path.home for path in self.whole)
-        said = f"{lost} of {came} no longer come home" if lost else "all that came home still do"
         if not came:  # which is the worst for bodies that end elsewhere anyhow is no question
-            return [
-                Paragraph((f"with all wheels none of {len(self.whole)} comes home; {worst} moves the end farthest",))
-            ]
+            said = f"with all wheels none of {len(self.whole)} comes home; {worst} moves the end farthest"
+            return [Paragraph((said,))]
+        lost = self.lost(worst)
+        said = f"{lost} of {came} no longer come home" if lost else "all that came home still do"
         return [Paragraph((f"the worst: {worst}: {said}",))]
 
     def summary(self) -> str:
@@ -269,7 +268,8 @@ class FailedPathsResult(Result):
         named = {str(label): handle for handle, label in zip(*near.get_legend_handles_labels(), strict=True)}
         entries = [*named.values(), mark_entry("+", "checked point", markersize=9)]
         entries += [mark_entry("o", "end", markersize=4), line_entry("checked square", linestyle="--", color=INK)]
-        entries += [mark_entry("x", "tips", markersize=4)] * any(path.does_tip for path in self.paths)
+        if any(path.does_tip for path in self.paths):
+            entries.append(mark_entry("x", "tips", markersize=4))
         figure.set_figheight(PICTURE + LEGEND_ROW * (1 - (-len(entries) // COLUMNS)))  # and one for the titles
         legend_below(figure, entries, columns=COLUMNS, fontsize=LABEL - 1)
         return figure

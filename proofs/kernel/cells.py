@@ -69,6 +69,7 @@ class SignCells:
         cells: the patterns of signs that the cube has, with the fields.
         radius: half the side of the cube.
         beyond: whether the fields are those of the system outside the cube too; denominators are positive inside only.
+        asked: the switching expressions whose signs the fields ask for.
     """
 
     states: tuple[str, ...]
@@ -76,6 +77,7 @@ class SignCells:
     cells: tuple[SignCell, ...]
     radius: fmpq
     beyond: bool
+    asked: frozenset[Polynomial]
 
     @property
     def are_cones(self) -> bool:
@@ -84,12 +86,7 @@ class SignCells:
 
 
 def build_cells(
-    system: SwitchedSystem,
-    radius: Number,
-    more: Iterable[Polynomial] = (),
-    *,
-    irrational: bool = False,
-    asked: set[Polynomial] | None = None,
+    system: SwitchedSystem, radius: Number, more: Iterable[Polynomial] = (), *, irrational: bool = False
 ) -> SignCells:
     """The cells of a cube.
 
@@ -98,7 +95,6 @@ def build_cells(
         radius: half the side of the cube.
         more: further surfaces, of a V.
         irrational: whether fields may have irrational coefficients; they are then left as they are.
-        asked: to which the switching expressions are added whose signs the fields ask for.
 
     Raises:
         BeyondReachError: for irrational numbers, and for too many surfaces or cells.
@@ -110,22 +106,22 @@ def build_cells(
         raise BeyondReachError(f"over {MAX_SURFACES} switching surfaces")
     read = _all_terms if irrational else rational_terms
     found: list[SignCell] = []
+    asked: set[Polynomial] = set()
     for signs in patterns(surfaces, radius):
         if len(found) == MAX_CELLS:
             raise BeyondReachError(f"over {MAX_CELLS} cells")
         known = signs_by_factors(dict(zip(surfaces, signs, strict=True)))
 
         def sign_of(expression: Polynomial, known: SignOf = known) -> int:
-            if asked is not None:
-                asked.add(expression)
+            asked.add(expression)
             return known(expression)
 
         fields = (member.velocity(sign_of, states) for member in system.members)
         velocities = tuple(tuple(read(part) for part in field) for field in fields)
         found.append(SignCell(signs, velocities))
-    in_line = len(system.states) == 1  # where intervals may be of any size
-    half = (in_line and radius.as_rational()) or rational(radius)
-    return SignCells(system.states, surfaces, tuple(found), half, not system.denominators)
+    half = radius.as_rational() if len(system.states) == 1 else None  # intervals may be of any size
+    half = rational(radius) if half is None else half
+    return SignCells(system.states, surfaces, tuple(found), half, not system.denominators, frozenset(asked))
 
 
 def adjoining(cells: SignCells) -> list[SignCell]:
@@ -294,10 +290,10 @@ def stated_cells(
         BeyondReachError: for other irrational numbers, and for too many surfaces or cells.
     """
     half = system.field(1) if radius is None else radius
-    asked: set[Polynomial] = set()
-    known = {monic(surface) for surface in build_cells(system, half, irrational=irrational, asked=asked).surfaces}
-    new = {monic(surface): surface for surface in (*more, *even_factors(asked))}
-    further = [surface for own, surface in new.items() if own not in known]
+    own = build_cells(system, half, irrational=irrational)
+    known = {monic(surface) for surface in own.surfaces}
+    new = {monic(surface): surface for surface in (*more, *even_factors(own.asked))}
+    further = [surface for form, surface in new.items() if form not in known]
     cells = build_cells(system, half, further, irrational=irrational)
     within = None if radius is None else str(radius)
     return StatedCells(within, cells.surfaces, dict(_empty_patterns(cells)), cells)

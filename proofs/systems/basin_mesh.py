@@ -3,6 +3,8 @@
 In a triangle with a side on a ring W has the gradient of the normal n of this side, up to a positive factor, so all
 velocities f that the triangle may have must fulfil ``n . f < 0``.  Where floats see that fail the side is halved, or
 those of the other ring beside the triangle, until the points of the rings are used up; then a ring is put between.
+Bands are refined from the first ring on, a few at a time, so that nothing is spent beyond one that cannot be; and rings
+are made in stages, the next one only where the mesh has come to the end of the one before.
 Where cells meet, each band is at last put to the checker's own conditions; rings end before the first that fails them.
 """
 

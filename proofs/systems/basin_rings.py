@@ -229,19 +229,17 @@ class FloatField:
         still, *moved = self._parts(signs, number)(x)
         return np.asarray(still + sum(wave[:, None] * own for wave, own in zip(waves, moved, strict=True)))
 
-    def _parts(self, signs: Pattern, number: int) -> Callable[[Floats], Floats]:
-        """The polynomials of one right-hand side at places: shape (parts, places, 2)."""
-        key = (signs, number)
-        if key not in self._in_floats:
+    @cached_property
+    def _parts(self) -> Callable[[Pattern, int], Callable[[Floats], Floats]]:
+        """For the signs of a cell and the number of a right-hand side its polynomials: shape (parts, places, 2)."""
+
+        @cache
+        def made(signs: Pattern, number: int) -> Callable[[Floats], Floats]:
             parts = self.plane.sides(signs)[number].parts
             at = together([own for part in parts for own in part])
-            self._in_floats[key] = lambda x: at(x).reshape(len(parts), 2, len(x)).transpose(0, 2, 1)
-        return self._in_floats[key]
+            return lambda x: at(x).reshape(len(parts), 2, len(x)).transpose(0, 2, 1)
 
-    @cached_property
-    def _in_floats(self) -> dict[tuple[Pattern, int], Callable[[Floats], Floats]]:
-        """What has been made for cells, by their signs and the number of a right-hand side."""
-        return {}
+        return made
 
     def waves(self, number: int, x: Floats) -> list[Floats]:
         """The sines and cosines of one right-hand side at places."""
