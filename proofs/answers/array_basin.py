@@ -319,11 +319,12 @@ def _around(
             effort.points,
             lambda done, total: announce("rings", done, total),
         )
-        built, _ = mesh_of_rings(
+        built, last = mesh_of_rings(
             rings, builder, effort.pace.move, lambda done, total: announce("bands of triangles", done, total)
         )
         if built is None:
-            why = NoBasin("W is not seen to fall beside the first ring")
+            if last is not first:  # there is a ring around the first one
+                why = NoBasin("W is not seen to fall beside the first ring")
             continue
         mesh, below = built.record, built.below
         found: dict[str, Any] = {"mesh": mesh, "below": below, "squared_radius": _squared_radius(mesh, below)}

@@ -287,8 +287,8 @@ class MeshBuilder:
     def build(self, announce: Callable[[int, int], None]) -> BuiltMesh | None:
         """The bands from the first ring on, a few at a time; None without one on which W falls."""
         used = [*range(0, len(self.dense) - 1, self.between), len(self.dense) - 1]
-        shown: set[tuple[int, int]] = set()
-        rounds: dict[tuple[int, int], int] = {}
+        shown: set[Band] = set()
+        rounds: dict[Band, int] = {}
         while True:
             open_bands = [pair for pair in pairwise(used) if pair not in shown][:AHEAD]
             if not open_bands:
