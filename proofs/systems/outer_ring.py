@@ -52,7 +52,7 @@ def find_outer_ring(
             if nearer is not None and hypotheses is not None and _is_shown(system, hypotheses):
                 best, rings = hypotheses, [nearer]
                 break
-        else:
+        if best is None:  # a smaller angle is harder; after one that is shown it may be shown where another was not
             break
     return best
 
