@@ -12,7 +12,9 @@ from functools import cached_property
 from itertools import combinations, combinations_with_replacement
 from typing import TypeAlias
 
+import numpy as np
 from flint import fmpq
+from numpy.typing import NDArray
 
 from nonsmooth.symbolic.numbers.polynomial import Exponents, Terms, add_terms, multiply_terms
 
@@ -111,6 +113,29 @@ def build_blocks(condition: Condition, level: int = 0) -> Blocks:
         if monomials:
             blocks.append(Block(factors, product, monomials))
     return tuple(blocks)
+
+
+def plain_block(condition: Condition) -> Blocks:
+    """The plain sum of squares alone, of the monomials in half the Newton polytope of p.
+
+    A polynomial that is a sum of squares everywhere has no others (Reznick 1978): far fewer than all up to its degree.
+    """
+    support = sorted(condition.support)
+    degrees = list(map(sum, support))
+    corners = np.array(support, float).reshape(len(support), condition.variables).T
+    candidates = monomials_between(condition.variables, (min(degrees) + 1) // 2, max(degrees) // 2) if support else ()
+    inside = tuple(m for m in candidates if _is_mixture(corners, 2.0 * np.array(m)))
+    return (Block((), {(0,) * condition.variables: fmpq(1)}, inside),)
+
+
+def _is_mixture(corners: NDArray[np.float64], place: NDArray[np.float64]) -> bool:
+    """Whether a place lies in the convex hull of columns, in floats: what is proposed need not be certain."""
+    from scipy.optimize import linprog
+
+    if (place > corners.max(axis=1)).any():
+        return False
+    equations = np.vstack([corners, np.ones(corners.shape[1])])
+    return linprog(np.zeros(corners.shape[1]), A_eq=equations, b_eq=[*place, 1.0]).status == 0
 
 
 def _products(condition: Condition) -> Iterator[tuple[int, ...]]:

@@ -7,19 +7,20 @@ positive semidefinite, and z_0 zero nowhere but at the origin (Putinar 1993; Sch
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from enum import Enum
+from itertools import takewhile
 
 from flint import fmpq
 
-from nonsmooth.proofs.sums_of_squares.ansatz import Blocks, Condition, build_blocks, without_idle
+from nonsmooth.proofs.sums_of_squares.ansatz import Blocks, Condition, build_blocks, plain_block, without_idle
 from nonsmooth.proofs.sums_of_squares.conic_program import solve, solve_inside
 from nonsmooth.proofs.sums_of_squares.rounding import RationalMatrix, rounded
 from nonsmooth.symbolic.numbers.polynomial import Exponents
 
 LEVELS = (0, 1)  # degrees beyond that of p, in steps of two
-MOST_UNKNOWNS = 6_000  # entries of Gram matrices: beyond that a program takes too long
+MOST_UNKNOWNS = 6_000  # entries of Gram matrices: beyond that a program takes too long, and many gigabytes
 
 
 @dataclass(frozen=True)
@@ -55,14 +56,26 @@ def prove_positive(condition: Condition, effort: Effort = Effort.STRICT) -> SumO
         effort: how far it is looked for.
     """
     scaled = normalized(condition)
-    for level in LEVELS[:1] if effort is Effort.HASTY else LEVELS:
-        blocks = build_blocks(scaled, level)
-        if sum(len(block.monomials) ** 2 for block in blocks) > 2 * MOST_UNKNOWNS:
-            break
+    for blocks in _programs(scaled, effort):
         found = _strictly(scaled, blocks)
         if found is not None:
             return found
     return _weakly(scaled) if effort is Effort.FULL else None
+
+
+def _programs(condition: Condition, effort: Effort) -> Iterator[Blocks]:
+    """The sums that are tried: of squares alone, which are few, and where those do not serve, beside guards."""
+    if effort is Effort.HASTY:
+        levels = LEVELS[:1]
+    else:
+        levels = LEVELS
+        yield from filter(_is_solvable, [plain_block(condition)])
+    yield from takewhile(_is_solvable, (build_blocks(condition, level) for level in levels))
+
+
+def _is_solvable(blocks: Blocks) -> bool:
+    """Whether a program is small enough."""
+    return sum(len(block.monomials) ** 2 for block in blocks) <= 2 * MOST_UNKNOWNS
 
 
 def _strictly(condition: Condition, blocks: Blocks) -> SumOfSquares | None:
@@ -77,11 +90,14 @@ def _strictly(condition: Condition, blocks: Blocks) -> SumOfSquares | None:
 def _weakly(condition: Condition) -> SumOfSquares | None:
     if not condition.constant:
         return SumOfSquares(condition, (), (), strict=False)
-    blocks = without_idle(build_blocks(condition), condition.support)
-    solvable = _holds_monomials(blocks)
-    solution = solve([(condition, blocks)], 0, inner=0.0, bounded=False, strict=False) if solvable else None
-    grams = None if solution is None else rounded(condition, blocks, solution.grams[0], strict=False)
-    return None if grams is None else SumOfSquares(condition, blocks, grams, strict=False)
+    for built in (plain_block(condition), build_blocks(condition)):
+        blocks = without_idle(built, condition.support)
+        if _is_solvable(blocks) and _holds_monomials(blocks):
+            solution = solve([(condition, blocks)], 0, inner=0.0, bounded=False, strict=False)
+            grams = None if solution is None else rounded(condition, blocks, solution.grams[0], strict=False)
+            if grams is not None:
+                return SumOfSquares(condition, blocks, grams, strict=False)
+    return None
 
 
 def _holds_monomials(blocks: Blocks) -> bool:

@@ -19,6 +19,7 @@ from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.checker.positivity import Claim, Inequality, cube_guards, identity, show
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.kernel.squares import Shown, find
+from nonsmooth.proofs.sums_of_squares import prove
 from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.sums_of_squares.rounding import is_definite, is_semidefinite, particular_solution
 
@@ -173,3 +174,24 @@ def test_equations_without_a_solution_have_none() -> None:
     found = particular_solution(matrix, fmpq_mat([[1], [2]]))
     assert found is not None
     assert matrix * found == fmpq_mat([[1], [2]])
+
+
+def test_high_degrees_need_the_monomials_of_half_the_newton_polytope_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    solve, sizes = prove.solve, []
+
+    def noting(problems: Sequence[Any], *args: Any, **options: Any) -> Any:
+        sizes.append(sum(len(block.monomials) ** 2 for _, blocks in problems for block in blocks))
+        return solve(problems, *args, **options)
+
+    monkeypatch.setattr(prove, "solve", noting)
+    steep = positive({(10, 0, 0): 1, (0, 10, 0): 2, (0, 0, 12): 2}, box=True)
+    found = find(steep, Effort.STRICT)
+    assert found is not None
+    assert found.strict
+    assert follows(steep, found)
+    flat = positive({(10, 0, 2): 1, (0, 10, 2): 2, (0, 0, 12): 2}, box=True)  # zero where z is
+    weak = find(flat, Effort.FULL)
+    assert weak is not None
+    assert not weak.strict
+    assert follows(flat, weak)
+    assert max(sizes, default=0) <= 2 * prove.MOST_UNKNOWNS  # none takes gigabytes
