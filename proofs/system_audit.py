@@ -3,8 +3,9 @@
 V is a formula in the displacement from the checked equilibrium; its decimals are exact, so a V that came out of a float
 solver is judged as it was printed.  Valid means: V is zero at the equilibrium and positive elsewhere in the domain, and
 does not increase along any Filippov solution there (:mod:`nonsmooth.proofs.systems.derivatives` in two states,
-:mod:`nonsmooth.proofs.many_states.examination` in more).  The domain is the checked cube; for a plain system of cones
-in two states it is the plane.  Wheel arrays move with the exact pose rate ``v + omega J c``.
+:mod:`nonsmooth.proofs.many_states.examination` in more, and where the former leaves it open).  The domain is the
+checked cube; for a plain system of cones in two states it is the plane.  Wheel arrays move with the exact pose rate
+``v + omega J c``.
 
 Where the right-hand sides only enclose the stated field (sines and cosines of states lie between polynomials,
 :mod:`nonsmooth.symbolic.sine_enclosures`), what holds along all of these holds along the field; a point at which V
@@ -14,7 +15,7 @@ inside cells at such a point or beside it: where a ball is positive, V increases
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from enum import StrEnum
@@ -30,9 +31,11 @@ from nonsmooth.analysis.contact_rule import CellRule, rule_of
 from nonsmooth.proofs.kernel.cells import BeyondReachError
 from nonsmooth.proofs.many_states import examination as many
 from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, NotZeroError
+from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.denominators import require_denominators
 from nonsmooth.proofs.systems.derivatives import RISES, Decrease, Refutation, examine, refutations
 from nonsmooth.proofs.systems.domain import Domain, domain_regions, domains, plane_cells
+from nonsmooth.proofs.systems.findings import ExaminedFunction
 from nonsmooth.proofs.systems.invariance import Staying, decide_staying
 from nonsmooth.proofs.systems.plane_function import PlaneFunction
 from nonsmooth.proofs.verdicts import Translation
@@ -220,22 +223,15 @@ def audit(scene: Scene | SwitchedSystem, lyapunov: str) -> AuditResult:
         reason = f'rule "{rule}" moves the array by a field without cells, which is not audited'
         return AuditResult(scene, lyapunov, AuditVerdict.UNDECIDED, None, reason, None, None)
     formula, domain, cells = found
-    function = PlaneFunction(examine(cells), domain, formula, _states(scene))
-    return _result(scene, lyapunov, function)
-
-
-def _is_in_space(scene: Scene | SwitchedSystem) -> bool:
-    return scene.kind is SceneKind.SYSTEM and len(scene.states) > len(PLANE)
+    function: ExaminedFunction = PlaneFunction(examine(cells), domain, formula, _states(scene))
+    if scene.kind is SceneKind.SYSTEM and function.decrease is Decrease.UNDECIDED:
+        function = _by_squares(scene, formula) or function
+    verdict, proves, reason, witness = _judged_in_the_plane(scene, function, cells)
+    return AuditResult(scene, lyapunov, verdict, proves, reason, witness, function)
 
 
 def _states(scene: Scene | SwitchedSystem) -> tuple[str, ...]:
     return scene.states if scene.kind is SceneKind.SYSTEM else PLANE
-
-
-def _result(scene: Scene | SwitchedSystem, lyapunov: str, function: Any) -> AuditResult:
-    judge: Callable[[Any, Any], Judgement] = _judged_in_space if _is_in_space(scene) else _judged_in_the_plane
-    verdict, proves, reason, witness = judge(scene, function)
-    return AuditResult(scene, lyapunov, verdict, proves, reason, witness, function)
 
 
 def _formula(scene: Scene | SwitchedSystem, lyapunov: str) -> PiecewiseExpression:
@@ -274,18 +270,29 @@ def audited_cells(
     return formula, domain, lyapunov_cells(cells, formula, _states(scene), scene.origin, KEY)
 
 
-def _judged_in_the_plane(scene: Scene | SwitchedSystem, function: PlaneFunction) -> Judgement:
+def _by_squares(system: SwitchedSystem, formula: PiecewiseExpression) -> ExaminedFunction | None:
+    """V shown by sums of squares, which are few at high degrees, where subdivision gives up; None where it is not."""
+    try:
+        found = many.examine(_with_known_numbers(system), formula, system.check.radius, effort=Effort.ALONE)
+    except (BeyondReachError, ExpressionError):
+        return None
+    return found if found.decrease in many.PROVES else None
+
+
+def _judged_in_the_plane(
+    scene: Scene | SwitchedSystem, function: ExaminedFunction, cells: Sequence[LyapunovCell]
+) -> Judgement:
     """The verdict that follows from the inequalities."""
     verdict, proves = JUDGED[function.decrease]
     reason, witness = function.reason, function.witness
     if scene.kind is SceneKind.ARRAY:
         return verdict, proves, reason, _named(witness)
-    if function.decrease is Decrease.REFUTED and scene.waves:
+    if isinstance(function, PlaneFunction) and function.decrease is Decrease.REFUTED and scene.waves:
         witness = _stated_refutation(scene, function)
         reason = NOT_OF_THE_FIELD if witness is None else witness.meaning
         verdict = AuditVerdict.UNDECIDED if witness is None else verdict
     if function.decrease is Decrease.WEAK:
-        staying = decide_staying(scene, function.formula, scene.check.radius, function.result.cells)
+        staying = decide_staying(scene, function.formula, scene.check.radius, cells)
         reason = f"{reason}{', and' if staying is Staying.NONE else ';'} {staying}"
         proves = Translation.ASYMPTOTICALLY_STABLE if staying is Staying.NONE else proves
     return verdict, proves, reason, _named(witness)
@@ -314,12 +321,18 @@ def _named(witness: Refutation | None) -> Refutation | None:
 # ---- in three states and more ----------------------------------------------------------------------
 
 
+def _with_known_numbers(system: SwitchedSystem) -> SwitchedSystem:
+    """The same system between rational bounds of its irrational numbers, where there are such bounds."""
+    with suppress(NoEnclosureError):
+        return enclose_numbers(system)
+    return system
+
+
 def _audit_in_space(scene: SwitchedSystem, lyapunov: str) -> AuditResult:
     require_stated(scene)
     require_denominators(scene)
     formula, radius = _formula(scene, lyapunov), scene.check.radius
-    with suppress(NoEnclosureError):
-        scene = enclose_numbers(scene)
+    scene = _with_known_numbers(scene)
     try:
         function = many.examine(scene, formula, radius)
     except BeyondReachError as error:
@@ -327,7 +340,8 @@ def _audit_in_space(scene: SwitchedSystem, lyapunov: str) -> AuditResult:
         return AuditResult(scene, lyapunov, verdict, None, str(error), None, None)
     except ExpressionError as error:
         raise SceneError(scene.origin, KEY, requirement(error), lyapunov) from None
-    return _result(scene, lyapunov, function)
+    verdict, proves, reason, witness = _judged_in_space(scene, function)
+    return AuditResult(scene, lyapunov, verdict, proves, reason, witness, function)
 
 
 def _judged_in_space(scene: SwitchedSystem, function: ExaminedLyapunov) -> Judgement:

@@ -16,7 +16,7 @@ from nonsmooth.proofs.checker.positivity import Claim, Inequality
 from nonsmooth.proofs.kernel.written import terms_of
 from nonsmooth.proofs.sums_of_squares.ansatz import Condition, build_blocks, monomials_between
 from nonsmooth.proofs.sums_of_squares.conic_program import solve_inside
-from nonsmooth.proofs.sums_of_squares.prove import Effort, SumOfSquares, normalized, prove_positive
+from nonsmooth.proofs.sums_of_squares.prove import WEAK, Effort, SumOfSquares, normalized, prove_positive
 from nonsmooth.proofs.sums_of_squares.rounding import round_parameters
 from nonsmooth.symbolic.numbers.polynomial import add_terms, multiply_terms
 
@@ -59,7 +59,7 @@ def find(claim: Claim, effort: Effort, mu: tuple[fmpq, ...] | None = None) -> Sh
         return None
     shapes = mu_shapes([claim])
     conditions = [condition_of(claim, inequality, shapes) for inequality in claim.inequalities]
-    for values in [mu] if mu is not None else _proposals(conditions, len(shapes), weakly=effort is Effort.FULL):
+    for values in [mu] if mu is not None else _proposals(conditions, len(shapes), weakly=effort in WEAK):
         found = _with_mu(claim, conditions, values, effort)
         if found is not None:
             evidence: dict[str, Any] = {"squares": found[0]}

@@ -38,7 +38,7 @@ from nonsmooth.symbolic.switched_system import SwitchedSystem
 RISES = "V increases"
 SLIDES_UP = "V increases along a solution that slides on a face"
 WORK = 4_000  # coefficients looked at for one claim beside sums of squares: a second or less
-SENSES = {Effort.HASTY: (), Effort.STRICT: (True,), Effort.FULL: (True, False)}  # in which they are asked
+SENSES = {Effort.HASTY: (), Effort.STRICT: (True,), Effort.FULL: (True, False), Effort.ALONE: ()}
 POSITIVE, CELL, FACE = "V", "cell", "face"  # what names of claims begin with
 
 

@@ -19,7 +19,6 @@ from nonsmooth.proofs.sums_of_squares.conic_program import solve, solve_inside
 from nonsmooth.proofs.sums_of_squares.rounding import RationalMatrix, rounded
 from nonsmooth.symbolic.numbers.polynomial import Exponents
 
-LEVELS = (0, 1)  # degrees beyond that of p, in steps of two
 MOST_UNKNOWNS = 6_000  # entries of Gram matrices: beyond that a program takes too long, and many gigabytes
 
 
@@ -46,6 +45,12 @@ class Effort(Enum):
     HASTY = "p > 0, with the lowest degrees"
     STRICT = "p > 0"
     FULL = "p > 0, else p >= 0"
+    ALONE = "p > 0, else p >= 0, by squares without guards"
+
+
+# Beside guards: by how much degrees go beyond that of p, in steps of two.
+LEVELS = {Effort.HASTY: (0,), Effort.STRICT: (0, 1), Effort.FULL: (0, 1), Effort.ALONE: ()}
+WEAK = (Effort.FULL, Effort.ALONE)  # that also ask whether p >= 0
 
 
 def prove_positive(condition: Condition, effort: Effort = Effort.STRICT) -> SumOfSquares | None:
@@ -60,17 +65,14 @@ def prove_positive(condition: Condition, effort: Effort = Effort.STRICT) -> SumO
         found = _strictly(scaled, blocks)
         if found is not None:
             return found
-    return _weakly(scaled) if effort is Effort.FULL else None
+    return _weakly(scaled, effort) if effort in WEAK else None
 
 
 def _programs(condition: Condition, effort: Effort) -> Iterator[Blocks]:
     """The sums that are tried: of squares alone, which are few, and where those do not serve, beside guards."""
-    if effort is Effort.HASTY:
-        levels = LEVELS[:1]
-    else:
-        levels = LEVELS
+    if effort is not Effort.HASTY:
         yield from filter(_is_solvable, [plain_block(condition)])
-    yield from takewhile(_is_solvable, (build_blocks(condition, level) for level in levels))
+    yield from takewhile(_is_solvable, (build_blocks(condition, level) for level in LEVELS[effort]))
 
 
 def _is_solvable(blocks: Blocks) -> bool:
@@ -87,10 +89,10 @@ def _strictly(condition: Condition, blocks: Blocks) -> SumOfSquares | None:
     return None if grams is None else SumOfSquares(condition, kept, grams, strict=True)
 
 
-def _weakly(condition: Condition) -> SumOfSquares | None:
+def _weakly(condition: Condition, effort: Effort) -> SumOfSquares | None:
     if not condition.constant:
         return SumOfSquares(condition, (), (), strict=False)
-    for built in (plain_block(condition), build_blocks(condition)):
+    for built in (plain_block(condition), *(build_blocks(condition, level) for level in LEVELS[effort][:1])):
         blocks = without_idle(built, condition.support)
         if _is_solvable(blocks) and _holds_monomials(blocks):
             solution = solve([(condition, blocks)], 0, inner=0.0, bounded=False, strict=False)

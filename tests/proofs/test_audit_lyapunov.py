@@ -268,3 +268,15 @@ def test_refused_text(lyapunov: str) -> None:
 def test_angles_of_the_scene_are_allowed() -> None:
     assert audited(load_scene("ring-5"), "x**2 + 4*cos(pi/5)**2*y**2/3").verdict is not AuditVerdict.UNDECIDED
     assert audited(load_scene("four-wheel"), "x**2 + 2*cos(pi/12)*y**2").verdict is AuditVerdict.VALID
+
+
+def test_squares_show_high_degrees_in_the_plane() -> None:
+    """A function of degree ten along its gradient, times squares: V' has no sign on small parts beside the axes."""
+    rhs = ["-30*x**11 - 30*x**6*y**2", "-40*x**2*y**3 - 12*x**7*y"]
+    document = {"system": {"states": ["x", "y"], "rhs": rhs}, "check": {"radius": 0.5}}
+    system = build_system(document, "steep", Path("steep.toml"))
+    lyapunov = "3*x**10 + 10*y**4 + 6*x**5*y**2"
+    found = audited(system, lyapunov)
+    assert found.verdict is AuditVerdict.VALID
+    assert found.proves is Translation.STABLE  # all points of the line x = 0 are equilibria
+    assert audited(system, f"{lyapunov} - x**4").verdict is AuditVerdict.INVALID
