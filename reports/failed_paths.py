@@ -31,7 +31,7 @@ from nonsmooth.symbolic.number_text import float_text, numbers_text, place_text
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import SceneError, one_line
 from nonsmooth.symbolic.support_polygon import support_polygon
-from nonsmooth.symbolic.under_way import tell_count
+from nonsmooth.symbolic.under_way import part_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -302,14 +302,14 @@ def follow_failures(scene: Scene, options: SimulateOptions) -> FailedPathsResult
     total = len(starts) * (1 + len(cases))
     before: list[FailedPath] = []
     for start in starts:
-        tell_count(len(before), total, "paths")
-        path = rule_path(scene, scene.contact.rule, start, until)
+        with part_of(len(before), total, "paths"):
+            path = rule_path(scene, scene.contact.rule, start, until)
         before.append(FailedPath(Failed(), start, path, home=_is_home(scene, path)))
     after: list[FailedPath] = []
     for failed in cases:
         for start, whole_path in zip(starts, before, strict=True):
-            tell_count(len(before) + len(after), total, "paths")
-            after.append(_followed(scene, failed, start, until, whole_path))
+            with part_of(len(before) + len(after), total, "paths"):
+                after.append(_followed(scene, failed, start, until, whole_path))
     return FailedPathsResult(scene, until, tuple(before), tuple(after))
 
 

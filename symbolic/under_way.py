@@ -31,6 +31,18 @@ def tell_count(done: int, total: int, what: str) -> None:
 
 
 @contextmanager
+def part_of(done: int, total: int, what: str) -> Iterator[None]:
+    """Say how much is done, and say it before all that is told until the end of the block."""
+    told, listener = f"{done} of {total} {what}", _listener.get()
+    if listener is None:
+        yield
+        return
+    listener(told)
+    with listening(lambda more: listener(f"{told}, {more}")):
+        yield
+
+
+@contextmanager
 def listening(listener: Listener) -> Iterator[None]:
     """Hear what is told until the end of the block; only the innermost listener does."""
     token = _listener.set(listener)

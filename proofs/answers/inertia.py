@@ -36,6 +36,7 @@ from nonsmooth.symbolic.edge_headings import ball_of
 from nonsmooth.symbolic.number_text import float_text
 from nonsmooth.symbolic.numbers.rounded import either_way
 from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.under_way import part_of
 from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
 STARTS = 4  # on a circle about the point, of half the half-width of the checked square
@@ -191,7 +192,8 @@ def simulated(scene: Scene, near: NearRest) -> Simulated:
         for start in starts:
             if sum(one.work for one in bodies) > MOST_WORK:
                 return Simulated(radius, tuple(bodies), len(starts), None, "it takes long")
-            bodies.append(settle(scene, body, start, accuracy, *_chunk(near, crossing)))
+            with part_of(len(bodies), len(starts), "starts with inertia"):
+                bodies.append(settle(scene, body, start, accuracy, *_chunk(near, crossing)))
         return Simulated(radius, tuple(bodies), len(starts), _massless(scene, body, bodies, accuracy))
     except (ValueError, TrajectoryError, LoadError) as error:
         return Simulated(radius, tuple(bodies), len(starts), None, str(error))
