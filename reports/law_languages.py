@@ -16,8 +16,9 @@ from fractions import Fraction
 from pprint import pformat
 from textwrap import wrap
 
+from nonsmooth.proofs.answers.contact_wheels import how_far
 from nonsmooth.reports.law_table import LawKind, LawRegion, LawTable
-from nonsmooth.symbolic.number_text import float_text
+from nonsmooth.symbolic.number_text import float_text, numbers_text
 
 WIDTH = 100  # of lines
 _FRACTION = re.compile(r"\b\d+/[1-9]\d*\b")
@@ -51,10 +52,14 @@ def header(law: LawTable, at: str) -> list[str]:
         f"The law: {law.formula}",
         f"The checked point is {at}; x, y: displacement of the centre of mass from it; theta: turn (radian).",
         "k: gain (1/time), 1 unless another is given; every speed is proportional to it.",
-        "The result is the speed of every rim, by the number of its wheel.",
+        "The result is the speed of every rim: in Python by the number of its wheel, elsewhere in the order below.",
         "Wheels that are not named in a region do not carry the body there and may run at any speed.",
         f"It is certified {law.certified}." if law.is_certified else "It is NOT certified: simulate it before use.",
     ]
+    if law.scene.body is not None:
+        far = how_far(law.scene).replace("here", "the checked point").replace("this heading", "the checked heading")
+        carrying = numbers_text([wheel.index for wheel in law.scene.wheels])
+        said.append(f"It is about the body on wheels {carrying} and no others: they carry it for certain {far}.")
     named = [f"{w.index:d} {_plain(str(w.index))}" for w in law.scene.wheels if str(w.index) != f"{w.index:d}"]
     said += [f"The wheels by number and name: {', '.join(named)}."] if named else []
     if units.length:

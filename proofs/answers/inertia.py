@@ -339,7 +339,9 @@ def _seen(scene: Scene, found: Simulated, farther: Simulated | None) -> Iterator
         yield Fact("from_stated", {"tip": farther.tip, "from": [_record(one) for one in farther.bodies]})
         stated = float_text(2 * farther.radius, DIGITS)
         of = f"half of the {stated}{unit} that are stated, so also over other wheels"
-        yield said(f"from {STARTS} starts {float_text(farther.radius, DIGITS)}{unit} away, {of}: {_becomes(scene, farther)}")
+        yield said(
+            f"from {STARTS} starts {float_text(farther.radius, DIGITS)}{unit} away, {of}: {_becomes(scene, farther)}"
+        )
     if found.massless_holds_to is not None:
         yield said(_alike(found.massless_holds_to, accuracy + unit))
 
