@@ -195,7 +195,7 @@ class BodyMapResult(MapResult):
         """How many starts end in each way; with rest, at how many places."""
         counts = {reason: int(self.found.by(reason).sum()) for reason in BodyEnd}
         places = sum(one.reason is BodyEnd.REST for one in self.destinations)
-        at = {BodyEnd.REST: f" (at {places} {'place' if places == 1 else 'places'})"}
+        at = {BodyEnd.REST: f" at {places} {'place' if places == 1 else 'places'}"}
         return [Part(reason.value + at.get(reason, ""), count) for reason, count in counts.items() if count]
 
     def blocks(self) -> Sequence[Block]:
@@ -232,7 +232,7 @@ class BodyMapResult(MapResult):
             yield "tip on their way", f"{int(later.sum())} of {total} starts; {self._lines_under(later)}"
 
     def _lines_under(self, tips: NDArray[np.bool_]) -> str:
-        """The lines through wheels under them that the centres of bodies which tip are beyond, the most frequent first."""
+        """The lines through wheels that the centres of bodies which tip are beyond, the most frequent first."""
         names = {int(wheel.index): str(wheel.index) for wheel in whole(self.scene).wheels}
         most = Counter(tuple(sorted(row)) for row in self.found.over[tips].tolist() if all(row)).most_common(LINES)
         told = [f"{names[a]} and {names[b]} ({count})" for (a, b), count in most]

@@ -582,7 +582,7 @@ def _started_on(scene: Scene, start: tuple[float, float, float]) -> OneContactSe
     """
     from nonsmooth.analysis.bodies.path import OneContactSet
 
-    contacts = OneContactSet(scene, how_far(scene))
+    contacts = OneContactSet(scene, how_far(scene, "the checked point", "the checked heading"))
     contacts.require_start(start)
     return contacts
 

@@ -26,15 +26,15 @@ def contact_facts(check: Theorem4Result) -> tuple[Fact, ...]:
     return *_facts(check), Fact("free", Quantity(free), words)
 
 
-def how_far(scene: Scene) -> str:
+def how_far(scene: Scene, place: str = "here", heading: str = "this heading") -> str:
     """How far a body with an outline may move and turn for certain on the same wheels; empty without one."""
     found = contact_set(scene)
     if found.margin is None:
         return ""
-    words = f"within {at_least(found.margin)}{of_length(scene)} of here"
+    words = f"within {at_least(found.margin)}{of_length(scene)} of {place}"
     if found.angle is None:
         return words
-    return f"{words}, or {angle_at_least(found.angle, scene.units)} of this heading (of both: shares that add up to 1)"
+    return f"{words}, or {angle_at_least(found.angle, scene.units)} of {heading} (of both: shares that add up to 1)"
 
 
 def _facts(check: Theorem4Result) -> Iterator[Fact]:

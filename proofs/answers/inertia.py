@@ -308,7 +308,7 @@ def _proved(scene: Scene, near: NearRest) -> Iterator[Fact]:
     radius = squared_radius(scene)
     yield Fact("gravity", Quantity(None if inertia is None else inertia.gravity))
     yield Fact("squared_radius", Quantity(radius))
-    of = f"g = {float_text(gravity, DIGITS)}{unit}/s^2, I/m = {float_text(float(radius), DIGITS)}{unit}^2, {kind}"
+    of = f"g = {float_text(gravity, DIGITS)}{unit}/s^2, I/m = {_plain(float(radius))}{unit}^2, {kind}"
     height = None if inertia is None else inertia.centre_height
     yield Fact("centre_height", Quantity(height))
     of += f"; centre of mass {float_text(float(height), DIGITS)}{unit} above the wheels" if height else ""
@@ -366,6 +366,11 @@ def _becomes(scene: Scene, found: Simulated) -> str:
     parts += [f"{found.tip} of {found.asked} tip where they start"] if found.tip else []
     parts += [f"not all are followed: {found.why_not}"] if found.why_not else []
     return ", ".join(parts)
+
+
+def _plain(value: float) -> str:
+    """Four digits, without a power of ten up to a million."""
+    return f"{float(float_text(value, DIGITS)):.6g}"
 
 
 def _swings(most: int) -> str:

@@ -168,13 +168,13 @@ def test_the_parts_add_up_to_all_starts(carton: Path, invoke: Invoke) -> None:
     assert sum(part["starts"] for part in record["parts"]) == 16
     line = invoke(*GRID, *until, "-o", "map.json").out
     assert "16 starts: " in line
-    assert f"{moving} still moving at the last time" in line
+    assert f"still moving at the last time ({moving})" in line
     array = nonsmooth.load(carton)
     assert isinstance(array, nonsmooth.Array)
     shown = array.map(4, heading=0.3, until=0.5)
     assert isinstance(shown, BodyMapResult)
     figure = destinations_figure(shown)
-    assert f"{moving} still moving at the last time" in figure.get_suptitle()
+    assert f"still moving at the last time ({moving})" in figure.get_suptitle()
     labels = [text.get_text() for text in figure.legends[0].get_texts()]
     assert labels[-2:] == ["checked point", "wheel"]
     labels = labels[:-2]
