@@ -59,7 +59,7 @@ def header(law: LawTable, at: str, language: Language) -> list[str]:
     ]
     if law.scene.body is not None:
         far = how_far(law.scene, "the checked point", "the checked heading")
-        carrying = _plain(numbers_text([wheel.index for wheel in law.scene.wheels]))
+        carrying = _plain(numbers_text(tuple(wheel.index for wheel in law.scene.wheels)))
         said.append(f"It is about the body on wheels {carrying} and no others: they carry it for certain {far}.")
     named = [f"{w.index:d} {_plain(str(w.index))}" for w in law.scene.wheels if str(w.index) != f"{w.index:d}"]
     said += [f"The wheels by number and name: {', '.join(named)}."] if named else []

@@ -20,7 +20,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Protocol, TextIO
 
-from nonsmooth.symbolic.under_way import listening, tell
+from nonsmooth.symbolic.under_way import listening, parts
 
 PATIENCE = 1.0  # seconds that pass before anything is shown
 TICK = 0.25  # seconds between two lines
@@ -43,11 +43,11 @@ def silent(done: int, total: int, what: str | None = None) -> None:
 @contextmanager
 def progress(what: str = "") -> Iterator[ProgressCall]:
     """A function to call from the work with what is done of a total; nothing is left on the terminal afterwards."""
-    with steps(what):
+    with steps(what), parts() as say:
 
         def report(done: int, total: int, what: str | None = None) -> None:
             count = f"{done} of {total}" if total else f"{done}" if done else ""
-            tell(": ".join(part for part in (what, count) if part))
+            say(": ".join(part for part in (what, count) if part))
 
         yield report
 
@@ -69,10 +69,10 @@ def steps(first: str, *, log: bool = False) -> Iterator[Callable[[str], None]]:
         finally:
             line.name(around)
         return
-    stream = _terminal()
+    stream, is_log = _terminal(), log and sys.stderr is sys.__stderr__  # no buffer of somebody who calls a command
     if stream is not None:
         line = _StepLine(stream, first)
-    elif log and sys.stderr is not None and sys.stderr is sys.__stderr__:  # no buffer of somebody who calls a command
+    elif is_log and sys.stderr is not None:
         line = _LogLines(sys.stderr, first)
     else:
         yield lambda _: None

@@ -33,13 +33,26 @@ def tell_count(done: int, total: int, what: str) -> None:
 @contextmanager
 def part_of(done: int, total: int, what: str) -> Iterator[None]:
     """Say how much is done, and say it before all that is told until the end of the block."""
-    told, listener = f"{done} of {total} {what}", _listener.get()
+    with parts() as say:
+        say(f"{done} of {total} {what}")
+        yield
+
+
+@contextmanager
+def parts() -> Iterator[Listener]:
+    """A function to say which part is under way; it is said before all that is told until the next one."""
+    listener, part = _listener.get(), ""
     if listener is None:
-        yield
+        yield lambda _: None
         return
-    listener(told)
-    with listening(lambda more: listener(f"{told}, {more}")):
-        yield
+
+    def say(what: str) -> None:
+        nonlocal part
+        part = what
+        listener(part)
+
+    with listening(lambda more: listener(f"{part}, {more}" if part else more)):
+        yield say
 
 
 @contextmanager

@@ -21,7 +21,7 @@ from nonsmooth.reports.progress import CLEAR_LINE, end_progress, steps
 from nonsmooth.reports.refusals import RefusedError
 from nonsmooth.reports.simulate import SIMULATE
 from nonsmooth.reports.sweep import SWEEP
-from nonsmooth.symbolic.under_way import listening, part_of, tell, tell_count
+from nonsmooth.symbolic.under_way import listening, part_of, parts, tell, tell_count
 from tests.thorough import few
 
 HASTY = "from nonsmooth.reports import cli, progress; progress.PATIENCE = 0.0; cli.main()"
@@ -129,6 +129,16 @@ def test_what_is_told_of_a_part_comes_after_how_many_there_are() -> None:
     with part_of(0, 1, "nobody hears"):
         tell("nor this")
     assert told == ["3 of 21 paths", "3 of 21 paths, t = 1 of 2", "all"]
+
+
+def test_a_count_stays_while_parts_tell_more() -> None:
+    told: list[str] = []
+    with listening(told.append), parts() as say:
+        tell("first")
+        say("2 of 6")
+        tell("rings")
+        say("3 of 6")
+    assert told == ["first", "2 of 6", "2 of 6, rings", "3 of 6"]
 
 
 LOGGED = """
