@@ -65,6 +65,7 @@ def test_the_same_wheels_carry_it_for_the_time_that_is_said(table: Scene) -> Non
 def test_times_from_half_of_the_stated_radius_stand_beside_those_from_the_checked_one(table: Scene) -> None:
     """From where no other wheel carries it, and from farther out, each as a path from there tells it."""
     scene = standing(table)
+    assert scene.check.wider is not None
     assert float(scene.check.wider) == 50
     found = inertia_answer(scene)
     assert found is not None
