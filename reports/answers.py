@@ -22,7 +22,7 @@ from nonsmooth.reports.document import Table, table, without_empty_columns
 from nonsmooth.reports.equilibrium_headings import headings_blocks, headings_record
 from nonsmooth.reports.facts import Record, as_record, fact_record
 from nonsmooth.reports.terminal import answers_table, blocks_view, verdict_text
-from nonsmooth.symbolic.number_text import float_text, place_text
+from nonsmooth.symbolic.number_text import float_text, percent_text, place_text, short_text
 from nonsmooth.symbolic.scene_error import one_line
 
 if TYPE_CHECKING:
@@ -75,9 +75,7 @@ def answers_view(result: Check, answers: Answers) -> RenderableType:
     for lines in stated.contradictions:
         parts += [Text(line, "bold red") for line in lines]
     if answers.destinations is not None:
-        starts = answers.destinations.starts
-        bodies = "bodies without inertia" if has_dynamics(result.scene) else "bodies"
-        parts.append(Text(f"where {bodies} go that start in the square (shares sampled from {starts} starts):"))
+        parts.append(Text(f"{destinations_head(result.scene, answers.destinations.starts)}:"))
         parts.append(blocks_view([destinations_table(answers.destinations, GOES)]))
     if answers.headings is not None:
         parts.append(blocks_view(headings_blocks(answers.headings)))
@@ -87,6 +85,18 @@ def answers_view(result: Check, answers: Answers) -> RenderableType:
         parts.append(Text(f"other rules: {'; '.join(map(_in_short, answers.others))}"))
     parts.append(Text(THEOREM).append_text(verdict_text(result.verdict, bold=True)).append(_theorem_note(result)))
     return Group(*parts)
+
+
+def destinations_head(scene: Scene, starts: int) -> str:
+    """Of which starts the shares are: of those in the checked square, over the wheels that carry the body there."""
+    bodies, check = "bodies without inertia" if has_dynamics(scene) else "bodies", scene.check
+    if check.wider is None:
+        return f"where {bodies} go that start in the square (shares sampled from {starts} starts)"
+    unit = of_length(scene)
+    share = percent_text(float(check.radius / check.wider) ** 2)
+    part = f"{share} of the {short_text(check.wider)}{unit} square that is stated (--grid 9 maps that)"
+    here = f"in the square within {short_text(check.radius)}{unit}, {part}"
+    return f"where the centres of {bodies} go that start {here}, on the wheels that carry it here, from {starts} starts"
 
 
 def _theorem_note(result: Check) -> str:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
@@ -40,9 +41,9 @@ from nonsmooth.reports.progress import progress
 from nonsmooth.reports.result import DataTable, Record
 from nonsmooth.reports.simulate_options import SimulateOptions
 from nonsmooth.symbolic.body import Body
-from nonsmooth.symbolic.contact_set import accuracy_at_point, whole
+from nonsmooth.symbolic.contact_set import accuracy_at_point, standing, whole
 from nonsmooth.symbolic.continuum import Disc
-from nonsmooth.symbolic.number_text import percent_text
+from nonsmooth.symbolic.number_text import float_text, percent_text, short_text
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact, one_line
 
@@ -55,6 +56,7 @@ if TYPE_CHECKING:
 SCHEMA = "nonsmooth-body-map/1"
 OPEN_HEADING = "rests: the place does; the rate of theta there is open under this rule, and the steps pick one"
 TURNS_ON = "rests: the place does; the body covers all wheels, and turns there as they turn it"
+LINES = 4  # over which bodies tip, that are named
 SHOWN = 12  # destinations listed on a terminal
 
 # the picture
@@ -193,7 +195,7 @@ class BodyMapResult(MapResult):
         """How many starts end in each way; with rest, at how many places."""
         counts = {reason: int(self.found.by(reason).sum()) for reason in BodyEnd}
         places = sum(one.reason is BodyEnd.REST for one in self.destinations)
-        at = {BodyEnd.REST: f" (at {places} {'place' if places == 1 else 'places'})"}
+        at = {BodyEnd.REST: f" at {places} {'place' if places == 1 else 'places'}"}
         return [Part(reason.value + at.get(reason, ""), count) for reason, count in counts.items() if count]
 
     def blocks(self) -> Sequence[Block]:
@@ -202,10 +204,7 @@ class BodyMapResult(MapResult):
         if others:
             rows.append((percent_text(sum(one.share for one in others)), f"{len(others)} others"))
         rows.insert(0, home_row(self.scene, self.home))
-        tips = self.found.by(BodyEnd.TIPS)
-        if tips.any():
-            at_once = float((tips & (self.found.times == 0)).mean())
-            rows.append(("of these", f"{percent_text(at_once)} of all starts tip where they start"))
+        rows += self._tipping()
         unit, second = (f" {label}".rstrip() for label in (self.scene.units.length, self.scene.units.time))
         rows.append((f"latest end{massless(self.scene)}", f"t = {self.found.times.max():.6g}{second}"))
         (left, low), (right, high) = self.found.starts[:, :2].min(axis=0), self.found.starts[:, :2].max(axis=0)
@@ -215,7 +214,43 @@ class BodyMapResult(MapResult):
         open_heading = [Paragraph((OPEN_HEADING,))] if rule_of(self.scene).keeps_rows else []
         if self.scene.body is None:
             open_heading = [Paragraph((TURNS_ON,))]
-        return [Paragraph((head,)), Paragraph((starts,)), findings(rows), *open_heading]
+        beside = [Paragraph((text,)) for text in self._beside_the_check()]
+        return [Paragraph((head,)), Paragraph((starts,)), findings(rows), *open_heading, *beside]
+
+    def _tipping(self) -> Iterator[tuple[str, str]]:
+        """How many bodies tip where they start, from which distance on and over which lines; how many on their way."""
+        found, unit = self.found, f" {self.scene.units.length}".rstrip()
+        tips, total = found.by(BodyEnd.TIPS), len(found.starts)
+        at_once = tips & (found.times == 0)
+        if at_once.any():
+            away = np.hypot(*(found.starts[:, :2] - [float(entry) for entry in self.scene.check.equilibrium]).T)
+            nearest = float_text(float(away[at_once].min()), 3)
+            told = f"{int(at_once.sum())} of {total} starts; all nearer than {nearest}{unit} to the point stand"
+            yield "tip where they start", f"{told}; {self._lines_under(at_once)}"
+        later = tips & ~at_once
+        if later.any():
+            yield "tip on their way", f"{int(later.sum())} of {total} starts; {self._lines_under(later)}"
+
+    def _lines_under(self, tips: NDArray[np.bool_]) -> str:
+        """The lines through wheels that the centres of bodies which tip are beyond, the most frequent first."""
+        names = {int(wheel.index): str(wheel.index) for wheel in whole(self.scene).wheels}
+        most = Counter(tuple(sorted(row)) for row in self.found.over[tips].tolist() if all(row)).most_common(LINES)
+        told = [f"{names[a]} and {names[b]} ({count})" for (a, b), count in most]
+        others = int(tips.sum()) - sum(count for _, count in most)
+        lines = f"beyond the line through wheels {', '.join(told)}" if told else "with fewer than two wheels under it"
+        return f"the centre of mass is {lines}{f', or otherwise ({others})' if told and others else ''}"
+
+    def _beside_the_check(self) -> Iterator[str]:
+        """Which part of this square ``check`` speaks of, where other wheels carry the body in the rest of it."""
+        try:
+            checked = standing(self.scene).check
+        except SceneError:  # no body stands at the point
+            return
+        if checked.wider is not None:
+            unit = f" {self.scene.units.length}".rstrip()
+            share = percent_text(float(checked.radius / checked.wider) ** 2)
+            within = f"within {short_text(checked.radius)}{unit} of the point, {share} of this square"
+            yield f"check speaks of the part {within}: there the same wheels carry the body"
 
     @property
     def head(self) -> str:

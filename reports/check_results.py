@@ -165,7 +165,7 @@ class CheckResult(ArrayAnswers):
     def _full(self) -> tuple[Check, Answers]:
         """Everything, compared with each other."""
         asked = {"ask_others": self.ask_others, "around": self.around}
-        with steps("where bodies go, headings of rest, and the other rules"):
+        with steps("answers"):
             answered = full_answers(self.decided, **asked, rest_points=self.rest_points)
             return reconciled(self.decided, answered, *self.elsewhere)
 

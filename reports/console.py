@@ -60,7 +60,7 @@ def run(app: Callable[..., Any], arguments: Sequence[str]) -> int:
     Work that lasts shows a line of progress, which names the command.
     """
     try:
-        with steps(arguments[0] if arguments else PROGRAM):
+        with steps(arguments[0] if arguments else PROGRAM, log=True):
             status = app(args=list(arguments), prog_name=PROGRAM, standalone_mode=False)
         if sys.stdout is not None:
             sys.stdout.flush()

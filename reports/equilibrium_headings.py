@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from math import degrees
 from typing import TYPE_CHECKING
 
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
 DIGITS = 4
 ROUNDED = 1e-12  # coordinates below are zero but for rounding
 MOST_SHOWN = 10  # entries on a terminal and in a report
+MOST_OPEN = 4  # ranges that are not decided and listed there
+MOST_REASONS = 2
 HEADER = ("theta", "at", "wheels", "near there", "heading", "status")
 
 
@@ -53,7 +56,8 @@ def notes(headings: HeadingsOfRest) -> list[str]:
     said = [f"{hidden} more (--json lists them)"] if hidden > 0 else []
     every = any(entry.is_every_heading for entry in headings.found)
     if headings.undecided:
-        said.append(f"not decided at the checked point: theta = {_open_text(headings.undecided, headings.units)}")
+        left = _open_text(headings.undecided, headings.units)
+        said.append(f"not decided at the checked point: {left}; simulate --headings 36 samples which return")
     if not every:
         listed = ["those listed, with the ends of ranges"] if any(entry.rests for entry in headings.found) else []
         besides = [*listed, *(["those not decided"] if headings.undecided else [])]
@@ -70,13 +74,23 @@ def notes(headings: HeadingsOfRest) -> list[str]:
 
 
 def _open_text(undecided: Sequence[OpenHeadings], units: Units) -> str:
-    """The first of them."""
+    """Each of a few; of many how many there are, and how much of a turn they are together."""
+    if len(undecided) > MOST_OPEN:
+        ranges = [float(one.high - one.low) for one in undecided if not one.edge]
+        counted = [f"{len(ranges)} ranges, {_heading(sum(ranges), units)} {units.angle} together"] if ranges else []
+        single = len(undecided) - len(ranges)
+        counted += [f"{single} single headings"] if single else []
+        why = ", ".join(f"{reason} ({count})" for reason, count in _reasons(undecided))
+        return f"{' and '.join(counted)} (--json lists them){f': {why}' if why else ''}"
     texts = [
         _heading(float(one.low), units) if one.edge else f"{_below(one.low, units)} to {_above(one.high, units)}"
-        for one in undecided[:MOST_SHOWN]
+        for one in undecided
     ]
-    more = len(undecided) - MOST_SHOWN
-    return ", ".join(texts) + (f" and {more} more" if more > 0 else "")
+    return f"theta = {', '.join(texts)}"
+
+
+def _reasons(undecided: Sequence[OpenHeadings]) -> list[tuple[str, int]]:
+    return Counter(one.reason for one in undecided if one.reason).most_common(MOST_REASONS)
 
 
 def row(entry: HeadingOfRest, units: Units) -> tuple[str, str, str, str, str, str]:

@@ -31,7 +31,7 @@ from nonsmooth.symbolic.number_text import float_text, numbers_text, place_text
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import SceneError, one_line
 from nonsmooth.symbolic.support_polygon import support_polygon
-from nonsmooth.symbolic.under_way import tell_count
+from nonsmooth.symbolic.under_way import part_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -71,7 +71,7 @@ class FailedPath:
         why_not: why.
         tips: the time at which the centre of mass leaves the support of the wheels that are left, where the rule's
             own path does not say so.
-        home: whether it ends within the accuracy of the checked point; false where it is not followed.
+        home: whether it ends within the accuracy of the checked point; false where it is not followed to its end.
     """
 
     failed: Failed
@@ -83,11 +83,16 @@ class FailedPath:
 
     @property
     def end(self) -> tuple[float, float, float] | None:
-        """The last pose; None without a path, and of a body that tips."""
-        if self.path is None or self.does_tip:
+        """The last pose; None without a path to its end, and of a body that tips."""
+        if self.path is None or self.does_tip or self.is_open:
             return None
         x, y, theta = (float(value) for value in self.path.end.state)
         return x, y, theta
+
+    @property
+    def is_open(self) -> bool:
+        """Whether what becomes of the body is not known: no path, or one that is broken off after too many steps."""
+        return not self.does_tip and (self.path is None or self.path.end.reason is EndReason.STEPS)
 
     @property
     def does_tip(self) -> bool:
@@ -128,8 +133,12 @@ class FailedPathsResult(Result):
         return list(zip(self.whole, (path for path in self.paths if path.failed == failed), strict=True))
 
     def lost(self, failed: Failed) -> int:
-        """How many starts that came home no longer do."""
-        return sum(before.home and not after.home for before, after in self.pairs(failed))
+        """How many starts that came home no longer do; those that are not followed to their end are not counted."""
+        return sum(before.home and not after.home and not after.is_open for before, after in self.pairs(failed))
+
+    def unknown(self, failed: Failed) -> int:
+        """Of how many starts the path is not followed to its end."""
+        return sum(after.is_open for _, after in self.pairs(failed))
 
     def farthest(self, failed: Failed) -> float | None:
         """How far the end moves at most; None where it is known from no start."""
@@ -146,6 +155,7 @@ class FailedPathsResult(Result):
                 "kind": failed.kind,
                 "moved": self.farthest(failed),
                 "no_longer_home": self.lost(failed),
+                "not_known": self.unknown(failed),
                 "tips": sum(after.does_tip for _, after in self.pairs(failed)),
             }
             for failed in self.failures
@@ -178,12 +188,12 @@ class FailedPathsResult(Result):
             in_unit("end moves at most", self.scene.units.length),
             "no longer home",
             "tip",
-            "not followed",
+            "not known",
         )
         lines = []
         for failed in self.failures:
             after = [path for _, path in self.pairs(failed)]
-            counts = (self.lost(failed), sum(p.does_tip for p in after), sum(p.path is None for p in after))
+            counts = (self.lost(failed), sum(p.does_tip for p in after), self.unknown(failed))
             lines.append([str(failed), _text(self.farthest(failed)), *map(str, counts)])
         home = f"{sum(path.home for path in self.whole)} of {len(self.whole)} starts come home with all wheels"
         return [said, Paragraph((home,)), table(names, lines, (1.5, 1.0, 1.0, 0.5, 0.7)), *self._worst()]
@@ -195,7 +205,7 @@ class FailedPathsResult(Result):
             move = moved(before, path) if path.failed.wheels else None
             place = "-" if path.end is None else place_text(path.end[:2], 4)
             heading = "-" if path.end is None else float_text(math.degrees(path.end[2]), 4)
-            home = "yes" if path.home else "no"
+            home = "-" if path.is_open else "yes" if path.home else "no"
             lines.append([str(path.failed), place, heading, _text(move and move[0]), home, path.how])
         return table(
             ("failed", in_unit("ends at", unit), "heading (deg)", in_unit("moved", unit), "home", "how it ends"),
@@ -217,8 +227,11 @@ class FailedPathsResult(Result):
             said = f"with all wheels none of {len(self.whole)} comes home; {worst} moves the end farthest"
             return [Paragraph((said,))]
         lost = self.lost(worst)
-        said = f"{lost} of {came} no longer come home" if lost else "all that came home still do"
-        return [Paragraph((f"the worst: {worst}: {said}",))]
+        left = sum(map(self.unknown, self.failures))
+        every = "all that came home and are followed" if left else "all that came home"
+        said = f"{lost} of {came} no longer come home" if lost else f"{every} still do"
+        open_ones = [Paragraph((f"{left} of {len(self.paths)} paths are not followed to their end: not known",))]
+        return [Paragraph((f"the worst: {worst}: {said}",)), *(open_ones if left else [])]
 
     def summary(self) -> str:
         """How many paths."""
@@ -302,14 +315,14 @@ def follow_failures(scene: Scene, options: SimulateOptions) -> FailedPathsResult
     total = len(starts) * (1 + len(cases))
     before: list[FailedPath] = []
     for start in starts:
-        tell_count(len(before), total, "paths")
-        path = rule_path(scene, scene.contact.rule, start, until)
+        with part_of(len(before), total, "paths"):
+            path = rule_path(scene, scene.contact.rule, start, until)
         before.append(FailedPath(Failed(), start, path, home=_is_home(scene, path)))
     after: list[FailedPath] = []
     for failed in cases:
         for start, whole_path in zip(starts, before, strict=True):
-            tell_count(len(before) + len(after), total, "paths")
-            after.append(_followed(scene, failed, start, until, whole_path))
+            with part_of(len(before) + len(after), total, "paths"):
+                after.append(_followed(scene, failed, start, until, whole_path))
     return FailedPathsResult(scene, until, tuple(before), tuple(after))
 
 
@@ -361,7 +374,8 @@ def _followed(
         return FailedPath(failed, start, None, one_line(str(error)))
     out = _leaves_support(array, [state[:2] for state in path.states]) if lifted and scene.body is None else None
     tips = None if out is None else float(path.times[out])
-    home = tips is None and path.end.reason is not EndReason.TIPS and _is_home(scene, path)
+    ends = path.end.reason not in {EndReason.TIPS, EndReason.STEPS}
+    home = tips is None and ends and _is_home(scene, path)
     return FailedPath(failed, start, path, tips=tips, home=home)
 
 

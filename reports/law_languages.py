@@ -16,8 +16,9 @@ from fractions import Fraction
 from pprint import pformat
 from textwrap import wrap
 
+from nonsmooth.proofs.answers.contact_wheels import how_far
 from nonsmooth.reports.law_table import LawKind, LawRegion, LawTable
-from nonsmooth.symbolic.number_text import float_text
+from nonsmooth.symbolic.number_text import float_text, numbers_text
 
 WIDTH = 100  # of lines
 _FRACTION = re.compile(r"\b\d+/[1-9]\d*\b")
@@ -40,21 +41,26 @@ def law_program(law: LawTable, at: str, language: Language = Language.PYTHON) ->
         at: the checked point, in words.
         language: in which.
     """
-    return LANGUAGES[language](law, header(law, at))
+    return LANGUAGES[language](law, header(law, at, language))
 
 
-def header(law: LawTable, at: str) -> list[str]:
+def header(law: LawTable, at: str, language: Language) -> list[str]:
     """What whoever runs the program must know: scene, law, units, region, rate, largest speeds."""
     units = law.scene.units
+    by = "by the number of its wheel" if language is Language.PYTHON else "each in its place, named beside the result"
     said = [
         f"The feedback law of {_plain(law.scene.name)}, rule {law.scene.contact.rule}, {law.status}; by nonsmooth.",
         f"The law: {law.formula}",
         f"The checked point is {at}; x, y: displacement of the centre of mass from it; theta: turn (radian).",
         "k: gain (1/time), 1 unless another is given; every speed is proportional to it.",
-        "The result is the speed of every rim, by the number of its wheel.",
+        f"The result is the speed of every rim, {by}.",
         "Wheels that are not named in a region do not carry the body there and may run at any speed.",
         f"It is certified {law.certified}." if law.is_certified else "It is NOT certified: simulate it before use.",
     ]
+    if law.scene.body is not None:
+        far = how_far(law.scene, "the checked point", "the checked heading")
+        carrying = _plain(numbers_text(tuple(wheel.index for wheel in law.scene.wheels)))
+        said.append(f"It is about the body on wheels {carrying} and no others: they carry it for certain {far}.")
     named = [f"{w.index:d} {_plain(str(w.index))}" for w in law.scene.wheels if str(w.index) != f"{w.index:d}"]
     said += [f"The wheels by number and name: {', '.join(named)}."] if named else []
     if units.length:

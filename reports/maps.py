@@ -128,9 +128,9 @@ class MapResult(Result):
         """Share and words of every kind of end, largest first."""
 
     def summary(self) -> str:
-        """``961 starts: 896 the body rests, 65 still moving at the last time``; the largest part first."""
+        """``961 starts: the body rests (896), still moving at the last time (65)``; the largest part first."""
         parts = self.parts
-        named = ", ".join(f"{part.starts} {part.text}" for part in sorted(parts, key=lambda part: -part.starts))
+        named = ", ".join(f"{part.text} ({part.starts})" for part in sorted(parts, key=lambda part: -part.starts))
         return f"{sum(part.starts for part in parts)} starts: {named}"
 
     def dimensions(self) -> Sequence[str]:

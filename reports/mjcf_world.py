@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING
 from xml.sax.saxutils import quoteattr
 
 from nonsmooth.reports.mjcf import LEAST_FRICTION, RULE, SLOWED, engine_inertia, inertia_words, model_name
+from nonsmooth.reports.path_ends import pose_text
 from nonsmooth.symbolic.contact_set import whole
 from nonsmooth.symbolic.continuum import Disc
 from nonsmooth.symbolic.number_text import float_text, place_text
@@ -76,8 +77,9 @@ class WorldExport:
     @property
     def summary(self) -> str:
         """What was written, on one line."""
-        end = place_text(self.file_end, 4)
-        return f"{len(self.scene.wheels)} wheels and a free body, predicted to end at {end} after {self.seconds:.4g} s"
+        end = pose_text(self.scene.units, self.path.end.state, 4)
+        there = f"{place_text(self.file_end, 4)} in the file, after {self.seconds:.4g} s of its time"
+        return f"{len(self.scene.wheels)} wheels and a free body, predicted to end at {end}: {there}"
 
     def text(self) -> str:
         """The MJCF document."""

@@ -112,7 +112,14 @@ def _place(scene: Scene, state: Any) -> str:
     distance, unit = distance_from_point(scene, state), _unit(scene.units.length)
     near = distance <= AT_POINT * size_of(scene)
     place = "at the point" if near else f"{float_text(distance, DIGITS)}{unit} from the point"
-    return f"ends {place}, heading {degrees_text(float(state[2]))}"
+    return f"ends {place}, heading {_in_words(scene, float(state[2]))}"
+
+
+def _in_words(scene: Scene, radians: float) -> str:
+    """An angle in the unit of a scene that states units, and in degrees where none are stated."""
+    if scene.units.length and not scene.units.in_degrees:
+        return f"{float_text(radians, DIGITS)} {scene.units.angle}"
+    return degrees_text(radians)
 
 
 def degrees_text(theta: float) -> str:
@@ -159,10 +166,9 @@ def _motion(end: Ending, scene: Scene) -> str:
     """``at rest since 1.1 s``, ``creeps at 0.3 mm/s``, ``moving at 20 mm/s and turning at 3 deg/s``."""
     if end.motion is EndMotion.AT_REST and end.since is not None:
         return f"at rest since {'t = ' * (not scene.units.time)}{float_text(end.since, DIGITS)}{_time(scene)}"
-    turning = math.degrees(end.turning or 0.0)
-    per = f" deg/{scene.units.time}" if scene.units.time else " deg per unit of time"
+    per = f"/{scene.units.time}" if scene.units.time else " per unit of time"
     slow = SLOWLY * max(fastest_rim(scene), end.speed) / size_of(scene)
-    turns = "" if abs(end.turning or 0.0) <= slow else f" and turning at {float_text(turning, DIGITS)}{per}"
+    turns = "" if abs(end.turning or 0.0) <= slow else f" and turning at {_in_words(scene, end.turning or 0.0)}{per}"
     return f"{end.motion.value} at {float_text(end.speed, DIGITS)}{_unit(scene.units.speed)}{turns}"
 
 

@@ -31,6 +31,7 @@ from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.analysis.trajectories.result import Trajectory, TrajectoryError
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.answers.answer import has_dynamics
+from nonsmooth.proofs.answers.contact_wheels import how_far
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.reports.choices import LawName, PathMethod
@@ -581,7 +582,7 @@ def _started_on(scene: Scene, start: tuple[float, float, float]) -> OneContactSe
     """
     from nonsmooth.analysis.bodies.path import OneContactSet
 
-    contacts = OneContactSet(scene)
+    contacts = OneContactSet(scene, how_far(scene, "the checked point", "the checked heading"))
     contacts.require_start(start)
     return contacts
 

@@ -31,6 +31,31 @@ def tell_count(done: int, total: int, what: str) -> None:
 
 
 @contextmanager
+def part_of(done: int, total: int, what: str) -> Iterator[None]:
+    """Say how much is done, and say it before all that is told until the end of the block."""
+    with parts() as say:
+        say(f"{done} of {total} {what}")
+        yield
+
+
+@contextmanager
+def parts() -> Iterator[Listener]:
+    """A function to say which part is under way; it is said before all that is told until the next one."""
+    listener, part = _listener.get(), ""
+    if listener is None:
+        yield lambda _: None
+        return
+
+    def say(what: str) -> None:
+        nonlocal part
+        part = what
+        listener(part)
+
+    with listening(lambda more: listener(f"{part}, {more}" if part else more)):
+        yield say
+
+
+@contextmanager
 def listening(listener: Listener) -> Iterator[None]:
     """Hear what is told until the end of the block; only the innermost listener does."""
     token = _listener.set(listener)

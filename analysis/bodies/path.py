@@ -405,10 +405,12 @@ class OneContactSet:
         ValueError: for a scene without a body.
     """
 
-    def __init__(self, scene: Scene) -> None:
+    def __init__(self, scene: Scene, how_far: str = "") -> None:
+        """For a scene, and words on how far its body may move on these wheels, for refusals."""
         if scene.body is None:
             raise ValueError("required a scene with a body")
         wheels = whole(scene).wheels
+        self._how_far = f" (they alone carry it for certain {how_far})" if how_far else ""
         self.carrying = tuple(wheel.index for wheel in scene.wheels)
         self._numbers = [wheel.index for wheel in wheels]
         self._outline = MovingOutline(scene.body, np.array([[float(x) for x in wheel.position] for wheel in wheels]))
@@ -424,8 +426,8 @@ class OneContactSet:
         found = tuple(number for number, carries in zip(self._numbers, under.tolist(), strict=True) if carries)
         if found != self.carrying:
             raise ValueError(
-                f"required a start on wheels {numbers_text(self.carrying)}, of which alone the law is certified, "
-                f"received one on {f'wheels {numbers_text(found)}' if found else 'none'}"
+                f"required a start on wheels {numbers_text(self.carrying)}, of which alone the law is certified"
+                f"{self._how_far}, received one on {f'wheels {numbers_text(found)}' if found else 'none'}"
             )
 
     def until_change(self, path: Trajectory) -> Trajectory:

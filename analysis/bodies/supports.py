@@ -30,6 +30,10 @@ LOOKS = 8  # parts of a step at whose ends wheels are looked at
 ON_EDGE = 1e-10  # of the body's size: depths below are zero
 
 
+class StartTipsError(ValueError):
+    """A start at which the body does not stand on its wheels."""
+
+
 @dataclass(frozen=True)
 class CarryingWheels:
     """How a body goes on: on carrying wheels, some of which may stay under the edge.
@@ -206,10 +210,10 @@ def wheel_changes(scene: Scene, before: CarryingWheels, after: CarryingWheels) -
             yield kind, f"wheel {', '.join(str(scene.wheels[k].index) for k in sorted(wheels))} {words}"
 
 
-def tipped_start(scene: Scene, carrying: frozenset[int], pose: Floats) -> ValueError:
+def tipped_start(scene: Scene, carrying: frozenset[int], pose: Floats) -> StartTipsError:
     """The refusal of a start at which the body tips, which names the edge (:func:`tipping_edge`)."""
     edge = tipping_edge(scene, carrying, pose)
-    return ValueError(f"required a start where the body stands on its wheels, received one where it tips {edge}")
+    return StartTipsError(f"required a start where the body stands on its wheels, received one where it tips {edge}")
 
 
 def tipping_edge(scene: Scene, carrying: frozenset[int], pose: Floats) -> str:

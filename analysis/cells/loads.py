@@ -53,6 +53,10 @@ class LoadError(RefusalError):
     """Normal forces that do not exist in the checked square; the message names the place."""
 
 
+class TipsThereError(LoadError):
+    """A centre of mass outside the support polygon of all wheels."""
+
+
 class CollinearLoadError(LoadError):
     """A line of wheels that carries the whole load, where beside it no loads are found."""
 

@@ -9,6 +9,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from nonsmooth.analysis.cells.loads import LoadError, TipsThereError
 from nonsmooth.analysis.contact_rule import SmoothRule
 from nonsmooth.symbolic.contact_set import whole
 
@@ -47,8 +50,17 @@ class FrictionSetRule(SmoothRule):
         return EllipseMinimizer().minimize(model, loads_at(model, points))
 
     def path(self, scene: Scene, start: Sequence[float], until: float) -> Trajectory:
-        """The minimizer of D, integrated; of a body with an outline from contact set to contact set."""
+        """The minimizer of D, integrated; of a body with an outline from contact set to contact set.
+
+        Raises:
+            LoadError: for a start without loads; of a body without an outline with the line that it tips over.
+        """
         from nonsmooth.analysis.bodies.path import BodyPath
+        from nonsmooth.analysis.bodies.supports import tipping_edge
 
         outlined = None if scene.body is None else whole(scene)
-        return BodyPath(self.contacts(outlined or scene), outlined).follow(start, until)
+        try:
+            return BodyPath(self.contacts(outlined or scene), outlined).follow(start, until)
+        except TipsThereError as error:
+            edge = tipping_edge(scene, frozenset(range(len(scene.wheels))), np.array(start, float))
+            raise LoadError(f"{error} {edge}") from None

@@ -11,7 +11,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from nonsmooth.analysis.cells.loads import UNKNOWN, LoadError
+from nonsmooth.analysis.cells.loads import UNKNOWN, LoadError, TipsThereError
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
 from nonsmooth.analysis.spring_loads import spring_loads
 from nonsmooth.symbolic.load_model import Arithmetic, carried_loads
@@ -112,7 +112,7 @@ def elastic_loads(model: ContactModel, points: ArrayLike) -> Floats:
     tips = ~finite | _outside(moments[:, 1:], goals[:, 1:])
     if tips.any():
         x, y = centres[int(tips.argmax())]
-        raise LoadError(
+        raise TipsThereError(
             f"required centres of mass inside the support polygon, received ({x:g}, {y:g}): the body tips there"
         )
     loads, solved = spring_loads(moments, goals, goals)

@@ -28,6 +28,7 @@ from nonsmooth.analysis.minimizers.proved import free_motions
 from nonsmooth.analysis.trajectories.maps import SettleMap
 from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.under_way import tell_count
 
 MOST_MINIMA = 10_000  # proved minimizations in all: a few seconds; what still moves then stays unknown
 SMALLEST = 50  # minimizations that take as long as what every call costs, however few points it has
@@ -195,6 +196,7 @@ def _follow_all(
             moving = (reached == MOVING) & ~still
             if not moving.any():
                 return
+            tell_count(len(points) - int(moving.sum()), len(points), "starts of the square")
             points[moving] = _followed(field, points[moving], np.flatnonzero(moving), until / pieces, radius)
             reached[moving & (np.abs(points).max(axis=1) > radius)] = LEFT
             inside = np.flatnonzero(moving & (reached == MOVING))

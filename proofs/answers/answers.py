@@ -14,6 +14,7 @@ from nonsmooth.proofs.answers.position import position_answer
 from nonsmooth.proofs.answers.robust import TOLERANCES, robust_answer
 from nonsmooth.proofs.theorem4_result import Theorem4Result
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact
+from nonsmooth.symbolic.under_way import tell
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.answers.best_point import RestPoint
@@ -81,11 +82,14 @@ def full_answers(
         around: look for headings of rest around the checked point too.
         rest_points: the places of rest among which the checked point was chosen, where it was.
     """
+    tell("where bodies near the point end")
     answers = answers_of(check)
     position = answers[0].verdict
     goes_elsewhere = position is not Position.COMES_HOME or bool(check.other_equilibria)
+    tell("where bodies go that start in the square")
     destinations = _destinations_of(check) if goes_elsewhere else None
     others = other_rules(check.scene) if ask_others else ()
+    tell("headings of rest")
     headings = _headings_of(check, around=around)
     robust = robust_answer(check.scene, check.results)
     return Answers(answers, destinations, others, robust, headings, rest_points, _inertia_of(check))

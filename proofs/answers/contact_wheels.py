@@ -14,6 +14,7 @@ from nonsmooth.symbolic.number_text import numbers_text
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.theorem4_result import Theorem4Result
+    from nonsmooth.symbolic.scene import Scene
 
 ALL_CARRY = "all wheels carry the body, at every pose: the scene names no [body]"
 
@@ -23,6 +24,17 @@ def contact_facts(check: Theorem4Result) -> tuple[Fact, ...]:
     free = free_twists(check.scene.recentred())
     words = f"free: {free_text(free)}, so D is the same all along" if free else ""
     return *_facts(check), Fact("free", Quantity(free), words)
+
+
+def how_far(scene: Scene, place: str = "here", heading: str = "this heading") -> str:
+    """How far a body with an outline may move and turn for certain on the same wheels; empty without one."""
+    found = contact_set(scene)
+    if found.margin is None:
+        return ""
+    words = f"within {at_least(found.margin)}{of_length(scene)} of {place}"
+    if found.angle is None:
+        return words
+    return f"{words}, or {angle_at_least(found.angle, scene.units)} of {heading} (of both: shares that add up to 1)"
 
 
 def _facts(check: Theorem4Result) -> Iterator[Fact]:
@@ -37,11 +49,7 @@ def _facts(check: Theorem4Result) -> Iterator[Fact]:
     if not scene.idle:
         words = f"{scene.body.words}: all {count} wheels carry it"
     yield Fact("wheels", list(found.wheels), words)
-    words = (
-        f"the answers hold while no wheel enters or leaves: for certain within {at_least(found.margin)}{unit} of here"
-    )
-    if found.angle is not None:
-        words += f", or {angle_at_least(found.angle, scene.units)} of this heading (of both: shares that add up to 1)"
+    words = f"the answers hold while no wheel enters or leaves: for certain {how_far(scene)}"
     yield Fact("margin", Quantity(found.margin), words)
     yield Fact("angle", Quantity(found.angle))
     turn = check.rotation.rotation_per_distance if check.rotation.verdict is Rotation.NEUTRAL else None

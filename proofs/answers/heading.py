@@ -112,7 +112,7 @@ def _drift(scene: Scene, found: RotationResult) -> Iterator[Fact]:
 
 def _why_undecided(results: Results) -> str:
     if results["equilibrium"].verdict is Equilibrium.FAILS:
-        return "the body does not stay at the point"
+        return "the body does not stay at the point; --at auto asks about a place where it rests"
     if is_by_rounding(results, "equilibrium", "rotation"):
         return "rounding decides; why: below"
     return "whether a body at rest turns is not decided; why: below"

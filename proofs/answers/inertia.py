@@ -21,6 +21,7 @@ from flint import arb, arb_mat, ctx, fmpq
 from nonsmooth.analysis.bodies.gyration import squared_radius
 from nonsmooth.analysis.bodies.mass_study import body_of
 from nonsmooth.analysis.bodies.settling import FACTORS, Settled, Settling, massless_holds_to, settle
+from nonsmooth.analysis.bodies.supports import StartTipsError
 from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.analysis.dynamics.newton_euler import RigidBody
 from nonsmooth.analysis.trajectories.result import TrajectoryError
@@ -36,6 +37,7 @@ from nonsmooth.symbolic.edge_headings import ball_of
 from nonsmooth.symbolic.number_text import float_text
 from nonsmooth.symbolic.numbers.rounded import either_way
 from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.under_way import part_of
 from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
 STARTS = 4  # on a circle about the point, of half the half-width of the checked square
@@ -84,6 +86,7 @@ VERDICT_WORDS = {
     Inertia.STABLE: "close to its place of rest it comes to rest there, by enclosed eigenvalues",
     Inertia.UNSTABLE: "close to its place of rest it swings or drifts away from it, by enclosed eigenvalues",
 }
+TURNING_WORDS = "its centre of mass comes to rest, close to its place of rest, by enclosed eigenvalues"
 
 
 def near_rest(scene: Scene) -> NearRest:
@@ -104,7 +107,7 @@ def near_rest(scene: Scene) -> NearRest:
         near = _linearized(scene, rest, place, spin)
     if kept.angle is None or 0 in rest.spin:
         return near
-    said_of = VERDICT_WORDS.get(near.verdict, near.why_not)
+    said_of = TURNING_WORDS if near.verdict is Inertia.STABLE else VERDICT_WORDS.get(near.verdict, near.why_not)
     why = f"on the wheels that carry it here {said_of}; but {_until_others(scene, kept, rest)}"
     return NearRest(Inertia.UNDECIDED, why, place, spin, near.eigenvalues)
 
@@ -115,7 +118,7 @@ def _until_others(scene: Scene, kept: ContactSet, rest: EnclosedRest) -> str:
     if margin is None or angle is None:
         return ""
     free, fastest = angle * (1 - rest.distance / margin), Fraction(at_most(abs(rest.spin)))
-    turning = f"there it turns all the time, at up to {angle_at_most(fastest, scene.units)}/s"
+    turning = f"its heading does not: there it turns all the time, at up to {angle_at_most(fastest, scene.units)}/s"
     beyond = f"after {angle_at_least(free, scene.units)}, {at_least(free / fastest)} s at least"
     return f"{turning}, and {beyond}, others may come under it"
 
@@ -161,13 +164,15 @@ class Simulated:
         massless_holds_to: factor of the speeds of all wheels up to which bodies keep within the accuracy of their
             massless paths, one of a few that were tried, 0 where the lowest does not; None where that is not known.
         why_not: why some were not followed.
+        tip: how many of them do not stand where they would start.
     """
 
     radius: float
     bodies: tuple[Settled, ...]
     asked: int
-    massless_holds_to: float | None
+    massless_holds_to: float | None = None
     why_not: str = ""
+    tip: int = 0
 
     def those(self, kind: Settling) -> list[Settled]:
         """The bodies of which this becomes."""
@@ -178,8 +183,7 @@ def simulated(scene: Scene, near: NearRest) -> Simulated:
     """Follow bodies from the ring, heading as checked."""
     radius, accuracy = float(scene.check.radius) / 2, float(scene.accuracy)
     at_x, at_y = map(float, scene.check.equilibrium)
-    angles = [FIRST + 2 * math.pi * k / STARTS for k in range(STARTS)]
-    starts = [(at_x + radius * math.cos(angle), at_y + radius * math.sin(angle), 0.0) for angle in angles]
+    starts = _ring(scene, radius)
     if near.verdict is Inertia.UNSTABLE and near.place is not None:  # beside it, for a small limit cycle
         starts.insert(0, (at_x + near.place[0] + BESIDE * accuracy, at_y + near.place[1], 0.0))
     body = body_of(scene, 1 / float(scene.inertia.gravity)) if scene.inertia is not None else None
@@ -191,10 +195,39 @@ def simulated(scene: Scene, near: NearRest) -> Simulated:
         for start in starts:
             if sum(one.work for one in bodies) > MOST_WORK:
                 return Simulated(radius, tuple(bodies), len(starts), None, "it takes long")
-            bodies.append(settle(scene, body, start, accuracy, *_chunk(near, crossing)))
+            with part_of(len(bodies), len(starts), "starts with inertia"):
+                bodies.append(settle(scene, body, start, accuracy, *_chunk(near, crossing)))
         return Simulated(radius, tuple(bodies), len(starts), _massless(scene, body, bodies, accuracy))
     except (ValueError, TrajectoryError, LoadError) as error:
         return Simulated(radius, tuple(bodies), len(starts), None, str(error))
+
+
+def _ring(scene: Scene, radius: float) -> list[tuple[float, float, float]]:
+    """Poses on a circle about the point, heading as checked."""
+    x, y = map(float, scene.check.equilibrium)
+    angles = [FIRST + 2 * math.pi * k / STARTS for k in range(STARTS)]
+    return [(x + radius * math.cos(angle), y + radius * math.sin(angle), 0.0) for angle in angles]
+
+
+def from_stated(scene: Scene, near: NearRest) -> Simulated | None:
+    """The same from half of the stated radius, where that is larger than the checked one: over other wheels too."""
+    if scene.check.wider is None or scene.inertia is None:
+        return None
+    radius, body = float(scene.check.wider) / 2, body_of(scene, 1 / float(scene.inertia.gravity))
+    crossing = radius / max(float(abs(wheel.speed)) for wheel in scene.wheels)
+    bodies: list[Settled] = []
+    tip, starts = 0, _ring(scene, radius)
+    for k, start in enumerate(starts):
+        if sum(one.work for one in bodies) > MOST_WORK:
+            return Simulated(radius, tuple(bodies), len(starts), why_not="it takes long", tip=tip)
+        with part_of(k, len(starts), "starts with inertia farther out"):
+            try:
+                bodies.append(settle(scene, body, start, float(scene.accuracy), *_chunk(near, crossing)))
+            except StartTipsError:
+                tip += 1
+            except (ValueError, TrajectoryError, LoadError) as error:
+                return Simulated(radius, tuple(bodies), len(starts), why_not=str(error), tip=tip)
+    return Simulated(radius, tuple(bodies), len(starts), tip=tip)
 
 
 def settled_from(scene: Scene, start: tuple[float, float, float]) -> Settled | None:
@@ -262,7 +295,8 @@ def _answered(asked: _Asked) -> Answer:
     scene = asked.scene
     near = near_rest(scene)
     found = simulated(scene, near)
-    return Answer("inertia", near.verdict, (*_proved(scene, near), *_seen(scene, found)))
+    farther = from_stated(scene, near)
+    return Answer("inertia", near.verdict, (*_proved(scene, near), *_seen(scene, found, farther)))
 
 
 def _proved(scene: Scene, near: NearRest) -> Iterator[Fact]:
@@ -274,7 +308,7 @@ def _proved(scene: Scene, near: NearRest) -> Iterator[Fact]:
     radius = squared_radius(scene)
     yield Fact("gravity", Quantity(None if inertia is None else inertia.gravity))
     yield Fact("squared_radius", Quantity(radius))
-    of = f"g = {float_text(gravity, DIGITS)}{unit}/s^2, I/m = {float_text(float(radius), DIGITS)}{unit}^2, {kind}"
+    of = f"g = {float_text(gravity, DIGITS)}{unit}/s^2, I/m = {_plain(float(radius))}{unit}^2, {kind}"
     height = None if inertia is None else inertia.centre_height
     yield Fact("centre_height", Quantity(height))
     of += f"; centre of mass {float_text(float(height), DIGITS)}{unit} above the wheels" if height else ""
@@ -287,38 +321,60 @@ def _proved(scene: Scene, near: NearRest) -> Iterator[Fact]:
         yield said(f"it is stable up to {low} times these speeds, and unstable at {high} times")
 
 
-def _seen(scene: Scene, found: Simulated) -> Iterator[Fact]:
-    """What the simulation says."""
+def _seen(scene: Scene, found: Simulated, farther: Simulated | None) -> Iterator[Fact]:
+    """What the simulation says, from near starts and from the radius that is stated."""
     unit, accuracy = of_length(scene), float_text(float(scene.accuracy), DIGITS)
     at_rest, cycles = found.those(Settling.AT_REST), found.those(Settling.LIMIT_CYCLE)
-    after = max((one.settles_after or 0.0 for one in at_rest), default=None)
-    swings = max((one.swings or 0 for one in at_rest), default=None)
-    size = max((one.amplitude or 0.0 for one in cycles), default=None)
-    every = len(found.bodies) == found.asked
-    settles = every and len(at_rest) == found.asked
+    settles = len(found.bodies) == found.asked == len(at_rest)
     yield Fact("status", "simulated")
-    yield Fact("swings", swings if settles else None)
-    yield Fact("settles_after", after if settles else None)
-    yield Fact("limit_cycle", size)
+    yield Fact("swings", max(one.swings or 0 for one in at_rest) if settles else None)
+    yield Fact("settles_after", max(one.settles_after or 0.0 for one in at_rest) if settles else None)
+    yield Fact("limit_cycle", max((one.amplitude or 0.0 for one in cycles), default=None))
     yield Fact("massless_holds_to", found.massless_holds_to)
     yield Fact("from", [_record(one) for one in found.bodies])
     beside = " and one beside it" if found.asked > STARTS else ""
-    ring = f"simulated from {STARTS} starts {float_text(found.radius, DIGITS)}{unit} away{beside}"
+    away = f"{STARTS} starts {float_text(found.radius, DIGITS)}{unit} away"
+    yield said(f"simulated from {away}{beside}: {_becomes(scene, found)}")
+    if farther is not None:
+        yield Fact("from_stated", {"tip": farther.tip, "from": [_record(one) for one in farther.bodies]})
+        stated = float_text(2 * farther.radius, DIGITS)
+        of = f"half of the {stated}{unit} that are stated, so also over other wheels"
+        yield said(
+            f"from {STARTS} starts {float_text(farther.radius, DIGITS)}{unit} away, {of}: {_becomes(scene, farther)}"
+        )
+    if found.massless_holds_to is not None:
+        yield said(_alike(found.massless_holds_to, accuracy + unit))
+
+
+def _becomes(scene: Scene, found: Simulated) -> str:
+    """What becomes of bodies from a ring of starts, and of how many of them where that is not all."""
+    unit, accuracy = of_length(scene), float_text(float(scene.accuracy), DIGITS)
+    at_rest, cycles = found.those(Settling.AT_REST), found.those(Settling.LIMIT_CYCLE)
     parts = []
-    if at_rest and after is not None:
-        count = "" if settles else f"{len(at_rest)} "
-        times = f"{swings} swing{'' if swings == 1 else 's'}"
-        within = f"within {accuracy}{unit} of where it ends"
-        parts.append(f"{count}{within} after {float_text(after, 3)} s, with up to {times}")
-    if cycles and size is not None:
+    if at_rest:
+        swings = max(one.swings or 0 for one in at_rest)
+        count = "" if len(at_rest) == found.asked else f"{len(at_rest)} "
+        within = f"within {accuracy}{unit} of where {'they end' if count else 'it ends'}"
+        after = float_text(max(one.settles_after or 0.0 for one in at_rest), 3)
+        parts.append(f"{count}{within} after {after} s, {_swings(swings)}")
+    if cycles:
+        size = max(one.amplitude or 0.0 for one in cycles)
         parts.append(f"{len(cycles)} on a limit cycle, up to {float_text(size, 3)}{unit} from its middle")
     for kind in (Settling.THROWN_OFF, Settling.OPEN):
         those = len(found.those(kind))
         parts += [f"{those} {kind}"] if those else []
+    parts += [f"{found.tip} of {found.asked} tip where they start"] if found.tip else []
     parts += [f"not all are followed: {found.why_not}"] if found.why_not else []
-    yield said(f"{ring}: {', '.join(parts)}")
-    if found.massless_holds_to is not None:
-        yield said(_alike(found.massless_holds_to, accuracy + unit))
+    return ", ".join(parts)
+
+
+def _plain(value: float) -> str:
+    """Four digits, without a power of ten up to a million."""
+    return f"{float(float_text(value, DIGITS)):.6g}"
+
+
+def _swings(most: int) -> str:
+    return f"with up to {most} swing{'' if most == 1 else 's'}" if most else "without a swing"
 
 
 def _record(one: Settled) -> dict[str, object]:

@@ -17,6 +17,7 @@ from nonsmooth.proofs.clauses.workspace import Workspace
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, work_limit
 from nonsmooth.symbolic.rule import CONTACT_RULES
 from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.under_way import part_of
 
 FEW_UNITS = 150_000  # of exact arithmetic: a fifth of a second or so
 FEW_WHEELS = 1_000  # beyond them loads and support polygons alone, which are not counted in units, take longer
@@ -43,7 +44,11 @@ class OtherRule:
 
 def other_rules(scene: Scene) -> tuple[OtherRule, ...]:
     """Position and heading under every contact rule but the scene's own."""
-    return tuple(_under(scene, name) for name in CONTACT_RULES if name != scene.contact.rule)
+    names, found = [name for name in CONTACT_RULES if name != scene.contact.rule], []
+    for k, name in enumerate(names):
+        with part_of(k, len(names), "other rules"):
+            found.append(_under(scene, name))
+    return tuple(found)
 
 
 def _under(scene: Scene, name: str) -> OtherRule:

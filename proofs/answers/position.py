@@ -214,7 +214,8 @@ def _plainly(scene: Scene, verdict: Position, results: Results, unit: str, looke
         if results["equilibrium"].verdict is not Equilibrium.HOLDS:
             gone = "the body is driven away from the point itself"
         why = f": {looked.why_not}" if looked is not None and looked.why_not else ""
-        return f"{gone}; whether farther than the accuracy, {accuracy}, is not decided{why}"
+        open_end = f"whether farther than the accuracy, {accuracy}, is not decided{why}"
+        return f"{gone}; {open_end}; simulate --grid 9 samples where bodies end"
     return "what happens near the point is not decided; why: below"
 
 

@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from enum import Enum
 from fractions import Fraction
 from typing import TypeAlias
 
@@ -25,9 +26,11 @@ from nonsmooth.proofs.robust.level_sets import Distance, LevelFunction, shapes_a
 from nonsmooth.proofs.robust.touching_rings import FINER, FINEST, TouchingRings, rings_about
 from nonsmooth.proofs.robust.ultimate_bound import root_above
 from nonsmooth.symbolic.contact_set import ContactSet
+from nonsmooth.symbolic.number_text import place_text
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.support_polygon import outer_positions, support_polygon
 from nonsmooth.symbolic.tolerances import Tolerance
+from nonsmooth.symbolic.under_way import tell
 
 Floats: TypeAlias = NDArray[np.float64]
 Place: TypeAlias = tuple[Fraction, Fraction]
@@ -78,6 +81,13 @@ class Ends:
         return math.hypot(*(float(entry) for entry in self.at))
 
 
+class _Open(Enum):
+    """Why rings about a centre do not say where bodies end."""
+
+    RINGS = "they are not shown"
+    WHEELS = "other wheels may come under the body on its way, or leave it"
+
+
 def decide_ends(
     scene: Scene,
     accuracy: Fraction,
@@ -104,17 +114,32 @@ def decide_ends(
     for centre in [(Fraction(0), Fraction(0))] if rests else _centres(scene, velocity, accuracy):
         for shape in _shapes(scene, velocity, centre, accuracy):
             found = _about(scene, centre, shape, accuracy, box, keeps)
-            if found is not None and found.is_near:
-                return found
-            away = away or found
-            if found is not None:
+            if isinstance(found, Ends):
+                if found.is_near:
+                    return found
+                away = away or found
                 break
-            if not isinstance(shape, Distance):
+            if found is _Open.RINGS and not isinstance(shape, Distance):
                 ellipses.append((centre, shape))
-    if away is None:  # about places that seem to attract, once more in smaller pieces
-        finest = (_about(scene, centre, shape, accuracy, box, keeps, FINEST) for centre, shape in ellipses)
-        away = next((found for found in finest if found is not None), None)
-    return away
+    return away or _in_smaller_pieces(scene, ellipses, accuracy, box, keeps)
+
+
+def _in_smaller_pieces(
+    scene: Scene,
+    ellipses: Sequence[tuple[Place, LevelFunction]],
+    accuracy: Fraction,
+    box: Tolerance | None,
+    keeps: ContactSet,
+) -> Ends | None:
+    """About places that seem to attract, once more.
+
+    Where rings are shown then, and bodies may come onto other wheels on their way, other rings would not keep them.
+    """
+    for centre, shape in ellipses:
+        found = _about(scene, centre, shape, accuracy, box, keeps, FINEST)
+        if found is not _Open.RINGS:
+            return found if isinstance(found, Ends) else None
+    return None
 
 
 def _shapes(scene: Scene, velocity: Velocity, centre: Place, accuracy: Fraction) -> Iterator[LevelFunction]:
@@ -144,8 +169,9 @@ def _about(
     box: Tolerance | None,
     kept: ContactSet,
     finer: Sequence[int] = FINER,
-) -> Ends | None:
+) -> Ends | _Open:
     """What rings about a centre show; ``finer``: into how many parts one is divided that is not shown whole."""
+    tell(f"rings about {place_text(centre, 3)} from the point")
     x, y = (scene.field.rational(entry) for entry in centre)
     distance = root_above(centre[0] ** 2 + centre[1] ** 2)
     there = scene.checked_at((x, y), scene.check.radius).recentred() if distance else scene
@@ -158,27 +184,29 @@ def _about(
     # to come near they must come from twice the accuracy; to end farther away they need only come from the point
     through = 2 * float(accuracy) + float(distance) if distance < accuracy else float(distance) * BEYOND
     if most <= through:
-        return None
+        return _Open.RINGS
     wanted = max(CLOSE * accuracy, min(NEAR_REST * distance, abs(accuracy - distance) / 2))
-    rings = rings_about(there, box, most, through, float(wanted) / 2, shape, finer)
+    useful = abs(accuracy - distance)  # they end nearer than the accuracy, or as near to a place farther away
+    rings = rings_about(there, box, most, through, float(wanted) / 2, shape, finer, useful)
     if rings is None or rings.start <= distance:
-        return None
+        return _Open.RINGS
     # bodies arrive in the smallest disc in a finite time where cells end at the place of rest, and slow down elsewhere
     soon = rings.radius if scene.contact.rule == "nearest" else min(wanted, accuracy - distance)
     near = max(rings.radius, soon)
     if distance + near <= accuracy and rings.start >= 2 * accuracy + distance:
         within = _kept_start(there, rings, kept, distance, 2 * accuracy + distance, near)
         if within is None:
-            return None
+            return _Open.WHEELS
         swing = distance + rings.swing_from(within)
         return Ends(True, distance + near, within - distance, swing, rings.time_to(near, within), centre, near)
     left = max(rings.radius, min(wanted, CLOSE * accuracy))
     if distance * (1 - Fraction(1, 2**20)) - left > accuracy:
         within = _kept_start(there, rings, kept, distance, distance * Fraction(BEYOND), left)
-        if within is not None:
-            swing = distance + rings.swing_from(within)
-            return Ends(False, None, within - distance, swing, rings.time_to(left, within), centre, left)
-    return None
+        if within is None:
+            return _Open.WHEELS
+        swing = distance + rings.swing_from(within)
+        return Ends(False, None, within - distance, swing, rings.time_to(left, within), centre, left)
+    return _Open.RINGS
 
 
 def _kept_start(

@@ -96,6 +96,7 @@ def rings_about(
     least: float,
     shape: LevelFunction | None = None,
     finer: Sequence[int] = FINER,
+    useful: Fraction | None = None,
 ) -> TouchingRings | None:
     """Rings about the origin of a centred scene; None where there is none through a radius.
 
@@ -107,12 +108,13 @@ def rings_about(
         least: a smaller disc of ends than this is not looked for.
         shape: V, where the rule has loads; the distance where none is given.
         finer: into how many parts each side of a ring is divided that is not shown in one.
+        useful: where bodies only end in a larger disc than this, starts farther out are not looked for.
     """
     if scene.contact.rule == "nearest":
         return None if why_not_nearest(scene) else _of_cells(scene, box or no_tolerance(scene), most)
     if isinstance(scene.contact.loads, UnknownLoads):
         return None
-    return _of_forces(scene, most, through, least, shape or Distance(), finer)
+    return _of_forces(scene, most, through, least, shape or Distance(), finer, useful)
 
 
 def no_tolerance(scene: Scene) -> Tolerance:
@@ -153,9 +155,15 @@ def _of_cells(scene: Scene, box: Tolerance, most: float) -> TouchingRings | None
 
 
 def _of_forces(
-    scene: Scene, most: float, through: float, least: float, shape: LevelFunction, finer: Sequence[int]
+    scene: Scene,
+    most: float,
+    through: float,
+    least: float,
+    shape: LevelFunction,
+    finer: Sequence[int],
+    useful: Fraction | None,
 ) -> TouchingRings | None:
-    """Outward from the ring in the middle, then inward, until one fails."""
+    """From the ring in the middle inward, then outward if bodies come far enough inward, until one fails."""
     try:
         forces = BalancedForces(scene)
     except ArithmeticError:
@@ -167,6 +175,9 @@ def _of_forces(
     rates: dict[int, float] = {}
     for begin, step, count in ((first, 1, 1), (first + 1, 1, AT_ONCE), (first - 1, -1, AT_ONCE)):
         k = begin
+        inward = _joined(shape, edges, rates, first) if step < 0 else None
+        if inward is not None and useful is not None and inward.radius > useful:
+            return inward
         while 0 <= k < len(edges) - 1:
             chosen = [j for j in range(k, k + step * count, step) if 0 <= j < len(edges) - 1]
             shown = ring_rates(forces, shape.pieces(edges[np.array(chosen) + 1], edges[chosen]))

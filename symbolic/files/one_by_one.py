@@ -41,6 +41,8 @@ def wheel_entry(wheel: Wheel, scene: Scene, unit: Fraction) -> dict[str, Any]:
         "heading": [str(number) for number in wheel.direction],
         "speed": str(wheel.speed / unit),
     }
+    if str(wheel.index) != f"{wheel.index:d}":
+        entry = {"name": str(wheel.index), **entry}
     if "mu_roll" in wheel.named:
         entry["mu_roll"] = str(wheel.friction.roll)
     if "mu_side" in wheel.named:

@@ -4,14 +4,19 @@ from __future__ import annotations
 
 import csv
 import io
+import re
 from collections import Counter
+from math import hypot
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
 
 import nonsmooth
+from nonsmooth.reports.answers import destinations_head
 from nonsmooth.reports.body_maps import BodyMapResult, destinations_figure
+from nonsmooth.reports.check import check_scene
+from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene_error import SceneError
 from tests.thorough import thorough
 
@@ -88,6 +93,48 @@ def test_a_terminal_says_sampled_and_how_many_tip(carton: Path, invoke: Invoke) 
     assert "proved" not in out
 
 
+TABLE = """
+units = { length = "mm", speed = "m/s" }
+wheels = { file = "wheels.csv" }
+body = { shape = "rectangle", width = 350, height = 250, mass = 3 }
+check = { equilibrium = [200, 80], radius = 100 }
+"""
+
+
+@pytest.fixture
+def table_file(tmp_path: Path) -> Path:
+    """Ten omniwheels in two rows that push inward, under a body that covers six of them."""
+    headings = [[0, 0, 90, 180, 180], [0, 0, -90, 180, 180]]
+    rows = [(100 * k, 160 * j, headings[j][k]) for j in range(2) for k in range(5)]
+    lines = [f"W{n},{x},{y},{heading},roller,0.4,0.02,0.3" for n, (x, y, heading) in enumerate(rows, 1)]
+    head = "name,x,y,heading,contact,mu_roll,mu_side,speed"
+    (tmp_path / "wheels.csv").write_text("\n".join([head, *lines]), encoding="utf-8")
+    file = tmp_path / "table.toml"
+    file.write_text(TABLE, encoding="utf-8")
+    return file
+
+
+def test_it_says_where_bodies_tip_and_over_which_wheels(table_file: Path, invoke: Invoke) -> None:
+    """The starts that end at the time 0, and no nearer one; in the words of the table, with the names of wheels."""
+    command = ("simulate", str(table_file), "--grid", "5", "--until", "0.02")
+    out = " ".join(re.sub("[^\\x00-\\x7f]", " ", invoke(*command).out).split())  # without the lines of the table
+    record = invoke(*command, "--json").record
+    at_once = [end for end, start in zip(record["ends"], record["starts"], strict=True) if end["t"] == 0]
+    away = [hypot(x - 200, y - 80) for x, y in record["starts"]]
+    nearest = min(d for d, end in zip(away, record["ends"], strict=True) if end["t"] == 0)
+    assert f"{len(at_once)} of 25 starts; all nearer than {nearest:g} mm to the point stand" in out
+    assert "the centre of mass is beyond the line through wheels W" in out
+    assert "check speaks of the part within 25 mm of the point, 6.25 % of this square" in out
+
+
+def test_a_check_says_which_part_of_the_stated_square_its_shares_are_of(table_file: Path) -> None:
+    scene = check_scene(load_scene(table_file), ask_others=False).scene
+    head = destinations_head(scene, 121)
+    assert "in the square within 25 mm, 6.25 % of the 100 mm square that is stated (--grid 9 maps that)" in head
+    assert "on the wheels that carry it here" in head
+    assert destinations_head(load_scene("four-wheel"), 7).endswith("start in the square (shares sampled from 7 starts)")
+
+
 def test_a_picture_is_drawn(carton: Path, invoke: Invoke) -> None:
     done = invoke("simulate", "carton.toml", "--grid", "2", "-o", "map.svg")
     assert (done.status, done.err) == (0, "")
@@ -121,13 +168,13 @@ def test_the_parts_add_up_to_all_starts(carton: Path, invoke: Invoke) -> None:
     assert sum(part["starts"] for part in record["parts"]) == 16
     line = invoke(*GRID, *until, "-o", "map.json").out
     assert "16 starts: " in line
-    assert f"{moving} still moving at the last time" in line
+    assert f"still moving at the last time ({moving})" in line
     array = nonsmooth.load(carton)
     assert isinstance(array, nonsmooth.Array)
     shown = array.map(4, heading=0.3, until=0.5)
     assert isinstance(shown, BodyMapResult)
     figure = destinations_figure(shown)
-    assert f"{moving} still moving at the last time" in figure.get_suptitle()
+    assert f"still moving at the last time ({moving})" in figure.get_suptitle()
     labels = [text.get_text() for text in figure.legends[0].get_texts()]
     assert labels[-2:] == ["checked point", "wheel"]
     labels = labels[:-2]

@@ -84,13 +84,13 @@ def test_the_parts_of_a_map_add_up_to_all_starts(tmp_path: Path, capsys: pytest.
     assert run(app, ["simulate", *arguments, "-o", str(tmp_path / "map.json")]) == 0
     line = capsys.readouterr().out
     assert "100 starts: " in line
-    assert f"{late} the time is over" in line
+    assert f"the time is over ({late})" in line
     array = ns.load("four-wheel")
     assert isinstance(array, ns.Array)
     shown = array.map(10, until=0.4, kinematics="leading")
     assert isinstance(shown, SettleMapResult)
     figure = ends_figure(shown)
-    assert f"{late} the time is over" in figure.get_suptitle()
+    assert f"the time is over ({late})" in figure.get_suptitle()
     shares = [text.get_text() for text in figure.legends[0].get_texts() if " %: " in text.get_text()]
     assert sum(float(label.split(" %")[0]) for label in shares) == pytest.approx(100, abs=0.1)
 

@@ -121,6 +121,7 @@ def test_the_command_writes_the_file(invoke: Invoke, tmp_path: Path) -> None:
     done = invoke("export", "four-wheel", "--frame", "world", "--rule", "ellipse", "--from", "0.2,0.1", "-o", "w.xml")
     assert done.status == 0
     assert "4 wheels and a free body, predicted to end at" in done.out
+    assert " in the file, after " in done.out
     text = (tmp_path / "w.xml").read_text(encoding="utf-8")
     for words in ("the table stands", "MuJoCo 3.11 or later", "start of the centre of mass in the scene: (0.2, 0.1)"):
         assert words in text

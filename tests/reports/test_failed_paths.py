@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import csv
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import pytest
 
 import nonsmooth as ns
 from nonsmooth.analysis.bodies.mass_study import rule_path
+from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.proofs.answers.failures import stopped, without
 from nonsmooth.reports.failed_paths import follow_failures
 from nonsmooth.reports.simulate_options import SimulateOptions
@@ -80,6 +82,22 @@ def test_wheels_that_never_carry_change_no_path() -> None:
     other = near.paths[0].path
     assert other is not None
     assert other.end.state != whole.end.state
+
+
+def test_a_path_that_is_broken_off_says_nothing_of_where_it_ends(tmp_path: Path) -> None:
+    """Of four paths of one wheel one ends too soon, in reach of the point or not: neither home nor lost."""
+    (tmp_path / "table.toml").write_text(table(), encoding="utf-8")
+    options = SimulateOptions(grid=2, until=0.5, fail="5")
+    found = follow_failures(load_scene(tmp_path / "table.toml"), options)
+    first, *others = found.paths
+    assert first.path is not None
+    broken = replace(first.path, end=replace(first.path.end, reason=EndReason.STEPS))
+    cut = replace(found, paths=(replace(first, path=broken, home=False), *others))
+    failed = cut.failures[0]
+    assert (cut.unknown(failed), found.unknown(failed)) == (1, 0)
+    assert cut.lost(failed) == found.lost(failed) - (found.whole[0].home and not first.home)
+    assert cut.paths[0].end is None
+    assert cut.facts()["failures"][0]["not_known"] == 1
 
 
 def test_what_no_longer_comes_home_is_counted(invoke: Invoke, tmp_path: Path) -> None:

@@ -446,4 +446,6 @@ def test_the_place_of_each_wheel_in_the_array_of_speeds_is_said(tmp_path: Path) 
     assert "[1] wheel 2 W2, [2] wheel 3 W3, [3] wheel 5 W5, [4] wheel 6 W6" in text
     assert "[0] wheel 2 W2, [1] wheel 3 W3" in law.program("c")
     head = text.split("FUNCTION_BLOCK")[0]
+    assert "speed of every rim, each in its place, named beside the result" in head
+    assert "the body on wheels W2, W3, W5, W6 and no others: they carry it for certain within 0.3 m of the" in head
     assert not re.search(r"\d/\d", head)

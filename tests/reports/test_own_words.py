@@ -9,7 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.reports.designs.toml_text import toml_text
+from nonsmooth.symbolic.files.one_by_one import one_by_one
+from nonsmooth.symbolic.files.scene_file import load_scene, read_document
 from nonsmooth.symbolic.formulas import constant
 from nonsmooth.symbolic.number_text import brief_text, numbers_text, short_text
 from nonsmooth.symbolic.scene import WheelNumber
@@ -102,3 +104,13 @@ def test_writing_a_number_decides_nothing(tmp_path: Path) -> None:
     assert (brief_text(direction), short_text(-direction)) == ("0.896486", "-0.896486")
     assert constant(direction).latex(longest=30) == "0.896486"
     assert scene.field.rounded_signs == before
+
+
+def test_a_table_that_is_written_wheel_by_wheel_keeps_its_names(tmp_path: Path) -> None:
+    """As ``design`` writes it; equal places and directions, too."""
+    scene = load_scene(file := write(tmp_path))
+    other = tmp_path / "other.toml"
+    other.write_text(toml_text(one_by_one(read_document(str(file))[0], scene)), encoding="utf-8")
+    again = load_scene(other)
+    assert [str(wheel.index) for wheel in again.wheels] == ["A1", "A2", "B1", "B2"]
+    assert [str(wheel.position) for wheel in again.wheels] == [str(wheel.position) for wheel in scene.wheels]

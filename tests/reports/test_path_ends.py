@@ -175,3 +175,19 @@ def test_the_accuracy_of_paths_is_that_of_the_check(invoke: Invoke) -> None:
     checked = invoke("check", "carton-on-6x6", "--json").record["answers"]["position"]["accuracy"]
     path = invoke("simulate", "carton-on-6x6", "--from", "0.05,0,0", "--until", "0.1", "--json").record["ending"]
     assert path["accuracy"] == pytest.approx(checked, rel=1e-3)
+
+
+def test_ends_are_in_radians_where_the_scene_states_them(invoke: Invoke, tmp_path: Path) -> None:
+    scene = tmp_path / "table.toml"
+    scene.write_text(TABLE.replace('speed = "m/s" }', 'speed = "m/s", angle = "rad" }'), encoding="utf-8")
+    shown = sentence(invoke("simulate", str(scene), "--from", "30,20,0.1", "--until", "0.05").out)
+    assert re.search(r"ends [\d.]+ mm from the point, heading [\d.]+ rad", shown)
+    assert "deg" not in shown
+
+
+def test_a_start_beside_all_wheels_is_refused_with_the_line_it_tips_over(invoke: Invoke, tmp_path: Path) -> None:
+    scene = tmp_path / "table.toml"
+    scene.write_text(TABLE, encoding="utf-8")
+    refused = invoke("simulate", str(scene), "--from", "500,0,0")
+    assert refused.status == 2
+    assert "the body tips there over the line through wheels 2 and 4" in sentence(refused.err)

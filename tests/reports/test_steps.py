@@ -21,7 +21,7 @@ from nonsmooth.reports.progress import CLEAR_LINE, end_progress, steps
 from nonsmooth.reports.refusals import RefusedError
 from nonsmooth.reports.simulate import SIMULATE
 from nonsmooth.reports.sweep import SWEEP
-from nonsmooth.symbolic.under_way import listening, tell, tell_count
+from nonsmooth.symbolic.under_way import listening, part_of, parts, tell, tell_count
 from tests.thorough import few
 
 HASTY = "from nonsmooth.reports import cli, progress; progress.PATIENCE = 0.0; cli.main()"
@@ -53,6 +53,13 @@ def test_steps_are_named_in_turn_and_the_line_is_cleared(monkeypatch: pytest.Mon
 
 def test_short_work_shows_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     assert on_terminal(monkeypatch, patience=60.0) == "end"
+
+
+def test_seconds_are_seen_where_the_step_is_wider_than_the_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "14")
+    shown = on_terminal(monkeypatch, patience=0.0)
+    assert f"{CLEAR_LINE}count w (0 s)" in shown
+    assert f"{CLEAR_LINE}count c (0 s)" in shown
 
 
 def test_an_error_ends_the_line_too(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -111,6 +118,57 @@ def test_only_the_innermost_listener_hears() -> None:
         tell("second")
     tell("nobody hears")
     assert (outer, inner) == (["second"], ["first"])
+
+
+def test_what_is_told_of_a_part_comes_after_how_many_there_are() -> None:
+    told: list[str] = []
+    with listening(told.append):
+        with part_of(3, 21, "paths"):
+            tell("t = 1 of 2")
+        tell("all")
+    with part_of(0, 1, "nobody hears"):
+        tell("nor this")
+    assert told == ["3 of 21 paths", "3 of 21 paths, t = 1 of 2", "all"]
+
+
+def test_a_count_stays_while_parts_tell_more() -> None:
+    told: list[str] = []
+    with listening(told.append), parts() as say:
+        tell("first")
+        say("2 of 6")
+        tell("rings")
+        say("3 of 6")
+    assert told == ["first", "2 of 6", "2 of 6, rings", "3 of 6"]
+
+
+LOGGED = """
+import sys, time
+from nonsmooth.reports import cli, progress
+from nonsmooth.reports.simulate import SIMULATE
+from nonsmooth.symbolic.under_way import tell
+progress.LOGGED = 0.1
+run = type(SIMULATE).run
+def late(self, scene, options):
+    for count in range(4):
+        tell(f"part {count}")
+        time.sleep(0.15)
+    return run(self, scene, options)
+type(SIMULATE).run = late
+sys.exit(cli.main())
+"""
+
+
+@pytest.mark.parametrize("terminal", ["xterm", "dumb"])
+def test_a_log_has_whole_lines_that_move(terminal: str) -> None:
+    """Where standard error is a pipe, each ends in a line feed, and none clears another."""
+    command = [sys.executable, "-c", LOGGED, "simulate", "four-wheel", "--from", "0,0,0", "--until", "0.1"]
+    environment = {**os.environ, "TERM": terminal}
+    found = subprocess.run(command, capture_output=True, text=True, env=environment, check=True)
+    lines = found.stderr.splitlines()
+    assert len(lines) >= 3
+    assert all(re.fullmatch(r"simulate(: .+)? \(\d+ s\)", line) for line in lines)
+    assert len({line for line in lines if "part" in line}) >= 3
+    assert CLEAR_LINE not in found.stderr
 
 
 @few(1)

@@ -47,8 +47,8 @@ export function withHeading(document, index, heading, speed) {
   return withWheel(document, index, { heading, ...keep });
 }
 
-/** The unit of a length or a speed, as the scene states it; empty where it states none. */
+/** The unit of a length, a speed or a time, as the scene states it; empty where it states none. */
 export function unitOf({ units }, kind) {
   if (!units?.length) return "";
-  return { length: units.length, speed: units.speed ?? `${units.length}/s` }[kind] ?? "";
+  return { length: units.length, speed: units.speed ?? `${units.length}/s`, time: "s" }[kind] ?? "";
 }

@@ -2,7 +2,7 @@
 // May be changed: where a new start is put, how fast time is played.
 
 import { h, icon, pool, say, sparingly } from "./dom.js";
-import { isSystem } from "./scene_document.js";
+import { isSystem, unitOf } from "./scene_document.js";
 import { roundTo, shown } from "./values.js";
 
 export const MOST = 12; // starts on a page; the server follows each of them
@@ -12,6 +12,10 @@ const RING = 0.7; // of the checked radius: how far from the point a new start l
 export class StartsPanel {
   constructor({ list, until }, store, drawing) {
     Object.assign(this, { list, until, store, drawing });
+    this.unit = h("span", { class: "unit" });
+    this.legend = h("p", { class: "hint" });
+    until.after(this.unit);
+    list.before(this.legend);
     until.addEventListener("change", () => this.#takeUntil());
     const later = sparingly(() => this.show(), () => store.isMerging);
     for (const source of [store, drawing.results]) source.addEventListener("change", later);
@@ -54,6 +58,9 @@ export class StartsPanel {
   show() {
     const { starts, until } = this.store.now;
     put(this.until, until);
+    const [length, time] = ["length", "time"].map((kind) => unitOf(this.store.document, kind));
+    say(this.unit, time ? ` [${time}]` : "");
+    say(this.legend, length && starts.length ? `a start: x [${length}], y [${length}], theta [rad]` : "");
     const names = isSystem(this.store.document) ? this.store.document.system.states : ["x", "y", "theta"];
     if (names.length !== this.width) this.list.replaceChildren();
     this.width = names.length;

@@ -9,7 +9,7 @@ import { fromText, headingFromText, shown, toText } from "./values.js";
 const KEYS = [
   { key: "x", label: "x", unit: "length", hint: "a number or a formula, such as sqrt(2)/2" },
   { key: "y", label: "y", unit: "length", hint: "a number or a formula, such as sqrt(2)/2" },
-  { key: "heading", label: "Heading", hint: "inward, outward, an angle such as 30 deg, or a direction [a, b]" },
+  { key: "heading", label: "Heading", hint: "the way its rim pushes a body, across the axle: inward, outward, an angle such as 30 deg, or a direction [a, b]" },
   { key: "speed", label: "Speed", unit: "speed" },
   { key: "mu_roll", label: "mu_roll", hint: "along the rim, or along the axis" },
   { key: "mu_side", label: "mu_side", hint: "across it" },

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
-from nonsmooth.proofs.answers.inertia import near_rest
+from nonsmooth.proofs.answers.inertia import inertia_answer, near_rest, settled_from
 from nonsmooth.symbolic.contact_set import standing
 from nonsmooth.symbolic.files.scene_file import load_scene
 
@@ -45,7 +45,8 @@ def test_the_same_wheels_carry_it_for_the_time_that_is_said(table: Scene) -> Non
     near = near_rest(standing(table))
     said = re.search(r"up to ([\d.]+) deg/s, and after ([\d.]+) deg, ([\d.]+) s at least", near.why_not)
     assert said is not None
-    assert "on the wheels that carry it here close to its place of rest it comes to rest there" in near.why_not
+    assert "on the wheels that carry it here its centre of mass comes to rest, close to its place" in near.why_not
+    assert "but its heading does not: there it turns all the time" in near.why_not
     rate, turn, time = map(float, said.groups())
     assert rate == pytest.approx(math.degrees(abs(near.spin)), rel=1e-3)
     assert rate * time == pytest.approx(turn, rel=1e-2)
@@ -59,3 +60,23 @@ def test_the_same_wheels_carry_it_for_the_time_that_is_said(table: Scene) -> Non
     alone = near_rest(replace(standing(table), body=None, idle=()))
     assert str(alone.verdict) == "stable"
     assert near.eigenvalues
+
+
+def test_times_from_half_of_the_stated_radius_stand_beside_those_from_the_checked_one(table: Scene) -> None:
+    """From where no other wheel carries it, and from farther out, each as a path from there tells it."""
+    scene = standing(table)
+    assert scene.check.wider is not None
+    assert float(scene.check.wider) == 50
+    found = inertia_answer(scene)
+    assert found is not None
+    near = float(scene.check.radius) / 2
+    assert f"from 4 starts {near:.4g} mm away: within" in found.sentence
+    assert "from 4 starts 25 mm away, half of the 50 mm that are stated, so also over other wheels: " in found.sentence
+    stated = found.numbers["from_stated"]
+    assert len(stated["from"]) + stated["tip"] == 4
+    for row in stated["from"]:
+        x, y, _ = row["start"]
+        assert math.hypot(x - 150, y - 100) == pytest.approx(25)
+    alone = settled_from(scene, tuple(stated["from"][0]["start"]))
+    assert alone is not None
+    assert alone.settles_after == pytest.approx(stated["from"][0]["settles_after"], rel=0.02)

@@ -21,11 +21,12 @@ from nonsmooth.proofs.robust.drift import driven_out
 from nonsmooth.proofs.robust.ends import DIFFERENCE, Ends, _field_beside, _shapes, _velocity, decide_ends
 from nonsmooth.proofs.robust.level_sets import Distance, LevelFunction, SectorFunction, shapes_about, short_levels
 from nonsmooth.proofs.robust.rest_points import _is_beyond, _rising, is_carried_away
-from nonsmooth.proofs.robust.touching_rings import TouchingRings, ring_rates, rings_about
+from nonsmooth.proofs.robust.touching_rings import FINER, TouchingRings, ring_rates, rings_about
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import run
+from nonsmooth.symbolic.contact_set import ContactSet
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import SceneError
@@ -373,6 +374,38 @@ def test_rates_of_cells_hold_at_sampled_places(tmp_path: Path) -> None:
             place = distance * np.array([math.cos(angle), math.sin(angle)])
             assert place @ body.velocity(place) <= -float(rate) * distance * (1 - 1e-9)
         outer = float(inner)
+
+
+def test_rings_go_no_farther_out_where_bodies_do_not_come_far_enough_in(tmp_path: Path) -> None:
+    """What is shown of them is the same up to the disc in the middle, and verdicts ask for no more."""
+    scene = measured(tmp_path, MeasuredTable.random(3, "ellipse", off=3.0)).recentred()
+    whole = rings_about(scene, None, 30.0, 7.0, 0.01)
+    assert whole is not None
+    assert rings_about(scene, None, 30.0, 7.0, 0.01, useful=whole.radius) == whole
+    inward = rings_about(scene, None, 30.0, 7.0, 0.01, useful=whole.radius / 2)
+    assert inward is not None
+    assert (inward.radius, inward.start < whole.start) == (whole.radius, True)
+    shared = len(inward.inner)
+    assert inward.inner == whole.inner[-shared:]
+    assert inward.rates == whole.rates[-shared:]
+
+
+def test_no_rings_in_smaller_pieces_where_those_that_are_shown_leave_the_wheels(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scene = measured(tmp_path, MeasuredTable.random(3, "ellipse", off=3.0)).recentred()
+    asked = []
+
+    def counted(*arguments: Any) -> TouchingRings | None:
+        asked.append(arguments[6])
+        return rings_about(*arguments)
+
+    monkeypatch.setattr("nonsmooth.proofs.robust.ends.rings_about", counted)
+    kept = ContactSet((), Fraction(50), Fraction(1, 2**40))  # the body may turn by next to nothing
+    assert decide_ends(scene, scene.accuracy, kept=kept) is None
+    assert asked
+    assert set(asked) == {FINER}
+    assert isinstance(decide_ends(scene, scene.accuracy), Ends)
 
 
 # ---- what users see ------------------------------------------------------------------------------
