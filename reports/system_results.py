@@ -140,7 +140,7 @@ class SystemCheckResult(FactResult):
         from nonsmooth.proofs.system_certificates import find_region_of_another_function, find_region_of_triangles
 
         in_plane, basin, reshaped = len(self.evidence.scene.states) == len(PLANE), None, None
-        with progress("region") as report:
+        with progress(f"{self.verdict}; region") as report:
 
             def announce(what: str, done: int, total: int) -> None:
                 report(done, total, what)
