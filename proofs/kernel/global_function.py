@@ -4,7 +4,8 @@ With fields f that are polynomials, of one cell, both are asked without a domain
 
     V  a sum of squares,    -grad V . f  a sum of squares for every f,
 
-which is affine in the coefficients of V (Parrilo 2000).  Floats propose; :mod:`nonsmooth.proofs.kernel.whole_space` shows what they propose, or does not.
+which is affine in the coefficients of V (Parrilo 2000).  Floats propose;
+:mod:`nonsmooth.proofs.kernel.whole_space` shows what they propose, or does not.
 """
 
 from __future__ import annotations
