@@ -5,6 +5,8 @@ The truths are published: the sources stand beside the systems in :mod:`tests.pr
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -13,7 +15,7 @@ from nonsmooth.proofs.checker.files import parse
 from nonsmooth.proofs.checker.statements import show_evidence
 from nonsmooth.proofs.system_certificates import certificate_text
 
-GLOBAL = {
+GLOBAL: dict[str, Any] = {
     "energy that falls weakly": ("y", "-x**3 - y"),
     "a quadratic form whose mixed terms cancel": ("-x - 3*x**2*y**3/2", "-y**3 + x**3*y**2/2"),
     "a cascade": ("-x + y**2", "-y"),
