@@ -82,9 +82,9 @@ class CheckOptions(Options):
     headings: bool = option(False, "Look for headings at which a body rests around the checked point too.")
     fail: int | None = option(None, FAIL, metavar="1")
     region: RegionSearch = option(
-        RegionSearch.NONE,
+        RegionSearch.AUTO,
         "Certify a larger region, too: by triangles, of a plain system in two states or an array under nearest or box, "
-        "by another V in more states; fast takes seconds, best a minute.",
+        "by another V in more states; fast takes seconds, best a minute; auto: fast of a plain system in two states.",
         RegionSearch,
     )
     evidence: bool = option(False, "Print why, too: each clause, or V and its derivatives, with all numbers.")
@@ -262,7 +262,7 @@ def _under_one_rule(
         )
     failures = _failures(result, announce) if options.fail else None
     result = replace(result, required=options.required, shows_evidence=options.evidence)
-    if options.region != RegionSearch.NONE:
+    if options.region not in (RegionSearch.AUTO, RegionSearch.NONE):
         result = result.with_triangles(str(options.region))
     return replace(result, continuum=continuum, failures=failures)
 
@@ -341,13 +341,17 @@ def check_system(system: SwitchedSystem) -> SystemCheckResult:
 
 
 def _check_system(system: Any, options: CheckOptions) -> SystemCheckResult:
-    """The stability of a plain system; its certificate where one is asked for."""
+    """The stability of a plain system, in the plane with a region unless told; its certificate where asked for."""
     result = replace(check_system(system), shows_evidence=options.evidence)
-    if options.region != RegionSearch.NONE:
-        result = result.with_region(str(options.region))
-        if result.evidence.reach.basin is None and result.evidence.reach.reshaped is None:
-            what = "triangles are" if len(system.states) == len(PLANE) else "larger region is"
-            _notice(system.origin, f"--region {options.region}: no {what} certified beyond the rest")
+    in_plane = len(system.states) == len(PLANE)
+    is_asked, search = options.region is not RegionSearch.AUTO, options.region
+    if not is_asked:
+        search = RegionSearch.FAST if in_plane else RegionSearch.NONE
+    if search is not RegionSearch.NONE:
+        result = result.with_region(str(search))
+        if is_asked and result.evidence.reach.basin is None and result.evidence.reach.reshaped is None:
+            what = "triangles are" if in_plane else "larger region is"
+            _notice(system.origin, f"--region {search}: no {what} certified beyond the rest")
     if options.certificate is not None:
         from nonsmooth.proofs.kernel.subject import NoCertificateError
         from nonsmooth.proofs.system_certificates import certificate_text, left_out

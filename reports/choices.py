@@ -33,8 +33,12 @@ class Drawing(StrEnum):
 
 
 class RegionSearch(StrEnum):
-    """How much is done for the region, beyond a level set of the V that decides."""
+    """How much is done for the region, beyond a level set of the V that decides.
 
+    ``auto`` is ``fast`` for a plain system in two states, and ``none`` for everything else.
+    """
+
+    AUTO = "auto"
     NONE = "none"
     FAST = "fast"
     BEST = "best"

@@ -43,6 +43,7 @@ if TYPE_CHECKING:
 
 SYSTEM_SCHEMA = "nonsmooth-check/1"
 AUDIT_SCHEMA = "nonsmooth-audit/1"
+LARGER = "--region best certifies a larger region, in about a minute"
 
 
 MEANINGS = {
@@ -106,12 +107,14 @@ class SystemCheckResult(FactResult):
     Attributes:
         evidence: everything that was proved; ``evidence.check()`` asks the stand-alone checker.
         shows_evidence: whether a terminal shows all of it.
+        is_brief: whether a longer search may find a larger region in the plane.
     """
 
     formats: ClassVar[Mapping[str, Callable[[Any, str], bytes]]] = {**FORMATS, **EXPORTS}
 
     evidence: StabilityResult
     shows_evidence: bool = False
+    is_brief: bool = False
 
     @property
     def verdict(self) -> str:
@@ -140,7 +143,7 @@ class SystemCheckResult(FactResult):
         from nonsmooth.proofs.system_certificates import find_region_of_another_function, find_region_of_triangles
 
         in_plane, basin, reshaped = len(self.evidence.scene.states) == len(PLANE), None, None
-        with progress("region") as report:
+        with progress(f"{self.verdict}; region") as report:
 
             def announce(what: str, done: int, total: int) -> None:
                 report(done, total, what)
@@ -150,7 +153,7 @@ class SystemCheckResult(FactResult):
             else:
                 reshaped = find_region_of_another_function(self.evidence, search, announce)
         reach = replace(self.evidence.reach, basin=basin, reshaped=reshaped)
-        return replace(self, evidence=replace(self.evidence, reach=reach))
+        return replace(self, evidence=replace(self.evidence, reach=reach), is_brief=bool(basin) and search == "fast")
 
     def draw(self, ax: Axes) -> None:
         """The certified triangles, with the border of the region and the checked point."""
@@ -222,8 +225,10 @@ class SystemCheckResult(FactResult):
         details: list[RenderableType] = [Text(f"{name}: {words}") for name, words in stated]
         if self.shows_evidence:
             details = [blocks_view([findings(fact_rows(self.found))])]
-        more = [] if self.shows_evidence else [Text(MORE, "dim")]
+        more: list[RenderableType] = [] if self.shows_evidence else [Text(MORE, "dim")]
         answers = answers_table(system_answers(self.evidence))
+        if self.is_brief:
+            more.append(Text(LARGER, "dim"))
         return [Group(head, answers, *details, *notes_lines(scene.field), *more)]
 
     def __repr__(self) -> str:

@@ -317,6 +317,7 @@ def _around(
             effort.pace,
             limit,
             effort.points,
+            effort.way,
             lambda done, total: announce("rings", done, total),
         )
         built, last = mesh_of_rings(

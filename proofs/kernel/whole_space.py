@@ -9,11 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from fractions import Fraction
+from itertools import chain
 from typing import Any
 
 from nonsmooth.proofs.checker.cells import System
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE
 from nonsmooth.proofs.kernel.cells import BeyondReachError, started, stated_cells, surfaces_of
+from nonsmooth.proofs.kernel.global_function import global_functions
 from nonsmooth.proofs.kernel.search import NotShownError, SampledProofs, Search, stability_hypotheses
 from nonsmooth.symbolic.enclosed_numbers import NoEnclosureError, enclose_numbers
 from nonsmooth.symbolic.piecewise import PiecewiseExpression
@@ -31,7 +33,7 @@ def find_global_attraction(
     Args:
         system: in two states or more.  Right-hand sides that were rewritten, because of sines, fractions or roots, are
             those of the checked square: of these nothing is shown.
-        potentials: V in the displacement, tried in turn.
+        potentials: V in the displacement, tried in turn, before others that are searched.
     """
     if system.waves or system.denominators or system.scale is not None or system.by_roots is not None:
         return None
@@ -40,8 +42,11 @@ def find_global_attraction(
         subject, _ = started(system, None)
     except (NoEnclosureError, NotShownError):
         return None
-    texts = {own.text: own for own in potentials if own is not None}
-    for potential in texts.values():
+    asked = set[str]()
+    for potential in chain(potentials, global_functions(system)):
+        if potential is None or potential.text in asked:
+            continue
+        asked.add(potential.text)
         found = _shown(system, subject, potential)
         if found is not None:
             return found

@@ -22,6 +22,7 @@ from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.checker.positivity import Proofs
 from nonsmooth.proofs.systems.basin_mesh import BuiltMesh, MeshBuilder, last_ring, mesh_corners, mesh_of_rings
 from nonsmooth.proofs.systems.basin_rings import (
+    WAY,
     FieldInCells,
     FloatField,
     Floats,
@@ -50,18 +51,22 @@ class BasinEffort:
         pace: of rings.
         starts: in a row of those that are sampled.
         points: of a ring, at most.
-        triangles: that are looked at in floats, at most; those near the point come first.
+        way: of rings, in multiples of their size, at most.
+        triangles: that are looked at in floats for a mesh, at most; those near the point come first.
+        outward: steps of rings that look for a polygon outside, at most.
     """
 
     pace: Pace
     starts: int
     points: int = 4_000
+    way: float = WAY
     triangles: int = 300_000
+    outward: int = 10_000
 
 
 EFFORTS = {
-    "fast": BasinEffort(Pace(0.04, 0.012, 0.04), 41),
-    "best": BasinEffort(Pace(0.007, 0.0025, 0.02), 101, 20_000, 10_000_000),
+    "fast": BasinEffort(Pace(0.04, 0.012, 0.04), 41, way=12.0, triangles=40_000, outward=300),
+    "best": BasinEffort(Pace(0.007, 0.0025, 0.02), 101, points=20_000, triangles=10_000_000),
 }
 
 
@@ -148,7 +153,7 @@ def find_basin(
     best: BuiltMesh | None = None
     for power in POWERS:
         farthest, tell = min(limit or far, far), _step(announce, "rings")
-        rings = grow(field, first, effort.pace, farthest, effort.points, tell, power)
+        rings = grow(field, first, effort.pace, farthest, effort.points, effort.way, tell, power)
         built, last = mesh_of_rings(rings, builder, effort.pace.move, _step(announce, "bands of triangles"))
         if built is not None and (best is None or built.area > best.area):
             best = built
@@ -162,7 +167,7 @@ def find_basin(
 
     hypotheses = {"local": local, "surfaces": surfaces, "mesh": best.record, "below": best.below}
     border = last_ring(best.corners)
-    outside = find_outer_ring(system, surfaces, border, effort.pace.angle, effort.pace.gap) if limit is None else None
+    outside = find_outer_ring(system, surfaces, border, effort.pace, effort.outward) if limit is None else None
     return CertifiedBasin(hypotheses, _sampled(field, is_home, border, effort.starts, limit), outside)
 
 

@@ -198,12 +198,10 @@ class BuiltMesh:
     Attributes:
         record: as a certificate holds it.
         below: W on its last ring.
-        is_whole: whether that is the last of the rings that were made.
     """
 
     record: dict[str, Any]
     below: int
-    is_whole: bool
 
     @property
     def corners(self) -> Floats:
@@ -237,13 +235,16 @@ def mesh_of_rings(
 ) -> tuple[BuiltMesh | None, Floats]:
     """The mesh of rings that are made as far as it comes, and the last of them."""
     made: list[Floats] = []
-    built = None
+    own: MeshBuilder | None = None
     for count in (round(way / move) for way in STAGES):
-        made += islice(rings, count - len(made))
-        built = builder(made).build(announce) if len(made) > 1 else None
-        if built is None or not built.is_whole or len(made) < count:
+        more = list(islice(rings, count - len(made)))
+        if made and not more:
             break
-    return built, made[-1]
+        made += more
+        own = builder(made) if len(made) > 1 else None
+        if own is None or not own.refine(announce) or len(made) < count:
+            break
+    return None if own is None else own.built(), made[-1]
 
 
 class MeshBuilder:
@@ -272,7 +273,7 @@ class MeshBuilder:
         self.lattice = Lattice(field.surfaces, size)
         self.field, self.exact = field, exact(str(self.lattice.unit))
         self.dense, self.rings = rings, dict[int, LatticeRing]()
-        self.left, self.is_first_whole = most, is_first_whole
+        self.left, self.is_first_whole, self.used = most, is_first_whole, list[int]()
         self.between = max(round(BETWEEN / move), 1)
         if is_first_whole:
             self.ring(0).chosen = list(range(len(self.ring(0).points)))
@@ -284,8 +285,8 @@ class MeshBuilder:
             self.rings[number] = self.lattice.ring(*self.field.aligned(self.dense[number], is_kept=is_kept))
         return self.rings[number]
 
-    def build(self, announce: Callable[[int, int], None]) -> BuiltMesh | None:
-        """The bands from the first ring on, a few at a time; None without one on which W falls."""
+    def refine(self, announce: Callable[[int, int], None]) -> bool:
+        """Refine bands from the first ring on, a few at a time; whether floats see W fall up to the last ring."""
         used = [*range(0, len(self.dense) - 1, self.between), len(self.dense) - 1]
         shown: set[Band] = set()
         rounds: dict[Band, int] = {}
@@ -309,13 +310,17 @@ class MeshBuilder:
                     between.add(pair[1])
             shown = {pair for pair in shown if touched.isdisjoint(pair)}
             used = self._with_more(used, between)
-        if self.exact.has_borders:  # where cells meet the checker asks more than floats have seen
+        self.used = used
+        return used[-1] == len(self.dense) - 1
+
+    def built(self) -> BuiltMesh | None:
+        """The mesh of these bands; None without one.  Where cells meet the checker asks more than floats have seen."""
+        used = self.used
+        if self.exact.has_borders:
             bands = list(pairwise(used))
             count = next((k for k, pair in enumerate(bands) if not self._is_shown(*pair)), len(bands))
             used = used[: count + 1]
-        if len(used) < 2:
-            return None
-        return BuiltMesh(self._record(used), len(used) - 1, is_whole=used[-1] == len(self.dense) - 1)
+        return BuiltMesh(self._record(used), len(used) - 1) if len(used) > 1 else None
 
     def _with_more(self, used: list[int], between: set[int]) -> list[int]:
         """A ring more before each of some, or no rings from one on before which there is none."""

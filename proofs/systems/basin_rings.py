@@ -41,6 +41,7 @@ WIDTH = 2.0**-20  # of a ring: of differences
 APART = 2.0**-10  # of a side: as near to a corner no other one is put
 UNFOLDED = 5  # times that points are left out at which a ring turns back
 STARTS = 400  # points of the first ring
+TURNS, SHARP = 20, 0.8  # within half a step, of a start that stays somewhere else; cosines of these are below
 SMALL = 2.0**-40  # of the largest: what is as small counts as zero, for either sign
 
 
@@ -243,7 +244,11 @@ class FloatField:
 
     def waves(self, number: int, x: Floats) -> list[Floats]:
         """The sines and cosines of one right-hand side at places."""
-        return [(np.sin if name == "sin" else np.cos)(values(v, x)) for name, v in self.plane.waves[number]]
+        return [(np.sin if name == "sin" else np.cos)(at(x)[0]) for name, at in self._arguments[number]]
+
+    @cached_property
+    def _arguments(self) -> list[list[tuple[str, Callable[[Floats], Floats]]]]:
+        return [[(name, together([v])) for name, v in side] for side in self.plane.waves]
 
     def at(self, x: Floats) -> Floats:
         """The velocities at places, those of one cell where several meet: shape (right-hand sides, places, 2)."""
@@ -368,6 +373,7 @@ def grow(
     pace: Pace,
     limit: float,
     most: int,
+    way: float,
     announce: Callable[[int, int], None],
     power: int = 2,
 ) -> Iterator[Floats]:
@@ -379,11 +385,12 @@ def grow(
         pace: of them.
         limit: half the side of a square that no ring leaves.
         most: points of a ring.
+        way: of its fastest points, in multiples of its size, at most.
         announce: told the number of steps that are done, and of all.
         power: p of the speed ``f / |x|^p``.
     """
     yield ring
-    before, steps, pause = area(ring), round(WAY / pace.move), round(PAUSE / pace.move)
+    before, steps, pause = area(ring), round(way / pace.move), round(PAUSE / pace.move)
     for step in range(1, steps):
         announce(step, steps)
         ring = next_ring(field, ring, pace, limit, power)
@@ -475,8 +482,10 @@ def followed_home(
     """Which starts come to where ``home`` is true before they are farther away than some distance, in floats.
 
     Steps have a length in proportion to the distance from the point; of several right-hand sides the first is taken.
+    Where nothing switches, who turns sharply within many a step stays around another place of rest.
     """
     x, came, alive = starts.copy(), home(starts), np.ones(len(starts), dtype=bool)
+    turns = np.zeros(len(starts), dtype=np.int64)
     for _ in range(4_000):
         todo = np.nonzero(alive & ~came)[0]
         if not len(todo):
@@ -488,6 +497,10 @@ def followed_home(
         x[todo] = here + step[:, None] * second
         came[todo] = home(x[todo])
         alive[todo] = np.isfinite(x[todo]).all(axis=1) & (np.linalg.norm(x[todo], axis=1) < far)
+        if not field.surfaces:
+            sizes = np.linalg.norm(first, axis=1) * np.linalg.norm(second, axis=1)
+            turns[todo] += (first * second).sum(axis=1) < SHARP * sizes
+            alive &= turns < TURNS
     return came
 
 

@@ -23,12 +23,12 @@ from nonsmooth.proofs.systems.basin_rings import FloatField, Floats, Pace, area,
 WIDER = (1.15, 1.4, 2.0)  # of the certified region: first rings, tried in turn
 TURNS, SLENDER = (3.0, 1.0, 0.5), 0.3  # of the angle, one after the other; the largest gap over it
 STEPS, PAUSE, STILL = 400, 25, 0.9995  # at most; between looks at the area; by which this must shrink
-FARTHEST, MOVE, POWER = 50.0, 0.02, 2  # times the certified region; a step, of a ring's size; p of the speed
+FARTHEST, POWER = 50.0, 2  # times the certified region; p of the speed
 BITS = 24  # of places on a ring
 
 
 def find_outer_ring(
-    system: System, surfaces: Sequence[str], border: Floats, angle: float, gap: float
+    system: System, surfaces: Sequence[str], border: Floats, pace: Pace, steps: int
 ) -> dict[str, Any] | None:
     """The hypotheses of theorem ``outside``, which are shown; None where no polygon is found.
 
@@ -36,8 +36,8 @@ def find_outer_ring(
         system: in the plane, without sines and cosines.
         surfaces: on which it switches, in the displacement.
         border: of the certified region, a ring that is counterclockwise: shape (corners, 2).
-        angle: about by which velocities are turned inward, in radians.
-        gap: between points of a ring at most, of its size.
+        pace: about by which angle velocities are turned inward, and how near neighbours on a ring are.
+        steps: of all rings that are tried, at most.
     """
     plane = Plane(system, "1", list(surfaces), Proofs({}))
     if any(plane.waves):
@@ -45,9 +45,11 @@ def find_outer_ring(
     field = FloatField(plane)
     best: dict[str, Any] | None = None
     rings = [wider * border for wider in WIDER]
-    for own in (turn * angle for turn in TURNS):
+    for own in (turn * pace.angle for turn in TURNS):
         for ring in rings:
-            nearer = _shrunk(field, ring, border, own, min(gap, SLENDER * own))
+            inward = Pace(-own, min(pace.gap, SLENDER * own), pace.move)
+            taken, nearer = _shrunk(field, ring, border, inward, min(steps, STEPS))
+            steps -= taken
             hypotheses = None if nearer is None else _on_lattice(nearer, surfaces)
             if nearer is not None and hypotheses is not None and _is_shown(system, hypotheses):
                 best, rings = hypotheses, [nearer]
@@ -65,19 +67,22 @@ def _is_shown(system: System, hypotheses: dict[str, Any]) -> bool:
     return True
 
 
-def _shrunk(field: FloatField, ring: Floats, border: Floats, angle: float, gap: float) -> Floats | None:
-    """A ring that follows the field backward until it shrinks no more; None where it comes to the region, or leaves."""
+def _shrunk(field: FloatField, ring: Floats, border: Floats, pace: Pace, most: int) -> tuple[int, Floats | None]:
+    """How many steps a ring follows the field backward until it shrinks no more, and the ring.
+
+    None where it comes to the region, or leaves.
+    """
     limit = FARTHEST * float(np.abs(border).max())
     least, before = area(border), area(ring)
-    for step in range(1, STEPS):
-        ring = next_ring(field, ring, Pace(-angle, gap, MOVE), limit, POWER)
+    for step in range(1, most):
+        ring = next_ring(field, ring, pace, limit, POWER)
         if not np.isfinite(ring).all() or np.abs(ring).max() > limit / 2 or area(ring) < least:
-            return None
+            return step, None
         if step % PAUSE == 0:
             if area(ring) > STILL * before:
-                return ring
+                return step, ring
             before = area(ring)
-    return ring
+    return most, ring
 
 
 def _on_lattice(ring: Floats, surfaces: Sequence[str]) -> dict[str, Any]:

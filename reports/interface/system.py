@@ -304,6 +304,9 @@ class System(PythonScene):
     def check(self, **changes: Any) -> SystemCheckResult:
         """Stability of the equilibrium.
 
+        The region is a level set of the V that decides; ``check().with_region("fast")`` certifies triangles beyond it,
+        as the command does by default in two states.
+
         Args:
             **changes: as for :meth:`with_`.
         """

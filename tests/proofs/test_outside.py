@@ -76,7 +76,7 @@ def test_no_polygon_where_the_basin_reaches_to_infinity() -> None:
     system = build_system(document, "hyperbola", Path("hyperbola.toml"))
     angles = np.linspace(0, 2 * np.pi, 200, endpoint=False)
     border = np.stack([np.cos(angles), np.sin(angles)], axis=1)
-    assert find_outer_ring(read_subject(about(system)), [], border, 0.12, 0.05) is None
+    assert find_outer_ring(read_subject(about(system)), [], border, Pace(0.12, 0.05, 0.04), 1_000) is None
 
 
 SIMPLE = {

@@ -1,0 +1,118 @@
+"""Proposals for a V that is positive and falls in the whole space: polynomials, by sums of squares.
+
+With fields f that are polynomials, of one cell, both are asked without a domain,
+
+    V  a sum of squares,    -grad V . f  a sum of squares for every f,
+
+which is affine in the coefficients of V (Parrilo 2000).  Floats propose;
+:mod:`nonsmooth.proofs.kernel.whole_space` shows what they propose, or does not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import combinations, combinations_with_replacement
+from math import lcm
+
+from flint import fmpq
+
+from nonsmooth.proofs.kernel.cells import BeyondReachError, rational_terms
+from nonsmooth.proofs.sums_of_squares.ansatz import Condition, build_blocks, without_idle
+from nonsmooth.proofs.sums_of_squares.conic_program import Problem, solve_inside
+from nonsmooth.proofs.sums_of_squares.rounding import round_parameters
+from nonsmooth.symbolic.numbers.polynomial import Exponents, Terms, add_terms, multiply_terms
+from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
+from nonsmooth.symbolic.scene_error import SceneError
+from nonsmooth.symbolic.switched_system import SwitchedSystem
+
+FEW = 3  # states of which all choices are tried
+DENOMINATORS = (1 << 3, 1 << 6, 1 << 10)  # of coefficients, which lie between -1 and 1
+MOST_UNKNOWNS = 3_000  # entries of Gram matrices
+
+
+def global_functions(system: SwitchedSystem) -> Iterator[PiecewiseExpression]:
+    """V in the displacement, one after the other; none where something switches."""
+    try:
+        fields = _fields(system)
+    except (BeyondReachError, SceneError):
+        return
+    for exponents in _bases(len(system.states)):
+        problems = _problems(fields, exponents)
+        if sum(len(block.monomials) ** 2 for _, blocks in problems for block in blocks) > 2 * MOST_UNKNOWNS:
+            return
+        solved = solve_inside(problems, len(exponents), bounded=True)
+        for denominator in DENOMINATORS if solved is not None else ():
+            found = None if solved is None else round_parameters(*solved, denominator)
+            if found is not None and any(found):
+                yield _formula(system.states, exponents, found)
+
+
+def _fields(system: SwitchedSystem) -> list[list[Terms]]:
+    """The right-hand sides as polynomials in the displacement from the point.
+
+    Raises:
+        BeyondReachError: where something switches, and for irrational numbers.
+        SceneError: for a piece that is no polynomial.
+    """
+    places = system.displaced(system.states)
+    return [[rational_terms(own) for own in member.velocity(_no_sign, places)] for member in system.members]
+
+
+def _no_sign(surface: object) -> int:
+    raise BeyondReachError("a field that switches")
+
+
+def _bases(count: int) -> Iterator[list[Exponents]]:
+    """The monomials of V, tried in turn.
+
+    Fields of odd degree leave no room for some of them: where others must be zero no rounding survives.  So few come
+    first: squares, quadratic forms, these with powers of four of some states, and all up to degree 4.
+    """
+    units = [tuple(int(j == k) for j in range(count)) for k in range(count)]
+    squares, fourths = ([tuple(power * e for e in own) for own in units] for power in (2, 4))
+    quadratic = _monomials(count, 2)
+    yield squares
+    yield quadratic
+    for size in range(1, count + 1) if count <= FEW else ():
+        for chosen in combinations(fourths, size):
+            yield [*quadratic, *chosen]
+    yield [*quadratic, *_monomials(count, 3), *_monomials(count, 4)]
+
+
+def _monomials(count: int, degree: int) -> list[Exponents]:
+    chosen = combinations_with_replacement(range(count), degree)
+    return [tuple(own.count(k) for k in range(count)) for own in chosen]
+
+
+def _problems(fields: Sequence[Sequence[Terms]], exponents: Sequence[Exponents]) -> list[Problem]:
+    """That V is positive, and falls along every field."""
+    count = len(exponents[0])
+    asked = [Condition({}, {k: {own: fmpq(1)} for k, own in enumerate(exponents)}, (), (), count)]
+    for field in fields:
+        slopes = {k: fall for k, own in enumerate(exponents) if (fall := _fall(own, field))}
+        asked.append(Condition({}, slopes, (), (), count))
+    return [(own, without_idle(build_blocks(own), own.support)) for own in asked]
+
+
+def _fall(exponents: Exponents, field: Sequence[Terms]) -> Terms:
+    """``-grad m . f`` of a monomial m."""
+    total: Terms = {}
+    for k, velocity in enumerate(field):
+        if exponents[k]:
+            slope = {(*exponents[:k], exponents[k] - 1, *exponents[k + 1 :]): fmpq(-exponents[k])}
+            total = add_terms(total, multiply_terms(slope, velocity))
+    return total
+
+
+def _formula(
+    states: Sequence[str], exponents: Sequence[Exponents], coefficients: Sequence[fmpq]
+) -> PiecewiseExpression:
+    """A polynomial times the common denominator of its coefficients."""
+    whole = lcm(*(int(own.q) for own in coefficients))
+    terms = []
+    for powers, own in zip(exponents, coefficients, strict=True):
+        if own:
+            factors = "*".join(x if e == 1 else f"{x}**{e}" for x, e in zip(states, powers, strict=True) if e)
+            size = abs(int(own * whole))
+            terms.append(("-" if own < 0 else "+") + (factors if size == 1 else f"{size}*{factors}"))
+    return parse_piecewise("".join(terms).removeprefix("+"), tuple(states))
