@@ -94,6 +94,8 @@ def accept(changed: Sequence[Change], gone: Sequence[Row], reason: str, folder: 
         return
     entries = [(c.row.line, digest(c.record), list(c.differences) or ["a new row"]) for c in changed]
     entries += [(row.line, REMOVED, ["the row is gone"]) for row in gone]
+    if not entries:
+        return
     with (folder / "changes.toml").open("a", encoding="utf-8") as log:
         log.write(f"\n[[change]]\nreason = {_text(reason)}\n")
         for line, mark, found in entries:
