@@ -7,13 +7,15 @@ linearization, feedback and paths follow from it.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 
 from nonsmooth.analysis.cells.loads import LoadError, TipsThereError
+from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.contact_rule import SmoothRule
 from nonsmooth.symbolic.contact_set import whole
+from nonsmooth.symbolic.friction_set import CutEllipse
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.fields.contact_model import ContactModel, Floats
@@ -64,3 +66,38 @@ class FrictionSetRule(SmoothRule):
         except TipsThereError as error:
             edge = tipping_edge(scene, frozenset(range(len(scene.wheels))), np.array(start, float))
             raise LoadError(f"{error} {edge}") from None
+
+
+class FloatShape(CutEllipse[Any]):
+    """A shape that floats alone know: bodies are followed, and whatever proves something refuses it.
+
+    A shape on it writes ``searched``, ``support``, ``gauge``, ``excess``, ``nearest``, ``slip_cone``, ``room``,
+    ``rounded_gradient`` and ``rounded_hessian``.  Slips r and s, and what ``support``, ``nearest``, ``excess`` and the
+    rounded methods give, are about minus the force; ``gauge``, ``slip_cone`` and ``room`` are about the force.  Zero
+    lies inside every set.
+    """
+
+    def piece(self, r: Any, s: Any) -> NoReturn:
+        """Refused."""
+        self.refuse()
+
+    def gradient(self, r: Any, s: Any) -> NoReturn:
+        """Refused."""
+        self.refuse()
+
+    def bend(self, r: Any, s: Any) -> NoReturn:
+        """Refused."""
+        self.refuse()
+
+    def holds_strictly(self, x: Any, y: Any) -> NoReturn:
+        """Refused."""
+        self.refuse()
+
+    def refuse(self) -> NoReturn:
+        """Say that nothing is proved.
+
+        Raises:
+            RefusalError: always.
+        """
+        shape = type(self).__name__
+        raise RefusalError(f"required friction sets with exact forces, received {shape}: nothing is proved of it")

@@ -6,21 +6,19 @@ follow.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.analysis.contact_rules.by_friction_set import FrictionSetRule
+from nonsmooth.analysis.contact_rules.by_friction_set import FloatShape, FrictionSetRule
 from nonsmooth.analysis.fields.contact_model import Floats
-from nonsmooth.symbolic.friction_set import CutEllipse, FrictionSet, NearestForce
+from nonsmooth.symbolic.friction_set import FrictionSet, NearestForce
 from nonsmooth.symbolic.scene import Friction
 
 HALVINGS = 60
 LEAST = 1e-30  # of t: below it nothing is damped
 
 
-class Superellipse(CutEllipse[Any]):
+class Superellipse(FloatShape):
     """Sets with half-axes alpha and beta; nothing is cut."""
 
     @classmethod

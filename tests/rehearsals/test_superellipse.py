@@ -7,12 +7,17 @@ import pytest
 from scipy.optimize import minimize
 
 from nonsmooth.analysis.bodies.mass_study import body_path, rule_path
+from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.dynamics.newton_euler import EllipseFriction, RigidBody
 from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.minimizers.dissipation import Functional, dissipation, usage
 from nonsmooth.analysis.minimizers.many_twists import MovingTwists
 from nonsmooth.analysis.minimizers.sum_of_supports import SupportSums, by_multipliers
+from nonsmooth.proofs.answers.other_rules import other_rules
+from nonsmooth.proofs.clauses.feedback.by_friction import decide_whatever_friction
+from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.symbolic.files.scene_file import load_scene
+from nonsmooth.symbolic.friction_set import CutEllipse
 from nonsmooth.symbolic.rule import CONTACT_RULES
 from nonsmooth.symbolic.scene import Scene
 from tests.rehearsals.superellipse import Superellipse, SuperellipseRule
@@ -90,3 +95,21 @@ def test_bodies_with_mass_follow_its_forces(scene: Scene) -> None:
 def test_methods_of_ellipses_alone_refuse_it(scene: Scene) -> None:
     with pytest.raises(ValueError, match="required friction ellipses, cut or whole, received Superellipse"):
         MovingTwists(SuperellipseRule().contacts(scene), 1)
+
+
+def test_nothing_is_proved_of_a_shape_that_floats_alone_know(scene: Scene) -> None:
+    with pytest.raises(RefusalError, match="received Superellipse: nothing is proved of it"):
+        check_theorem4(scene)
+    with pytest.raises(RefusalError):
+        decide_whatever_friction(scene)
+    (row,) = [other for other in other_rules(load_scene("four-wheel")) if other.name == "superellipse"]
+    assert not row.answers
+    assert "nothing is proved" in row.why_not
+
+
+def test_a_shape_is_not_proved_as_an_ellipse_by_mistake() -> None:
+    with pytest.raises(TypeError, match="required piece, gradient, bend and holds_strictly of Larger"):
+
+        class Larger(CutEllipse[float]):
+            def support(self, r: float, s: float) -> float:
+                return 2 * super().support(r, s)

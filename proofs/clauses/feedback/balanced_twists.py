@@ -46,6 +46,7 @@ from flint import arb, arb_mat, ctx
 
 from nonsmooth.analysis.cells.loads import LoadRegion
 from nonsmooth.analysis.contact_rule import smooth_rule_of
+from nonsmooth.analysis.contact_rules.by_friction_set import FloatShape
 from nonsmooth.analysis.minimizers.friction_search import RimDemand, search_forces
 from nonsmooth.proofs.clauses.feedback.rational_bounds import ball_of
 from nonsmooth.symbolic.constraints import Triple, inner, roll_row, scaled, side_row
@@ -98,7 +99,13 @@ class WheelForces:
 
     @cached_property
     def unit_set(self) -> CutEllipse[arb]:
-        """The set in units of its half-axes, as balls."""
+        """The set in units of its half-axes, as balls.
+
+        Raises:
+            RefusalError: for a shape of which nothing is proved.
+        """
+        if isinstance(self.limits, FloatShape):
+            self.limits.refuse()
         with ctx.workprec(PRECISION):
             return CutEllipse(arb(1), arb(1), self.limits.cut.ball() if self.limits.is_cut else arb(1))
 
