@@ -10,7 +10,7 @@ import runpy
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
-from dataclasses import replace
+from dataclasses import fields, is_dataclass, replace
 from fractions import Fraction
 from importlib import import_module
 from importlib.metadata import version
@@ -136,6 +136,23 @@ def test_every_argument_of_every_public_function_is_documented() -> None:
         return one + another
 
     assert unsaid(plain) == ["one", "another"]  # the words count, not their capitals
+
+
+def test_every_field_of_every_public_class_is_documented() -> None:
+    """Options of commands say what they are in their help."""
+    lacking, seen = {}, 0
+    for package in (".", *PACKAGES):
+        for name, module in typed_names(package).items():
+            value = getattr(import_module(module), name)
+            if not (isinstance(value, type) and is_dataclass(value)):
+                continue
+            said = "\n".join(base.__doc__ or "" for base in value.__mro__)
+            named = [entry.name for entry in fields(value) if entry.name[0] != "_" and "option" not in entry.metadata]
+            unsaid_fields = [own for own in named if not re.search(rf"\b{own}\b.*:", said)]
+            lacking |= {f"{module}.{name}": unsaid_fields} if unsaid_fields else {}
+            seen += len(named)
+    assert seen > 100
+    assert lacking == {}
 
 
 def test_importing_the_package_loads_nothing() -> None:

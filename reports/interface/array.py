@@ -70,6 +70,10 @@ class Array(PythonScene):
         radius: half-width of the square about it that is checked.
         **more: other tables and keys of a scene file, see :meth:`with_`.
 
+    Attributes:
+        document: the tables of a scene file.
+        folder: what relative names of files in it, such as a CSV file of wheels, are relative to.
+
     Raises:
         SceneError: for whatever cannot be used, naming key, requirement and what was received.
     """

@@ -36,6 +36,9 @@ class Vehicle:
         rule: contact rule; ``ellipse`` unless given.
         **more: other keys of ``[vehicle]``, such as ``measured`` and ``wheel_radius``, and ``name``.
 
+    Attributes:
+        document: the tables of a scene file.
+
     Raises:
         SceneError: for whatever cannot be used, naming key, requirement and what was received.
     """
