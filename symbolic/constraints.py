@@ -55,7 +55,14 @@ class Twist(NamedTuple):
 
 @dataclass(frozen=True)
 class Row:
-    """One scaled constraint ``normal . (vx, vy, omega) = rhs`` of a wheel."""
+    """One scaled constraint ``normal . (vx, vy, omega) = rhs`` of a wheel.
+
+    Attributes:
+        wheel: whose it is.
+        kind: whether of its rolling or of its side slip.
+        normal: a direction d with the moment ``d . J p`` of its place p (1, 1, length), times the grip length.
+        rhs: the speed that is asked for (length/time), times the same.
+    """
 
     wheel: Wheel
     kind: RowKind

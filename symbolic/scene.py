@@ -238,13 +238,21 @@ class CheckedSquare:
 class Scene(ShortRepr):
     """A wheel array with everything a check needs; numbers live in one field.
 
-    ``source`` names where it came from (a file or a built-in name) for messages and reports; ``continuum`` is the
-    field that the array stands for, where its file gives one; ``units`` are labels, which no result depends on.
-    ``body`` is what lies on the array, None where every wheel carries at every pose; ``idle`` are the wheels that do
-    not carry it at the checked pose, where they were set apart (:func:`nonsmooth.symbolic.contact_set.standing`).
-    ``tolerances`` are how far the array that is built may be from this one, None where nothing is said of it;
-    ``loop_errors`` are how late and how wrong the pose is that a feedback law acts on, None where it is exact.
-    ``inertia`` is how heavy the body is, None where no unit of length is stated: then it has none, as in the paper.
+    Attributes:
+        name: its title.
+        field: of all its numbers.
+        wheels: those that may carry the body.
+        contact: the contact rule and the model of loads.
+        check: the point and the square about it that are checked.
+        source: where it came from (a file or a built-in name), for messages and reports.
+        continuum: the field that the array stands for, where its file gives one.
+        units: labels, which no result depends on.
+        body: what lies on the array; None where every wheel carries at every pose.
+        idle: the wheels that do not carry it at the checked pose, where they were set apart
+            (:func:`nonsmooth.symbolic.contact_set.standing`).
+        tolerances: how far the array that is built may be from this one; None where nothing is said of it.
+        loop_errors: how late and how wrong the pose is that a feedback law acts on; None where it is exact.
+        inertia: how heavy the body is; None where no unit of length is stated: then it has none, as in the paper.
     """
 
     kind: ClassVar[Literal[SceneKind.ARRAY]] = SceneKind.ARRAY
