@@ -54,7 +54,7 @@ def test_the_parts_add_up_to_all_starts(found: SystemMap) -> None:
     assert parts == counted
     assert sum(parts.values()) == 49
     for text in (found.summary(), ratios_figure(found).get_suptitle()):
-        assert all(f"{count} {kind}" in text.replace("\n", " ") for kind, count in counted.items())
+        assert all(f"{kind} ({count})" in text.replace("\n", " ") for kind, count in counted.items())
 
 
 def test_paths_from_the_certified_region_lower_v(found: SystemMap) -> None:
