@@ -140,7 +140,8 @@ def test_every_argument_of_every_public_function_is_documented() -> None:
 
 def test_every_field_of_every_public_class_is_documented() -> None:
     """Options of commands say what they are in their help."""
-    lacking, seen = {}, 0
+    lacking: dict[str, list[str]] = {}
+    seen = 0
     for package in (".", *PACKAGES):
         for name, module in typed_names(package).items():
             value = getattr(import_module(module), name)
