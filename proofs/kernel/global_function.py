@@ -11,13 +11,19 @@ which is affine in the coefficients of V (Parrilo 2000).  Floats propose;
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from itertools import combinations, combinations_with_replacement
+from itertools import combinations
 from math import lcm
 
 from flint import fmpq
 
 from nonsmooth.proofs.kernel.cells import BeyondReachError, rational_terms
-from nonsmooth.proofs.sums_of_squares.ansatz import Condition, build_blocks, without_idle
+from nonsmooth.proofs.sums_of_squares.ansatz import (
+    Condition,
+    build_blocks,
+    gram_entries,
+    monomials_between,
+    without_idle,
+)
 from nonsmooth.proofs.sums_of_squares.conic_program import Problem, solve_inside
 from nonsmooth.proofs.sums_of_squares.rounding import round_parameters
 from nonsmooth.symbolic.numbers.polynomial import Exponents, Terms, add_terms, multiply_terms
@@ -38,7 +44,7 @@ def global_functions(system: SwitchedSystem) -> Iterator[PiecewiseExpression]:
         return
     for exponents in _bases(len(system.states)):
         problems = _problems(fields, exponents)
-        if sum(len(block.monomials) ** 2 for _, blocks in problems for block in blocks) > 2 * MOST_UNKNOWNS:
+        if sum(gram_entries(blocks) for _, blocks in problems) > 2 * MOST_UNKNOWNS:
             return
         solved = solve_inside(problems, len(exponents), bounded=True)
         for denominator in DENOMINATORS if solved is not None else ():
@@ -70,18 +76,13 @@ def _bases(count: int) -> Iterator[list[Exponents]]:
     """
     units = [tuple(int(j == k) for j in range(count)) for k in range(count)]
     squares, fourths = ([tuple(power * e for e in own) for own in units] for power in (2, 4))
-    quadratic = _monomials(count, 2)
+    quadratic = monomials_between(count, 2, 2)
     yield squares
-    yield quadratic
+    yield list(quadratic)
     for size in range(1, count + 1) if count <= FEW else ():
         for chosen in combinations(fourths, size):
             yield [*quadratic, *chosen]
-    yield [*quadratic, *_monomials(count, 3), *_monomials(count, 4)]
-
-
-def _monomials(count: int, degree: int) -> list[Exponents]:
-    chosen = combinations_with_replacement(range(count), degree)
-    return [tuple(own.count(k) for k in range(count)) for own in chosen]
+    yield [*quadratic, *monomials_between(count, 3, 4)]
 
 
 def _problems(fields: Sequence[Sequence[Terms]], exponents: Sequence[Exponents]) -> list[Problem]:

@@ -22,7 +22,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import combinations_with_replacement
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -30,7 +29,7 @@ from flint import fmpq, fmpq_mat
 from numpy.typing import NDArray
 
 from nonsmooth.proofs.checker.cells import System
-from nonsmooth.proofs.checker.polynomials import Exponents, Polynomial, constant, variable
+from nonsmooth.proofs.checker.polynomials import Polynomial, constant, variable
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE
 from nonsmooth.proofs.facts import Fact, row_fact
 from nonsmooth.proofs.kernel.cells import StatedCells, sharpened, started, stated_cells
@@ -38,6 +37,7 @@ from nonsmooth.proofs.kernel.first_terms import fields_around, lyapunov_solution
 from nonsmooth.proofs.kernel.search import NotShownError, SampledProofs, Search, stability_hypotheses
 from nonsmooth.proofs.kernel.written import formula_text
 from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, examine
+from nonsmooth.proofs.sums_of_squares.ansatz import monomials_between
 from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.domain import cube_text
@@ -250,7 +250,7 @@ class Reduction:
     def _homological(self, missing: Sequence[Polynomial], degree: int) -> Vector:
         """The forms h in the stable subspace with ``Dh A_c u - A h = r``, for r there."""
         split = self.split
-        monomials = _monomials(split.size, degree)
+        monomials = monomials_between(split.size, degree, degree)
         place = {key: i for i, key in enumerate(monomials)}
         count, width = split.count, len(monomials)
         rows = [[fmpq(0)] * (count * width) for _ in range(count * width)]
@@ -317,7 +317,7 @@ class Reduction:
         self, missing: Polynomial, degree: int, square: Polynomial | None
     ) -> tuple[Polynomial, Fraction] | None:
         """The form F and the number c with ``grad F . A_c u + c W_2^2 = r``; c is 0 without W_2."""
-        monomials = _monomials(2, degree)
+        monomials = monomials_between(2, degree, degree)
         columns = [self._rotated(Polynomial(2, {key: Fraction(1)})) for key in monomials]
         rows = [[_flint(own.terms.get(key, Fraction(0))) for own in columns] for key in monomials]
         right = [_flint(missing.terms.get(key, Fraction(0))) for key in monomials]
@@ -428,11 +428,6 @@ def _part(value: Polynomial, degree: int) -> Polynomial:
 def _multiple(factor: Fraction, name: str, power: int) -> str:
     """Such as ``-3/4*u**3``."""
     return formula_text(Polynomial(1, {(power,): factor}), [name]).replace("-1*", "-")
-
-
-def _monomials(count: int, degree: int) -> list[Exponents]:
-    chosen = combinations_with_replacement(range(count), degree)
-    return [tuple(own.count(k) for k in range(count)) for own in chosen]
 
 
 # ---- functions that are proved -------------------------------------------------------------------

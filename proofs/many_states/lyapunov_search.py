@@ -51,7 +51,7 @@ from nonsmooth.proofs.many_states.examination import (
     find_failure,
     functions_on,
 )
-from nonsmooth.proofs.sums_of_squares.ansatz import Condition, build_blocks
+from nonsmooth.proofs.sums_of_squares.ansatz import Condition, build_blocks, gram_entries
 from nonsmooth.proofs.sums_of_squares.conic_program import Problem, solve_inside
 from nonsmooth.proofs.sums_of_squares.prove import Effort, normalized
 from nonsmooth.proofs.sums_of_squares.rounding import round_parameters
@@ -211,7 +211,7 @@ def _of_family(
         problems, parameters = _problems(system, cells, basis, positive=positive)
     except BeyondReachError:
         return
-    if sum(len(b.monomials) ** 2 for _, blocks in problems for b in blocks) > 2 * MOST_UNKNOWNS:
+    if sum(gram_entries(blocks) for _, blocks in problems) > 2 * MOST_UNKNOWNS:
         return
     solved = solve_inside(problems, parameters, bounded=True)
     seen = {"0"}

@@ -146,6 +146,11 @@ def _products(condition: Condition) -> Iterator[tuple[int, ...]]:
     yield from (pair for pair in combinations(affine, 2) if pair[0] < own)
 
 
+def gram_entries(blocks: Blocks) -> int:
+    """How many entries the Gram matrices of a program have: what it costs."""
+    return sum(len(block.monomials) ** 2 for block in blocks)
+
+
 def monomials_between(count: int, low: int, high: int) -> tuple[Exponents, ...]:
     """All exponents of total degrees from low to high."""
     return tuple(e for degree in range(low, high + 1) for e in monomials_of(count, degree))

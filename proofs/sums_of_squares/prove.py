@@ -14,7 +14,14 @@ from itertools import takewhile
 
 from flint import fmpq
 
-from nonsmooth.proofs.sums_of_squares.ansatz import Blocks, Condition, build_blocks, plain_block, without_idle
+from nonsmooth.proofs.sums_of_squares.ansatz import (
+    Blocks,
+    Condition,
+    build_blocks,
+    gram_entries,
+    plain_block,
+    without_idle,
+)
 from nonsmooth.proofs.sums_of_squares.conic_program import solve, solve_inside
 from nonsmooth.proofs.sums_of_squares.rounding import RationalMatrix, rounded
 from nonsmooth.symbolic.numbers.polynomial import Exponents
@@ -77,7 +84,7 @@ def _programs(condition: Condition, effort: Effort) -> Iterator[Blocks]:
 
 def _is_solvable(blocks: Blocks) -> bool:
     """Whether a program is small enough."""
-    return sum(len(block.monomials) ** 2 for block in blocks) <= 2 * MOST_UNKNOWNS
+    return gram_entries(blocks) <= 2 * MOST_UNKNOWNS
 
 
 def _strictly(condition: Condition, blocks: Blocks) -> SumOfSquares | None:
