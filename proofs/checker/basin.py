@@ -177,6 +177,7 @@ class Plane:
     """The cells of a system in the places of a mesh, by the patterns of signs of its surfaces."""
 
     def __init__(self, system: System, unit: Any, surfaces: Any, proofs: Proofs) -> None:
+        require(unit is not None, "a unit of lengths")  # without one Domain would be the whole space
         self.domain = Domain(system, unit)
         self.surfaces = Surfaces(self.domain, surfaces, [], proofs)
         self._guards = [Field.of([own]) for own in self.surfaces.listed]

@@ -70,6 +70,18 @@ def test_a_smaller_polygon_is_refused(scale: Fraction) -> None:
     assert refused(forged)
 
 
+def test_a_polygon_without_a_unit_is_refused() -> None:
+    """Also where its corners are outside of the circle in whole units: the statement would have no length."""
+    forged = copy.deepcopy(certificate_of(circle().evidence))
+    ring = ["2 -2", "2 2", "-2 2", "-2 -2"]
+    for claim in forged["statement"]["claims"]:
+        claim.update({"outside": {"unit": None, "corners": ring}} if "outside" in claim else {})
+    for entry in forged["evidence"]:
+        if entry["theorem"] == "outside":
+            entry["hypotheses"] |= {"unit": None, "corners": ring}
+    assert "a unit" in refused(forged)
+
+
 def test_no_polygon_where_the_basin_reaches_to_infinity() -> None:
     """Of ``x y < 1`` none is found."""
     document = {"system": {"states": ["x", "y"], "rhs": ["-x + 2*x**2*y", "-y"]}}
