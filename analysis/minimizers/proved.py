@@ -29,10 +29,10 @@ def proved(minima: Minima) -> NDArray[np.bool_]:
 def resists_every_motion(model: ContactRows, loads: Floats) -> NDArray[np.bool_]:
     """Whether the loaded rows with friction are of rank three, at loads (m, n); shape (m,)."""
     limited = (model.limits(loads) > 0).reshape(len(loads), -1)
-    patterns, which = np.unique(limited, axis=0, return_inverse=True)
+    _, first, which = np.unique(np.packbits(limited, axis=1), axis=0, return_index=True, return_inverse=True)
     sizes = np.abs(model.rows).max(axis=0)
     units = model.rows / np.where(sizes > 0, sizes, 1.0)
-    full = [np.linalg.matrix_rank(units[rows], rtol=DEPENDENT) == 3 if rows.any() else False for rows in patterns]
+    full = [np.linalg.matrix_rank(units[rows], rtol=DEPENDENT) == 3 if rows.any() else False for rows in limited[first]]
     return np.array(full, dtype=bool)[which.reshape(-1)]
 
 
