@@ -187,7 +187,7 @@ class _PairTable:
             if any(direction):
                 yield first
                 rows = self.pairs[bucket]
-                for k in np.unique(rows).tolist():
+                for k in np.flatnonzero(np.bincount(rows.ravel())).tolist():
                     orthogonal[k] = not inner(self.arrangement.rows[k].normal, direction)
                 bucket = bucket[~orthogonal[rows].all(axis=1)]
 
