@@ -191,11 +191,10 @@ class Arrangement:
         steps = np.full(len(rates), -1.0)
         np.divide(-residuals, rates, out=steps, where=clear)
         clear &= np.isfinite(steps) & (np.abs(steps) > SMALLEST_NORMAL)  # what is beyond floats is no ratio
-        for k in np.flatnonzero(~clear):
+        for k in np.flatnonzero(~clear & (vertex.signs != 0)):  # rows that hold are not crossed
             step = self._step(vertex, direction, int(k))
             steps[k] = -1.0 if step is None else max(float(step), SMALLEST_NORMAL)
-        tight = set(vertex.tight)
-        candidates = [int(k) for k in np.argsort(steps) if k not in tight and steps[k] > 0]
+        candidates = [int(k) for k in np.argsort(steps) if steps[k] > 0]
         while candidates:
             best = steps[candidates[0]]
             near = [k for k in candidates if steps[k] <= best * (1 + STEP_DOUBT)]

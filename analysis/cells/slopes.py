@@ -104,30 +104,34 @@ class Slopes:
         numbers = np.arange(len(self)) if among is None else np.array(among, dtype=int)
         return numbers[~self._forms.chosen(numbers).positive(points)].tolist()
 
-    def deepest(self, points: Floats, among: Sequence[int]) -> int:
-        """The number, of those given, of the slope that is most negative at one of the points."""
-        values, doubt = self._forms.chosen(np.array(among, dtype=int)).at(points)
-        return among[int(np.argmin((values / np.where(doubt, doubt, 1)).min(axis=1)))]
+    def depths(self, points: Floats, numbers: NDArray[np.int_]) -> Floats:
+        """The least value of each of these slopes at some points, in units of the doubt about it."""
+        values, doubt = self._forms.chosen(numbers).at(points)
+        return np.asarray((values / np.where(doubt, doubt, 1)).min(axis=1))
 
     def sides_of(self, corners: Floats, among: Sequence[int]) -> list[int]:
-        """Of these slopes the numbers of those that seem to bound the cell in a polygon, found by the deepest cuts."""
+        """Of these slopes the numbers of those that seem to bound the cell in a polygon, found by the deepest cuts.
+
+        What cuts nothing off cuts nothing off a part either, so that fewer and fewer are looked at.
+        """
         outline: list[Corner] = [(x, y, -1) for _, x, y in corners.tolist()]
-        waiting = list(among)
-        while waiting and len(outline) > 2:
+        waiting = np.array(among, dtype=int)
+        while len(outline) > 2:
             places = np.array([[1.0, x, y] for x, y, _ in outline])
-            k = self.deepest(places, waiting)
-            values = self._forms.values[k] @ places.T
-            if values.min() >= 0:
+            depths = self.depths(places, waiting)
+            waiting, depths = waiting[depths < 0], depths[depths < 0]
+            if not waiting.size:
                 break
-            outline = _clipped(outline, values.tolist(), k)
-            waiting.remove(k)
+            k = int(waiting[np.argmin(depths)])
+            outline = _clipped(outline, (self._forms.values[k] @ places.T).tolist(), k)
+            waiting = waiting[waiting != k]
         return sorted({k for *_, k in outline if k >= 0})
 
     def falling(self, points: Floats) -> SlopeOfD | None:
         """A slope that is certainly negative at all points, the one that is so most of all."""
         values, doubt = self._forms.at(points)
-        clear = np.flatnonzero((values < -doubt).all(axis=1)).tolist()
-        return self[self.deepest(points, clear)] if clear else None
+        clear = np.flatnonzero((values < -doubt).all(axis=1))
+        return self[int(clear[np.argmin(self.depths(points, clear))])] if clear.size else None
 
     @cached_property
     def flat(self) -> tuple[SlopeOfD, ...]:
