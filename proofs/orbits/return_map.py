@@ -52,7 +52,7 @@ class ReturnMap:
         value: ``P(0)``.
         slope: ``P'(s)`` for all s.
         time: of one turn, for all s.
-        lasts: of each leg, from the centre.
+        lasts: of each leg, from the centre, in the time of the polynomial field that is followed.
     """
 
     point: Box
