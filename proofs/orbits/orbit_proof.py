@@ -31,7 +31,6 @@ from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, WorkMeter
 from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
 
 PRODUCTS = 1_500_000  # of balls or series in one proof, some ten seconds
-MORE = 3  # times as many where there are denominators, which raise the degree
 
 
 NEAR = 1e-4  # periods of one orbit in floats and in balls, relative
@@ -62,11 +61,6 @@ class OrbitProof:
         return self.attracts is not None
 
 
-def products(system: SwitchedSystem) -> int:
-    """How many products of balls or series a proof may take."""
-    return PRODUCTS if system.scale is None else MORE * PRODUCTS
-
-
 def prove_orbit(system: SwitchedSystem, orbit: Orbit) -> OrbitProof:
     """Try to prove a periodic orbit and its stability.
 
@@ -90,7 +84,7 @@ def prove_orbit(system: SwitchedSystem, orbit: Orbit) -> OrbitProof:
     except UnprovedError as error:
         return OrbitProof(None, str(error))
     except WorkLimitError:
-        return OrbitProof(None, f"its return map was not enclosed within {products(system)} products of balls")
+        return OrbitProof(None, f"its return map was not enclosed within {PRODUCTS} products of balls")
 
 
 def _without_denominators(system: SwitchedSystem, orbit: Orbit) -> Orbit:
@@ -100,7 +94,8 @@ def _without_denominators(system: SwitchedSystem, orbit: Orbit) -> Orbit:
         OrbitError: where floats do not find it.
     """
     polynomial = replace(system, written=(), denominators=(), scale=None)
-    return find_orbit(system_field(polynomial, orbit.point), orbit.point, TURNS * orbit.period)
+    start = [float(x) for x in orbit.point]
+    return find_orbit(system_field(polynomial, start), start, TURNS * orbit.period)
 
 
 @dataclass(frozen=True)
@@ -117,7 +112,7 @@ class _Prover:
     """The legs of an orbit as exact cells."""
 
     def __init__(self, system: SwitchedSystem, orbit: Orbit) -> None:
-        self.system, self.orbit, self.meter = system, orbit, WorkMeter(products(system))
+        self.system, self.orbit, self.meter = system, orbit, WorkMeter(PRODUCTS)
         self.surfaces: Sequence[Polynomial] = system.surfaces(system.coordinates())
         self.numbers = {id(s): k for k, s in enumerate(orbit.field.surfaces)}
 
