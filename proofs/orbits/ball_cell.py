@@ -1,4 +1,10 @@
-"""A cell of a planar system in balls: its field and Jacobian, its guards and their derivatives along the field."""
+"""A cell of a planar system in balls: its field and Jacobian, its guards and their derivatives along the field.
+
+A rational field is ``f = g/s`` with a polynomial g and one common denominator s, as the system holds it
+(:mod:`nonsmooth.symbolic.cleared_fractions`).  Where all denominators are positive, f and g have the same paths: along
+those of ``x' = g`` the time t of f passes at the rate ``t' = s``.  So g is followed, t is enclosed with it, and the
+denominators are further guards of the cell: whoever shows that a path stays in the cell has shown them positive.
+"""
 
 from __future__ import annotations
 
@@ -9,10 +15,12 @@ from functools import reduce
 from itertools import accumulate
 from typing import Any, TypeAlias
 
-from nonsmooth.proofs.orbits.ball_steps import ORDER, Box
+from flint import arb
+
+from nonsmooth.proofs.orbits.ball_steps import ORDER, Box, UnprovedError
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.numbers.work_limit import WorkMeter
-from nonsmooth.symbolic.switched_system import SwitchedSystem, signs_by_factors
+from nonsmooth.symbolic.switched_system import SwitchedSystem, UnknownSign, signs_by_factors
 
 BallFunction: TypeAlias = Callable[[Sequence[Any]], Any]  # of a point
 
@@ -83,16 +91,27 @@ class BallCell:
         surfaces: its switching functions.
         signs: one for each.
         meter: counts the products of balls that the steps of a path take.
+
+    Raises:
+        UnprovedError: for denominators that switch where the field does not.
     """
 
     def __init__(
         self, system: SwitchedSystem, surfaces: Sequence[Polynomial], signs: Sequence[int], meter: WorkMeter
     ) -> None:
         self.signs = tuple(signs)
-        self.field = system.velocity(signs_by_factors(dict(zip(surfaces, signs, strict=True))))
-        self.guards = [BallGuard.of(s * side, self.field) for s, side in zip(surfaces, signs, strict=True)]
+        sign_of = signs_by_factors(dict(zip(surfaces, signs, strict=True)))
+        self.field = system.velocity(sign_of)
+        named = dict(zip(system.states, system.coordinates(), strict=True))
+        try:
+            positive = [own.polynomial(named, sign_of) for own in system.denominators]
+            scale = [] if system.scale is None else [system.scale.polynomial(named, sign_of)]
+        except UnknownSign:
+            raise UnprovedError("a denominator switches where the right-hand sides do not") from None
+        guards = [s * side for s, side in zip(surfaces, signs, strict=True)]
+        self.guards = [BallGuard.of(guard, self.field) for guard in [*guards, *positive]]
         slopes = [f.derivative(name) for f in self.field for name in f.variables]
-        self.rates, self._varied = BallPolynomials(self.field), BallPolynomials([*self.field, *slopes])
+        self.rates, self._varied = BallPolynomials(self.field), BallPolynomials([*self.field, *slopes, *scale])
         self._meter = meter
 
     def spend_step(self) -> None:
@@ -104,11 +123,20 @@ class BallCell:
         self._meter.spend(2 * ORDER * (self.rates.cost + self._varied.cost))
 
     def varied_rates(self, state: Sequence[Any]) -> list[Any]:
-        """Rates of the point and of the four entries of the derivative Phi by the start: ``Phi' = (df/dx) Phi``."""
+        """Rates of the point, of the four entries of the derivative Phi by the start, ``Phi' = (df/dx) Phi``, and of
+        the time, one where the field is no quotient.
+        """
         f, g, *jacobian = self._varied(state[:2])
-        p, q, r, s = state[2:]
+        pace = jacobian.pop() if len(jacobian) > 4 else arb(1)
+        p, q, r, s = state[2:6]
         (a, c), (b, d) = applied(jacobian, [p, r]), applied(jacobian, [q, s])
-        return [f, g, a, b, c, d]
+        return [f, g, a, b, c, d, pace]
+
+    def paced(self, point: Sequence[Any]) -> tuple[list[Any], Any]:
+        """The field in its own time, and its common denominator."""
+        f, g, *others = self._varied(point)
+        scale = others[4] if len(others) > 4 else arb(1)
+        return [f / scale, g / scale], scale
 
 
 def dot(first: Sequence[Any], second: Sequence[Any]) -> Any:

@@ -58,7 +58,8 @@ class Family:
         return replace(self, centre=centre, error=error, slope=applied(derivative, self.slope))
 
 
-Passage: TypeAlias = tuple[Family, Ball, Ball]  # at the arrival, each at its own time; times of all, and of the centre
+# at the arrival, each at its own time; the field's own time until then, of all; and of the centre that of the steps
+Passage: TypeAlias = tuple[Family, Ball, Ball]
 
 
 def pass_cell(
@@ -108,7 +109,7 @@ class _Crossing:
     """A family while it passes a cell."""
 
     def __init__(self, cell: BallCell, family: Family, entry: int | None, *, tangent: bool) -> None:
-        self.cell, self.family, self.time = cell, family, arb(0)
+        self.cell, self.family, self.time, self.elapsed = cell, family, arb(0), arb(0)
         self._recent = arb("inf")  # length of the last step
         self._series: tuple[Expansion, Expansion] | None = None
         box = family.box
@@ -124,7 +125,7 @@ class _Crossing:
         if self._series is None:
             self.cell.spend_step()
             one, zero = arb(1), arb(0)
-            varied = Expansion(self.cell.varied_rates, [*self.family.box, one, zero, zero, one])
+            varied = Expansion(self.cell.varied_rates, [*self.family.box, one, zero, zero, one, zero])
             self._series = Expansion(self.cell.rates, self.family.centre), varied
         centre, whole = self._series
         thin = centre.step(min(longest, self._recent * 4 / 3))
@@ -139,7 +140,8 @@ class _Crossing:
         """Take a step within the cell."""
         for k in range(len(self.cell.guards)):
             self._require_positive(k, wide, wide.span)
-        self.family = self.family.moved(thin.at(thin.span), wide.at(wide.span)[2:])
+        *state, elapsed = wide.at(wide.span)
+        self.family, self.elapsed = self.family.moved(thin.at(thin.span), state[2:]), self.elapsed + elapsed
         self.time, self._series, self._recent = self.time + thin.span, None, thin.span
 
     def _require_positive(self, number: int, step: EnclosedStep, until: Ball) -> None:
@@ -165,13 +167,13 @@ class _Crossing:
         for k in range(len(self.cell.guards)):
             if k != leaves:
                 self._require_positive(k, wide, when.upper())
-        state = wide.at(when)
+        *state, elapsed = wide.at(when)
         box, derivative = state[:2], state[2:]
         rates, normal = self.cell.rates(box), [slope(box) for slope in end.gradient]
         across = [dot(normal, derivative[column::2]) / dot(normal, rates) for column in range(2)]
         moved = [derivative[2 * row + k] - rates[row] * across[k] for row in range(2) for k in range(2)]
         family = self.family.moved(thin.at(centre_when), moved)
-        return family, self.time + when, self.time + centre_when
+        return family, self.elapsed + elapsed, self.time + centre_when
 
 
 def _falls_at(step: EnclosedStep, end: EndFunction) -> Ball:

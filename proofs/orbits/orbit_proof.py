@@ -16,7 +16,10 @@ import numpy as np
 from flint import acb, arb
 
 from nonsmooth.analysis.fields.switched_field import Face, Surface, Vector
+from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.analysis.orbits.orbit import Orbit
+from nonsmooth.analysis.orbits.orbit_error import OrbitError
+from nonsmooth.analysis.orbits.search import find_orbit
 from nonsmooth.analysis.trajectories.smooth_path import Leg
 from nonsmooth.proofs.enclosures import holds_on
 from nonsmooth.proofs.orbits.ball_cell import BallCell, along, dot, in_balls
@@ -28,6 +31,10 @@ from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, WorkMeter
 from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
 
 PRODUCTS = 1_500_000  # of balls or series in one proof, some ten seconds
+
+
+NEAR = 1e-4  # periods of one orbit in floats and in balls, relative
+TURNS = 20  # for how long the orbit is looked for anew, in its periods
 
 
 @dataclass(frozen=True)
@@ -63,15 +70,32 @@ def prove_orbit(system: SwitchedSystem, orbit: Orbit) -> OrbitProof:
     """
     if len(system.states) != len(PLANE):
         return OrbitProof(None, "return maps are enclosed for two states only")
-    if system.written:
-        return OrbitProof(None, "return maps are enclosed for polynomial right-hand sides only")
+    if system.others or system.only_encloses or system.by_roots is not None:
+        return OrbitProof(None, "return maps are enclosed for one field of polynomials or of their quotients only")
     try:
+        followed = orbit if system.scale is None else _without_denominators(system, orbit)
         with precision():
-            return _Prover(system, orbit).proof()
+            proof = _Prover(system, followed).proof()
+        if proof.period is not None and not abs(float(proof.period.mid()) - orbit.period) <= NEAR * orbit.period:
+            raise UnprovedError("without its denominators the system has another orbit near this one")
+        return proof
+    except OrbitError as error:
+        return OrbitProof(None, f"without its denominators the system has no orbit near it that floats find: {error}")
     except UnprovedError as error:
         return OrbitProof(None, str(error))
     except WorkLimitError:
         return OrbitProof(None, f"its return map was not enclosed within {PRODUCTS} products of balls")
+
+
+def _without_denominators(system: SwitchedSystem, orbit: Orbit) -> Orbit:
+    """The same orbit of the field times its common denominator, in the time of that field.
+
+    Raises:
+        OrbitError: where floats do not find it.
+    """
+    polynomial = replace(system, written=(), denominators=(), scale=None)
+    start = [float(x) for x in orbit.point]
+    return find_orbit(system_field(polynomial, start), start, TURNS * orbit.period)
 
 
 @dataclass(frozen=True)
@@ -256,11 +280,11 @@ class TangencySlide:
     def drift(self, place: Any) -> tuple[Any, Any]:
         """Numerator and denominator of the sliding speed along the line, in places per time.
 
-        With pushes p and q of two fields f and g the sliding field is ``(q f + p g)/(p + q)``.
+        With pushes p and q of two fields f and g the sliding field is ``(q f + p g)/(p + q)``, all in their own time.
         """
-        p, q = self.push(self.leaving, place), self.push(self.other, place)
-        point = self.point(place)
-        first, second = (dot(self.tangent, cell.rates(point)) for cell in (self.leaving, self.other))
+        (f, own), (g, other) = (cell.paced(self.point(place)) for cell in (self.leaving, self.other))
+        p, q = self.push(self.leaving, place) / own, self.push(self.other, place) / other
+        first, second = dot(self.tangent, f), dot(self.tangent, g)
         return q * first + p * second, (p + q) * dot(self.tangent, self.tangent)
 
     @cached_property
@@ -334,9 +358,10 @@ def _slid(slide: TangencySlide, begin: Ball) -> Ball:
     _require_positive(lambda s: -slide.push(slide.other, s), whole)
     # both pushes are negative, and so are numerator and denominator of a drift towards larger places
     _require_positive(lambda s: -sense * slide.drift(s)[0], whole)
-    for k, guard in enumerate(slide.leaving.guards):
-        if k != slide.number:
-            _require_positive(slide.on_line(guard.value), whole)
+    for cell in (slide.leaving, slide.other):
+        for k, guard in enumerate(cell.guards):
+            if k != slide.number:
+                _require_positive(slide.on_line(guard.value), whole)
     return _duration(slide, begin, end)
 
 

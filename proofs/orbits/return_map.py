@@ -16,6 +16,7 @@ from nonsmooth.proofs.enclosures import UNIT
 from nonsmooth.proofs.orbits.ball_cell import BallCell, BallFunction, EndFunction, dot
 from nonsmooth.proofs.orbits.ball_steps import Ball, Box, UnprovedError
 from nonsmooth.proofs.orbits.cell_passage import Family, pass_cell
+from nonsmooth.symbolic.numbers.work_limit import WorkLimitError
 
 REFINEMENTS = 2  # of the point of a float orbit, each doubles its digits
 REFINED = -44  # binary digits of a move after which the point is as good as the shortest segment needs
@@ -52,7 +53,7 @@ class ReturnMap:
         value: ``P(0)``.
         slope: ``P'(s)`` for all s.
         time: of one turn, for all s.
-        lasts: of each leg, from the centre.
+        lasts: of each leg, from the centre, in the time of the polynomial field that is followed.
     """
 
     point: Box
@@ -108,7 +109,7 @@ def proved_maps(legs: Sequence[CrossedLeg], point: Box, direction: Box, extent: 
         reach = extent * arb(2) ** digits
         try:
             best = best if reach < best.reach else _decided(return_map(legs, lasts, point, direction, reach))
-        except UnprovedError:
+        except (UnprovedError, WorkLimitError):
             break
     return short, best
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import mpmath
@@ -19,6 +20,7 @@ from nonsmooth.analysis.orbits.search import find_orbit
 from nonsmooth.proofs.orbits.ball_steps import Expansion, precision
 from nonsmooth.proofs.orbits.orbit_proof import OrbitProof, prove_orbit
 from nonsmooth.symbolic.files.system_file import load_system
+from nonsmooth.symbolic.piecewise import parse_piecewise
 from tests.oracles.piecewise_affine import DIGITS, Motion, arrival
 from tests.thorough import few, keep, thorough
 
@@ -94,6 +96,38 @@ def test_stick_slip_is_proved_with_its_closed_form() -> None:
     assert proof.attracts is True
     assert holds(proof.period, period)
     assert float(period) == pytest.approx(midpoint(proof.period), abs=1e-13)
+
+
+@few(1)
+@pytest.mark.parametrize(("below", "turn"), [("2 - x", 4), ("1 + x**2", 3)], ids=["line", "square"])
+def test_an_orbit_of_quotients_is_proved_with_its_closed_form(below: str, turn: int) -> None:
+    """The unit circle again, slower by a factor s: the period is the integral of s over the circle, here a multiple of
+    pi, and the multiplier exp(-4 pi) does not see s.
+    """
+    tops = ["y + x*(1 - x**2 - y**2)", "-x + y*(1 - x**2 - y**2)"]
+    _, proof = proved([f"({top})/({below})" for top in tops], (0.9, 0.1), 60.0)
+    assert proof.attracts is True
+    with mpmath.workdps(DIGITS):
+        assert holds(proof.period, turn * mpmath.pi)
+        assert holds(proof.multiplier, mpmath.exp(-4 * mpmath.pi))
+
+
+def test_an_orbit_that_slides_between_quotients_is_proved() -> None:
+    """Friction that falls as one over the speed of slip: the field of the paths in floats keeps its denominator."""
+    friction = "sign(y - 1/2)/(1 + Abs(y - 1/2)/3)"
+    orbit, proof = proved(["y/(1 + x**2/9)", f"(-5/6 - x - {friction})/(1 + x**2/9)"], (2.0, 0.0))
+    assert proof.attracts is True
+    assert orbit.period == pytest.approx(midpoint(proof.period), rel=1e-9)
+
+
+def test_a_denominator_that_is_not_positive_on_the_orbit_proves_nothing() -> None:
+    """Forged: the program itself states no such system, its denominators are not zero at the checked point."""
+    system = ns.System(["x", "y"], ["(y + x - x**3)/(1 + y**2)", "-x/(1 + y**2)"]).system
+    orbit = find_orbit(system_field(system, (1.0, 0.1)), (1.0, 0.1), 60.0)
+    forged = replace(system, denominators=(*system.denominators, parse_piecewise("x + 1/2", ["x", "y"])))
+    proof = prove_orbit(forged, orbit)
+    assert not proof.is_proved
+    assert "surface" in proof.reason
 
 
 def test_what_cannot_be_proved_is_left_open() -> None:
