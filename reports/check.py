@@ -84,7 +84,7 @@ class CheckOptions(Options):
     region: RegionSearch = option(
         RegionSearch.AUTO,
         "Certify a larger region, too: by triangles, of a plain system in two states or an array under nearest or box, "
-        "by another V in more states; fast takes seconds, best a minute; auto: fast of a plain system in two states.",
+        "by another V in more states; fast takes seconds, best a minute; auto: fast of a plain system.",
         RegionSearch,
     )
     evidence: bool = option(False, "Print why, too: each clause, or V and its derivatives, with all numbers.")
@@ -341,12 +341,12 @@ def check_system(system: SwitchedSystem) -> SystemCheckResult:
 
 
 def _check_system(system: Any, options: CheckOptions) -> SystemCheckResult:
-    """The stability of a plain system, in the plane with a region unless told; its certificate where asked for."""
+    """The stability of a plain system, with a region unless told; its certificate where asked for."""
     result = replace(check_system(system), shows_evidence=options.evidence)
     in_plane = len(system.states) == len(PLANE)
     is_asked, search = options.region is not RegionSearch.AUTO, options.region
     if not is_asked:
-        search = RegionSearch.FAST if in_plane else RegionSearch.NONE
+        search = RegionSearch.FAST if len(system.states) > 1 else RegionSearch.NONE
     if search is not RegionSearch.NONE:
         result = result.with_region(str(search))
         if is_asked and result.evidence.reach.basin is None and result.evidence.reach.reshaped is None:

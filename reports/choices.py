@@ -35,7 +35,7 @@ class Drawing(StrEnum):
 class RegionSearch(StrEnum):
     """How much is done for the region, beyond a level set of the V that decides.
 
-    ``auto`` is ``fast`` for a plain system in two states, and ``none`` for everything else.
+    ``auto`` is ``fast`` for a plain system in two states and more, and ``none`` for everything else.
     """
 
     AUTO = "auto"
