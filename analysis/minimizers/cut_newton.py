@@ -112,7 +112,7 @@ class CutNewton:
         right[:3] = -(forces * loads[:, None]).ravel() @ self._pairs.reshape(-1, 3)
         right[3:] = -slips[held]
         try:
-            found = np.linalg.solve(matrix, right)
+            found = np.asarray(np.linalg.solve(matrix, right), np.float64)
         except np.linalg.LinAlgError:
             return None
         unknown = np.zeros_like(slips)
