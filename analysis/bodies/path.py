@@ -54,9 +54,9 @@ from nonsmooth.symbolic.number_text import numbers_text
 from nonsmooth.symbolic.scene import Scene
 
 MOST_EVENTS = 2_000  # stretches between events; a path that needs more may switch for ever
-# Work along a path in evaluations of pose rates, steps in regimes and minimizers from nothing counted as some: twenty
-# seconds; with drag each evaluation takes ten times longer.
-MOST_RATES, MOST_DRAGGED = 50_000, 6_000
+# Work along a path in evaluations of pose rates, steps in regimes and minimizers by multipliers counted as some: twenty
+# seconds.
+MOST_RATES = 50_000
 OF_A_STEP = 12  # stages of a Runge-Kutta step, which follow regimes without asking for rates
 RESTS = 1e-10  # speed relative to the fastest wheel's below which the body rests
 ON_BORDER = 1e-9  # of the body's size: a centre of mass as near to the border of its support does not stand
@@ -200,10 +200,8 @@ class BodyPath(CarriedBody):
         if self.scene is not None and self._is_slow(step.last - step.first, step.end - step.start):
             return EndReason.REST
         self._steps += self.scene is not None
-        if self._sets.is_stiff:
-            is_spent = self._sets.work - self._before >= MOST_DRAGGED
-        else:
-            is_spent = self._sets.work - self._before + OF_A_STEP * self._steps >= MOST_RATES
+        steps = 0 if self._sets.is_stiff else OF_A_STEP * self._steps
+        is_spent = self._sets.work - self._before + steps >= MOST_RATES
         return EndReason.STEPS if is_spent else None
 
 

@@ -14,16 +14,20 @@ import numpy as np
 from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.analysis.dynamics.moving_loads import MovingLoads
 from nonsmooth.analysis.fields.contact_model import ContactModel, ContactRows, Floats
+from nonsmooth.analysis.minimizers.cut_newton import CutNewton
 from nonsmooth.analysis.minimizers.ellipse_minimizer import WarmMinimizer
 from nonsmooth.analysis.minimizers.proved import resists_every_motion
 from nonsmooth.analysis.minimizers.regime import NOBODY
 from nonsmooth.analysis.minimizers.smooth_newton import SmoothNewton
 from nonsmooth.analysis.trajectories.result import TrajectoryError
+from nonsmooth.symbolic.friction_set import CutEllipse
 from nonsmooth.symbolic.number_text import place_text
 
 Wheels = frozenset[int]  # places in the scene's list of wheels
 
-COLD, COLD_BESIDE_DRAG = 100, 12  # evaluations that take as long as a minimizer that is found from nothing
+# Evaluations that take as long as a minimizer that is found from nothing, and one beside drag that Newton's method
+# leaves to multipliers.
+COLD, BESIDE_DRAG = 100, 8
 
 
 class SetMotion:
@@ -42,13 +46,16 @@ class SetMotion:
         self.model, self._loads = model, MovingLoads(model, pose[:2])
         self._minimizer = path_minimizer(model)
         self._quick = SmoothNewton(model) if model.has_whole_ellipses else None
+        dragged = self._minimizer.dragged if isinstance(self._minimizer, DraggedMinimizer) else None
+        self._cut = None if dragged is None or dragged.shape is not CutEllipse else CutNewton(dragged)
         self._regime = NOBODY
         self._resisted: dict[bytes, bool] = {}
+        self._beside_drag = 0  # minimizers that multipliers found with drag
 
     @property
-    def cold(self) -> int:
-        """Minimizers so far that were found from nothing."""
-        return self._minimizer.cold
+    def work(self) -> int:
+        """What minimizers took so far beyond Newton steps from the last one, in evaluations by these."""
+        return COLD * self._minimizer.cold + BESIDE_DRAG * self._beside_drag
 
     def margins(self, poses: Floats) -> Floats:
         """Distance of the centre of mass from the border of the support polygon, negative outside; poses (m, 3)."""
@@ -74,9 +81,14 @@ class SetMotion:
         Raises:
             TrajectoryError: where the minimizer is not proved to be the motion.
         """
-        found = None if self._quick is None else self._quick.minimize(loads)
+        found = None
+        if self._quick is not None:
+            found = self._quick.minimize(loads)
+        elif self._cut is not None:
+            found = self._cut.minimize(with_drag(loads))
         if found is not None:
             return found
+        self._beside_drag += self._quick is None
         twist = self._minimizer.minimize(loads)
         if twist is None or not self._resists_every_motion(loads):
             place = place_text((float(pose[0]), float(pose[1])))
@@ -84,6 +96,8 @@ class SetMotion:
         if self._quick is not None:
             self._quick.start_from(twist)
             self._quick.minimize(loads)  # finds the regime, if it can
+        elif self._cut is not None:
+            self._cut.start_from(twist)
         return twist
 
     def _resists_every_motion(self, loads: Floats) -> bool:
@@ -175,9 +189,8 @@ class ContactSets:
 
     @property
     def work(self) -> int:
-        """What all rates so far cost, in evaluations from the last minimizer."""
-        one = COLD_BESIDE_DRAG if self.is_stiff else COLD
-        return self.evaluations + one * sum(motion.cold for motion in self._motions.values())
+        """What all rates so far cost, in evaluations by Newton steps from the last minimizer."""
+        return self.evaluations + sum(motion.work for motion in self._motions.values())
 
     def rate(self, wheels: Wheels, pose: Floats) -> Floats:
         """:meth:`nonsmooth.analysis.bodies.set_motion.SetMotion.rate` of a set.
@@ -228,8 +241,8 @@ class ContactSets:
 # ---- minimizers along a path ---------------------------------------------------------------------
 #
 # ``c' = v + omega J c, theta' = omega`` with ``xi = (v, omega)`` the minimizer at the current loads.
-# Newton steps from the last minimizer take a tenth of a millisecond.  Where they do not prove that theirs is the only
-# minimizer, that of the method of multipliers is taken, which costs a millisecond or more.
+# Newton steps from the last minimizer take a tenth of a millisecond, with drag three.  Where they do not prove that
+# theirs is the only minimizer, that of the method of multipliers is taken, which costs a millisecond or more.
 #
 # Where friction sets have corners (rule ``roller``) D is linear in pieces, as under rule ``box``: at some loads its
 # minimizers are a whole face, and beyond them the twist is another one.  Solutions slide along such places (Filippov),
@@ -249,7 +262,11 @@ def needs_drag(model: ContactModel) -> bool:
 
 
 class DraggedMinimizer(WarmMinimizer):
-    """The minimizer of D plus drag, one after the other along a path."""
+    """The minimizer of D plus drag, one after the other along a path.
+
+    Attributes:
+        dragged: the contacts with three more, which are the drag.
+    """
 
     def __init__(self, model: ContactModel) -> None:
         """For contacts of which a strip cuts some friction sets."""
@@ -258,18 +275,23 @@ class DraggedMinimizer(WarmMinimizer):
         speed = float(np.abs(model.targets).max()) or 1.0
         rows = np.zeros((6, 3))
         rows[[0, 2, 4], [0, 1, 2]] = 1.0, 1.0, size
-        dragged = ContactRows(
+        self.dragged = ContactRows(
             np.concatenate([model.rows, rows]),
             np.concatenate([model.targets, np.tile([0.0, speed], 3)]),
             np.concatenate([model.friction, np.full(6, model.friction.max())]),
             cuts=np.concatenate([model.cuts, np.ones(3)]),
             shape=model.shape,
         )
-        super().__init__(dragged)
+        super().__init__(self.dragged)
 
     def minimize(self, loads: Floats) -> Floats | None:
         """At loads (n,) of the wheels."""
-        return super().minimize(np.concatenate([loads, np.full(3, DRAG * loads.sum())]))
+        return super().minimize(with_drag(loads))
+
+
+def with_drag(loads: Floats) -> Floats:
+    """Loads (n,) of the wheels, and those of the three contacts that stand for drag."""
+    return np.concatenate([loads, np.full(3, DRAG * loads.sum())])
 
 
 def path_minimizer(model: ContactModel) -> WarmMinimizer:

@@ -2,14 +2,17 @@
 
 Every number that is chosen is rational with a small denominator: a heading has the direction ``(q^2 - p^2, 2 p q)``,
 with ``p/q`` near the tangent of half its angle; speeds and displacements are whole multiples of a part of their range.
-So a candidate is an exact scene, and nothing has to be rounded afterwards.
+So a candidate is an exact scene, and nothing has to be rounded afterwards.  Scenes that state units get headings in
+degrees and decimals, rounded before they are judged.
 """
 
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from decimal import Decimal
 from fractions import Fraction
 from typing import Any, TypeAlias
 
@@ -20,6 +23,8 @@ from nonsmooth.symbolic.scene import Scene, Wheel
 PARTS = 64  # of the range of a speed or a displacement
 HALF_TANGENTS = 64  # largest denominator of the tangent of half a heading
 WHEELS = "wheels"  # which wheels of the array there are
+DEGREE_DIGITS = 3  # of headings that are written in degrees
+RATIONAL = re.compile(r"-?\d+(/\d+)?")  # as exact numbers are written
 KINDS = ("headings", "speeds", "positions")
 STRETCHES = ((1, 1), (1, 0), (0, 1))  # in x and y
 
@@ -102,7 +107,9 @@ class Freedom:
                 turns = step * 4 // self.order
                 own = scene.wheels[place]
                 like = replace(chosen, friction=own.friction, speed_limit=own.speed_limit, named=own.named)
-                tables[place] = wheel_entry(wheel_after_turns(scene, like, turns), scene, unit)
+                placed = wheel_after_turns(scene, like, turns)
+                entry = wheel_entry(placed, scene, unit)
+                tables[place] = _measured(entry, placed) if scene.units.in_degrees else entry
         return {**kept, "wheel": tables}
 
     def _chosen(self, wheel: Wheel, numbers: list[float]) -> Wheel:
@@ -129,6 +136,28 @@ class Freedom:
         half = Fraction(math.tan((angle - quarters * math.pi / 2) / 2)).limit_denominator(HALF_TANGENTS)
         p, q, field = half.numerator, half.denominator, wheel.speed.field
         return quarter_turns((field(q * q - p * p), field(2 * p * q)), quarters)
+
+
+def _measured(entry: dict[str, Any], wheel: Wheel) -> dict[str, Any]:
+    """The entry of a wheel as somebody who measures writes it: the heading in degrees, decimals where they are exact.
+
+    The heading is rounded, and what is judged is the array of the document, so nothing is said of another one.
+    """
+    a, b = (float(part) for part in wheel.unit_direction)
+    degrees = Decimal(str(round(math.degrees(math.atan2(b, a)), DEGREE_DIGITS) + 0.0))
+    written = {key: value if key == "name" else _decimals(value) for key, value in entry.items()}
+    return written | {"heading": degrees.normalize() + 0}
+
+
+def _decimals(value: Any) -> Any:
+    """Texts of rational numbers with finitely many decimals as such numbers, in lists too; everything else as it is."""
+    if isinstance(value, list):
+        return [_decimals(part) for part in value]
+    if not isinstance(value, str) or not RATIONAL.fullmatch(value):
+        return value
+    number = Fraction(value)
+    decimal = Decimal(number.numerator) / Decimal(number.denominator)
+    return decimal if Fraction(decimal) == number else value
 
 
 def wheel_after_turns(scene: Scene, chosen: Wheel, turns: int) -> Wheel:

@@ -17,7 +17,8 @@ from nonsmooth.analysis.cells.equilibria import find_equilibria
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.contact_rule import CellRule, rule_of
 from nonsmooth.analysis.minimizers.sampled_field import sample_field
-from nonsmooth.proofs.answers.answer import Answer, Heading, Position
+from nonsmooth.proofs.answers.answer import Answer, Heading, Position, has_dynamics
+from nonsmooth.proofs.answers.inertia import inertia_answer
 from nonsmooth.proofs.answers.other_rules import OtherRule, other_rules
 from nonsmooth.proofs.answers.robust import robust_answer
 from nonsmooth.proofs.clauses.workspace import ClauseResult
@@ -62,6 +63,7 @@ QUESTIONS = {
     "position": "Where does a body go that starts near the point?",
     "heading": "What does its heading do?",
     "pose": "Can feedback hold position and heading together?",
+    "inertia": "What does a body with inertia do?",
 }
 
 
@@ -148,6 +150,11 @@ def _later_stages(array: Array, result: CheckResult, request: Mapping[str, Any],
     wanted = request.get("want")
     if _is_wanted("paths", wanted) and request.get("starts"):
         yield {"stage": "paths", "paths": path_records(array, request, announce)}
+    if _is_wanted("inertia", wanted) and has_dynamics(array.scene):
+        announce("inertia")
+        answer = inertia_answer(result.evidence.scene)
+        if answer is not None:
+            yield {"stage": "inertia", "answer": answer_records((answer,))[0]}
     if _is_wanted("clauses", wanted):
         announce("facts")
         yield facts_stage(result)

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from nonsmooth.analysis.bodies.set_motion import DraggedMinimizer, with_drag
 from nonsmooth.analysis.fields.contact_model import ContactModel
+from nonsmooth.analysis.minimizers.cut_newton import CutNewton
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.smallest_forces import smallest_forces
 from nonsmooth.analysis.minimizers.smooth_newton import SmoothNewton
 from tests.thorough import few, keep
 
 SAME = 1e-9  # of twists of order one
+DRAGGED = 1e-7  # the same, where drag alone says which of many that are nearly as good: its slopes are a millionth
 STEP, SLOPE_ERROR = 1e-5, 1e-6  # of the way from loads to loads; relative
 
 
@@ -47,6 +52,31 @@ def test_twists_are_those_of_the_method_of_multipliers(alike: int, models: int) 
             assert np.abs(twist - expected).max() < SAME
     assert found > 15 * models
     assert stuck > 2.5 * models
+
+
+@pytest.mark.parametrize("rollers", [2, 5, 7])
+def test_twists_beside_strips_are_those_of_the_method_of_multipliers(rollers: int) -> None:
+    found = rolls = 0
+    for seed in range(4):
+        rng = np.random.default_rng([seed, rollers])
+        plain = model_of(seed, 0)
+        friction = np.where(np.arange(7)[:, None] < rollers, [1.0, 1.0], [1.0, 0.5]).ravel()
+        cuts = np.where(np.arange(7) < rollers, 0.1, 1.0)
+        model = DraggedMinimizer(replace(plain, friction=friction, cuts=cuts)).dragged
+        newton, ends = CutNewton(model), rng.dirichlet(np.ones(7), 2)
+        newton.start_from(EllipseMinimizer().minimize(model, with_drag(ends[0])[None]).twists[0])
+        for share in np.linspace(0, 1, 21):
+            loads = with_drag((1 - share) * ends[0] + share * ends[1])
+            (expected,) = EllipseMinimizer().minimize(model, loads[None]).twists
+            twist = newton.minimize(loads)
+            if twist is None:
+                newton.start_from(expected)
+                continue
+            found += 1
+            rolls += int((np.abs(model.slips(twist)[:rollers, 0]) < SAME).any())
+            assert np.abs(twist - expected).max() < DRAGGED
+    assert found > 60
+    assert rolls > 20
 
 
 @pytest.mark.parametrize("alike", [0, 2])

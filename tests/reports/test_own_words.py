@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import json
+import math
 import re
+from decimal import Decimal
 from fractions import Fraction
 from pathlib import Path
 
 import pytest
 
+from nonsmooth.reports.designs.freedom import Freedom
 from nonsmooth.reports.designs.toml_text import toml_text
 from nonsmooth.symbolic.files.one_by_one import one_by_one
 from nonsmooth.symbolic.files.scene_file import load_scene, read_document
@@ -114,3 +117,18 @@ def test_a_table_that_is_written_wheel_by_wheel_keeps_its_names(tmp_path: Path) 
     again = load_scene(other)
     assert [str(wheel.index) for wheel in again.wheels] == ["A1", "A2", "B1", "B2"]
     assert [str(wheel.position) for wheel in again.wheels] == [str(wheel.position) for wheel in scene.wheels]
+
+
+def test_a_design_is_written_in_degrees_and_decimals_where_units_are_stated(tmp_path: Path) -> None:
+    scene = load_scene(file := write(tmp_path))
+    freedom = Freedom(("headings",))
+    document = freedom.document(read_document(str(file))[0], scene, [0.5, 0.6, 0.4, 0.3])
+    first, second, *_ = document["wheel"]
+    assert first["position"] == [100, 100]
+    assert document["wheel"][3]["position"] == [100, Decimal("-100.4")]
+    assert [wheel["name"] for wheel in document["wheel"]] == ["A1", "A2", "B1", "B2"]
+    assert first["heading"] == -135  # inward, as it was
+    other = tmp_path / "other.toml"
+    other.write_text(toml_text(document), encoding="utf-8")
+    a, b = (float(part) for part in load_scene(other).wheels[1].unit_direction)
+    assert math.degrees(math.atan2(b, a)) == pytest.approx(float(second["heading"]), abs=1e-9)

@@ -5,9 +5,10 @@
 import { h, icon, onceAFrame, pool, say } from "./dom.js";
 import { isSystem } from "./scene_document.js";
 
-const TITLES = { position: "Position", heading: "Heading", pose: "Pose", stability: "Stability" };
+const TITLES = { position: "Position", inertia: "With inertia", heading: "Heading", pose: "Pose", stability: "Stability" };
 const QUESTIONS = {
   position: "Does the body come to the point?",
+  inertia: "What does a body with inertia do?",
   heading: "What does its heading do?",
   pose: "Can feedback hold both?",
   stability: "Do solutions come to the point?",
@@ -33,8 +34,9 @@ export class AnswersPanel {
   }
 
   show() {
-    const { checked } = this.results;
+    const { checked, inertia } = this.results;
     const answers = this.#complete(checked?.answers ?? []);
+    if (inertia) answers.splice(1, 0, { ...inertia, old: this.results.isOld("inertia") });
     const items = pool(this.list, answers.length, card);
     answers.forEach((answer, k) => fill(items[k], answer));
     this.list.classList.toggle("stale", this.results.isOld("checked") || this.results.status === "error");

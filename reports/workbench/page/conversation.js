@@ -6,7 +6,7 @@
 const PATIENCE = 60; // milliseconds between the fast stage and a newer request
 const LONG_PATIENCE = 400; // where the cells themselves come later
 // Cells and answers come always; these cost more.
-const ALL = ["paths", "clauses", "equilibria", "comparison", "tolerance"];
+const ALL = ["paths", "inertia", "clauses", "equilibria", "comparison", "tolerance"];
 const DURING_DRAG = ["paths"];
 const RETRY = [300, 700, 1500, 3000]; // milliseconds until a lost server is asked again; the last one repeats
 

@@ -44,7 +44,7 @@ function panels() {
   new PathsPanel(byId("path-ends"), byId("following"), store, results);
   new SettingsPanel(byId("settings"), store, results);
   new Sliders(byId("sliders"), store, results, conversation, operations);
-  new WheelPanel({ fields: byId("wheel-fields"), title: byId("wheel-title"), body: byId("wheel-rows"), empty: byId("wheel-hint") }, store, results, operations);
+  new WheelPanel({ fields: byId("wheel-fields"), title: byId("wheel-title"), head: byId("wheel-head"), body: byId("wheel-rows"), empty: byId("wheel-hint") }, store, results, operations);
   new Toolbar({ edits: byId("edits"), snap: byId("snap"), layers: byId("layers") }, { operations, store, drawing });
 }
 

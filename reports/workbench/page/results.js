@@ -2,7 +2,7 @@
 // scene. What is about an earlier one stays in its place until newer comes, so nothing jumps, but it is old at once.
 // May be changed: when older results are dropped.
 
-const PARTS = ["geometry", "checked", "comparison", "tolerance", "paths"];
+const PARTS = ["geometry", "checked", "inertia", "comparison", "tolerance", "paths"];
 
 export class Results extends EventTarget {
   constructor(conversation, store) {
@@ -11,6 +11,7 @@ export class Results extends EventTarget {
     this.checked = null; // answers, clauses, verdict
     this.comparison = null;
     this.tolerance = null;
+    this.inertia = null; // one more answer, of scenes that say what gravity is
     this.paths = [];
     this.error = null; // {message, key}
     this.status = "idle"; // working, fast, exact, error, lost
@@ -29,7 +30,7 @@ export class Results extends EventTarget {
 
   /** What was said about another scene must not stand beside this one. */
   #forget() {
-    Object.assign(this, { checked: null, comparison: null, tolerance: null, paths: [], error: null, foreign: true });
+    Object.assign(this, { checked: null, inertia: null, comparison: null, tolerance: null, paths: [], error: null, foreign: true });
   }
 
   /** Every change makes what is shown old, before anything is asked; one that is taken back makes it new again. */
@@ -59,6 +60,7 @@ export class Results extends EventTarget {
     if (stage === "fast" || stage === "exact") this.#geometry(line);
     else if (stage === "paths") this.#take("paths", line.paths ?? []);
     else if (stage === "comparison") this.#take("comparison", line.rules ?? []);
+    else if (stage === "inertia") this.#take("inertia", line.answer);
     else if (stage === "equilibria") this.geometry = { ...this.geometry, equilibria: line.equilibria };
     else if (stage === "facts") this.checked = { ...this.checked, clauses: line.clauses };
     else if (stage === "tolerance") this.#take("tolerance", line);
@@ -105,7 +107,7 @@ export class Results extends EventTarget {
 
   /** There are no answers about this scene: those about another one must not stay. */
   #unanswered(line) {
-    Object.assign(this, { checked: null, tolerance: null, paths: [] });
+    Object.assign(this, { checked: null, inertia: null, tolerance: null, paths: [] });
     this.#error(line);
   }
 
@@ -113,7 +115,7 @@ export class Results extends EventTarget {
   #done() {
     this.finished = true;
     if (this.status === "error") return;
-    for (const part of ["comparison", "tolerance", "paths"]) {
+    for (const part of ["inertia", "comparison", "tolerance", "paths"]) {
       if (this.stale.has(part) && this.want.includes(part)) this.#take(part, part === "paths" ? [] : null);
     }
     this.stale.delete("geometry");

@@ -49,6 +49,8 @@ export function withHeading(document, index, heading, speed) {
 
 /** The unit of a length, a speed or a time, as the scene states it; empty where it states none. */
 export function unitOf({ units }, kind) {
+  if (kind === "angle") return units?.angle ?? (units?.length ? "deg" : "");
   if (!units?.length) return "";
-  return { length: units.length, speed: units.speed ?? `${units.length}/s`, time: "s" }[kind] ?? "";
+  const rate = `${units.length}/s`; // replies are in lengths per second
+  return { length: units.length, speed: units.speed ?? rate, rate, time: "s" }[kind] ?? "";
 }

@@ -16,20 +16,23 @@ const KEYS = [
   { key: "axis", label: "Axis", hint: "of a roller: an angle or a direction [a, b]; empty for the rim" },
   { key: "speed_limit", label: "Speed limit", unit: "speed" },
 ];
-const COLUMNS = ["", "x", "y", "heading", "speed", "friction"];
+const COLUMNS = [
+  { label: "wheel" },
+  { label: "x", unit: "length" },
+  { label: "y", unit: "length" },
+  { label: "heading", unit: "angle", title: "the way its rim pushes a body, across the axle" },
+  { label: "speed", unit: "rate" },
+  { label: "friction", title: "along the rim | across it" },
+];
 
 export class WheelPanel {
-  constructor({ fields, title, body, empty }, store, results, operations) {
-    Object.assign(this, { store, results, operations, title, body, empty, hint: empty.textContent, box: fields });
+  constructor({ fields, title, head, body, empty }, store, results, operations) {
+    Object.assign(this, { store, results, operations, title, head, body, empty, hint: empty.textContent, box: fields });
     this.fields = KEYS.map((line) => ({ line, field: new Field({ ...line }, (text) => this.#take(line.key, text)) }));
     fields.append(...this.fields.map(({ field }) => field.element));
     const later = sparingly(() => this.show(), () => store.isMerging);
     for (const name of ["change", "select"]) store.addEventListener(name, later);
     results.addEventListener("change", later);
-  }
-
-  static get columns() {
-    return COLUMNS;
   }
 
   async #take(key, text) {
@@ -102,7 +105,19 @@ export class WheelPanel {
     return key === "axis" ? "the rim" : "none";
   }
 
+  /** The columns with their units; angles without one are in degrees where the scene states units. */
+  #showHead() {
+    const { document } = this.store;
+    const heads = pool(this.head, COLUMNS.length, () => h("th", { scope: "col" }));
+    COLUMNS.forEach(({ label, unit, title = "" }, k) => {
+      const words = unit && unitOf(document, unit);
+      attr(heads[k], "title", title);
+      say(heads[k], words ? `${label} [${words}]` : label);
+    });
+  }
+
   #showTable(wheels) {
+    this.#showHead();
     const rows = pool(this.body, wheels.length, () => this.#row());
     const chosen = new Set(this.store.selection);
     const stated = this.store.document.wheel;

@@ -185,6 +185,18 @@ def test_speeds_are_set_in_the_unit_of_the_scene(page: Page) -> None:
     assert {wheel["speed"] for wheel in wheels} == {0.252}
     assert page.locator("label[for=slider-checked-radius]").inner_text() == "Checked radius [mm]"
     assert "Lengths are in mm, speeds in mm/s." in page.locator("#wheel-hint").inner_text()
+    heads = page.locator("#wheel-head th").all_inner_texts()
+    assert heads == ["wheel", "x [mm]", "y [mm]", "heading [deg]", "speed [mm/s]", "friction"]
+
+
+def test_a_scene_with_units_has_a_card_on_inertia(page: Page) -> None:
+    assert page.locator("#answers [data-key=inertia]").count() == 0
+    page.evaluate(IN_MILLIMETRES)
+    settled(page)
+    page.select_option("#rule", "ellipse")
+    card = page.locator("#answers [data-key=inertia]")
+    card.wait_for(timeout=60_000)
+    assert "a body with inertia" in card.inner_text()
 
 
 def test_the_rule_that_is_shown_is_the_one_that_holds(page: Page) -> None:
