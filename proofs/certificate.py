@@ -13,7 +13,7 @@ Every cell lists all corners of the partition that lie on its sides, and the che
 the sides of neighbours are the same pairs of points, once in each sense: that shows that the cells tile.  Cells that
 the check left out, because the lemma on inward rims speaks for them, are built here: a certificate needs no lemma.
 Rule ``ellipse`` has no cells and is refused.
-The form of the numbers is described in :mod:`nonsmooth.proofs.exact_json`.
+The form of the numbers is described in :mod:`nonsmooth.proofs.findings.exact_json`.
 """
 
 from __future__ import annotations
@@ -32,18 +32,18 @@ from nonsmooth.proofs.checker.statements import VERSION, show_entry
 from nonsmooth.proofs.checker.theorem4 import CLAUSES
 from nonsmooth.proofs.checker.wheels import read_array
 from nonsmooth.proofs.checker.work import BUDGET, RejectedError
+from nonsmooth.proofs.clause_registry import conclude, decide_clauses
 from nonsmooth.proofs.clauses.equilibrium.on_cells import decide_equilibrium
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.clauses.feedback.driven_law import in_scene
 from nonsmooth.proofs.clauses.feedback.facts import AnyFeedback
-from nonsmooth.proofs.clauses.registry import conclude, decide_clauses
 from nonsmooth.proofs.clauses.rotation.on_cells import drift_at_rest
 from nonsmooth.proofs.clauses.translation.certified_disc import CertifiedDisc, certified_disc
 from nonsmooth.proofs.clauses.workspace import Workspace
-from nonsmooth.proofs.exact_json import encode, homogeneous
+from nonsmooth.proofs.findings.exact_json import encode, homogeneous
+from nonsmooth.proofs.findings.verdicts import Equilibrium, Feedback
 from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.robust.nearest import certified_bounds
-from nonsmooth.proofs.verdicts import Equilibrium, Feedback
 from nonsmooth.proofs.verified import verified
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.contact_set import alone

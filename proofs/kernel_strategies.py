@@ -9,7 +9,8 @@ from __future__ import annotations
 
 from contextlib import suppress
 
-from nonsmooth.proofs.facts import row_fact
+from nonsmooth.proofs.findings.facts import row_fact
+from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.kernel.escapes import show_escape_of
 from nonsmooth.proofs.kernel.search import NotShownError
 from nonsmooth.proofs.many_states.center_manifold import show_by_center_manifold
@@ -24,7 +25,6 @@ from nonsmooth.proofs.systems.domain import Domain, cube_text
 from nonsmooth.proofs.systems.findings import CheckedPoint, ExaminedFunction, Finding, Known, Method
 from nonsmooth.proofs.systems.lyapunov_search import searched_cells
 from nonsmooth.proofs.systems.plane_function import PlaneFunction
-from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.enclosed_numbers import NoEnclosureError, enclose_numbers
 from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
 

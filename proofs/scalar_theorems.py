@@ -13,12 +13,12 @@ from typing import Any, TypeAlias
 
 from nonsmooth.proofs.checker.cells import System, pattern
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE, STABLE
+from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.kernel.cells import StatedCells, sharpened, stated_cells
 from nonsmooth.proofs.kernel.search import Search, stability_hypotheses
 from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.systems.findings import DecidedSystem
 from nonsmooth.proofs.systems.scalar_stability import clear_distance
-from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 

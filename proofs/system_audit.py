@@ -28,6 +28,7 @@ from flint import arb, ctx
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.switched_cells import LyapunovCell, lyapunov_cells, partition_cells, system_cells
 from nonsmooth.analysis.contact_rule import CellRule, rule_of
+from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.kernel.cells import BeyondReachError
 from nonsmooth.proofs.many_states import examination as many
 from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, NotZeroError
@@ -38,7 +39,6 @@ from nonsmooth.proofs.systems.domain import Domain, domain_regions, domains, pla
 from nonsmooth.proofs.systems.findings import ExaminedFunction
 from nonsmooth.proofs.systems.invariance import Staying, decide_staying
 from nonsmooth.proofs.systems.plane_function import PlaneFunction
-from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.enclosed_numbers import NoEnclosureError, enclose_numbers
 from nonsmooth.symbolic.expression import ExpressionError
 from nonsmooth.symbolic.files.system_file import parse_lyapunov

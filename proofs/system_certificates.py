@@ -22,6 +22,7 @@ from nonsmooth.proofs.checker.files import read
 from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.statements import VERSION
 from nonsmooth.proofs.checker.theorems import Statement
+from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.kernel.cells import BeyondReachError, StatedCells, stated_cells, surfaces_of
 from nonsmooth.proofs.kernel.search import NotShownError, Search, stability_hypotheses
 from nonsmooth.proofs.kernel.second_function import find_second
@@ -46,7 +47,6 @@ from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.findings import DecidedSystem, ExaminedFunction, Method, PotentialPiece
 from nonsmooth.proofs.systems.sublevel_region import ReshapedRegion, SublevelRegion
 from nonsmooth.proofs.theorem_searches import show_verdict
-from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.proofs.verified import verified
 from nonsmooth.symbolic.enclosed_numbers import NoEnclosureError, enclose_numbers
 from nonsmooth.symbolic.numbers.number import Number

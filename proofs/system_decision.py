@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from nonsmooth.proofs import kernel_strategies as kernel
+from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.kernel.cells import BeyondReachError
 from nonsmooth.proofs.many_states import decision as space
 from nonsmooth.proofs.many_states.decision import SpacePoint
@@ -14,7 +15,6 @@ from nonsmooth.proofs.systems import system_stability as plane
 from nonsmooth.proofs.systems.findings import CheckedPoint, DecidedSystem, Finding, Known, Method, Strategy
 from nonsmooth.proofs.systems.scalar_stability import LinePoint
 from nonsmooth.proofs.systems.system_stability import PlanePoint
-from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.notebook import html_table
 from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem, require_stated
 

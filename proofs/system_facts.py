@@ -1,6 +1,6 @@
 """What the verdict on a plain system says, and that on somebody's V: one list of facts for each.
 
-Rows of the terminal and keys of JSON are the same facts (:mod:`nonsmooth.proofs.facts`).
+Rows of the terminal and keys of JSON are the same facts (:mod:`nonsmooth.proofs.findings.facts`).
 """
 
 from __future__ import annotations
@@ -8,7 +8,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from nonsmooth.proofs.facts import Fact, Quantity, row_fact, text_fact, unsaid
+from nonsmooth.proofs.findings.facts import Fact, Quantity, row_fact, text_fact, unsaid
+from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.system_audit import AuditResult
 from nonsmooth.proofs.systems.basin import CertifiedBasin
 from nonsmooth.proofs.systems.decay_rate import DecayKind
@@ -24,7 +25,6 @@ from nonsmooth.proofs.systems.findings import (
 )
 from nonsmooth.proofs.systems.outer_ring import ring_of
 from nonsmooth.proofs.systems.sublevel_region import ReshapedRegion, SublevelRegion
-from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.number_text import percent_text, place_text
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import one_line

@@ -1,6 +1,6 @@
 """Theorem 4, clause by clause, for one array: what is computed, and what is left out.
 
-Which clauses there are: :data:`nonsmooth.proofs.clauses.registry.CLAUSES`.  What they conclude together:
+Which clauses there are: :data:`nonsmooth.proofs.clause_registry.CLAUSES`.  What they conclude together:
 :mod:`nonsmooth.proofs.theorem4_result`.
 """
 
@@ -13,10 +13,11 @@ from typing import TypeVar
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.equilibria import find_equilibria
 from nonsmooth.analysis.cells.partition import Partition, RefusalError, affordable
-from nonsmooth.proofs.clauses import registry
-from nonsmooth.proofs.clauses.feedback.authority import roll_authority
+from nonsmooth.proofs import clause_registry
+from nonsmooth.proofs.clauses.authority import roll_authority
+from nonsmooth.proofs.clauses.clause import JudgedEquilibrium
+from nonsmooth.proofs.clauses.equilibrium.judged_equilibria import judge_equilibria
 from nonsmooth.proofs.clauses.workspace import Announce, Workspace, unheard
-from nonsmooth.proofs.judged_equilibria import JudgedEquilibrium, judge_equilibria
 from nonsmooth.proofs.theorem4_result import CellCheck, Check, SmoothCheck
 from nonsmooth.symbolic.contact_set import standing
 from nonsmooth.symbolic.contact_states import ContactCensus, possible_triples, take_census, triples_with_friction
@@ -93,8 +94,8 @@ def _check(work: Workspace, *, beside: bool) -> Check:
         census = _census(work) if beside else ContactCensus(triples_with_friction(work.scene))
     with work.timed("other equilibria"):
         others = _equilibria(work) if beside else None
-    results = registry.decide_clauses(work)
-    verdict, reason = registry.conclude(results)
+    results = clause_registry.decide_clauses(work)
+    verdict, reason = clause_registry.conclude(results)
     common = (verdict, reason, work.given, results, census, roll_authority(work.given))
     by_rounding = frozenset(work.by_rounding)
     if partition is None:

@@ -12,19 +12,18 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Self, TypeAlias, cast
 
 from nonsmooth.analysis.cells.partition import Partition
-from nonsmooth.proofs.clauses import registry
-from nonsmooth.proofs.clauses.clause import Clause
+from nonsmooth.proofs import clause_registry
+from nonsmooth.proofs.clauses.authority import Authority
+from nonsmooth.proofs.clauses.clause import Clause, JudgedEquilibrium
 from nonsmooth.proofs.clauses.equilibrium.at_point import EllipseEquilibrium
 from nonsmooth.proofs.clauses.equilibrium.on_cells import EquilibriumResult
-from nonsmooth.proofs.clauses.feedback.authority import Authority
 from nonsmooth.proofs.clauses.feedback.facts import AnyFeedback
 from nonsmooth.proofs.clauses.rotation.on_cells import RotationResult, rotation_bound
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
 from nonsmooth.proofs.clauses.workspace import ClauseResult, Skipped, Workspace
-from nonsmooth.proofs.facts import Fact
-from nonsmooth.proofs.judged_equilibria import JudgedEquilibrium
-from nonsmooth.proofs.verdicts import Theorem4
+from nonsmooth.proofs.findings.facts import Fact
+from nonsmooth.proofs.findings.verdicts import Theorem4
 from nonsmooth.symbolic.contact_states import ContactCensus
 from nonsmooth.symbolic.notebook import ShortRepr, html_table
 from nonsmooth.symbolic.scene import Scene
@@ -84,7 +83,7 @@ class Theorem4Result(ShortRepr):
     @property
     def clauses(self) -> tuple[tuple[Clause[Any], ClauseResult], ...]:
         """Every clause with its result, in order."""
-        return tuple((clause, self.results[clause.name]) for clause in registry.CLAUSES)
+        return tuple((clause, self.results[clause.name]) for clause in clause_registry.CLAUSES)
 
     def with_results(self, **results: ClauseResult) -> Self:
         """The same with other results of some clauses, by name; the conclusion stays as it is."""
@@ -98,7 +97,7 @@ class Theorem4Result(ShortRepr):
         for clause, result in self.clauses:
             said = "; ".join(one.text for one in found if clause.name in one.clauses)
             results[clause.name] = clause.undecided(result, said) if said else result
-        _, reason = registry.conclude(results)
+        _, reason = clause_registry.conclude(results)
         return replace(self, results=results, verdict=Theorem4.UNDECIDED, reason=reason, contradictions=tuple(found))
 
     def facts(self, clause: Clause[Any]) -> Iterator[Fact]:
@@ -150,7 +149,7 @@ class Theorem4Result(ShortRepr):
         from nonsmooth.proofs.kernel.subject import NoCertificateError
         from nonsmooth.proofs.verified import UnverifiedError
 
-        if self.verdict is not registry.conclude(self.results)[0]:
+        if self.verdict is not clause_registry.conclude(self.results)[0]:
             return False
         try:
             stated = stated_words(build_certificate(self))
@@ -163,7 +162,7 @@ class Theorem4Result(ShortRepr):
             return True
         work = Workspace(self.scene, sample=False)
         _ = work.partition  # before the clauses, as at first: what rounding decides of it counts for all of them
-        return registry.decide_clauses(work) == self.results
+        return clause_registry.decide_clauses(work) == self.results
 
     def _repr_html_(self) -> str:
         """The verdicts with their reasons, for a notebook."""

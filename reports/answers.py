@@ -15,9 +15,9 @@ from nonsmooth.proofs.answers.answers import Answers
 from nonsmooth.proofs.answers.bounds import at_least, of_length
 from nonsmooth.proofs.answers.contact_wheels import contact_facts
 from nonsmooth.proofs.answers.other_rules import OtherRule
-from nonsmooth.proofs.facts import Quantity
+from nonsmooth.proofs.findings.facts import Quantity
+from nonsmooth.proofs.findings.verdicts import Theorem4
 from nonsmooth.proofs.theorem4_result import Check, Contradiction
-from nonsmooth.proofs.verdicts import Theorem4
 from nonsmooth.reports.document import Table, table, without_empty_columns
 from nonsmooth.reports.equilibrium_headings import headings_blocks, headings_record
 from nonsmooth.reports.facts import Record, as_record, fact_record

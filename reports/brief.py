@@ -10,7 +10,7 @@ from collections.abc import Iterator
 
 from nonsmooth.proofs.answers.answer import UNDECIDED, Answer, Pose
 from nonsmooth.proofs.answers.bounds import DIGITS, at_least, at_most, of_length
-from nonsmooth.proofs.verdicts import Theorem4
+from nonsmooth.proofs.findings.verdicts import Theorem4
 from nonsmooth.reports.answers import stated_answers
 from nonsmooth.reports.document import Block, Bullets, Code, Document, Paragraph, Section, Text, decimal, number, point
 from nonsmooth.reports.prose import paragraph, with_formulas

@@ -16,9 +16,9 @@ from nonsmooth.proofs.answers.answer import Answer, Heading, Pose, Position
 from nonsmooth.proofs.answers.answers import THEOREM, Answers, exit_status, full_answers
 from nonsmooth.proofs.answers.contradictions import contradictions_of_rules, reconciled, rests_under
 from nonsmooth.proofs.answers.failures import Failure, worst_failure
-from nonsmooth.proofs.facts import said
+from nonsmooth.proofs.findings.facts import said
+from nonsmooth.proofs.findings.verdicts import Theorem4
 from nonsmooth.proofs.theorem4_result import Check, Contradiction
-from nonsmooth.proofs.verdicts import Theorem4
 from nonsmooth.reports.answers import answers_record
 from nonsmooth.reports.document import Block, Paragraph, table
 from nonsmooth.reports.facts import Record

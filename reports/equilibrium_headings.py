@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from flint import arb
 
-from nonsmooth.proofs.facts import Quantity
+from nonsmooth.proofs.findings.facts import Quantity
 from nonsmooth.reports.document import Block, Paragraph, Table, table
 from nonsmooth.reports.facts import Record, as_record
 from nonsmooth.symbolic.number_text import float_text, lower_text, numbers_text, place_text, upper_text

@@ -31,8 +31,8 @@ from nonsmooth.analysis.trajectories.result import EndReason, State, Trajectory
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, decide_feedback
 from nonsmooth.proofs.clauses.feedback.cascade_law import CascadeLaw, Descent, TurnRegion, find_cascade
 from nonsmooth.proofs.clauses.feedback.gradient_law import LevelRegion
+from nonsmooth.proofs.findings.verdicts import Feedback
 from nonsmooth.proofs.own_paths import ContradictionError
-from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.reports.choices import LawName
 from nonsmooth.symbolic.contact_states import ContactState
 

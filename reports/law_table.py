@@ -28,8 +28,8 @@ from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, in_scene, rim_
 from nonsmooth.proofs.clauses.feedback.facts import AnyFeedback
 from nonsmooth.proofs.clauses.feedback.gradient_law import LevelRegion
 from nonsmooth.proofs.clauses.feedback.loop_bounds import FEW_ROUNDINGS
+from nonsmooth.proofs.findings.verdicts import Feedback
 from nonsmooth.proofs.theorem4_result import CellCheck, Check
-from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.reports.choices import LawName
 from nonsmooth.reports.feedback_loop import FeedbackLoop, build_loop
 from nonsmooth.symbolic.constraints import RowKind

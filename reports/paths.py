@@ -33,7 +33,7 @@ from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.answers.answer import has_dynamics
 from nonsmooth.proofs.answers.contact_wheels import how_far
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
-from nonsmooth.proofs.verdicts import Feedback
+from nonsmooth.proofs.findings.verdicts import Feedback
 from nonsmooth.reports.choices import LawName, PathMethod
 from nonsmooth.reports.document import Block, Paragraph, findings
 from nonsmooth.reports.feedback_loop import FeedbackLoop, build_loop

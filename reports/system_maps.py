@@ -21,9 +21,9 @@ from nonsmooth.analysis.trajectories.result import EndReason, TrajectoryError
 from nonsmooth.analysis.trajectories.smooth_path import MAX_WORK
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.answers.contradictions import FollowedStarts, contradictions_of_map
+from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.systems.border_motion import BorderKind
 from nonsmooth.proofs.theorem4_result import Contradiction
-from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.reports.answers import contradiction_lines
 from nonsmooth.reports.document import Block, Paragraph, findings
 from nonsmooth.reports.figures.style import (

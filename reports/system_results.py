@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
+from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.system_audit import AuditResult
 from nonsmooth.proofs.system_decision import StabilityResult
 from nonsmooth.proofs.system_facts import (
@@ -23,7 +24,6 @@ from nonsmooth.proofs.system_facts import (
     system_facts,
 )
 from nonsmooth.proofs.systems.decay_rate import DecayKind
-from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.reports.document import Block, Paragraph, findings
 from nonsmooth.reports.exchange.exports import EXPORTS
 from nonsmooth.reports.facts import Record, fact_record, fact_rows, with_exact
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from rich.console import RenderableType
 
-    from nonsmooth.proofs.facts import Fact
+    from nonsmooth.proofs.findings.facts import Fact
     from nonsmooth.proofs.systems.findings import ExaminedFunction
     from nonsmooth.reports.exchange.formulas import FieldFormulas
 

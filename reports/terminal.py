@@ -14,7 +14,7 @@ from rich.console import Group, RenderableType
 from rich.table import Table as TerminalTable
 from rich.text import Text
 
-from nonsmooth.proofs.verdicts import Theorem4
+from nonsmooth.proofs.findings.verdicts import Theorem4
 from nonsmooth.reports.document import Block, Paragraph, Table, plain_text, table
 from nonsmooth.reports.facts import fact_lines
 from nonsmooth.symbolic.contact_set import wheels_text

@@ -12,8 +12,8 @@ from typing import Any, TypeAlias
 
 from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
 from nonsmooth.proofs.clauses.workspace import ClauseResult
-from nonsmooth.proofs.facts import Fact, Quantity
-from nonsmooth.proofs.verdicts import Certainty
+from nonsmooth.proofs.findings.facts import Fact, Quantity
+from nonsmooth.proofs.findings.verdicts import Certainty
 from nonsmooth.symbolic.numbers.rounded import BY_ROUNDING
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact

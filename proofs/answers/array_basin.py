@@ -28,7 +28,7 @@ from nonsmooth.proofs.checker.contact import Cells
 from nonsmooth.proofs.checker.statements import show_entry
 from nonsmooth.proofs.checker.wheels import read_array
 from nonsmooth.proofs.checker.work import RejectedError
-from nonsmooth.proofs.exact_json import encode
+from nonsmooth.proofs.findings.exact_json import encode
 from nonsmooth.proofs.system_facts import basin_record
 from nonsmooth.proofs.systems.basin import BasinEffort, CertifiedBasin
 from nonsmooth.proofs.systems.basin_mesh import MeshBuilder, last_ring, mesh_corners, mesh_of_rings

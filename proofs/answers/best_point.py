@@ -18,13 +18,14 @@ from nonsmooth.proofs.answers.answer import Position
 from nonsmooth.proofs.answers.destinations import sampled_destinations, shares_at
 from nonsmooth.proofs.answers.position import OF_PLACE
 from nonsmooth.proofs.boxes.enclosed_rest import enclosed_rest
+from nonsmooth.proofs.clauses.clause import JudgedEquilibrium
+from nonsmooth.proofs.clauses.equilibrium.judged_equilibria import judge_equilibria
 from nonsmooth.proofs.clauses.translation.at_point import decide_translation_at
 from nonsmooth.proofs.clauses.translation.clause import AnyTranslation
 from nonsmooth.proofs.clauses.translation.on_cells import decide_translation
 from nonsmooth.proofs.clauses.workspace import Workspace
-from nonsmooth.proofs.judged_equilibria import JudgedEquilibrium, judge_equilibria
+from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.theorem4 import CHECK_UNITS
-from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.contact_set import alone, standing
 from nonsmooth.symbolic.number_text import place_text
 from nonsmooth.symbolic.numbers.lazy import Lazy

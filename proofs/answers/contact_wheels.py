@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from nonsmooth.proofs.answers.bounds import angle_at_least, at_least, of_length
-from nonsmooth.proofs.facts import Fact, Quantity
-from nonsmooth.proofs.verdicts import Rotation
+from nonsmooth.proofs.findings.facts import Fact, Quantity
+from nonsmooth.proofs.findings.verdicts import Rotation
 from nonsmooth.symbolic.contact_set import contact_set
 from nonsmooth.symbolic.free_motions import free_text, free_twists
 from nonsmooth.symbolic.number_text import numbers_text

@@ -34,7 +34,7 @@ from nonsmooth.analysis.trajectories.smooth_ends import (
 from nonsmooth.proofs.answers.answer import Heading, Position
 from nonsmooth.proofs.answers.heading import OF_ROTATION
 from nonsmooth.proofs.answers.position import OF_PLACE
-from nonsmooth.proofs.judged_equilibria import JudgedEquilibrium
+from nonsmooth.proofs.clauses.clause import JudgedEquilibrium
 from nonsmooth.proofs.theorem4_result import Theorem4Result
 from nonsmooth.symbolic.notebook import html_table
 from nonsmooth.symbolic.number_text import percent_text, place_text

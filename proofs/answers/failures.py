@@ -17,8 +17,8 @@ from nonsmooth.analysis.contact_rule import rule_of
 from nonsmooth.proofs.answers.answer import Heading, Pose, Position
 from nonsmooth.proofs.answers.answers import answers_of
 from nonsmooth.proofs.answers.contradictions import reconciled
+from nonsmooth.proofs.findings.verdicts import Theorem4
 from nonsmooth.proofs.theorem4 import check_theorem4
-from nonsmooth.proofs.verdicts import Theorem4
 from nonsmooth.symbolic.contact_set import NoLoadsError, TipsError, require_standing, standing, whole, with_only
 from nonsmooth.symbolic.scene import Scene, Wheel
 from nonsmooth.symbolic.scene_error import SceneError

@@ -18,8 +18,8 @@ from nonsmooth.proofs.answers.bounds import DIGITS, angle_at_most, at_most, of_l
 from nonsmooth.proofs.answers.nearness import nearness, place_of_rest
 from nonsmooth.proofs.boxes.enclosed_rest import EnclosedRest
 from nonsmooth.proofs.clauses.rotation.on_cells import RotationResult
-from nonsmooth.proofs.facts import Fact, Quantity, said
-from nonsmooth.proofs.verdicts import Equilibrium, Rotation
+from nonsmooth.proofs.findings.facts import Fact, Quantity, said
+from nonsmooth.proofs.findings.verdicts import Equilibrium, Rotation
 from nonsmooth.symbolic.number_text import float_text
 from nonsmooth.symbolic.scene import Scene
 

@@ -28,10 +28,10 @@ from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.proofs.answers.answer import Answer, Inertia, has_dynamics
 from nonsmooth.proofs.answers.bounds import DIGITS, angle_at_least, angle_at_most, at_least, at_most, of_length
 from nonsmooth.proofs.boxes.enclosed_rest import EnclosedRest, enclosed_rest, unknowns_at_rest
+from nonsmooth.proofs.boxes.enclosures import is_positive_definite
 from nonsmooth.proofs.clauses.at_point.mass import PRECISION, Pencil, mass_limits
-from nonsmooth.proofs.enclosures import is_positive_definite
-from nonsmooth.proofs.facts import Fact, Quantity, said
-from nonsmooth.proofs.verdicts import Translation
+from nonsmooth.proofs.findings.facts import Fact, Quantity, said
+from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.symbolic.contact_set import ContactSet, alone, contact_set
 from nonsmooth.symbolic.edge_headings import ball_of
 from nonsmooth.symbolic.number_text import float_text

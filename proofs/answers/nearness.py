@@ -31,10 +31,10 @@ from nonsmooth.proofs.clauses.equilibrium.at_point import EllipseEquilibrium, Ev
 from nonsmooth.proofs.clauses.translation.every_load import EveryLoadTranslation
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, Move, MoveEvidence
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
+from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.robust.drift import driven_out, largest_spin
 from nonsmooth.proofs.robust.ends import MOST_WHEELS, Ends, decide_ends
 from nonsmooth.proofs.robust.rest_points import DISCS, NO_FARTHER, attracting_disc, is_carried_away
-from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.contact_set import ContactSet, alone, contact_set
 from nonsmooth.symbolic.measured_loads import NoSpringsError, spring_forms
@@ -315,13 +315,13 @@ def _comes_home_reversed(scene: Scene, accuracy: Fraction) -> bool:
     D does not change where all speeds and the twist change their signs: motions of the reversed array are those of the
     array, run backward.  So some body from as near as one likes is carried out of the disc.
     """
-    from nonsmooth.proofs.clauses import registry
+    from nonsmooth.proofs import clause_registry
     from nonsmooth.proofs.clauses.workspace import Workspace
 
     backward = replace(scene, wheels=tuple(_reversed(wheel) for wheel in scene.wheels))
     work = Workspace(backward, sample=False)
     try:
-        for clause in registry.CLAUSES:
+        for clause in clause_registry.CLAUSES:
             if clause.name in {"equilibrium", "translation"}:
                 work.earlier[clause.name] = clause.decided(work)
     except RefusalError:

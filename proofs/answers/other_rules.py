@@ -9,10 +9,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from nonsmooth.analysis.cells.partition import RefusalError
+from nonsmooth.proofs import clause_registry
 from nonsmooth.proofs.answers.answer import Answer, Results
 from nonsmooth.proofs.answers.heading import heading_answer
 from nonsmooth.proofs.answers.position import position_answer
-from nonsmooth.proofs.clauses import registry
 from nonsmooth.proofs.clauses.workspace import Workspace
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, work_limit
 from nonsmooth.symbolic.rule import CONTACT_RULES
@@ -67,7 +67,7 @@ def _under(scene: Scene, name: str) -> OtherRule:
 
 
 def _decided(work: Workspace) -> Results:
-    for clause in registry.CLAUSES:
+    for clause in clause_registry.CLAUSES:
         if clause.name in NEEDED:
             work.earlier[clause.name] = clause.decide(work)
     return work.earlier

@@ -11,8 +11,8 @@ from nonsmooth.proofs.answers.answer import Answer, Pose, Results
 from nonsmooth.proofs.answers.bounds import half_life
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.clauses.feedback.loop_bounds import BY_CELLS, UltimateBound, ultimate_bound, wheel_speed
-from nonsmooth.proofs.facts import Fact, Quantity, said
-from nonsmooth.proofs.verdicts import Certainty, Feedback
+from nonsmooth.proofs.findings.facts import Fact, Quantity, said
+from nonsmooth.proofs.findings.verdicts import Certainty, Feedback
 from nonsmooth.symbolic.loop_errors import LoopErrors
 from nonsmooth.symbolic.number_text import float_text, lower_text, upper_text
 from nonsmooth.symbolic.numbers.rounded import BY_ROUNDING

@@ -13,9 +13,9 @@ from nonsmooth.proofs.answers.nearness import HomeDisc, Nearness, nearness
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
 from nonsmooth.proofs.clauses.translation.clause import AnyTranslation
 from nonsmooth.proofs.clauses.translation.mass_facts import mass_words
-from nonsmooth.proofs.facts import Fact, Quantity, said
+from nonsmooth.proofs.findings.facts import Fact, Quantity, said
+from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.robust.ends import Ends
-from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.number_text import Real, float_text, place_text
 from nonsmooth.symbolic.scene import Scene
 

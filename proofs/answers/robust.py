@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, cast
 
 from nonsmooth.proofs.answers.answer import Answer, Results
 from nonsmooth.proofs.answers.bounds import angle_at_most, at_least, at_most, half_life, of_length
-from nonsmooth.proofs.facts import Fact, Quantity
-from nonsmooth.proofs.verdicts import Certainty
+from nonsmooth.proofs.findings.facts import Fact, Quantity
+from nonsmooth.proofs.findings.verdicts import Certainty
 from nonsmooth.symbolic.scene import Scene
 
 if TYPE_CHECKING:

@@ -24,9 +24,7 @@ from flint import arb, arb_mat, ctx
 
 from nonsmooth.analysis.contact_rule import SmoothRule, rule_of, smooth_rule_of
 from nonsmooth.proofs.boxes.balanced_forces import BalancedForces
-from nonsmooth.proofs.boxes.linearization import Slip, slip_at_rest
-from nonsmooth.proofs.boxes.load_box import LoadBox, load_box
-from nonsmooth.proofs.enclosures import (
+from nonsmooth.proofs.boxes.enclosures import (
     UNIT,
     Map,
     approximate_inverse,
@@ -36,7 +34,9 @@ from nonsmooth.proofs.enclosures import (
     newton,
     pose_rate_slope,
 )
-from nonsmooth.proofs.verdicts import Translation
+from nonsmooth.proofs.boxes.linearization import Slip, slip_at_rest
+from nonsmooth.proofs.boxes.load_box import LoadBox, load_box
+from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.symbolic.constraints import added, scaled
 from nonsmooth.symbolic.edge_headings import ball_of
 from nonsmooth.symbolic.number_text import upper_text

@@ -1,6 +1,6 @@
 """What a clause of a check must offer.
 
-A check decides the clauses of :data:`nonsmooth.proofs.clauses.registry.CLAUSES` in their order, and concludes from
+A check decides the clauses of :data:`nonsmooth.proofs.clause_registry.CLAUSES` in their order, and concludes from
 their results.  To add a clause, write one class on :class:`Clause` with a result on :class:`ClauseResult` in a folder
 of its own here, and list it there.  Its verdict, reason and facts then appear on the terminal, in JSON, in the report
 and in the conclusion.  (The stand-alone checker of certificates keeps its own written list on purpose.)
@@ -10,17 +10,28 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, Generic, Protocol, TypeVar
 
 from nonsmooth.proofs.clauses.workspace import ClauseResult, Workspace
-from nonsmooth.proofs.facts import Fact
-from nonsmooth.proofs.verdicts import Theorem4
+from nonsmooth.proofs.findings.facts import Fact
+from nonsmooth.proofs.findings.verdicts import Rotation, Theorem4, Translation
+from nonsmooth.symbolic.notebook import ShortRepr
 
 if TYPE_CHECKING:
+    from nonsmooth.analysis.cells.equilibria import RestPlace
     from nonsmooth.analysis.cells.partition import Partition
-    from nonsmooth.proofs.clauses.feedback.authority import Authority
-    from nonsmooth.proofs.judged_equilibria import JudgedEquilibrium
+    from nonsmooth.proofs.clauses.authority import Authority
     from nonsmooth.symbolic.scene import Scene
+
+
+@dataclass(frozen=True, repr=False)
+class JudgedEquilibrium(ShortRepr):
+    """An equilibrium with its local verdicts; None where the point was not judged."""
+
+    found: RestPlace
+    translation: Translation | None = None
+    rotation: Rotation | None = None
 
 
 class CheckedArray(Protocol):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from nonsmooth.analysis.cells.polygon import Point
-from nonsmooth.proofs.facts import Quantity, Record
+from nonsmooth.proofs.findings.facts import Quantity, Record
 from nonsmooth.symbolic.numbers.number import Number
 
 

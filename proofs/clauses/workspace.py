@@ -14,9 +14,9 @@ from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.contact_rule import CellRule, ContactRule, rule_of
 from nonsmooth.proofs.boxes.enclosed_rest import rest_at_point
 from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, ellipse_point
-from nonsmooth.proofs.clauses.cocircular import CocircularArray, cocircular_array
+from nonsmooth.proofs.clauses.every_load.cocircular import CocircularArray, cocircular_array
 from nonsmooth.proofs.clauses.every_load.point import EveryLoadPoint, every_load_point
-from nonsmooth.proofs.verdicts import Equilibrium
+from nonsmooth.proofs.findings.verdicts import Equilibrium
 from nonsmooth.symbolic.numbers.rounded import (
     PLACE_DECIDES,
     ROUNDING_DECIDES,

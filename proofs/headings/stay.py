@@ -21,13 +21,8 @@ from nonsmooth.analysis.bodies.set_guesses import SetGuess, SetGuesses
 from nonsmooth.analysis.cells.filippov import filippov_twists
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
-from nonsmooth.proofs.boxes.linearization import slip_at_rest
-from nonsmooth.proofs.clauses import registry
-from nonsmooth.proofs.clauses.equilibrium.at_point import EllipseEquilibrium
-from nonsmooth.proofs.clauses.rotation.on_cells import RotationResult
-from nonsmooth.proofs.clauses.translation.clause import AnyTranslation
-from nonsmooth.proofs.clauses.workspace import Workspace
-from nonsmooth.proofs.enclosures import (
+from nonsmooth.proofs import clause_registry
+from nonsmooth.proofs.boxes.enclosures import (
     approximate_inverse,
     krawczyk,
     lies_inside,
@@ -35,7 +30,12 @@ from nonsmooth.proofs.enclosures import (
     newton,
     pose_rate_slope,
 )
-from nonsmooth.proofs.verdicts import Equilibrium, Rotation, Translation
+from nonsmooth.proofs.boxes.linearization import slip_at_rest
+from nonsmooth.proofs.clauses.equilibrium.at_point import EllipseEquilibrium
+from nonsmooth.proofs.clauses.rotation.on_cells import RotationResult
+from nonsmooth.proofs.clauses.translation.clause import AnyTranslation
+from nonsmooth.proofs.clauses.workspace import Workspace
+from nonsmooth.proofs.findings.verdicts import Equilibrium, Rotation, Translation
 from nonsmooth.symbolic.constraints import Twist, added, scaled
 from nonsmooth.symbolic.contact_set import TipsError, on_wheels, whole
 from nonsmooth.symbolic.edge_headings import ball_of
@@ -146,7 +146,7 @@ class StaysAt:
         try:
             with work_limit(self.scene.field, UNITS):
                 work = Workspace(on_wheels(self.scene, numbers), sample=False)
-                for clause in registry.CLAUSES:
+                for clause in clause_registry.CLAUSES:
                     if clause.name in NEEDED:
                         work.earlier[clause.name] = clause.decide(work)
         except TipsError:
@@ -224,7 +224,7 @@ def _does_the_same(one: Wheel, other: Wheel, twice: Vector) -> bool:
 # every loaded wheel slips, ``G(xi, c) = sum_i N_i(c) pull_i(xi) = 0`` determines it.  A wheel that sticks adds two
 # equations, no slip, and two unknowns, its force in units of the half-axes.  D is convex, so a zero of G with forces
 # inside the friction sets and a regular Jacobian is the only minimizer, and smooth in c.  Krawczyk's operator
-# (:mod:`nonsmooth.proofs.enclosures`) proves one zero near what floats find.
+# (:mod:`nonsmooth.proofs.boxes.enclosures`) proves one zero near what floats find.
 
 
 NEWTON_STEPS = 12  # from a float to the full precision

@@ -17,7 +17,7 @@ from fractions import Fraction
 from itertools import product
 from typing import Any
 
-from nonsmooth.proofs.exact_json import Generators
+from nonsmooth.proofs.findings.exact_json import Generators
 from nonsmooth.symbolic.enclosed_numbers import MOST_PLACES, bounds_of
 from nonsmooth.symbolic.numbers.coefficients import bits
 from nonsmooth.symbolic.numbers.number import Number, Tower

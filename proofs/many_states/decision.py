@@ -23,6 +23,7 @@ from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
+from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.inequalities.linear_program import best_mixture, mixtures_to_zero
 from nonsmooth.proofs.kernel.cells import BeyondReachError, SignCells, adjoining, build_cells
 from nonsmooth.proofs.kernel.whole_space import find_global_attraction
@@ -45,7 +46,6 @@ from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.domain import Domain
 from nonsmooth.proofs.systems.findings import CheckedPoint, Finding, Known, Method, Reach
 from nonsmooth.proofs.systems.invariance import Staying
-from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.enclosed_numbers import NoEnclosureError, enclose_numbers
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise

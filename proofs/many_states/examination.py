@@ -11,6 +11,7 @@ from flint import fmpq
 from nonsmooth.proofs.checker.positivity import Claim
 from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.work import MALFORMED, RejectedError
+from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.inequalities.prover import Counterexample, Proof
 from nonsmooth.proofs.inequalities.subdivision import value_at
 from nonsmooth.proofs.kernel.cells import (
@@ -30,7 +31,6 @@ from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.derivatives import Decrease, Refutation
 from nonsmooth.proofs.systems.domain import Domain
 from nonsmooth.proofs.systems.findings import ExaminedFunction, Reach
-from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.piecewise import PiecewiseExpression
 from nonsmooth.symbolic.switched_system import SwitchedSystem

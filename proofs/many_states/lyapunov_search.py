@@ -31,7 +31,7 @@ from numpy.typing import NDArray
 
 from nonsmooth.proofs.checker.polynomials import Polynomial as CheckedPolynomial
 from nonsmooth.proofs.checker.positivity import Claim
-from nonsmooth.proofs.facts import Fact, row_fact
+from nonsmooth.proofs.findings.facts import Fact, row_fact
 from nonsmooth.proofs.kernel.cells import (
     BeyondReachError,
     SignCells,

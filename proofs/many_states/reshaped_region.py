@@ -26,6 +26,7 @@ import numpy as np
 from flint import fmpq
 from numpy.typing import NDArray
 
+from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.kernel.cells import BeyondReachError, rational, rational_terms, stated_cells
 from nonsmooth.proofs.kernel.claims import Collected
 from nonsmooth.proofs.kernel.search import stability_hypotheses
@@ -38,7 +39,6 @@ from nonsmooth.proofs.sums_of_squares.conic_program import Solution, solve
 from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.sums_of_squares.rounding import nearest
 from nonsmooth.proofs.systems.sublevel_region import ReshapedRegion, SublevelRegion
-from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.numbers.polynomial import Exponents, Terms, add_terms, float_values, multiply_terms
 from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.switched_system import SwitchedSystem

@@ -15,7 +15,7 @@ from typing import Any, TypeAlias
 
 from flint import arb, arb_poly, arb_series, ctx
 
-from nonsmooth.proofs.enclosures import UNIT
+from nonsmooth.proofs.boxes.enclosures import UNIT
 
 BITS = 160  # of balls
 ORDER = 20  # of a step

@@ -14,7 +14,7 @@ from typing import TypeAlias
 
 from flint import arb
 
-from nonsmooth.proofs.enclosures import UNIT, holds_on
+from nonsmooth.proofs.boxes.enclosures import UNIT, holds_on
 from nonsmooth.proofs.orbits.ball_cell import BallCell, EndFunction, applied, dot
 from nonsmooth.proofs.orbits.ball_steps import Ball, Box, EnclosedStep, Expansion, UnprovedError
 

@@ -21,7 +21,7 @@ from nonsmooth.analysis.orbits.orbit import Orbit
 from nonsmooth.analysis.orbits.orbit_error import OrbitError
 from nonsmooth.analysis.orbits.search import find_orbit
 from nonsmooth.analysis.trajectories.smooth_path import Leg
-from nonsmooth.proofs.enclosures import holds_on
+from nonsmooth.proofs.boxes.enclosures import holds_on
 from nonsmooth.proofs.orbits.ball_cell import BallCell, along, dot, in_balls
 from nonsmooth.proofs.orbits.ball_steps import Ball, Box, UnprovedError, precision
 from nonsmooth.proofs.orbits.cell_passage import Family

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from flint import arb
 
-from nonsmooth.proofs.enclosures import UNIT
+from nonsmooth.proofs.boxes.enclosures import UNIT
 from nonsmooth.proofs.orbits.ball_cell import BallCell, BallFunction, EndFunction, dot
 from nonsmooth.proofs.orbits.ball_steps import Ball, Box, UnprovedError
 from nonsmooth.proofs.orbits.cell_passage import Family, pass_cell

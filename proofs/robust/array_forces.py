@@ -14,9 +14,9 @@ import numpy as np
 from flint import arb
 from numpy.typing import NDArray
 
+from nonsmooth.proofs.boxes.enclosures import UNIT
 from nonsmooth.proofs.boxes.intervals import Intervals
 from nonsmooth.proofs.boxes.load_box import LoadBox
-from nonsmooth.proofs.enclosures import UNIT
 from nonsmooth.proofs.robust.annulus import AnnulusPiece
 from nonsmooth.proofs.robust.box_wheel import BoxWheel
 from nonsmooth.proofs.robust.friction_forces import ForceLaw

@@ -15,7 +15,7 @@ from typing import TypeAlias
 
 from flint import arb
 
-from nonsmooth.proofs.enclosures import UNIT
+from nonsmooth.proofs.boxes.enclosures import UNIT
 from nonsmooth.symbolic.scene import Scene, Wheel
 from nonsmooth.symbolic.tolerances import Tolerance
 

@@ -14,6 +14,7 @@ from typing import Any
 
 from flint import arb
 
+from nonsmooth.proofs.findings.verdicts import Certainty
 from nonsmooth.proofs.robust.box import BoxRingProof
 from nonsmooth.proofs.robust.box_corners import MAX_WHEELS
 from nonsmooth.proofs.robust.nearest import inner_radius, is_bounded, ultimate_bound, why_not_nearest
@@ -21,7 +22,6 @@ from nonsmooth.proofs.robust.rings import RingProof
 from nonsmooth.proofs.robust.smooth_disc import SmoothDisc
 from nonsmooth.proofs.robust.smooth_rules import equilibrium_box
 from nonsmooth.proofs.robust.ultimate_bound import root_above
-from nonsmooth.proofs.verdicts import Certainty
 from nonsmooth.symbolic.contact_set import contact_set
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.numbers.enclosures import rational_below

@@ -25,12 +25,12 @@ import numpy as np
 from flint import arb, ctx
 
 from nonsmooth.proofs.boxes.load_box import LoadBox, load_box
+from nonsmooth.proofs.findings.verdicts import Feedback
 from nonsmooth.proofs.robust.box_bound import BoxBound
 from nonsmooth.proofs.robust.box_corners import MAX_WHEELS, BoxCorners
 from nonsmooth.proofs.robust.box_wheel import BoxWheel, box_wheels
 from nonsmooth.proofs.robust.friction_forces import FOLLOWED
 from nonsmooth.proofs.robust.imposed_twist import distance_of_minimizers
-from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.free_rollers import with_rims_along_axes
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.scene import Scene

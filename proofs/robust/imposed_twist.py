@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from flint import arb
 
+from nonsmooth.proofs.boxes.enclosures import UNIT
 from nonsmooth.proofs.boxes.intervals import Floats, Intervals
 from nonsmooth.proofs.boxes.load_box import LoadBox
 from nonsmooth.proofs.clauses.feedback.driven_law import rim_speeds
-from nonsmooth.proofs.enclosures import UNIT
 from nonsmooth.proofs.robust.array_forces import ArrayBox, PieceForces, Triple
 from nonsmooth.proofs.robust.box_wheel import box_wheels
 from nonsmooth.proofs.robust.friction_forces import force_law

@@ -31,11 +31,11 @@ from nonsmooth.proofs.boxes.enclosed_rest import (
     slope_of_pose_rate,
     unknowns_at_rest,
 )
-from nonsmooth.proofs.enclosures import UNIT, newton
+from nonsmooth.proofs.boxes.enclosures import UNIT, newton
+from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.robust.affine_twists import refined_rates
 from nonsmooth.proofs.robust.level_sets import VERTICES, SectorFunction, lyapunov_matrix, short_levels, short_vertices
 from nonsmooth.proofs.robust.touching_rings import RATIO, finer_rate, ring_rates
-from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.scene import Scene
 

@@ -26,8 +26,7 @@ import numpy as np
 from flint import arb, arb_mat, ctx
 
 from nonsmooth.analysis.contact_rule import smooth_rule_of
-from nonsmooth.proofs.boxes.load_box import LoadBox, load_box
-from nonsmooth.proofs.enclosures import (
+from nonsmooth.proofs.boxes.enclosures import (
     UNIT,
     Jet,
     approximate_inverse,
@@ -41,9 +40,10 @@ from nonsmooth.proofs.enclosures import (
     turned_by,
     unit_vector,
 )
+from nonsmooth.proofs.boxes.load_box import LoadBox, load_box
+from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.robust.box_wheel import half_widths
 from nonsmooth.proofs.robust.friction_forces import rollers
-from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.scene import Scene, Wheel
 from nonsmooth.symbolic.tolerances import Tolerance

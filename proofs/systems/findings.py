@@ -13,13 +13,13 @@ from enum import StrEnum
 from typing import Any
 
 from nonsmooth.analysis.cells.polygon import Point
-from nonsmooth.proofs.facts import Fact
+from nonsmooth.proofs.findings.facts import Fact
+from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.systems.basin import CertifiedBasin
 from nonsmooth.proofs.systems.decay_rate import DecayRate, DisturbanceGain, RegionRate
 from nonsmooth.proofs.systems.derivatives import Decrease, Supremum
 from nonsmooth.proofs.systems.domain import Domain
 from nonsmooth.proofs.systems.sublevel_region import ReshapedRegion, SublevelRegion
-from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.number_text import brief_text
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.piecewise import PiecewiseExpression

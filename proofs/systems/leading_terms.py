@@ -25,6 +25,7 @@ from typing import Any
 
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.switched_cells import PlaneField
+from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.inequalities.real_roots import (
     RealRoot,
     between_rays,
@@ -46,7 +47,6 @@ from nonsmooth.proofs.systems.tangent_fan import (
     rays_between,
     turning,
 )
-from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.number_text import place_text
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.polynomial import Polynomial

@@ -27,6 +27,7 @@ from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.region import cone_region
 from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell, PlaneField, distinct, velocities_at
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, Move, decide_cones
+from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.inequalities.curved_regions import Adherence, Extent, adherence, ray_adherence, sectors
 from nonsmooth.proofs.inequalities.forms import directions
 from nonsmooth.proofs.inequalities.kinks import mixtures
@@ -37,7 +38,6 @@ from nonsmooth.proofs.inequalities.real_roots import (
     samples_between,
     value,
 )
-from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.number_text import place_text
 from nonsmooth.symbolic.numbers.number import sign

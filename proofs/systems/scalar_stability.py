@@ -14,10 +14,10 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 
-from nonsmooth.proofs.facts import Fact, Quantity
+from nonsmooth.proofs.findings.facts import Fact, Quantity
+from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.inequalities.real_roots import RealRoot, dense, germ_sign, positive_roots, separated
 from nonsmooth.proofs.systems.findings import CheckedPoint, Finding, Known, Method
-from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.number_text import brief_text
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial

@@ -25,6 +25,7 @@ from functools import cached_property
 from typing import Any
 
 from nonsmooth.analysis.cells.switched_cells import FieldCell, LyapunovCell, square_regions
+from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.inequalities.effort import effort_of_its_own, shared_effort
 from nonsmooth.proofs.inequalities.real_roots import dense, germ_sign, positive_roots
 from nonsmooth.proofs.kernel.second_function import find_attraction
@@ -57,7 +58,6 @@ from nonsmooth.proofs.systems.ray_moves import (
 from nonsmooth.proofs.systems.search import search_lyapunov
 from nonsmooth.proofs.systems.sublevel_region import SublevelRegion, largest_sublevel
 from nonsmooth.proofs.systems.tangent_fan import build_tangent_fan
-from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.enclosed_numbers import NoEnclosureError, enclose_numbers
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import SupportsFloat
 
 from nonsmooth.analysis.cells.polygon import Point
-from nonsmooth.proofs.clauses.feedback.authority import Authority
+from nonsmooth.proofs.clauses.authority import Authority
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.clauses.feedback.cascade_law import CascadeLaw, Descent

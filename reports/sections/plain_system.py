@@ -11,6 +11,7 @@ from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.switched_cells import FieldCell, square_regions, system_cells
 from nonsmooth.analysis.fields.stated_field import StatedField
 from nonsmooth.analysis.trajectories.result import Trajectory, TrajectoryError
+from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.proofs.system_facts import (
     gain_words,
@@ -24,7 +25,6 @@ from nonsmooth.proofs.systems.border_motion import BorderKind, BorderPart, slidi
 from nonsmooth.proofs.systems.findings import DERIVATIVES, ExaminedFunction, Method
 from nonsmooth.proofs.systems.plane_function import PlaneFunction
 from nonsmooth.proofs.systems.ray_moves import values_at_origin
-from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.reports import references
 from nonsmooth.reports.document import (
     Block,

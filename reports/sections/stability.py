@@ -18,9 +18,9 @@ from nonsmooth.proofs.clauses.translation.fan_stability import FanResult
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
 from nonsmooth.proofs.clauses.witness import Witness
 from nonsmooth.proofs.clauses.workspace import ClauseResult
-from nonsmooth.proofs.facts import Fact
+from nonsmooth.proofs.findings.facts import Fact
+from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.theorem4_result import CellCheck, Check
-from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.reports.cells import CellsResult
 from nonsmooth.reports.choices import Drawing
 from nonsmooth.reports.document import (

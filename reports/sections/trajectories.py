@@ -22,7 +22,7 @@ from nonsmooth.analysis.trajectories.result import EndReason, Trajectory, Trajec
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
-from nonsmooth.proofs.verdicts import Feedback
+from nonsmooth.proofs.findings.verdicts import Feedback
 from nonsmooth.reports.choices import LawName
 from nonsmooth.reports.document import Block, Code, Entry, Figure, Frame, Math, Section, decimal, table
 from nonsmooth.reports.feedback_loop import GAIN, FeedbackLoop, build_loop, certified_law

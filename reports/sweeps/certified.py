@@ -13,8 +13,8 @@ from itertools import pairwise, product
 from typing import Any, TypeAlias
 
 from nonsmooth.analysis.cells.partition import RefusalError
+from nonsmooth.proofs.findings.verdicts import Certainty
 from nonsmooth.proofs.robust.decide import decided_statement
-from nonsmooth.proofs.verdicts import Certainty
 from nonsmooth.reports.sweeps.base import Base
 from nonsmooth.reports.sweeps.sweep_plan import Axis, SweepPlan
 from nonsmooth.reports.sweeps.values import Entry, SweepError, Value, WrittenValue

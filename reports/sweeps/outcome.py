@@ -11,12 +11,12 @@ from nonsmooth.proofs.answers.answers import answers_of
 from nonsmooth.proofs.answers.contradictions import reconciled
 from nonsmooth.proofs.answers.failures import failures_of
 from nonsmooth.proofs.answers.robust import TOLERANCES, robust_answer
-from nonsmooth.proofs.facts import Fact, Quantity
+from nonsmooth.proofs.findings.facts import Fact, Quantity
+from nonsmooth.proofs.findings.verdicts import Theorem4
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.proofs.systems.decay_rate import DecayKind
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.theorem4_result import CellCheck, Check
-from nonsmooth.proofs.verdicts import Theorem4
 from nonsmooth.reports.facts import exact_texts, floats
 from nonsmooth.reports.records import failure_records
 from nonsmooth.reports.sweeps.base import Base

@@ -8,7 +8,7 @@ from typing import Any
 
 from nonsmooth.proofs.answers.answer import Position
 from nonsmooth.proofs.answers.bounds import at_most
-from nonsmooth.proofs.verdicts import Certainty
+from nonsmooth.proofs.findings.verdicts import Certainty
 from nonsmooth.reports.document import Block, Paragraph, table
 from nonsmooth.reports.records import FAILURE
 from nonsmooth.reports.sweeps.borders import Border

@@ -21,8 +21,9 @@ from nonsmooth.proofs.answers.answer import Answer, Heading, Position, has_dynam
 from nonsmooth.proofs.answers.inertia import inertia_answer
 from nonsmooth.proofs.answers.other_rules import OtherRule, other_rules
 from nonsmooth.proofs.answers.robust import robust_answer
+from nonsmooth.proofs.clauses.clause import JudgedEquilibrium
+from nonsmooth.proofs.clauses.equilibrium.judged_equilibria import judge_equilibria
 from nonsmooth.proofs.clauses.workspace import ClauseResult
-from nonsmooth.proofs.judged_equilibria import JudgedEquilibrium, judge_equilibria
 from nonsmooth.proofs.theorem4 import SEARCH_UNITS
 from nonsmooth.reports.check import check_scene
 from nonsmooth.reports.check_results import ArrayAnswers, CheckResult, TippedResult

@@ -12,8 +12,8 @@ from nonsmooth.analysis.cells.equilibria import EquilibriumPlace, RestPlace, fin
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.cells.polygon import Point
+from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.theorem4 import check_cells
-from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.scene import Scene
 from tests.four_wheel import ROLL, SIDE

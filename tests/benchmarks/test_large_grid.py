@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from nonsmooth.proofs.findings.verdicts import Feedback
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.theorem4_result import Check
-from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.files.scene_file import load_scene
 
 if TYPE_CHECKING:

@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any
 import cvxpy as cp
 import pytest
 
+from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.system_decision import decide_system
-from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.files.system_file import build_system
 
 if TYPE_CHECKING:

@@ -28,9 +28,9 @@ from typing import Any
 import numpy as np
 
 from nonsmooth.analysis.fields.contact_model import Floats
+from nonsmooth.proofs import clause_registry
 from nonsmooth.proofs.answers.answer import Answer
 from nonsmooth.proofs.answers.position import position_answer
-from nonsmooth.proofs.clauses import registry
 from nonsmooth.proofs.clauses.workspace import Workspace
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
@@ -114,7 +114,7 @@ class Lines:
 def position(scene: Scene) -> Answer:
     """The answer, from the clauses that it needs."""
     work = Workspace(scene, sample=False)
-    for clause in registry.CLAUSES:
+    for clause in clause_registry.CLAUSES:
         if clause.name in {"equilibrium", "translation"}:
             work.earlier[clause.name] = clause.decided(work)
     return position_answer(scene, work.earlier)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from nonsmooth.proofs.clauses.translation.fan_stability import Move
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
-from nonsmooth.proofs.verdicts import Translation
+from nonsmooth.proofs.findings.verdicts import Translation
 from tests.oracles.box_paths import Observed
 from tests.oracles.nearest_paths import End
 

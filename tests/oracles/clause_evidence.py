@@ -27,8 +27,8 @@ from nonsmooth.proofs.clauses.at_point.mass import (
     _is_confirmed,
     hurwitz_determinant,
 )
-from nonsmooth.proofs.clauses.cocircular import cocircular_array
 from nonsmooth.proofs.clauses.equilibrium.on_cells import EquilibriumResult
+from nonsmooth.proofs.clauses.every_load.cocircular import cocircular_array
 from nonsmooth.proofs.clauses.every_load.float_loads import float_loads
 from nonsmooth.proofs.clauses.every_load.point import is_admissible
 from nonsmooth.proofs.clauses.feedback.box_twists import BoxTwist
@@ -54,7 +54,7 @@ from nonsmooth.proofs.clauses.translation.quadratic import (
     shaped,
 )
 from nonsmooth.proofs.clauses.witness import Witness
-from nonsmooth.proofs.verdicts import Equilibrium, Feedback, Rotation, Translation
+from nonsmooth.proofs.findings.verdicts import Equilibrium, Feedback, Rotation, Translation
 from nonsmooth.symbolic.constraints import inner
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.plane import around, cross, dot

@@ -5,11 +5,11 @@ from __future__ import annotations
 from fractions import Fraction
 
 from nonsmooth.analysis.cells.polygon import Point
+from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.system_decision import StabilityResult
 from nonsmooth.proofs.systems.findings import Method
 from nonsmooth.proofs.systems.ray_moves import RayKind, RayMove
 from nonsmooth.proofs.systems.system_stability import PlanePoint
-from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from tests.proofs.plain_ties import Oracle
 
 STARTS = (1e-2, 1e-5)  # distances; paths that begin nearer stay below the larger bound of the two

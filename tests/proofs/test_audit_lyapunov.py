@@ -15,10 +15,10 @@ from nonsmooth.analysis.cells.box import build_box_partition
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.proofs.clauses.translation.on_cells import decide_translation
+from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.system_audit import AuditResult, AuditVerdict, audit
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.derivatives import Refutation
-from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
 from nonsmooth.symbolic.files.system_file import build_system, load_system
 from nonsmooth.symbolic.numbers.number import Number

@@ -16,10 +16,10 @@ from nonsmooth.proofs.certificate import build_certificate, certificate_text, st
 from nonsmooth.proofs.checker.files import check_file
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.translation.certified_disc import certified_disc
+from nonsmooth.proofs.findings.verdicts import Rotation, Translation
 from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.theorem4 import check_cells, check_smooth
 from nonsmooth.proofs.theorem4_result import CellCheck
-from nonsmooth.proofs.verdicts import Rotation, Translation
 from nonsmooth.proofs.verified import UnverifiedError
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
 from nonsmooth.symbolic.scene import Contact, LoadTable, Scene

@@ -14,7 +14,7 @@ from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, decide_feedback
 from nonsmooth.proofs.clauses.feedback.cascade_law import TurnRegion
 from nonsmooth.proofs.clauses.feedback.gradient_law import LevelRegion
-from nonsmooth.proofs.verdicts import Feedback
+from nonsmooth.proofs.findings.verdicts import Feedback
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.conftest import WheelData
 from tests.four_wheel import CORNERS

@@ -10,7 +10,7 @@ import pytest
 from nonsmooth.analysis.cells.box import build_box_partition
 from nonsmooth.analysis.cells.filippov import cell_derivatives
 from nonsmooth.analysis.cells.loads import LoadError
-from nonsmooth.proofs.clauses.cocircular import cocircular_array, failed_hypotheses
+from nonsmooth.proofs.clauses.every_load.cocircular import cocircular_array, failed_hypotheses
 from nonsmooth.symbolic.scene import Contact, LoadTable, Scene
 
 if TYPE_CHECKING:

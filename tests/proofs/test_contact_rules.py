@@ -20,9 +20,9 @@ from nonsmooth.analysis.minimizers.sampling import sample_smooth_derivative
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.rotation.on_cells import RotationResult
 from nonsmooth.proofs.clauses.translation.on_cells import rest_area
+from nonsmooth.proofs.findings.verdicts import Equilibrium, Feedback, Rotation, Theorem4, Translation
 from nonsmooth.proofs.theorem4 import check_cells, check_theorem4
 from nonsmooth.proofs.theorem4_result import CellCheck, SmoothCheck
-from nonsmooth.proofs.verdicts import Equilibrium, Feedback, Rotation, Theorem4, Translation
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
 from tests.four_wheel import CORNERS

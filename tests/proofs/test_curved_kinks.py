@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from nonsmooth.analysis.cells.region import Region
+from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.inequalities.forms import Sense
 from nonsmooth.proofs.inequalities.prover import Proof, prove
 from nonsmooth.proofs.system_audit import AuditVerdict, audit
@@ -17,7 +18,6 @@ from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.decay_rate import decay_rate
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.lyapunov_search import find_lyapunov
-from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from tests.thorough import few
 

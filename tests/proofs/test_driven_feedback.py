@@ -37,8 +37,8 @@ from nonsmooth.proofs.clauses.feedback.driven_law import (
     rim_speeds,
 )
 from nonsmooth.proofs.clauses.feedback.twist_candidates import ImposedTwist, candidates_of
+from nonsmooth.proofs.findings.verdicts import Feedback, Rotation, Theorem4, Translation
 from nonsmooth.proofs.theorem4 import check_theorem4
-from nonsmooth.proofs.verdicts import Feedback, Rotation, Theorem4, Translation
 from nonsmooth.symbolic.constraints import cross_product, independent, inner, side_row
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
 from nonsmooth.symbolic.numbers.number import Number

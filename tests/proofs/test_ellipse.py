@@ -12,7 +12,7 @@ from scipy.optimize import minimize
 from nonsmooth.analysis.cells.loads import LoadError, LoadRegion, load_regions, value_at
 from nonsmooth.proofs.boxes.linearization import _root_of_positive
 from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, Situation, common_twist, ellipse_point
-from nonsmooth.proofs.verdicts import Equilibrium, Translation
+from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
 from tests.four_wheel import CORNERS

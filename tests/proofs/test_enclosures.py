@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from flint import arb, arb_mat
 
-from nonsmooth.proofs.enclosures import (
+from nonsmooth.proofs.boxes.enclosures import (
     UNIT,
     Jet,
     approximate_inverse,
@@ -22,7 +22,7 @@ from nonsmooth.proofs.enclosures import (
     turned_by,
     unit_vector,
 )
-from nonsmooth.proofs.verdicts import Translation
+from nonsmooth.proofs.findings.verdicts import Translation
 
 CIRCLE = 5.0  # x^2 + y^2 = 5 meets x y = 2 at (2, 1) and (1, 2)
 

@@ -13,7 +13,7 @@ from nonsmooth.analysis.cells.filippov import filippov_twists
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.proofs.clauses.equilibrium.on_cells import EquilibriumResult, decide_equilibrium
-from nonsmooth.proofs.verdicts import Equilibrium
+from nonsmooth.proofs.findings.verdicts import Equilibrium
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.plane import Vector, dot, separating_direction

@@ -24,9 +24,9 @@ from nonsmooth.proofs.clauses.equilibrium.at_point import EveryLoadEquilibrium
 from nonsmooth.proofs.clauses.every_load.decay import is_positive_on_hull
 from nonsmooth.proofs.clauses.every_load.point import EveryLoad, build_slopes
 from nonsmooth.proofs.clauses.translation.every_load import EveryLoadTranslation
+from nonsmooth.proofs.findings.verdicts import Equilibrium, Feedback, Rotation, Translation
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.theorem4_result import Check
-from nonsmooth.proofs.verdicts import Equilibrium, Feedback, Rotation, Translation
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.measured_loads import carried_table
 from nonsmooth.symbolic.numbers.number_field import NumberField

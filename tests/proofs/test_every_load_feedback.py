@@ -19,7 +19,7 @@ from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback, decide
 from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, rim_speeds
 from nonsmooth.proofs.clauses.feedback.every_load_law import TwistPyramid, WheelForms
 from nonsmooth.proofs.clauses.feedback.loop_bounds import limited_speed, ultimate_bound
-from nonsmooth.proofs.verdicts import Certainty, Feedback
+from nonsmooth.proofs.findings.verdicts import Certainty, Feedback
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.friction_set import CutEllipse
 from nonsmooth.symbolic.loop_errors import LoopErrors

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from nonsmooth.proofs.checker.tower import Field
-from nonsmooth.proofs.exact_json import encode, homogeneous
+from nonsmooth.proofs.findings.exact_json import encode, homogeneous
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField

@@ -18,8 +18,8 @@ from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, decide_fee
 from nonsmooth.proofs.clauses.feedback.cascade_law import Descent
 from nonsmooth.proofs.clauses.feedback.control_fields import InputCell
 from nonsmooth.proofs.clauses.feedback.control_lyapunov import SQUARES
+from nonsmooth.proofs.findings.verdicts import Feedback
 from nonsmooth.proofs.theorem4 import check_theorem4
-from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.constraints import RowKind
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.plane import dot, turned

@@ -16,11 +16,11 @@ from nonsmooth.analysis.contact_rule import rule_of, smooth_rule_of
 from nonsmooth.proofs.certificate import build_certificate
 from nonsmooth.proofs.certified_scene import find_difference
 from nonsmooth.proofs.clauses.at_point.ellipse import Situation
-from nonsmooth.proofs.clauses.feedback.authority import roll_authority
+from nonsmooth.proofs.clauses.authority import roll_authority
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.feedback.driven_law import rim_speeds
+from nonsmooth.proofs.findings.verdicts import Equilibrium, Feedback, Translation
 from nonsmooth.proofs.theorem4 import check_cells, check_smooth, check_theorem4
-from nonsmooth.proofs.verdicts import Equilibrium, Feedback, Translation
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.free_rollers import with_rims_along_axes
 from nonsmooth.symbolic.scene import Scene

@@ -14,8 +14,8 @@ from nonsmooth.analysis.fields.cellwise_field import feedback_field
 from nonsmooth.analysis.fields.feedback_laws import cascade_law, corrected_law, printed_law, tangential_law
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.proofs.certificate import build_certificate
+from nonsmooth.proofs.findings.verdicts import Equilibrium, Feedback, Theorem4
 from nonsmooth.proofs.theorem4 import check_cells
-from nonsmooth.proofs.verdicts import Equilibrium, Feedback, Theorem4
 from nonsmooth.symbolic.scene import Scene
 from tests.array_certificates import check_certificate, evidence, said
 from tests.conftest import Pair, WheelData

@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 
 from nonsmooth.analysis.cells.region import quadrants
+from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.inequalities.curved_regions import Adherence, Extent, adherence, extent, ray_adherence
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.domain import plane_cells
 from nonsmooth.proofs.systems.findings import Method
 from nonsmooth.proofs.systems.ray_moves import conic_germ, decide_equilibrium
 from nonsmooth.proofs.systems.system_stability import PlanePoint
-from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.piecewise import parse_piecewise

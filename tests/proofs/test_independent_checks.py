@@ -12,10 +12,10 @@ from nonsmooth.analysis.cells.loads import load_regions
 from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, Situation, ellipse_point
 from nonsmooth.proofs.clauses.translation import fan_stability as fans
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, Move, decide_fan
+from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.system_stability import PlanePoint
 from nonsmooth.proofs.theorem4 import check_cells
-from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.files.system_file import load_system

@@ -10,7 +10,7 @@ import pytest
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.proofs.clauses.feedback.by_rows import decide_feedback
 from nonsmooth.proofs.clauses.feedback.control_fields import input_ranks
-from nonsmooth.proofs.verdicts import Feedback
+from nonsmooth.proofs.findings.verdicts import Feedback
 from tests.four_wheel import ROLL, SIDE
 
 if TYPE_CHECKING:

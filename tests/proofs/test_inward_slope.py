@@ -10,8 +10,8 @@ import pytest
 
 from nonsmooth.analysis.contact_rule import smooth_rule_of
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
+from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.theorem4 import check_theorem4
-from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
 from nonsmooth.symbolic.scene import Scene
 from tests.oracles.clause_evidence import evidence_holds

@@ -10,10 +10,10 @@ import pytest
 
 import nonsmooth as ns
 from nonsmooth.proofs.checker.statements import refusal
+from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.proofs.systems.findings import Method
-from nonsmooth.proofs.verdicts import Translation
 from tests.certificates.inclusion import contradiction
 from tests.thorough import keep
 

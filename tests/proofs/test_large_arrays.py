@@ -18,7 +18,7 @@ from nonsmooth.proofs.clauses.feedback.balanced_twists import wheel_forces
 from nonsmooth.proofs.clauses.feedback.box_twists import candidate_twists
 from nonsmooth.proofs.clauses.feedback.by_friction import decide_driven_feedback
 from nonsmooth.proofs.clauses.feedback.twist_candidates import PromisingTwists
-from nonsmooth.proofs.verdicts import Feedback
+from nonsmooth.proofs.findings.verdicts import Feedback
 from nonsmooth.symbolic.constraints import Triple, cross_product, inner
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.numbers.coefficients import rational_quotient

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.kernel.tangents import form_lines, lowest_form
 from nonsmooth.proofs.systems.full_turns import FusedFocus, TurnGrowth
 from nonsmooth.proofs.systems.leading_terms import decide_leading_terms
 from nonsmooth.proofs.systems.tangent_fan import build_tangent_fan
-from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.piecewise import parse_piecewise

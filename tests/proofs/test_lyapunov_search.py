@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from nonsmooth.analysis.cells.switched_cells import square_regions, system_cells
+from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.decay_rate import DecayKind, decay_rate
 from nonsmooth.proofs.systems.derivatives import Decrease
@@ -21,7 +22,6 @@ from nonsmooth.proofs.systems.plane_function import PlaneFunction
 from nonsmooth.proofs.systems.ray_moves import conic_germ
 from nonsmooth.proofs.systems.search import enlarged_pieces, find_near
 from nonsmooth.proofs.systems.sublevel_region import SublevelRegion, largest_sublevel
-from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from tests.proofs.forged import with_reach
 from tests.thorough import few, keep, thorough

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from nonsmooth.proofs.findings.verdicts import Equilibrium
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.domain import plane_cells
 from nonsmooth.proofs.systems.ray_moves import decide_equilibrium
-from nonsmooth.proofs.verdicts import Equilibrium
 from tests.proofs.plain_agreement import contradictions
 from tests.proofs.plain_ties import Oracle, Tie, holds_zero, random_tie
 from tests.thorough import few, thorough

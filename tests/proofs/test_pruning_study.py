@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 
 from nonsmooth.analysis.measurements.harness import Clock, Limits, Outcome
+from nonsmooth.proofs.findings.verdicts import Rotation, Theorem4
 from nonsmooth.proofs.measurements import PRUNING, verdicts
 from nonsmooth.proofs.theorem4 import check_theorem4
-from nonsmooth.proofs.verdicts import Rotation, Theorem4
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.thorough import thorough
 

@@ -17,7 +17,7 @@ from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.clauses.rotation.on_cells import decide_rotation, rotation_bound
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult, decide_translation
 from nonsmooth.proofs.clauses.translation.quadratic import QuadraticCertificate, find_quadratic
-from nonsmooth.proofs.verdicts import Rotation, Translation
+from nonsmooth.proofs.findings.verdicts import Rotation, Translation
 from tests.four_wheel import SIDE
 from tests.oracles.clause_evidence import evidence_holds
 

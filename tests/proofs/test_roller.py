@@ -27,9 +27,9 @@ from nonsmooth.proofs.clauses.feedback.balanced_twists import (
 from nonsmooth.proofs.clauses.feedback.box_twists import BoxTwist, candidate_twists
 from nonsmooth.proofs.clauses.feedback.by_friction import decide_driven_feedback
 from nonsmooth.proofs.clauses.feedback.driven_law import between, rim_speeds
+from nonsmooth.proofs.findings.verdicts import Equilibrium, Feedback, Translation
 from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.theorem4 import check_smooth
-from nonsmooth.proofs.verdicts import Equilibrium, Feedback, Translation
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Friction, Scene
 from nonsmooth.symbolic.similar_scenes import with_friction_ratio

@@ -15,7 +15,7 @@ from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.cells.partition import Cell, Partition
 from nonsmooth.proofs.clauses.rotation.on_cells import RotationResult, decide_rotation, drift_at_rest
 from nonsmooth.proofs.clauses.translation.on_cells import decide_translation
-from nonsmooth.proofs.verdicts import Rotation, Translation
+from nonsmooth.proofs.findings.verdicts import Rotation, Translation
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.contact_states import ContactState
 from nonsmooth.symbolic.scene import Scene

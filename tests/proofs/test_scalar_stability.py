@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.system_decision import decide_system
-from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.reports.check import check_system
 from nonsmooth.symbolic.files.system_file import build_system
 from nonsmooth.symbolic.scene_error import SceneError

@@ -12,10 +12,10 @@ from mpmath import mp, mpf
 
 from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.analysis.trajectories.trajectory import simulate
+from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import decide_system
-from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.files.system_file import build_system
 from nonsmooth.symbolic.scene_error import SceneError
 from nonsmooth.symbolic.switched_system import SwitchedSystem

@@ -12,12 +12,12 @@ import numpy as np
 import pytest
 
 from nonsmooth.analysis.cells.switched_cells import square_regions
+from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.domain import scene_cells
 from nonsmooth.proofs.systems.findings import Method
 from nonsmooth.proofs.systems.invariance import Staying, decide_staying, resting_place
-from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.files.system_file import build_system
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 from tests.thorough import few, keep

@@ -27,6 +27,7 @@ from nonsmooth.analysis.cells.switched_cells import (
     system_cells,
     velocities_at,
 )
+from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.system_audit import audit
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.proofs.systems.derivatives import Decrease
@@ -35,7 +36,6 @@ from nonsmooth.proofs.systems.findings import Method
 from nonsmooth.proofs.systems.plane_function import PlaneFunction
 from nonsmooth.proofs.systems.ray_moves import RayKind, decide_constant_fan
 from nonsmooth.proofs.systems.system_stability import PlanePoint
-from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.reports.derivation import derive_report
 from nonsmooth.symbolic.expression import ExpressionError
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, builtin_systems, load_scene

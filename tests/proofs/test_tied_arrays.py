@@ -13,8 +13,8 @@ from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.proofs.answers.answer import Position
 from nonsmooth.proofs.answers.contradictions import reconciled
 from nonsmooth.proofs.clauses.translation.on_cells import decide_translation
+from nonsmooth.proofs.findings.verdicts import Theorem4, Translation
 from nonsmooth.proofs.theorem4 import check_cells, check_theorem4
-from nonsmooth.proofs.verdicts import Theorem4, Translation
 from tests.oracles.agreement import contradiction
 from tests.oracles.clause_evidence import evidence_holds
 from tests.oracles.nearest_paths import End, Wheel, observe

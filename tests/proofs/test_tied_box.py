@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from nonsmooth.proofs.clauses.translation.on_cells import decide_translation
-from nonsmooth.proofs.verdicts import Translation
+from nonsmooth.proofs.findings.verdicts import Translation
 from tests.oracles.agreement import box_contradiction
 from tests.oracles.box_paths import observe_box
 from tests.oracles.clause_evidence import evidence_holds

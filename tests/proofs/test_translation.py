@@ -17,8 +17,8 @@ from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.cells.polygon import Point, Polygon
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult, decide_translation
 from nonsmooth.proofs.clauses.witness import Witness
+from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.inequalities.linear_program import best_mixture
-from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.plane import dot
 from nonsmooth.symbolic.scene import Scene
 from tests.four_wheel import CORNERS, ROLL, SIDE

@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.system_audit import AuditVerdict, audit
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.system_facts import rewriting_words
 from nonsmooth.proofs.systems.system_stability import PlanePoint
-from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.files.system_file import build_system
 from nonsmooth.symbolic.scene_error import SceneError
 from nonsmooth.symbolic.switched_system import SwitchedSystem

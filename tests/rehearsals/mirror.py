@@ -8,8 +8,8 @@ from enum import StrEnum
 
 from nonsmooth.proofs.clauses.clause import CheckedArray, Clause
 from nonsmooth.proofs.clauses.workspace import Workspace
-from nonsmooth.proofs.facts import Fact, number_fact
-from nonsmooth.proofs.verdicts import Theorem4
+from nonsmooth.proofs.findings.facts import Fact, number_fact
+from nonsmooth.proofs.findings.verdicts import Theorem4
 from nonsmooth.symbolic.plane import Vector, dot
 from nonsmooth.symbolic.scene import Scene
 

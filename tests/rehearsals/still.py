@@ -13,12 +13,12 @@ from nonsmooth.proofs.checker.polynomials import constant
 from nonsmooth.proofs.checker.positivity import Claim, Inequality, Proofs
 from nonsmooth.proofs.checker.theorems import STABLE, Statement
 from nonsmooth.proofs.checker.work import require, take
+from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.kernel.cells import adjoining, started, stated_cells
 from nonsmooth.proofs.kernel.search import Entry, Kind, Search
 from nonsmooth.proofs.many_states.decision import SpacePoint
 from nonsmooth.proofs.systems.findings import Finding, Known, Strategy
 from nonsmooth.proofs.theorem_searches import TheoremSearch
-from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 

@@ -13,8 +13,8 @@ import pytest
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.contact_rule import all_rules
 from nonsmooth.analysis.minimizers.point_location import PointLocator
+from nonsmooth.proofs.findings.verdicts import Theorem4
 from nonsmooth.proofs.theorem4 import check_theorem4
-from nonsmooth.proofs.verdicts import Theorem4
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.rule import CONTACT_RULES
 from tests.rehearsals.farthest import FarthestRule

@@ -9,11 +9,11 @@ from pathlib import Path
 
 import pytest
 
-from nonsmooth.proofs.clauses import registry
+from nonsmooth.proofs import clause_registry
 from nonsmooth.proofs.clauses.clause import CheckedArray
 from nonsmooth.proofs.clauses.rotation.clause import RotationClause
 from nonsmooth.proofs.clauses.rotation.on_cells import RotationResult
-from nonsmooth.proofs.facts import Fact, number_fact
+from nonsmooth.proofs.findings.facts import Fact, number_fact
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.rehearsals.mirror import MirrorClause
@@ -34,7 +34,7 @@ count = 3
 
 @pytest.fixture
 def mirror(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(registry, "CLAUSES", (*registry.CLAUSES, MirrorClause()))
+    monkeypatch.setattr(clause_registry, "CLAUSES", (*clause_registry.CLAUSES, MirrorClause()))
 
 
 @few(1)
@@ -83,8 +83,8 @@ class WidthOfDrift(RotationClause):
 
 
 def test_a_new_number_is_one_fact(invoke: Invoke, monkeypatch: pytest.MonkeyPatch) -> None:
-    clauses = tuple(WidthOfDrift() if clause.name == "rotation" else clause for clause in registry.CLAUSES)
-    monkeypatch.setattr(registry, "CLAUSES", clauses)
+    clauses = tuple(WidthOfDrift() if clause.name == "rotation" else clause for clause in clause_registry.CLAUSES)
+    monkeypatch.setattr(clause_registry, "CLAUSES", clauses)
     assert "the drift is sqrt(2) wide" in invoke("check", "four-wheel", "--evidence").out
     record = json.loads(invoke("check", "four-wheel", "--json").out)["rotation"]
     assert record["width"] == pytest.approx(2**0.5)

@@ -10,8 +10,8 @@ import pytest
 
 import nonsmooth as ns
 from nonsmooth.proofs import theorem4
+from nonsmooth.proofs.findings.verdicts import Theorem4, Translation
 from nonsmooth.proofs.theorem4_result import CellCheck, Check
-from nonsmooth.proofs.verdicts import Theorem4, Translation
 from nonsmooth.reports import subject
 
 if TYPE_CHECKING:

@@ -14,8 +14,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from nonsmooth.analysis.trajectories.result import TrajectoryError
+from nonsmooth.proofs.findings.verdicts import Feedback
 from nonsmooth.proofs.theorem4_result import CellCheck
-from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.reports.derivation import REPORT_FORMATS, ReportResult, derive_report, render_report
 from nonsmooth.reports.document import Bullets, Display, Document, Math, Paragraph, Section, Text, number, table
 from nonsmooth.reports.formats.latex import render_latex

@@ -16,8 +16,8 @@ import numpy as np
 import pytest
 
 from nonsmooth.analysis.cells.loads import LoadError, elastic_loads_at
+from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.system_decision import decide_system
-from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.files.system_file import load_system
 from nonsmooth.symbolic.scene_error import SceneError

@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 import nonsmooth as ns
+from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.border_motion import BorderKind, BorderPart, sliding_velocity
 from nonsmooth.proofs.systems.domain import plane_cells
 from nonsmooth.proofs.systems.ray_moves import RayKind, resting_edges
 from nonsmooth.proofs.systems.system_stability import PlanePoint
-from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.reports.phase_portrait import PhasePortrait, sampled_rates
 from nonsmooth.symbolic.files.system_file import build_system
 from nonsmooth.symbolic.scene_error import SceneError

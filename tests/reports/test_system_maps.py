@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 
 import nonsmooth as ns
 from nonsmooth.analysis.fields.cell_values import potential_values
-from nonsmooth.proofs.verdicts import Translation
+from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.reports import system_maps
 from nonsmooth.reports.phase_portrait import PhasePortrait
 from nonsmooth.reports.system_maps import SystemMap, Whereabouts, mapped, ratios_figure

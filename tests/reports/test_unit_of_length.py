@@ -23,8 +23,8 @@ from nonsmooth.proofs.certificate import build_certificate, certificate_text
 from nonsmooth.proofs.certified_scene import find_difference
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback, decide_driven_feedback
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult, decide_feedback
+from nonsmooth.proofs.findings.verdicts import Feedback
 from nonsmooth.proofs.theorem4 import check_cells, check_theorem4
-from nonsmooth.proofs.verdicts import Feedback
 from nonsmooth.symbolic.characteristic_length import default_length
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene

@@ -26,6 +26,7 @@ from flint import arb, ctx, fmpq
 from nonsmooth.analysis.cells.loads import LoadRegion
 from nonsmooth.analysis.contact_rule import smooth_rule_of
 from nonsmooth.proofs.boxes.enclosed_rest import EnclosedRest
+from nonsmooth.proofs.boxes.enclosures import is_positive_definite, linear_stability, zero_of_rising
 from nonsmooth.proofs.boxes.linearization import (
     Linearization,
     Slip,
@@ -35,8 +36,7 @@ from nonsmooth.proofs.boxes.linearization import (
     spin_candidates,
 )
 from nonsmooth.proofs.clauses.at_point.balance import RestBalance, rest_balance
-from nonsmooth.proofs.enclosures import is_positive_definite, linear_stability, zero_of_rising
-from nonsmooth.proofs.verdicts import Equilibrium, Translation
+from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.constraints import Row, RowKind, Twist, independent, scene_rows
 from nonsmooth.symbolic.contact_states import solve_rows
 from nonsmooth.symbolic.friction_set import BorderPiece

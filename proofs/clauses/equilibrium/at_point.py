@@ -7,7 +7,7 @@ from fractions import Fraction
 
 from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint, Situation
 from nonsmooth.proofs.clauses.every_load.point import EveryLoad, EveryLoadPoint
-from nonsmooth.proofs.verdicts import Equilibrium
+from nonsmooth.proofs.findings.verdicts import Equilibrium
 from nonsmooth.symbolic.number_text import brief_text
 
 

@@ -10,11 +10,11 @@ from nonsmooth.proofs.clauses.equilibrium.at_point import EllipseEquilibrium, Ev
 from nonsmooth.proofs.clauses.equilibrium.on_cells import EquilibriumResult, decide_equilibrium
 from nonsmooth.proofs.clauses.every_load.facts import load_facts, witness_load
 from nonsmooth.proofs.clauses.workspace import Workspace
-from nonsmooth.proofs.facts import Fact, Quantity, Record
-from nonsmooth.proofs.verdicts import Equilibrium, Theorem4
+from nonsmooth.proofs.findings.facts import Fact, Quantity, Record
+from nonsmooth.proofs.findings.verdicts import Equilibrium, Theorem4
 
 if TYPE_CHECKING:
-    from nonsmooth.proofs.judged_equilibria import JudgedEquilibrium
+    from nonsmooth.proofs.clauses.clause import JudgedEquilibrium
 
 AnyEquilibrium: TypeAlias = EquilibriumResult | EllipseEquilibrium | EveryLoadEquilibrium
 

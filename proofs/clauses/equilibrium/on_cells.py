@@ -12,8 +12,8 @@ from itertools import combinations
 
 from nonsmooth.analysis.cells.filippov import filippov_twists
 from nonsmooth.analysis.cells.partition import Partition
+from nonsmooth.proofs.findings.verdicts import Equilibrium
 from nonsmooth.proofs.inequalities.linear_program import best_mixture, mixtures_to_zero
-from nonsmooth.proofs.verdicts import Equilibrium
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.number_text import brief_text, place_text
 from nonsmooth.symbolic.numbers.number import Number

@@ -32,8 +32,8 @@ from functools import cached_property
 from itertools import combinations
 
 from nonsmooth.analysis.cells.load_sets import AdmissibleLoads, LoadPolytope, Loads, LoadSet, SpringLoads, priced
+from nonsmooth.proofs.boxes.enclosures import is_positive_definite
 from nonsmooth.proofs.boxes.linearization import Slip, Slope, hessian
-from nonsmooth.proofs.enclosures import is_positive_definite
 from nonsmooth.symbolic.constraints import cross_product, inner
 from nonsmooth.symbolic.numbers.number import Number
 

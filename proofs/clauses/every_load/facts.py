@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from nonsmooth.analysis.cells.load_sets import Loads
 from nonsmooth.analysis.contact_rule import rule_of
-from nonsmooth.proofs.facts import Fact, Quantity
+from nonsmooth.proofs.findings.facts import Fact, Quantity
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.unknown_loads import UnknownLoads
 

@@ -27,10 +27,10 @@ from nonsmooth.analysis.contact_rule import CellRule, rule_of
 from nonsmooth.proofs.boxes.linearization import Slope, spin_candidates
 from nonsmooth.proofs.clauses.at_point.balance import rest_balance
 from nonsmooth.proofs.clauses.at_point.ellipse import common_twist, ellipse_point, is_carried
-from nonsmooth.proofs.clauses.cocircular import cocircular_array
+from nonsmooth.proofs.clauses.every_load.cocircular import cocircular_array
 from nonsmooth.proofs.clauses.every_load.float_loads import float_loads
 from nonsmooth.proofs.clauses.every_load.wheel_pulls import common_slope, under_load, wheel_slips
-from nonsmooth.proofs.verdicts import Equilibrium
+from nonsmooth.proofs.findings.verdicts import Equilibrium
 from nonsmooth.symbolic.constraints import (
     Row,
     Triple,

@@ -42,6 +42,7 @@ from nonsmooth.analysis.cells.fan import by_angle
 from nonsmooth.analysis.cells.loads import LoadRegion, load_regions
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.contact_rule import CellRule, rule_of
+from nonsmooth.proofs.boxes.enclosures import UNIT
 from nonsmooth.proofs.boxes.load_box import load_box
 from nonsmooth.proofs.clauses.feedback.balanced_twists import PRECISION, BalancedTwist, exclude_twist
 from nonsmooth.proofs.clauses.feedback.box_twists import BoxTwist, Drives, inscribed_boxes
@@ -64,8 +65,7 @@ from nonsmooth.proofs.clauses.feedback.twist_candidates import (
     with_exclusions,
 )
 from nonsmooth.proofs.clauses.witness import Witness
-from nonsmooth.proofs.enclosures import UNIT
-from nonsmooth.proofs.verdicts import Feedback
+from nonsmooth.proofs.findings.verdicts import Feedback
 from nonsmooth.symbolic.constraints import Triple
 from nonsmooth.symbolic.free_rollers import with_rims_along_axes
 from nonsmooth.symbolic.number_text import brief_text, lower_text
@@ -113,7 +113,7 @@ class DrivenFeedback:
     """Verdict with its evidence.
 
     Attributes:
-        verdict: see :class:`nonsmooth.proofs.verdicts.Feedback`.
+        verdict: see :class:`nonsmooth.proofs.findings.verdicts.Feedback`.
         reason: one sentence for people.
         scene: the array, centred.
         cones: the law, by direction of c, of the array with ``length`` for its unit (stabilizable).

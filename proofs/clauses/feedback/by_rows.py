@@ -54,7 +54,7 @@ from nonsmooth.proofs.clauses.feedback.gradient_law import (
 from nonsmooth.proofs.clauses.feedback.input_margin import InputMargin, build_margin
 from nonsmooth.proofs.clauses.feedback.obstruction import obstruction_text
 from nonsmooth.proofs.clauses.witness import Witness
-from nonsmooth.proofs.verdicts import Feedback
+from nonsmooth.proofs.findings.verdicts import Feedback
 from nonsmooth.symbolic.constraints import Triple
 from nonsmooth.symbolic.number_text import brief_text
 from nonsmooth.symbolic.numbers.number import Number
@@ -67,7 +67,7 @@ class FeedbackResult:
     """Verdict with its evidence.
 
     Attributes:
-        verdict: see :class:`nonsmooth.proofs.verdicts.Feedback`.
+        verdict: see :class:`nonsmooth.proofs.findings.verdicts.Feedback`.
         reason: one sentence for people.
         partition: the cells about the checked point.
         witness: a nonzero c with its theta (the value) at which no input changes V.

@@ -61,7 +61,7 @@ from nonsmooth.proofs.clauses.feedback.control_lyapunov import SQUARES
 from nonsmooth.proofs.clauses.feedback.gradient_law import are_above, segments
 from nonsmooth.proofs.clauses.feedback.rational_bounds import BELOW, DIGITS, ball_of
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, decide_cones
-from nonsmooth.proofs.verdicts import Translation
+from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.number_text import float_text
 from nonsmooth.symbolic.numbers.enclosures import rational_below

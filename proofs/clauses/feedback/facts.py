@@ -17,7 +17,7 @@ from nonsmooth.proofs.clauses.feedback.control_fields import InputCell, input_ra
 from nonsmooth.proofs.clauses.feedback.gradient_law import LevelRegion, LimitedRate
 from nonsmooth.proofs.clauses.feedback.input_margin import InputMargin
 from nonsmooth.proofs.clauses.witness import witness_record
-from nonsmooth.proofs.facts import Fact, Quantity, Record, said
+from nonsmooth.proofs.findings.facts import Fact, Quantity, Record, said
 from nonsmooth.symbolic.number_text import decimal_text, float_text, lower_text, real_text
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.similar_scenes import in_own_length

@@ -43,7 +43,7 @@ from typing import TYPE_CHECKING
 
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.clauses.feedback.rational_bounds import confirmed, rounded_down, rounded_up
-from nonsmooth.proofs.verdicts import Certainty, Feedback
+from nonsmooth.proofs.findings.verdicts import Certainty, Feedback
 from nonsmooth.symbolic.constraints import inner
 from nonsmooth.symbolic.loop_errors import LoopErrors
 from nonsmooth.symbolic.numbers.coefficients import as_fraction

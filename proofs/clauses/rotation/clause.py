@@ -15,8 +15,8 @@ from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
 from nonsmooth.proofs.clauses.translation.every_load import EveryLoadTranslation, decays_everywhere, soft_load_of
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
 from nonsmooth.proofs.clauses.workspace import ClauseResult, Workspace
-from nonsmooth.proofs.facts import Fact, Quantity, Record
-from nonsmooth.proofs.verdicts import Equilibrium, Rotation, Theorem4, Translation
+from nonsmooth.proofs.findings.facts import Fact, Quantity, Record
+from nonsmooth.proofs.findings.verdicts import Equilibrium, Rotation, Theorem4, Translation
 from nonsmooth.symbolic.number_text import brief_text, float_text
 from nonsmooth.symbolic.numbers.rounded import BY_ROUNDING
 

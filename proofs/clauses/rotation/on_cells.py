@@ -21,8 +21,8 @@ from nonsmooth.analysis.cells.filippov import CellDerivative, filippov_twists
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
+from nonsmooth.proofs.findings.verdicts import Rotation, Translation
 from nonsmooth.proofs.inequalities.linear_program import Column, Mixture, best_mixture, mixtures_to_zero
-from nonsmooth.proofs.verdicts import Rotation, Translation
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.number_text import brief_text
 from nonsmooth.symbolic.numbers.enclosures import rational_below

@@ -16,8 +16,8 @@ from nonsmooth.analysis.cells.polygon import HalfPlane
 from nonsmooth.proofs.boxes.linearization import Linearization, inward_pull
 from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint
 from nonsmooth.proofs.clauses.at_point.mass import MassLimit, decide_mass_limit
-from nonsmooth.proofs.clauses.cocircular import CocircularArray
-from nonsmooth.proofs.verdicts import Translation
+from nonsmooth.proofs.clauses.every_load.cocircular import CocircularArray
+from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.symbolic.number_text import Real, brief_text
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.numbers.number import Number

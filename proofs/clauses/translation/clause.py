@@ -13,8 +13,8 @@ from nonsmooth.proofs.clauses.translation.mass_facts import mass_fact
 from nonsmooth.proofs.clauses.translation.on_cells import LYAPUNOV, TranslationResult, decide_translation
 from nonsmooth.proofs.clauses.witness import witness_record
 from nonsmooth.proofs.clauses.workspace import LEMMA, Workspace
-from nonsmooth.proofs.facts import Fact, Quantity, number_fact, said
-from nonsmooth.proofs.verdicts import Theorem4, Translation
+from nonsmooth.proofs.findings.facts import Fact, Quantity, number_fact, said
+from nonsmooth.proofs.findings.verdicts import Theorem4, Translation
 from nonsmooth.symbolic.number_text import float_text
 
 if TYPE_CHECKING:

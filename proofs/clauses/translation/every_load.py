@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 from nonsmooth.analysis.cells.load_sets import Loads
 from nonsmooth.proofs.boxes.linearization import Slip, inward_pull
-from nonsmooth.proofs.clauses.cocircular import CocircularArray
+from nonsmooth.proofs.clauses.every_load.cocircular import CocircularArray
 from nonsmooth.proofs.clauses.every_load.decay import DecayUnderLoads
 from nonsmooth.proofs.clauses.every_load.point import EveryLoad, EveryLoadPoint, is_admissible, load_text
 from nonsmooth.proofs.clauses.every_load.wheel_pulls import wheel_slips
 from nonsmooth.proofs.clauses.translation.at_point import WithoutCells
-from nonsmooth.proofs.verdicts import Equilibrium, Translation
+from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.plane import dot
 

@@ -49,7 +49,7 @@ from nonsmooth.analysis.cells.full_turns import (
 from nonsmooth.analysis.cells.moves import departure_sign, slide_speed
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.cells.polygon import Point
-from nonsmooth.proofs.verdicts import Translation
+from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.number_text import brief_text, place_text
 from nonsmooth.symbolic.numbers.number import sign

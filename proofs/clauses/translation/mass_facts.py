@@ -6,7 +6,7 @@ import math
 from fractions import Fraction
 
 from nonsmooth.proofs.clauses.at_point.mass import MassLimit
-from nonsmooth.proofs.facts import Fact, Quantity
+from nonsmooth.proofs.findings.facts import Fact, Quantity
 from nonsmooth.symbolic.number_text import float_text
 from nonsmooth.symbolic.units import Units
 

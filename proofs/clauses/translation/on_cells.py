@@ -29,12 +29,12 @@ from nonsmooth.analysis.cells.filippov import CellDerivative, RelativeRate, cell
 from nonsmooth.analysis.cells.partition import Cell, Partition
 from nonsmooth.analysis.cells.polygon import Point
 from nonsmooth.analysis.cells.support import Support, limiting_support
-from nonsmooth.proofs.clauses.cocircular import CocircularArray
+from nonsmooth.proofs.clauses.every_load.cocircular import CocircularArray
 from nonsmooth.proofs.clauses.translation.decrease_region import region_radius
 from nonsmooth.proofs.clauses.translation.fan_stability import FanResult, decide_fan
 from nonsmooth.proofs.clauses.translation.quadratic import QuadraticCertificate, find_quadratic
 from nonsmooth.proofs.clauses.witness import Witness
-from nonsmooth.proofs.verdicts import Translation
+from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.symbolic.number_text import brief_text
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.numbers.number import Number

@@ -26,10 +26,10 @@ from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.minimum import Minimum
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.clauses.feedback.control_fields import InputCell
+from nonsmooth.proofs.findings.verdicts import Rotation, Theorem4
 from nonsmooth.proofs.inequalities.linear_program import best_mixture, mixtures_to_zero
 from nonsmooth.proofs.theorem4 import check_cells, check_smooth
 from nonsmooth.proofs.theorem4_result import CellCheck
-from nonsmooth.proofs.verdicts import Rotation, Theorem4
 from nonsmooth.reports.document import (
     Block,
     Bullets,

@@ -24,10 +24,10 @@ from nonsmooth.proofs.clauses.equilibrium.on_cells import EquilibriumResult
 from nonsmooth.proofs.clauses.rotation.on_cells import RotationResult
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
 from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
-from nonsmooth.proofs.facts import Fact, Quantity
+from nonsmooth.proofs.findings.facts import Fact, Quantity
+from nonsmooth.proofs.findings.verdicts import Certainty, Equilibrium, Rotation, Theorem4, Translation
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.theorem4_result import Check
-from nonsmooth.proofs.verdicts import Certainty, Equilibrium, Rotation, Theorem4, Translation
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.array_certificates import say
 from tests.evidence.contradictions import FAMILIES, compared, study

@@ -17,13 +17,13 @@ from nonsmooth.proofs.answers.answer import GOOD, Position
 from nonsmooth.proofs.answers.answers import answers_of
 from nonsmooth.proofs.boxes.balanced_forces import BalancedForces
 from nonsmooth.proofs.boxes.enclosed_rest import enclosed_rest
+from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.robust.drift import driven_out
 from nonsmooth.proofs.robust.ends import DIFFERENCE, Ends, _field_beside, _shapes, _velocity, decide_ends
 from nonsmooth.proofs.robust.level_sets import Distance, LevelFunction, SectorFunction, shapes_about, short_levels
 from nonsmooth.proofs.robust.rest_points import _is_beyond, _rising, is_carried_away
 from nonsmooth.proofs.robust.touching_rings import FINER, TouchingRings, ring_rates, rings_about
 from nonsmooth.proofs.theorem4 import check_theorem4
-from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.console import run
 from nonsmooth.symbolic.contact_set import ContactSet

@@ -16,10 +16,10 @@ import pytest
 
 from nonsmooth.proofs import checker
 from nonsmooth.proofs.checker.statements import refusal
+from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
-from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from tests.oracles.mutants import Record
 from tests.proofs.forged import with_deciding
 from tests.proofs.test_scalar_stability import ATTRACTS, LEAVES, NAMES, STAYS, built, random_formula

@@ -11,6 +11,7 @@ import pytest
 from flint import fmpq
 from numpy.typing import NDArray
 
+from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.kernel.cells import build_cells, is_empty
 from nonsmooth.proofs.many_states.first_terms import Spectrum, spectrum_of
 from nonsmooth.proofs.system_audit import AuditVerdict, audit
@@ -18,7 +19,6 @@ from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.decay_rate import DecayKind
 from nonsmooth.proofs.systems.findings import Method
 from nonsmooth.proofs.systems.sublevel_region import SublevelRegion
-from nonsmooth.proofs.verdicts import Equilibrium, Translation
 from nonsmooth.reports.interface.system import System
 from nonsmooth.symbolic.files.system_file import build_system
 from nonsmooth.symbolic.numbers.polynomial import Polynomial

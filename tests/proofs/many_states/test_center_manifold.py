@@ -13,11 +13,11 @@ from scipy.integrate import solve_ivp
 
 import nonsmooth as ns
 from nonsmooth.proofs.checker.polynomials import Polynomial
+from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.many_states.center_manifold import Leading, Reduction, split_at
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.proofs.systems.findings import Method
-from nonsmooth.proofs.verdicts import Translation
 from tests.certificates.inclusion import contradiction
 from tests.thorough import keep
 

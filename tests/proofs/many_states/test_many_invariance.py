@@ -12,10 +12,10 @@ import pytest
 
 from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.analysis.trajectories.trajectory import simulate
+from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.system_audit import AuditVerdict, audit
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.findings import Method
-from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.symbolic.files.system_file import build_system
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 from tests.dissipative_systems import dissipative_systems

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.system_audit import AuditVerdict, audit
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.proofs.systems.decay_rate import DecayKind
-from nonsmooth.proofs.verdicts import Translation
 from nonsmooth.reports.interface.system import System
 from nonsmooth.symbolic.files.system_file import build_system
 from nonsmooth.symbolic.switched_system import SwitchedSystem

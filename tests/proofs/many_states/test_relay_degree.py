@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 
 import nonsmooth as ns
 from nonsmooth.proofs.checker.polynomials import Polynomial
+from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.many_states.decision import first_cells
 from nonsmooth.proofs.many_states.relay_degree import high_degree_relay
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.proofs.systems.findings import Method
-from nonsmooth.proofs.verdicts import Translation
 from tests.certificates.inclusion import contradiction
 from tests.thorough import keep
 

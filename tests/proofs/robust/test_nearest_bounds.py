@@ -14,9 +14,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from nonsmooth.proofs.findings.verdicts import Certainty
 from nonsmooth.proofs.robust.decide import Robust, decide_robust
 from nonsmooth.proofs.robust.nearest import RobustUltimateBound, is_bounded, ultimate_bound
-from nonsmooth.proofs.verdicts import Certainty
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
 from tests.thorough import few, thorough

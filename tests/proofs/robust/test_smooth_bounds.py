@@ -15,10 +15,10 @@ from nonsmooth.analysis.fields.contact_model import ContactModel, with_friction_
 from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.proofs.answers.robust import robust_facts
+from nonsmooth.proofs.findings.verdicts import Certainty
 from nonsmooth.proofs.robust.decide import Robust, SmoothProof, decide_robust
 from nonsmooth.proofs.robust.smooth_disc import SmoothDisc
 from nonsmooth.proofs.robust.smooth_rules import equilibrium_box
-from nonsmooth.proofs.verdicts import Certainty
 from nonsmooth.symbolic.contact_set import standing
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.friction_set import FrictionSet

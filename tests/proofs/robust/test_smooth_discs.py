@@ -14,13 +14,13 @@ from nonsmooth.analysis.minimizers.ellipse_minimizer import EllipseMinimizer
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.proofs.answers.robust import robust_facts
 from nonsmooth.proofs.boxes.intervals import Intervals, cosine
+from nonsmooth.proofs.findings.verdicts import Certainty
 from nonsmooth.proofs.robust.decide import Robust, SmoothProof
 from nonsmooth.proofs.robust.friction_forces import ellipse_force, roller_force
 from nonsmooth.proofs.robust.nearest import inner_radius
 from nonsmooth.proofs.robust.rings import EndDisc
 from nonsmooth.proofs.robust.smooth_disc import SmoothDisc
 from nonsmooth.proofs.robust.smooth_rules import equilibrium_box
-from nonsmooth.proofs.verdicts import Certainty
 from nonsmooth.symbolic.contact_set import standing
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene

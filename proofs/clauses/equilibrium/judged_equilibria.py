@@ -7,30 +7,21 @@ without verdicts.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.equilibria import RestPlace
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.contact_rule import CellRule, rule_of
+from nonsmooth.proofs.clauses.clause import JudgedEquilibrium
 from nonsmooth.proofs.clauses.rotation.on_cells import decide_rotation
 from nonsmooth.proofs.clauses.translation.on_cells import decide_translation
-from nonsmooth.proofs.verdicts import Rotation, Translation
-from nonsmooth.symbolic.notebook import ShortRepr
+from nonsmooth.proofs.findings.verdicts import Rotation, Translation
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.scene import CheckedSquare, Scene
 
 MOST = 16  # points that are judged: each costs a partition of its own
 SHARE = 8  # the square about a point is this many times smaller than the checked one
-
-
-@dataclass(frozen=True, repr=False)
-class JudgedEquilibrium(ShortRepr):
-    """An equilibrium with its local verdicts; None where the point was not judged."""
-
-    found: RestPlace
-    translation: Translation | None = None
-    rotation: Rotation | None = None
 
 
 def judge_equilibria(scene: Scene, found: tuple[RestPlace, ...]) -> tuple[JudgedEquilibrium, ...]:

@@ -1,0 +1,1 @@
+"""What is said of a subject: verdicts, facts with their words, and exact numbers in JSON."""
