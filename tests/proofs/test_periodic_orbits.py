@@ -99,7 +99,9 @@ def test_stick_slip_is_proved_with_its_closed_form() -> None:
 
 
 @few(1)
-@pytest.mark.parametrize(("below", "turn"), [("2 - x", 4), ("1 + x**2", 3)], ids=["line", "square"])
+@pytest.mark.parametrize(
+    ("below", "turn"), [("2 - x", 4), ("1 + x**2", 3), ("3 + x + x**2", 7)], ids=["line", "square", "both"]
+)
 def test_an_orbit_of_quotients_is_proved_with_its_closed_form(below: str, turn: int) -> None:
     """The unit circle again, slower by a factor s: the period is the integral of s over the circle, here a multiple of
     pi, and the multiplier exp(-4 pi) does not see s.
