@@ -114,6 +114,16 @@ def test_an_orbit_of_quotients_is_proved_with_its_closed_form(below: str, turn: 
         assert holds(proof.multiplier, mpmath.exp(-4 * mpmath.pi))
 
 
+def test_a_denominator_of_two_formulas_slows_each_half_of_the_circle_by_its_own() -> None:
+    """The period is the integral of ``2 + abs(sin)`` over a turn, ``4 pi + 4``."""
+    tops = ["y + x*(1 - x**2 - y**2)", "-x + y*(1 - x**2 - y**2)"]
+    _, proof = proved([f"({top})/(2 + Abs(y))" for top in tops], (0.9, 0.1), 60.0)
+    assert proof.attracts is True
+    with mpmath.workdps(DIGITS):
+        assert holds(proof.period, 4 * mpmath.pi + 4)
+        assert holds(proof.multiplier, mpmath.exp(-4 * mpmath.pi))
+
+
 def test_an_orbit_that_slides_between_quotients_is_proved() -> None:
     """Friction that falls as one over the speed of slip: the field of the paths in floats keeps its denominator."""
     friction = "sign(y - 1/2)/(1 + Abs(y - 1/2)/3)"
