@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import lru_cache
 
-from flint import Ordering, fmpq, fmpq_mpoly_ctx
+from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
 
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
@@ -85,11 +85,21 @@ def _lines(factor: Polynomial) -> tuple[int, list[Polynomial]]:
 
 def divides(factor: Polynomial, polynomial: Polynomial) -> bool | None:
     """Whether a polynomial over Q is a multiple of a factor over Q; None for irrational coefficients."""
+    exact, whole = _over_rationals(factor), _over_rationals(polynomial)
+    return None if exact is None or whole is None else not whole % exact
+
+
+def quotient(polynomial: Polynomial, factor: Polynomial) -> Polynomial | None:
+    """A multiple of a factor divided by it; None for what is no multiple, and for irrational coefficients."""
+    exact, whole = _over_rationals(factor), _over_rationals(polynomial)
+    if exact is None or whole is None or whole % exact:
+        return None
+    terms = (whole / exact).to_dict().items()
+    return replace(polynomial, terms={tuple(map(int, e)): polynomial.field.rational(q) for e, q in terms})
+
+
+def _over_rationals(polynomial: Polynomial) -> fmpq_mpoly | None:
+    """The polynomial over Q; None for irrational coefficients."""
+    known = {e: q for e, c in polynomial.terms.items() if (q := c.as_rational()) is not None}
     context = fmpq_mpoly_ctx.get(polynomial.variables, Ordering.lex)
-    exact = []
-    for part in (factor, polynomial):
-        known = {e: c.as_rational() for e, c in part.terms.items()}
-        if any(q is None for q in known.values()):
-            return None
-        exact.append(context.from_dict({e: q for e, q in known.items() if q is not None}))
-    return not exact[1] % exact[0]
+    return context.from_dict(known) if len(known) == len(polynomial.terms) else None

@@ -4,6 +4,8 @@ A rational field is ``f = g/s`` with a polynomial g and one common denominator s
 (:mod:`nonsmooth.symbolic.cleared_fractions`).  Where all denominators are positive, f and g have the same paths: along
 those of ``x' = g`` the time t of f passes at the rate ``t' = s``.  So g is followed, t is enclosed with it, and the
 denominators are further guards of the cell: whoever shows that a path stays in the cell has shown them positive.
+For the same reason g and s may be divided by any denominator that divides them all: s, a product of positive numbers,
+stays one.
 """
 
 from __future__ import annotations
@@ -20,6 +22,7 @@ from flint import arb
 from nonsmooth.proofs.orbits.ball_steps import ORDER, Box, UnprovedError
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.numbers.work_limit import WorkMeter
+from nonsmooth.symbolic.surfaces import quotient
 from nonsmooth.symbolic.switched_system import SwitchedSystem, UnknownSign, signs_by_factors
 
 BallFunction: TypeAlias = Callable[[Sequence[Any]], Any]  # of a point
@@ -58,6 +61,20 @@ def in_balls(polynomial: Polynomial) -> BallFunction:
 def along(field: Sequence[Polynomial], guard: Polynomial) -> Polynomial:
     """``f . grad g``: the derivative of a function along the solutions."""
     return dot(field, [guard.derivative(name) for name in guard.variables])
+
+
+def lowered(
+    field: Sequence[Polynomial], scale: Sequence[Polynomial], positive: Sequence[Polynomial]
+) -> tuple[list[Polynomial], list[Polynomial]]:
+    """A field and its common denominator, if it has one, divided by positive functions as often as these divide all."""
+    found = [*field, *scale]
+    for factor in positive if scale else ():
+        while factor.degree > 0:
+            divided = [part for part in (quotient(own, factor) for own in found) if part is not None]
+            if len(divided) < len(found):
+                break
+            found = divided
+    return found[: len(field)], found[len(field) :]
 
 
 @dataclass(frozen=True)
@@ -101,13 +118,14 @@ class BallCell:
     ) -> None:
         self.signs = tuple(signs)
         sign_of = signs_by_factors(dict(zip(surfaces, signs, strict=True)))
-        self.field = system.velocity(sign_of)
         named = dict(zip(system.states, system.coordinates(), strict=True))
         try:
             positive = [own.polynomial(named, sign_of) for own in system.denominators]
             scale = [] if system.scale is None else [system.scale.polynomial(named, sign_of)]
         except UnknownSign:
             raise UnprovedError("a denominator switches where the right-hand sides do not") from None
+        self.field, scale = lowered(system.velocity(sign_of), scale, positive)
+        self.scale = scale[0] if scale else None
         guards = [s * side for s, side in zip(surfaces, signs, strict=True)]
         self.guards = [BallGuard.of(guard, self.field) for guard in [*guards, *positive]]
         slopes = [f.derivative(name) for f in self.field for name in f.variables]

@@ -8,33 +8,27 @@ Rigorous for planar systems: an orbit that crosses surfaces by its return map
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from flint import acb, arb
 
-from nonsmooth.analysis.fields.switched_field import Face, Surface, Vector
-from nonsmooth.analysis.fields.system_field import system_field
+from nonsmooth.analysis.fields.switched_field import Face
 from nonsmooth.analysis.orbits.orbit import Orbit
-from nonsmooth.analysis.orbits.orbit_error import OrbitError
-from nonsmooth.analysis.orbits.search import find_orbit
 from nonsmooth.analysis.trajectories.smooth_path import Leg
 from nonsmooth.proofs.boxes.enclosures import holds_on
 from nonsmooth.proofs.orbits.ball_cell import BallCell, along, dot, in_balls
 from nonsmooth.proofs.orbits.ball_steps import Ball, Box, UnprovedError, precision
 from nonsmooth.proofs.orbits.cell_passage import Family
 from nonsmooth.proofs.orbits.return_map import CrossedLeg, ReturnMap, fly, proved_maps
-from nonsmooth.symbolic.numbers.polynomial import Polynomial
+from nonsmooth.symbolic.numbers.polynomial import Polynomial, float_values
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, WorkMeter
 from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
 
 PRODUCTS = 1_500_000  # of balls or series in one proof, some ten seconds
-
-
-NEAR = 1e-4  # periods of one orbit in floats and in balls, relative
-TURNS = 20  # for how long the orbit is looked for anew, in its periods
+GAUSS = 5  # nodes of a quadrature over one step in floats
 
 
 @dataclass(frozen=True)
@@ -73,39 +67,15 @@ def prove_orbit(system: SwitchedSystem, orbit: Orbit) -> OrbitProof:
     if system.others or system.only_encloses or system.by_roots is not None:
         return OrbitProof(None, "return maps are enclosed for one field of polynomials or of their quotients only")
     try:
-        followed = orbit if system.scale is None else _without_denominators(system, orbit)
         with precision():
-            proof = _Prover(system, followed).proof()
-        if proof.period is not None and not abs(float(proof.period.mid()) - orbit.period) <= NEAR * orbit.period:
-            raise UnprovedError("without its denominators the system has another orbit near this one")
-        return proof
-    except OrbitError as error:
-        return OrbitProof(None, f"without its denominators the system has no orbit near it that floats find: {error}")
+            return _Prover(system, orbit).proof()
     except UnprovedError as error:
         return OrbitProof(None, str(error))
     except WorkLimitError:
         return OrbitProof(None, f"its return map was not enclosed within {PRODUCTS} products of balls")
 
 
-def _without_denominators(system: SwitchedSystem, orbit: Orbit) -> Orbit:
-    """The same orbit of the field times its common denominator, in the time of that field.
-
-    Raises:
-        OrbitError: where floats do not find it.
-    """
-    polynomial = replace(system, written=(), denominators=(), scale=None)
-    start = [float(x) for x in orbit.point]
-    return find_orbit(system_field(polynomial, start), start, TURNS * orbit.period)
-
-
-@dataclass(frozen=True)
-class _Part:
-    """What is needed of a leg: its face, the surface it met, where it ends, how long it lasts."""
-
-    face: Face
-    met: tuple[Surface, ...]
-    last: Vector
-    lasts: float
+_Run: TypeAlias = tuple[Leg, ...]  # on one face; more than one where the turn began within it
 
 
 class _Prover:
@@ -126,7 +96,7 @@ class _Prover:
         normal = np.array([-along[1], along[0]]) / float(np.hypot(*along))
         extent = float(np.ptp(orbit.path.array, axis=0).max())
         point, direction = ([arb(float(x)) for x in vector] for vector in (orbit.point, normal))
-        short, long = proved_maps(self._crossed([_part(leg) for leg in orbit.legs]), point, direction, arb(extent))
+        short, long = proved_maps(self._crossed([(leg,) for leg in orbit.legs]), point, direction, arb(extent))
         attracts = bool(abs(short.slope) < 1)
         said = "is mapped into itself" if long.into_itself else "holds one fixed point of its return map"
         whole = f"a segment of half-width {float(long.reach.mid()):.3g} across the orbit {said}"
@@ -139,60 +109,72 @@ class _Prover:
         legs = list(self.orbit.legs)
         last = max(k for k, leg in enumerate(legs) if leg.motion.face.keep)
         turned = _joined(legs[last:] + legs[:last])
-        starts = [k for k, leg in enumerate(turned) if leg.face.keep]
+        starts = [k for k, leg in enumerate(turned) if leg[0].motion.face.keep]
         parts = [turned[k : n or None] for k, n in zip(starts, [*starts[1:], 0], strict=True)]
         chains = [self._chain(part) for part in parts]
         period = proved_period(chains)
         reason = "a slide of the orbit ends in one point wherever it began, and that point returns to the slide"
         return OrbitProof(True, reason, period, arb(0))
 
-    def _chain(self, legs: Sequence[_Part]) -> SlideChain:
+    def _chain(self, legs: Sequence[_Run]) -> SlideChain:
         """A slide and the legs behind it."""
         slide, *free = legs
-        if len(slide.face.keep) != 1 or slide.met or not free:
+        keep = slide[0].motion.face.keep
+        if len(keep) != 1 or slide[-1].met or not free:
             raise UnprovedError("a slide of the orbit ends otherwise than by leaving its surface")
-        number = self.numbers[id(slide.face.keep[0])]
+        number = self.numbers[id(keep[0])]
         if self.surfaces[number].degree != 1:
             raise UnprovedError("slides are followed on straight surfaces only")
         leaving = self._signs(free[0])
         other = tuple(-side if k == number else side for k, side in enumerate(leaving))
         inside, outside = (BallCell(self.system, self.surfaces, signs, self.meter) for signs in (leaving, other))
-        ends: Box = [arb(float(x)) for x in slide.last]
+        ends: Box = [arb(float(x)) for x in slide[-1].last]
         return SlideChain(
             TangencySlide(self.surfaces[number], number, inside, outside, ends), tuple(self._crossed(free))
         )
 
-    def _crossed(self, legs: Sequence[_Part]) -> list[CrossedLeg]:
+    def _crossed(self, legs: Sequence[_Run]) -> list[CrossedLeg]:
         """Legs in cells."""
         found, entry = [], None
         for leg in legs:
-            leaves = self.numbers[id(leg.met[0])] if leg.met else None
+            met = leg[-1].met
+            leaves = self.numbers[id(met[0])] if met else None
             cell = BallCell(self.system, self.surfaces, self._signs(leg), self.meter)
-            found.append(CrossedLeg(cell, entry, leaves, arb(leg.lasts)))
+            found.append(CrossedLeg(cell, entry, leaves, arb(_lasting(cell, leg))))
             entry = leaves
         return found
 
-    def _signs(self, leg: _Part) -> tuple[int, ...]:
+    def _signs(self, leg: _Run) -> tuple[int, ...]:
         """Signs of the switching functions on a leg's cell."""
-        sides = {self.numbers[id(surface)]: side for surface, side in leg.face.bounds}
+        sides = {self.numbers[id(surface)]: side for surface, side in leg[0].motion.face.bounds}
         if len(sides) != len(self.surfaces):
             raise UnprovedError("a leg of the orbit is in no cell")
         return tuple(sides[k] for k in range(len(self.surfaces)))
 
 
-def _part(leg: Leg) -> _Part:
-    return _Part(leg.motion.face, leg.met, leg.last, leg.end - leg.start)
-
-
-def _joined(legs: Sequence[Leg]) -> list[_Part]:
-    """Legs of one turn as parts; where the turn began, two parts of one leg follow each other."""
-    found: list[_Part] = []
+def _lasting(cell: BallCell, legs: _Run) -> float:
+    """About how long legs take in the time of the field that is followed: the integral of ``1/s`` over the stated."""
+    if cell.scale is None:
+        return sum(leg.end - leg.start for leg in legs)
+    nodes, weights = np.polynomial.legendre.leggauss(GAUSS)
+    total = 0.0
     for leg in legs:
-        last = found[-1] if found else None
-        if last is not None and not last.met and _sides(last.face) == _sides(leg.motion.face):
-            found[-1] = replace(last, met=leg.met, last=leg.last, lasts=last.lasts + leg.end - leg.start)
+        times = np.array(leg.stretch.times)
+        halves = np.diff(times) / 2
+        points = leg.stretch.at_all(np.ravel((times[:-1] + halves)[:, None] + halves[:, None] * nodes))
+        total += float(halves @ (1 / float_values(cell.scale.terms, points)).reshape(-1, GAUSS) @ weights)
+    return total
+
+
+def _joined(legs: Sequence[Leg]) -> list[_Run]:
+    """Legs of one turn; where the turn began, two parts of one leg follow each other."""
+    found: list[_Run] = []
+    for leg in legs:
+        last = found[-1] if found else ()
+        if last and not last[-1].met and _sides(last[-1].motion.face) == _sides(leg.motion.face):
+            found[-1] = (*last, leg)
         else:
-            found.append(_part(leg))
+            found.append((leg,))
     return found
 
 
