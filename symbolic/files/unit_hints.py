@@ -42,10 +42,10 @@ def _of_check(wheels: Sequence[Wheel], check: CheckedSquare, size: float, units:
     away = max(abs(float(check.equilibrium[k]) - float(first.position[k])) for k in (0, 1))
     radius, wheels_lie = float(check.radius), f"the wheels lie within {size:.4g} {length}"
     if away > AWAY * size:
-        place = f"{away:.4g} {length} away from wheel {first.index}"
+        place = f"{away:.6g} {length} away from wheel {first.index}"
         yield f"[check]: equilibrium is {place}, and {wheels_lie}: are both in {length}?"
     elif not SQUARES[0] * size <= radius <= SQUARES[1] * size:
-        yield f"[check]: radius is {radius:.4g} {length}, and {wheels_lie}: are both in {length}?"
+        yield f"[check]: radius is {radius:.6g} {length}, and {wheels_lie}: are both in {length}?"
 
 
 def body_size(body: Body) -> float:

@@ -105,7 +105,7 @@ def test_a_body_of_another_unit_than_its_wheels_is_told(tmp_path: Path) -> None:
     ("check", "hint"),
     [
         ("equilibrium = [10000, 5000]", "[check]: equilibrium is 9900 mm away from wheel A1, and the wheels"),
-        ("radius = 40000", "[check]: radius is 4e+04 mm, and the wheels lie within 200.4 mm: are both in mm?"),
+        ("radius = 40000", "[check]: radius is 40000 mm, and the wheels lie within 200.4 mm: are both in mm?"),
         ("radius = 0.04", "[check]: radius is 0.04 mm, and the wheels lie within 200.4 mm: are both in mm?"),
         ("equilibrium = [10, 5]\nradius = 1", None),
     ],
