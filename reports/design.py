@@ -34,6 +34,8 @@ Held = TypeVar("Held")  # what Python holds of a scene: a :class:`nonsmooth.Arra
 SCHEMA = "nonsmooth-design/1"
 SCENES = (".toml",)
 DIGITS = 4
+HARDLY = 0.01  # share below which a gain is hardly one
+ROUNDING = 2.0**-20  # share by which certified bounds of alike arrays differ
 MEASUREMENTS = "precision,stress"  # sections of a report that take minutes
 WHAT = {
     "rate": "how fast bodies come home",
@@ -116,7 +118,8 @@ class DesignResult(Result, Generic[Held]):
     def improved(self) -> bool | None:
         """Whether the best candidate does better than the given array; None where that is not known.
 
-        It does where it alone meets the requirements, and where both do and more of what is maximized is known of it.
+        It does where it alone meets the requirements, and where both do and more of what is maximized is known of it,
+        by more than what bounds of a certificate may differ by without a reason (:data:`ROUNDING`).
         """
         given, best = self.design.base, self.design.best
         if not self.is_found:
@@ -125,7 +128,7 @@ class DesignResult(Result, Generic[Held]):
             return True
         if best.value is None or given.value is None:
             return None if best.value is None else True
-        return best.value > given.value
+        return best.value - given.value > ROUNDING * abs(given.value)
 
     @property
     def unmet(self) -> tuple[str, ...]:
@@ -187,11 +190,16 @@ class DesignResult(Result, Generic[Held]):
         if self.design.base.unmet or self.design.base.why_not:
             missing = ", ".join(self.design.base.unmet) or self.design.base.why_not
             return f"improved: the given array lacks {missing}"
-        if given is None or best is None or given < 0:
+        if given is None or best is None:
             return f"improved: {what} is not known of the given array"
-        if given == 0:
-            return f"improved: {what} is 0 of the given array"
-        return f"improved: {what} is {float_text(best / given, 3)} times that of the given array"
+        # as many digits as tell them apart: 0.5 -> 0.5003, not 0.5 -> 0.5
+        digits = next((n for n in range(DIGITS, 17) if float_text(given, n) != float_text(best, n)), 17)
+        change = f"{what}: {float_text(given, digits)} -> {float_text(best, digits)}"
+        if given <= 0:
+            return f"improved: {change}"
+        share = best / given - 1
+        words = "improved, but hardly" if share < HARDLY else "improved"
+        return f"{words}: {change} ({float_text(100 * share, 3)} % more)"
 
     def blocks(self) -> Sequence[Block]:
         """The outcome, both arrays side by side, and the wheels that were found."""

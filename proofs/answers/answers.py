@@ -91,7 +91,9 @@ def full_answers(
     others = other_rules(check.scene) if ask_others else ()
     tell("headings of rest")
     headings = _headings_of(check, around=around)
+    tell("tolerances")
     robust = robust_answer(check.scene, check.results)
+    tell("a body with inertia")
     return Answers(answers, destinations, others, robust, headings, rest_points, _inertia_of(check))
 
 

@@ -20,6 +20,7 @@ from nonsmooth.symbolic.edge_headings import BallOutline, Gap, HeadingCluster, c
 from nonsmooth.symbolic.numbers.enclosures import PRECISION
 from nonsmooth.symbolic.plane import Vector
 from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.under_way import tell_count
 
 Wheels: TypeAlias = tuple[int, ...]  # numbers, ascending
 
@@ -138,7 +139,9 @@ class HeadingsAt:
             only: numbers of wheels; then the intervals in which these carry, and no others.
         """
         with ctx.workprec(PRECISION):
-            for gap in gaps(self.clusters()):
+            between = gaps(self.clusters())
+            for k, gap in enumerate(between):
+                tell_count(k, len(between), "intervals of headings")
                 wheels = self.carrying((gap.low + gap.high) / 2) if gap.low < gap.high else None
                 if only in (None, wheels):
                     yield RestInterval(self.scene, gap, wheels, self._stay(wheels))
@@ -166,7 +169,9 @@ def point_headings(here: HeadingsAt) -> EquilibriumHeadings:
     open_ones = [sector for sector in sectors if sector.stay.kind is Stays.UNDECIDED]
     left = [OpenHeadings(sector.gap.low, sector.gap.high, (), sector.stay.reason) for sector in open_ones]
     singles: list[SampledRest] = []
-    for k, cluster in enumerate(here.clusters()):
+    edges = here.clusters()
+    for k, cluster in enumerate(edges):
+        tell_count(k, len(edges), "headings with a wheel under the edge")
         with ctx.workprec(PRECISION):
             found = _at_edge(here, cluster, sectors[k - 1], sectors[k])
         if isinstance(found, SampledRest):

@@ -23,11 +23,13 @@ from nonsmooth.proofs.robust.smooth_disc import SmoothDisc
 from nonsmooth.proofs.robust.smooth_rules import equilibrium_box
 from nonsmooth.proofs.robust.ultimate_bound import root_above
 from nonsmooth.symbolic.contact_set import contact_set
+from nonsmooth.symbolic.number_text import float_text
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.rule import MIXED
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.tolerances import Tolerance
+from nonsmooth.symbolic.under_way import part_of, tell
 from nonsmooth.symbolic.unknown_loads import UnknownLoads
 
 MAX_SMOOTH = 16  # wheels: with more, rings under rules ellipse and roller take minutes
@@ -329,6 +331,7 @@ def largest_factor(
     most = _largest_multiple(box)
 
     def proved(factor: Fraction) -> bool:
+        tell(f"arrays within {float_text(factor, 3)} times the tolerances")
         return factor <= most and holds(box.times(factor))
 
     low, high = known, 2 * known or Fraction(1)
@@ -360,7 +363,10 @@ def _largest_multiple(box: Tolerance) -> Fraction:
 
 def binding_entry(holds: Callable[[Tolerance], bool], box: Tolerance, factor: Fraction) -> str | None:
     """The entry without which the factor grows most; None where none matters."""
-    grown = {name: largest_factor(holds, box.without(name), factor, COARSE) for name in box.names}
+    grown = {}
+    for k, name in enumerate(box.names):
+        with part_of(k, len(box.names), f"tolerances, without that of {name}"):
+            grown[name] = largest_factor(holds, box.without(name), factor, COARSE)
     if not grown or max(grown.values()) <= factor:
         return None
     return max(grown, key=lambda name: grown[name])

@@ -17,8 +17,10 @@ from typing import Generic, TypeVar
 from flint import arb, ctx
 
 from nonsmooth.proofs.robust.annulus import AnnulusPiece, ring
+from nonsmooth.symbolic.number_text import float_text
 from nonsmooth.symbolic.numbers.enclosures import rational_below
 from nonsmooth.symbolic.tolerances import Tolerance
+from nonsmooth.symbolic.under_way import tell, tell_count
 
 PRECISION = 64  # bits of the balls
 RINGS = 16  # of equal width, from the square inward
@@ -105,7 +107,8 @@ class RingProof(ABC, Generic[Bound]):
 
     def _first_ring(self, bound: Bound, most: Fraction) -> tuple[Fraction, arb] | None:
         """The outer radius of the first ring on which bodies come nearer, and their rate there."""
-        for share in self.starts:
+        for k, share in enumerate(self.starts):
+            tell_count(k, len(self.starts), "widest rings")
             outer = most * share
             rate = self._rate(bound, outer * (1 - Fraction(1, RINGS)), outer)
             if rate is not None:
@@ -117,6 +120,7 @@ class RingProof(ABC, Generic[Bound]):
         inner, step, halvings = start * (1 - Fraction(1, RINGS)), start / RINGS, 0
         yield inner, rate
         while inner > LEAST * start and halvings <= self.halvings:
+            tell(f"rings within {float_text(inner / start, 3)} of the widest")
             step = min(step, inner * self.widest)
             found = self._rate(bound, inner - step, inner)
             if found is None:

@@ -271,7 +271,8 @@ def build_scene(
     builder = WheelBuilder(document, numbers)
     built = builder.build(layout.places(numbers))
     body = None if document.body is None else build_body(document.body, numbers)
-    numbers.field.remarks += tuple(map(FirstRemark, unit_hints(built, body, document.units.labels)))
+    check = build_check(document, numbers, built)
+    numbers.field.remarks += tuple(map(FirstRemark, unit_hints(built, body, check, document.units.labels)))
     _require_mixed(rule, builder.rule, file)
     if rule not in (None, MIXED) and all("contact" in wheel.named for wheel in built):
         numbers.field.remarks += (f"rule {rule} is for wheels that name none, and all of these name their own",)
@@ -280,7 +281,7 @@ def build_scene(
         field=numbers.field,
         wheels=built,
         contact=build_contact(document.contact, builder.rule, numbers, built),
-        check=build_check(document, numbers, built),
+        check=check,
         source=file,
         continuum=build_continuum(document, numbers, built),
         units=document.units.labels,

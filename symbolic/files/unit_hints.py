@@ -6,16 +6,18 @@ from collections.abc import Iterator, Sequence
 
 from nonsmooth.symbolic.body import Body
 from nonsmooth.symbolic.continuum import Disc
-from nonsmooth.symbolic.scene import Wheel
+from nonsmooth.symbolic.scene import CheckedSquare, Wheel
 from nonsmooth.symbolic.units import LengthUnit, Units
 
 SIZES = 1 / 500, 50.0  # metres that an array may measure without a hint
 SPEEDS = 1 / 2000, 50.0  # m/s of the fastest wheel
 BODIES = 0.01, 100.0  # of the size of an array that a body may have
+SQUARES = 1 / 2000, 20.0  # of the size of an array that the half-width of the checked square may have
+AWAY = 20.0  # sizes of an array that the checked point may be away from its first wheel
 MEANT = {LengthUnit.METRE: LengthUnit.MILLIMETRE, LengthUnit.MILLIMETRE: LengthUnit.METRE}
 
 
-def unit_hints(wheels: Sequence[Wheel], body: Body | None, units: Units) -> Iterator[str]:
+def unit_hints(wheels: Sequence[Wheel], body: Body | None, check: CheckedSquare, units: Units) -> Iterator[str]:
     """What looks as if it were stated in another unit; nothing where the scene states none."""
     metres = units.metres
     if metres is None:
@@ -31,6 +33,19 @@ def unit_hints(wheels: Sequence[Wheel], body: Body | None, units: Units) -> Iter
     if body is not None and not BODIES[0] * size <= body_size(body) <= BODIES[1] * size:
         wide, apart = f"{body_size(body):.4g} {units.length}", f"{size:.4g} {units.length}"
         yield f"[body]: it is {wide} wide, and the wheels lie within {apart}: are both in {units.length}?"
+    yield from _of_check(wheels, check, size, units)
+
+
+def _of_check(wheels: Sequence[Wheel], check: CheckedSquare, size: float, units: Units) -> Iterator[str]:
+    """A checked point far from all wheels, or a checked square that is far larger or smaller than the array."""
+    length, first = units.length, wheels[0]
+    away = max(abs(float(check.equilibrium[k]) - float(first.position[k])) for k in (0, 1))
+    radius, wheels_lie = float(check.radius), f"the wheels lie within {size:.4g} {length}"
+    if away > AWAY * size:
+        place = f"{away:.6g} {length} away from wheel {first.index}"
+        yield f"[check]: equilibrium is {place}, and {wheels_lie}: are both in {length}?"
+    elif not SQUARES[0] * size <= radius <= SQUARES[1] * size:
+        yield f"[check]: radius is {radius:.6g} {length}, and {wheels_lie}: are both in {length}?"
 
 
 def body_size(body: Body) -> float:

@@ -8,12 +8,14 @@ from decimal import Decimal
 from fractions import Fraction
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 import pytest
 
 import nonsmooth as ns
+from nonsmooth.reports.design import DesignResult
 from nonsmooth.reports.designs.freedom import Freedom, largest_symmetry, orbits_of
 from nonsmooth.reports.designs.toml_text import toml_text
 from nonsmooth.reports.parts import PART_NAMES
@@ -227,6 +229,30 @@ def test_a_design_says_whether_it_improved_anything(invoke: Invoke) -> None:
     assert "nothing is improved" in invoke("design", "rectangle", "--checks", "1").out
     shown = invoke("design", "saddle", "--checks", "12").out
     assert "improved: the given array lacks position" in shown
+
+
+@pytest.mark.parametrize(
+    ("given", "best", "improved", "words"),
+    [
+        (0.5, 0.5, False, "nothing is improved: "),
+        (0.5, 0.5 + 1e-9, False, "nothing is improved: "),
+        (0.5, 0.50004, True, "improved, but hardly: radius of the disc whence bodies come home: 0.5 -> 0.50004 (0.008"),
+        (49.78, 99.56, True, "improved: radius of the disc whence bodies come home: 49.78 -> 99.56 (100 % more)"),
+        (0.0, 2.0, True, "improved: radius of the disc whence bodies come home: 0 -> 2"),
+        (None, 2.0, True, "improved: radius of the disc whence bodies come home is not known of the given array"),
+        (2.0, None, None, "whether that is better than the given array is not known"),
+    ],
+)
+def test_how_much_is_improved_is_said_by_both_values(
+    given: float | None, best: float | None, improved: bool | None, words: str
+) -> None:
+    def evaluated(value: float | None) -> SimpleNamespace:
+        return SimpleNamespace(value=value, unmet=(), why_not="")
+
+    found = SimpleNamespace(is_found=True, base=evaluated(given), best=evaluated(best))
+    result: DesignResult[None] = DesignResult(cast("Any", found), cast("Any", SimpleNamespace(maximize="basin")))
+    assert result.improved is improved
+    assert result._improvement().startswith(words)
 
 
 def test_bodies_with_inertia_settle_sooner(invoke: Invoke, tmp_path: Path) -> None:

@@ -8,6 +8,7 @@ import re
 from decimal import Decimal
 from fractions import Fraction
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
 
@@ -19,6 +20,9 @@ from nonsmooth.symbolic.formulas import constant
 from nonsmooth.symbolic.number_text import brief_text, numbers_text, short_text
 from nonsmooth.symbolic.scene import WheelNumber
 from nonsmooth.symbolic.scene_error import SceneError
+
+if TYPE_CHECKING:
+    from tests.reports.conftest import Invoke
 
 TABLE = "wheel,x,y\nA1,100,100\nA2,-100,100\nB1,-100,-100\nB2,100,-100.4\n"
 SCENE = """
@@ -95,6 +99,25 @@ def test_sizes_a_thousand_times_off_are_told(tmp_path: Path, changed: str, hint:
 def test_a_body_of_another_unit_than_its_wheels_is_told(tmp_path: Path) -> None:
     body = '[body]\nshape = "rectangle"\nwidth = 0.3\nheight = 0.3\n'
     assert any("[body]" in remark for remark in load_scene(write(tmp_path, scene=SCENE + body)).field.remarks)
+
+
+@pytest.mark.parametrize(
+    ("check", "hint"),
+    [
+        ("equilibrium = [10000, 5000]", "[check]: equilibrium is 9900 mm away from wheel A1, and the wheels"),
+        ("radius = 40000", "[check]: radius is 40000 mm, and the wheels lie within 200.4 mm: are both in mm?"),
+        ("radius = 0.04", "[check]: radius is 0.04 mm, and the wheels lie within 200.4 mm: are both in mm?"),
+        ("equilibrium = [10, 5]\nradius = 1", None),
+    ],
+)
+def test_a_checked_square_of_another_unit_than_the_wheels_is_told(
+    tmp_path: Path, invoke: Invoke, check: str, hint: str | None
+) -> None:
+    """Above a refusal too; a small square that is meant is no cause for a hint."""
+    file = write(tmp_path, scene=f"{SCENE}[check]\n{check}\n")
+    said = [remark for remark in load_scene(file).field.remarks if "[check]" in remark]
+    assert [hint is not None and remark.startswith(hint) for remark in said] == [True] * bool(hint)
+    assert ("note: [check]" in invoke("partition", str(file)).out) == bool(hint)
 
 
 def test_writing_a_number_decides_nothing(tmp_path: Path) -> None:

@@ -7,10 +7,12 @@ import re
 import subprocess
 import sys
 import time
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 
+import nonsmooth as ns
 from nonsmooth.reports import progress as progress_module
 from nonsmooth.reports.check import CHECK
 from nonsmooth.reports.cli import app
@@ -139,6 +141,38 @@ def test_a_count_stays_while_parts_tell_more() -> None:
         tell("rings")
         say("3 of 6")
     assert told == ["first", "2 of 6", "2 of 6, rings", "3 of 6"]
+
+
+BUILT = """
+name = "built table"
+units = { length = "mm" }
+friction = { mu_roll = 0.6, mu_side = 0.3 }
+contact = { rule = "ellipse" }
+grid = { rows = 2, columns = 2, pitch = 200 }
+field = { kind = "radial", speed = 100 }
+body = { shape = "rectangle", width = 240, height = 230 }
+tolerance = { position = 1, heading = "1 deg" }
+"""
+
+
+def test_headings_and_tolerances_are_named_while_they_are_decided(tmp_path: Path) -> None:
+    """Each heading and each multiple of the tolerances, and how many there are, where that is known."""
+    (tmp_path / "built.toml").write_text(BUILT, encoding="utf-8")
+    array, told = ns.load(tmp_path / "built.toml"), list[str]()
+    assert isinstance(array, ns.Array)
+    found = array.check()
+    with listening(told.append):
+        assert found.answers.robust is not None
+    expected = (
+        "headings of rest",
+        "1 of 16 intervals of headings",
+        "1 of 16 headings with a wheel under the edge",
+        "tolerances",
+        "arrays within 1 times the tolerances",
+        "1 of 2 tolerances, without that of heading",
+    )
+    places = [told.index(what) for what in expected]
+    assert places == sorted(places)
 
 
 LOGGED = """
