@@ -499,6 +499,9 @@ def find_region_of_another_function(
         result: of a system in three states and more, with a V that falls and does not bend.
         asked: how much may be done for it, of EFFORTS.
         announce: told what is done, how much of it, and of how much.
+
+    Raises:
+        TooMuchWorkError: where the programs are too large for what is asked.
     """
     function, everywhere = result.function, result.reach.everywhere
     if result.reach.region is None or function is None or function.formula is None or everywhere:

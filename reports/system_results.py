@@ -44,6 +44,7 @@ if TYPE_CHECKING:
 SYSTEM_SCHEMA = "nonsmooth-check/1"
 AUDIT_SCHEMA = "nonsmooth-audit/1"
 LARGER = "--region best certifies a larger region, in about a minute"
+UNSOUGHT = "no larger region was sought: its programs are too large for --region fast, --region best tries them"
 
 
 MEANINGS = {
@@ -107,14 +108,14 @@ class SystemCheckResult(FactResult):
     Attributes:
         evidence: everything that was proved; ``evidence.check()`` asks the stand-alone checker.
         shows_evidence: whether a terminal shows all of it.
-        is_brief: whether a longer search may find a larger region in the plane.
+        hint: what a longer search may find; empty without.
     """
 
     formats: ClassVar[Mapping[str, Callable[[Any, str], bytes]]] = {**FORMATS, **EXPORTS}
 
     evidence: StabilityResult
     shows_evidence: bool = False
-    is_brief: bool = False
+    hint: str = ""
 
     @property
     def verdict(self) -> str:
@@ -140,9 +141,11 @@ class SystemCheckResult(FactResult):
         Args:
             search: ``fast`` or ``best``.
         """
+        from nonsmooth.proofs.many_states.reshaped_region import TooMuchWorkError
         from nonsmooth.proofs.system_certificates import find_region_of_another_function, find_region_of_triangles
 
         in_plane, basin, reshaped = len(self.evidence.scene.states) == len(PLANE), None, None
+        hint = ""
         with progress(f"{self.verdict}; region") as report:
 
             def announce(what: str, done: int, total: int) -> None:
@@ -150,10 +153,14 @@ class SystemCheckResult(FactResult):
 
             if in_plane:
                 basin = find_region_of_triangles(self.evidence, search, announce)
+                hint = LARGER if basin and search == "fast" else ""
             else:
-                reshaped = find_region_of_another_function(self.evidence, search, announce)
+                try:
+                    reshaped = find_region_of_another_function(self.evidence, search, announce)
+                except TooMuchWorkError:
+                    hint = UNSOUGHT
         reach = replace(self.evidence.reach, basin=basin, reshaped=reshaped)
-        return replace(self, evidence=replace(self.evidence, reach=reach), is_brief=bool(basin) and search == "fast")
+        return replace(self, evidence=replace(self.evidence, reach=reach), hint=hint)
 
     def draw(self, ax: Axes) -> None:
         """The certified triangles, with the border of the region and the checked point."""
@@ -227,8 +234,8 @@ class SystemCheckResult(FactResult):
             details = [blocks_view([findings(fact_rows(self.found))])]
         more: list[RenderableType] = [] if self.shows_evidence else [Text(MORE, "dim")]
         answers = answers_table(system_answers(self.evidence))
-        if self.is_brief:
-            more.append(Text(LARGER, "dim"))
+        if self.hint:
+            more.append(Text(self.hint, "dim"))
         return [Group(head, answers, *details, *notes_lines(scene.field), *more)]
 
     def __repr__(self) -> str:

@@ -255,10 +255,16 @@ class SampledProofs(Search):
 
 
 def sample_points(count: int, *, bounded: bool, seed: int = 0) -> Floats:
-    """Random points of the cube, as many near the origin as far from it, and points of its diagonals and axes."""
+    """Random points of the cube, as many near the origin as far from it, and points of its diagonals and axes.
+
+    Without the cube every second one is taken as far beyond its border as it was within: there the terms of the highest
+    degree decide, which are small in the cube.
+    """
     source = np.random.default_rng((count, seed))
     points = source.uniform(-1, 1, (POINTS, count)) * np.exp(-source.exponential(SHRINK, (POINTS, 1)))
     points[: POINTS // 2] = np.sign(points[: POINTS // 2]) * np.exp(-source.exponential(SHRINK, (POINTS // 2, count)))
+    if not bounded:
+        points[::2] /= np.abs(points[::2]).max(axis=1, keepdims=True) ** 2
     return points
 
 

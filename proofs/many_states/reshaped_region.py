@@ -65,13 +65,30 @@ class SearchEffort:
     Attributes:
         degrees: of V, one after the other.
         rounds: of the iteration for each.
+        work: of all rounds together, in units of :meth:`_Iteration.work`; None is without a bound.
     """
 
     degrees: tuple[int, ...]
     rounds: int
+    work: int | None = None
+
+    def affordable(self, one: int) -> int:
+        """How many rounds of one such work may be done after the first level.
+
+        Raises:
+            TooMuchWorkError: for none.
+        """
+        rounds = self.rounds if self.work is None else min(self.rounds, self.work // max(one, 1) - 1)
+        if rounds < 1:
+            raise TooMuchWorkError(f"required {2 * one} units of work, allowed {self.work}")
+        return rounds
 
 
-EFFORTS = {"fast": SearchEffort((2,), 16), "best": SearchEffort((2, 4), 25)}
+class TooMuchWorkError(Exception):
+    """The programs of a search are so large that it is not begun."""
+
+
+EFFORTS = {"fast": SearchEffort((2,), 16, 800_000_000), "best": SearchEffort((2, 4), 25)}  # some 5 s; a minute and more
 
 
 @dataclass(frozen=True)
@@ -117,16 +134,21 @@ def find_reshaped_region(
 
     Raises:
         BeyondReachError: for a V that bends, and for a system that is not decided here.
+        TooMuchWorkError: where what is asked allows no round.
     """
     effort, search = EFFORTS[asked], _Iteration(system, start, limit)
-    total = 1 + effort.rounds * len(effort.degrees)
+    shape = search.given()
+    if shape is None:
+        return None
+    rounds = effort.affordable(search.work(shape))
+    total = 1 + rounds * len(effort.degrees)
     announce("shapes of V", 0, total)
-    best = search.first()
+    best = search.level(shape)
     if best is None:
         return None
     for k, degree in enumerate(effort.degrees):
-        for done in range(effort.rounds):
-            announce("shapes of V", 1 + k * effort.rounds + done, total)
+        for done in range(rounds):
+            announce("shapes of V", 1 + k * rounds + done, total)
             best = search.rescaled(best)
             further = search.improved(best, degree)
             if further is None:
@@ -215,8 +237,8 @@ class _Iteration:
 
     # -- one step each
 
-    def first(self) -> _Level | None:
-        """The level of the V that is given."""
+    def given(self) -> _Shape | None:
+        """The V that is given; None for one of odd degree or with linear terms."""
         scaled = {e: c * self.radius ** sum(e) for e, c in self.start.items()}
         degree = max(map(sum, scaled))
         if degree % 2 or min(map(sum, scaled)) < 2:
@@ -224,7 +246,12 @@ class _Iteration:
         exponents = self.exponents(degree)
         size = max(abs(float(c)) for c in scaled.values())
         values = np.array([float(scaled.get(e, 0)) / size for e in exponents])
-        return self.level(_Shape(exponents, values))
+        return _Shape(exponents, values)
+
+    def work(self, shape: _Shape) -> int:
+        """What one program of each condition takes: the cubes of the numbers of unknowns, as in linear algebra."""
+        asked = self._below(shape, self.falling(shape), 1.0)
+        return sum(_unknowns(build_blocks(own)) ** 3 for own in asked)
 
     def level(self, shape: _Shape) -> _Level | None:
         """The largest level of a V that squares show, as level one."""
@@ -268,11 +295,8 @@ class _Iteration:
 
     def _squares(self, shape: _Shape, conditions: Sequence[Condition], level: float) -> tuple[Terms, ...] | None:
         """The multiplier s of each condition at a level; None where none is found."""
-        zero = (0,) * self.count
-        below = add_terms({zero: nearest(level, FLOATS)}, {e: -c for e, c in shape.terms.items()})
         found = []
-        for condition in conditions:
-            asked = replace(condition, guards=(*condition.guards, below))
+        for condition, asked in zip(conditions, self._below(shape, conditions, level), strict=True):
             blocks = build_blocks(asked)
             if _unknowns(blocks) > MOST_UNKNOWNS:
                 return None
@@ -281,6 +305,12 @@ class _Iteration:
                 return None
             found.append(_square(blocks, solved, len(condition.guards)))
         return tuple(found)
+
+    def _below(self, shape: _Shape, conditions: Sequence[Condition], level: float) -> list[Condition]:
+        """Conditions where V is below a level."""
+        zero = (0,) * self.count
+        below = add_terms({zero: nearest(level, FLOATS)}, {e: -c for e, c in shape.terms.items()})
+        return [replace(condition, guards=(*condition.guards, below)) for condition in conditions]
 
     def rescaled(self, before: _Level) -> _Level:
         """The same V in units in which its region has a half-width between one half and one."""

@@ -304,8 +304,8 @@ class System(PythonScene):
     def check(self, **changes: Any) -> SystemCheckResult:
         """Stability of the equilibrium.
 
-        The region is a level set of the V that decides; ``check().with_region("fast")`` certifies triangles beyond it,
-        as the command does by default in two states.
+        The region is a level set of the V that decides; ``check().with_region("fast")`` certifies a larger one,
+        as the command does by default: triangles in two states, a level set of another V in more.
 
         Args:
             **changes: as for :meth:`with_`.

@@ -12,6 +12,9 @@ from scipy.integrate import solve_ivp
 
 import nonsmooth as ns
 from nonsmooth.proofs.checker.statements import refusal
+from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE
+from nonsmooth.proofs.kernel.cells import started, stated_cells
+from nonsmooth.proofs.kernel.search import NotShownError, SampledProofs, stability_hypotheses
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 
@@ -92,3 +95,15 @@ def test_a_square_is_not_the_space() -> None:
         if "proper" in entry["hypotheses"]:
             entry["hypotheses"]["cells"]["within"] = "1/2"
     assert refusal(certificate, SIZE)
+
+
+def test_samples_refute_beyond_the_cube() -> None:
+    """``r r' = -r^2 + r^4/9`` is negative exactly where ``r < 3``: no sample of the unit cube refutes that V falls."""
+    states = ["x", "y", "z"]
+    square = "(x**2 + y**2 + z**2)"
+    system = ns.System(states, [f"-{x} + {square}*{x}/9" for x in states]).system
+    subject, _ = started(system, None)
+    cells = stated_cells(system, None, ()).record
+    hypotheses = stability_hypotheses(cells, square, ASYMPTOTICALLY_STABLE) | {"everywhere": True, "proper": "1/4"}
+    with pytest.raises(NotShownError, match="a sample refutes"):
+        SampledProofs().entry(subject, "lyapunov", hypotheses)

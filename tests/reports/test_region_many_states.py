@@ -30,3 +30,15 @@ def test_nine_tenths_of_a_level_and_no_more_than_it(invoke: Invoke, tmp_path: Pa
     border = rays / np.sqrt(q(*rays))
     assert (v(*(np.sqrt(0.9) * border)) < own["level"]).all()
     assert (v(*border) >= own["level"]).all()
+
+
+def test_programs_that_are_too_large_are_said_to_be(invoke: Invoke, tmp_path: Path) -> None:
+    """In eight states the verdict is told at once, with a line on why no larger region was sought."""
+    states = [f"x{k}" for k in range(8)]
+    file = tmp_path / "eight.toml"
+    file.write_text(
+        f"[system]\nstates = {json.dumps(states)}\nrhs = {json.dumps([f'-{x} + x0*{x}' for x in states])}\n",
+        encoding="utf-8",
+    )
+    assert "no larger region was sought" in invoke("check", str(file)).out
+    assert "no larger region was sought" not in invoke("check", str(file), "--region", "none").out
