@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from nonsmooth.reports.choices import LawName
 from nonsmooth.reports.document import Block, Paragraph, table
-from nonsmooth.reports.law_languages import Language, law_program
+from nonsmooth.reports.law_languages import Language, header, law_program
 from nonsmooth.reports.law_table import LawTable, law_table
 from nonsmooth.reports.result import FORMATS, DataTable, Record, Result, short_lines
 from nonsmooth.symbolic.number_text import short_text
@@ -31,7 +31,7 @@ class LawResult(Result):
 
     formats: ClassVar[Mapping[str, Callable[[Any, str], bytes]]] = {
         **{str(each): lambda found, ending: found.program(Language(ending)).encode() for each in Language},
-        ".csv": FORMATS[".csv"],
+        ".csv": lambda found, ending: found.comments().encode() + FORMATS[".csv"](found, ending),
     }
 
     def __call__(self, x: float, y: float, theta: float, k: float = 1.0) -> dict[int, float]:
@@ -59,6 +59,11 @@ class LawResult(Result):
         if chosen is None:
             raise ValueError(f"law: required a language among python, c, st, received {language[:60]!r}")
         return law_program(self.law, self.at, chosen)
+
+    def comments(self) -> str:
+        """What whoever programs a machine from the table must know, in lines that begin with ``#``: see ``header``."""
+        constants = (f"{name} = {value!r}" for name, value in self.law.constants.items())
+        return "".join(f"# {line}\n" for line in (*header(self.law, self.at, Language.PYTHON), *constants))
 
     def facts(self) -> Record:
         """The law as a record."""

@@ -207,6 +207,19 @@ def test_the_program_states_units_and_the_speed_of_its_wheels() -> None:
     assert "Lengths are in" not in law_of(check_theorem4(scene)).program()
 
 
+@pytest.mark.parametrize("name", ["four-wheel", 'x\n"""\nregion,where'])
+def test_a_table_says_what_a_program_says(name: str) -> None:
+    """Region, largest speed and the constants of its formulas, in comments before the names of its columns."""
+    law = law_of(check_theorem4(replace(load_scene("four-wheel"), name=name)))
+    lines = law.formats[".csv"](law, ".csv").decode().splitlines()
+    first = next(k for k, line in enumerate(lines) if not line.startswith("# "))
+    assert lines[first] == "region,where,xi_l,wheel,speed"
+    head = " ".join(" ".join(lines[:first]).replace("#", "").split())
+    assert "certified from starts with V < 0.25" in head
+    assert "No rim is asked for a speed above 1.00001 k sqrt(V)" in head
+    assert "w = 1.0" in head
+
+
 def test_a_hostile_name_stays_text(tmp_path: Path) -> None:
     scene = replace(load_scene("ring-3"), name='"""\nimport os\n\\"""{0}')
     assert exported(check_theorem4(scene), tmp_path)["speeds"](0.01, 0.0, 0.0)
@@ -215,8 +228,8 @@ def test_a_hostile_name_stays_text(tmp_path: Path) -> None:
 
 def test_the_command_writes_table_and_program(invoke: Invoke, tmp_path: Path) -> None:
     assert invoke("check", "four-wheel", "--law", "law.csv").status == 0
-    with (tmp_path / "law.csv").open(encoding="utf-8", newline="") as file:
-        rows = list(csv.DictReader(file))
+    lines = (tmp_path / "law.csv").read_text(encoding="utf-8").splitlines()
+    rows = list(csv.DictReader(line for line in lines if not line.startswith("#")))
     assert [row["wheel"] for row in rows[:2]] == ["1", "2"]
     assert {row["region"] for row in rows} == {f"cell {k}" for k in range(1, 9)}
     outcome = invoke("check", "four-wheel", "--rule", "box", "--law", "law.py", "--json")
