@@ -215,6 +215,7 @@ def test_functions_that_run(tmp_path: Path) -> None:
 
 
 LITERAL = """
+import io
 import sys
 from pathlib import Path
 from tests.sources import product_files
@@ -227,6 +228,7 @@ def trace(frame, event, argument):
         ran.add((code.co_filename, code.co_firstlineno))
 
 sys.argv = ["nonsmooth", "--version"]
+sys.stderr = io.StringIO()  # progress is shown on no stream of somebody who calls a command
 sys.settrace(trace)
 try:
     from nonsmooth.reports.cli import main
