@@ -22,7 +22,7 @@ from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.trajectories.result import EndReason, Trajectory, TrajectoryError
 from nonsmooth.proofs.answers.failures import NO_TABLE, FailureKind, stopped, without
 from nonsmooth.reports.document import Block, Paragraph, table
-from nonsmooth.reports.path_ends import in_unit
+from nonsmooth.reports.path_ends import ArrayPathEnd, in_unit
 from nonsmooth.reports.refusals import OptionError
 from nonsmooth.reports.result import DataTable, Record, Result, short_lines
 from nonsmooth.reports.simulate_options import SimulateOptions
@@ -206,12 +206,18 @@ class FailedPathsResult(Result):
             place = "-" if path.end is None else place_text(path.end[:2], 4)
             heading = "-" if path.end is None else float_text(math.degrees(path.end[2]), 4)
             home = "-" if path.is_open else "yes" if path.home else "no"
-            lines.append([str(path.failed), place, heading, _text(move and move[0]), home, path.how])
+            lines.append([str(path.failed), place, heading, _text(move and move[0]), home, self._how(path)])
         return table(
             ("failed", in_unit("ends at", unit), "heading (deg)", in_unit("moved", unit), "home", "how it ends"),
             lines,
             (1.0, 1.0, 0.7, 0.6, 0.4, 1.6),
         )
+
+    def _how(self, path: FailedPath) -> str:
+        """How a path ends; where its time is over, with which motion."""
+        if path.path is None or path.path.end.reason is not EndReason.TIME or path.does_tip:
+            return path.how
+        return ArrayPathEnd(self.scene, path.path).motion()
 
     def _worst_first(self) -> list[Failed]:
         """The failures by how many bodies no longer come home; of equal ones by how far the end moves."""
@@ -333,7 +339,7 @@ def _cases(scene: Scene, text: str) -> Iterator[Failed]:
         groups: list[tuple[int, ...]] = [(number,) for number in known]
     else:
         parts = [part.strip() for part in text.split(",")]
-        named = {str(number): number for number in known}
+        named = {f"{number:d}": number for number in known} | {str(number): number for number in known}  # names win
         wrong = next((part for part in parts if part not in named), None)
         if wrong is not None:
             required = f"wheels among {numbers_text(tuple(known))}, or {ANY}"

@@ -83,6 +83,10 @@ class ArrayPathEnd:
         """From the checked point (length)."""
         return distance_from_point(self.scene, self.path.end.state)
 
+    def motion(self) -> str:
+        """``at rest since 1.1 s``, ``creeps at 0.3 mm/s``, ``moving at 20 mm/s and turning at 3 deg/s``."""
+        return _motion(self.ending, self.scene)
+
     def record(self) -> dict[str, Any]:
         """JSON-ready: ``motion, since, speed, turning, distance, accuracy, settles_after, swings``."""
         where = {"distance": self.distance, "accuracy": float(accuracy_at_point(self.scene))}
@@ -98,7 +102,7 @@ class ArrayPathEnd:
             parts += [_settles(self.scene, self.settles_after)]
         if self.swings:
             parts += [_swings(self.swings)]
-        return ", ".join([*parts, _motion(self.ending, self.scene)])
+        return ", ".join([*parts, self.motion()])
 
 
 def distance_from_point(scene: Scene, state: Any) -> float:

@@ -191,6 +191,13 @@ def test_undecided_may_become_decided_and_not_the_other_way_round() -> None:
 # ---- records and reasons -------------------------------------------------------------------------
 
 
+def test_a_faster_machine_may_end_in_time_and_a_slower_product_not() -> None:
+    late = {"outcome": "time-out", "error": None, "note": "not done within 1 s"}
+    done = {"outcome": "done", "error": 1e-3, "note": ""}
+    assert not refused({"rows": [late]}, {"rows": [done]})
+    assert refused({"rows": [done]}, {"rows": [late]})
+
+
 def test_an_accepted_change_carries_its_reason_and_differences(tmp_path: Path) -> None:
     row = next(row for row in rows() if row.line == CHECK)
     accept([Change(row, {"value": 1}, [])], [], "frozen", tmp_path)

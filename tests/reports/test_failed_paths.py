@@ -139,6 +139,33 @@ def test_wheels_fail_together() -> None:
     assert [failure["wheels"] for failure in found["failures"]] == [[1, 2], [1, 2]]
 
 
+def test_wheels_with_names_fail_by_their_numbers_too(tmp_path: Path) -> None:
+    """A name that is another wheel's number stands for the wheel of that name."""
+    head = (
+        'units = { length = "mm", speed = "m/s" }\nfriction = { mu_roll = 1, mu_side = 1 }\ncheck = { radius = 20 }\n'
+    )
+    rows = [("A", 100, 100), ("3", -100, 100), ("C", -100, -100), ("D", 100, -100)]
+    wheels = [f'{{ name = "{n}", position = [{x}, {y}], heading = [{-x}, {-y}], speed = "1/10" }}' for n, x, y in rows]
+    (tmp_path / "named.toml").write_text(f"{head}wheel = [{', '.join(wheels)}]\n", encoding="utf-8")
+    scene = load_scene(tmp_path / "named.toml")
+
+    def failing(text: str) -> list[tuple[str, ...]]:
+        found = follow_failures(scene, SimulateOptions(start="5,2,0", until=0.1, fail=text))
+        return [tuple(map(str, failed.wheels)) for failed in found.failures]
+
+    assert failing("1,4") == failing("A,D") == [("A", "D")] * 2
+    assert failing("3") == failing("2") == [("3",)] * 2
+
+
+def test_how_each_path_ends(invoke: Invoke) -> None:
+    """With which motion where the time is over, as a path alone says it."""
+    out = " ".join(
+        invoke("simulate", "four-wheel", "--from", "0.2,0.1,0", "--until", "0.01", "--fail", "1").out.split()
+    )
+    assert "moving" in out
+    assert "the time is over" not in out
+
+
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
