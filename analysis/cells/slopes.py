@@ -28,7 +28,7 @@ from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.symbolic.constraints import Triple, inner
 
 MOST_TIGHT = 300  # rows that hold at one twist: their pairs times their number are held in memory, in floats
-BLOCK = 256  # pairs whose products with all rows that hold are in the processor's cache together
+BLOCK = 256  # vectors whose products with the rows of all wheels are in the processor's cache together
 SAME_DIRECTION = 2.0**-20  # of unit vectors: edges as close as this are compared exactly, others are kept apart
 LEADING = 2.0**-10  # of a unit vector: its first entry beyond this is made positive
 
@@ -152,9 +152,8 @@ class _PairTable:
         a, b = (arrangement.normals[self.pairs[:, k]] for k in (0, 1))
         self.directions, self.sizes = np.cross(a, b), _permanents(np.abs(a), np.abs(b))
         normals, weights = arrangement.normals, arrangement.float_weights
-        blocks = np.split(self.directions, range(BLOCK, len(self.directions), BLOCK))
         rows = np.ascontiguousarray(normals[tight].T)
-        kept = np.concatenate([np.abs(block @ rows) @ weights[tight] for block in blocks])
+        kept = np.concatenate([np.abs(block @ rows) @ weights[tight] for block in blocks(self.directions)])
         along = self.directions @ ((normals.T * signs) @ weights)
         bounds = self.sizes @ (np.abs(normals.T) @ np.abs(weights))
         self.ahead, self.back = FloatForms(kept + along, bounds), FloatForms(kept - along, bounds)
@@ -211,6 +210,11 @@ def _clipped(outline: Sequence[Corner], values: Sequence[float], number: int) ->
             t = here / (here - after)
             found.append((x + t * (u - x), y + t * (v - y), number if here >= 0 else side))
     return found
+
+
+def blocks(vectors: Floats) -> list[Floats]:
+    """Parts of a table (m, 3) that are small enough for products with the rows of all wheels to stay in the cache."""
+    return np.split(vectors, range(BLOCK, len(vectors), BLOCK))
 
 
 def _permanents(a: Floats, b: Floats) -> Floats:

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.loads import LoadRegion
+from nonsmooth.analysis.cells.slopes import blocks
 from nonsmooth.analysis.contact_rule import CellRule, friction_sets, rule_of
 from nonsmooth.proofs.clauses.feedback.balanced_twists import BalancedTwist, balance_twist, exclude_twist
 from nonsmooth.proofs.clauses.feedback.box_twists import BoxTwist, Drives, candidate_twists, edge_of, side_planes
@@ -32,7 +33,6 @@ FEW_OF = 6  # part of them beyond which the search may end
 TRIED = 100  # candidates of which it is tried to prove that no speeds impose them
 DIRECTIONS = 64  # m: those in which the array has least grip
 PAIRS = 20_000  # of planes: all of two hundred wheels
-BLOCK = 256  # twists at once, whose products with all wheels stay in the processor's cache
 SAME = 2.0**-40  # relative: a wheel slips less than this, or not at all
 LEAST_MARGIN = 2.0**-20  # of all friction: below that the margin may be rounding
 USED = -1.0  # in place of the margin of a candidate that was proposed
@@ -127,7 +127,7 @@ class PromisingTwists:
         lengths = np.linalg.norm(edges, axis=1, keepdims=True)
         self._edges = np.divide(edges, lengths, out=np.zeros_like(edges), where=lengths > 0)
         grip = _Grip(scene, region)
-        self._margin = np.concatenate([grip.margin(block) for block in _blocks(self._edges)])
+        self._margin = np.concatenate([grip.margin(block) for block in blocks(self._edges)])
 
     def next(self, span: Sequence[Triple]) -> Triple | None:
         """The best candidate off the span of these twists; None where there seems to be none.  Each comes once."""
@@ -193,16 +193,12 @@ def _least_grip(along: Floats, across: Floats) -> Floats:
     lengths = np.linalg.norm(normals, axis=1)
     m = normals[lengths > lengths.max() * SAME] / lengths[lengths > lengths.max() * SAME, None]
     held, pushed = (
-        np.concatenate([np.abs(block @ rows.T).sum(axis=1) for block in _blocks(m)]) for rows in (along, across)
+        np.concatenate([np.abs(block @ rows.T).sum(axis=1) for block in blocks(m)]) for rows in (along, across)
     )
     grip = np.divide(held, pushed, out=np.full(len(m), np.inf), where=pushed > 0)
     few = min(DIRECTIONS, len(grip))
     least = np.flatnonzero(grip <= np.partition(grip, few - 1)[few - 1])
     return np.asarray(m[least[np.argsort(grip[least], kind="stable")[:few]]])
-
-
-def _blocks(rows: Floats) -> list[Floats]:
-    return np.split(rows, range(BLOCK, len(rows), BLOCK))
 
 
 def _some_pairs(count: int) -> NDArray[np.int_]:
