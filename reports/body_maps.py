@@ -55,7 +55,8 @@ if TYPE_CHECKING:
 
 SCHEMA = "nonsmooth-body-map/1"
 OPEN_HEADING = "rests: the place does; the rate of theta there is open under this rule, and the steps pick one"
-TURNS_ON = "rests: the place does; the body covers all wheels, and turns there as they turn it"
+PLACE_RESTS = "its place rests"  # of a body that covers all wheels
+TURNS_ON = f"{PLACE_RESTS}: the body covers all wheels, and turns there as they turn it"
 LINES = 4  # over which bodies tip, that are named
 SHOWN = 12  # destinations listed on a terminal
 
@@ -145,7 +146,11 @@ class BodyMapResult(MapResult):
     @property
     def shares(self) -> list[tuple[str, str]]:
         """Share and words of every destination."""
-        return [(percent_text(one.share), one.text) for one in self.destinations]
+        return [(percent_text(one.share), self.in_words(one.text)) for one in self.destinations]
+
+    def in_words(self, end: str) -> str:
+        """An end; of a body that covers all wheels its place rests, and the body may turn on there."""
+        return end if self.scene.body is not None else end.replace(BodyEnd.REST.value, PLACE_RESTS)
 
     @property
     def title(self) -> str:
@@ -196,7 +201,8 @@ class BodyMapResult(MapResult):
         counts = {reason: int(self.found.by(reason).sum()) for reason in BodyEnd}
         places = sum(one.reason is BodyEnd.REST for one in self.destinations)
         at = {BodyEnd.REST: f" at {places} {'place' if places == 1 else 'places'}"}
-        return [Part(reason.value + at.get(reason, ""), count) for reason, count in counts.items() if count]
+        named = {reason: self.in_words(reason.value) + at.get(reason, "") for reason in BodyEnd}
+        return [Part(named[reason], count) for reason, count in counts.items() if count]
 
     def blocks(self) -> Sequence[Block]:
         """The shares of the destinations."""
@@ -276,7 +282,7 @@ def _end(pose: list[float], found: BodyEnds, k: int) -> dict[str, Any]:
 
 def destinations_figure(shown: BodyMapResult) -> Figure:
     """Starts by where they end, and the body at each destination."""
-    entries: list[Artist] = [*_destinations_legend(shown.destinations)]
+    entries: list[Artist] = [*_destinations_legend(shown)]
     entries += [mark_entry("+", "checked point", markersize=9), mark_entry(".", "wheel", markersize=4)]
     # a body that covers all wheels has no outline to show, and one that moves on no place for it
     has_bodies = shown.scene.body is not None and any(one.pose is not None for one in shown.destinations)
@@ -361,17 +367,19 @@ def _draw_contacts(axes: Axes, shown: BodyMapResult) -> None:
     axes.set(**limits)
 
 
-def _destinations_legend(found: list[PathEnd]) -> list[Patch]:
+def _destinations_legend(result: BodyMapResult) -> list[Patch]:
     """An entry for each color."""
     from matplotlib.patches import Patch
 
     entries, others = [], list[PathEnd]()
+    found = result.destinations
     for k, (one, color) in enumerate(zip(found, _colors(found), strict=True)):
         if one.reason is BodyEnd.REST and k >= len(TOLD_APART):
             others.append(one)
             continue
         hatch = HATCH if color == TIPS else None
-        entries.append(Patch(facecolor=color, edgecolor=INK, hatch=hatch, label=f"{100 * one.share:.3g} %: {one.text}"))
+        label = f"{100 * one.share:.3g} %: {result.in_words(one.text)}"
+        entries.append(Patch(facecolor=color, edgecolor=INK, hatch=hatch, label=label))
     if others:
         share = 100 * sum(one.share for one in others)
         entries.append(Patch(facecolor=OTHER_PLACES, label=f"{share:.3g} %: {len(others)} other places of rest"))

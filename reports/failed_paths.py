@@ -19,6 +19,7 @@ import numpy as np
 from nonsmooth.analysis.bodies.mass_study import rule_path
 from nonsmooth.analysis.bodies.path import BodyPath
 from nonsmooth.analysis.cells.partition import RefusalError
+from nonsmooth.analysis.trajectories.ending import EndMotion
 from nonsmooth.analysis.trajectories.result import EndReason, Trajectory, TrajectoryError
 from nonsmooth.proofs.answers.failures import NO_TABLE, FailureKind, stopped, without
 from nonsmooth.reports.document import Block, Paragraph, table
@@ -45,6 +46,7 @@ INSIDE = 1e-9  # of a side's length: a centre of mass as near to the edge of its
 COLORS = ("C0", "C1", "C2", "C3", "C4", "C5", "C6", "C8")  # of the worst failures, which are named; C7 is gray
 COLUMNS = 4  # of the legend
 OTHERS, OTHER_COLOR = "other failures", "0.45"
+_THEN = {EndMotion.AT_REST: "rests", EndMotion.CREEPS: "creeps", EndMotion.MOVING: "moves on"}
 
 
 @dataclass(frozen=True)
@@ -55,9 +57,12 @@ class Failed:
     kind: FailureKind | None = None
 
     def __str__(self) -> str:
-        if self.kind is None:
-            return "none"
-        return f"wheel{'s' * (len(self.wheels) > 1)} {numbers_text(self.wheels)} {self.kind}"
+        return self.short if self.kind is None else f"wheel{'s' * (len(self.wheels) > 1)} {self.short}"
+
+    @property
+    def short(self) -> str:
+        """``5, 7 lifted``: for a table of wheels."""
+        return "none" if self.kind is None else f"{numbers_text(self.wheels)} {self.kind}"
 
 
 @dataclass(frozen=True)
@@ -206,18 +211,15 @@ class FailedPathsResult(Result):
             place = "-" if path.end is None else place_text(path.end[:2], 4)
             heading = "-" if path.end is None else float_text(math.degrees(path.end[2]), 4)
             home = "-" if path.is_open else "yes" if path.home else "no"
-            lines.append([str(path.failed), place, heading, _text(move and move[0]), home, self._how(path)])
-        return table(
-            ("failed", in_unit("ends at", unit), "heading (deg)", in_unit("moved", unit), "home", "how it ends"),
-            lines,
-            (1.0, 1.0, 0.7, 0.6, 0.4, 1.6),
-        )
+            lines.append([path.failed.short, place, heading, _text(move and move[0]), home, self._how(path)])
+        names = ("wheel failed", in_unit("ends at", unit), "heading (deg)", in_unit("moved", unit), "home", "then")
+        return table(names, lines, (1.2, 1.5, 1.0, 0.9, 0.5, 0.9))
 
     def _how(self, path: FailedPath) -> str:
-        """How a path ends; where its time is over, with which motion."""
+        """How a path ends; where its time is over, in a word with which motion: each failure is one line."""
         if path.path is None or path.path.end.reason is not EndReason.TIME or path.does_tip:
             return path.how
-        return ArrayPathEnd(self.scene, path.path).motion()
+        return _THEN[ArrayPathEnd(self.scene, path.path).ending.motion]
 
     def _worst_first(self) -> list[Failed]:
         """The failures by how many bodies no longer come home; of equal ones by how far the end moves."""

@@ -158,11 +158,11 @@ def test_wheels_with_names_fail_by_their_numbers_too(tmp_path: Path) -> None:
 
 
 def test_how_each_path_ends(invoke: Invoke) -> None:
-    """With which motion where the time is over, as a path alone says it."""
+    """With which motion where the time is over."""
     out = " ".join(
         invoke("simulate", "four-wheel", "--from", "0.2,0.1,0", "--until", "0.01", "--fail", "1").out.split()
     )
-    assert "moving" in out
+    assert "moves on" in out
     assert "the time is over" not in out
 
 
