@@ -41,6 +41,7 @@ from nonsmooth.reports.workbench.shapes import (
     wheels_record,
 )
 from nonsmooth.symbolic.contact_set import TipsError, contact_set, standing
+from nonsmooth.symbolic.files.one_by_one import unit_of_speed
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, watched, work_limit
 from nonsmooth.symbolic.plane import around, cross, dot, minus
 from nonsmooth.symbolic.scene import Scene
@@ -210,7 +211,7 @@ def fast_stage(array: Array, units: int | None = None) -> Stage:
         "stage": "fast",
         "kind": "array",
         **geometry,
-        "wheels": wheels_record(stands, carrying, loads_at_point(stands)),
+        "wheels": wheels_record(stands, unit_of_speed(array.document, scene), carrying, loads_at_point(stands)),
         "body": body_record(scene),
         "square": square_record(stands),
         "values": _values(stands),

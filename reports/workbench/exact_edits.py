@@ -21,6 +21,7 @@ from nonsmooth.reports.workbench.documents import (
     short_entry,
 )
 from nonsmooth.reports.workbench.requests import RequestError
+from nonsmooth.symbolic.files.one_by_one import unit_of_speed
 from nonsmooth.symbolic.files.scene_values import Numbers, read_angle, read_exact
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.scene import Scene
@@ -108,6 +109,10 @@ class _Edit(NamedTuple):
         """The exact wheel of a number."""
         return self.scene.wheels[number - 1]
 
+    def speed(self, wheel: Wheel) -> Any:
+        """The speed of a wheel as this document states it, in its own unit."""
+        return short_entry(wheel.speed / unit_of_speed(self.document, self.scene))
+
 
 def _is_whole(value: object) -> bool:
     return isinstance(value, int) and not isinstance(value, bool)
@@ -132,7 +137,7 @@ def _formula(value: object, key: str) -> str:
 def _expand(edit: _Edit) -> Edited:
     """Every wheel with its position, heading and speed as exact numbers, and without a field that gives them."""
     tables = [
-        {**table, "heading": table.get("heading", _entries(wheel.direction)), "speed": short_entry(wheel.speed)}
+        {**table, "heading": table.get("heading", _entries(wheel.direction)), "speed": edit.speed(wheel)}
         for table, wheel in zip(edit.tables, edit.scene.wheels, strict=True)
     ]
     kept = {key: value for key, value in edit.document.items() if key not in (*LAYOUTS, "field", "wheel")}
@@ -243,7 +248,7 @@ def _mapped(edit: _Edit, linear: Linear, *, copies: bool) -> Edited:
         if "axis" in own or "axis" in edit.document.get("friction", {}):
             table["axis"] = list(linear(_texts(wheel.axis or wheel.direction)))
         if wheel.given_speed is None or "speed" not in own:
-            table["speed"] = short_entry(wheel.speed)
+            table["speed"] = edit.speed(wheel)
         made.append(table)
     if copies:
         return _extended(edit, made)

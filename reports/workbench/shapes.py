@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
+from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 from nonsmooth.analysis.cells.loads import elastic_loads_at, value_at
@@ -28,11 +29,17 @@ def point(vector: Sequence[Any]) -> list[float]:
     return [float(value) for value in vector]
 
 
-def wheels_record(scene: Scene, carrying: Collection[int], loads: Mapping[int, float]) -> list[dict[str, Any]]:
-    """Every wheel in its order: place, rim, speed, friction, load; exact texts beside what may be edited."""
+def wheels_record(
+    scene: Scene, unit: Fraction, carrying: Collection[int], loads: Mapping[int, float]
+) -> list[dict[str, Any]]:
+    """Every wheel in its order: place, rim, speed, friction, load; exact texts beside what may be edited.
+
+    ``unit`` is that in which the document states speeds, in lengths per second: so they are here, too.
+    """
     wheels = sorted((*scene.wheels, *scene.idle), key=lambda wheel: wheel.index)
     return [
-        {**_wheel_record(wheel, wheel.index in carrying, loads.get(wheel.index)), "rule": scene.rule_of_wheel(wheel)}
+        _wheel_record(wheel, unit, wheel.index in carrying, loads.get(wheel.index))
+        | {"rule": scene.rule_of_wheel(wheel)}
         for wheel in wheels
     ]
 
@@ -53,15 +60,16 @@ def loads_at_point(scene: Scene) -> dict[int, float]:
     return {number: float(force) for number, force in zip(numbers, forces, strict=True)}
 
 
-def _wheel_record(wheel: Wheel, carries: bool, load: float | None) -> dict[str, Any]:
+def _wheel_record(wheel: Wheel, unit: Fraction, carries: bool, load: float | None) -> dict[str, Any]:
     x, y = point(wheel.position)
+    speed = wheel.speed / unit
     return {
         "name": str(wheel.index),
         "x": x,
         "y": y,
         "rim": point(wheel.unit_direction),
         "axis": None if wheel.axis is None else point(wheel.unit_grip),
-        "speed": float(wheel.speed),
+        "speed": float(speed),
         "mu_roll": float(wheel.friction.roll),
         "mu_side": float(wheel.friction.side),
         "carries": carries,
@@ -69,7 +77,7 @@ def _wheel_record(wheel: Wheel, carries: bool, load: float | None) -> dict[str, 
         "exact": {
             "position": [brief_text(value) for value in wheel.position],
             "rim": [brief_text(value) for value in wheel.direction],
-            "speed": brief_text(wheel.speed),
+            "speed": brief_text(speed),
         },
     }
 

@@ -2,7 +2,7 @@
 // May be changed: which numbers are read out. They are floats of the last reply, for the eye only.
 
 import { say } from "./dom.js";
-import { isSystem } from "./scene_document.js";
+import { isSystem, unitOf } from "./scene_document.js";
 import { shown } from "./values.js";
 
 const KINDS = { exact: "cells: exact", sampled: "motion: sampled in floats", later: "cells follow …", none: "" };
@@ -21,15 +21,15 @@ export function startReadout(line, how, drawing, page = document.body) {
 function text(drawing, { at: [x, y], cell, wheel }) {
   const { geometry } = drawing.results;
   const parts = [`(${shown(x)}, ${shown(y)})`];
-  if (wheel !== undefined) parts.push(...aboutWheel(drawing.wheels()[Number(wheel)], Number(wheel)));
+  if (wheel !== undefined) parts.push(...aboutWheel(drawing.wheels()[Number(wheel)], Number(wheel), unitOf(drawing.store.document, "speed")));
   else if (cell !== undefined && !isSystem(drawing.store.document)) parts.push(...aboutCell(geometry?.cells?.[Number(cell)], x, y));
   return parts.join("   ");
 }
 
-function aboutWheel(wheel, index) {
+function aboutWheel(wheel, index, unit) {
   if (!wheel) return [];
   const load = wheel.load === undefined || wheel.load === null ? "" : `, load ${shown(wheel.load)}`;
-  return [`wheel ${index + 1}: speed ${shown(wheel.speed)}${load}${wheel.carries === false ? ", carries nothing" : ""}`];
+  return [`wheel ${index + 1}: speed ${shown(wheel.speed)}${unit && ` ${unit}`}${load}${wheel.carries === false ? ", carries nothing" : ""}`];
 }
 
 /** The motion in a cell at the pointer: the twist is about the world's origin. */

@@ -51,6 +51,5 @@ export function withHeading(document, index, heading, speed) {
 export function unitOf({ units }, kind) {
   if (kind === "angle") return units?.angle ?? (units?.length ? "deg" : "");
   if (!units?.length) return "";
-  const rate = `${units.length}/s`; // replies are in lengths per second
-  return { length: units.length, speed: units.speed ?? rate, rate, time: "s" }[kind] ?? "";
+  return { length: units.length, speed: units.speed ?? `${units.length}/s`, time: "s" }[kind] ?? "";
 }

@@ -164,16 +164,12 @@ export class Sliders {
     return [...this.#groups(wheels, kindOf, title, ratio, { min: 0, max: 2, step: 0.01 }, across), ...this.#speedsOf(wheels)];
   }
 
-  /** Speeds in the unit of the document: replies are in lengths per second. None in a unit that is not known here. */
   #speedsOf(wheels) {
-    const factor = speedFactor(this.store.document);
-    if (factor === undefined) return [];
-    const speedIn = ({ speed }) => Number((speed * factor).toPrecision(12));
-    const most = Math.max(...wheels.map((wheel) => Math.abs(speedIn(wheel))), 1e-12);
+    const most = Math.max(...wheels.map(({ speed }) => Math.abs(speed)), 1e-12);
     const top = 2 * Number(most.toPrecision(1));
     const unit = unitOf(this.store.document, "speed");
     const change = (_, speed) => ({ speed: Number(speed.toPrecision(6)) });
-    return this.#groups(wheels, speedOf, () => `Speed${unit ? ` [${unit}]` : ""}`, speedIn, { min: -top, max: top, step: niceStep(top / 400) }, change);
+    return this.#groups(wheels, speedOf, () => `Speed${unit ? ` [${unit}]` : ""}`, ({ speed }) => speed, { min: -top, max: top, step: niceStep(top / 400) }, change);
   }
 
   /** One slider for each kind and each speed; while one is dragged they stay as they are. */
@@ -242,15 +238,6 @@ export class Sliders {
     say(output, shown(value));
     attr(input, "aria-valuetext", shown(value));
   }
-}
-
-const METRES = { m: 1, cm: 0.01, mm: 0.001 };
-
-/** What a speed in lengths per second is in the document's own unit of speed; undefined for one that is not known. */
-function speedFactor({ units }) {
-  if (!units?.length || !units.speed || units.speed === `${units.length}/s`) return 1;
-  const [of, per] = units.speed.split("/");
-  return per === "s" && METRES[of] && METRES[units.length] ? METRES[units.length] / METRES[of] : undefined;
 }
 
 /** Wheels by their names; `1-3, 5` where these are their numbers. */

@@ -21,7 +21,7 @@ const COLUMNS = [
   { label: "x", unit: "length" },
   { label: "y", unit: "length" },
   { label: "heading", unit: "angle", title: "the way its rim pushes a body, across the axle" },
-  { label: "speed", unit: "rate" },
+  { label: "speed", unit: "speed" },
   { label: "friction", title: "along the rim | across it" },
 ];
 
@@ -67,8 +67,8 @@ export class WheelPanel {
     const one = chosen.length === 1;
     this.box.hidden = !one;
     this.empty.hidden = chosen.length > 0;
-    const unit = unitOf(this.store.document, "length"); // replies are in lengths per second
-    say(this.empty, unit ? `${this.hint} Lengths are in ${unit}, speeds in ${unit}/s.` : this.hint);
+    const unit = unitOf(this.store.document, "length");
+    say(this.empty, unit ? `${this.hint} Lengths are in ${unit}, speeds in ${unitOf(this.store.document, "speed")}.` : this.hint);
     say(this.title, one ? `Wheel ${wheels[chosen[0]]?.name ?? chosen[0] + 1}` : chosen.length ? `${chosen.length} wheels selected` : "Wheels");
     if (one) this.#showFields(chosen[0]);
     else for (const { field } of this.fields) field.complain(null);

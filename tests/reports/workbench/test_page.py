@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, Page
+from playwright.sync_api import Browser, Page, Route
 
 import nonsmooth as ns
 from tests.browser import needs_chromium
@@ -184,9 +184,9 @@ def test_speeds_are_set_in_the_unit_of_the_scene(page: Page) -> None:
     wheels = edited(page, lambda: page.keyboard.press("ArrowRight"))["wheel"]
     assert {wheel["speed"] for wheel in wheels} == {0.252}
     assert page.locator("label[for=slider-checked-radius]").inner_text() == "Checked radius [mm]"
-    assert "Lengths are in mm, speeds in mm/s." in page.locator("#wheel-hint").inner_text()
+    assert "Lengths are in mm, speeds in m/s." in page.locator("#wheel-hint").inner_text()
     heads = page.locator("#wheel-head th").all_inner_texts()
-    assert heads == ["wheel", "x [mm]", "y [mm]", "heading [deg]", "speed [mm/s]", "friction"]
+    assert heads == ["wheel", "x [mm]", "y [mm]", "heading [deg]", "speed [m/s]", "friction"]
 
 
 def test_a_scene_with_units_has_a_card_on_inertia(page: Page) -> None:
@@ -428,9 +428,14 @@ def test_what_is_old_is_marked_in_the_frame_of_the_change(page: Page) -> None:
         const before = look();
         workbench.store.edit(({ document }) => ({ document: { ...document, friction: { mu_roll: 1, mu_side: 0.3 } } }));
         requestAnimationFrame(() => ready([before, look()])); })"""
+    held: list[Route] = []
+    page.route("**/api/view", held.append)  # no answer comes before the frame
     before, after = page.evaluate(marks)
     assert before == ["exact", "cells: exact", False, False, False]
     assert after == ["checking …", "cells follow …", True, True, True]
+    page.unroute("**/api/view")
+    for route in held:
+        route.continue_()
     settled(page)
     assert page.locator("#status").inner_text() == "exact"
     assert page.locator(".stale").count() == 0

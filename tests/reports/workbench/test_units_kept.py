@@ -3,8 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
+import pytest
+
+from nonsmooth.reports.interface.array import Array
+from nonsmooth.reports.workbench.array_view import fast_stage
 from nonsmooth.reports.workbench.documents import document_of, read_toml, written
+from nonsmooth.reports.workbench.exact_edits import edited
 from nonsmooth.symbolic.files.scene_file import load_scene
 
 TABLE = """Name;X;Y;Heading;mu_side;contact
@@ -35,3 +41,19 @@ def test_a_table_written_out_keeps_names_millimetres_and_degrees(tmp_path: Path)
             assert [str(value) for value in mine] == [str(value) for value in its]
         assert (str(wheel.speed), str(wheel.friction.side)) == (str(again.speed), str(again.friction.side))
         assert wheel.friction.rule == again.friction.rule
+
+
+@pytest.mark.parametrize(
+    "operation", [{"kind": "expand"}, {"kind": "mirror", "axis": "x"}, {"kind": "rotate", "angle": "30 deg"}]
+)
+def test_edits_keep_speeds_in_their_unit(operation: dict[str, Any]) -> None:
+    """Wheels that name no speed run at 1 m/s: written out, and shown, as 1 beside lengths in millimetres."""
+    grid = "grid = { rows = 2, columns = 2, pitch = 100 }\nfriction = { mu_roll = 1, mu_side = 1 }"
+    document = read_toml(f'name = "grid"\nunits = {{ length = "mm", speed = "m/s" }}\n{grid}')
+    after = edited(document, operation).document
+    assert {wheel["speed"] for wheel in after["wheel"]} == {1}
+    for one in (document, after):
+        array = Array.of_document(one)
+        assert {float(wheel.speed) for wheel in array.scene.wheels} == {1000}
+        wheels = fast_stage(array)["wheels"]
+        assert [(wheel["speed"], wheel["exact"]["speed"]) for wheel in wheels] == [(1, "1")] * 4
