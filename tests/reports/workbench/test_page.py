@@ -429,13 +429,17 @@ def test_what_is_old_is_marked_in_the_frame_of_the_change(page: Page) -> None:
         workbench.store.edit(({ document }) => ({ document: { ...document, friction: { mu_roll: 1, mu_side: 0.3 } } }));
         requestAnimationFrame(() => ready([before, look()])); })"""
     held: list[Route] = []
-    page.route("**/api/view", held.append)  # no answer comes before the frame
+
+    def hold(route: Route) -> None:  # no answer comes before the frame
+        held.append(route)
+
+    page.route("**/api/view", hold)
     before, after = page.evaluate(marks)
     assert before == ["exact", "cells: exact", False, False, False]
     assert after == ["checking …", "cells follow …", True, True, True]
-    page.unroute("**/api/view")
     for route in held:
         route.continue_()
+    page.unroute("**/api/view")
     settled(page)
     assert page.locator("#status").inner_text() == "exact"
     assert page.locator(".stale").count() == 0
