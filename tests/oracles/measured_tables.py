@@ -35,13 +35,13 @@ class MeasuredTable:
 
     Attributes:
         rows: x, y, heading and speed of every wheel.
-        roll, side: coefficients of friction.
+        roll, side: coefficients of friction, of all wheels or (wheels,) where these differ.
         rule: the contact rule.
     """
 
-    rows: tuple[tuple[int, int, int, float], ...]
-    roll: float
-    side: float
+    rows: tuple[tuple[float, float, float, float], ...]
+    roll: float | Floats
+    side: float | Floats
     rule: str
 
     @classmethod
@@ -219,7 +219,7 @@ class SmallSteps:
             value, f, g = size, a * a * r / size, b * b * s / size
             by_r, by_s, mixed = a * a / size - f * f / size, b * b / size - g * g / size, -f * g / size
         else:  # rollers: they stand where the slip along them is small, else they turn against their friction
-            w = math.sqrt(a * a - b * b)
+            w = np.sqrt(a * a - b * b)
             stands = np.abs(s) * w <= b * np.abs(r)
             both, one, other = (np.sqrt(q + rounding**2) for q in (r * r + s * s, r * r, s * s))
             value = np.where(stands, a * both, w * one + b * other)

@@ -7,6 +7,7 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+import numpy as np
 import pytest
 
 import nonsmooth as ns
@@ -16,6 +17,7 @@ from nonsmooth.proofs.answers.failures import stopped, without
 from nonsmooth.reports.failed_paths import follow_failures
 from nonsmooth.reports.simulate_options import SimulateOptions
 from nonsmooth.symbolic.files.scene_file import load_scene
+from tests.oracles.measured_tables import MeasuredTable, SmallSteps
 from tests.thorough import keep
 
 if TYPE_CHECKING:
@@ -66,6 +68,20 @@ def test_every_path_is_that_of_the_table_without_the_wheel(invoke: Invoke, tmp_p
         assert row["turned"] == pytest.approx(end[2] - whole["end"][2], abs=1e-9)
         compared += 1
     assert compared >= 8
+
+
+def test_small_steps_end_where_failed_tables_do(tmp_path: Path) -> None:
+    """Bodies on a measured table with one wheel stopped or lifted, followed by the words of the rule alone."""
+    table = MeasuredTable.random(4, "ellipse", off=6.0)
+    (tmp_path / "table.toml").write_text(f"check = {{ radius = 40 }}\n{table.toml}", encoding="utf-8")
+    scene = load_scene(tmp_path / "table.toml")
+    found = follow_failures(scene, SimulateOptions(start="15,-10,0", until=1.0, fail="1"))
+    x, y, heading, _ = table.rows[0]
+    failed = [((x, y, heading, 0.0), *table.rows[1:]), table.rows[1:]]
+    for path, rows in zip((*found.whole, *found.paths), [table.rows, *failed], strict=True):
+        end, _ = SmallSteps(replace(table, rows=rows)).end(np.array([15.0, -10.0]), 1.0, 0.05)
+        assert path.end is not None
+        assert end == pytest.approx(path.end[:2], abs=0.01)
 
 
 def test_wheels_that_never_carry_change_no_path() -> None:

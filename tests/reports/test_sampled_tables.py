@@ -1,4 +1,4 @@
-"""``simulate --tables``: places of rest by Newton's method against paths that are followed to their ends."""
+"""``simulate --tables``: places of rest against bodies that are followed to their ends by small steps."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
-from nonsmooth.analysis.bodies.path import ellipse_path
 from nonsmooth.analysis.bodies.sampled_tables import SampledTables, drawn_model, find_rest, nominal_model, sample_tables
 from nonsmooth.analysis.plane_arrays import turned
 from nonsmooth.proofs.robust.decide import decided_statement
 from nonsmooth.symbolic.files.scene_file import load_scene
+from tests.oracles.measured_tables import MeasuredTable, SmallSteps
 
 if TYPE_CHECKING:
     from nonsmooth.symbolic.scene import Scene
@@ -43,15 +43,22 @@ def scene_of(file: Path) -> Scene:
     return load_scene(str(file))
 
 
-def test_bodies_end_where_newton_says(table: Path) -> None:
-    """Paths from elsewhere, followed for long, come to the places of rest of the same tables."""
-    scene = scene_of(table)
+@pytest.mark.parametrize("rule", ["ellipse", "roller"])
+def test_small_steps_end_where_the_sample_says(tmp_path: Path, rule: str) -> None:
+    """Bodies on the same drawn tables, followed by the words of the rule alone, come to their places of rest."""
+    nominal = MeasuredTable.random(2, rule, off=4.0)
+    allowed = 'tolerance = { position = 1, heading = "1 deg", speed = 0.01, mu_roll = 0.15, mu_side = 0.15 }\n'
+    (tmp_path / "table.toml").write_text(f"check = {{ radius = 40 }}\n{allowed}{nominal.toml}", encoding="utf-8")
+    scene = scene_of(tmp_path / "table.toml")
     assert scene.tolerances is not None
-    found, generator = sample_tables(scene, 2, 7), np.random.default_rng(7)
+    found, generator = sample_tables(scene, 4, 7), np.random.default_rng(7)
     for place in found.places:
         model = drawn_model(scene, scene.tolerances, generator)
-        end = ellipse_path(model, (20.0, -10.0, 0.0), 60.0).end.state
-        assert [float(x) for x in end[:2]] == pytest.approx(place.tolist(), abs=1e-3)
+        headings = np.degrees(np.arctan2(model.rims[:, 1], model.rims[:, 0]))
+        rows = tuple(zip(*model.positions.T, headings, model.speeds, strict=True))
+        roll, side = model.friction.reshape(-1, 2).T
+        end, _ = SmallSteps(MeasuredTable(rows, roll, side * model.cuts, rule)).end(np.array([8.0, -6.0]), 8.0, 0.05)
+        assert end == pytest.approx(place, abs=0.01)
 
 
 def test_draws_stay_within_their_tolerances(table: Path) -> None:
