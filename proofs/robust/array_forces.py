@@ -129,13 +129,22 @@ class PieceForces:
         )
         return along, across, moment
 
-    def least_power(self, forces: Pair, direction: tuple[Floats, Floats, Floats]) -> Floats:
-        """About the lower end of the power in a direction (pieces, parts), in floats."""
+    def least_power(self, forces: Pair, directions: Floats) -> Floats:
+        """About the lower end of the power in several directions, in floats.
+
+        Args:
+            forces: of each wheel (pieces, 1, wheels).
+            directions: along ``e_0`` and ``J e_0``, and rotation (pieces, choices, 3).
+
+        Returns:
+            Shape (pieces, choices).
+        """
         total: Any = 0.0
+        rows, loads = self.rows.middle[:, 0], self.loads.middle[:, 0, :, 0]
         for side, force in enumerate(forces):
-            moved = sum(entry[..., None] * self.rows[..., k, side].middle for k, entry in enumerate(direction))
+            moved = directions @ rows[..., side].swapaxes(-1, -2)
             total = total + force.middle * moved - force.reach * np.abs(moved)
-        return np.asarray((self.loads[..., 0].middle * total).sum(axis=-1))
+        return np.asarray((total @ loads[..., None])[..., 0])
 
     def _moved(self, twists: Triple) -> Pair:
         """Slips of each wheel by twists alone, without its speed."""

@@ -170,26 +170,23 @@ def _are_positive(
 
 
 def _directions(forces: PieceForces, pulls: Pair) -> tuple[Intervals, Intervals, Intervals]:
-    """For each part the direction along which the least power is largest; (pieces, parts) each."""
-    best, chosen = np.array(-np.inf), [np.array(0.0)] * 3
-    for zeta in _candidates(2 * forces.turn[1].high, forces.length):
-        size = np.sqrt(sum((entry**2 for entry in zeta), np.array(0.0)))
-        value = forces.least_power(pulls, zeta) / size
-        chosen = [np.where(value > best, entry, old) for entry, old in zip(zeta, chosen, strict=True)]
-        best = np.maximum(value, best)
-    first, second, third = (Intervals.of(entry) for entry in chosen)
+    """For each part the direction along which the least power is largest; (pieces, 1) each."""
+    zeta = _candidates(2 * forces.turn[1].high[:, 0], forces.length)
+    value = forces.least_power(pulls, zeta) / np.linalg.norm(zeta, axis=-1)
+    best = np.take_along_axis(zeta, value.argmax(axis=1)[:, None, None], axis=1)
+    first, second, third = (Intervals.of(best[..., k]) for k in range(3))
     return first, second, third
 
 
-def _candidates(tilt: Floats, length: float) -> Iterator[tuple[Floats, Floats, Floats]]:
-    """Directions ``(along e, across e, rotation)``, each (pieces, 1)."""
-    one = np.ones_like(tilt)
-    for across in LEANINGS:
-        for turn in LEANINGS:
-            yield one, across * one, turn / length * one
-    for k in range(ANGLES):
-        angle = 2 * np.pi * k / ANGLES
-        yield tilt, np.cos(angle) * one, np.sin(angle) / length * one
+def _candidates(tilt: Floats, length: float) -> Floats:
+    """Directions ``(along e, across e, rotation)``, (pieces, choices, 3); of the last ones ``tilt`` is along e."""
+    leaning = [(1.0, across, turn / length) for across in LEANINGS for turn in LEANINGS]
+    angles = 2 * np.pi * np.arange(ANGLES) / ANGLES
+    found = np.zeros((len(tilt), len(leaning) + ANGLES, 3))
+    found[:, : len(leaning)] = leaning
+    found[:, len(leaning) :, 0] = tilt[:, None]
+    found[:, len(leaning) :, 1:] = np.column_stack([np.cos(angles), np.sin(angles) / length])
+    return found
 
 
 # Guesses are columns: kappa, lateral velocity and spin of xi^, and T two by two; (pieces, 7).
