@@ -9,7 +9,7 @@ failed wheels ever carries the body on its path over the whole table, that is it
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import TYPE_CHECKING
@@ -31,7 +31,7 @@ from nonsmooth.symbolic.contact_set import NoLoadsError, accuracy_at_point, whol
 from nonsmooth.symbolic.number_text import float_text, numbers_text, place_text
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import SceneError, one_line
-from nonsmooth.symbolic.support_polygon import support_polygon
+from nonsmooth.symbolic.support_polygon import support_polygon, widest_square
 from nonsmooth.symbolic.under_way import part_of
 
 if TYPE_CHECKING:
@@ -370,7 +370,7 @@ def _followed(
     """The path with wheels failed, or why there is none; ``before`` is that of the whole table."""
     lifted = failed.kind is FailureKind.LIFTED
     try:
-        array = without(scene, failed.wheels) if lifted else stopped(scene, failed.wheels)
+        array = _on_the_others(scene, failed.wheels) if lifted else stopped(scene, failed.wheels)
         if lifted and scene.body is None and _leaves_support(array, [start[:2]]) is not None:
             return FailedPath(failed, start, None, "the body does not stand on the wheels that are left", 0.0)
         if _never_carry(scene, failed, before.path):
@@ -385,6 +385,15 @@ def _followed(
     ends = path.end.reason not in {EndReason.TIPS, EndReason.STEPS}
     home = tips is None and ends and _is_home(scene, path)
     return FailedPath(failed, start, path, tips=tips, home=home)
+
+
+def _on_the_others(scene: Scene, lifted: Collection[int]) -> Scene:
+    """The table without wheels, in as much of the checked square as the hull of the others holds: cells end there."""
+    rest = without(scene, lifted)
+    room = widest_square([wheel.position for wheel in rest.wheels], rest.check.equilibrium)
+    if scene.body is not None or room is None or (rest.check.radius - room).sign() <= 0:
+        return rest
+    return replace(rest, check=replace(rest.check, radius=room, has_default_radius=False))
 
 
 def _never_carry(scene: Scene, failed: Failed, path: Trajectory | None) -> bool:

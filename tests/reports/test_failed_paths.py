@@ -84,6 +84,15 @@ def test_small_steps_end_where_failed_tables_do(tmp_path: Path) -> None:
         assert end == pytest.approx(path.end[:2], abs=0.01)
 
 
+def test_a_lifted_wheel_leaves_a_smaller_square(tmp_path: Path) -> None:
+    """The hull of the other wheels does not hold the checked square, of 40 mm: paths in what it holds are followed."""
+    table = MeasuredTable.random(1, "box", off=6.0)
+    (tmp_path / "table.toml").write_text(f"check = {{ radius = 40 }}\n{table.toml}", encoding="utf-8")
+    found = follow_failures(load_scene(tmp_path / "table.toml"), SimulateOptions(start="30,-20,0", until=2.0, fail="4"))
+    lifted_one = found.paths[1]
+    assert lifted_one.end == pytest.approx((30, -20, 0), abs=1e-9)  # it rests where it is put down, as on all wheels
+
+
 def test_wheels_that_never_carry_change_no_path() -> None:
     """The path of the table is taken for theirs; that of a wheel under the body is not."""
     scene = load_scene("carton-on-6x6", rule="ellipse")
