@@ -23,11 +23,11 @@ from nonsmooth.reports.figures.wheels import AXIS
 from nonsmooth.reports.formats.html import template_part
 from nonsmooth.symbolic.number_text import float_text
 
-WIDE = 1000.0  # width of the view box
+WIDE = 1000.0  # width of the frame in the view box
+LEFT, BELOW, BEYOND = 90, 50, 20  # beside it for the numbers at its edges, and on the other sides
 DIGITS = 1  # decimals of a coordinate in the picture
 MOST_ROWS = 24  # wheels up to which their numbers stand in a table
 RING, HEADING, BODY = 2.4, 7.0, 0.7  # radius of a ring, length of the heading's line, radius of the point, in rims
-BAR_AT = 10.0  # where the scale begins
 CLASSES = ("", "slips", "sticks")  # of the ring of a wheel, by its contact
 CONTACTS = {WheelContact.FREE: "carries nothing", WheelContact.SLIPS: "slips", WheelContact.STICKS: "sticks"}
 
@@ -72,18 +72,32 @@ class _Picture:
         return [str(wheel.index) for wheel in self.film.scene.wheels]
 
     @property
-    def wide(self) -> float:
-        """Width of the view box."""
-        return WIDE
+    def view_box(self) -> str:
+        """The frame, and room for the numbers at its edges."""
+        return f"{-LEFT} {-BEYOND} {LEFT + WIDE + BEYOND:g} {BEYOND + self.height + BELOW:g}"
 
     @property
-    def bar(self) -> dict[str, Any]:
-        """A round length, at most a quarter of the width: its ends in the picture, and what it is."""
+    def frame(self) -> str:
+        """Around what is drawn."""
+        return f"M0 0H{WIDE:g}V{self.height:g}H0Z"
+
+    @property
+    def ticks(self) -> dict[str, list[dict[str, Any]]]:
+        """Along both edges round coordinates, and where they are in the picture."""
         most = WIDE / self.scale / 4
         power = 10.0 ** math.floor(math.log10(most))
-        length = max(factor * power for factor in (1, 2, 5) if factor * power <= most)
-        label = f"{float_text(length, 3)} {self.film.scene.units.length or 'lengths'}"
-        return {"end": round(BAR_AT + length * self.scale, DIGITS), "label": label}
+        step = max(factor * power for factor in (1, 2, 5) if factor * power <= most)
+        low, right = self.high - self.height / self.scale, self.left + WIDE / self.scale
+        return {"x": self._marks(self.left, right, step, 0), "y": self._marks(low, self.high, step, 1)}
+
+    def _marks(self, first: float, last: float, step: float, axis: int) -> list[dict[str, Any]]:
+        values = step * np.arange(math.ceil(first / step), math.floor(last / step) + 1)
+        return [{"at": self._point(np.array([value, value]))[axis], "text": float_text(value, 6)} for value in values]
+
+    @property
+    def goal(self) -> list[float]:
+        """The checked point."""
+        return self._point(np.array([float(value) for value in self.film.scene.check.equilibrium]))
 
     @property
     def radii(self) -> dict[str, float]:

@@ -114,16 +114,18 @@ def test_a_friction_axis_is_drawn_where_it_is_not_the_rim(tmp_path: Path) -> Non
 
 
 def test_a_page_has_a_scale_and_the_words_of_the_table(tmp_path: Path) -> None:
-    """The bar is as long in the picture as wheels that are so far apart; wheels have their own names."""
+    """Numbers at the edges are where wheels with such coordinates are; wheels have their own names."""
     (tmp_path / "table.toml").write_text(NAMED, encoding="utf-8")
     array = ns.load(tmp_path / "table.toml")
     assert isinstance(array, ns.Array)
     array.simulate((10, 5, 0), 0.05).animate(tmp_path / "path.html")
     page = (tmp_path / "path.html").read_text(encoding="utf-8")
-    found = re.search(r"M10 4V16M10 10H([\d.]+)M[^>]*></svg>\s*([\d.]+) mm", page)
-    assert found is not None
-    rings = [float(x) for x in re.findall(r'data-wheel="[^"]*" cx="([\d.]+)"', page)]
-    assert (float(found[1]) - 10) / float(found[2]) == pytest.approx((max(rings) - min(rings)) / 200, rel=1e-2)
+    across = {text: float(x) for x, text in re.findall(r'<text x="([\d.]+)" y="[\d.]+">(-?[\d.]+)</text>', page)}
+    down = {text: float(y) for y, text in re.findall(r'<text class="left" x="-14" y="([\d.]+)">(-?[\d.]+)<', page)}
+    rings = [tuple(map(float, ring)) for ring in re.findall(r'data-wheel="[^"]*" cx="([\d.]+)" cy="([\d.]+)"', page)]
+    assert rings[1] == pytest.approx((across["-100"], down["100"]), abs=0.1)
+    assert rings[3] == pytest.approx((across["100"], down["-100"]), abs=0.1)
+    assert re.findall(r'<text class="left"[^>]*>(mm)<', page) == ["mm"]
     assert data_of(page)["wheels"] == ["M1", "M2", "M3", "M4"]
     assert "speed u [mm/s]" in page
 
