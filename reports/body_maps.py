@@ -57,6 +57,7 @@ SCHEMA = "nonsmooth-body-map/1"
 OPEN_HEADING = "rests: the place does; the rate of theta there is open under this rule, and the steps pick one"
 PLACE_RESTS = "its place rests"  # of a body that covers all wheels
 TURNS_ON = f"{PLACE_RESTS}: the body covers all wheels, and turns there as they turn it"
+ELSEWHERE = "elsewhere"
 LINES = 4  # over which bodies tip, that are named
 SHOWN = 12  # destinations listed on a terminal
 
@@ -64,7 +65,7 @@ SHOWN = 12  # destinations listed on a terminal
 SIZE = (12.0, 6.0)  # inches, without the legend
 OTHER_PLACES = "#BBBBBB"  # places of rest beyond the palette
 TIPS = "#FFFFFF"  # under a hatch
-MOVING = "#666666"
+MOVING, AT_POINT = "#666666", "#A6DBC8"  # bodies that still move, and those of them that are at the checked point
 HATCH = "xxxx"
 PIXEL = 0.9  # of the distance between starts: side of a hatched mark
 NEAR = 1.3  # the destinations' view, in sizes of the body around them
@@ -133,7 +134,21 @@ class BodyMapResult(MapResult):
     @cached_property
     def destinations(self) -> list[PathEnd]:
         """Where the paths end, with shares."""
-        return destinations(self.found, self.distance)
+        return [part for one in destinations(self.found, self.distance) for part in self._told_apart(one)]
+
+    def _told_apart(self, one: PathEnd) -> Iterator[PathEnd]:
+        """Bodies that still move by whether they are at the point, where some are; others as they are."""
+        near = self.home[one.starts]
+        if one.reason is not BodyEnd.TIME or not near.any():
+            yield one
+            return
+        for where, chosen in ((f"within {self._accuracy} of the point", near), (ELSEWHERE, ~near)):
+            if chosen.any():
+                yield replace(one, starts=one.starts[chosen], share=float(one.share * chosen.mean()), where=where)
+
+    @property
+    def _accuracy(self) -> str:
+        return f"{float_text(accuracy_at_point(self.scene), 3)} {self.scene.units.length}".rstrip()
 
     @cached_property
     def destination_of(self) -> list[int]:
@@ -267,7 +282,7 @@ class BodyMapResult(MapResult):
 def _record(one: PathEnd) -> dict[str, Any]:
     pose = None if one.pose is None else list(one.pose)
     headings = None if one.headings is None else list(one.headings)
-    return {"reason": one.reason.value, "share": one.share, "pose": pose, "headings": headings}
+    return {"reason": one.reason.value, "share": one.share, "pose": pose, "headings": headings, "where": one.where}
 
 
 def _end(pose: list[float], found: BodyEnds, k: int) -> dict[str, Any]:
@@ -317,7 +332,8 @@ def _colors(found: list[PathEnd]) -> list[str]:
         if one.reason is BodyEnd.REST:
             colors.append(TOLD_APART[k] if k < len(TOLD_APART) else OTHER_PLACES)
         else:
-            colors.append(TIPS if one.reason in {BodyEnd.TIPS, BodyEnd.LEAVES} else MOVING)
+            moving = AT_POINT if one.where and one.where != ELSEWHERE else MOVING
+            colors.append(TIPS if one.reason in {BodyEnd.TIPS, BodyEnd.LEAVES} else moving)
     return colors
 
 

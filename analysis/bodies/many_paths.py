@@ -422,6 +422,7 @@ class PathEnd:
         share: of all starts.
         pose: a middle one ``(x, y, theta)`` of the poses at rest; None elsewhere.
         headings: the least and the largest heading at rest, theta without full turns; None elsewhere.
+        where: words for the last places of bodies that still move; empty where these are all over.
     """
 
     reason: BodyEnd
@@ -429,12 +430,13 @@ class PathEnd:
     share: float
     pose: tuple[float, float, float] | None = None
     headings: tuple[float, float] | None = None
+    where: str = ""
 
     @property
     def text(self) -> str:
         """In words."""
         if self.pose is None or self.headings is None:
-            return self.reason.value
+            return f"{self.reason.value}, {self.where}" if self.where else self.reason.value
         x, y, _ = (f"{_plain(value):.4g}" for value in self.pose)
         low, high = (f"{math.degrees(_plain(value)):.4g}" for value in self.headings)
         heading = low if low == high else f"{low} to {high}"

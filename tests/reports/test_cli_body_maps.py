@@ -93,6 +93,15 @@ def test_a_terminal_says_sampled_and_how_many_tip(carton: Path, invoke: Invoke) 
     assert "proved" not in out
 
 
+def test_bodies_that_still_move_are_told_apart_by_where_they_are(carton: Path, invoke: Invoke) -> None:
+    """The time is enough for some of those that start near the point, and for no other."""
+    record = invoke("simulate", "carton.toml", "--grid", "9", "--until", "0.3", "--json").record
+    found = {one["where"]: one["share"] for one in record["destinations"] if one["reason"].startswith("still moving")}
+    (near,) = (where for where in found if where.startswith("within "))
+    assert found.keys() == {near, "elsewhere"}
+    assert 81 * found[near] == pytest.approx(record["home"])
+
+
 TABLE = """
 units = { length = "mm", speed = "m/s" }
 wheels = { file = "wheels.csv" }
