@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
+from enum import StrEnum
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -20,7 +21,7 @@ from nonsmooth.analysis.bodies.mass_study import rule_path
 from nonsmooth.analysis.bodies.path import BodyPath
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.trajectories.ending import EndMotion
-from nonsmooth.analysis.trajectories.result import EndReason, Trajectory, TrajectoryError
+from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory, TrajectoryError
 from nonsmooth.proofs.answers.failures import NO_TABLE, FailureKind, stopped, without
 from nonsmooth.reports.document import Block, Paragraph, table
 from nonsmooth.reports.path_ends import ArrayPathEnd, in_unit
@@ -46,7 +47,19 @@ INSIDE = 1e-9  # of a side's length: a centre of mass as near to the edge of its
 COLORS = ("C0", "C1", "C2", "C3", "C4", "C5", "C6", "C8")  # of the worst failures, which are named; C7 is gray
 COLUMNS = 4  # of the legend
 OTHERS, OTHER_COLOR = "other failures", "0.45"
-_THEN = {EndMotion.AT_REST: "rests", EndMotion.CREEPS: "creeps", EndMotion.MOVING: "moves on"}
+BRANCHES = "not unique"
+WORDS: dict[StrEnum, str] = {  # each failure is one line
+    EndMotion.AT_REST: "rests",
+    EndMotion.CREEPS: "creeps",
+    EndMotion.MOVING: "moves on",
+    EndReason.REST: "rests",
+    EndReason.TURNING: "turns",
+    EndReason.CIRCLES: "circles",
+    EndReason.APPROACH: "comes near",
+    EndReason.OUTSIDE: "leaves",
+    EndReason.TIPS: "tips",
+    EndReason.STEPS: "broken off",
+}
 
 
 @dataclass(frozen=True)
@@ -76,7 +89,7 @@ class FailedPath:
         why_not: why.
         tips: the time at which the centre of mass leaves the support of the wheels that are left, where the rule's
             own path does not say so.
-        home: whether it ends within the accuracy of the checked point; false where it is not followed to its end.
+        near: whether it ends within the accuracy of the checked point; false where it is not followed to its end.
     """
 
     failed: Failed
@@ -84,20 +97,37 @@ class FailedPath:
     path: Trajectory | None
     why_not: str = ""
     tips: float | None = None
-    home: bool = False
+    near: bool = False
 
     @property
     def end(self) -> tuple[float, float, float] | None:
         """The last pose; None without a path to its end, and of a body that tips."""
-        if self.path is None or self.does_tip or self.is_open:
+        if self.path is None or self.does_tip or self.path.end.reason is EndReason.STEPS:
             return None
         x, y, theta = (float(value) for value in self.path.end.state)
         return x, y, theta
 
     @property
     def is_open(self) -> bool:
-        """Whether what becomes of the body is not known: no path, or one that is broken off after too many steps."""
-        return not self.does_tip and (self.path is None or self.path.end.reason is EndReason.STEPS)
+        """Whether what becomes of the body is not known.
+
+        So it is without a path, of one that is broken off after too many steps, and of one that other solutions leave
+        for other places: the body may go with them.
+        """
+        if self.does_tip:
+            return False
+        return self.path is None or self.path.end.reason is EndReason.STEPS or self.branches
+
+    @property
+    def branches(self) -> bool:
+        """Whether other solutions leave this path, and not only by another rate of theta at rest."""
+        events = self.path.events if self.path is not None else ()
+        return any(event.kind is EventKind.NONUNIQUE and not event.drift_only for event in events)
+
+    @property
+    def home(self) -> bool:
+        """Whether the body comes within the accuracy of the checked point, by this solution and every other one."""
+        return self.near and not self.is_open
 
     @property
     def does_tip(self) -> bool:
@@ -109,7 +139,8 @@ class FailedPath:
         """How it ends, in words."""
         if self.path is None:
             return f"not followed: {self.why_not}"
-        return str(EndReason.TIPS if self.does_tip else self.path.end.reason)
+        how = str(EndReason.TIPS if self.does_tip else self.path.end.reason)
+        return f"{how}; other solutions branch off" if self.branches else how
 
 
 @dataclass(frozen=True, repr=False)
@@ -138,11 +169,11 @@ class FailedPathsResult(Result):
         return list(zip(self.whole, (path for path in self.paths if path.failed == failed), strict=True))
 
     def lost(self, failed: Failed) -> int:
-        """How many starts that came home no longer do; those that are not followed to their end are not counted."""
+        """How many starts that came home no longer do; those of which that is not known are not counted."""
         return sum(before.home and not after.home and not after.is_open for before, after in self.pairs(failed))
 
     def unknown(self, failed: Failed) -> int:
-        """Of how many starts the path is not followed to its end."""
+        """Of how many starts it is not known where the body ends."""
         return sum(after.is_open for _, after in self.pairs(failed))
 
     def farthest(self, failed: Failed) -> float | None:
@@ -216,10 +247,15 @@ class FailedPathsResult(Result):
         return table(names, lines, (1.2, 1.5, 1.0, 0.9, 0.5, 0.9))
 
     def _how(self, path: FailedPath) -> str:
-        """How a path ends; where its time is over, in a word with which motion: each failure is one line."""
-        if path.path is None or path.path.end.reason is not EndReason.TIME or path.does_tip:
+        """In a word how a path ends, where its time is over with which motion; or why it is not followed."""
+        if path.path is None and not path.does_tip:
             return path.how
-        return _THEN[ArrayPathEnd(self.scene, path.path).ending.motion]
+        if path.branches:
+            return BRANCHES
+        reason = EndReason.TIPS if path.does_tip or path.path is None else path.path.end.reason
+        if reason is EndReason.TIME and path.path is not None:
+            return WORDS[ArrayPathEnd(self.scene, path.path).ending.motion]
+        return WORDS.get(reason, str(reason))
 
     def _worst_first(self) -> list[Failed]:
         """The failures by how many bodies no longer come home; of equal ones by how far the end moves."""
@@ -236,9 +272,10 @@ class FailedPathsResult(Result):
             return [Paragraph((said,))]
         lost = self.lost(worst)
         left = sum(map(self.unknown, self.failures))
-        every = "all that came home and are followed" if left else "all that came home"
+        every = "all that came home and are known" if left else "all that came home"
         said = f"{lost} of {came} no longer come home" if lost else f"{every} still do"
-        open_ones = [Paragraph((f"{left} of {len(self.paths)} paths are not followed to their end: not known",))]
+        unknown = f"of {left} of {len(self.paths)} paths it is not known where bodies end"
+        open_ones = [Paragraph((f"{unknown}: not followed so far, or other solutions branch off",))]
         return [Paragraph((f"the worst: {worst}: {said}",)), *(open_ones if left else [])]
 
     def summary(self) -> str:
@@ -325,7 +362,7 @@ def follow_failures(scene: Scene, options: SimulateOptions) -> FailedPathsResult
     for start in starts:
         with part_of(len(before), total, "paths"):
             path = rule_path(scene, scene.contact.rule, start, until)
-        before.append(FailedPath(Failed(), start, path, home=_is_home(scene, path)))
+        before.append(FailedPath(Failed(), start, path, near=_is_near(scene, path)))
     after: list[FailedPath] = []
     for failed in cases:
         for start, whole_path in zip(starts, before, strict=True):
@@ -383,8 +420,8 @@ def _followed(
     out = _leaves_support(array, [state[:2] for state in path.states]) if lifted and scene.body is None else None
     tips = None if out is None else float(path.times[out])
     ends = path.end.reason not in {EndReason.TIPS, EndReason.STEPS}
-    home = tips is None and ends and _is_home(scene, path)
-    return FailedPath(failed, start, path, tips=tips, home=home)
+    near = tips is None and ends and _is_near(scene, path)
+    return FailedPath(failed, start, path, tips=tips, near=near)
 
 
 def _on_the_others(scene: Scene, lifted: Collection[int]) -> Scene:
@@ -418,7 +455,7 @@ def _leaves_support(array: Scene, places: Sequence[Sequence[object]]) -> int | N
     return None
 
 
-def _is_home(scene: Scene, path: Trajectory) -> bool:
+def _is_near(scene: Scene, path: Trajectory) -> bool:
     x, y = (float(value) for value in path.end.state[:2])
     a, b = map(float, scene.check.equilibrium)
     return math.hypot(x - a, y - b) <= float(accuracy_at_point(scene))
