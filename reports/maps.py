@@ -102,11 +102,12 @@ def within_accuracy(scene: Scene, places: Floats) -> NDArray[np.bool_]:
     return np.asarray(np.hypot(*away.T) <= float(accuracy_at_point(scene)))
 
 
-def home_row(scene: Scene, home: NDArray[np.bool_]) -> tuple[str, str]:
-    """How many of all starts end within the accuracy."""
+def home_row(scene: Scene, home: NDArray[np.bool_], perhaps: int = 0) -> tuple[str, str]:
+    """How many of all starts end within the accuracy, and how many more by one of several solutions."""
     unit = f" {scene.units.length}".rstrip()
     accuracy = float_text(accuracy_at_point(scene), 3)
-    return "at the point", f"{int(home.sum())} of {len(home)} end within {accuracy}{unit} of it"
+    more = f", {perhaps} more by one of several solutions" if perhaps else ""
+    return "at the point", f"{int(home.sum())} of {len(home)} end within {accuracy}{unit} of it{more}"
 
 
 class MapResult(Result):
@@ -171,7 +172,12 @@ class SettleMapResult(MapResult):
 
     @cached_property
     def home(self) -> NDArray[np.bool_]:
-        """Which starts end within the accuracy of the checked point (m,)."""
+        """Which starts end within the accuracy of the checked point, by every solution (m,)."""
+        return self._near & self.found.unique
+
+    @cached_property
+    def _near(self) -> NDArray[np.bool_]:
+        """Which do by the solution that is followed (m,)."""
         return within_accuracy(self.partition.scene, self.found.points)
 
     @property
@@ -239,7 +245,7 @@ class SettleMapResult(MapResult):
         rows, summary, others = self.shares[:SHOWN], self._summary, self.basins[SHOWN:]
         if others:
             rows.append((percent_text(sum(basin.share for basin in others)), f"{len(others)} others"))
-        rows.insert(0, home_row(self.partition.scene, self.home))
+        rows.insert(0, home_row(self.partition.scene, self.home, int((self._near & ~self.found.unique).sum())))
         theta, latest = summary["theta"], summary["latest_arrival"]
         units = self.partition.scene.units
         unit, second = (f" {label}".rstrip() for label in (units.length, units.time))
