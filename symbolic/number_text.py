@@ -13,8 +13,8 @@
 | :func:`power_text` | a power of ten | ``1e-9`` |
 | :func:`percent_text` | a share | four significant digits |
 
-Formulas are written by :mod:`nonsmooth.symbolic.formulas`, numbers of a report by :mod:`nonsmooth.reports.document`;
-both take their decimals from here.
+Formulas are written by :mod:`nonsmooth.symbolic.formulas`, numbers of a report by
+:mod:`nonsmooth.reports.output.document`; both take their decimals from here.
 """
 
 from __future__ import annotations
