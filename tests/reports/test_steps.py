@@ -26,7 +26,10 @@ from nonsmooth.reports.sweeps.sweep_study import SWEEP
 from nonsmooth.symbolic.under_way import listening, part_of, parts, tell, tell_count
 from tests.thorough import few
 
-HASTY = "from nonsmooth.reports import cli, progress; progress.PATIENCE = 0.0; cli.main()"
+HASTY = (
+    "from nonsmooth.reports import cli; from nonsmooth.reports.output import progress; "
+    "progress.PATIENCE = 0.0; cli.main()"
+)
 
 
 def on_terminal(monkeypatch: pytest.MonkeyPatch, patience: float) -> str:
