@@ -100,13 +100,13 @@ def test_slopes_against_all_pairs(name: str) -> None:
     arrangement = Arrangement(scene, region)
     signs = np.array([0 if row.kind == "S" else -1 for row in arrangement.rows])  # rest: all side rows hold
     table = list(Slopes(arrangement, signs))
-    sides = [row.normal for row in arrangement.rows if row.kind == "S"]
+    sides = [k for k, row in enumerate(arrangement.rows) if row.kind == "S"]
     for a in sides:
         for b in sides:
-            direction = cross_product(a, b)
+            direction = cross_product(arrangement.rows[a].normal, arrangement.rows[b].normal)
             if any(direction):
                 known = [s for s in table if not any(cross_product(s.direction, direction))]
-                slopes = arrangement.slopes_along(direction, signs)
+                slopes = arrangement.slopes_along((a, b), signs)
                 positive = [value_at(s.form, p).sign() > 0 for s in slopes for p in region.polygon.vertices]
                 assert all(positive) or any(inner(s.direction, direction).sign() > 0 for s in known)
 
