@@ -76,15 +76,9 @@ class Polygon(ShortRepr):
         """Whether the closed polygon holds the point."""
         return all(side.side(point) >= 0 for side in self.sides)
 
-    def clipped(self, half_plane: HalfPlane, known: Sequence[int] | None = None) -> Polygon | None:
-        """Intersection with a closed half-plane; None when no area is left.
-
-        Args:
-            half_plane: what stays.
-            known: signs of the slacks at the vertices where they are known already, 0 elsewhere.
-        """
-        hints = known or [0] * len(self.vertices)
-        signs = [hint or half_plane.side(vertex) for hint, vertex in zip(hints, self.vertices, strict=True)]
+    def clipped(self, half_plane: HalfPlane) -> Polygon | None:
+        """Intersection with a closed half-plane; None when no area is left."""
+        signs = [half_plane.side(vertex) for vertex in self.vertices]
         if min(signs) >= 0:
             return self
         if max(signs) <= 0:

@@ -245,9 +245,9 @@ def sure_float(value: Any) -> float:
     return math.nan
 
 
-def clear_sign(*terms: float) -> int:
+def clear_sign(a: float, b: float, c: float = 0.0) -> int:
     """Sign of a sum of sure floats, or of products of two, where rounding does not decide it; 0 where it may."""
-    value, size = sum(terms), sum(map(abs, terms))
+    value, size = a + b + c, abs(a) + abs(b) + abs(c)
     if TINY < size < HUGE and abs(value) > size * FLOAT_DOUBT:
         return 1 if value > 0 else -1
     return 0
