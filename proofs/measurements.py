@@ -45,7 +45,8 @@ from nonsmooth.symbolic.contact_states import possible_triples
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.rule import CONTACT_RULES
 from nonsmooth.symbolic.scene import Scene
-from nonsmooth.symbolic.similar_scenes import moved, scaled, scaled_system, with_friction_ratio, with_rate_ratio
+from nonsmooth.symbolic.similar_scenes import moved, scaled, with_friction_ratio
+from nonsmooth.symbolic.similar_systems import scaled_system, with_rate_ratio
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 # ---- pruning -------------------------------------------------------------------------------------

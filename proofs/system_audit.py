@@ -41,7 +41,7 @@ from nonsmooth.proofs.systems.invariance import Staying, decide_staying
 from nonsmooth.proofs.systems.plane_function import PlaneFunction
 from nonsmooth.symbolic.enclosed_numbers import NoEnclosureError, enclose_numbers
 from nonsmooth.symbolic.expression import ExpressionError
-from nonsmooth.symbolic.files.system_file import parse_lyapunov
+from nonsmooth.symbolic.files.system_builder import parse_lyapunov
 from nonsmooth.symbolic.notebook import ShortRepr, html_table
 from nonsmooth.symbolic.numbers.coefficients import as_fraction
 from nonsmooth.symbolic.numbers.lazy import evaluated

@@ -20,7 +20,7 @@ from nonsmooth.proofs.clauses.equilibrium.judged_equilibria import judge_equilib
 from nonsmooth.proofs.clauses.workspace import Announce, Workspace, unheard
 from nonsmooth.proofs.theorem4_result import CellCheck, Check, SmoothCheck
 from nonsmooth.symbolic.contact_set import standing
-from nonsmooth.symbolic.contact_states import ContactCensus, possible_triples, take_census, triples_with_friction
+from nonsmooth.symbolic.contact_states import possible_triples, triples_with_friction
 from nonsmooth.symbolic.numbers.rounded import ROUNDING_DECIDES
 from nonsmooth.symbolic.numbers.work_limit import WorkLimitError, work_limit
 from nonsmooth.symbolic.scene import Scene
@@ -91,12 +91,12 @@ def _check(work: Workspace, *, beside: bool) -> Check:
     with work.timed("partition"):
         partition = work.partition
     with work.timed("contact states"):
-        census = _census(work) if beside else ContactCensus(triples_with_friction(work.scene))
+        census_limit = _census_limit(work) if beside else 0
     with work.timed("other equilibria"):
         others = _equilibria(work) if beside else None
     results = clause_registry.decide_clauses(work)
     verdict, reason = clause_registry.conclude(results)
-    common = (verdict, reason, work.given, results, census, roll_authority(work.given))
+    common = (verdict, reason, work.given, results, census_limit, roll_authority(work.given))
     by_rounding = frozenset(work.by_rounding)
     if partition is None:
         return SmoothCheck(*common, tuple(work.skipped), work.seconds, by_rounding)
@@ -133,16 +133,15 @@ def _wider(partition: Partition) -> Partition | None:
         return None
 
 
-def _census(work: Workspace) -> ContactCensus:
-    """Count the row triples where that is cheap or asked for."""
+def _census_limit(work: Workspace) -> int:
+    """How many row triples are counted, where that is asked for; what is not counted is said."""
     possible = triples_with_friction(work.scene)
     frictionless = possible_triples(len(work.scene.wheels)) - possible
     if frictionless:
         work.skip("contact states", frictionless, "they hold a row without friction, which constrains nothing")
     limit = CENSUS_LIMIT if work.prune else FULL_CENSUS_LIMIT
-    if possible <= limit:
-        return take_census(work.given)
-    derived = 0 if work.partition is None else len(work.partition.states)
-    why = f"no cell in the square; singular and distinct triples are counted up to {limit} triples"
-    work.skip("contact states", possible - derived, why)
-    return ContactCensus(possible)
+    if possible > limit:
+        derived = 0 if work.partition is None else len(work.partition.states)
+        why = f"no cell in the square; singular and distinct triples are counted up to {limit} triples"
+        work.skip("contact states", possible - derived, why)
+    return limit

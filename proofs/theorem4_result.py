@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, Self, TypeAlias, cast
 
 from nonsmooth.analysis.cells.partition import Partition
@@ -24,7 +25,7 @@ from nonsmooth.proofs.clauses.translation.on_cells import TranslationResult
 from nonsmooth.proofs.clauses.workspace import ClauseResult, Skipped, Workspace
 from nonsmooth.proofs.findings.facts import Fact
 from nonsmooth.proofs.findings.verdicts import Theorem4
-from nonsmooth.symbolic.contact_states import ContactCensus
+from nonsmooth.symbolic.contact_states import ContactCensus, take_census, triples_with_friction
 from nonsmooth.symbolic.notebook import ShortRepr, html_table
 from nonsmooth.symbolic.scene import Scene
 
@@ -61,7 +62,7 @@ class Theorem4Result(ShortRepr):
         reason: the clause that decided it.
         scene: the array as it was given.
         results: the clauses' results by name, in the order of the registry.
-        census: counts of row triples.
+        census_limit: how many row triples are counted at most.
         authority: rank of the roll rows at the checked point.
         skipped: what was left out and why.
         seconds: where the time went.
@@ -73,12 +74,18 @@ class Theorem4Result(ShortRepr):
     reason: str
     scene: Scene
     results: Mapping[str, ClauseResult]
-    census: ContactCensus
+    census_limit: int
     authority: Authority
     skipped: tuple[Skipped, ...]
     seconds: dict[str, float]
     by_rounding: frozenset[str]
     contradictions: tuple[Contradiction, ...] = field(default=(), kw_only=True)
+
+    @cached_property
+    def census(self) -> ContactCensus:
+        """Counts of row triples, which no clause needs; of too many only the possible ones."""
+        possible = triples_with_friction(self.scene)
+        return take_census(self.scene) if possible <= self.census_limit else ContactCensus(possible)
 
     @property
     def clauses(self) -> tuple[tuple[Clause[Any], ClauseResult], ...]:

@@ -9,6 +9,7 @@ command, ``check`` no SymPy or Matplotlib, and CVXPY only to search for V.
 from __future__ import annotations
 
 import gc
+import os
 import sys
 from typing import Annotated
 
@@ -50,6 +51,7 @@ def options(
 
 def main() -> None:
     """Entry point of the ``nonsmooth`` command."""
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # read when NumPy is loaded: our matrices are too small for more
     prepare_streams()
     gc.set_threshold(GARBAGE_THRESHOLD)
     try:

@@ -22,7 +22,7 @@ from functools import reduce
 from typing import Any, NamedTuple, TypeAlias, TypeVar
 
 from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.plane import Vector, dot, turned
+from nonsmooth.symbolic.plane import Vector
 from nonsmooth.symbolic.scene import Scene, Wheel
 
 Triple: TypeAlias = tuple[Number, Number, Number]
@@ -77,7 +77,7 @@ class Row:
     @property
     def unit_normal(self) -> Triple:
         """``(d_i, d_i . J p_i)`` or ``(n_i, n_i . J p_i)``, of a unit direction."""
-        return scaled(self.normal, self.wheel.grip_length.inverse())
+        return self.wheel.unit_normals[0 if self.kind is RowKind.ROLL else 1]
 
     @property
     def gain(self) -> Number:
@@ -97,14 +97,12 @@ class Row:
 
 def roll_row(wheel: Wheel) -> Row:
     """``(A, A . J p | u A . d)``, which is ``(D, D . J p | |D| u)`` where the friction axis is the rim."""
-    d = wheel.grip
-    return Row(wheel, RowKind.ROLL, (*d, dot(d, turned(wheel.position))), wheel.scaled_speed)
+    return Row(wheel, RowKind.ROLL, wheel.normals[0], wheel.scaled_speed)
 
 
 def side_row(wheel: Wheel) -> Row:
     """``(N, N . J p | u N . d)`` with ``N = J A``; the right side is zero where the friction axis is the rim."""
-    n = turned(wheel.grip)
-    return Row(wheel, RowKind.SIDE, (*n, dot(n, turned(wheel.position))), wheel.scaled_side_speed)
+    return Row(wheel, RowKind.SIDE, wheel.normals[1], wheel.scaled_side_speed)
 
 
 def wheel_rows(wheel: Wheel) -> tuple[Row, Row]:

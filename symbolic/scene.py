@@ -30,7 +30,7 @@ from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.rounded import Rounded
 from nonsmooth.symbolic.piecewise import PiecewiseExpression
-from nonsmooth.symbolic.plane import Vector, cross, dot
+from nonsmooth.symbolic.plane import Vector, cross, dot, turned
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact
 from nonsmooth.symbolic.scene_kind import SceneKind
 from nonsmooth.symbolic.tolerances import Tolerance
@@ -119,6 +119,19 @@ class Wheel:
     def unit_grip(self) -> Vector:
         """``a_i = A_i/|A_i|``."""
         return self.grip[0] / self.grip_length, self.grip[1] / self.grip_length
+
+    @cached_property
+    def normals(self) -> tuple[Three[Number], Three[Number]]:
+        """``(A_i, A_i . J p_i)`` and ``(J A_i, J A_i . J p_i)``: left sides of the two rows, scaled by ``|A_i|``."""
+        along, across, moved = self.grip, turned(self.grip), turned(self.position)
+        return (*along, dot(along, moved)), (*across, dot(across, moved))
+
+    @cached_property
+    def unit_normals(self) -> tuple[Three[Number], Three[Number]]:
+        """The same of a friction axis of length one."""
+        scale = self.grip_length.inverse()
+        (a, b, m), (c, d, n) = self.normals
+        return (a * scale, b * scale, m * scale), (c * scale, d * scale, n * scale)
 
     @cached_property
     def gains(self) -> Vector:

@@ -4,13 +4,11 @@ All changes are exact.  What has to follow:
 
 - *scaled* (positions, square, equilibrium, length l times s; speeds kept): twists ``(v, omega/s)``, the same verdicts;
 - *moved* (array and equilibrium shifted alike): the same verdicts about the shifted point;
-- *with friction ratio* r (``mu_S = r mu_R``): under rule ``nearest`` only ``r < 1``, ``= 1`` or ``> 1`` matters;
-- a plain system *scaled* by s, ``x' = s f(x/s)``, or *sped up* by k, ``x' = k f(x)``: the same verdict.
+- *with friction ratio* r (``mu_S = r mu_R``): under rule ``nearest`` only ``r < 1``, ``= 1`` or ``> 1`` matters.
 """
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
@@ -18,10 +16,8 @@ from fractions import Fraction
 from nonsmooth.symbolic.body import Body
 from nonsmooth.symbolic.continuum import Disc, Footprint
 from nonsmooth.symbolic.load_model import LoadModel
-from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.scene import Scene, Wheel
 from nonsmooth.symbolic.support_polygon import extent, outer_positions, support_polygon
-from nonsmooth.symbolic.switched_system import SwitchedSystem, require_single
 
 
 def with_wheels(scene: Scene, change: Callable[[Wheel], Wheel]) -> Scene:
@@ -109,44 +105,3 @@ def with_friction_ratio(scene: Scene, ratio: Fraction) -> Scene:
     """``mu_R = 1`` and ``mu_S = ratio`` at every wheel."""
     roll, side = scene.field.one, scene.field(ratio)
     return with_wheels(scene, lambda wheel: replace(wheel, friction=replace(wheel.friction, roll=roll, side=side)))
-
-
-def scaled_system(
-    system: SwitchedSystem, length: Fraction = Fraction(1), speed: Fraction = Fraction(1)
-) -> SwitchedSystem:
-    """``x' = k s f(x/s)`` for a length s and a speed k.
-
-    Raises:
-        SceneError: for arbitrary switching.
-    """
-    require_single(system)
-    shrunk = {name: f"({name}/({length}))" for name in system.states}
-    rhs = tuple(_parsed(f"({speed})*({length})*({_renamed(f, shrunk)})", system.states) for f in system.rhs)
-    check = replace(
-        system.check,
-        equilibrium=tuple(x * length for x in system.check.equilibrium),
-        radius=system.check.radius * length,
-        lyapunov=_parsed(_renamed(system.check.lyapunov, shrunk), system.states),
-    )
-    return replace(system, rhs=rhs, check=check)
-
-
-def with_rate_ratio(system: SwitchedSystem, ratio: Fraction) -> SwitchedSystem:
-    """The first rate as it is, the others times r.
-
-    Raises:
-        SceneError: for arbitrary switching.
-    """
-    require_single(system)
-    first, *others = system.rhs
-    rhs = (first, *(_parsed(f"({ratio})*({other.text})", system.states) for other in others))
-    return replace(system, rhs=rhs)
-
-
-def _renamed(formula: PiecewiseExpression, names: dict[str, str]) -> str:
-    pattern = re.compile(rf"\b({'|'.join(map(re.escape, names))})\b")
-    return pattern.sub(lambda found: names[found[0]], formula.text)
-
-
-def _parsed(text: str, states: tuple[str, ...]) -> PiecewiseExpression:
-    return parse_piecewise(text, states)

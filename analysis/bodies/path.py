@@ -48,7 +48,7 @@ from nonsmooth.analysis.trajectories.result import (
     TrajectoryError,
     samples,
 )
-from nonsmooth.analysis.trajectories.steppers import Integrator, stepped
+from nonsmooth.analysis.trajectories.steppers import Dop853, Integrator
 from nonsmooth.symbolic.contact_set import whole
 from nonsmooth.symbolic.number_text import numbers_text
 from nonsmooth.symbolic.scene import Scene
@@ -328,23 +328,21 @@ class Regimes:
 
     def _in_regimes(self, rate: SupportRate, time: float, pose: Floats, until: float) -> Iterator[DenseStep]:
         """Runge-Kutta steps, each in one regime; they end early where a regime cannot be held."""
-        from scipy.integrate import DOP853
-
         length, whole = None, self._held(rate, time, pose)
         while whole is not None and time < until:
             first = None if length is None else min(length, until - time)
             errors = np.full(len(whole), UNKNOWNS)
             errors[:3] = TOLERANCE * self._size
-            solver = DOP853(rate.of_regimes, time, whole, until, first_step=first, rtol=TOLERANCE, atol=errors)
+            solver = Dop853(rate.of_regimes, time, whole, until, first, TOLERANCE, errors)
             try:
-                step = stepped(solver)
+                step = solver.step()
             except TrajectoryError:
                 return
             end = self._end_of_regime(rate, step)
             if end is None:
                 return
             kept = rate.kept(step.last) if end == step.end else None
-            pose, length = step(end)[:3], float(solver.h_abs)
+            pose, length = step(end)[:3], solver.following
             yield DenseStep((time, whole[:3]), (end, pose), partial(_pose_of, step))
             time = end
             whole = self._held(rate, time, pose) if kept is None else kept

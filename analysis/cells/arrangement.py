@@ -40,13 +40,10 @@ from nonsmooth.symbolic.constraints import (
     subtracted,
 )
 from nonsmooth.symbolic.numbers.coefficients import rational_quotient
-from nonsmooth.symbolic.numbers.lazy import is_clear
-from nonsmooth.symbolic.numbers.number import HUGE, TINY, Number, sign
+from nonsmooth.symbolic.numbers.lazy import FLOAT_DOUBT, clear_sign, is_clear, sure_float
+from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.scene import Scene
 
-# Relative to the sum of absolute terms, whose rounding error stays below 2^-39 for up to a thousand terms:
-# a float value beyond this bound has a certain sign, a value within it is computed exactly.
-FLOAT_DOUBT = 2.0**-29
 # Relative: residuals and rates beyond the doubt above carry seven correct digits, so do their ratios; ratios closer
 # than this are compared exactly.
 STEP_DOUBT = 2.0**-16
@@ -58,8 +55,13 @@ Lexicographic: TypeAlias = tuple[int, int]
 
 @dataclass(frozen=True)
 class SlopeOfD:
-    """``D'(xi; direction)`` as an affine form of c; non-negative where xi is optimal along the direction."""
+    """``D'(xi; direction)`` as an affine form of c; non-negative where xi is optimal along the direction.
 
+    Attributes:
+        pair: numbers of two rows that xi satisfies, and that stay so along the direction.
+    """
+
+    pair: tuple[int, int]
     direction: Triple
     form: Affine
 
@@ -119,12 +121,11 @@ class Arrangement:
             self._vertices[twist] = Vertex(twist, self._residual_signs(twist))
         return self._vertices[twist]
 
-    def edge(self, pair: NDArray[np.int_]) -> Triple:
+    def edge(self, pair: tuple[int, int]) -> Triple:
         """``a_k x a_l`` of two rows by their numbers, the direction along which both stay as they are (cached)."""
-        first, second = pair.tolist()
-        if (first, second) not in self._edges:
-            self._edges[first, second] = cross_product(self.rows[first].normal, self.rows[second].normal)
-        return self._edges[first, second]
+        if pair not in self._edges:
+            self._edges[pair] = cross_product(self.rows[pair[0]].normal, self.rows[pair[1]].normal)
+        return self._edges[pair]
 
     @beyond_floats
     def float_dissipation(self, twist: Twist, point: Point) -> float:
@@ -144,8 +145,9 @@ class Arrangement:
             signs[k] = self.rows[k].residual(twist).sign()
         return signs
 
-    def slopes_along(self, direction: Triple, signs: NDArray[np.int_]) -> tuple[SlopeOfD, SlopeOfD]:
-        """The slopes along a direction and back, exactly, where the residuals of the rows have these signs."""
+    def slopes_along(self, pair: tuple[int, int], signs: NDArray[np.int_]) -> tuple[SlopeOfD, SlopeOfD]:
+        """The slopes along the edge of a pair and back, exactly, where the residuals of the rows have these signs."""
+        direction = self.edge(pair)
         kept = along = _zero_form(self.scene)
         for k in tight_rows(signs):
             reach = abs(inner(self.rows[k].normal, direction))
@@ -154,8 +156,7 @@ class Arrangement:
         for entry, part in zip(direction, self._pull(signs), strict=True):
             if entry:
                 along = added(along, scaled(part, entry))
-        back = (-direction[0], -direction[1], -direction[2])
-        return SlopeOfD(direction, added(kept, along)), SlopeOfD(back, subtracted(kept, along))
+        return SlopeOfD(pair, direction, added(kept, along)), SlopeOfD(pair, minus(direction), subtracted(kept, along))
 
     def _pull(self, signs: NDArray[np.int_]) -> list[Affine]:
         """``g``: three affine forms.  From vertex to vertex few signs change, so the last sum is corrected."""
@@ -169,17 +170,19 @@ class Arrangement:
         self._last_pull = signs, pull
         return pull
 
-    def line_search(self, vertex: Vertex, slope: SlopeOfD, place: Beside) -> Twist:
-        """First vertex along the direction beyond which D no longer falls."""
-        form, twist = slope.form, vertex.twist
+    def line_search(self, vertex: Vertex, slope: SlopeOfD, place: Beside) -> tuple[Twist, SlopeOfD]:
+        """First vertex along the direction beyond which D no longer falls, and the slope back from there."""
+        form = before = slope.form
+        twist = vertex.twist
         for step, crossed in self.breakpoints(vertex, slope.direction):
+            before = form
             twist = Twist(*(x + step * m for x, m in zip(vertex.twist, slope.direction, strict=True)))
             for k in crossed:
                 turn = 2 * abs(inner(self.rows[k].normal, slope.direction))
                 form = added(form, scaled(self.weights[k], turn))
             if order(form, place) >= (0, 0):
-                return twist
-        return twist
+                break
+        return twist, SlopeOfD(slope.pair, minus(slope.direction), minus(before))
 
     def breakpoints(self, vertex: Vertex, direction: Triple) -> Iterator[tuple[Number, list[int]]]:
         """Steps t > 0 at which rows change sign along ``xi + t direction``, ascending, with those rows."""
@@ -219,10 +222,13 @@ class Arrangement:
 
 def order(form: Affine, place: Beside) -> Lexicographic:
     """Signs of an affine form at a point and of its derivative along a direction."""
-    value, outward = value_at(form, place.point), place.outward
-    vanishes = place.line is not None and not is_clear(value) and is_multiple(form, place.line)
-    here = 0 if vanishes else sign(value)
-    return here, 0 if here else sign(form[1] * outward[0] + form[2] * outward[1])
+    constant, a, b = map(sure_float, form)
+    here = clear_sign(constant, *(c * sure_float(x) for c, x in zip((a, b), place.point, strict=True)))
+    if not here:
+        value = value_at(form, place.point)
+        vanishes = place.line is not None and not is_clear(value) and is_multiple(form, place.line)
+        here = 0 if vanishes else sign(value)
+    return here, 0 if here else sign(form[1] * place.outward[0] + form[2] * place.outward[1])
 
 
 def is_multiple(form: Affine, line: Affine) -> bool:
@@ -231,22 +237,13 @@ def is_multiple(form: Affine, line: Affine) -> bool:
     Products of long numbers are many: where floats show that a minor does not vanish, there are none.
     """
     minors = [(form[i], form[j], line[i], line[j]) for i, j in ((1, 2), (0, 1), (0, 2))]
-    if any(_clearly_differ(*minor) for minor in minors):
+    floats = [map(sure_float, minor) for minor in minors]
+    if any(clear_sign(a * d, -b * c) for a, b, c, d in floats):
         return False
     factor = next(rational_quotient(a.terms, b.terms) for a, b in zip(form, line, strict=True) if b)
     if factor is not None and all(a == b * factor for a, b in zip(form, line, strict=True)):
         return True
     return not any(a * d - b * c for a, b, c, d in minors)
-
-
-def _clearly_differ(a: Number, b: Number, c: Number, d: Number) -> bool:
-    """Whether floats show that ``a d`` is not ``b c``."""
-    factors = [float(x) for x in (a, b, c, d)]
-    if any(x and not TINY < abs(factor) < HUGE for x, factor in zip((a, b, c, d), factors, strict=True)):
-        return False
-    first, second = factors[0] * factors[3], factors[1] * factors[2]
-    size = abs(first) + abs(second)
-    return TINY < size < HUGE and abs(first - second) > size * FLOAT_DOUBT
 
 
 def normal_floats(numbers: Collection[Number]) -> list[float]:
@@ -274,6 +271,11 @@ def tight_rows(signs: NDArray[np.int_]) -> tuple[int, ...]:
 def _weight(row: Row, force: Affine) -> Affine:
     """``mu_k N_i / |A_i|`` for a row scaled by ``|A_i|``."""
     return scaled(force, row.friction / row.wheel.grip_length)
+
+
+def minus(vector: Triple) -> Triple:
+    """``-a``."""
+    return -vector[0], -vector[1], -vector[2]
 
 
 def _zero_form(scene: Scene) -> Affine:

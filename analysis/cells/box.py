@@ -144,7 +144,8 @@ class _Walk:
                 slope = origins.get(side.label)
                 if slope is None or any(is_multiple(slope.form, line) for line in explored):
                     continue
-                neighbour = self._neighbour(vertex, slope, Beside(_midpoint(polygon, k), side.normal, slope.form))
+                place = Beside(_midpoint(polygon, k), side.normal, slope.form)
+                neighbour = self._descend(vertex, place, slope)
                 crossed[neighbour.twist].append(slope.form)
                 waiting.append(neighbour)
 
@@ -161,25 +162,29 @@ class _Walk:
         outward = (one, one * 7 / 11)  # a direction along no usual symmetry axis: it only breaks ties
         return self._descend(self.arrangement.vertex(start), Beside(centre, outward))
 
-    def _neighbour(self, vertex: Vertex, slope: SlopeOfD, place: Beside) -> Vertex:
-        """The vertex that is optimal just beyond a side of the cell."""
-        return self._descend(self.arrangement.vertex(self.arrangement.line_search(vertex, slope, place)), place)
+    def _descend(self, vertex: Vertex, place: Beside, falling: SlopeOfD | None = None) -> Vertex:
+        """Exact descent beside a point, first along a slope that falls there if one is known.
 
-    def _descend(self, vertex: Vertex, place: Beside) -> Vertex:
-        """Exact descent beside a point: every step lowers D, so it ends at the minimizer.
+        Every step lowers D, so it ends at the minimizer.
+        """
+        falling = falling or self._falling(vertex, place, None)
+        while falling is not None:
+            twist, back = self.arrangement.line_search(vertex, falling, place)
+            vertex = self.arrangement.vertex(twist)
+            falling = self._falling(vertex, place, self.slopes(vertex).learn(back))
+        return vertex
+
+    def _falling(self, vertex: Vertex, place: Beside, back: int | None) -> SlopeOfD | None:
+        """A slope that falls beside a point; the one back to where the descent came from, by its number, rises there.
 
         A slope that floats show to fall is taken at once; only where there is none, those in doubt are built.
         """
-        point = np.array([[1.0, *normal_floats(place.point)]])
-        while True:
-            slopes = self.slopes(vertex)
-            falling = slopes.falling(point)
-            if falling is None:
-                doubtful = (slopes[k] for k in slopes.doubtful(point))
-                falling = next((slope for slope in doubtful if order(slope.form, place) < (0, 0)), None)
-            if falling is None:
-                return vertex
-            vertex = self.arrangement.vertex(self.arrangement.line_search(vertex, falling, place))
+        slopes, point = self.slopes(vertex), np.array([[1.0, *normal_floats(place.point)]])
+        falling = slopes.falling(point)
+        if falling is not None:
+            return falling
+        doubtful = (slopes[k] for k in slopes.doubtful(point) if k != back)
+        return next((slope for slope in doubtful if order(slope.form, place) < (0, 0)), None)
 
     def _polygon(self, vertex: Vertex) -> tuple[Polygon | None, dict[str, SlopeOfD]]:
         """The vertex's cell, and the slope behind each of its inner sides, by label."""

@@ -222,15 +222,13 @@ def _region(
     for k in rivals:
         if k == i:
             continue
-        known = None
         if positions is not None and corners is not None:
             near, far = positions[i].tolist(), positions[k].tolist()
             if by_distance and distance(far, near) > 2 * reach_of(corners, near):
                 break
-            known = clear_signs(corners, near, far)
-            if min(known) > 0:
+            if is_clearly_nearer(corners, near, far):
                 continue
-        closer = region.clipped(bisectors.between(i, k), known)
+        closer = region.clipped(bisectors.between(i, k))
         if closer is None:
             return None
         if closer is not region and positions is not None:
@@ -367,19 +365,14 @@ def float_vertices(region: Polygon) -> list[Place]:
     return [float_point(vertex) for vertex in region.vertices]
 
 
-def clear_signs(corners: Sequence[Place], near: Place, far: Place) -> list[int]:
-    """Signs of ``|c - far| - |c - near|`` at corners where floats are sure, 0 where they are not.
+def is_clearly_nearer(corners: Sequence[Place], near: Place, far: Place) -> bool:
+    """Whether floats are sure that all corners are nearer to one place than to another.
 
     Beyond the range of floats a difference is nan or its bound is infinite: then nothing is sure.
     """
     size = _size(corners) + _size([near]) + _size([far])
-    signs = []
-    for corner in corners:
-        to_near, to_far = distance(corner, near), distance(corner, far)
-        farther = to_far - to_near
-        clear = abs(farther) > CANDIDATE_MARGIN * (size + to_far + to_near) + SMALLEST_NORMAL
-        signs.append(sign(farther) if clear else 0)
-    return signs
+    distances = ((distance(corner, near), distance(corner, far)) for corner in corners)
+    return all(there - here > CANDIDATE_MARGIN * (size + there + here) + SMALLEST_NORMAL for here, there in distances)
 
 
 def reach_of(corners: Sequence[Place], place: Place) -> float:

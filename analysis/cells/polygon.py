@@ -13,6 +13,7 @@ from functools import cached_property
 from typing import Any, TypeAlias
 
 from nonsmooth.symbolic.notebook import ShortRepr
+from nonsmooth.symbolic.numbers.lazy import clear_sign, sure_float
 from nonsmooth.symbolic.numbers.number import sign
 
 Point: TypeAlias = tuple[Any, Any]
@@ -29,6 +30,16 @@ class HalfPlane:
     def slack(self, point: Point) -> Any:
         """``offset - normal . point``: positive inside, zero on the line."""
         return self.offset - (self.normal[0] * point[0] + self.normal[1] * point[1])
+
+    def side(self, point: Point) -> int:
+        """Sign of the slack: 1 inside, 0 on the line; floats decide where they are sure."""
+        offset, a, b = self._floats
+        clear = clear_sign(offset, -a * sure_float(point[0]), -b * sure_float(point[1]))
+        return clear or sign(self.slack(point))
+
+    @cached_property
+    def _floats(self) -> tuple[float, float, float]:
+        return sure_float(self.offset), sure_float(self.normal[0]), sure_float(self.normal[1])
 
     def opposite(self) -> HalfPlane:
         """The closed complement."""
@@ -63,17 +74,11 @@ class Polygon(ShortRepr):
 
     def contains(self, point: Point) -> bool:
         """Whether the closed polygon holds the point."""
-        return all(sign(side.slack(point)) >= 0 for side in self.sides)
+        return all(side.side(point) >= 0 for side in self.sides)
 
-    def clipped(self, half_plane: HalfPlane, known: Sequence[int] | None = None) -> Polygon | None:
-        """Intersection with a closed half-plane; None when no area is left.
-
-        Args:
-            half_plane: what stays.
-            known: signs of the slacks at the vertices where they are known already, 0 elsewhere.
-        """
-        hints = known or [0] * len(self.vertices)
-        signs = [hint or sign(half_plane.slack(vertex)) for hint, vertex in zip(hints, self.vertices, strict=True)]
+    def clipped(self, half_plane: HalfPlane) -> Polygon | None:
+        """Intersection with a closed half-plane; None when no area is left."""
+        signs = [half_plane.side(vertex) for vertex in self.vertices]
         if min(signs) >= 0:
             return self
         if max(signs) <= 0:

@@ -16,7 +16,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.analysis.cells.arrangement import (
-    FLOAT_DOUBT,
     Arrangement,
     SlopeOfD,
     beyond_floats,
@@ -26,6 +25,7 @@ from nonsmooth.analysis.cells.arrangement import (
 from nonsmooth.analysis.cells.nearest import SMALLEST_NORMAL
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.symbolic.constraints import Triple, inner
+from nonsmooth.symbolic.numbers.lazy import FLOAT_DOUBT
 
 MOST_TIGHT = 300  # rows that hold at one twist: their pairs times their number are held in memory, in floats
 BLOCK = 256  # vectors whose products with the rows of all wheels are in the processor's cache together
@@ -91,13 +91,25 @@ class Slopes:
     def __getitem__(self, number: int) -> SlopeOfD:
         """The exact slope, built once."""
         if number not in self._exact:
-            direction = self._arrangement.edge(self._pairs[number // 2])
-            both = self._arrangement.slopes_along(direction, self._signs)
+            first, second = self._pairs[number // 2].tolist()
+            both = self._arrangement.slopes_along((first, second), self._signs)
             for k, slope in enumerate(both, number - number % 2):
-                self._exact[k] = slope
-                self._forms.values[k] = normal_floats(slope.form)
-                self._forms.bounds[k] = np.abs(self._forms.values[k])
+                self._keep(k, slope)
         return self._exact[number]
+
+    def learn(self, slope: SlopeOfD) -> int | None:
+        """Take over a slope that is known exactly, and its number here; None where it is none of these."""
+        found = np.flatnonzero((self._pairs == slope.pair).all(axis=1)).tolist()
+        if not found:
+            return None
+        number = 2 * int(found[0]) + (slope.direction != self._arrangement.edge(slope.pair))
+        self._keep(number, slope)
+        return number
+
+    def _keep(self, number: int, slope: SlopeOfD) -> None:
+        self._exact[number] = slope
+        self._forms.values[number] = normal_floats(slope.form)
+        self._forms.bounds[number] = np.abs(self._forms.values[number])
 
     def doubtful(self, points: Floats, among: Sequence[int] | None = None) -> list[int]:
         """Numbers of the slopes (of those given) that are not certainly positive at all points ``(1, x, y)``."""
@@ -195,7 +207,8 @@ class _PairTable:
                 bucket = bucket[~orthogonal[rows].all(axis=1)]
 
     def _direction(self, pair: int) -> Triple:
-        return self.arrangement.edge(self.pairs[pair])
+        first, second = self.pairs[pair].tolist()
+        return self.arrangement.edge((first, second))
 
 
 def _clipped(outline: Sequence[Corner], values: Sequence[float], number: int) -> list[Corner]:

@@ -50,7 +50,8 @@ from nonsmooth.symbolic.contact_states import solve_rows
 from nonsmooth.symbolic.number_text import power_text
 from nonsmooth.symbolic.scene import Scene, Wheel
 from nonsmooth.symbolic.scene_kind import SceneKind
-from nonsmooth.symbolic.similar_scenes import moved, scaled, scaled_system, with_friction_ratio
+from nonsmooth.symbolic.similar_scenes import moved, scaled, with_friction_ratio
+from nonsmooth.symbolic.similar_systems import scaled_system
 from nonsmooth.symbolic.support_polygon import support_polygon
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 

@@ -65,14 +65,12 @@ class DenseStep:
         after: tuple[float, Vector],
         dense: Callable[[], Interpolant],
         *,
-        again: Callable[[], Interpolant] | None = None,
         slopes: tuple[Vector, Vector] | None = None,
         easy: bool = False,
         work: int = 0,
     ) -> None:
-        """For a step whose dense output can be had now, and ``again`` once its stepper has gone on."""
         (self.start, self.first), (self.end, self.last) = before, after
-        self._dense, self._again = dense, again
+        self._dense = dense
         self._interpolant: Interpolant | None = None
         self.slopes, self.easy, self.work = slopes, easy, work
 
@@ -81,13 +79,6 @@ class DenseStep:
         if self._interpolant is None:
             self._interpolant = self._dense()
         return np.asarray(self._interpolant(times))
-
-    def outlive(self) -> None:
-        """Keep the dense output beyond the next step of the stepper: now, unless it can be made again."""
-        if self._again is not None:
-            self._dense = self._again
-        elif self._interpolant is None:
-            self._interpolant = self._dense()
 
 
 class Stepper(Protocol):
@@ -460,6 +451,4 @@ def _stretch(mode: Mode, path: Path, stepper: Stepper, *, dense: bool) -> tuple[
         reason = mode.passed(step, step.end)
         if reason is not None:
             return stretch, None, reason
-        if dense:
-            step.outlive()
     return stretch, None, None

@@ -298,12 +298,13 @@ class FilippovFaces(HybridField):
     def tell_switch(self, path: Path, choice: FaceChoice, weights: Weights) -> None:
         """What the path does."""
         face, before = choice.motion.face, self.before
+        if before is not None and not face.keep:
+            path.tell(EventKind.LEAVE if before.keep else EventKind.CROSS, self.faces[0].name)
+            return
         rests = self._rests(path, choice)
-        if face.keep or (before is None and rests):
+        if face.keep or rests:
             kind = EventKind.REST if rests else EventKind.SLIDE
             path.tell(kind, face.name, weights=weights, rates=choice.rates)
-        elif before is not None:
-            path.tell(EventKind.LEAVE if before.keep else EventKind.CROSS, self.faces[0].name)
 
     def _doubts(self, path: Path, choice: FaceChoice) -> list[str]:
         """Continuations that are neither found nor excluded."""

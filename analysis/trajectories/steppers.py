@@ -13,8 +13,10 @@ Another method is a class with ``steps``, as in ``tests/rehearsals/midpoint.py``
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
 from functools import partial
+from itertools import cycle
 from typing import Any
 
 import numpy as np
@@ -23,6 +25,9 @@ from nonsmooth.analysis.fields.switched_field import Vector
 from nonsmooth.analysis.trajectories.follow import DenseStep, Interpolant, Rate
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 
+STAGES = 12  # of DOP853, without the rate at the end of the step
+# Of DOP853's steps: a part of what the error allows, within these bounds.
+SAFETY, LEAST_GROWTH, MOST_GROWTH = 0.9, 0.2, 10.0
 # Growth of the step that DOP853 proposes: its error was some (0.9/4)^8 of the tolerance, a millionth.
 EASY_GROWTH = 4.0
 IMPLICIT_STEP = 120  # evaluations of all fields that cost as much as an implicit step
@@ -37,8 +42,8 @@ DIFFERENCE = 1e-8  # step of the differences, relative to the states: half the d
 JACOBIAN_STEP = 1e-11
 
 
-def stepped(solver: Any, *, again: Callable[[], Interpolant] | None = None, easy: bool = False) -> DenseStep:
-    """The next step of one of SciPy's solvers.
+def stepped(solver: Any, *, easy: bool = False) -> DenseStep:
+    """The next step of one of SciPy's solvers, whose dense output costs no evaluations.
 
     Raises:
         TrajectoryError: where the solver gives up.
@@ -47,8 +52,8 @@ def stepped(solver: Any, *, again: Callable[[], Interpolant] | None = None, easy
     message = solver.step()
     if solver.status == "failed":
         raise TrajectoryError(f"the integrator stopped at t = {solver.t:.6g}: {message}")
-    work = solver.nfev - evaluations
-    return DenseStep(before, (float(solver.t), solver.y), solver.dense_output, again=again, easy=easy, work=work)
+    work, between = solver.nfev - evaluations, solver.dense_output()
+    return DenseStep(before, (float(solver.t), solver.y), lambda: between, easy=easy, work=work)
 
 
 class Integrator:
@@ -100,6 +105,107 @@ def _straight(start: float, x: Vector, rate: Vector) -> Interpolant:
     return lambda t: (x + np.multiply.outer(t - start, rate)).T
 
 
+class Dop853:
+    """The Runge-Kutta method of order 8 by Dormand and Prince (Hairer, Norsett & Wanner 1993, sec. II.10).
+
+    Coefficients and control of steps are SciPy's.  Its own solver takes as long again for what surrounds the stages,
+    and forgets these with the next step, so that dense output would have to be made whether it is asked for or not.
+
+    Args:
+        rate: ``x' = rate(t, x)``.
+        t: time.
+        y: state (n,).
+        until: last time.
+        first_step: length of the first step; None to choose it.
+        rtol, atol: tolerances per step.
+
+    Attributes:
+        t, y, slope: where it is, and the rate there.
+        step_size, following: lengths of the last step and of the next.
+    """
+
+    step_size: float
+
+    def __init__(
+        self, rate: Rate, t: float, y: Vector, until: float, first_step: float | None, rtol: float, atol: float | Vector
+    ) -> None:
+        from scipy.integrate import DOP853
+
+        self._method, self._rate, self._until, self._tolerances = DOP853, rate, until, (rtol, atol)
+        self.t, self.y = t, y
+        if first_step is None:
+            chosen = DOP853(rate, t, y, until, rtol=rtol, atol=atol)
+            self.slope, first_step = chosen.f, float(chosen.h_abs)
+        else:
+            self.slope = rate(t, y)
+        self.following = first_step
+        self._stages = np.empty((STAGES + 1, len(y)))
+        self._tableau = [
+            (k, self._stages[:k].T, DOP853.A[k, :k], float(DOP853.C[k])) for k in range(1, STAGES)
+        ]  # number of a stage, the rates before, and what it takes of them and of the step
+
+    def step(self) -> DenseStep:
+        """The next step that meets the tolerances.
+
+        Raises:
+            TrajectoryError: where that is shorter than ten units in the last place of the time.
+        """
+        shortest = 10 * (math.nextafter(self.t, math.inf) - self.t)
+        length, most, trials = max(self.following, shortest), MOST_GROWTH, 0
+        while True:
+            if not length >= shortest:
+                raise TrajectoryError(f"the integrator stopped at t = {self.t:.6g}: {self._method.TOO_SMALL_STEP}")
+            end, trials = min(self.t + length, self._until), trials + 1
+            h = end - self.t
+            last, error = self._trial(end, h)
+            growth = SAFETY * error**-0.125 if error else MOST_GROWTH
+            if error < 1:
+                break
+            length, most = h * max(LEAST_GROWTH, growth), 1.0
+        stages = self._stages.copy()
+        between = partial(_dop853_between, self._rate, self.t, self.y, h, last, stages)
+        step = DenseStep((self.t, self.y), (end, last), between, slopes=(self.slope, stages[STAGES]))
+        self.step_size, self.following = h, h * min(most, growth)
+        step.easy, step.work = self.following >= EASY_GROWTH * h, STAGES * trials
+        self.t, self.y, self.slope = end, last, stages[STAGES]
+        return step
+
+    def _trial(self, end: float, h: float) -> tuple[Vector, float]:
+        """The state at the end, with the rates at all stages noted, and its error in tolerances."""
+        method, (rtol, atol), y, stages = self._method, self._tolerances, self.y, self._stages
+        stages[0] = self.slope
+        for k, before, row, share in self._tableau:
+            stages[k] = self._rate(self.t + share * h, y + before.dot(row) * h)
+        last = y + h * stages[:STAGES].T.dot(method.B)
+        stages[STAGES] = self._rate(end, last)
+        scale = atol + np.maximum(np.abs(y), np.abs(last)) * rtol
+        third, fifth = (stages.T.dot(weights) / scale for weights in (method.E3, method.E5))
+        of_third, of_fifth = (math.sqrt(error.dot(error)) ** 2 for error in (third, fifth))
+        denominator = of_fifth + 0.01 * of_third
+        return last, h * of_fifth / math.sqrt(denominator * len(y)) if denominator else 0.0
+
+
+def _dop853_between(rate: Rate, t: float, y: Vector, h: float, last: Vector, known: Vector) -> Interpolant:
+    """The polynomial of degree 7 through a step, which takes three more rates (the same, sec. II.6)."""
+    from scipy.integrate import DOP853
+
+    stages = [*known]
+    for row, share in zip(DOP853.A_EXTRA, DOP853.C_EXTRA, strict=True):
+        stages.append(rate(t + share * h, y + np.array(stages).T.dot(row[: len(stages)]) * h))
+    change, first, final = last - y, known[0], known[STAGES]
+    parts = [change, h * first - change, 2 * change - h * (final + first), *(h * DOP853.D.dot(np.array(stages)))]
+
+    def at(times: Any) -> Vector:
+        share = (times - t) / h
+        share = share[:, None] if np.ndim(share) else share
+        found: Any = 0.0
+        for part, factor in zip(reversed(parts), cycle((share, 1 - share)), strict=False):
+            found = (found + part) * factor
+        return np.asarray((found + y).T)
+
+    return at
+
+
 class StiffAware:
     """DOP853, until a stretch turns out stiff; Radau from there on, and rest where nothing moves any more.
 
@@ -118,34 +224,18 @@ class StiffAware:
 
     def steps(self, rate: Rate, t: float, x: Vector, until: float) -> Iterator[DenseStep]:
         """Steps up to the last time."""
-        from scipy.integrate import DOP853
-
         first = None if self._step is None else min(self._step, until - t)
-        solver, taken = DOP853(rate, t, x, until, first_step=first, **self._tolerances), 1
-        while solver.status == "running" and (taken % PROBED or not holds_the_step(rate, solver, until, self._size)):
-            yield self._explicit(rate, solver)
+        solver, taken = Dop853(rate, t, x, until, first, **self._tolerances), 1
+        while solver.t < until and (taken % PROBED or not holds_the_step(rate, solver, until, self._size)):
+            step = solver.step()
+            self._step = step.end - step.start
+            yield step
             taken += 1
-        if solver.status == "running":
+        if solver.t < until:
             self.was_stiff = True
             yield from self._implicit_steps(rate, solver, until)
 
-    def _explicit(self, rate: Rate, solver: Any) -> DenseStep:
-        """A step of DOP853; its dense output, which costs evaluations, is made late: by taking the step once more."""
-        start, x, slope = solver.t, solver.y, solver.f
-
-        def again() -> Interpolant:
-            from scipy.integrate import DOP853
-
-            same = DOP853(rate, start, x, step.end, first_step=step.end - start, **self._tolerances)
-            same.step()
-            return same.dense_output()
-
-        step = stepped(solver, again=again)
-        self._step = step.end - float(start)
-        step.slopes, step.easy = (slope, solver.f), solver.h_abs >= EASY_GROWTH * self._step
-        return step
-
-    def _implicit_steps(self, rate: Rate, explicit: Any, until: float) -> Iterator[DenseStep]:
+    def _implicit_steps(self, rate: Rate, explicit: Dop853, until: float) -> Iterator[DenseStep]:
         """Radau, from where an explicit solver is."""
         from scipy.integrate import Radau
 

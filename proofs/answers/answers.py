@@ -114,6 +114,8 @@ def _headings_of(check: Theorem4Result, *, around: bool) -> HeadingsOfRest | Non
 
 
 def _destinations_of(check: Theorem4Result) -> Destinations | None:
+    if check.partition is not None and check.equilibria is None:  # places where bodies may end are not known
+        return None
     from nonsmooth.proofs.answers.destinations import destinations_of  # paths: only a check that needs them loads them
 
     return destinations_of(check)

@@ -92,7 +92,8 @@ def _solve(columns: Sequence[Column], target: Column, prices: Sequence[Number]) 
     Rows with a negative target are negated first, and one artificial column per row starts phase one.
     """
     one = _one_like(columns, target)
-    if len(one.field.radicands) > FEW_ROOTS or len(columns) > FEW_COLUMNS:
+    is_long = len(one.field.radicands) > FEW_ROOTS or len(columns) > FEW_COLUMNS
+    if is_long and len(columns) >= len(target):  # fewer are no basis, and to load the solver takes longer than all else
         proposed = _verified_proposal(columns, target, prices)
         if proposed is not None:
             return proposed

@@ -18,7 +18,6 @@ from typing import Any, TypeAlias
 import numpy as np
 from flint import Ordering, fmpq, fmpq_mpoly_ctx
 from numpy.typing import NDArray
-from scipy.optimize import nnls
 
 from nonsmooth.proofs.checker.cells import Face, SurfaceSigns
 from nonsmooth.proofs.checker.polynomials import Polynomial, unit, variable
@@ -118,6 +117,8 @@ class Bounds:
 
     def _by_surfaces(self, form: Polynomial) -> list[Term] | None:
         """A linear form as a sum of signed surfaces through the origin, with weights that are not negative."""
+        from scipy.optimize import nnls
+
         listed = {j: own for j, own in self.guards.items() if own.degree == 1 and not own.at_origin}
         if not form or not listed:
             return None if form else []

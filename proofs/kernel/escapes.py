@@ -16,7 +16,6 @@ from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import eig
 
 from nonsmooth.proofs.checker.cells import pattern
 from nonsmooth.proofs.checker.lyapunov import sign_along
@@ -329,6 +328,8 @@ def _by_linear_part(motion: FollowedField) -> Iterator[BarrierRegion]:
     Of mu between real parts of eigenvalues; where one real eigenvalue alone is larger, with the eigenvector v and the
     left eigenvector l, the cone has two parts, divided by ``l . x = 0``, and R may make it narrow.
     """
+    from scipy.linalg import eig
+
     matrix = _jacobian(motion.field)
     values, duals, vectors = eig(matrix, left=True)
     parts = sorted({round(float(value.real), 9) for value in values}, reverse=True)

@@ -23,7 +23,6 @@ from itertools import permutations
 from typing import Any, TypeAlias
 
 import numpy as np
-from scipy.optimize import linprog
 
 from nonsmooth.proofs.checker.cells import Cell, Inclusion, pattern
 from nonsmooth.proofs.checker.polynomials import Polynomial, lie_derivative
@@ -203,6 +202,8 @@ def falling_values(cones: Sequence[FanCone], verdict: str) -> Floats | None:
 
     For a stable point that need not attract V does not rise, and for an unstable one it is negative on some ray.
     """
+    from scipy.optimize import linprog
+
     degree = min((sum(e) for cone in cones for c in cone.cells for _, f in c.fields for p in f for e in p.terms))
     rows = [*_rows_of_cones(cones, degree), *_rows_of_rays(cones, degree)]
     count = len(cones)
@@ -399,6 +400,8 @@ def _coefficients(inclusion: Inclusion, *, grows: bool) -> list[float]:
         inclusion: with the functions ``Abs(F)``, F and ``G**2`` on its cells.
         grows: whether V must not fall.
     """
+    from scipy.optimize import linprog
+
     rates = _rates(inclusion) * (-1.0 if grows else 1.0)
     sizes = np.maximum(np.abs(rates).max(axis=1), np.finfo(float).tiny)
     rows = rates / sizes[:, None]

@@ -14,8 +14,6 @@ from fractions import Fraction
 from typing import Any, TypeAlias
 
 import numpy as np
-from scipy.linalg import solve_continuous_lyapunov
-from scipy.optimize import linprog
 
 from nonsmooth.proofs.checker.cells import System
 from nonsmooth.proofs.checker.lyapunov import sign_along
@@ -86,6 +84,8 @@ def leading_direction(velocities: Floats) -> Floats | None:
     Returns:
         None where there is none in floats.
     """
+    from scipy.optimize import linprog
+
     count = velocities.shape[1]
     scaled = velocities / max(float(np.abs(velocities).max()), np.finfo(float).tiny)
     found = linprog(np.ones(2 * count), A_ub=-np.hstack([scaled, -scaled]), b_ub=-np.ones(len(scaled)))
@@ -168,6 +168,8 @@ def lyapunov_solution(matrix: Floats, mu: float, weight: Floats) -> Floats | Non
         mu: a shift.
         weight: R, symmetric.
     """
+    from scipy.linalg import solve_continuous_lyapunov
+
     values = np.linalg.eigvals(matrix) - mu
     if np.abs(values[:, None] + values[None, :]).min() < TIE:
         return None

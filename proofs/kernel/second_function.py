@@ -20,7 +20,6 @@ from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import linprog, nnls
 
 from nonsmooth.proofs.checker.cells import Cell, Face, Inclusion, System
 from nonsmooth.proofs.checker.invariance import MAX_OTHERS, Bound, Chain, common_signs
@@ -386,6 +385,8 @@ class Basis:
 
 def rests(left: Sequence[Left]) -> bool:
     """Whether at a point a mixture of the velocities that are left is zero, which no function changes."""
+    from scipy.optimize import nnls
+
     at: dict[bytes, list[Floats]] = {}
     for own in left:
         for point, velocity in zip(np.round(own.points, 9) + 0.0, own.velocities, strict=True):
@@ -433,6 +434,8 @@ def _basis(survey: Survey, weights: Sequence[int], degrees: range, surfaces: Map
 
 def rising(rows: Floats, weights: Floats) -> Iterator[list[Fraction]]:
     """Coefficients of functions that rise along all rows: a monomial alone, then the least sum of coefficients."""
+    from scipy.optimize import linprog
+
     size = rows.shape[1]
     if not np.all(np.any(rows, axis=1)):
         return
@@ -455,6 +458,8 @@ def rising(rows: Floats, weights: Floats) -> Iterator[list[Fraction]]:
 
 def not_falling(rows: Floats, weights: Floats) -> Iterator[list[Fraction]]:
     """Coefficients of a function that falls along no row and rises along some."""
+    from scipy.optimize import linprog
+
     size = rows.shape[1]
     helps = []
     for k in range(size):

@@ -17,7 +17,6 @@ from fractions import Fraction
 
 import numpy as np
 from flint import fmpq
-from scipy.optimize import linprog
 
 from nonsmooth.proofs.checker.cells import Inclusion, whole_domain
 from nonsmooth.proofs.checker.lyapunov import Lyapunov
@@ -92,6 +91,8 @@ def _values(conditions: Functions) -> tuple[Floats, Floats]:
 
 def _solved(rates: Floats, conditions: Functions, costs: Floats, *, positive: bool) -> Iterator[list[Fraction]]:
     """The least coefficients with which V rises along no row, and is positive, or negative somewhere."""
+    from scipy.optimize import linprog
+
     points, values = _values(conditions)
     sizes = np.sum(points**2, axis=1)
     if positive:

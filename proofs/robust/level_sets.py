@@ -224,9 +224,9 @@ def lyapunov_matrix(slope: Floats) -> Floats | None:
     roots = np.linalg.eigvals(slope)
     if not (roots.real < -NEUTRAL * np.abs(roots).max()).all():
         return None
-    from scipy.linalg import solve_continuous_lyapunov
-
-    return np.asarray(solve_continuous_lyapunov(slope.T, -np.eye(2)))
+    one = np.eye(2)
+    system = np.kron(one, slope.T) + np.kron(slope.T, one)
+    return np.asarray(np.linalg.solve(system, -one.ravel()).reshape(2, 2))
 
 
 def short_levels(levels: Floats, bits: int = BITS) -> Floats:

@@ -17,7 +17,6 @@ from nonsmooth.reports.studies.study import SceneStudy, StudyRequest
 from nonsmooth.symbolic.rule import CONTACT_RULES, MIXED
 from nonsmooth.symbolic.scene_error import SceneError, one_line
 from nonsmooth.symbolic.scene_kind import SceneKind
-from nonsmooth.symbolic.switched_system import PLANE
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.cells.partition import Partition
@@ -171,7 +170,7 @@ def _require_array(scene: AnyScene, option: str, received: str) -> None:
 
 def _require_several_states(scene: AnyScene) -> None:
     """Refuse a search for the region of a plain system in one state, whose region is known exactly."""
-    if scene.kind is SceneKind.SYSTEM and len(scene.states) < len(PLANE):
+    if scene.kind is SceneKind.SYSTEM and len(scene.states) == 1:
         required = "required a plain system in two states or more, or an array, for --region"
         raise RefusedError(f"{scene.origin}: {required}, received one state")
 
@@ -343,7 +342,7 @@ def check_system(system: SwitchedSystem) -> SystemCheckResult:
 def _check_system(system: Any, options: CheckOptions) -> SystemCheckResult:
     """The stability of a plain system, with a region unless told; its certificate where asked for."""
     result = replace(check_system(system), shows_evidence=options.evidence)
-    in_plane = len(system.states) == len(PLANE)
+    in_plane = len(system.states) == 2
     is_asked, search = options.region is not RegionSearch.AUTO, options.region
     if not is_asked:
         search = RegionSearch.FAST if len(system.states) > 1 else RegionSearch.NONE

@@ -15,7 +15,6 @@ from rich.text import Text
 from nonsmooth.proofs.answers.answer import Answer, Heading, Pose, Position
 from nonsmooth.proofs.answers.answers import THEOREM, Answers, exit_status, full_answers
 from nonsmooth.proofs.answers.contradictions import contradictions_of_rules, reconciled, rests_under
-from nonsmooth.proofs.answers.failures import Failure, worst_failure
 from nonsmooth.proofs.findings.facts import said
 from nonsmooth.proofs.findings.verdicts import Theorem4
 from nonsmooth.proofs.theorem4_result import Check, Contradiction
@@ -607,6 +606,8 @@ def worst(statuses: set[int]) -> int:
 
 def failures_view(failures: Sequence[Failure]) -> RenderableType:
     """Wheel by wheel, and the worst by name."""
+    from nonsmooth.proofs.answers.failures import worst_failure
+
     table = header_table("wheel", "failure", "position", "heading", "pose", "why")
     for failure in failures:
         answers = map(verdict_text, (failure.position, failure.heading, failure.pose))

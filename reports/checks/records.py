@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from nonsmooth.analysis.cells.partition import Partition
 from nonsmooth.analysis.contact_rule import rule_notes
 from nonsmooth.proofs.answers.answers import Answers, answers_of
 from nonsmooth.proofs.answers.contact_wheels import contact_facts
-from nonsmooth.proofs.answers.failures import Failure, worst_failure
 from nonsmooth.proofs.clauses.clause import Clause
 from nonsmooth.proofs.theorem4_result import Check, Contradiction
 from nonsmooth.reports.checks.answers import answers_record, robust_record
@@ -17,6 +16,9 @@ from nonsmooth.reports.output.facts import Record, fact_record, with_exact
 from nonsmooth.symbolic.contact_states import ContactState
 from nonsmooth.symbolic.number_text import real_text
 from nonsmooth.symbolic.numbers.measured_angles import angle_notes
+
+if TYPE_CHECKING:
+    from nonsmooth.proofs.answers.failures import Failure
 
 CHECK_SCHEMA = "nonsmooth-check/2"
 CHECKS_SCHEMA = "nonsmooth-checks/1"
@@ -74,6 +76,8 @@ def checks_record(records: Iterable[Record]) -> Record:
 
 def failure_records(failures: Sequence[Failure]) -> list[Record]:
     """Failures wheel by wheel as JSON; exactly one of them is the worst."""
+    from nonsmooth.proofs.answers.failures import worst_failure
+
     worst = worst_failure(tuple(failures))
     return [
         {

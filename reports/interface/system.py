@@ -279,7 +279,7 @@ class System(PythonScene):
     def system(self) -> SwitchedSystem:
         """The exact system; errors name it as the document does."""
         from nonsmooth.symbolic.files.scene_file import deep_nesting_refused
-        from nonsmooth.symbolic.files.system_file import build_system
+        from nonsmooth.symbolic.files.system_builder import build_system
 
         name = self.document.get("name")
         label = name if isinstance(name, str) and name.strip() else "system"

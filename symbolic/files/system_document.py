@@ -1,6 +1,6 @@
 """The tables of a scene file with ``[system]``: which keys there are, and what each must be.
 
-A new table or key of plain systems is declared here; :mod:`nonsmooth.symbolic.files.system_file` reads it.
+A new table or key of plain systems is declared here; :mod:`nonsmooth.symbolic.files.system_builder` reads it.
 """
 
 from __future__ import annotations

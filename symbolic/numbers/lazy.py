@@ -9,6 +9,7 @@ precision: the ball only saves work.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from fractions import Fraction
 from functools import reduce
@@ -30,6 +31,9 @@ FEW_BITS = 1024
 EXACT_DENOMINATOR = 4
 
 _PRECISION = 256
+# Of a sum of absolute terms, whose rounding error stays below 2^-39 of it for up to a thousand terms: a float value
+# beyond this bound has a certain sign.
+FLOAT_DOUBT = 2.0**-29
 _RATIONAL = (int, fmpq, Fraction)  # as a tuple: the union would be made anew at every call
 _FLOAT_BITS = 53
 
@@ -39,7 +43,7 @@ Quotient: TypeAlias = tuple[Number, Number]  # numerator, nonzero denominator
 class Lazy(ExactReal):
     """A real number of a field, known as a ball and as a recipe for its exact value."""
 
-    __slots__ = ("_quotient", "_recipe", "_sign", "ball", "field")
+    __slots__ = ("_float", "_quotient", "_recipe", "_sign", "ball", "field")
 
     def __init__(self, field: Tower, ball: arb, recipe: Callable[[], Quotient]) -> None:
         self.field = field
@@ -47,13 +51,12 @@ class Lazy(ExactReal):
         self._recipe = recipe
         self._quotient: Quotient | None = None
         self._sign: int | None = None
+        self._float: float | None = None
 
     @classmethod
     def of(cls, number: Number) -> Lazy:
         """Wrap a field element."""
-        with ctx.workprec(_PRECISION):
-            ball = number.ball()
-        return cls(number.field, ball, lambda: (number, number.field.one))
+        return cls(number.field, _precisely(number.ball), lambda: (number, number.field.one))
 
     def quotient(self) -> Quotient:
         """Exact numerator and denominator."""
@@ -110,8 +113,7 @@ class Lazy(ExactReal):
         return _make(self.field, self.ball, other.ball, arb.__add__, lambda: _add(self.quotient(), other.quotient()))
 
     def __neg__(self) -> Lazy:
-        with ctx.workprec(_PRECISION):  # arb rounds even a negation to the working precision
-            ball = -self.ball
+        ball = _precisely(self.ball.__neg__)  # arb rounds even a negation to the working precision
         return Lazy(self.field, ball, lambda: (-self.quotient()[0], self.quotient()[1]))
 
     def __mul__(self, value: Any) -> Lazy:
@@ -175,9 +177,14 @@ class Lazy(ExactReal):
         return numerator / denominator
 
     def __float__(self) -> float:
-        if self.ball.rel_accuracy_bits() > _FLOAT_BITS:
-            return float(self.ball.mid())
-        return float_quotient(*self.quotient())
+        rounded = self.float_of_ball()
+        return float_quotient(*self.quotient()) if math.isnan(rounded) else rounded
+
+    def float_of_ball(self) -> float:
+        """The value rounded, as far as the ball tells it; nan where it does not."""
+        if self._float is None:
+            self._float = float(self.ball.mid()) if self.ball.rel_accuracy_bits() > _FLOAT_BITS else math.nan
+        return self._float
 
     def __str__(self) -> str:
         numerator, denominator = self.quotient()
@@ -189,8 +196,17 @@ class Lazy(ExactReal):
 def _make(field: Tower, a: arb, b: arb, operation: Callable[[arb, arb], arb], recipe: Callable[[], Quotient]) -> Lazy:
     if field.meter is not None:
         field.meter.spend(1)
-    with ctx.workprec(_PRECISION):
-        return Lazy(field, operation(a, b), recipe)
+    return Lazy(field, _precisely(operation, a, b), recipe)
+
+
+def _precisely(operation: Callable[..., arb], *operands: arb) -> arb:
+    """The result of an operation at the precision of lazy quotients; ``ctx.workprec`` takes as long as ten of them."""
+    before = ctx.prec
+    ctx.prec = _PRECISION
+    try:
+        return operation(*operands)
+    finally:
+        ctx.prec = before
 
 
 def _reduced(numerator: Number, denominator: Number) -> Quotient:
@@ -213,6 +229,28 @@ def _multiply(left: Quotient, right: Quotient) -> Quotient:
     if b == c:
         return a, d
     return a * c, b * d
+
+
+def sure_float(value: Any) -> float:
+    """An exact number as a float that errs by less than some 2^-51 of it.
+
+    It is nan where that is not known: far from one, of lazy quotients whose ball is wide, and of all that was rounded.
+    """
+    if type(value) is Number:
+        rounded = float(value)
+        return rounded if TINY < abs(rounded) < HUGE or not value.terms else math.nan
+    if type(value) is Lazy:
+        rounded = value.float_of_ball()
+        return rounded if TINY < abs(rounded) < HUGE or not rounded else math.nan
+    return math.nan
+
+
+def clear_sign(a: float, b: float, c: float = 0.0) -> int:
+    """Sign of a sum of sure floats, or of products of two, where rounding does not decide it; 0 where it may."""
+    value, size = a + b + c, abs(a) + abs(b) + abs(c)
+    if TINY < size < HUGE and abs(value) > size * FLOAT_DOUBT:
+        return 1 if value > 0 else -1
+    return 0
 
 
 def is_clear(value: Any) -> bool:

@@ -10,11 +10,13 @@ import pytest
 from flint import arb
 from scipy.optimize import linprog
 
+from nonsmooth.analysis.cells.arrangement import SlopeOfD
 from nonsmooth.analysis.cells.box import build_box_partition, rest_cells
 from nonsmooth.analysis.cells.loads import load_regions, value_at
 from nonsmooth.analysis.cells.nearest import build_nearest_partition
 from nonsmooth.analysis.cells.partition import AREA_ROOTS, Partition, RefusalError
 from nonsmooth.analysis.cells.polygon import Point
+from nonsmooth.analysis.cells.slopes import Slopes
 from nonsmooth.analysis.minimizers.point_location import PointLocator
 from nonsmooth.symbolic.constraints import Twist, scene_rows
 from nonsmooth.symbolic.contact_states import regular_states
@@ -165,6 +167,22 @@ def test_the_walk_finds_what_enumerating_all_triples_finds(arrays: Arrays, seed:
         weights = weights_at(scene, point)
         best = min(dissipation(scene, weights, twist) for twist in twists)
         assert dissipation(scene, weights, cell.twists[0]) == best
+
+
+@pytest.mark.parametrize("name", ["ring-5", "grid-4x4"])
+def test_slopes_that_are_handed_on_are_those_that_are_built(monkeypatch: pytest.MonkeyPatch, name: str) -> None:
+    """The slope back along an edge is minus the slope along it."""
+    keep, numbers = Slopes._keep, list[int]()
+
+    def kept(self: Slopes, number: int, slope: SlopeOfD) -> None:
+        both = self._arrangement.slopes_along(slope.pair, self._signs)
+        assert slope == both[number % 2]
+        numbers.append(number)
+        keep(self, number, slope)
+
+    monkeypatch.setattr(Slopes, "_keep", kept)
+    cells = build_box_partition(load_scene(name, rule="box")).cells
+    assert len(numbers) > len(cells)
 
 
 def test_twists_tie_only_on_shared_sides(arrays: Arrays) -> None:

@@ -15,6 +15,7 @@ from nonsmooth.analysis.cells.polygon import HalfPlane, Polygon, intersection, s
 from nonsmooth.symbolic.numbers.lazy import Lazy
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.numbers.number_field import NumberField
+from nonsmooth.symbolic.numbers.rounded import rounded
 from nonsmooth.symbolic.plane import hull_holds_zero
 
 Embed: TypeAlias = Callable[[Fraction | int], Any]
@@ -68,6 +69,23 @@ def clipped_square(number: Embed, seed: int) -> Polygon:
 def same(a: Any, b: Any) -> bool:
     """Equal: exactly for exact numbers, to rounding for floats."""
     return abs(a - b) < ROUNDING if isinstance(a, float) else bool(a == b)
+
+
+@pytest.mark.parametrize("scale", [Fraction(1, 10**310), Fraction(1, 10**150), 1, 10**150, 10**310])
+@pytest.mark.parametrize("beyond", [Fraction(0), Fraction(1, 3), Fraction(1, 10**9), Fraction(1, 10**40)])
+def test_floats_never_decide_a_side_wrongly(scale: Fraction | int, beyond: Fraction) -> None:
+    for embed in (FIELD.rational, KINDS["irrational element"], KINDS["lazy"]):
+        line = HalfPlane((embed(3 * scale), embed(-7 * scale)), embed(-scale) * 1)
+        x, y = Fraction(2), Fraction(1)  # on it
+        for away in (beyond, -beyond):
+            assert line.side((embed(x), embed(y) + away)) == line.slack((embed(x), embed(y) + away)).sign()
+
+
+def test_what_rounding_decides_is_counted() -> None:
+    near = rounded(FIELD.one, Fraction(1, 1000))
+    before = FIELD.rounded_signs
+    assert HalfPlane((FIELD.one, FIELD.zero), near).side((FIELD.one, FIELD.zero)) == 0
+    assert FIELD.rounded_signs == before + 1
 
 
 @pytest.mark.parametrize("seed", SEEDS)

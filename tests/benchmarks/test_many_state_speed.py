@@ -17,7 +17,7 @@ import pytest
 
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.system_decision import decide_system
-from nonsmooth.symbolic.files.system_file import build_system
+from nonsmooth.symbolic.files.system_builder import build_system
 
 if TYPE_CHECKING:
     from tests.benchmarks.conftest import Stopwatch

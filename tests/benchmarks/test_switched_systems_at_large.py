@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from nonsmooth.proofs.system_decision import decide_system
-from nonsmooth.symbolic.files.system_file import build_system
+from nonsmooth.symbolic.files.system_builder import build_system
 from tests.proofs.switched_oracle import Judge, Switched, leaves, random_conewise, random_relay
 from tests.proofs.system_families import families
 

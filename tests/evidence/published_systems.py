@@ -28,7 +28,7 @@ from nonsmooth.proofs.systems.basin import CertifiedBasin
 from nonsmooth.proofs.systems.basin_rings import inside_ring
 from nonsmooth.proofs.systems.sublevel_region import ReshapedRegion
 from nonsmooth.reports.checks.check import check_system
-from nonsmooth.symbolic.files.system_file import build_system
+from nonsmooth.symbolic.files.system_builder import build_system
 from tests.certificates.inclusion import Array, FloatInclusion
 from tests.evidence.measured_tables import Lines, Record
 from tests.proofs.literature import literature

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from nonsmooth.reports.checks.check import check_system
-from nonsmooth.symbolic.files.system_file import build_system
+from nonsmooth.symbolic.files.system_builder import build_system
 from tests.evidence import published_systems as study
 
 IN_DISC = next(known for known in study.systems() if known.name == "inside the unit circle")

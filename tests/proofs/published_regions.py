@@ -11,7 +11,7 @@ import numpy as np
 from nonsmooth.analysis.cells.switched_cells import LyapunovCell, square_regions
 from nonsmooth.proofs.systems.domain import scene_cells
 from nonsmooth.proofs.systems.sublevel_region import SublevelRegion, largest_sublevel
-from nonsmooth.symbolic.files.system_file import build_system
+from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 

@@ -12,7 +12,7 @@ import pytest
 
 from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.proofs.systems.decay_rate import DecayKind
-from nonsmooth.symbolic.files.system_file import build_system
+from nonsmooth.symbolic.files.system_builder import build_system
 from tests.proofs.forged import with_reach
 from tests.thorough import few, keep
 

@@ -12,7 +12,7 @@ from nonsmooth.proofs.inequalities.forms import Sense
 from nonsmooth.proofs.inequalities.prover import Counterexample, Proof, Undecided, prove
 from nonsmooth.proofs.system_audit import AuditVerdict, audit
 from nonsmooth.proofs.systems.derivatives import EFFORT
-from nonsmooth.symbolic.files.system_file import build_system
+from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 

@@ -18,7 +18,10 @@ from nonsmooth.proofs.clauses.feedback.balanced_twists import wheel_forces
 from nonsmooth.proofs.clauses.feedback.box_twists import candidate_twists
 from nonsmooth.proofs.clauses.feedback.by_friction import decide_driven_feedback
 from nonsmooth.proofs.clauses.feedback.twist_candidates import PromisingTwists
+from nonsmooth.proofs.clauses.translation import clause
+from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
 from nonsmooth.proofs.findings.verdicts import Feedback
+from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.symbolic.constraints import Triple, cross_product, inner
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.numbers.coefficients import rational_quotient
@@ -100,13 +103,13 @@ def test_slopes_against_all_pairs(name: str) -> None:
     arrangement = Arrangement(scene, region)
     signs = np.array([0 if row.kind == "S" else -1 for row in arrangement.rows])  # rest: all side rows hold
     table = list(Slopes(arrangement, signs))
-    sides = [row.normal for row in arrangement.rows if row.kind == "S"]
+    sides = [k for k, row in enumerate(arrangement.rows) if row.kind == "S"]
     for a in sides:
         for b in sides:
-            direction = cross_product(a, b)
+            direction = cross_product(arrangement.rows[a].normal, arrangement.rows[b].normal)
             if any(direction):
                 known = [s for s in table if not any(cross_product(s.direction, direction))]
-                slopes = arrangement.slopes_along(direction, signs)
+                slopes = arrangement.slopes_along((a, b), signs)
                 positive = [value_at(s.form, p).sign() > 0 for s in slopes for p in region.polygon.vertices]
                 assert all(positive) or any(inner(s.direction, direction).sign() > 0 for s in known)
 
@@ -141,3 +144,11 @@ def test_a_zero_form_is_a_multiple_over_a_base_of_higher_degree() -> None:
     assert is_multiple((zero, zero, zero), line)
     assert not is_multiple((zero, zero, base), line)
     assert is_multiple((base * 3, field.rational(3), base * 3 + 3), line)
+
+
+def test_many_wheels_are_sampled_at_fewer_points(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(clause, "MOST_SLIPS", 16 * 9 + 1)
+    found = check_theorem4(load_scene("grid-4x4", rule="ellipse"), prune=False).translation
+    assert isinstance(found, EllipseTranslation)
+    assert found.sampled is not None
+    assert found.sampled.samples == 9

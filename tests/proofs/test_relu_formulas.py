@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.system_decision import decide_system
-from nonsmooth.symbolic.files.system_file import build_system
+from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 from tests.thorough import keep
 

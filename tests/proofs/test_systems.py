@@ -46,7 +46,7 @@ from nonsmooth.symbolic.piecewise import parse_piecewise
 from nonsmooth.symbolic.plane import hull_holds_zero
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import SceneError
-from nonsmooth.symbolic.similar_scenes import scaled_system, with_rate_ratio
+from nonsmooth.symbolic.similar_systems import scaled_system, with_rate_ratio
 from nonsmooth.symbolic.surfaces import switching_factors
 from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
 from tests.built_in import planar_systems

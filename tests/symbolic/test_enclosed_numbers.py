@@ -17,7 +17,7 @@ from nonsmooth.proofs.system_audit import AuditVerdict, audit
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.symbolic.enclosed_numbers import NoEnclosureError, enclose_numbers
-from nonsmooth.symbolic.files.system_file import build_system
+from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 FORMULAS = [

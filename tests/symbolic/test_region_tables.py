@@ -12,7 +12,7 @@ import pytest
 
 from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.proofs.system_decision import decide_system
-from nonsmooth.symbolic.files.system_file import build_system
+from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.scene_error import SceneError
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 from tests.thorough import keep

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.fields.system_field import system_field, wave_weight
-from nonsmooth.symbolic.files.system_file import build_system
+from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.scene_error import SceneError
 from nonsmooth.symbolic.sine_enclosures import Wave
 from nonsmooth.symbolic.switched_system import SwitchedSystem

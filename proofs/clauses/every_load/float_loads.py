@@ -8,8 +8,8 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.analysis.cells.arrangement import FLOAT_DOUBT
 from nonsmooth.analysis.cells.load_sets import LoadPolytope, SpringLoads
+from nonsmooth.symbolic.numbers.lazy import FLOAT_DOUBT
 
 Floats: TypeAlias = NDArray[np.float64]
 

@@ -18,7 +18,6 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.analysis.cells.arrangement import FLOAT_DOUBT
 from nonsmooth.analysis.cells.box import build_box_partition
 from nonsmooth.analysis.cells.filippov import filippov_twists
 from nonsmooth.analysis.cells.load_sets import LoadPolytope, Loads, LoadSet, load_set, priced
@@ -44,6 +43,7 @@ from nonsmooth.symbolic.constraints import (
 )
 from nonsmooth.symbolic.measured_loads import carried_table
 from nonsmooth.symbolic.number_text import brief_text
+from nonsmooth.symbolic.numbers.lazy import FLOAT_DOUBT
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.plane import separating_direction
 from nonsmooth.symbolic.scene import Contact, Scene

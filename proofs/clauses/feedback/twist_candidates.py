@@ -170,20 +170,23 @@ class _Grip:
         m = _least_grip(along, across)
         a, b = np.abs(along @ m.T), across @ m.T
         self.all = (a + np.abs(b)).sum(axis=0)
-        self.still = type(sets)(1.0, 1.0, sets.cut[:, None]).support(a, b)
+        still = type(sets)(1.0, 1.0, sets.cut[:, None]).support(a, b)
         if isinstance(sets, Box):
-            self.left, self.right = a - b, a + b
+            left, right = a - b, a + b
         else:
-            self.left, self.right = np.where(b < 0, self.still, a), np.where(b > 0, self.still, a)
+            left, right = np.where(b < 0, still, a), np.where(b > 0, still, a)
+        self.even, self.odd, self.still = (left + right) / 2 - still, (right - left) / 2, still.sum(axis=0)
 
     def margin(self, twists: Floats) -> Floats:
-        """The least support in both senses of each direction, in parts of all friction."""
+        """The least support in both senses of each direction, in parts of all friction.
+
+        A wheel that slips to the right adds ``still + even + odd``, one that slips to the left ``still + even - odd``.
+        """
         slips = twists @ self.sides.T
         slips[np.abs(slips) <= SAME * (np.abs(twists) @ np.abs(self.sides).T)] = 0
-        left, right, still = ((slips < 0) * 1.0, (slips > 0) * 1.0, (slips == 0) * 1.0)
-        ahead = left @ self.left + right @ self.right + still @ self.still
-        back = left @ self.right + right @ self.left + still @ self.still
-        return np.asarray((np.minimum(ahead, back) / self.all).min(axis=1))
+        signs = np.sign(slips)
+        least = self.still + np.abs(signs) @ self.even - np.abs(signs @ self.odd)
+        return np.asarray((least / self.all).min(axis=1))
 
 
 def _least_grip(along: Floats, across: Floats) -> Floats:

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 AnyTranslation: TypeAlias = TranslationResult | EllipseTranslation | EveryLoadTranslation
 
 SAMPLES = 2_000  # points at which V* is evaluated without cells, where no lemma covers the square
+MOST_SLIPS = 500_000  # of all wheels at all these points: beyond 250 wheels there are fewer, as nothing rests on them
 
 
 class TranslationClause(Clause[AnyTranslation]):
@@ -36,7 +37,7 @@ class TranslationClause(Clause[AnyTranslation]):
             return decide_for_every_load(work.every_load, work.lemma)
         if work.partition is not None:
             return decide_translation(work.partition, work.lemma)
-        samples = SAMPLES if work.sample else 0
+        samples = min(SAMPLES, MOST_SLIPS // len(work.scene.wheels)) if work.sample else 0
         if work.point.rest is not None:  # the lemma is about the point itself
             return decide_translation_at(work.point, None, samples=samples)
         if work.lemma is not None and work.prune:

@@ -20,7 +20,7 @@ from nonsmooth.proofs.systems.decay_rate import DecayKind
 from nonsmooth.proofs.systems.findings import Method
 from nonsmooth.proofs.systems.sublevel_region import SublevelRegion
 from nonsmooth.reports.interface.system import System
-from nonsmooth.symbolic.files.system_file import build_system
+from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.scene_error import SceneError
 from nonsmooth.symbolic.switched_system import SwitchedSystem

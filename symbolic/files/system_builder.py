@@ -1,0 +1,336 @@
+"""What a ``[system]`` table of a scene file says: a switched system in any number of states.
+
+Structure is checked by pydantic, formulas by :mod:`nonsmooth.symbolic.piecewise`.  Whatever is wrong ends in one
+:class:`SceneError`, as for wheel arrays.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+from nonsmooth.symbolic.cleared_fractions import Clearing
+from nonsmooth.symbolic.expression import ExpressionError, parse
+from nonsmooth.symbolic.files.parameters import parameter_texts, with_parameters
+from nonsmooth.symbolic.files.right_hand_sides import float_point, read_right_hand_sides, split_intervals
+from nonsmooth.symbolic.files.scene_validation import validate
+from nonsmooth.symbolic.files.scene_values import Exact, Numbers, angles, field_of
+from nonsmooth.symbolic.files.system_document import RESERVED, SystemCheckTable, SystemDocument, regions_as_formulas
+from nonsmooth.symbolic.number_text import short_text
+from nonsmooth.symbolic.numbers.number import Number
+from nonsmooth.symbolic.numbers.polynomial import Polynomial
+from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
+from nonsmooth.symbolic.scene_error import SceneError, StatedFact, requirement
+from nonsmooth.symbolic.signed_roots import SignedRoots, find_rooted
+from nonsmooth.symbolic.sine_enclosures import has_waves
+from nonsmooth.symbolic.switched_system import SeenByRoots, SwitchedSystem, SystemCheck
+
+LARGEST_RADIUS = 10**150  # squares of such numbers are floats
+
+
+def parse_lyapunov(text: object, states: tuple[str, ...], file: str, key: str) -> PiecewiseExpression:
+    """V, or a right-hand side, as a formula of the states.
+
+    Raises:
+        SceneError: for anything else.
+    """
+    try:
+        return parse_piecewise(text, states)
+    except ExpressionError as error:
+        raise SceneError(file, key, requirement(error), text) from None
+
+
+def build_system(data: dict[str, Any], file: str, path: Path) -> SwitchedSystem:
+    """The system of a document, by the parts that ``read_document`` returns.
+
+    Raises:
+        SceneError: for whatever cannot be used.
+    """
+    document = validate(SystemDocument, data, file)
+    roots = _signed_roots(document, file)
+    return _plain_system(document, file, path) if roots is None else _seen_by_roots(document, roots, file, path)
+
+
+def _plain_system(document: SystemDocument, file: str, path: Path) -> SwitchedSystem:
+    """The system of a document without square roots of states."""
+    states, check = document.system.states, document.check
+    single, intervals = split_intervals(document.system.parameters, file)
+    texts = parameter_texts(single, {*states, *RESERVED}, file)
+    ends = parameter_texts({name: pair[0] for name, pair in intervals.items()}, {*states, *RESERVED}, file)
+    stated = _stated(_whole(document, {**texts, **ends}, file), states, file)
+    clearing = Clearing(frozenset(states), _float_point(states, check.equilibrium, file))
+    sides = read_right_hand_sides(stated, texts, intervals, clearing, file)
+    rhs, *others = (_parsed(side, states, file, key) for key, side in sides.sides)
+    default = " + ".join(f"{name}**2" for name in states)
+    chosen = default if check.lyapunov is None else with_parameters(check.lyapunov, texts)
+    lyapunov = parse_lyapunov(chosen, states, file, "check.lyapunov")
+    formulas = [formula for side in (rhs, *others) for formula in side]
+    turns = [turn for formula in (*formulas, lyapunov) for turn in formula.turns()]
+    numbers = Numbers(file, field_of([*turns, *angles(check)]))
+    checked = SystemCheck(
+        _equilibrium(check, states, numbers),
+        _radius(check.radius, numbers),
+        lyapunov,
+        check.lyapunov is None,
+    )
+    name = document.name or path.stem
+    system = SwitchedSystem(name, numbers.field, states, rhs, checked, file, tuple(others), sides.written, sides.waves)
+    scale = _parsed((sides.scale,), states, file, "system.rhs")[0] if sides.scale else None
+    system = replace(system, denominators=_parsed(sides.denominators, states, file, "system.rhs"), scale=scale)
+    by_names = _parsed(sides.named, (*states, *(wave.name for wave in sides.names)), file, "system.rhs")
+    system = replace(system, named_rhs=by_names, names=sides.names)
+    _require_zero_arguments(system)
+    for member in system.members:
+        for side in (1, -1):
+            _try_pieces(member, side)
+    return system
+
+
+def _radius(value: Exact, numbers: Numbers) -> Number:
+    """Half the side of the checked square or cube.
+
+    Raises:
+        SceneError: where it is not positive, or beyond what floats can search.
+    """
+    radius = numbers.positive(value, "check.radius")
+    if radius > LARGEST_RADIUS:
+        raise SceneError(numbers.file, "check.radius", "a number of at most 10**150", StatedFact(short_text(radius)))
+    return radius
+
+
+def _signed_roots(document: SystemDocument, file: str) -> SignedRoots | None:
+    """The states that stand under square roots; None without any.
+
+    Raises:
+        SceneError: for square roots of anything else, and where the name of a root means something else.
+    """
+    states, formulas = document.system.states, list(formulas_of(document))
+    try:
+        rooted = find_rooted(formulas, states)
+    except ExpressionError as error:
+        raise SceneError(file, "system.rhs", requirement(error), StatedFact(_received(error))) from None
+    roots = SignedRoots(states, rooted)
+    for name in {*states, *document.system.parameters} & set(roots.names.values()):
+        raise SceneError(file, "system.states", "a name that is not that of a square root", name)
+    return roots if rooted else None
+
+
+def _seen_by_roots(document: SystemDocument, roots: SignedRoots, file: str, path: Path) -> SwitchedSystem:
+    """The system in the signed roots of its states, with what it stands for."""
+    seen, unscaled, extended = (_plain_system(part, file, path) for part in rooted_documents(document, roots, file))
+    lists = extended.written or tuple(tuple(side.text for side in m.rhs) for m in extended.members)
+    written = tuple(tuple(map(roots.restored, part[: len(roots.states)])) for part in lists)
+    unscaled = replace(seen, rhs=unscaled.rhs, others=unscaled.others)  # over the same number field
+    return replace(seen, written=written, by_roots=SeenByRoots(roots, extended, unscaled))
+
+
+def _received(error: ExpressionError) -> str:
+    return str(error).partition(", received ")[2]
+
+
+def _whole(document: SystemDocument, texts: Mapping[str, str], file: str) -> tuple[object, ...]:
+    """The right-hand sides, or what the region tables say.
+
+    Raises:
+        SceneError: for neither, for both, and for tables that cannot be used.
+    """
+    states, rhs = document.system.states, document.system.rhs
+    if (rhs is None) is not bool(document.region):
+        received = StatedFact("both" if document.region else "neither")
+        raise SceneError(file, "system.rhs", "formulas, or [[region]] tables", received)
+    if rhs is not None:
+        return rhs
+
+    def check(formula: object, key: str) -> None:
+        complete = with_parameters(formula, texts)
+        if not has_waves(complete):
+            parse_lyapunov(complete, states, file, key)
+
+    return regions_as_formulas(document.region, states, check, file)
+
+
+def _stated(value: tuple[object, ...], states: tuple[str, ...], file: str) -> dict[str, tuple[object, ...]]:
+    """One list of formulas, or several of them, by key."""
+    nested = bool(value) and all(isinstance(part, list) for part in value)
+    found = {}
+    for k, side in enumerate(value if nested else (value,), 1):
+        key = f"system.rhs[{k}]" if nested else "system.rhs"
+        found[key] = tuple(side) if isinstance(side, list | tuple) else ()
+        _require_one_each(states, found[key], file, key, "formulas")
+    return found
+
+
+def _parsed(
+    formulas: Sequence[object], states: tuple[str, ...], file: str, key: str
+) -> tuple[PiecewiseExpression, ...]:
+    return tuple(parse_lyapunov(text, states, file, f"{key}[{j}]") for j, text in enumerate(formulas, 1))
+
+
+def _float_point(states: tuple[str, ...], values: Sequence[Exact] | None, file: str) -> dict[str, float]:
+    try:
+        return float_point(states, values)
+    except ExpressionError as error:
+        raise SceneError(file, "check.equilibrium", requirement(error), StatedFact("another")) from None
+
+
+def _require_zero_arguments(system: SwitchedSystem) -> None:
+    """Refuse sines and cosines of what does not vanish at the checked point.
+
+    Raises:
+        SceneError: for such an argument.
+    """
+    for wave in system.waves:
+        try:
+            argument = system.argument_of(wave, system.displaced(system.states))
+        except ExpressionError:
+            expected = "sin and cos of polynomials in the states"
+            raise SceneError(system.source, "system.rhs", expected, wave.argument) from None
+        if (0,) * len(system.states) in argument.terms:
+            expected = "sin and cos of what is zero at the checked point, up to a multiple of pi"
+            raise SceneError(system.source, "system.rhs", expected, wave.argument)
+
+
+def _equilibrium(check: SystemCheckTable, states: tuple[str, ...], numbers: Numbers) -> tuple[Number, ...]:
+    """The checked point, the origin unless the file names one."""
+    key = "check.equilibrium"
+    values = (Fraction(0),) * len(states) if check.equilibrium is None else check.equilibrium
+    _require_one_each(states, values, numbers.file, key, "numbers")
+    return tuple(numbers(value, key) for value in values)
+
+
+def _require_one_each(states: tuple[str, ...], values: tuple[object, ...], file: str, key: str, kind: str) -> None:
+    if len(values) != len(states):
+        raise SceneError(file, key, f"{len(states)} {kind}, one for each state", StatedFact(f"{len(values)}"))
+
+
+def _try_pieces(system: SwitchedSystem, side: int) -> None:
+    """Refuse formulas that are no polynomials at one state; the other pieces are looked at where they are used."""
+    state = [Fraction(side * (k * k + 1), k + 2) for k in range(1, len(system.states) + 1)]
+
+    def sign_of(expression: Polynomial) -> int:
+        return expression(state).sign() or side
+
+    system.velocity(sign_of)
+    lyapunov = system.check.lyapunov
+    try:
+        lyapunov.polynomial(dict(zip(system.states, system.coordinates(), strict=True)), sign_of)
+    except ExpressionError as error:
+        raise SceneError(system.source, "check.lyapunov", requirement(error), lyapunov.text) from None
+
+
+# ---- roots of states -----------------------------------------------------------------------------
+
+
+Rewrite = Callable[[object, int], object]  # of the right-hand side of a state
+
+
+def formulas_of(document: SystemDocument) -> Iterator[object]:
+    """Every formula of the states in a document."""
+    yield document.check.lyapunov
+    for side in document.system.rhs or ():
+        yield from side if isinstance(side, list) else (side,)
+    for region in document.region:
+        yield from (*region.where, *region.rhs)
+
+
+def rooted_documents(
+    document: SystemDocument, roots: SignedRoots, file: str
+) -> tuple[SystemDocument, SystemDocument, SystemDocument]:
+    """The document in signed roots and scaled time, in signed roots alone, and with each root as a further state.
+
+    Raises:
+        SceneError: for an equilibrium whose roots have no names.
+    """
+    seen = _in_roots(document, roots, roots.seen_field, file)
+    unscaled = _in_roots(document, roots, lambda formula, place: roots.seen(formula), file)
+    return seen, unscaled, _extended(document, roots, file)
+
+
+def _in_roots(document: SystemDocument, roots: SignedRoots, rewrite: Rewrite, file: str) -> SystemDocument:
+    check = document.check
+    point = _rooted_point(document, roots, file)
+    changed = {"lyapunov": roots.seen(check.lyapunov), "radius": _rooted_radius(document, roots)}
+    if point is not None:
+        changed["equilibrium"] = point
+    return _rewritten(document, roots.seen_states, rewrite, roots.seen).model_copy(
+        update={"check": check.model_copy(update=changed)}
+    )
+
+
+def _extended(document: SystemDocument, roots: SignedRoots, file: str) -> SystemDocument:
+    """Its right-hand side of a root is zero: what becomes of the root follows from the state."""
+
+    def rewrite(formula: object, place: int) -> object:
+        return roots.extended(formula)
+
+    names = (*roots.states, *roots.names.values())
+    check = document.check
+    changed: dict[str, Any] = {"lyapunov": None}
+    point = check.equilibrium
+    if point is not None:
+        sizes = tuple(_root(value, file, signed=False) for value in _of_rooted(point, roots))
+        changed["equilibrium"] = (*point, *sizes)
+    return _rewritten(document, names, rewrite, roots.extended).model_copy(
+        update={"check": check.model_copy(update=changed)}
+    )
+
+
+def _rewritten(
+    document: SystemDocument, states: tuple[str, ...], rewrite: Rewrite, guard: Callable[[object], object]
+) -> SystemDocument:
+    more = ("0",) * (len(states) - len(document.system.states))
+
+    def fields(side: Any) -> tuple[object, ...]:
+        known = (*(rewrite(formula, k) for k, formula in enumerate(side)),)
+        return (*known, *more) if len(known) == len(document.system.states) else known
+
+    rhs = document.system.rhs
+    if rhs is not None:
+        nested = bool(rhs) and all(isinstance(side, list) for side in rhs)
+        rhs = tuple(list(fields(side)) for side in rhs) if nested else fields(rhs)
+    regions = tuple(
+        region.model_copy(update={"where": tuple(map(guard, region.where)), "rhs": fields(region.rhs)})
+        for region in document.region
+    )
+    system = document.system.model_copy(update={"states": states, "rhs": rhs})
+    return document.model_copy(update={"system": system, "region": regions})
+
+
+def _of_rooted(point: tuple[Exact, ...], roots: SignedRoots) -> list[Exact]:
+    return [value for name, value in zip(roots.states, point, strict=False) if name in roots.rooted]
+
+
+def _rooted_point(document: SystemDocument, roots: SignedRoots, file: str) -> tuple[Exact, ...] | None:
+    """The checked point in the roots."""
+    point = document.check.equilibrium
+    if point is None:
+        return None
+    named = zip(roots.states, point, strict=False)
+    known = tuple(_root(value, file, signed=True) if name in roots.rooted else value for name, value in named)
+    return (*known, *point[len(known) :])
+
+
+def _root(value: Exact, file: str, *, signed: bool) -> Exact:
+    """``sgn(a) sqrt(abs(a))``, or without the sign, as a formula."""
+    text = str(value) if isinstance(value, Fraction) else value.text
+    try:
+        negative = float_point(("a",), (value,))["a"] < 0
+        root = f"sqrt(-({text}))" if negative else f"sqrt({text})"
+        return parse(f"-{root}" if negative and signed else root)
+    except ExpressionError as error:
+        raise SceneError(file, "check.equilibrium", requirement(error), text) from None
+
+
+def _rooted_radius(document: SystemDocument, roots: SignedRoots) -> Exact:
+    """The half-width in the roots: at most one, so that it holds no more of the states, and off zeros of roots.
+
+    Floats choose between widths; whatever they choose, the domain of a proof is named with it.
+    """
+    radius = document.check.radius
+    point = float_point(roots.states, document.check.equilibrium)
+    sizes = [abs(point[name]) ** 0.5 for name in roots.rooted]
+    most = min([1.0, *(size / 2 for size in sizes if size)])
+    return radius if float_point(("r",), (radius,))["r"] <= most else Fraction(most).limit_denominator(64)
