@@ -26,6 +26,7 @@ from nonsmooth.analysis.contact_rule import SmoothRule, friction_sets, rule_of
 from nonsmooth.analysis.fields.contact_model import ContactModel, Floats, contact_model, with_friction_sets
 from nonsmooth.analysis.plane_arrays import turned
 from nonsmooth.analysis.trajectories.result import TrajectoryError
+from nonsmooth.symbolic.contact_set import standing
 from nonsmooth.symbolic.friction_set import float_sets
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.tolerances import Tolerance
@@ -139,11 +140,13 @@ def sample_tables(scene: Scene, count: int, seed: int, names: Sequence[str] = ()
         names: the tolerances that are drawn, the others being zero; all of them unless given.
 
     Raises:
+        TipsError: where a body with an outline does not stand at the checked pose.
         ValueError: for a scene of which tables are not drawn, and one whose own place of rest is not found.
     """
     refused = why_not_sampled(scene)
     if refused or scene.tolerances is None:
         raise ValueError(refused)
+    scene = standing(scene)
     box, chosen = scene.tolerances, tuple(names) or scene.tolerances.names
     for name in box.names:
         box = box if name in chosen else box.without(name)

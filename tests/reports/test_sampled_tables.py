@@ -61,6 +61,18 @@ def test_small_steps_end_where_the_sample_says(tmp_path: Path, rule: str) -> Non
         assert end == pytest.approx(place, abs=0.01)
 
 
+def test_wheels_beside_the_body_carry_nothing(tmp_path: Path) -> None:
+    """Two wheels that a body with an outline does not cover move no end, whatever their tolerances."""
+    body = 'body = { shape = "rectangle", width = 230, height = 130, mass = 1 }\n'
+    text = TABLE.replace("RULE", "ellipse").replace("columns = 3", "columns = 2")
+    beside = text.replace("columns = 2", "columns = 4") + body
+    found = []
+    for name, table_text in (("four", text), ("eight", beside)):
+        (tmp_path / f"{name}.toml").write_text(table_text.replace("grid =", "check = { radius = 10 }\ngrid ="))
+        found.append(sample_tables(scene_of(tmp_path / f"{name}.toml"), 3, 5))
+    assert found[1].places == pytest.approx(found[0].places, abs=1e-9)
+
+
 def test_draws_stay_within_their_tolerances(table: Path) -> None:
     scene = scene_of(table)
     assert scene.tolerances is not None
