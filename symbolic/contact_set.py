@@ -148,7 +148,8 @@ def standing(scene: Scene) -> Scene:
         check = replace(check, length=default_length(positions, point))
     widest = chosen(free_half_width(scene.body, [minus(wheel.position, point) for wheel in wheels], scene), scene.units)
     if widest < check.radius:
-        check = replace(check, radius=widest, wider=None if check.has_default_radius else check.radius)
+        stated = None if check.has_default_radius else check.wider or check.radius
+        check = replace(check, radius=widest, wider=stated)
     return replace(scene, wheels=carrying, idle=idle, check=check)
 
 

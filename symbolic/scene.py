@@ -331,7 +331,7 @@ class Scene(ShortRepr):
 
     def checked_at(self, point: Vector, radius: Number) -> Scene:
         """The same array, checked at another point, within ``radius`` of it; a length that is not stated follows it."""
-        check = replace(self.check, equilibrium=point, radius=radius, wider=None)
+        check = replace(self.check, equilibrium=point, radius=radius)
         if check.has_default_length:
             check = replace(check, length=default_length([wheel.position for wheel in self.wheels], point))
         return replace(self, check=check)

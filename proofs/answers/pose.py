@@ -69,7 +69,8 @@ def _rate(found: AnyFeedback, scene: Scene) -> Iterator[Fact]:
         return
     words = f"with gain k the error halves at least every {half_life(kappa)}/k s"
     yield Fact("rate", Quantity(kappa), words)
-    how = "at a speed that is not known" if speed is None else f"at {lower_text(speed, 4)} per s or faster"
+    unit = scene.units.speed or "per s"
+    how = "at a speed that is not known" if speed is None else f"at {lower_text(speed, 4)} {unit} or faster"
     slower = f"farther away, where speeds are limited, it falls {how}" if scene.speed_limits else ""
     yield Fact("speed", Quantity(speed), slower)
 

@@ -62,7 +62,7 @@ def notes(headings: HeadingsOfRest) -> list[str]:
         listed = ["those listed, with the ends of ranges"] if any(entry.rests for entry in headings.found) else []
         besides = [*listed, *(["those not decided"] if headings.undecided else [])]
         but = f" but {' and '.join(besides)}" if besides else ""
-        said.append(f"at the checked point the body is proved to rest at no heading{but}")
+        said.append(f"at the checked point the body is proved to rest, without turning, at no heading{but}")
     if headings.left_out:
         said.append(f"{headings.left_out} more points of rest on one set of wheels were seen and not decided")
     if headings.reach is not None:

@@ -276,6 +276,10 @@ class FailedPathsResult(Result):
         said = f"{lost} of {came} no longer come home" if lost else f"{every} still do"
         unknown = f"of {left} of {len(self.paths)} paths it is not known where bodies end"
         open_ones = [Paragraph((f"{unknown}: not followed so far, or other solutions branch off",))]
+        farthest = max(self.failures, key=lambda failed: self.farthest(failed) or 0.0)
+        if farthest != worst:
+            unit = f" {self.scene.units.length}".rstrip()
+            said += f"; {farthest} moves an end farthest, by {_text(self.farthest(farthest))}{unit}"
         return [Paragraph((f"the worst: {worst}: {said}",)), *(open_ones if left else [])]
 
     def summary(self) -> str:

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.analysis.bodies.settling import Settled
+from nonsmooth.analysis.bodies.settling import Settled, Settling
 from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.cells.loads import LoadError
 from nonsmooth.analysis.cells.partition import Partition
@@ -328,7 +328,9 @@ class ArrayPath(PathResult):
             return ()
         if isinstance(self.heavy, str):
             return (f"with inertia: not followed: {self.heavy}",)
-        return (f"with inertia (simulated, from rest): {settled_words(self.scene, self.heavy)}",)
+        last = f"{float_text(self.heavy.until, 3)} {self.scene.units.time}".rstrip()
+        rests = "its place rests at " if self.heavy.kind is Settling.AT_REST else ""
+        return (f"with inertia (simulated, from rest until {rests}t = {last}): {settled_words(self.scene, self.heavy)}",)
 
     def facts(self) -> Record:
         """The record of the trajectory, with the law and the speeds of the wheels."""

@@ -57,7 +57,7 @@ def test_the_terminal_says_what_is_proved_of_other_headings(result: CheckResult)
     console.print(answers_view(result.evidence, result.answers))
     words = " ".join(console.export_text().split())
     assert "equilibrium headings at the checked point" in words
-    assert "the body is proved to rest at no heading but those listed" in words
+    assert "the body is proved to rest, without turning, at no heading but those listed" in words
     headings = result.answers.headings
     assert headings is not None
     count = len(headings.undecided)

@@ -88,7 +88,7 @@ def test_a_file_does_not_hide_how_the_path_ends(invoke: Invoke, tmp_path: Path) 
     ).out.splitlines()
     assert first.startswith(f"{file}: 0 events")
     assert rest[0].startswith("without inertia: ends ")
-    assert rest[1].startswith("with inertia (simulated, from rest): ")
+    assert rest[1].startswith("with inertia (simulated, from rest until its place rests at t = ")
 
 
 def test_with_units_the_body_has_inertia(invoke: Invoke, tmp_path: Path) -> None:
@@ -107,7 +107,7 @@ def test_with_units_the_body_has_inertia(invoke: Invoke, tmp_path: Path) -> None
     assert heavy["settles_after"] == pytest.approx(settles, rel=0.02)
     shown = sentence(invoke("simulate", str(scene), "--from", "30,20,0", "--until", "0.1").out)
     assert re.search(r"without inertia: ends [\d.]+ mm from the point, heading .* deg, moving at [\d.]+ mm/s", shown)
-    assert re.search(r"with inertia \(simulated, from rest\): ends .* mm of there after [\d.]+ s, \d+ swing", shown)
+    assert re.search(r"with inertia \(simulated, from rest until its place rests at t = [\d.]+ s\): ends .* mm of there after [\d.]+ s, \d+ swing", shown)
 
 
 def test_plain_systems_say_it_too(invoke: Invoke) -> None:
