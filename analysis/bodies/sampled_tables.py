@@ -143,11 +143,10 @@ def sample_tables(scene: Scene, count: int, seed: int, names: Sequence[str] = ()
         TipsError: where a body with an outline does not stand at the checked pose.
         ValueError: for a scene of which tables are not drawn, and one whose own place of rest is not found.
     """
-    refused = why_not_sampled(scene)
-    if refused or scene.tolerances is None:
+    refused, box = why_not_sampled(scene), scene.tolerances
+    if refused or box is None:
         raise ValueError(refused)
-    scene = standing(scene)
-    box, chosen = scene.tolerances, tuple(names) or scene.tolerances.names
+    scene, chosen = standing(scene), tuple(names) or box.names
     for name in box.names:
         box = box if name in chosen else box.without(name)
     point = np.array([float(value) for value in scene.check.equilibrium])

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, cast
 from nonsmooth.proofs.answers.answer import Answer, Pose, Results
 from nonsmooth.proofs.answers.bounds import half_life
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
+from nonsmooth.proofs.clauses.feedback.gradient_law import LevelRegion
 from nonsmooth.proofs.clauses.feedback.loop_bounds import BY_CELLS, UltimateBound, ultimate_bound, wheel_speed
 from nonsmooth.proofs.findings.facts import Fact, Quantity, said
 from nonsmooth.proofs.findings.verdicts import Certainty, Feedback
@@ -20,6 +21,9 @@ from nonsmooth.symbolic.scene import Scene
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.clauses.feedback.facts import AnyFeedback
+
+DIGITS = 4  # of an error
+ROOTS = 10**9  # roots are rounded down to its parts
 
 
 def pose_answer(scene: Scene, results: Results) -> Answer:
@@ -67,12 +71,23 @@ def _rate(found: AnyFeedback, scene: Scene) -> Iterator[Fact]:
     if kappa is None:
         yield from (Fact("rate", Quantity(None)), Fact("speed", Quantity(None)))
         return
-    words = f"with gain k the error halves at least every {half_life(kappa)}/k s"
+    words = f"with gain k the error halves at least every {half_life(kappa)}/k s, {_from_where(found, scene)}"
     yield Fact("rate", Quantity(kappa), words)
     unit = scene.units.speed or "per s"
     how = "at a speed that is not known" if speed is None else f"at {lower_text(speed, 4)} {unit} or faster"
     slower = f"farther away, where speeds are limited, it falls {how}" if scene.speed_limits else ""
     yield Fact("speed", Quantity(speed), slower)
+
+
+def _from_where(found: AnyFeedback, scene: Scene) -> str:
+    """From which errors the law is certified: those below the root of the level of V, where one is known."""
+    region = found.region if isinstance(found, FeedbackResult) else None
+    if region is None:
+        return "from close by (how near is not known)"
+    if not isinstance(region, LevelRegion):
+        return f"from {region}"
+    root = Fraction(math.isqrt(math.floor(region.level * ROOTS**2)), ROOTS)  # at most the root
+    return f"from errors below {lower_text(root, DIGITS)} {scene.units.length}".rstrip()
 
 
 def _speed(found: AnyFeedback, scene: Scene) -> Fraction | None:
