@@ -12,6 +12,7 @@ from contextlib import suppress
 from nonsmooth.proofs.findings.facts import row_fact
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.kernel.escapes import show_escape_of
+from nonsmooth.proofs.kernel.quotients import find_quotient, quotient_text
 from nonsmooth.proofs.kernel.search import NotShownError
 from nonsmooth.proofs.many_states.center_manifold import show_by_center_manifold
 from nonsmooth.proofs.many_states.circles import find_energy_on_circles
@@ -69,6 +70,29 @@ def decide_by_squares(point: CheckedPoint, known: Known) -> Finding | None:
             function = _of_point(point, found)
             return Finding(Method.LYAPUNOV, Translation.ASYMPTOTICALLY_STABLE, function.reason, function)
     return None
+
+
+def decide_by_quotient(point: CheckedPoint, known: Known) -> Finding | None:
+    """A quotient of forms."""
+    return _by_quotient(point, stated=False) if known.attraction_is_open else None
+
+
+def decide_by_stated_quotient(point: CheckedPoint, known: Known) -> Finding | None:
+    """The quotient of polynomials that the scene names."""
+    return _by_quotient(point, stated=True)
+
+
+def _by_quotient(point: CheckedPoint, *, stated: bool) -> Finding | None:
+    found = find_quotient(_rational(point.system), stated=stated)
+    if found is None:
+        return None
+    entry, _ = found
+    hypotheses = entry["hypotheses"]
+    whole, radius = hypotheses["cells"]["within"] is None, point.system.check.radius
+    where = "the whole space" if whole else cube_text(radius, point.system.states)
+    facts = row_fact("with", f"V = {quotient_text(hypotheses)}"), row_fact("on", where)
+    reason = "V is positive and falls along every solution"
+    return Finding(Method.LYAPUNOV, Translation.ASYMPTOTICALLY_STABLE, reason, entry=entry, facts=facts)
 
 
 def decide_by_energy(point: SpacePoint, known: Known) -> Finding | None:

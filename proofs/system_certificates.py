@@ -248,7 +248,7 @@ class Draft:
         if entry is not None and system.numbers:
             with suppress(NotShownError):
                 self.add_entry(system, entry["theorem"], entry["hypotheses"])
-        elif entry is not None:
+        elif entry is not None and not _attracts_everywhere(self):
             self.evidence.append(entry)
             self.statements += [{"attracts": "everywhere"}]
 

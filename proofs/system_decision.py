@@ -128,6 +128,7 @@ STRATEGIES = [
     Strategy("solution that leaves", MORE, space.decide_by_escape),
     Strategy("relative degree of a relay", MORE, space.decide_by_relay),
     Strategy("linearization", MORE, space.decide_by_linearization),
+    Strategy("stated quotient", SEVERAL, kernel.decide_by_stated_quotient),
     Strategy("stated V", TWO, plane.decide_by_stated_function),
     Strategy("stated V", MORE, space.decide_by_stated_function),
     Strategy("invariance principle, beside curves", TWO, plane.decide_by_stated_invariance),
@@ -146,6 +147,7 @@ STRATEGIES = [
     Strategy("solution that leaves", SEVERAL, kernel.decide_by_solution),
     Strategy("V by sums of squares", TWO, kernel.decide_by_squares),
     Strategy("function that shows instability", TWO, kernel.decide_by_growth),
+    Strategy("quotient of forms", SEVERAL, kernel.decide_by_quotient),
     Strategy("energy with its sign turned", SEVERAL, kernel.decide_by_turned_energy),
     Strategy("energy on circles", range(1, 9), kernel.decide_by_circles),
 ]

@@ -10,6 +10,7 @@ from typing import Any
 
 from nonsmooth.proofs.findings.facts import Fact, Quantity, row_fact, text_fact, unsaid
 from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.kernel.quotients import quotient_text
 from nonsmooth.proofs.system_audit import AuditResult
 from nonsmooth.proofs.systems.basin import CertifiedBasin
 from nonsmooth.proofs.systems.decay_rate import DecayKind
@@ -46,6 +47,9 @@ def system_facts(result: DecidedSystem) -> Iterator[Fact]:
     if given is not None and given is not function and (given.suprema or not check.is_default):
         reason = f"{given.reason} (on {given.domain.text(states)})"
         yield row_fact(f"tried: V = {one_line(check.lyapunov.text)}", reason)
+    if check.quotient is not None and (function is not None or not result.deciding.entry):
+        top, bottom = (one_line(part.text) for part in check.quotient)
+        yield row_fact(f"tried: V = ({top})/({bottom})", "it was not shown to be positive and to fall")
     yield from () if function is None else _named(function, states)  # before what is said of this V on this domain
     yield Fact("lyapunov", tuple(_potential(result)) or None)
     yield Fact("translation", tuple(_stability(result)))
@@ -171,8 +175,7 @@ def reached_words(region: SublevelRegion, states: Sequence[str]) -> str:
 
 def global_words(entry: Mapping[str, Any]) -> str:
     """Which V shows that every start reaches the point."""
-    function = one_line(entry["hypotheses"]["function"])
-    return f"V = {function} falls in the whole space too, where its level sets are bounded"
+    return f"V = {quotient_text(entry['hypotheses'])} falls in the whole space too, where its level sets are bounded"
 
 
 def region_words(region: SublevelRegion, states: Sequence[str]) -> str:

@@ -43,17 +43,19 @@ class SystemCheck:
     """What is checked: the equilibrium ``x*``, and the cube ``|x_k - x*_k| <= radius`` about it.
 
     ``lyapunov`` is V in the displacement from ``x*``, written with the states' names; ``is_default`` where the scene
-    names none, so that it is the sum of their squares.
+    names none, so that it is the sum of their squares.  Where it names a quotient, that is kept as numerator and
+    denominator, and ``lyapunov`` is the sum of squares, too.
     """
 
     equilibrium: tuple[Number, ...]
     radius: Number
     lyapunov: PiecewiseExpression
     is_default: bool = False
+    quotient: tuple[PiecewiseExpression, PiecewiseExpression] | None = None
 
     @property
     def named_lyapunov(self) -> str | None:
-        """The V that the scene names."""
+        """The V that the scene names, but a quotient."""
         return None if self.is_default else self.lyapunov.text
 
 

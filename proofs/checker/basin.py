@@ -416,6 +416,7 @@ def show_basin(system: System, hypotheses: Any, proofs: Proofs) -> list[Statemen
     local, surfaces, mesh, below = take(hypotheses, "local surfaces mesh below")
     require(system.count == 2 and system.coordinates == system.states, "a system in the plane, in its states")
     require(not system.numbers, "rational numbers, for a mesh")
+    require("denominator" not in local, "a V without a denominator beside a mesh")
     shown = show_stability(system, local, proofs)
     levels = [own["attracts"] for own in shown if type(own.get("attracts")) is dict]
     require(levels, "a level set that attracts")

@@ -149,6 +149,11 @@ class Finding:
     is_final: bool = True
 
     @property
+    def is_global(self) -> bool:
+        """Whether its evidence is of all starts of the whole space."""
+        return self.entry is not None and self.entry["hypotheses"].get("everywhere") is True
+
+    @property
     def is_weak(self) -> bool:
         """Whether it is a V that does not increase, and whether the point attracts is left open."""
         return self.theorem is Method.LYAPUNOV and self.verdict is Translation.STABLE

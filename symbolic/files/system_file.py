@@ -6,6 +6,7 @@ Structure is checked by pydantic, formulas by :mod:`nonsmooth.symbolic.piecewise
 
 from __future__ import annotations
 
+import ast
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
@@ -13,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from nonsmooth.symbolic.cleared_fractions import Clearing
-from nonsmooth.symbolic.expression import ExpressionError, parse
+from nonsmooth.symbolic.expression import ExpressionError, parse, parse_tree
 from nonsmooth.symbolic.files.parameters import parameter_texts, with_parameters
 from nonsmooth.symbolic.files.right_hand_sides import float_point, read_right_hand_sides, split_intervals
 from nonsmooth.symbolic.files.scene_file import build_scene, builtin_systems, deep_nesting_refused, read_document
@@ -23,7 +24,7 @@ from nonsmooth.symbolic.files.system_document import RESERVED, SystemCheckTable,
 from nonsmooth.symbolic.number_text import short_text
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
+from nonsmooth.symbolic.piecewise import MAX_TEXT, PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact, requirement
 from nonsmooth.symbolic.signed_roots import SignedRoots, find_rooted
@@ -140,7 +141,8 @@ def _plain_system(document: SystemDocument, file: str, path: Path) -> SwitchedSy
     rhs, *others = (_parsed(side, states, file, key) for key, side in sides.sides)
     default = " + ".join(f"{name}**2" for name in states)
     chosen = default if check.lyapunov is None else with_parameters(check.lyapunov, texts)
-    lyapunov = parse_lyapunov(chosen, states, file, "check.lyapunov")
+    quotient = _quotient(chosen, states, file)
+    lyapunov = parse_lyapunov(default if quotient else chosen, states, file, "check.lyapunov")
     formulas = [formula for side in (rhs, *others) for formula in side]
     turns = [turn for formula in (*formulas, lyapunov) for turn in formula.turns()]
     numbers = Numbers(file, field_of([*turns, *angles(check)]))
@@ -148,7 +150,8 @@ def _plain_system(document: SystemDocument, file: str, path: Path) -> SwitchedSy
         _equilibrium(check, states, numbers),
         _radius(check.radius, numbers),
         lyapunov,
-        check.lyapunov is None,
+        check.lyapunov is None or quotient is not None,
+        quotient,
     )
     name = document.name or path.stem
     system = SwitchedSystem(name, numbers.field, states, rhs, checked, file, tuple(others), sides.written, sides.waves)
@@ -161,6 +164,31 @@ def _plain_system(document: SystemDocument, file: str, path: Path) -> SwitchedSy
         for side in (1, -1):
             _try_pieces(member, side)
     return system
+
+
+def _quotient(
+    formula: object, states: tuple[str, ...], file: str
+) -> tuple[PiecewiseExpression, PiecewiseExpression] | None:
+    """The numerator and the denominator of a V that divides by states; None for any other.
+
+    Raises:
+        SceneError: for parts that are no formulas of the states.
+    """
+    try:
+        text, tree = parse_tree(formula, MAX_TEXT, "a formula")
+    except ExpressionError:
+        return None
+    if not isinstance(tree, ast.BinOp) or not isinstance(tree.op, ast.Div) or len(states) == 1:
+        return None
+    top, bottom = (
+        parse_lyapunov(ast.get_source_segment(text, part), states, file, "check.lyapunov")
+        for part in (tree.left, tree.right)
+    )
+    if top.is_constant(top.tree) or bottom.is_constant(bottom.tree):
+        return None
+    if bottom.switching_parts:
+        raise SceneError(file, "check.lyapunov", "a denominator without sign, Abs, Max and Min", formula)
+    return top, bottom
 
 
 def _radius(value: Exact, numbers: Numbers) -> Number:
@@ -288,11 +316,11 @@ def _try_pieces(system: SwitchedSystem, side: int) -> None:
         return expression(state).sign() or side
 
     system.velocity(sign_of)
-    lyapunov = system.check.lyapunov
-    try:
-        lyapunov.polynomial(dict(zip(system.states, system.coordinates(), strict=True)), sign_of)
-    except ExpressionError as error:
-        raise SceneError(system.source, "check.lyapunov", requirement(error), lyapunov.text) from None
+    for lyapunov in system.check.quotient or (system.check.lyapunov,):
+        try:
+            lyapunov.polynomial(dict(zip(system.states, system.coordinates(), strict=True)), sign_of)
+        except ExpressionError as error:
+            raise SceneError(system.source, "check.lyapunov", requirement(error), lyapunov.text) from None
 
 
 # ---- roots of states -----------------------------------------------------------------------------
