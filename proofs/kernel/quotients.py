@@ -40,7 +40,7 @@ from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 DEGREES = (4, 6)  # of P
 MOST_FORMS = 60  # monomials of P
-LEAST = 1e-6  # margin, of the largest value in a row, that is proposed
+LEAST = 2.0**-20  # margin, of the largest value in a row, that is proposed
 DENOMINATORS = (1, 4, 16, 64)  # of the coefficients over the largest, tried in turn
 WORK = 4_000  # coefficients looked at for one claim
 FACTORS = ("1/4", "1/64")  # of |x|^2 below V + 1
