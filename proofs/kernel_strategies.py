@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from contextlib import suppress
 
+from nonsmooth.proofs.choices import choice_words, show_choice_of
 from nonsmooth.proofs.findings.facts import row_fact
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.kernel.escapes import show_escape_of
@@ -118,6 +119,20 @@ def decide_by_solution(point: CheckedPoint, known: Known) -> Finding | None:
     direction = ", ".join(entry["hypotheses"]["direction"])
     reason = f"from as near the point as one likes a solution leaves, at first along ({direction})"
     return Finding(Method.ESCAPE, Translation.UNSTABLE, reason, entry=entry)
+
+
+def decide_by_choice(point: CheckedPoint, known: Known) -> Finding | None:
+    """A switching law among several right-hand sides under which the point is unstable."""
+    system = _rational(point.system)
+    if known.standing is not None or system.only_encloses or not system.others:
+        return None
+    try:
+        entry, _ = show_choice_of(system)
+    except NotShownError:
+        return None
+    reason = "under one of the fields that may act, or one on each side of a surface, the point is unstable"
+    facts = (row_fact("choice", choice_words(entry["hypotheses"]["choice"])),)
+    return Finding(Method.CHOICE, Translation.UNSTABLE, reason, entry=entry, facts=facts)
 
 
 def decide_by_turned_energy(point: CheckedPoint, known: Known) -> Finding | None:

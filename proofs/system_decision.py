@@ -145,6 +145,7 @@ STRATEGIES = [
     Strategy("invariance principle", MORE, space.decide_by_invariance),
     Strategy("centre manifold", SEVERAL, kernel.decide_by_center_manifold),
     Strategy("solution that leaves", SEVERAL, kernel.decide_by_solution),
+    Strategy("choice among right-hand sides", SEVERAL, kernel.decide_by_choice),
     Strategy("V by sums of squares", TWO, kernel.decide_by_squares),
     Strategy("function that shows instability", TWO, kernel.decide_by_growth),
     Strategy("quotient of forms", SEVERAL, kernel.decide_by_quotient),

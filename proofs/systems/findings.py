@@ -46,6 +46,7 @@ class Method(StrEnum):
     LEADING = "leading terms"
     RAY = "ray of escape"
     ESCAPE = "solution that leaves"
+    CHOICE = "choice among right-hand sides"
     RELAY = "relative degree of a relay"
     GROWTH = "function that grows"
     INSTABILITY = "function that shows instability"
