@@ -49,6 +49,7 @@ from nonsmooth.proofs.systems.sublevel_region import ReshapedRegion, SublevelReg
 from nonsmooth.proofs.theorem_searches import show_verdict
 from nonsmooth.proofs.verified import verified
 from nonsmooth.symbolic.enclosed_numbers import NoEnclosureError, enclose_numbers
+from nonsmooth.symbolic.files.system_file import with_order
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
@@ -575,9 +576,12 @@ def find_system_difference(file: str, system: SwitchedSystem) -> str:
 
     Raises:
         NoCertificateError: for a point that no certificate can name.
+        SceneError: for formulas that cannot be used with as many terms of sines as the certificate takes.
     """
     data, _ = read(file)
     subject = data["statement"]["subject"]
+    order = subject.get("order", 0)  # of sines and cosines, which a check chooses
+    system = with_order(system, order) if system.waves and order != system.order else system
     differences = [_difference(about(own), subject) for own in subjects_of(system)]
     return differences[0] if all(differences) else ""
 

@@ -94,6 +94,7 @@ class SwitchedSystem(ShortRepr):
         named_rhs: the one field that is enclosed, in the states and in names of its sines and cosines; else empty.
         names: what these names mean.
         by_roots: what the system stands for where its states are signed roots of the stated ones; None otherwise.
+        order: how many further terms of sines and cosines are taken (:mod:`nonsmooth.symbolic.sine_enclosures`).
         encloses_numbers: whether the right-hand sides have rational bounds in place of irrational numbers.
     """
 
@@ -113,6 +114,7 @@ class SwitchedSystem(ShortRepr):
     by_roots: SeenByRoots | None = None
     named_rhs: tuple[PiecewiseExpression, ...] = ()
     names: tuple[Wave, ...] = ()
+    order: int = 0
     encloses_numbers: bool = False
 
     @property

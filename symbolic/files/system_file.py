@@ -118,18 +118,39 @@ def parse_lyapunov(text: object, states: tuple[str, ...], file: str, key: str) -
         raise SceneError(file, key, requirement(error), text) from None
 
 
-def build_system(data: dict[str, Any], file: str, path: Path) -> SwitchedSystem:
+def build_system(data: dict[str, Any], file: str, path: Path, *, order: int = 0) -> SwitchedSystem:
     """The system of a document, by the parts that ``read_document`` returns.
+
+    Args:
+        data: the document.
+        file: for messages.
+        path: whose stem is the name of a scene that states none.
+        order: further terms of sines and cosines that are enclosed.
 
     Raises:
         SceneError: for whatever cannot be used.
     """
     document = validate(SystemDocument, data, file)
     roots = _signed_roots(document, file)
-    return _plain_system(document, file, path) if roots is None else _seen_by_roots(document, roots, file, path)
+    return _plain_system(document, file, path, order) if roots is None else _seen_by_roots(document, roots, file, path)
 
 
-def _plain_system(document: SystemDocument, file: str, path: Path) -> SwitchedSystem:
+def with_order(system: SwitchedSystem, order: int) -> SwitchedSystem:
+    """A system whose sines and cosines are enclosed with further terms.
+
+    Raises:
+        SceneError: for formulas of too high a degree.
+    """
+    check = system.check
+    lyapunov = {} if check.is_default else {"lyapunov": check.lyapunov.text}
+    point = {"equilibrium": list(map(str, check.equilibrium)), "radius": str(check.radius)}
+    stated = {"states": list(system.states), "rhs": list(map(list, system.written))}
+    document = {"name": system.name, "system": stated, "check": {**point, **lyapunov}}
+    found = build_system(document, system.source, Path(system.name), order=order)
+    return replace(found, check=replace(found.check, quotient=check.quotient))
+
+
+def _plain_system(document: SystemDocument, file: str, path: Path, order: int = 0) -> SwitchedSystem:
     """The system of a document without square roots of states."""
     states, check = document.system.states, document.check
     single, intervals = split_intervals(document.system.parameters, file)
@@ -137,7 +158,7 @@ def _plain_system(document: SystemDocument, file: str, path: Path) -> SwitchedSy
     ends = parameter_texts({name: pair[0] for name, pair in intervals.items()}, {*states, *RESERVED}, file)
     stated = _stated(_whole(document, {**texts, **ends}, file), states, file)
     clearing = Clearing(frozenset(states), _float_point(states, check.equilibrium, file))
-    sides = read_right_hand_sides(stated, texts, intervals, clearing, file)
+    sides = read_right_hand_sides(stated, texts, intervals, clearing, file, order)
     rhs, *others = (_parsed(side, states, file, key) for key, side in sides.sides)
     default = " + ".join(f"{name}**2" for name in states)
     chosen = default if check.lyapunov is None else with_parameters(check.lyapunov, texts)
@@ -158,7 +179,7 @@ def _plain_system(document: SystemDocument, file: str, path: Path) -> SwitchedSy
     scale = _parsed((sides.scale,), states, file, "system.rhs")[0] if sides.scale else None
     system = replace(system, denominators=_parsed(sides.denominators, states, file, "system.rhs"), scale=scale)
     by_names = _parsed(sides.named, (*states, *(wave.name for wave in sides.names)), file, "system.rhs")
-    system = replace(system, named_rhs=by_names, names=sides.names)
+    system = replace(system, named_rhs=by_names, names=sides.names, order=order)
     _require_zero_arguments(system)
     for member in system.members:
         for side in (1, -1):
