@@ -164,6 +164,7 @@ STRATEGIES = [
     Strategy("V by sums of squares", TWO, kernel.decide_by_squares),
     Strategy("function that shows instability", TWO, kernel.decide_by_growth),
     Strategy("quotient of forms", SEVERAL, kernel.decide_by_quotient),
+    Strategy("terms of higher weight", TWO, kernel.decide_by_weights),
     Strategy("energy with its sign turned", SEVERAL, kernel.decide_by_turned_energy),
     Strategy("energy on circles", range(1, 9), kernel.decide_by_circles),
 ]

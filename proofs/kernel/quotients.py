@@ -40,6 +40,7 @@ from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 DEGREES = (4, 6)  # of P
 MOST_FORMS = 60  # monomials of P
+KEPT = 0.5  # of the largest margin, with the least sum of sizes
 LEAST = 2.0**-20  # margin, of the largest value in a row, that is proposed
 DENOMINATORS = (1, 4, 16, 64)  # of the coefficients over the largest, tried in turn
 WORK = 4_000  # coefficients looked at for one claim
@@ -99,9 +100,8 @@ def _quotients(subject: System, cube: dict[str, Any]) -> Iterator[tuple[str, str
             return
         rows = _rows(claims)
         for basis in (fmpq_mat(np.eye(len(forms), dtype=int).tolist()), _kept(claims)):
-            for chosen in _proposals(rows @ np.array(basis.tolist(), dtype=float)) if basis.ncols() else ():
-                own = basis * fmpq_mat([[_flint(c)] for c in chosen])
-                top = {e: as_fraction(c) for e, c in zip(forms, own.entries(), strict=True)}
+            for chosen in proposed(rows @ np.array(basis.tolist(), dtype=float)) if basis.ncols() else ():
+                top = dict(zip(forms, coefficients_of(basis, chosen), strict=True))
                 yield formula_text(Polynomial(len(states), top), states), bottom + (f"**{power}" if power > 1 else "")
 
 
@@ -125,10 +125,17 @@ def _kept(claims: Sequence[Sequence[Claim]]) -> fmpq_mat:
     falls = [[own.value.terms for claim in same for own in claim.inequalities] for same in falling]
     lowest = min((sum(e) for own in falls for terms in own for e in terms), default=0)
     places = sorted({(k, e) for own in falls for k, terms in enumerate(own) for e in terms if sum(e) == lowest})
-    return null_basis(fmpq_mat([[_flint(own[k].get(e, Fraction(0))) for own in falls] for k, e in places]))
+    return null_basis(fmpq_mat([[flint(own[k].get(e, Fraction(0))) for own in falls] for k, e in places]))
 
 
-def _flint(value: Fraction) -> fmpq:
+def coefficients_of(basis: fmpq_mat, chosen: Sequence[Fraction]) -> list[Fraction]:
+    """Those of a sum of the columns of a basis."""
+    own = basis * fmpq_mat([[flint(c)] for c in chosen])
+    return list(map(as_fraction, own.entries()))
+
+
+def flint(value: Fraction) -> fmpq:
+    """A fraction as that library has it."""
     return fmpq(value.numerator, value.denominator)
 
 
@@ -146,7 +153,7 @@ def _rows(claims: Sequence[Sequence[Claim]]) -> Floats:
     return np.vstack(found)
 
 
-def _proposals(rows: Floats) -> Iterator[list[Fraction]]:
+def proposed(rows: Floats) -> Iterator[list[Fraction]]:
     """Coefficients for which all rows are positive, in rounded numbers."""
     from scipy.optimize import linprog
 
@@ -157,7 +164,11 @@ def _proposals(rows: Floats) -> Iterator[list[Fraction]]:
     found = linprog(costs, A_ub=table, b_ub=np.zeros(len(rows)), bounds=(-1, 1), method="highs")
     if found.status or found.x[-1] < LEAST:
         return
-    scaled = found.x[:-1] / np.abs(found.x[:-1]).max()
+    both = np.hstack([-rows, rows])
+    limits = np.full(len(rows), -KEPT * found.x[-1])
+    least = linprog(np.ones(both.shape[1]), A_ub=both, b_ub=limits, bounds=(0, 1), method="highs")
+    chosen = least.x[: rows.shape[1]] - least.x[rows.shape[1] :] if least.status == 0 else found.x[:-1]
+    scaled = chosen / np.abs(chosen).max()
     seen = []
     for denominator in DENOMINATORS:
         own = [Fraction(float(c)).limit_denominator(denominator) for c in scaled]

@@ -192,7 +192,8 @@ def contradiction(statement: Record, half: float = 1.0, seed: int = 1) -> str:
 
 def half_width(hypotheses: Record) -> float:
     """Half the side of the cube of a theorem; one where it is all of the space."""
-    known: Record = hypotheses.get("local", hypotheses.get("hypotheses", hypotheses))
+    known = hypotheses.get("local", hypotheses)
+    known = known.get("hypotheses", known)
     within = known.get("cells", known).get("within")
     return 1.0 if within is None else float(Fraction(within))
 
