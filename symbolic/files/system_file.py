@@ -260,7 +260,9 @@ def _whole(document: SystemDocument, texts: Mapping[str, str], file: str) -> tup
     Raises:
         SceneError: for neither, for both, and for tables that cannot be used.
     """
-    states, rhs = document.system.states, document.system.rhs
+    states, rhs, overlap = document.system.states, document.system.rhs, document.system.overlap
+    if overlap and not document.region:
+        raise SceneError(file, "system.overlap", "[[region]] tables that may overlap", StatedFact("none"))
     if (rhs is None) is not bool(document.region):
         received = StatedFact("both" if document.region else "neither")
         raise SceneError(file, "system.rhs", "formulas, or [[region]] tables", received)
@@ -272,7 +274,7 @@ def _whole(document: SystemDocument, texts: Mapping[str, str], file: str) -> tup
         if not has_waves(complete):
             parse_lyapunov(complete, states, file, key)
 
-    return regions_as_formulas(document.region, states, check, file)
+    return regions_as_formulas(document.region, states, check, file, overlap=overlap)
 
 
 def _stated(value: tuple[object, ...], states: tuple[str, ...], file: str) -> dict[str, tuple[object, ...]]:
