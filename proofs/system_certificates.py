@@ -154,8 +154,8 @@ def _certificate_about(result: DecidedSystem) -> Record:
                 raise NoCertificateError("a certificate of a mesh of triangles needs rational numbers")
             if result.reach.basin is not None:
                 draft.add_entry(system, "basin", result.reach.basin.hypotheses)
-                if result.reach.basin.outside is not None:
-                    draft.add_entry(system, "outside", result.reach.basin.outside)
+                for polygon in result.reach.basin.never:
+                    draft.add_entry(system, "outside", polygon)
             if result.reach.reshaped is not None:
                 own = result.reach.reshaped
                 draft.add_entry(system, "lyapunov", own.hypotheses, own.region.proofs)

@@ -215,11 +215,16 @@ def basin_words(basin: CertifiedBasin) -> str:
     share = percent_text(basin.share)
     mesh = f"every start in {len(basin.triangles)} triangles about the region reaches the equilibrium"
     sampled = f"the region and they hold {share} of the sampled starts that do ({certified} of {coming})"
-    if basin.filled is None or basin.outside is None:
-        return f"{mesh}; {sampled}"
-    sides, filled = len(basin.outside["corners"]), percent_text(basin.filled)
-    outer = f"no start outside of a polygon of {sides} sides does, of whose area the region fills {filled}"
-    return f"{mesh}; {sampled}; {outer}"
+    said = [mesh, sampled]
+    if basin.filled is not None and basin.outside is not None:
+        sides, filled = len(basin.outside["corners"]), percent_text(basin.filled)
+        said.append(f"no start outside of a polygon of {sides} sides does, of whose area the region fills {filled}")
+    if basin.traps:
+        certified, possible, starts = basin.square
+        places = " and ".join(place_text(place, 3) for place, _ in basin.traps)
+        low, high = (percent_text(count / starts) for count in (certified, possible))
+        said.append(f"none does from a polygon about {places} from it; so of the sampled square {low} to {high} do")
+    return "; ".join(said)
 
 
 def basin_record(basin: CertifiedBasin, words: str) -> dict[str, object]:
@@ -232,6 +237,7 @@ def basin_record(basin: CertifiedBasin, words: str) -> dict[str, object]:
         "share": {"sampled": basin.share, "certified_starts": certified, "starts": coming},
         "unit": basin.mesh["unit"],
         "outside": outside_record(basin),
+        **({"traps": [ring_of(own).tolist() for _, own in basin.traps]} if basin.traps else {}),
         "text": words,
     }
 

@@ -451,6 +451,8 @@ def polygons() -> Iterator[Case]:
     for (name, (sides, surfaces)), (shape, corners) in product(systems.items(), shapes.items()):
         hypotheses = {"surfaces": surfaces, "unit": "1/4", "corners": corners}
         yield Case(f"outside-{name}-{shape}", subject(sides), "outside", hypotheses)
+    trap = {"surfaces": ["x - 1"], "unit": "1/4", "corners": ["6 4", "14 4", "14 -4", "6 -4"]}
+    yield Case("outside-trap", subject(["-x + 3*(1 + sign(x - 1))/2", "-y"]), "outside", trap)
 
 
 def quotients() -> Iterator[Case]:
