@@ -221,9 +221,12 @@ def basin_words(basin: CertifiedBasin) -> str:
         said.append(f"no start outside of a polygon of {sides} sides does, of whose area the region fills {filled}")
     if basin.traps:
         certified, possible, starts = basin.square
-        places = " and ".join(place_text(place, 3) for place, _ in basin.traps)
-        low, high = (percent_text(count / starts) for count in (certified, possible))
-        said.append(f"none does from a polygon about {places} from it; so of the sampled square {low} to {high} do")
+        said.append(
+            f"none does from a polygon about {' and '.join(place_text(own, 3) for own, _ in basin.traps)} from it"
+        )
+        if possible < starts:
+            low, high = (percent_text(count / starts) for count in (certified, possible))
+            said.append(f"so {low} to {high} of the sampled square do")
     return "; ".join(said)
 
 

@@ -43,7 +43,6 @@ def show_outside(system: System, hypotheses: Any, proofs: Proofs) -> list[Statem
     require_simple(ring)
     require(winding(ring) == (1 if is_counterclockwise(ring) else 0), "the point to the left of the polygon")
     plane = Plane(system, unit, surfaces, proofs)
-    require(not any(plane.waves), "polynomials, for a polygon")
     show_rightward(ring, plane)
     return [{"outside": {"unit": unit, "corners": corners}}]
 

@@ -35,7 +35,8 @@ STEPS, PAUSE, STILL = 400, 25, 0.9995  # at most; between looks at the area; by 
 FARTHEST, POWER = 50.0, 2  # times the certified region; p of the speed
 BITS = 24  # of places on a ring
 AROUND, GRID, NEWTON = 3.0, 15, 12  # half-widths of the region where other places of rest are searched; starts; steps
-SETTLED, NEAR, MOST_TRAPS = 2.0**-30, 2.0**-8, 3  # speeds and distances of one place, over the size; places
+SETTLED, NEAR, MOST_TRAPS = 2.0**-30, 2.0**-8, 2  # speeds and distances of one place, over the size; places
+COARSER, MOST_POINTS, POINTS_A_STEP = 2.0, 4_000, 5  # angles and gaps than those of the region; points of a ring
 SLOWER = 0.75  # than the slowest solutions a V falls
 FIRST, SMALLER, LOOKS = 200, (2, 4, 8, 16, 64), 25  # points of the first ring; distance over its size; rings tried
 
@@ -46,16 +47,13 @@ def find_outer_ring(
     """The hypotheses of theorem ``outside``, which are shown; None where no polygon is found.
 
     Args:
-        system: in the plane, without sines and cosines.
+        system: in the plane.
         surfaces: on which it switches, in the displacement.
         border: of the certified region, a ring that is counterclockwise: shape (corners, 2).
         pace: about by which angle velocities are turned inward, and how near neighbours on a ring are.
         steps: of all rings that are tried, at most.
     """
-    plane = Plane(system, "1", list(surfaces), Proofs({}))
-    if any(plane.waves):
-        return None
-    field = FloatField(plane)
+    field = FloatField(Plane(system, "1", list(surfaces), Proofs({})))
     best: dict[str, Any] | None = None
     rings = [wider * border for wider in WIDER]
     for own in (turn * pace.angle for turn in TURNS):
@@ -78,17 +76,14 @@ def find_traps(
     """Other places of rest, in floats, each with the hypotheses of theorem ``outside``, which are shown, of a polygon.
 
     Args:
-        system: in the plane, without sines and cosines.
+        system: in the plane.
         surfaces: on which it switches, in the displacement.
         border: of the certified region: shape (corners, 2).
         pace: of rings.
         steps: of the rings about one place, at most.
     """
-    plane = Plane(system, "1", list(surfaces), Proofs({}))
-    if any(plane.waves):
-        return []
-    found = []
-    for place, slope in other_rests(FloatField(plane), AROUND * float(np.abs(border).max()))[:MOST_TRAPS]:
+    field, found = FloatField(Plane(system, "1", list(surfaces), Proofs({}))), []
+    for place, slope in other_rests(field, AROUND * float(np.abs(border).max()))[:MOST_TRAPS]:
         own = _grown_about(system, surfaces, place, slope, pace, steps)
         found += [(place, own)] if own is not None else []
     return found
@@ -105,7 +100,8 @@ def other_rests(field: FloatField, half: float) -> list[tuple[Floats, Floats]]:
     speeds = np.linalg.norm(field.at(x)[0], axis=1)
     x = x[(speeds < SETTLED * half) & (np.abs(x).max(axis=1) < half) & (np.linalg.norm(x, axis=1) > NEAR * half)]
     found: list[tuple[Floats, Floats]] = []
-    x = np.round(x / width) * width
+    x = np.round(x / width) * width + 0.0
+    x = x[np.argsort(np.linalg.norm(x, axis=1), kind="stable")]
     for place, slope in zip(x, _slopes(field, x, width), strict=True):
         apart = all(np.linalg.norm(place - other) > NEAR * half for other, _ in found)
         if apart and (np.linalg.eigvals(slope).real < 0).all():
@@ -136,9 +132,10 @@ def _grown_about(
     first = next((ellipse / share for share in SMALLER if shown(ellipse / share)), None)
     if first is None:
         return None
-    angle = min(pace.angle, _least_angle(field, first) / 2)
-    own = Pace(angle, min(pace.gap, SLENDER * angle), pace.move)
-    rings = list(grow(field, first, own, FARTHEST * distance, 4_000, steps * pace.move, lambda done, total: None))
+    most = min(MOST_POINTS, POINTS_A_STEP * steps)
+    angle = min(COARSER * pace.angle, _least_angle(field, first) / 2)
+    own = Pace(angle, min(COARSER * pace.gap, SLENDER * angle), pace.move)
+    rings = list(grow(field, first, own, FARTHEST * distance, most, steps * pace.move, lambda done, total: None))
     return next(filter(None, map(shown, rings[:: -max(1, len(rings) // LOOKS)])), None)
 
 

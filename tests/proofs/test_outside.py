@@ -13,7 +13,8 @@ import numpy as np
 import pytest
 
 from nonsmooth.proofs.checker.descriptions import describe
-from nonsmooth.proofs.checker.outside import is_counterclockwise, meet, require_simple, winding
+from nonsmooth.proofs.checker.outside import is_counterclockwise, meet, require_simple, show_outside, winding
+from nonsmooth.proofs.checker.positivity import Proofs
 from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.statements import refusal
 from nonsmooth.proofs.checker.work import RejectedError
@@ -175,7 +176,7 @@ def test_a_trap_about_another_place_of_rest() -> None:
 def test_what_is_said_of_a_trap() -> None:
     """Lower and upper shares, polygons in JSON, and a certificate."""
     record = competition().facts()["basin"]
-    low, high = (float(own) for own in re.findall(r"sampled square ([0-9.]+) % to ([0-9.]+) %", record["text"])[0])
+    low, high = (float(own) for own in re.findall(r"so ([0-9.]+) % to ([0-9.]+) % of the sampled", record["text"])[0])
     assert 0 < low < 50 < high < 100  # the true share is about a half
     assert len(record["traps"]) == 1
     certificate = certificate_of(competition().evidence)
@@ -199,3 +200,18 @@ def test_other_traps_are_refused(way: str) -> None:
         if entry["theorem"] == "outside":
             entry["hypotheses"]["corners"] = corners
     assert refused(forged)
+
+
+def test_traps_beside_a_pendulum() -> None:
+    """About the next lower positions, with sines: the checker takes them, and no larger ones."""
+    document = {"system": {"states": ["x", "y"], "rhs": ["y", "-sin(x) - y/2"]}}
+    evidence = check_system(build_system(document, "pendulum", Path("pendulum.toml"))).with_region("fast").evidence
+    basin = evidence.reach.basin
+    assert basin is not None
+    assert sorted(own[0] for own, _ in basin.traps) == pytest.approx([-2 * np.pi, 2 * np.pi], abs=1e-3)
+    _, hypotheses = basin.traps[0]
+    system, unit = read_subject(about(evidence.scene)), Fraction(hypotheses["unit"])
+    show_outside(system, hypotheses, Proofs({}))
+    for share in (Fraction(9, 8), Fraction(7, 8)):
+        with pytest.raises(RejectedError):
+            show_outside(system, {**hypotheses, "unit": str(unit * share)}, Proofs({}))
