@@ -95,17 +95,22 @@ def other_rests(field: FloatField, half: float) -> list[tuple[Floats, Floats]]:
     x = np.stack(np.meshgrid(lines, lines), axis=-1).reshape(-1, 2)
     width = 2.0**-20 * half
     for _ in range(NEWTON):
-        x = x - np.einsum("kij,kj->ki", np.linalg.pinv(_slopes(field, x, width)), field.at(x)[0])
-        x = x[np.isfinite(x).all(axis=1) & (np.abs(x).max(axis=1) < 4 * half)]
-    speeds = np.linalg.norm(field.at(x)[0], axis=1)
-    x = x[(speeds < SETTLED * half) & (np.abs(x).max(axis=1) < half) & (np.linalg.norm(x, axis=1) > NEAR * half)]
+        with np.errstate(all="ignore"):
+            slopes, velocities = _slopes(field, x, width), field.at(x)[0]
+        known = np.isfinite(slopes).all(axis=(1, 2)) & np.isfinite(velocities).all(axis=1)
+        x = x[known] - np.einsum("kij,kj->ki", np.linalg.pinv(slopes[known]), velocities[known])
+        x = x[np.abs(x).max(axis=1) < 4 * half]
+        if not len(x):
+            return []
+    settled = np.linalg.norm(field.at(x)[0], axis=1) < SETTLED * half
+    x = np.round(x[settled] / width) * width + 0.0
+    sizes = np.linalg.norm(x, axis=1)
     found: list[tuple[Floats, Floats]] = []
-    x = np.round(x / width) * width + 0.0
-    x = x[np.argsort(np.linalg.norm(x, axis=1), kind="stable")]
-    for place, slope in zip(x, _slopes(field, x, width), strict=True):
-        apart = all(np.linalg.norm(place - other) > NEAR * half for other, _ in found)
-        if apart and (np.linalg.eigvals(slope).real < 0).all():
-            found.append((place, slope))
+    for place in x[np.argsort(sizes, kind="stable")]:
+        apart = all(np.linalg.norm(place - other) > NEAR * half for other in (np.zeros(2), *(own for own, _ in found)))
+        if apart and np.abs(place).max() < half:
+            slope = _slopes(field, place[None], width)[0]
+            found += [(place, slope)] if (np.linalg.eigvals(slope).real < 0).all() else []
     return found
 
 

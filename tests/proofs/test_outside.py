@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from nonsmooth.proofs.checker.basin import Plane
 from nonsmooth.proofs.checker.descriptions import describe
 from nonsmooth.proofs.checker.outside import is_counterclockwise, meet, require_simple, show_outside, winding
 from nonsmooth.proofs.checker.positivity import Proofs
@@ -21,8 +22,8 @@ from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.kernel.subject import about
 from nonsmooth.proofs.system_certificates import certificate_of, certificate_text
 from nonsmooth.proofs.systems.basin import EFFORTS, BasinEffort
-from nonsmooth.proofs.systems.basin_rings import Pace
-from nonsmooth.proofs.systems.outer_ring import find_outer_ring, ring_of
+from nonsmooth.proofs.systems.basin_rings import FloatField, Pace
+from nonsmooth.proofs.systems.outer_ring import find_outer_ring, other_rests, ring_of
 from nonsmooth.reports.check import check_system
 from nonsmooth.symbolic.files.system_file import build_system
 
@@ -215,3 +216,10 @@ def test_traps_beside_a_pendulum() -> None:
     for share in (Fraction(9, 8), Fraction(7, 8)):
         with pytest.raises(RejectedError):
             show_outside(system, {**hypotheses, "unit": str(unit * share)}, Proofs({}))
+
+
+@pytest.mark.parametrize("rhs", [["-x", "-y"], ["-sign(x) - x", "-y - sign(x - 3)/8"], ["-x - x**3", "-y + x**2"]])
+def test_no_other_place_of_rest(rhs: list[str]) -> None:
+    surfaces = ["x", "x - 3"] if "sign" in rhs[0] else []
+    system = read_subject({"states": ["x", "y"], "rhs": [rhs], "at": ["0", "0"]})
+    assert other_rests(FloatField(Plane(system, "1", surfaces, Proofs({}))), 2.0) == []
