@@ -344,6 +344,22 @@ def _try_pieces(system: SwitchedSystem, side: int) -> None:
             lyapunov.polynomial(dict(zip(system.states, system.coordinates(), strict=True)), sign_of)
         except ExpressionError as error:
             raise SceneError(system.source, "check.lyapunov", requirement(error), lyapunov.text) from None
+    if system.check.quotient is not None:
+        _require_denominator(system, system.check.quotient[1])
+
+
+def _require_denominator(system: SwitchedSystem, bottom: PiecewiseExpression) -> None:
+    """Refuse a denominator of V that is seen not to be positive off the point.
+
+    Raises:
+        SceneError: for one that is negative at the point, or zero there and no form of an even degree.
+    """
+    own = bottom.polynomial(dict(zip(system.states, system.coordinates(), strict=True)), lambda _: 1)
+    at_point = own.terms.get((0,) * len(system.states))
+    fits = own.is_homogeneous and own.degree % 2 == 0 if at_point is None else at_point.sign() > 0
+    if not fits:
+        expected = "polynomials, or one over a polynomial that is positive off the point such as x**2 + y**2"
+        raise SceneError(system.source, "check.lyapunov", expected, bottom.text)
 
 
 # ---- roots of states -----------------------------------------------------------------------------
