@@ -8,11 +8,16 @@ open is often smooth and degenerate: ``x' = -x + y^2, y' = -y^3`` has ``V = x^2 
 from __future__ import annotations
 
 from contextlib import suppress
+from fractions import Fraction
+from typing import Any
 
+from nonsmooth.proofs.choices import choice_words, show_choice_of
 from nonsmooth.proofs.findings.facts import row_fact
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.kernel.escapes import show_escape_of
+from nonsmooth.proofs.kernel.quotients import find_quotient, quotient_text
 from nonsmooth.proofs.kernel.search import NotShownError
+from nonsmooth.proofs.kernel.weighted_functions import find_weighted_function
 from nonsmooth.proofs.many_states.center_manifold import show_by_center_manifold
 from nonsmooth.proofs.many_states.circles import find_energy_on_circles
 from nonsmooth.proofs.many_states.decision import SpacePoint, conclude_function, search_growth
@@ -71,6 +76,40 @@ def decide_by_squares(point: CheckedPoint, known: Known) -> Finding | None:
     return None
 
 
+def decide_by_quotient(point: CheckedPoint, known: Known) -> Finding | None:
+    """A quotient of forms."""
+    return _by_quotient(point, stated=False) if known.attraction_is_open else None
+
+
+def decide_by_stated_quotient(point: CheckedPoint, known: Known) -> Finding | None:
+    """The quotient of polynomials that the scene names."""
+    return _by_quotient(point, stated=True)
+
+
+def _by_quotient(point: CheckedPoint, *, stated: bool) -> Finding | None:
+    found = find_quotient(_rational(point.system), stated=stated)
+    return None if found is None else _of_entry(point, found[0])
+
+
+def decide_by_weights(point: CheckedPoint, known: Known) -> Finding | None:
+    """A V with terms of higher weight beside an energy, which to first order is kept."""
+    found = find_weighted_function(_rational(point.system)) if known.attraction_is_open else None
+    return None if found is None else _of_entry(point, found[0])
+
+
+def _of_entry(point: CheckedPoint, entry: dict[str, Any]) -> Finding:
+    """What a V shows with its evidence: that the point attracts, or is unstable."""
+    hypotheses, states = entry["hypotheses"], point.system.states
+    within = hypotheses["cells"]["within"]
+    where = "the whole space" if within is None else cube_text(point.system.field(Fraction(within)), states)
+    facts = row_fact("with", f"V = {quotient_text(hypotheses)}"), row_fact("on", where)
+    if entry["theorem"] == "instability":
+        reason = "V falls along every solution, from negative values at all distances"
+        return Finding(Method.INSTABILITY, Translation.UNSTABLE, reason, entry=entry, facts=facts)
+    reason = "V is positive and falls along every solution"
+    return Finding(Method.LYAPUNOV, Translation.ASYMPTOTICALLY_STABLE, reason, entry=entry, facts=facts)
+
+
 def decide_by_energy(point: SpacePoint, known: Known) -> Finding | None:
     """A positive V that does not rise."""
     found = find_weak_lyapunov(point.system) if known.standing is None else None
@@ -94,6 +133,20 @@ def decide_by_solution(point: CheckedPoint, known: Known) -> Finding | None:
     direction = ", ".join(entry["hypotheses"]["direction"])
     reason = f"from as near the point as one likes a solution leaves, at first along ({direction})"
     return Finding(Method.ESCAPE, Translation.UNSTABLE, reason, entry=entry)
+
+
+def decide_by_choice(point: CheckedPoint, known: Known) -> Finding | None:
+    """A switching law among several right-hand sides under which the point is unstable."""
+    system = _rational(point.system)
+    if known.standing is not None or system.only_encloses or not system.others:
+        return None
+    try:
+        entry, _ = show_choice_of(system)
+    except NotShownError:
+        return None
+    reason = "under one of the fields that may act, or one on each side of a surface, the point is unstable"
+    facts = (row_fact("choice", choice_words(entry["hypotheses"]["choice"])),)
+    return Finding(Method.CHOICE, Translation.UNSTABLE, reason, entry=entry, facts=facts)
 
 
 def decide_by_turned_energy(point: CheckedPoint, known: Known) -> Finding | None:

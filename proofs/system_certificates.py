@@ -49,6 +49,7 @@ from nonsmooth.proofs.systems.sublevel_region import ReshapedRegion, SublevelReg
 from nonsmooth.proofs.theorem_searches import show_verdict
 from nonsmooth.proofs.verified import verified
 from nonsmooth.symbolic.enclosed_numbers import NoEnclosureError, enclose_numbers
+from nonsmooth.symbolic.files.system_builder import with_order
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
@@ -153,8 +154,8 @@ def _certificate_about(result: DecidedSystem) -> Record:
                 raise NoCertificateError("a certificate of a mesh of triangles needs rational numbers")
             if result.reach.basin is not None:
                 draft.add_entry(system, "basin", result.reach.basin.hypotheses)
-                if result.reach.basin.outside is not None:
-                    draft.add_entry(system, "outside", result.reach.basin.outside)
+                for polygon in result.reach.basin.never:
+                    draft.add_entry(system, "outside", polygon)
             if result.reach.reshaped is not None:
                 own = result.reach.reshaped
                 draft.add_entry(system, "lyapunov", own.hypotheses, own.region.proofs)
@@ -248,7 +249,7 @@ class Draft:
         if entry is not None and system.numbers:
             with suppress(NotShownError):
                 self.add_entry(system, entry["theorem"], entry["hypotheses"])
-        elif entry is not None:
+        elif entry is not None and not _attracts_everywhere(self):
             self.evidence.append(entry)
             self.statements += [{"attracts": "everywhere"}]
 
@@ -575,9 +576,12 @@ def find_system_difference(file: str, system: SwitchedSystem) -> str:
 
     Raises:
         NoCertificateError: for a point that no certificate can name.
+        SceneError: for formulas that cannot be used with as many terms of sines as the certificate takes.
     """
     data, _ = read(file)
     subject = data["statement"]["subject"]
+    order = subject.get("order", 0)  # of sines and cosines, which a check chooses
+    system = with_order(system, order) if system.waves and order != system.order else system
     differences = [_difference(about(own), subject) for own in subjects_of(system)]
     return differences[0] if all(differences) else ""
 

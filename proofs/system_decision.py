@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 
 from nonsmooth.proofs import kernel_strategies as kernel
@@ -15,9 +16,12 @@ from nonsmooth.proofs.systems import system_stability as plane
 from nonsmooth.proofs.systems.findings import CheckedPoint, DecidedSystem, Finding, Known, Method, Strategy
 from nonsmooth.proofs.systems.scalar_stability import LinePoint
 from nonsmooth.proofs.systems.system_stability import PlanePoint
+from nonsmooth.symbolic.files.system_builder import with_order
 from nonsmooth.symbolic.notebook import html_table
+from nonsmooth.symbolic.scene_error import SceneError
 from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem, require_stated
 
+MOST_ORDER = 2  # further terms of sines and cosines
 POINTS: Mapping[int, Callable[[SwitchedSystem], CheckedPoint]] = {1: LinePoint, len(PLANE): PlanePoint}
 
 
@@ -59,11 +63,22 @@ class StabilityResult(DecidedSystem):
 
 
 def decide_system(system: SwitchedSystem) -> StabilityResult:
-    """Decide the stability of the checked point.
+    """Decide the stability of the checked point; where sines and cosines leave it open, with further terms of these.
 
     Raises:
         SceneError: for formulas that cannot be used, and for denominators that may vanish.
     """
+    result = _decided(system)
+    for order in range(system.order + 1, MOST_ORDER + 1):
+        if result.verdict is not Translation.UNDECIDED or not system.waves:
+            break
+        with suppress(SceneError):
+            finer = _decided(with_order(system, order))
+            result = result if finer.verdict is Translation.UNDECIDED else finer
+    return result
+
+
+def _decided(system: SwitchedSystem) -> StabilityResult:
     point = checked_point(system)
     findings = _walk(point).findings or (_open(point),)
     deciding = Known(findings).standing or findings[-1]
@@ -128,6 +143,7 @@ STRATEGIES = [
     Strategy("solution that leaves", MORE, space.decide_by_escape),
     Strategy("relative degree of a relay", MORE, space.decide_by_relay),
     Strategy("linearization", MORE, space.decide_by_linearization),
+    Strategy("stated quotient", SEVERAL, kernel.decide_by_stated_quotient),
     Strategy("stated V", TWO, plane.decide_by_stated_function),
     Strategy("stated V", MORE, space.decide_by_stated_function),
     Strategy("invariance principle, beside curves", TWO, plane.decide_by_stated_invariance),
@@ -144,8 +160,11 @@ STRATEGIES = [
     Strategy("invariance principle", MORE, space.decide_by_invariance),
     Strategy("centre manifold", SEVERAL, kernel.decide_by_center_manifold),
     Strategy("solution that leaves", SEVERAL, kernel.decide_by_solution),
+    Strategy("choice among right-hand sides", SEVERAL, kernel.decide_by_choice),
     Strategy("V by sums of squares", TWO, kernel.decide_by_squares),
     Strategy("function that shows instability", TWO, kernel.decide_by_growth),
+    Strategy("quotient of forms", SEVERAL, kernel.decide_by_quotient),
+    Strategy("terms of higher weight", TWO, kernel.decide_by_weights),
     Strategy("energy with its sign turned", SEVERAL, kernel.decide_by_turned_energy),
     Strategy("energy on circles", range(1, 9), kernel.decide_by_circles),
 ]

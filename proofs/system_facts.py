@@ -10,6 +10,7 @@ from typing import Any
 
 from nonsmooth.proofs.findings.facts import Fact, Quantity, row_fact, text_fact, unsaid
 from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.kernel.quotients import quotient_text
 from nonsmooth.proofs.system_audit import AuditResult
 from nonsmooth.proofs.systems.basin import CertifiedBasin
 from nonsmooth.proofs.systems.decay_rate import DecayKind
@@ -46,6 +47,9 @@ def system_facts(result: DecidedSystem) -> Iterator[Fact]:
     if given is not None and given is not function and (given.suprema or not check.is_default):
         reason = f"{given.reason} (on {given.domain.text(states)})"
         yield row_fact(f"tried: V = {one_line(check.lyapunov.text)}", reason)
+    if check.quotient is not None and (function is not None or not result.deciding.entry):
+        top, bottom = (one_line(part.text) for part in check.quotient)
+        yield row_fact(f"tried: V = ({top})/({bottom})", "it was not shown to be positive and to fall")
     yield from () if function is None else _named(function, states)  # before what is said of this V on this domain
     yield Fact("lyapunov", tuple(_potential(result)) or None)
     yield Fact("translation", tuple(_stability(result)))
@@ -171,8 +175,7 @@ def reached_words(region: SublevelRegion, states: Sequence[str]) -> str:
 
 def global_words(entry: Mapping[str, Any]) -> str:
     """Which V shows that every start reaches the point."""
-    function = one_line(entry["hypotheses"]["function"])
-    return f"V = {function} falls in the whole space too, where its level sets are bounded"
+    return f"V = {quotient_text(entry['hypotheses'])} falls in the whole space too, where its level sets are bounded"
 
 
 def region_words(region: SublevelRegion, states: Sequence[str]) -> str:
@@ -212,11 +215,19 @@ def basin_words(basin: CertifiedBasin) -> str:
     share = percent_text(basin.share)
     mesh = f"every start in {len(basin.triangles)} triangles about the region reaches the equilibrium"
     sampled = f"the region and they hold {share} of the sampled starts that do ({certified} of {coming})"
-    if basin.filled is None or basin.outside is None:
-        return f"{mesh}; {sampled}"
-    sides, filled = len(basin.outside["corners"]), percent_text(basin.filled)
-    outer = f"no start outside of a polygon of {sides} sides does, of whose area the region fills {filled}"
-    return f"{mesh}; {sampled}; {outer}"
+    said = [mesh, sampled]
+    if basin.filled is not None and basin.outside is not None:
+        sides, filled = len(basin.outside["corners"]), percent_text(basin.filled)
+        said.append(f"no start outside of a polygon of {sides} sides does, of whose area the region fills {filled}")
+    if basin.traps:
+        certified, possible, starts = basin.square
+        said.append(
+            f"none does from a polygon about {' and '.join(place_text(own, 3) for own, _ in basin.traps)} from it"
+        )
+        if possible < starts:
+            low, high = (percent_text(count / starts) for count in (certified, possible))
+            said.append(f"so {low} to {high} of the sampled square do")
+    return "; ".join(said)
 
 
 def basin_record(basin: CertifiedBasin, words: str) -> dict[str, object]:
@@ -229,6 +240,7 @@ def basin_record(basin: CertifiedBasin, words: str) -> dict[str, object]:
         "share": {"sampled": basin.share, "certified_starts": certified, "starts": coming},
         "unit": basin.mesh["unit"],
         "outside": outside_record(basin),
+        **({"traps": [ring_of(own).tolist() for _, own in basin.traps]} if basin.traps else {}),
         "text": words,
     }
 

@@ -29,6 +29,7 @@ def scaled_system(
         equilibrium=tuple(x * length for x in system.check.equilibrium),
         radius=system.check.radius * length,
         lyapunov=_parsed(_renamed(system.check.lyapunov, shrunk), system.states),
+        quotient=None,
     )
     return replace(system, rhs=rhs, check=check)
 

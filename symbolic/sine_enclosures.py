@@ -4,10 +4,12 @@ For every real v the alternating series enclose, with some e between 0 and 1 tha
 
     sin v = v - v^3/6 + e v^5/120,    cos v = 1 - v^2/2 + v^4/24 - e v^6/720.
 
-(For v >= 0 integrate ``cos <= 1`` again and again from 0; sin is odd, cos is even.)  A formula of sums and products in
-which every sine and cosine stands alone is affine in each e, so its value lies in the hull of its values with all e at
-0 or 1.  Equal sines that are multiplied get an e each.  A system becomes one under arbitrary switching, whose solutions
-hold those of the system: what is proved of all of them is proved of these.  Multiples of pi may be added to v.
+(For v >= 0 integrate ``cos <= 1`` again and again from 0; sin is odd, cos is even.)  So they lie between later sums,
+too: the *order* says how many further terms are taken, where the first ones cancel against others.  A formula of sums
+and products in which every sine and cosine stands alone is affine in each e, so its value lies in the hull of its
+values with all e at 0 or 1.  Equal sines that are multiplied get an e each.  A system becomes one under arbitrary
+switching, whose solutions hold those of the system: what is proved of all of them is proved of these.  Multiples of pi
+may be added to v.
 """
 
 from __future__ import annotations
@@ -18,6 +20,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import product
+from math import factorial
 
 from nonsmooth.symbolic.expression import ExpressionError, parse_tree, turn_of
 from nonsmooth.symbolic.piecewise import MAX_TEXT
@@ -50,17 +53,27 @@ class Template:
 
     Attributes:
         waves: one for each e.
+        order: further terms of each.
     """
 
     waves: list[Wave] = field(default_factory=list)
+    order: int = 0
 
     def sine(self, v: str) -> str:
         """``sin v`` with a new e."""
-        return f"({v} - {v}**3/6 + {self._place('sin', v)}*{v}**5/120)"
+        return self._alternating("sin", v, [v], 1, 2)
 
     def cosine(self, v: str) -> str:
         """``cos v`` with a new e."""
-        return f"(1 - {v}**2/2 + {v}**4/24 - {self._place('cos', v)}*{v}**6/720)"
+        return self._alternating("cos", v, ["1"], 0, 3)
+
+    def _alternating(self, kind: str, v: str, terms: list[str], first: int, last: int) -> str:
+        """The sum up to a number of terms beyond the first, the last one times e."""
+        for k in range(1, last + self.order + 1):
+            weight = f"{self._place(kind, v)}*" if k == last + self.order else ""
+            power = first + 2 * k
+            terms += ["-" if k % 2 else "+", f"{weight}{v}**{power}/{factorial(power)}"]
+        return f"({' '.join(terms)})"
 
     def _place(self, kind: str, v: str) -> str:
         self.waves.append(Wave(kind, v))
@@ -128,16 +141,20 @@ def has_waves(formula: object) -> bool:
     return any(map(_is_wave, ast.walk(tree)))
 
 
-def enclosing_formulas(formulas: Sequence[object]) -> tuple[list[tuple[object, ...]], tuple[Wave, ...]]:
+def enclosing_formulas(formulas: Sequence[object], order: int = 0) -> tuple[list[tuple[object, ...]], tuple[Wave, ...]]:
     """Lists of formulas without sines and cosines of states, whose hull holds the given one, and what is enclosed.
 
     The lists are in the order of the values of all e, 0 before 1, the last one fastest.
+
+    Args:
+        formulas: one for each state.
+        order: further terms of each sine and cosine.
 
     Raises:
         ExpressionError: for a sine or cosine of states that does not stand in sums and products only, for one inside
             another, and for too many of them.
     """
-    template = Template()
+    template = Template(order=order)
     written = [_template(formula, template) if has_waves(formula) else formula for formula in formulas]
     count = len(template.waves)
     if count > MAX_WAVES:

@@ -43,17 +43,19 @@ class SystemCheck:
     """What is checked: the equilibrium ``x*``, and the cube ``|x_k - x*_k| <= radius`` about it.
 
     ``lyapunov`` is V in the displacement from ``x*``, written with the states' names; ``is_default`` where the scene
-    names none, so that it is the sum of their squares.
+    names none, so that it is the sum of their squares.  Where it names a quotient, that is kept as numerator and
+    denominator, and ``lyapunov`` is the sum of squares, too.
     """
 
     equilibrium: tuple[Number, ...]
     radius: Number
     lyapunov: PiecewiseExpression
     is_default: bool = False
+    quotient: tuple[PiecewiseExpression, PiecewiseExpression] | None = None
 
     @property
     def named_lyapunov(self) -> str | None:
-        """The V that the scene names."""
+        """The V that the scene names, but a quotient."""
         return None if self.is_default else self.lyapunov.text
 
 
@@ -92,6 +94,7 @@ class SwitchedSystem(ShortRepr):
         named_rhs: the one field that is enclosed, in the states and in names of its sines and cosines; else empty.
         names: what these names mean.
         by_roots: what the system stands for where its states are signed roots of the stated ones; None otherwise.
+        order: how many further terms of sines and cosines are taken (:mod:`nonsmooth.symbolic.sine_enclosures`).
         encloses_numbers: whether the right-hand sides have rational bounds in place of irrational numbers.
     """
 
@@ -111,6 +114,7 @@ class SwitchedSystem(ShortRepr):
     by_roots: SeenByRoots | None = None
     named_rhs: tuple[PiecewiseExpression, ...] = ()
     names: tuple[Wave, ...] = ()
+    order: int = 0
     encloses_numbers: bool = False
 
     @property

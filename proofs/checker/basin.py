@@ -275,9 +275,17 @@ def difference(first: Sequence[Polynomial], second: Sequence[Polynomial]) -> tup
 
 
 def barycentric(corners: Sequence[Place]) -> tuple[int, list[Form]]:
-    """Twice the area of a triangle, and the weights of its corners at a place, times that; of one corner it is 1."""
+    """Twice the area of a triangle, and the weights of its corners at a place, times that.
+
+    Of a side it is the square of its length, with the weights of the nearest place on its line; of one corner it is 1.
+    """
     if len(corners) == 1:
         return 1, [{(0, 0): 1}]
+    if len(corners) == 2:
+        (ax, ay), (bx, by) = corners
+        x, y = bx - ax, by - ay
+        to_first: Form = {(0, 0): bx * x + by * y, (1, 0): -x, (0, 1): -y}
+        return x * x + y * y, [to_first, {(0, 0): -ax * x - ay * y, (1, 0): x, (0, 1): y}]
     found: list[Form] = []
     for (ax, ay), (bx, by) in pairwise((*corners[1:], *corners[:2])):
         found.append({(0, 0): ax * by - ay * bx, (1, 0): ay - by, (0, 1): bx - ax})
@@ -416,6 +424,7 @@ def show_basin(system: System, hypotheses: Any, proofs: Proofs) -> list[Statemen
     local, surfaces, mesh, below = take(hypotheses, "local surfaces mesh below")
     require(system.count == 2 and system.coordinates == system.states, "a system in the plane, in its states")
     require(not system.numbers, "rational numbers, for a mesh")
+    require("denominator" not in local, "a V without a denominator beside a mesh")
     shown = show_stability(system, local, proofs)
     levels = [own["attracts"] for own in shown if type(own.get("attracts")) is dict]
     require(levels, "a level set that attracts")

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import partial
 from itertools import combinations, product
 from typing import Any, TypeAlias
 
@@ -17,11 +18,12 @@ from .formulas import MAX_WAVES, NAME, Formula, WaveAt, parsed, series, waves_in
 from .polynomials import Coefficient, Polynomial, are_coprime, constant, solve, variable
 from .positivity import Claim, Inequality, Proofs, cube_guards, identity
 from .tower import Field, Number
-from .work import BUDGET, items, rational, require, take, text
+from .work import BUDGET, items, rational, require, take, text, whole
 
 MIN_STATES, MAX_STATES = 1, 8
 MAX_FIELDS, MAX_SURFACES, MAX_CELLS, MAX_EMPTY = 64, 64, 1_000, 2_000
 MAX_FACES = 2_000
+MAX_ORDER = 4  # of sines and cosines
 
 Pattern: TypeAlias = tuple[int, ...]  # a sign, -1 or 1, of every surface
 SurfaceSigns: TypeAlias = Mapping[int, int]  # of some surfaces
@@ -36,12 +38,14 @@ class System:
         rhs: right-hand sides, each a formula for every state; with several of them all act (arbitrary switching).
         at: the point.
         numbers: the irrational numbers that formulas name.
+        order: how many further terms of sines and cosines are taken (:func:`.formulas.series`).
     """
 
     states: tuple[str, ...]
     rhs: tuple[tuple[str, ...], ...]
     at: tuple[Coefficient, ...]
     numbers: Mapping[str, Number] = field(default_factory=dict)
+    order: int = 0
 
     @property
     def count(self) -> int:
@@ -68,12 +72,12 @@ class System:
         """The number of sines and cosines in the formulas of each right-hand side."""
         return [tuple(len(waves_in(parsed(own))) for own in side) for side in self.rhs]
 
-    def fields(self, place: Mapping[str, Polynomial], wave: WaveAt = series) -> Sequence[Sequence[Formula]]:
+    def fields(self, place: Mapping[str, Polynomial], wave: WaveAt | None = None) -> Sequence[Sequence[Formula]]:
         """The formulas of the velocities at a place, for each right-hand side.
 
         A side with sines and cosines has fields for all ends of what these may be: velocities are in their hull.
         """
-        found = []
+        wave, found = wave or partial(series, order=self.order), []
         for side, counts in zip(self.rhs, self.waves, strict=True):
             require(sum(counts) <= MAX_WAVES, f"right-hand sides with at most {MAX_WAVES} sines and cosines")
             for ends in product((0, 1), repeat=sum(counts)):
@@ -92,7 +96,7 @@ def read_system(data: Any) -> System:
     Raises:
         RejectedError: for anything else.
     """
-    names, sides, at, listed = take(data, "states rhs at", "numbers")
+    names, sides, at, listed, order = take(data, "states rhs at", "numbers order")
     states = tuple(text(name) for name in items(names))
     require(MIN_STATES <= len(states) <= MAX_STATES, f"{MIN_STATES} to {MAX_STATES} states")
     require(len(set(states)) == len(states) and all(map(NAME.fullmatch, states)), "states with different names")
@@ -100,7 +104,8 @@ def read_system(data: Any) -> System:
     require(rhs, "a right-hand side")
     tower, numbers = read_numbers([] if listed is None else listed)
     require(not set(numbers) & set(states), "names of numbers that are no states")
-    return System(states, rhs, tuple(tower.coefficient(value) for value in items(at, len(states))), numbers)
+    place = tuple(tower.coefficient(value) for value in items(at, len(states)))
+    return System(states, rhs, place, numbers, 0 if order is None else whole(order, MAX_ORDER))
 
 
 def read_numbers(data: Any) -> tuple[Field, dict[str, Number]]:

@@ -27,7 +27,7 @@ from fractions import Fraction
 from typing import Any
 
 from .cells import MAX_STATES, Inclusion, System
-from .formulas import WAVES, Formula, SignOf, WaveAt, no_sign, series, waves_in
+from .formulas import WAVES, Formula, SignOf, WaveAt, no_sign, waves_in
 from .lyapunov import Lyapunov
 from .polynomials import Polynomial, constant, variable
 from .positivity import Proofs
@@ -64,9 +64,9 @@ class CircleSystem(System):
         at = dict(zip(self.states, self.at, strict=True))
         return tuple(at.get(own, Fraction(0)) for own in self.coordinates)
 
-    def fields(self, place: Mapping[str, Polynomial], wave: WaveAt = series) -> Sequence[Sequence[Formula]]:
+    def fields(self, place: Mapping[str, Polynomial], wave: WaveAt | None = None) -> Sequence[Sequence[Formula]]:
         """The formulas of the velocities of the coordinates."""
-        require(wave is series, "exact sines and cosines on circles")
+        require(wave is None, "exact sines and cosines on circles")
         found = []
         for side in self.rhs:
             own: list[Formula] = []
@@ -136,7 +136,7 @@ def show_on_circles(system: System, hypotheses: Any, proofs: Proofs) -> list[Sta
     require(system.coordinates == system.states, "no roots beside angles")
     at = dict(zip(system.states, system.at, strict=True))
     require(not any(at[name] for name in angles), "angles that are 0 at the point")
-    own = CircleSystem(system.states, system.rhs, system.at, system.numbers, angles)
+    own = CircleSystem(system.states, system.rhs, system.at, system.numbers, angles=angles)
     names = (*own.coordinates, *system.numbers)
     require(own.count <= MAX_STATES and len(set(names)) == len(names), "different names of few coordinates")
     stated = Lyapunov(Inclusion(own, cells, [function], proofs), proofs)

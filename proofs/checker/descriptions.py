@@ -7,6 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 from .cells import System
+from .outside import is_counterclockwise, place_of
 from .roots import read_subject
 from .statements import is_of_array
 from .theorem4 import CLAUSES
@@ -130,7 +131,8 @@ def _attracts(said: Any, system: System) -> str:
 
 
 def _outside(said: Any, system: System) -> str:
-    return f"no start outside of a polygon of {len(said['corners'])} sides, or on it, comes to the point"
+    where = "outside of" if is_counterclockwise(list(map(place_of, said["corners"]))) else "inside"
+    return f"no start {where} a polygon of {len(said['corners'])} sides, or on it, comes to the point"
 
 
 def _rate(said: Any, system: System) -> str:

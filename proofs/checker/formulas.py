@@ -9,8 +9,9 @@ and 1 that depends on v,
 
     sin v = v - v^3/6 + e v^5/120,    cos v = 1 - v^2/2 + v^4/24 - e v^6/720,
 
-by integrating ``cos <= 1`` from 0 again and again.  A wave stands in sums and products alone, and each has its own e,
-so that the formula is affine in every e: its value is in the hull of those with all e at 0 or 1.
+by integrating ``cos <= 1`` from 0 again and again; and so between later sums, with further terms, whose number is the
+*order* of a system.  A wave stands in sums and products alone, and each has its own e, so that the formula is affine in
+every e: its value is in the hull of those with all e at 0 or 1.
 """
 
 from __future__ import annotations
@@ -34,14 +35,15 @@ SignOf: TypeAlias = Callable[[Polynomial], int]  # the sign of a switching expre
 WaveAt: TypeAlias = Callable[[str, Polynomial, int], Polynomial]  # sin or cos of a polynomial, with e at an end
 
 
-def series(name: str, v: Polynomial, e: int) -> Polynomial:
-    """The sine or cosine of a polynomial with ``e`` at 0 or 1."""
-    square = v * v
-    if name == "sin":
-        return v - v * square.times(Fraction(1, 6)) + v * square * square.times(Fraction(e, 120))
-    fourth = square * square
-    one = constant(v.count, 1)
-    return one - square.times(Fraction(1, 2)) + fourth.times(Fraction(1, 24)) - fourth * square.times(Fraction(e, 720))
+def series(name: str, v: Polynomial, e: int, order: int = 0) -> Polynomial:
+    """The sine or cosine of a polynomial with ``e`` at 0 or 1, which weighs the last term."""
+    power = 1 if name == "sin" else 0
+    own = total = v if power else constant(v.count, 1)
+    for left in range(2 + order - power, -1, -1):
+        own = (own * v * v).times(Fraction(-1, (power + 1) * (power + 2)))
+        power += 2
+        total += own if left else own.times(e)
+    return total
 
 
 class Formula:

@@ -12,6 +12,10 @@ and that repel.
 *Theorem* (Filippov 1988, Lyapunov).  V positive and falling off the point: asymptotically stable; not rising: stable.
 Falling, and negative at points at all small distances: unstable.  Where ``V >= level`` on the border of the cube no
 solution leaves ``V < level``.  ``V' <= -kappa V`` or ``V' <= -kappa`` is the same with another shift.
+
+*Quotients.*  V may be ``P/Q`` with one polynomial Q that is positive off the point.  Signs of V are those of P, and
+``Q^2 V' = Q P' - P Q'`` takes the place of V'.  Where ``Q(0) = 0``, Q is a form and P has terms of higher degree than Q
+alone: then V tends to 0 at the point, and what follows from its fall off the point is the same.
 """
 
 from __future__ import annotations
@@ -44,11 +48,33 @@ class Lyapunov:
         self.inclusion, self.proofs = inclusion, proofs
         self.below: Fraction | None = None
         self.border = ""
+        self.bottom: Polynomial | None = None  # Q, where V is a quotient
         self.count, self.bounded = inclusion.count, inclusion.domain.bounded
 
     def potential(self, cell: Cell) -> Polynomial:
         """V on a cell: the first of its functions."""
         return cell.functions[0]
+
+    def divide_by(self, bottom: Polynomial) -> None:
+        """Let V be a quotient: what is listed as its polynomials is P; see the head of this file."""
+        low = bottom.at_origin
+        require(low > 0 or (not low and bottom.is_form), "a denominator that is a form, or positive at the point")
+        inside = Inequality(bottom, whole_domain(self.inclusion).guards({}) or {})
+        self.proofs.show(Claim("denominator", (inside,), strict=True, bounded=self.bounded))
+        lowest = [sum(own) for cell in self.inclusion.around() for own in self.potential(cell).terms]
+        require(low or min(lowest, default=0) > bottom.degree, "a V that is zero at the point")
+        self.bottom = bottom
+
+    def derivative(self, cell: Cell, field: Sequence[Polynomial]) -> Polynomial:
+        """V' along a field, times the square of the denominator."""
+        own = self.potential(cell)
+        found = lie_derivative(own, field)
+        return found if self.bottom is None else found * self.bottom - own * lie_derivative(self.bottom, field)
+
+    def above(self, cell: Cell, level: Fraction) -> Polynomial:
+        """``V - level``, times the denominator."""
+        whole = constant(self.count, level)
+        return self.potential(cell) - (whole if self.bottom is None else self.bottom * whole)
 
     def require_below(self, level: Fraction) -> None:
         """Ask everything, but what concerns the border of the cube, of points with ``V < level`` alone.
@@ -78,7 +104,7 @@ class Lyapunov:
         for cell in self.inclusion.cells:
             guards = self._guards(space, dict(enumerate(cell.signs)), cell) or {}
             for number, field in cell.fields:
-                value = -(lie_derivative(self.potential(cell), field) + shift(cell))
+                value = -(self.derivative(cell, field) + shift(cell))
                 name = f"{prefix}cell {pattern(cell.signs)} field {number}"
                 self._show_on_cell(name, value, guards, strict=strict)
         for face, name, cells in self.bends:
@@ -97,7 +123,7 @@ class Lyapunov:
         found = face.guards(signs)
         if found is None or self.below is None:
             return found
-        own = constant(face.dimension, self.below) - face.restricted(self.potential(cell))
+        own = -face.restricted(self.above(cell, self.below))
         if own.degree:
             return {**found, "sl": own}
         return found if own.at_origin > 0 else None
@@ -160,7 +186,7 @@ class Lyapunov:
             if guards is None:
                 continue
             for _, field in cell.fields:
-                value = face.restricted(lie_derivative(self.potential(first), field) + shift(first))
+                value = face.restricted(self.derivative(first, field) + shift(first))
                 side = tuple(cell.signs[j] for j in face.zero)
                 inequalities.append(Inequality(-value, guards, self._pushes(face, field), face.zeros(), side))
         if inequalities:
@@ -197,19 +223,20 @@ class Lyapunov:
                     face = Face(self.inclusion, (), (), coordinates or (), self.count - 1)
                     guards = face.guards(signs)
                     if guards is not None:
-                        above = face.restricted(self.potential(cell)) - constant(face.dimension, level)
+                        above = face.restricted(self.above(cell, level))
                         place = f"border {name} {'-0+'[side + 1]}{k}"
                         self.proofs.show(Claim(place, (Inequality(above, guards),), strict=False))
 
     def show_proper(self, factor: Fraction) -> None:
         """``V + 1 >= factor |x|^2`` in the whole space."""
         require(not self.bounded and factor > 0, "the whole space, and a positive factor")
-        square = constant(self.count, -1)
+        square = constant(self.count, 0)
         for k in range(self.count):
             square += variable(self.count, k, factor) * variable(self.count, k)
+        square = square if self.bottom is None else square * self.bottom
         for name, signs, cell in self.inclusion.pieces():
             guards = self._guards(whole_domain(self.inclusion), signs, cell) or {}
-            self._show_on_cell(f"proper {name}", self.potential(cell) - square, guards, strict=False)
+            self._show_on_cell(f"proper {name}", self.above(cell, Fraction(-1)) - square, guards, strict=False)
 
     def is_negative_along(self, direction: Sequence[Fraction]) -> bool:
         """Whether a direction leads from the point into a cell in which V is negative at all small distances."""

@@ -1,16 +1,16 @@
-"""What comes to the point from no start: all that a polygon leaves outside, over which all velocities lead outward.
+"""What comes to the point from no start: all to the right of a polygon over which all velocities lead to the right.
 
-*Theorem.*  Let P be a simple closed polygon, counterclockwise, with the point inside.  Let ``n . f > 0`` on each side,
-with its outward normal n, for every field f of a cell whose closure meets the inside of the side; and at each corner
-for the normals of both sides and every cell whose closure holds it.  Then no solution from a start on P or outside is
-ever inside P: none comes to the point.
+*Theorem.*  Let P be a simple closed polygon with the point to its left: counterclockwise with the point inside, or
+clockwise with the point outside.  Let ``n . f > 0`` on each side, with its normal n to the right, for every field f of
+a cell whose closure meets the inside of the side; and at each corner for the normals of both sides and every cell whose
+closure holds it.  Then no solution from a start on P or to its right is ever to its left: none comes to the point.
 
-*Proof.*  Let a solution be on P or outside first, and inside at a later time s.  Let t be the last time before s at
-which it is not inside; then x(t) is on P, and from t to s the solution is inside.  At x(t), inside of a side or at a
-corner, all velocities of F have positive products with the normals of the sides that meet there; F is upper
-semicontinuous, so for some d > 0 they are at least d near x(t), and ``n . (x(r) - x(t)) >= d (r - t)`` for r just after
-t and each of these n.  Near the inside of a side the inside of P is where ``n . (x - x(t)) < 0``.  Near a corner it is
-where that holds for both of its sides, or, where the corner is reentrant, for at least one.  So x(r) is not inside.
+*Proof.*  Let a solution be on P or right of it first, and left of it at a later time s.  Let t be the last time before
+s at which it is not left of P; then x(t) is on P, and from t to s the solution is left of it.  At x(t), inside of a
+side or at a corner, all velocities of F have positive products with the normals of the sides that meet there; F is
+upper semicontinuous, so for some d > 0 they are at least d near x(t), and ``n . (x(r) - x(t)) >= d (r - t)`` for r just
+after t and each of these n.  Near the inside of a side the left of P is where ``n . (x - x(t)) < 0``.  Near a corner it
+is where that holds for both of its sides, or, where P turns right there, for at least one.  So x(r) is not left of P.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ CORNER = re.compile(r"-?[0-9]{1,40} -?[0-9]{1,40}")
 
 
 def show_outside(system: System, hypotheses: Any, proofs: Proofs) -> list[Statement]:
-    """No start outside of a polygon, or on it, comes to the point.
+    """No start to the right of a polygon, or on it, comes to the point.
 
     Hypotheses: ``surfaces`` on which fields switch, ``unit``, and ``corners``, each its place in units from the point.
     """
@@ -41,19 +41,18 @@ def show_outside(system: System, hypotheses: Any, proofs: Proofs) -> list[Statem
     require(not system.numbers, "rational numbers, for a polygon")
     ring = [place_of(own) for own in items(corners, most=MAX_CORNERS)]
     require_simple(ring)
-    require(winds_around(ring), "the point inside the polygon, which is counterclockwise")
+    require(winding(ring) == (1 if is_counterclockwise(ring) else 0), "the point to the left of the polygon")
     plane = Plane(system, unit, surfaces, proofs)
-    require(not any(plane.waves), "polynomials, for a polygon")
-    show_outward(ring, plane)
+    show_rightward(ring, plane)
     return [{"outside": {"unit": unit, "corners": corners}}]
 
 
-def show_outward(ring: Sequence[Place], plane: Plane) -> None:
-    """All velocities lead outward on each side, and at each corner for both of its sides."""
+def show_rightward(ring: Sequence[Place], plane: Plane) -> None:
+    """All velocities lead to the right on each side, and at each corner for both of its sides."""
     for first, corner, last in zip(ring, (*ring[1:], ring[0]), (*ring[2:], *ring[:2]), strict=True):
-        own = outward(first, corner)
+        own = rightward(first, corner)
         require_positive(plane, (first, corner), [own])
-        require_positive(plane, (corner,), [own, outward(corner, last)])
+        require_positive(plane, (corner,), [own, rightward(corner, last)])
 
 
 def require_positive(plane: Plane, places: Sequence[Place], normals: Sequence[tuple[int, int]]) -> None:
@@ -61,7 +60,7 @@ def require_positive(plane: Plane, places: Sequence[Place], normals: Sequence[tu
     for cell in plane.touching(places):
         for field in plane.fields(cell, places):
             for normal in normals:
-                require(min(field.along(normal).on(places)) > 0, f"velocities that lead outward at {places}")
+                require(min(field.along(normal).on(places)) > 0, f"velocities that lead to the right at {places}")
 
 
 def place_of(data: Any) -> Place:
@@ -71,7 +70,7 @@ def place_of(data: Any) -> Place:
     return x, y
 
 
-def outward(first: Place, last: Place) -> tuple[int, int]:
+def rightward(first: Place, last: Place) -> tuple[int, int]:
     """The normal of a side to its right: outward where a polygon is counterclockwise."""
     return last[1] - first[1], first[0] - last[0]
 
@@ -127,20 +126,25 @@ def along(a: Place, b: Place, c: Place) -> int:
     return (b[0] - a[0]) * (c[0] - a[0]) + (b[1] - a[1]) * (c[1] - a[1])
 
 
-def winds_around(ring: Sequence[Place]) -> bool:
-    """Whether a simple polygon goes around the origin counterclockwise: on x > 0 it crosses upward once more.
+def is_counterclockwise(ring: Sequence[Place]) -> bool:
+    """Whether a simple polygon is, by its area."""
+    return sum(ax * by - ay * bx for (ax, ay), (bx, by) in pairwise((*ring, ring[0]))) > 0
 
-    A corner on the axis counts as above it; where a side meets the origin itself, it is not inside.
+
+def winding(ring: Sequence[Place]) -> int | None:
+    """How often a polygon goes around the origin counterclockwise: on x > 0 it crosses upward so much more often.
+
+    A corner on the axis counts as above it.  None where a side meets the origin itself.
     """
     total = 0
     for (ax, ay), (bx, by) in pairwise((*ring, ring[0])):
         if (ay < 0) == (by < 0):
             if ay == by == 0 and min(ax, bx) <= 0 <= max(ax, bx):
-                return False
+                return None
             continue
         crossing = ax + Fraction(-ay * (bx - ax), by - ay)
         if not crossing:
-            return False
+            return None
         if crossing > 0:
             total += 1 if ay < 0 else -1
-    return total == 1
+    return total

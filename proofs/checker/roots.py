@@ -27,7 +27,7 @@ from math import isqrt
 from typing import Any
 
 from .cells import Face, Inclusion, System, read_system
-from .formulas import Formula, SignOf, WaveAt, series
+from .formulas import Formula, SignOf, WaveAt
 from .polynomials import Polynomial, solve
 from .positivity import Claim, Inequality
 from .work import items, require, take
@@ -61,9 +61,9 @@ class RootedSystem(System):
         """The same with the velocities of the states."""
         return replace(self, scaled=False)
 
-    def fields(self, place: Mapping[str, Polynomial], wave: WaveAt = series) -> Sequence[Sequence[Formula]]:
+    def fields(self, place: Mapping[str, Polynomial], wave: WaveAt | None = None) -> Sequence[Sequence[Formula]]:
         """The formulas of the velocities, without sines and cosines."""
-        require(wave is series, "no roots where sines and cosines are bounded")
+        require(wave is None, "no roots where sines and cosines are bounded")
         own = {name: place[f"root_{name}"] for name in self.roots}
         found = []
         for side in self.rhs:

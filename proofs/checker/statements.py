@@ -16,6 +16,7 @@ from typing import Any, TypeAlias
 from .array_basin import show_array_basin
 from .basin import show_basin
 from .cells import System
+from .choice import show_choice
 from .circles import show_on_circles
 from .escape import show_escape
 from .outside import show_outside
@@ -40,6 +41,7 @@ THEOREMS: dict[str, Theorem] = {  # of systems
     "basin": show_basin,
     "circles": show_on_circles,
     "outside": show_outside,
+    "choice": show_choice,
 }
 OF_ARRAYS: dict[str, Theorem] = {
     "theorem 4": show_theorem4,

@@ -5,7 +5,8 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import Any, TypeAlias
 
-from .cells import Cell, Inclusion, System
+from .cells import Cell, Inclusion, System, no_switching
+from .formulas import Formula
 from .invariance import MAX_OTHERS, Chain
 from .lyapunov import Lyapunov
 from .polynomials import Polynomial, constant
@@ -32,11 +33,12 @@ def show_stability(system: System, hypotheses: Any, proofs: Proofs) -> list[Stat
     is shown in the whole space, and ``V + 1 >= proper |x|^2``, so that level sets are bounded.  With ``level``, every
     start of the cube with ``V < level`` stays there and tends to the point; with ``below``, nothing is asked of points
     with ``V >= level`` but on the border of the cube.  With ``rate``, V falls that fast; with ``gain`` beside it, of
-    solutions of ``x' in F(x) + d`` it falls that fast less ``gain |d|``, in the Euclidean norm.
+    solutions of ``x' in F(x) + d`` it falls that fast less ``gain |d|``, in the Euclidean norm.  With ``denominator`` V
+    is a quotient (:mod:`.lyapunov`).
     """
     names = "cells function second verdict everywhere level below rate"
-    cells, function, second, verdict, everywhere, level, below, rate, gain, proper = take(
-        hypotheses, names, "gain proper"
+    cells, function, second, verdict, everywhere, level, below, rate, gain, proper, denominator = take(
+        hypotheses, names, "gain proper denominator"
     )
     require(verdict in (ASYMPTOTICALLY_STABLE, STABLE), "a verdict")
     require(type(everywhere) is bool and type(below) is bool, "everywhere and below as true or false")
@@ -44,6 +46,9 @@ def show_stability(system: System, hypotheses: Any, proofs: Proofs) -> list[Stat
     require(attracts or second is None, "further functions where the point attracts")
     require(everywhere is True or proper is None, "a proper V for all starts")
     own = read_functions(system, cells, function, second, proofs)
+    if denominator is not None:
+        require(second is None and rate is None, "a quotient without further functions and rates")
+        own.divide_by(Formula(denominator, own.inclusion.domain.displacement).on(no_switching))
     if below is True:
         own.require_below(rational(level))
     own.show_zero()
@@ -51,6 +56,8 @@ def show_stability(system: System, hypotheses: Any, proofs: Proofs) -> list[Stat
     show_falling(own, strict=attracts)
     shown: list[Statement] = [{"stability": verdict}]
     about = {"function": function, "within": cells["within"]}
+    if denominator is not None:
+        about["denominator"] = denominator
     if type(function) is not str:
         about["surfaces"] = cells["surfaces"]  # to whose signs the pieces of V refer
     if system.coordinates != system.states:

@@ -52,7 +52,8 @@ def about(system: SwitchedSystem) -> dict[str, Any]:
         return {"states": list(states), "rhs": rhs, "at": list(map(exact_text, stated)), "roots": list(rooted)}
     with_waves = _with_waves(system)
     rhs = with_waves or [[formula_in_names(side, system) for side in member.rhs] for member in system.members]
-    own = {"states": list(system.states), "rhs": rhs}
+    own: dict[str, Any] = {"states": list(system.states), "rhs": rhs}
+    own |= {"order": system.order} if with_waves and system.order else {}
     irrational = [] if with_waves else list(_irrational_numbers(system))
     if not irrational:
         return {**own, "at": [exact_text(value) for value in at]}

@@ -16,6 +16,7 @@ from nonsmooth.proofs.checker.cells import System
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE
 from nonsmooth.proofs.kernel.cells import BeyondReachError, started, stated_cells, surfaces_of
 from nonsmooth.proofs.kernel.global_function import global_functions
+from nonsmooth.proofs.kernel.quotients import find_quotient
 from nonsmooth.proofs.kernel.search import NotShownError, SampledProofs, Search, stability_hypotheses
 from nonsmooth.symbolic.enclosed_numbers import NoEnclosureError, enclose_numbers
 from nonsmooth.symbolic.piecewise import PiecewiseExpression
@@ -50,7 +51,8 @@ def find_global_attraction(
         found = _shown(system, subject, potential)
         if found is not None:
             return found
-    return None
+    shown = find_quotient(system, everywhere=True)
+    return None if shown is None else shown[0]
 
 
 def _shown(system: SwitchedSystem, subject: System, potential: PiecewiseExpression) -> dict[str, Any] | None:

@@ -12,7 +12,7 @@ from functools import lru_cache
 from math import acos, pi
 from typing import Any
 
-from flint import fmpq, fmpq_poly
+from flint import fmpq, fmpq_mat, fmpq_poly
 
 from nonsmooth.proofs.checker import tower
 from nonsmooth.proofs.checker.polynomials import Coefficient, Exponents, Polynomial
@@ -97,3 +97,17 @@ def formula_text(value: Polynomial, names: Sequence[str]) -> str:
         factor = [] if coefficient == 1 and powers else [str(coefficient)]
         written.append("*".join([*factor, *powers]))
     return " + ".join(written) or "0"
+
+
+def null_basis(matrix: fmpq_mat) -> fmpq_mat:
+    """A basis of the null space, in columns."""
+    reduced, rank = matrix.rref()
+    count = matrix.ncols()
+    pivots = [next(k for k in range(count) if reduced[i, k]) for i in range(rank)]
+    free = [k for k in range(count) if k not in pivots]
+    rows = [[fmpq(0)] * len(free) for _ in range(count)]
+    for column, k in enumerate(free):
+        rows[k][column] = fmpq(1)
+        for i, pivot in enumerate(pivots):
+            rows[pivot][column] = -reduced[i, k]
+    return fmpq_mat(count, len(free), [value for row in rows for value in row])

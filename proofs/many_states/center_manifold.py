@@ -35,7 +35,7 @@ from nonsmooth.proofs.findings.facts import Fact, row_fact
 from nonsmooth.proofs.kernel.cells import StatedCells, sharpened, started, stated_cells
 from nonsmooth.proofs.kernel.first_terms import fields_around, lyapunov_solution, quadratic_form
 from nonsmooth.proofs.kernel.search import NotShownError, SampledProofs, Search, stability_hypotheses
-from nonsmooth.proofs.kernel.written import formula_text
+from nonsmooth.proofs.kernel.written import formula_text, null_basis
 from nonsmooth.proofs.many_states.examination import ExaminedLyapunov, examine
 from nonsmooth.proofs.sums_of_squares.ansatz import monomials_between
 from nonsmooth.proofs.sums_of_squares.prove import Effort
@@ -151,7 +151,7 @@ def split_at(field: Sequence[Polynomial]) -> Split | None:
 
 def _split_by(matrix: fmpq_mat, vanishing: fmpq_mat, size: int) -> Split | None:
     """The split where a polynomial in A vanishes on the centre subspace alone."""
-    right, left = _null_basis(vanishing), _null_basis(vanishing.transpose()).transpose()
+    right, left = null_basis(vanishing), null_basis(vanishing.transpose()).transpose()
     if right.ncols() != size or left.nrows() != size:
         return None
     try:
@@ -159,20 +159,6 @@ def _split_by(matrix: fmpq_mat, vanishing: fmpq_mat, size: int) -> Split | None:
     except ZeroDivisionError:
         return None
     return Split(matrix, right, left, left * matrix * right)
-
-
-def _null_basis(matrix: fmpq_mat) -> fmpq_mat:
-    """A basis of the null space, in columns."""
-    reduced, rank = matrix.rref()
-    count = matrix.ncols()
-    pivots = [next(k for k in range(count) if reduced[i, k]) for i in range(rank)]
-    free = [k for k in range(count) if k not in pivots]
-    rows = [[fmpq(0)] * len(free) for _ in range(count)]
-    for column, k in enumerate(free):
-        rows[k][column] = fmpq(1)
-        for i, pivot in enumerate(pivots):
-            rows[pivot][column] = -reduced[i, k]
-    return fmpq_mat(count, len(free), [value for row in rows for value in row])
 
 
 def _identity(count: int) -> fmpq_mat:

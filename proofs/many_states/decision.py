@@ -124,8 +124,8 @@ class SpacePoint(CheckedPoint):
 
     def reach(self, found: Finding) -> Reach:
         """Region and rate of a V that falls on a cube, and whether it falls in the whole space."""
-        everywhere, entry = self._holds_everywhere(found), None
-        if found.verdict is Translation.ASYMPTOTICALLY_STABLE and not everywhere:
+        everywhere, entry = self._holds_everywhere(found), found.entry if found.is_global else None
+        if found.verdict is Translation.ASYMPTOTICALLY_STABLE and not everywhere and entry is None:
             own = None if found.function is None else found.function.formula
             entry = find_global_attraction(self.system, (own, self.system.check.lyapunov))
         reach = self._near(found, everywhere=everywhere or entry is not None)

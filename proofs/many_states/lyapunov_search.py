@@ -10,7 +10,8 @@ coefficients and for all Gram matrices together.  Without the condition that V i
 along every solution and is negative somewhere at every distance: then the point is unstable (Lyapunov's first theorem
 on instability, Chetaev), because a solution that starts there cannot stay near.
 
-*Products* ``+-x_i x_j`` and differences of squares are asked as they are: ``V' <= -V^2/16`` where V is negative.
+*Products* ``+-x_i x_j``, negative squares and differences of squares are asked as they are: ``V' <= -V^2/16`` where V
+is negative.
 
 *Instability.*  Where V falls along every solution and is negative at some points at every distance, a solution from
 such a point has ``V < V(start) < 0`` from then on, so it stays away from the equilibrium, where V is zero; between
@@ -342,7 +343,8 @@ def _shown(
 
 
 def _products(system: SwitchedSystem) -> Iterator[PiecewiseExpression]:
-    """Products of two states, and differences of their squares, with both signs."""
+    """Negative squares; products of two states, and differences of their squares, with both signs."""
+    yield from (parse_piecewise(f"-({state}**2)", system.states) for state in system.states)
     for first, second in combinations(system.states, 2):
         for text in (f"{first}*{second}", f"{first}**2 - {second}**2"):
             yield from (parse_piecewise(own, system.states) for own in (text, f"-({text})"))

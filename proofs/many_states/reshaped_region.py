@@ -65,30 +65,41 @@ class SearchEffort:
     Attributes:
         degrees: of V, one after the other.
         rounds: of the iteration for each.
-        work: of all rounds together, in units of :meth:`_Iteration.work`; None is without a bound.
+        work: of all rounds of the first degree together, in units of :meth:`_Iteration.work`; None is without a bound.
+        further: likewise of each further degree.
     """
 
     degrees: tuple[int, ...]
     rounds: int
     work: int | None = None
+    further: int = 0
 
-    def affordable(self, one: int) -> int:
-        """How many rounds of one such work may be done after the first level.
+    def affordable(self, works: Sequence[int]) -> list[int]:
+        """How many rounds of each degree may be done after the first level.
+
+        Args:
+            works: that of one round of each degree.
 
         Raises:
-            TooMuchWorkError: for none.
+            TooMuchWorkError: for none of the first one.
         """
-        rounds = self.rounds if self.work is None else min(self.rounds, self.work // max(one, 1) - 1)
-        if rounds < 1:
-            raise TooMuchWorkError(f"required {2 * one} units of work, allowed {self.work}")
-        return rounds
+        found = []
+        for one, most in zip(works, [self.work, *[self.further] * (len(works) - 1)], strict=True):
+            rounds = self.rounds if most is None else min(self.rounds, most // max(one, 1) - 1)
+            found.append(max(rounds, 0))
+        if found[0] < 1:
+            raise TooMuchWorkError(f"required {2 * works[0]} units of work, allowed {self.work}")
+        return found
 
 
 class TooMuchWorkError(Exception):
     """The programs of a search are so large that it is not begun."""
 
 
-EFFORTS = {"fast": SearchEffort((2,), 16, 800_000_000), "best": SearchEffort((2, 4), 25)}  # some 5 s; a minute and more
+EFFORTS = {  # some 5 s; a minute, for V of degree 2 in eight states more
+    "fast": SearchEffort((2,), 16, 800_000_000),
+    "best": SearchEffort((2, 4), 25, further=10_000_000_000),
+}
 
 
 @dataclass(frozen=True)
@@ -140,15 +151,14 @@ def find_reshaped_region(
     shape = search.given()
     if shape is None:
         return None
-    rounds = effort.affordable(search.work(shape))
-    total = 1 + rounds * len(effort.degrees)
-    announce("shapes of V", 0, total)
+    rounds = effort.affordable([search.work(shape), *map(search.work_of, effort.degrees[1:])])
+    announce("shapes of V", 0, 1 + sum(rounds))
     best = search.level(shape)
     if best is None:
         return None
     for k, degree in enumerate(effort.degrees):
-        for done in range(rounds):
-            announce("shapes of V", 1 + k * rounds + done, total)
+        for done in range(rounds[k]):
+            announce("shapes of V", 1 + sum(rounds[:k]) + done, 1 + sum(rounds))
             best = search.rescaled(best)
             further = search.improved(best, degree)
             if further is None:
@@ -252,6 +262,11 @@ class _Iteration:
         """What one program of each condition takes: the cubes of the numbers of unknowns, as in linear algebra."""
         asked = self._below(shape, self.falling(shape), 1.0)
         return sum(_unknowns(build_blocks(own)) ** 3 for own in asked)
+
+    def work_of(self, degree: int) -> int:
+        """That of a V with all monomials up to a degree."""
+        exponents = self.exponents(degree)
+        return self.work(_Shape(exponents, np.ones(len(exponents))))
 
     def level(self, shape: _Shape) -> _Level | None:
         """The largest level of a V that squares show, as level one."""

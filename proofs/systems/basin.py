@@ -23,7 +23,6 @@ from nonsmooth.proofs.checker.positivity import Proofs
 from nonsmooth.proofs.systems.basin_mesh import BuiltMesh, MeshBuilder, last_ring, mesh_corners, mesh_of_rings
 from nonsmooth.proofs.systems.basin_rings import (
     WAY,
-    FieldInCells,
     FloatField,
     Floats,
     Pace,
@@ -35,7 +34,7 @@ from nonsmooth.proofs.systems.basin_rings import (
     level_ring,
     values,
 )
-from nonsmooth.proofs.systems.outer_ring import find_outer_ring, ring_of
+from nonsmooth.proofs.systems.outer_ring import find_outer_ring, find_traps, ring_of
 
 INSIDE = 0.9  # of the level: the first ring
 POWERS, NEARLY_ALL = (2, 0), 0.95  # tried in turn, until triangles fill so much of the last ring
@@ -80,11 +79,21 @@ class CertifiedBasin:
             how many there are.
         outside: the hypotheses of theorem ``outside``: a polygon around the triangles, such that no start outside of it
             comes to the point; None where none is known.
+        traps: other places of rest, in floats, each with such hypotheses: no start inside of a polygon about it does.
+        square: of the starts of that grid, how many are certified, how many are in no trap and not outside of the
+            polygon, and how many there are.
     """
 
     hypotheses: dict[str, Any]
     sampled: tuple[int, int]
     outside: dict[str, Any] | None = None
+    traps: tuple[tuple[Floats, dict[str, Any]], ...] = ()
+    square: tuple[int, int, int] = (0, 0, 0)
+
+    @property
+    def never(self) -> tuple[dict[str, Any], ...]:
+        """The hypotheses of all polygons on one side of which no start comes to the point."""
+        return (*(own for _, own in self.traps), *([] if self.outside is None else [self.outside]))
 
     @property
     def mesh(self) -> dict[str, Any]:
@@ -167,8 +176,21 @@ def find_basin(
 
     hypotheses = {"local": local, "surfaces": surfaces, "mesh": best.record, "below": best.below}
     border = last_ring(best.corners)
-    outside = find_outer_ring(system, surfaces, border, effort.pace, effort.outward) if limit is None else None
-    return CertifiedBasin(hypotheses, _sampled(field, is_home, border, effort.starts, limit), outside)
+    outside, traps = None, list[tuple[Floats, dict[str, Any]]]()
+    if limit is None:
+        outside = find_outer_ring(system, surfaces, border, effort.pace, effort.outward)
+        traps = find_traps(system, surfaces, border, effort.pace, effort.outward)
+    starts = _grid(border, effort.starts, limit)
+    certified = inside_ring(border, starts)
+    open_ones = np.ones(len(starts), dtype=bool)
+    for _, own in traps:
+        open_ones &= ~inside_ring(ring_of(own), starts)
+    if outside is not None:
+        open_ones &= inside_ring(ring_of(outside), starts)
+    square = int(np.sum(certified)), int(np.sum(open_ones)), len(starts)
+    far = 20 * float(np.linalg.norm(border, axis=1).max())
+    came = followed_home(field, starts[~certified], is_home, far)
+    return CertifiedBasin(hypotheses, (square[0], square[0] + int(np.sum(came))), outside, tuple(traps), square)
 
 
 def _step(announce: Callable[[str, int, int], None], what: str) -> Callable[[int, int], None]:
@@ -206,20 +228,14 @@ def _potential(plane: Plane, local: dict[str, Any]) -> Callable[[Floats], Floats
     return potential
 
 
-def _sampled(
-    field: FieldInCells, is_home: Callable[[Floats], NDArray[np.bool_]], border: Floats, count: int, limit: float | None
-) -> tuple[int, int]:
-    """Of a grid around the mesh: the starts that are certified, and those that come to the first ring in floats.
+def _grid(border: Floats, count: int, limit: float | None) -> Floats:
+    """Starts around the mesh.
 
-    The certified ones come, too; a step that is too long to see that does not change what is proved.
+    Those of them that are certified come, too; a step that is too long to see that does not change what is proved.
     """
     low, high = border.min(axis=0), border.max(axis=0)
     middle, half = (low + high) / 2, MARGIN * (high - low) / 2
     if limit is not None:
         half = np.minimum(half, limit)
     lines = [np.linspace(m - h, m + h, count) for m, h in zip(middle, half, strict=True)]
-    starts = np.array([(x, y) for y in lines[1] for x in lines[0]])
-    far = 20 * float(np.linalg.norm(border, axis=1).max())
-    certified = inside_ring(border, starts)
-    came = followed_home(field, starts[~certified], is_home, far)
-    return int(np.sum(certified)), int(np.sum(certified) + np.sum(came))
+    return np.array([(x, y) for y in lines[1] for x in lines[0]])

@@ -46,6 +46,7 @@ class Method(StrEnum):
     LEADING = "leading terms"
     RAY = "ray of escape"
     ESCAPE = "solution that leaves"
+    CHOICE = "choice among right-hand sides"
     RELAY = "relative degree of a relay"
     GROWTH = "function that grows"
     INSTABILITY = "function that shows instability"
@@ -147,6 +148,11 @@ class Finding:
     entry: dict[str, Any] | None = None
     facts: tuple[Fact, ...] = ()
     is_final: bool = True
+
+    @property
+    def is_global(self) -> bool:
+        """Whether its evidence is of all starts of the whole space."""
+        return self.entry is not None and self.entry["hypotheses"].get("everywhere") is True
 
     @property
     def is_weak(self) -> bool:

@@ -1,14 +1,23 @@
-"""A polygon around a bounded basin over which all velocities lead outward: no start outside of it comes to the point.
+"""Polygons that solutions do not cross toward the point: no start on their other side comes to it.
+
+*Around* a bounded basin all velocities lead outward over one.
 
 Backward in time solutions from outside come to the border of such a basin, as those from inside do.  So a ring that is
 wider than the certified region follows the field backward, turned inward by an angle that all velocities then keep to
 the ring at least (:mod:`nonsmooth.proofs.systems.basin_rings`).  Floats propose; each side is shown by theorem
 ``outside``.  Basins that reach to infinity have no such polygon.
+
+*Traps*: all velocities lead into a polygon about another place of rest, and the point is outside of it.  It grows
+backward in time from a small ellipse, as the certified region does, and needs no exact place of rest.
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
+from dataclasses import replace
+from fractions import Fraction
+from operator import add
 from typing import Any
 
 import numpy as np
@@ -18,13 +27,18 @@ from nonsmooth.proofs.checker.cells import System
 from nonsmooth.proofs.checker.outside import show_outside
 from nonsmooth.proofs.checker.positivity import Proofs
 from nonsmooth.proofs.checker.work import RejectedError
-from nonsmooth.proofs.systems.basin_rings import FloatField, Floats, Pace, area, next_ring
+from nonsmooth.proofs.systems.basin_rings import FloatField, Floats, Pace, area, grow, next_ring
 
 WIDER = (1.15, 1.4, 2.0)  # of the certified region: first rings, tried in turn
 TURNS, SLENDER = (3.0, 1.0, 0.5), 0.3  # of the angle, one after the other; the largest gap over it
 STEPS, PAUSE, STILL = 400, 25, 0.9995  # at most; between looks at the area; by which this must shrink
 FARTHEST, POWER = 50.0, 2  # times the certified region; p of the speed
 BITS = 24  # of places on a ring
+AROUND, GRID, NEWTON = 3.0, 15, 12  # half-widths of the region where other places of rest are searched; starts; steps
+SETTLED, NEAR, MOST_TRAPS = 2.0**-30, 2.0**-8, 2  # speeds and distances of one place, over the size; places
+COARSER, MOST_POINTS, POINTS_A_STEP = 2.0, 4_000, 5  # angles and gaps than those of the region; points of a ring
+SLOWER = 0.75  # than the slowest solutions a V falls
+FIRST, SMALLER, LOOKS = 200, (2, 4, 8, 16, 64), 25  # points of the first ring; distance over its size; rings tried
 
 
 def find_outer_ring(
@@ -33,16 +47,13 @@ def find_outer_ring(
     """The hypotheses of theorem ``outside``, which are shown; None where no polygon is found.
 
     Args:
-        system: in the plane, without sines and cosines.
+        system: in the plane.
         surfaces: on which it switches, in the displacement.
         border: of the certified region, a ring that is counterclockwise: shape (corners, 2).
         pace: about by which angle velocities are turned inward, and how near neighbours on a ring are.
         steps: of all rings that are tried, at most.
     """
-    plane = Plane(system, "1", list(surfaces), Proofs({}))
-    if any(plane.waves):
-        return None
-    field = FloatField(plane)
+    field = FloatField(Plane(system, "1", list(surfaces), Proofs({})))
     best: dict[str, Any] | None = None
     rings = [wider * border for wider in WIDER]
     for own in (turn * pace.angle for turn in TURNS):
@@ -57,6 +68,108 @@ def find_outer_ring(
         if best is None:  # a smaller angle is harder; after one that is shown it may be shown where another was not
             break
     return best
+
+
+def find_traps(
+    system: System, surfaces: Sequence[str], border: Floats, pace: Pace, steps: int
+) -> list[tuple[Floats, dict[str, Any]]]:
+    """Other places of rest, in floats, each with the hypotheses of theorem ``outside``, which are shown, of a polygon.
+
+    Args:
+        system: in the plane.
+        surfaces: on which it switches, in the displacement.
+        border: of the certified region: shape (corners, 2).
+        pace: of rings.
+        steps: of the rings about one place, at most.
+    """
+    field, found = FloatField(Plane(system, "1", list(surfaces), Proofs({}))), []
+    for place, slope in other_rests(field, AROUND * float(np.abs(border).max()))[:MOST_TRAPS]:
+        own = _grown_about(system, surfaces, place, slope, pace, steps)
+        found += [(place, own)] if own is not None else []
+    return found
+
+
+def other_rests(field: FloatField, half: float) -> list[tuple[Floats, Floats]]:
+    """Places in a square at which velocities vanish and nearby ones lead to them, with their slopes, in floats."""
+    lines = np.linspace(-half, half, GRID)
+    x = np.stack(np.meshgrid(lines, lines), axis=-1).reshape(-1, 2)
+    width = 2.0**-20 * half
+    for _ in range(NEWTON):
+        with np.errstate(all="ignore"):
+            slopes, velocities = _slopes(field, x, width), field.at(x)[0]
+        known = np.isfinite(slopes).all(axis=(1, 2)) & np.isfinite(velocities).all(axis=1)
+        x = x[known] - np.einsum("kij,kj->ki", np.linalg.pinv(slopes[known]), velocities[known])
+        x = x[np.abs(x).max(axis=1) < 4 * half]
+        if not len(x):
+            return []
+    settled = np.linalg.norm(field.at(x)[0], axis=1) < SETTLED * half
+    x = np.round(x[settled] / width) * width + 0.0
+    sizes = np.linalg.norm(x, axis=1)
+    found: list[tuple[Floats, Floats]] = []
+    for place in x[np.argsort(sizes, kind="stable")]:
+        apart = all(np.linalg.norm(place - other) > NEAR * half for other in (np.zeros(2), *(own for own, _ in found)))
+        if apart and np.abs(place).max() < half:
+            slope = _slopes(field, place[None], width)[0]
+            found += [(place, slope)] if (np.linalg.eigvals(slope).real < 0).all() else []
+    return found
+
+
+def _slopes(field: FloatField, x: Floats, width: float) -> Floats:
+    """The Jacobians of the first right-hand side at places, by differences: shape (places, 2, 2)."""
+    columns = [(field.at(x + step)[0] - field.at(x - step)[0]) / (2 * width) for step in np.eye(2) * width]
+    return np.stack(columns, axis=2)
+
+
+def _grown_about(
+    system: System, surfaces: Sequence[str], place: Floats, slope: Floats, pace: Pace, steps: int
+) -> dict[str, Any] | None:
+    """A polygon about a place of rest, as large as is shown; None where none is."""
+    away = [Fraction(round(own * 2**BITS), 2**BITS) for own in place.tolist()]
+    middle, distance = np.array(away, dtype=float), float(np.linalg.norm(place))
+    moved = replace(system, at=tuple(map(add, system.at, away)))
+    field = FloatField(Plane(moved, "1", _moved(system, surfaces, away), Proofs({})))
+
+    def shown(ring: Floats) -> dict[str, Any] | None:
+        own = _on_lattice(ring[::-1] + middle, surfaces)
+        return own if _is_shown(system, own) else None
+
+    ellipse = _small_ring(slope) * distance
+    first = next((ellipse / share for share in SMALLER if shown(ellipse / share)), None)
+    if first is None:
+        return None
+    most = min(MOST_POINTS, POINTS_A_STEP * steps)
+    angle = min(COARSER * pace.angle, _least_angle(field, first) / 2)
+    own = Pace(angle, min(COARSER * pace.gap, SLENDER * angle), pace.move)
+    rings = list(grow(field, first, own, FARTHEST * distance, most, steps * pace.move, lambda done, total: None))
+    return next(filter(None, map(shown, rings[:: -max(1, len(rings) // LOOKS)])), None)
+
+
+def _small_ring(slope: Floats) -> Floats:
+    """An ellipse of size 1, counterclockwise: a level set of a V that falls about as fast as the slowest solutions."""
+    from scipy.linalg import solve_continuous_lyapunov
+
+    slowest = -float(np.linalg.eigvals(slope).real.max())
+    shape = solve_continuous_lyapunov((slope + SLOWER * slowest * np.eye(2)).T, -np.eye(2))
+    angles = np.linspace(0, 2 * np.pi, FIRST, endpoint=False)
+    circle = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    ring = circle / np.sqrt(np.einsum("ki,ij,kj->k", circle, shape, circle))[:, None]
+    return np.asarray(ring / np.abs(ring).max())
+
+
+def _least_angle(field: FloatField, ring: Floats) -> float:
+    """At which velocities lead into a ring."""
+    after = np.roll(ring, -1, axis=0) - np.roll(ring, 1, axis=0)
+    velocities = field.at(ring)
+    across = velocities[..., 0] * after[:, 1] - velocities[..., 1] * after[:, 0]
+    sizes = np.linalg.norm(velocities, axis=2) * np.linalg.norm(after, axis=1)
+    return float(np.arcsin(np.clip(-across / sizes, 0, 1)).min())
+
+
+def _moved(system: System, surfaces: Sequence[str], away: Sequence[Fraction]) -> list[str]:
+    """The surfaces in the displacement from another place."""
+    moved = {name: f"({name} + ({own}))" for name, own in zip(system.states, away, strict=True)}
+    names = re.compile(rf"\b({'|'.join(moved)})\b")
+    return [names.sub(lambda own: moved[own[0]], surface) for surface in surfaces]
 
 
 def _is_shown(system: System, hypotheses: dict[str, Any]) -> bool:

@@ -249,8 +249,8 @@ class PlanePoint(CheckedPoint):
         """With what holds beyond the domain of V."""
         everywhere = holds_everywhere(self.system, found.verdict, self.cells)
         in_time = arrives_in_finite_time(self.system, self.cells, found.verdict, found.function)
-        entry = None
-        if not everywhere:
+        entry = found.entry if found.is_global else None
+        if not everywhere and entry is None:
             own = None if found.function is None else found.function.formula
             entry = find_global_attraction(self.system, (own, self.system.check.lyapunov))
         return replace(reach, everywhere=everywhere or entry is not None, in_finite_time=in_time, global_entry=entry)

@@ -20,13 +20,14 @@ MESH, BORDER, OUTER = "#999999", "#0072B2", "#D55E00"
 
 
 def draw_triangles(axes: Axes, basin: CertifiedBasin, at: tuple[float, float] = (0.0, 0.0)) -> None:
-    """The triangles of a basin about a point, its border, and the polygon that no start outside comes from."""
+    """The triangles of a basin about a point, its border, and polygons from beyond which no start comes."""
     x, y = (basin.corners[:, :2] + at).T
     axes.triplot(x, y, basin.triangles, color=MESH, linewidth=0.3)
     axes.plot(*_closed(basin.border + at), color=BORDER, linewidth=2.0, label="certified region")
-    if basin.outside is not None:
-        outer = _closed(ring_of(basin.outside) + at)
-        axes.plot(*outer, "--", color=OUTER, linewidth=1.5, label="from outside no start comes")
+    for own in basin.never:
+        outer = _closed(ring_of(own) + at)
+        label = "from beyond no start comes" if own is basin.never[0] else None
+        axes.plot(*outer, "--", color=OUTER, linewidth=1.5, label=label)
     axes.plot(*at, "o", color=INK, markersize=5)
     axes.legend(fontsize="x-small", frameon=False, ncols=2, loc="upper center", bbox_to_anchor=(0.5, -0.1))
 

@@ -330,7 +330,8 @@ class ArrayPath(PathResult):
             return (f"with inertia: not followed: {self.heavy}",)
         last = f"{float_text(self.heavy.until, 3)} {self.scene.units.time}".rstrip()
         rests = "its place rests at " if self.heavy.kind is Settling.AT_REST else ""
-        return (f"with inertia (simulated, from rest until {rests}t = {last}): {settled_words(self.scene, self.heavy)}",)
+        followed = f"with inertia (simulated, from rest until {rests}t = {last})"
+        return (f"{followed}: {settled_words(self.scene, self.heavy)}",)
 
     def facts(self) -> Record:
         """The record of the trajectory, with the law and the speeds of the wheels."""

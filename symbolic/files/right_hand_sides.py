@@ -56,6 +56,7 @@ def read_right_hand_sides(
     intervals: Mapping[str, tuple[Any, Any]],
     clearing: Clearing,
     file: str,
+    order: int = 0,
 ) -> RightHandSides:
     """All right-hand sides of a system.
 
@@ -65,6 +66,7 @@ def read_right_hand_sides(
         intervals: the ends of the others.
         clearing: the states and the checked point.
         file: for messages.
+        order: further terms of sines and cosines.
 
     Raises:
         SceneError: for formulas that cannot be rewritten, and for too many right-hand sides.
@@ -77,7 +79,7 @@ def read_right_hand_sides(
         texts = {**values, **parameter_texts(corner, (), file)}
         lists += [(key, tuple(with_parameters(f, texts) for f in formulas)) for key, formulas in stated.items()]
     cleared, denominators, scale = _cleared(lists, clearing, file)
-    sides, waves = _enclosed(cleared, file)
+    sides, waves = _enclosed(cleared, file, order)
     if len(sides) > MAX_MEMBERS:
         expected = f"at most {MAX_MEMBERS} right-hand sides, with intervals at their ends and sines enclosed"
         raise SceneError(file, "system.rhs", expected, StatedFact(f"{len(sides)}"))
@@ -117,14 +119,14 @@ def _received(error: ExpressionError) -> str:
 
 
 def _enclosed(
-    lists: Sequence[tuple[str, tuple[object, ...]]], file: str
+    lists: Sequence[tuple[str, tuple[object, ...]]], file: str, order: int
 ) -> tuple[list[tuple[str, tuple[object, ...]]], list[Wave]]:
     """All lists without sines and cosines of states."""
     sides: list[tuple[str, tuple[object, ...]]] = []
     waves: list[Wave] = []
     for key, formulas in lists:
         try:
-            found, here = enclosing_formulas(formulas)
+            found, here = enclosing_formulas(formulas, order)
         except ExpressionError as error:
             j = next((k for k, text in enumerate(formulas) if has_waves(text)), 0)
             raise SceneError(file, f"{key}[{j + 1}]", requirement(error), formulas[j]) from None

@@ -6,6 +6,7 @@ Structure is checked by pydantic, formulas by :mod:`nonsmooth.symbolic.piecewise
 
 from __future__ import annotations
 
+import ast
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
@@ -13,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from nonsmooth.symbolic.cleared_fractions import Clearing
-from nonsmooth.symbolic.expression import ExpressionError, parse
+from nonsmooth.symbolic.expression import ExpressionError, parse, parse_tree
 from nonsmooth.symbolic.files.parameters import parameter_texts, with_parameters
 from nonsmooth.symbolic.files.right_hand_sides import float_point, read_right_hand_sides, split_intervals
 from nonsmooth.symbolic.files.scene_validation import validate
@@ -22,7 +23,7 @@ from nonsmooth.symbolic.files.system_document import RESERVED, SystemCheckTable,
 from nonsmooth.symbolic.number_text import short_text
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
+from nonsmooth.symbolic.piecewise import MAX_TEXT, PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact, requirement
 from nonsmooth.symbolic.signed_roots import SignedRoots, find_rooted
 from nonsmooth.symbolic.sine_enclosures import has_waves
@@ -43,18 +44,39 @@ def parse_lyapunov(text: object, states: tuple[str, ...], file: str, key: str) -
         raise SceneError(file, key, requirement(error), text) from None
 
 
-def build_system(data: dict[str, Any], file: str, path: Path) -> SwitchedSystem:
+def build_system(data: dict[str, Any], file: str, path: Path, *, order: int = 0) -> SwitchedSystem:
     """The system of a document, by the parts that ``read_document`` returns.
+
+    Args:
+        data: the document.
+        file: for messages.
+        path: whose stem is the name of a scene that states none.
+        order: further terms of sines and cosines that are enclosed.
 
     Raises:
         SceneError: for whatever cannot be used.
     """
     document = validate(SystemDocument, data, file)
     roots = _signed_roots(document, file)
-    return _plain_system(document, file, path) if roots is None else _seen_by_roots(document, roots, file, path)
+    return _plain_system(document, file, path, order) if roots is None else _seen_by_roots(document, roots, file, path)
 
 
-def _plain_system(document: SystemDocument, file: str, path: Path) -> SwitchedSystem:
+def with_order(system: SwitchedSystem, order: int) -> SwitchedSystem:
+    """A system whose sines and cosines are enclosed with further terms.
+
+    Raises:
+        SceneError: for formulas of too high a degree.
+    """
+    check = system.check
+    lyapunov = {} if check.is_default else {"lyapunov": check.lyapunov.text}
+    point = {"equilibrium": list(map(str, check.equilibrium)), "radius": str(check.radius)}
+    stated = {"states": list(system.states), "rhs": list(map(list, system.written))}
+    document = {"name": system.name, "system": stated, "check": {**point, **lyapunov}}
+    found = build_system(document, system.source, Path(system.name), order=order)
+    return replace(found, check=replace(found.check, quotient=check.quotient))
+
+
+def _plain_system(document: SystemDocument, file: str, path: Path, order: int = 0) -> SwitchedSystem:
     """The system of a document without square roots of states."""
     states, check = document.system.states, document.check
     single, intervals = split_intervals(document.system.parameters, file)
@@ -62,11 +84,12 @@ def _plain_system(document: SystemDocument, file: str, path: Path) -> SwitchedSy
     ends = parameter_texts({name: pair[0] for name, pair in intervals.items()}, {*states, *RESERVED}, file)
     stated = _stated(_whole(document, {**texts, **ends}, file), states, file)
     clearing = Clearing(frozenset(states), _float_point(states, check.equilibrium, file))
-    sides = read_right_hand_sides(stated, texts, intervals, clearing, file)
+    sides = read_right_hand_sides(stated, texts, intervals, clearing, file, order)
     rhs, *others = (_parsed(side, states, file, key) for key, side in sides.sides)
     default = " + ".join(f"{name}**2" for name in states)
     chosen = default if check.lyapunov is None else with_parameters(check.lyapunov, texts)
-    lyapunov = parse_lyapunov(chosen, states, file, "check.lyapunov")
+    quotient = _quotient(chosen, states, file)
+    lyapunov = parse_lyapunov(default if quotient else chosen, states, file, "check.lyapunov")
     formulas = [formula for side in (rhs, *others) for formula in side]
     turns = [turn for formula in (*formulas, lyapunov) for turn in formula.turns()]
     numbers = Numbers(file, field_of([*turns, *angles(check)]))
@@ -74,19 +97,45 @@ def _plain_system(document: SystemDocument, file: str, path: Path) -> SwitchedSy
         _equilibrium(check, states, numbers),
         _radius(check.radius, numbers),
         lyapunov,
-        check.lyapunov is None,
+        check.lyapunov is None or quotient is not None,
+        quotient,
     )
     name = document.name or path.stem
     system = SwitchedSystem(name, numbers.field, states, rhs, checked, file, tuple(others), sides.written, sides.waves)
     scale = _parsed((sides.scale,), states, file, "system.rhs")[0] if sides.scale else None
     system = replace(system, denominators=_parsed(sides.denominators, states, file, "system.rhs"), scale=scale)
     by_names = _parsed(sides.named, (*states, *(wave.name for wave in sides.names)), file, "system.rhs")
-    system = replace(system, named_rhs=by_names, names=sides.names)
+    system = replace(system, named_rhs=by_names, names=sides.names, order=order)
     _require_zero_arguments(system)
     for member in system.members:
         for side in (1, -1):
             _try_pieces(member, side)
     return system
+
+
+def _quotient(
+    formula: object, states: tuple[str, ...], file: str
+) -> tuple[PiecewiseExpression, PiecewiseExpression] | None:
+    """The numerator and the denominator of a V that divides by states; None for any other.
+
+    Raises:
+        SceneError: for parts that are no formulas of the states.
+    """
+    try:
+        text, tree = parse_tree(formula, MAX_TEXT, "a formula")
+    except ExpressionError:
+        return None
+    if not isinstance(tree, ast.BinOp) or not isinstance(tree.op, ast.Div) or len(states) == 1:
+        return None
+    top, bottom = (
+        parse_lyapunov(ast.get_source_segment(text, part), states, file, "check.lyapunov")
+        for part in (tree.left, tree.right)
+    )
+    if top.is_constant(top.tree) or bottom.is_constant(bottom.tree):
+        return None
+    if bottom.switching_parts:
+        raise SceneError(file, "check.lyapunov", "a denominator without sign, Abs, Max and Min", formula)
+    return top, bottom
 
 
 def _radius(value: Exact, numbers: Numbers) -> Number:
@@ -137,7 +186,9 @@ def _whole(document: SystemDocument, texts: Mapping[str, str], file: str) -> tup
     Raises:
         SceneError: for neither, for both, and for tables that cannot be used.
     """
-    states, rhs = document.system.states, document.system.rhs
+    states, rhs, overlap = document.system.states, document.system.rhs, document.system.overlap
+    if overlap and not document.region:
+        raise SceneError(file, "system.overlap", "[[region]] tables that may overlap", StatedFact("none"))
     if (rhs is None) is not bool(document.region):
         received = StatedFact("both" if document.region else "neither")
         raise SceneError(file, "system.rhs", "formulas, or [[region]] tables", received)
@@ -149,7 +200,7 @@ def _whole(document: SystemDocument, texts: Mapping[str, str], file: str) -> tup
         if not has_waves(complete):
             parse_lyapunov(complete, states, file, key)
 
-    return regions_as_formulas(document.region, states, check, file)
+    return regions_as_formulas(document.region, states, check, file, overlap=overlap)
 
 
 def _stated(value: tuple[object, ...], states: tuple[str, ...], file: str) -> dict[str, tuple[object, ...]]:
@@ -214,11 +265,27 @@ def _try_pieces(system: SwitchedSystem, side: int) -> None:
         return expression(state).sign() or side
 
     system.velocity(sign_of)
-    lyapunov = system.check.lyapunov
-    try:
-        lyapunov.polynomial(dict(zip(system.states, system.coordinates(), strict=True)), sign_of)
-    except ExpressionError as error:
-        raise SceneError(system.source, "check.lyapunov", requirement(error), lyapunov.text) from None
+    for lyapunov in system.check.quotient or (system.check.lyapunov,):
+        try:
+            lyapunov.polynomial(dict(zip(system.states, system.coordinates(), strict=True)), sign_of)
+        except ExpressionError as error:
+            raise SceneError(system.source, "check.lyapunov", requirement(error), lyapunov.text) from None
+    if system.check.quotient is not None:
+        _require_denominator(system, system.check.quotient[1])
+
+
+def _require_denominator(system: SwitchedSystem, bottom: PiecewiseExpression) -> None:
+    """Refuse a denominator of V that is seen not to be positive off the point.
+
+    Raises:
+        SceneError: for one that is negative at the point, or zero there and no form of an even degree.
+    """
+    own = bottom.polynomial(dict(zip(system.states, system.coordinates(), strict=True)), lambda _: 1)
+    at_point = own.terms.get((0,) * len(system.states))
+    fits = own.is_homogeneous and own.degree % 2 == 0 if at_point is None else at_point.sign() > 0
+    if not fits:
+        expected = "polynomials, or one over a polynomial that is positive off the point such as x**2 + y**2"
+        raise SceneError(system.source, "check.lyapunov", expected, bottom.text)
 
 
 # ---- roots of states -----------------------------------------------------------------------------

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Annotated, Any
 
-from pydantic import Field, PlainValidator
+from pydantic import Field, PlainValidator, StrictBool
 
 from nonsmooth.symbolic.files.parameters import read_parameters
 from nonsmooth.symbolic.files.scene_document import Name
@@ -66,10 +66,14 @@ def read_numbers(value: object) -> tuple[Exact, ...]:
 
 
 class SystemTable(TomlTable):
-    """``[system]``: the states, one right-hand side for each (or ``[[region]]`` tables), and named numbers in them."""
+    """``[system]``: the states, one right-hand side for each (or ``[[region]]`` tables), and named numbers in them.
+
+    ``overlap`` says that of region tables all act whose guards hold.
+    """
 
     states: Annotated[tuple[str, ...], PlainValidator(read_states)]
     rhs: Annotated[tuple[object, ...] | None, PlainValidator(read_formulas)] = None
+    overlap: StrictBool = False
     parameters: Annotated[dict[str, object], PlainValidator(read_parameters)] = Field(default_factory=dict)
 
 
@@ -97,6 +101,9 @@ class SystemDocument(TomlTable):
 # all states and nothing is ambiguous.  A guard is a factor, 1 where it holds and 0 elsewhere, so the tables become one
 # formula for each state (:mod:`nonsmooth.symbolic.formula_text`).  On borders values are ignored as everywhere
 # (Filippov 1988, sec. 4); but a guard with absolute values may be zero on a whole cell, where it counts.
+#
+# Where tables overlap all of them act whose guards hold: arbitrary switching between one right-hand side for each
+# table, which is that table where its guards hold, and elsewhere the first one whose guards do.
 
 
 MAX_REGIONS = 12
@@ -134,15 +141,16 @@ class Guarded:
 
 
 def regions_as_formulas(
-    tables: Sequence[RegionTable], states: Sequence[str], check: Checker, file: str
-) -> tuple[str, ...]:
-    """One formula for each state.
+    tables: Sequence[RegionTable], states: Sequence[str], check: Checker, file: str, *, overlap: bool = False
+) -> tuple[object, ...]:
+    """One formula for each state; where tables overlap a list of them for each table with guards.
 
     Args:
         tables: in order.
         states: their names.
         check: refuses what is no formula of the states.
         file: for messages.
+        overlap: whether all tables act whose guards hold.
 
     Raises:
         SceneError: for guards that are none, a last table with guards or another one without, too many tables, and
@@ -156,10 +164,16 @@ def regions_as_formulas(
             expected = "guards in all tables but the last one, which holds everywhere else"
             raise SceneError(file, f"region[{k}].where", expected, StatedFact(f"{len(region.truths)}"))
     *guarded, last = found
-    return tuple(
-        first_that_holds([(product_text(region.truths), region.rhs[j]) for region in guarded], last.rhs[j])
-        for j in range(len(states))
-    )
+
+    def formulas(order: Sequence[Guarded]) -> list[str]:
+        return [
+            first_that_holds([(product_text(region.truths), region.rhs[j]) for region in order], last.rhs[j])
+            for j in range(len(states))
+        ]
+
+    if not overlap:
+        return tuple(formulas(guarded))
+    return tuple(formulas([own, *(other for other in guarded if other is not own)]) for own in guarded)
 
 
 def _guarded(table: RegionTable, states: Sequence[str], check: Checker, file: str, key: str) -> Guarded:

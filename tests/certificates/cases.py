@@ -451,6 +451,40 @@ def polygons() -> Iterator[Case]:
     for (name, (sides, surfaces)), (shape, corners) in product(systems.items(), shapes.items()):
         hypotheses = {"surfaces": surfaces, "unit": "1/4", "corners": corners}
         yield Case(f"outside-{name}-{shape}", subject(sides), "outside", hypotheses)
+    trap = {"surfaces": ["x - 1"], "unit": "1/4", "corners": ["6 4", "14 4", "14 -4", "6 -4"]}
+    yield Case("outside-trap", subject(["-x + 3*(1 + sign(x - 1))/2", "-y"]), "outside", trap)
+
+
+def quotients() -> Iterator[Case]:
+    """V as a quotient of forms, or over a polynomial that is positive at the point."""
+    over = "(x**4 + y**4)/(x**2 + y**2)"
+    slopes = "x**4 + 2*x**2*y**2 - y**4", "-x**4 + 2*x**2*y**2 + y**4"
+    square = "(x**2 + y**2)"
+    rhs = [f"-2*y*({slopes[1]}) - 2*x*{square}*({slopes[0]})", f"2*x*({slopes[0]}) - 2*y*{square}*({slopes[1]})"]
+    top, bottom = (part.strip("()") for part in over.split("/"))
+    for within in ("1/2", None):
+        own = lyapunov(top, cells(within=within), everywhere=True, denominator=bottom)
+        yield Case(f"quotient-{'space' if within is None else 'cube'}", subject(rhs), "lyapunov", own)
+    near = lyapunov("x**2 + y**2", cells("x"), level="1/4", denominator="1 + x**2")
+    yield Case("quotient-relay", subject(["-sign(x) - x", "-y"]), "lyapunov", near)
+
+
+def choices() -> Iterator[Case]:
+    """One of several right-hand sides, their mean, or one on each side of a surface."""
+
+    def case(name: str, sides: Any, choice: Any, theorem: str, hypotheses: Record) -> Case:
+        own = {"choice": choice, "theorem": theorem, "hypotheses": hypotheses}
+        return Case(f"choice-{name}", subject(sides), "choice", own)
+
+    pushed = [["y", f"-2*sign(x) - sign(y) {sign} 4"] for sign in "+-"]
+    for k, sign in enumerate(("1", "-1")):
+        yield case(f"push-{k}", pushed, k, "departure", {"cells": cells("x", "y"), "direction": ["0", sign]})
+    skew = [["-x + 4*y", "-y"], ["-x", "4*x - y"]]
+    mean = {"surface": ["0"], "first": 0, "second": 1}
+    yield case("mean", skew, mean, "instability", instability("-x*y", cells(), ["1", "1"]))
+    outward = {"surface": "x", "first": 0, "second": 1}
+    sides = [["1 - x"], ["-1 - x"]]
+    yield case("sides", sides, outward, "instability", instability("-Abs(x)", cells("x", within="1/2"), ["1"]))
 
 
 GROUPS = (
@@ -468,6 +502,8 @@ GROUPS = (
     basins,
     energies_on_circles,
     polygons,
+    quotients,
+    choices,
 )
 
 

@@ -72,6 +72,8 @@ def cells_of(good: Record) -> tuple[Path, Record]:
     hypotheses, where = good["evidence"][0]["hypotheses"], HYPOTHESES
     if "local" in hypotheses:
         hypotheses, where = hypotheses["local"], [*HYPOTHESES, "local"]
+    if "choice" in hypotheses:
+        hypotheses, where = hypotheses["hypotheses"], [*HYPOTHESES, "hypotheses"]
     return ([*where, "cells"], hypotheses["cells"]) if "cells" in hypotheses else (where, hypotheses)
 
 
@@ -266,6 +268,30 @@ def other_direction(good: Record) -> Iterator[Any]:
         yield [(where, [f"-{own}" if own != "0" else own for own in direction])]
 
 
+def other_choice(good: Record) -> Iterator[Any]:
+    """A choice of what is no right-hand side, or no mixture of them, and theorems that one choice does not decide."""
+    hypotheses = good["evidence"][0]["hypotheses"]
+    if "choice" not in hypotheses:
+        return
+    where = [*HYPOTHESES, "choice"]
+    for wrong in (-1, 64, "0", True, None, {}, {"surface": ["2"], "first": 0, "second": 1}):
+        yield [(where, wrong)]
+    for surface in ("x)*9 + (x", "1j", ["1/0"], ["-9/8"], [], 0):
+        yield [(where, {"surface": surface, "first": 0, "second": 1})]
+    for theorem in ("lyapunov", "choice", "outside", None):
+        yield [([*HYPOTHESES, "theorem"], theorem)]
+    yield [([*CLAIMS, 1], {"equilibrium": False})]
+
+
+def other_denominator(good: Record) -> Iterator[Any]:
+    """Quotients that are not positive, not zero at the point, or no polynomials."""
+    if "denominator" not in good["evidence"][0]["hypotheses"]:
+        return
+    for wrong in ("x**2 - y**2", "x**2", "-1", "0", "x**2 + y**2 + x**4", "Abs(x) + 1", "(x**2 + y**2)**3", 1, "1/x"):
+        yield [([*HYPOTHESES, "denominator"], wrong)]
+    yield [([*HYPOTHESES, "denominator"], GONE)]
+
+
 def other_mixture(good: Record) -> Iterator[Any]:
     """A solution that leaves: weights, cells, barriers, a subspace or a function that do not fit."""
     hypotheses = good["evidence"][0]["hypotheses"]
@@ -398,6 +424,8 @@ KINDS: Kinds = (
     other_polygon,
     other_theorem,
     other_numbers,
+    other_choice,
+    other_denominator,
 )
 
 

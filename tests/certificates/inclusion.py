@@ -193,6 +193,7 @@ def contradiction(statement: Record, half: float = 1.0, seed: int = 1) -> str:
 def half_width(hypotheses: Record) -> float:
     """Half the side of the cube of a theorem; one where it is all of the space."""
     known = hypotheses.get("local", hypotheses)
+    known = known.get("hypotheses", known)
     within = known.get("cells", known).get("within")
     return 1.0 if within is None else float(Fraction(within))
 
@@ -260,13 +261,15 @@ def judge_mesh(own: FloatInclusion, said: Any) -> str:
 
 
 def judge_outside(own: FloatInclusion, said: Record, half: float) -> str:
-    """Polygons from places just outside do not come to the middle of what is inside."""
+    """Polygons from places just to its right do not come to the point, which is to its left."""
     ring = np.array([place.split(" ") for place in said["corners"]], dtype=float) * float(Fraction(said["unit"]))
     if not np.linalg.norm(ring, axis=1).min() > 0:
         return "a corner at the point"
     chosen = own.random.integers(0, len(ring), 8 * STARTS)
     share = own.random.uniform(0, 1, (8 * STARTS, 1))
-    starts = (share * ring[chosen] + (1 - share) * ring[(chosen + 1) % len(ring)]) * 1.05
+    starts = share * ring[chosen] + (1 - share) * ring[(chosen + 1) % len(ring)]
+    turns = np.sum(ring[:, 0] * np.roll(ring[:, 1], -1) - ring[:, 1] * np.roll(ring[:, 0], -1)) > 0
+    starts = 1.05 * starts if turns else starts + 0.05 * (ring.mean(axis=0) - starts)
     begin = np.linalg.norm(starts, axis=1)
     places, _ = own.follow(starts)
     sizes = np.linalg.norm(places, axis=2)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import re
 from fractions import Fraction
 from functools import cache
 from pathlib import Path
@@ -11,15 +12,18 @@ from typing import Any
 import numpy as np
 import pytest
 
-from nonsmooth.proofs.checker.outside import meet, require_simple, winds_around
+from nonsmooth.proofs.checker.basin import Plane
+from nonsmooth.proofs.checker.descriptions import describe
+from nonsmooth.proofs.checker.outside import is_counterclockwise, meet, require_simple, show_outside, winding
+from nonsmooth.proofs.checker.positivity import Proofs
 from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.statements import refusal
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.kernel.subject import about
 from nonsmooth.proofs.system_certificates import certificate_of, certificate_text
 from nonsmooth.proofs.systems.basin import EFFORTS, BasinEffort
-from nonsmooth.proofs.systems.basin_rings import Pace
-from nonsmooth.proofs.systems.outer_ring import find_outer_ring, ring_of
+from nonsmooth.proofs.systems.basin_rings import FloatField, Pace
+from nonsmooth.proofs.systems.outer_ring import find_outer_ring, other_rests, ring_of
 from nonsmooth.reports.checks.check import check_system
 from nonsmooth.symbolic.files.system_builder import build_system
 
@@ -107,9 +111,10 @@ CROSSED = {
 def test_simple_polygons(name: str) -> None:
     """Counterclockwise about the origin, and from the other side not."""
     require_simple(SIMPLE[name])
-    assert winds_around(SIMPLE[name])
-    assert not winds_around(SIMPLE[name][::-1])
-    assert not winds_around([(x + 100, y) for x, y in SIMPLE[name]])
+    away = [(x + 100, y) for x, y in SIMPLE[name]]
+    rings = (SIMPLE[name], SIMPLE[name][::-1], away, away[::-1])
+    assert [winding(ring) for ring in rings] == [1, -1, 0, 0]
+    assert [is_counterclockwise(ring) for ring in rings] == [True, False, True, False]
 
 
 @pytest.mark.parametrize("name", CROSSED)
@@ -143,3 +148,78 @@ def literally_meet(a: Any, b: Any, c: Any, d: Any) -> bool:
     length = r[0] ** 2 + r[1] ** 2
     ends = sorted(Fraction((p[0] - a[0]) * r[0] + (p[1] - a[1]) * r[1], length) for p in (c, d))
     return ends[0] <= 1 and ends[1] >= 0
+
+
+COMPETITION = ["x*(3 - x - 2*y)", "y*(3 - 2*x - y)"]  # (0, 3) and (3, 0) attract; (1, 1) is a saddle
+
+
+@cache
+def competition() -> Any:
+    """The check of one of the two places of rest."""
+    document = {"system": {"states": ["x", "y"], "rhs": COMPETITION}, "check": {"equilibrium": [0, 3]}}
+    return check_system(build_system(document, "competition", Path("competition.toml"))).with_region("fast")
+
+
+def test_a_trap_about_another_place_of_rest() -> None:
+    """It holds starts that go there, in floats, and lies on its side of the saddle's border x = y."""
+    ((place, hypotheses),) = competition().evidence.reach.basin.traps
+    assert place == pytest.approx([3, -3], abs=1e-3)
+    ring = ring_of(hypotheses) + np.array([0.0, 3.0])
+    assert (ring[:, 0] > ring[:, 1]).all()
+    x, y = ((ring + ring.mean(axis=0)) / 2).T
+    for _ in range(4000):
+        step = 0.005 / (1 + np.hypot(x, y))
+        x, y = x + step * x * (3 - x - 2 * y), y + step * y * (3 - 2 * x - y)
+    assert np.abs(x - 3).max() < 1e-2
+    assert np.abs(y).max() < 1e-2
+
+
+def test_what_is_said_of_a_trap() -> None:
+    """Lower and upper shares, polygons in JSON, and a certificate."""
+    record = competition().facts()["basin"]
+    low, high = (float(own) for own in re.findall(r"so ([0-9.]+) % to ([0-9.]+) % of the sampled", record["text"])[0])
+    assert 0 < low < 50 < high < 100  # the true share is about a half
+    assert len(record["traps"]) == 1
+    certificate = certificate_of(competition().evidence)
+    assert any("no start inside a polygon" in line for line in describe(certificate["statement"]))
+    assert not refused(certificate)
+
+
+@pytest.mark.parametrize("way", ["turned over", "about the point", "larger"])
+def test_other_traps_are_refused(way: str) -> None:
+    forged = copy.deepcopy(certificate_of(competition().evidence))
+    claim = next(own["outside"] for own in forged["statement"]["claims"] if "outside" in own)
+    corners = list(claim["corners"])
+    if way == "turned over":
+        corners.reverse()
+    elif way == "about the point":
+        corners = ["1 -1", "-1 -1", "-1 1", "1 1"]
+    else:
+        corners = [f"{2 * int(x)} {2 * int(y)}" for x, y in (own.split(" ") for own in corners)]
+    claim["corners"] = corners
+    for entry in forged["evidence"]:
+        if entry["theorem"] == "outside":
+            entry["hypotheses"]["corners"] = corners
+    assert refused(forged)
+
+
+def test_traps_beside_a_pendulum() -> None:
+    """About the next lower positions, with sines: the checker takes them, and no larger ones."""
+    document = {"system": {"states": ["x", "y"], "rhs": ["y", "-sin(x) - y/2"]}}
+    evidence = check_system(build_system(document, "pendulum", Path("pendulum.toml"))).with_region("fast").evidence
+    basin = evidence.reach.basin
+    assert basin is not None
+    assert sorted(own[0] for own, _ in basin.traps) == pytest.approx([-2 * np.pi, 2 * np.pi], abs=1e-3)
+    _, hypotheses = basin.traps[0]
+    system, unit = read_subject(about(evidence.scene)), Fraction(hypotheses["unit"])
+    show_outside(system, hypotheses, Proofs({}))
+    for share in (Fraction(9, 8), Fraction(7, 8)):
+        with pytest.raises(RejectedError):
+            show_outside(system, {**hypotheses, "unit": str(unit * share)}, Proofs({}))
+
+
+@pytest.mark.parametrize("rhs", [["-x", "-y"], ["-sign(x) - x", "-y - sign(x - 3)/8"], ["-x - x**3", "-y + x**2"]])
+def test_no_other_place_of_rest(rhs: list[str]) -> None:
+    surfaces = ["x", "x - 3"] if "sign" in rhs[0] else []
+    system = read_subject({"states": ["x", "y"], "rhs": [rhs], "at": ["0", "0"]})
+    assert other_rests(FloatField(Plane(system, "1", surfaces, Proofs({}))), 2.0) == []

@@ -11,6 +11,7 @@ import pytest
 from mpmath import mp
 
 import nonsmooth as ns
+from nonsmooth.proofs.checker.basin import barycentric
 from nonsmooth.proofs.checker.cells import System
 from nonsmooth.proofs.checker.polynomials import variable
 from nonsmooth.proofs.checker.statements import refusal
@@ -45,6 +46,16 @@ def test_waves_on_triangles_are_within_the_bound() -> None:
         values = np.array([float(own) for own in v])
         for wave in (np.sin, np.cos):
             assert np.abs(wave(weights @ values) - weights @ wave(values)).max() <= bound
+
+
+def test_weights_on_a_side() -> None:
+    """At a place between two corners these are its shares of them."""
+    for a, b in (((3, -2), (7, 5)), ((0, 4), (-9, 4))):
+        whole, forms = barycentric((a, b))
+        for share in (Fraction(0), Fraction(1, 3), Fraction(1)):
+            x, y = (p + share * (q - p) for p, q in zip(a, b, strict=True))
+            found = [sum(c * x**i * y**j for (i, j), c in own.items()) / whole for own in forms]
+            assert found == [1 - share, share]
 
 
 def test_series_hold_sines_and_cosines() -> None:

@@ -36,6 +36,11 @@ def built(tables: list[dict[str, Any]], states: tuple[str, ...] = ("x", "y"), **
 
 def picked(tables: list[dict[str, Any]], named: dict[str, float]) -> list[float]:
     """The right-hand side of the first table whose guards hold."""
+    return all_picked(tables, named)[0]
+
+
+def all_picked(tables: list[dict[str, Any]], named: dict[str, float]) -> list[list[float]]:
+    """The right-hand sides of all tables whose guards hold."""
 
     def holds(guard: str) -> bool:
         left, sign, right = re.split(r"(<=|>=|<|>)", guard)
@@ -45,8 +50,8 @@ def picked(tables: list[dict[str, Any]], named: dict[str, float]) -> list[float]
         where = table.get("where", [])
         return [where] if isinstance(where, str) else where
 
-    table = next(t for t in tables if all(map(holds, guards(t))))
-    return [float(eval(text, {"sgn": np.sign}, named)) for text in table["rhs"]]  # noqa: S307
+    sides = [table["rhs"] for table in tables if all(map(holds, guards(table)))]
+    return [[float(eval(text, {"sgn": np.sign}, named)) for text in side] for side in sides]  # noqa: S307
 
 
 @pytest.mark.parametrize("tables", TABLES)
@@ -55,6 +60,40 @@ def test_the_first_table_whose_guards_hold_counts(tables: list[dict[str, Any]]) 
     for x in np.random.default_rng(3).uniform(-2, 2, (200, 2)):
         signs = tuple(1 if surface.value(x) > 0 else -1 for surface in field.surfaces)
         assert field.flow(signs)(0.0, x) == pytest.approx(picked(tables, {"x": x[0], "y": x[1]}))
+
+
+@pytest.mark.parametrize("tables", TABLES)
+def test_tables_that_overlap_all_act(tables: list[dict[str, Any]]) -> None:
+    """The last one, without guards, where no other does."""
+    fields = [system_field(member) for member in built(tables, overlap=True).members]
+    most = 0
+    for x in np.random.default_rng(3).uniform(-2, 2, (200, 2)):
+        found = set()
+        for field in fields:
+            signs = tuple(1 if surface.value(x) > 0 else -1 for surface in field.surfaces)
+            found.add(tuple(np.round(field.flow(signs)(0.0, x), 9)))
+        named = {"x": x[0], "y": x[1]}
+        expected = all_picked(tables[:-1], named) or all_picked(tables[-1:], named)
+        assert found == {tuple(np.round(own, 9)) for own in expected}
+        most = max(most, len(found))
+    assert most == min(2, len(tables) - 1)
+
+
+def test_overlap_without_tables_is_refused() -> None:
+    document = {"system": {"states": ["x", "y"], "rhs": ["-x", "-y"], "overlap": True}}
+    with pytest.raises(SceneError, match=r"system\.overlap"):
+        build_system(document, "t", Path("t.toml"))
+
+
+def test_a_verdict_of_overlapping_tables() -> None:
+    """Both fields attract, and their mean does not; one of them alone is what the first table that holds says."""
+    tables = [
+        {"where": ["x > -1/4"], "rhs": ["-x + 4*y", "-y"]},
+        {"where": ["x < 1/4"], "rhs": ["-x", "4*x - y"]},
+        {"rhs": ["0", "0"]},
+    ]
+    assert decide_system(built(tables)).verdict == "asymptotically stable"
+    assert decide_system(built(tables, overlap=True)).verdict == "unstable"
 
 
 RELAY = [{"where": ["x > 0"], "rhs": ["-1", "-y"]}, {"rhs": ["1", "-y"]}]

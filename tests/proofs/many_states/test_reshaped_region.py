@@ -13,9 +13,11 @@ import pytest
 from numpy.typing import NDArray
 
 from nonsmooth.proofs.checker.statements import refusal as refused
+from nonsmooth.proofs.many_states.reshaped_region import EFFORTS, SearchEffort, TooMuchWorkError, _Iteration
 from nonsmooth.proofs.system_certificates import certificate_of, certificate_text
 from nonsmooth.reports.checks.check import check_system
 from nonsmooth.symbolic.files.system_builder import build_system
+from nonsmooth.symbolic.piecewise import parse_piecewise
 from tests.thorough import thorough
 
 Floats: TypeAlias = NDArray[np.float64]
@@ -165,3 +167,26 @@ def test_forged_regions_are_refused(name: str, key: str) -> None:
     else:
         del entry["proofs"][next(iter(entry["proofs"]))]
     assert refusal(forged)
+
+
+def coupled(count: int) -> _Iteration:
+    """The iteration for states that turn about each other, with quadratic and cubic terms."""
+    x = [f"x{k}" for k in range(count)]
+    pairs = [(x[k], x[k - 1], x[k - 2]) for k in range(count)]
+    rhs = [f"-{a} + {b}/2 - {c}/2 + {a}*{b} - {a}**3 + {a}**2*{c}" for a, b, c in pairs]
+    system = build_system({"system": {"states": x, "rhs": rhs}}, "coupled", Path("coupled.toml"))
+    return _Iteration(system, parse_piecewise(" + ".join(f"{own}**2" for own in x), x), None)
+
+
+@pytest.mark.parametrize(("count", "further"), [(3, 25), (4, 25), (6, 0)])
+def test_rounds_of_degree_4_are_bounded(count: int, further: int) -> None:
+    """In six coupled states one program takes more than a minute."""
+    search = coupled(count)
+    assert EFFORTS["best"].affordable([search.work_of(2), search.work_of(4)]) == [25, further]
+
+
+def test_what_is_not_allowed() -> None:
+    effort = SearchEffort((2, 4), 25, work=100, further=10)
+    assert effort.affordable([10, 2]) == [9, 4]
+    with pytest.raises(TooMuchWorkError):
+        effort.affordable([51, 1])

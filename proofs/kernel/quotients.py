@@ -1,0 +1,177 @@
+"""A V that is a quotient ``P/Q`` of forms, for fields that no polynomial V serves.
+
+With ``Q = |x|^2`` and forms P of degree 4, or ``|x|^4`` and degree 6, the claims of the checker about P are affine in
+its coefficients.  Where the lowest terms of the field turn about the point without coming nearer, they must leave V as
+it is: ``Q P' - P Q' = 0`` along them is a linear system, which is solved exactly.  In its solutions, or in all forms, a
+linear program proposes P by samples.  (Ahmadi and El Khadir 2018: ``V = (x^4 + y^4)/(x^2 + y^2)``.)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+from flint import fmpq, fmpq_mat
+from numpy.typing import NDArray
+
+from nonsmooth.proofs.checker.cells import System
+from nonsmooth.proofs.checker.polynomials import Polynomial, constant, variable
+from nonsmooth.proofs.checker.positivity import Claim
+from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE
+from nonsmooth.proofs.checker.work import RejectedError
+from nonsmooth.proofs.kernel.cells import BeyondReachError, started, stated_cells
+from nonsmooth.proofs.kernel.claims import Functions
+from nonsmooth.proofs.kernel.search import (
+    Entry,
+    NotShownError,
+    SampledProofs,
+    Search,
+    sample_points,
+    stability_hypotheses,
+)
+from nonsmooth.proofs.kernel.written import formula_text, null_basis
+from nonsmooth.proofs.sums_of_squares.ansatz import monomials_of
+from nonsmooth.symbolic.numbers.coefficients import as_fraction
+from nonsmooth.symbolic.numbers.polynomial import float_values
+from nonsmooth.symbolic.scene_error import SceneError, one_line
+from nonsmooth.symbolic.switched_system import SwitchedSystem
+
+DEGREES = (4, 6)  # of P
+MOST_FORMS = 60  # monomials of P
+KEPT = 0.5  # of the largest margin, with the least sum of sizes
+LEAST = 2.0**-20  # margin, of the largest value in a row, that is proposed
+DENOMINATORS = (1, 4, 16, 64)  # of the coefficients over the largest, tried in turn
+WORK = 4_000  # coefficients looked at for one claim
+FACTORS = ("1/4", "1/64")  # of |x|^2 below V + 1
+
+Floats = NDArray[np.float64]
+
+
+def find_quotient(system: SwitchedSystem, *, everywhere: bool = False, stated: bool = False) -> Entry | None:
+    """The entry of a certificate that shows attraction by a quotient; None where none is found.
+
+    Args:
+        system: in two states or more, with rational numbers.
+        everywhere: whether it must show that all solutions come to the point.
+        stated: whether the quotient of the scene is asked, in place of those that are searched.
+    """
+    if stated and system.check.quotient is None:
+        return None
+    try:
+        subject, _ = started(system, None)
+        whole, cube = (stated_cells(system, own).record for own in (None, system.check.radius))
+    except (BeyondReachError, NotShownError, SceneError):
+        return None
+    beyond = not system.denominators and system.by_roots is None and not system.waves
+    own = [[part.text for part in system.check.quotient or ()]]
+    for top, bottom in own if stated else _quotients(subject, cube):
+        asked = stability_hypotheses(whole, top, ASYMPTOTICALLY_STABLE) | {"denominator": bottom, "everywhere": True}
+        ways = [asked, *(asked | {"proper": factor} for factor in FACTORS)] if beyond else []
+        for hypotheses in ways if everywhere else (*ways, asked | {"cells": cube, "everywhere": False}):
+            try:
+                SampledProofs().entry(subject, "lyapunov", hypotheses)
+                return Search(WORK).entry(subject, "lyapunov", hypotheses)
+            except NotShownError:
+                continue
+    return None
+
+
+def quotient_text(hypotheses: dict[str, Any]) -> str:
+    """V of a theorem as a formula."""
+    top, bottom = one_line(str(hypotheses["function"])), hypotheses.get("denominator")
+    return top if bottom is None else f"({top})/({one_line(bottom)})"
+
+
+def _quotients(subject: System, cube: dict[str, Any]) -> Iterator[tuple[str, str]]:
+    """Numerators and denominators."""
+    states = subject.coordinates
+    for degree in DEGREES:
+        forms = list(monomials_of(len(states), degree))
+        if len(forms) > MOST_FORMS:
+            return
+        bottom = f"({' + '.join(f'{x}**2' for x in states)})"
+        power = degree // 2 - 1
+        try:
+            one = [formula_text(Polynomial(len(states), {own: Fraction(1)}), states) for own in forms]
+            claims = _claims(subject, cube, one, power)
+        except RejectedError:
+            return
+        rows = _rows(claims)
+        for basis in (fmpq_mat(np.eye(len(forms), dtype=int).tolist()), _kept(claims)):
+            for chosen in proposed(rows @ np.array(basis.tolist(), dtype=float)) if basis.ncols() else ():
+                top = dict(zip(forms, coefficients_of(basis, chosen), strict=True))
+                yield formula_text(Polynomial(len(states), top), states), bottom + (f"**{power}" if power > 1 else "")
+
+
+def _claims(subject: System, cube: dict[str, Any], forms: Sequence[str], power: int) -> list[list[Claim]]:
+    """The claims about each form over the power of ``|x|^2``, in one order.
+
+    Raises:
+        RejectedError: for cells that are not those of the system.
+    """
+    functions = Functions(subject, {**cube, "empty": []}, forms)
+    square = constant(functions.count, 0)
+    for k in range(functions.count):
+        square += variable(functions.count, k) * variable(functions.count, k)
+    functions.bottom = square.power(power)
+    return [functions.claims(k) for k in range(len(forms))]
+
+
+def _kept(claims: Sequence[Sequence[Claim]]) -> fmpq_mat:
+    """The forms, in columns, that the lowest terms of all fields leave as they are."""
+    falling = [[claim for claim in same if claim.name.startswith("cell")] for same in claims]
+    falls = [[own.value.terms for claim in same for own in claim.inequalities] for same in falling]
+    lowest = min((sum(e) for own in falls for terms in own for e in terms), default=0)
+    places = sorted({(k, e) for own in falls for k, terms in enumerate(own) for e in terms if sum(e) == lowest})
+    return null_basis(fmpq_mat([[flint(own[k].get(e, Fraction(0))) for own in falls] for k, e in places]))
+
+
+def coefficients_of(basis: fmpq_mat, chosen: Sequence[Fraction]) -> list[Fraction]:
+    """Those of a sum of the columns of a basis."""
+    own = basis * fmpq_mat([[flint(c)] for c in chosen])
+    return list(map(as_fraction, own.entries()))
+
+
+def flint(value: Fraction) -> fmpq:
+    """A fraction as that library has it."""
+    return fmpq(value.numerator, value.denominator)
+
+
+def _rows(claims: Sequence[Sequence[Claim]]) -> Floats:
+    """The values of all inequalities at samples, a column for each form; each must be positive."""
+    found = []
+    for same in zip(*claims, strict=True):
+        points = sample_points(same[0].count, bounded=True)
+        for number, first in enumerate(same[0].inequalities):
+            inside = np.ones(len(points), dtype=bool)
+            for guard in first.guards.values():
+                inside &= float_values(guard.terms, points) >= 0
+            values = [float_values(claim.inequalities[number].value.terms, points[inside]) for claim in same]
+            found.append(np.stack(values, axis=1))
+    return np.vstack(found)
+
+
+def proposed(rows: Floats) -> Iterator[list[Fraction]]:
+    """Coefficients for which all rows are positive, in rounded numbers."""
+    from scipy.optimize import linprog
+
+    sizes = np.abs(rows).max(axis=1, keepdims=True)
+    rows = rows[sizes[:, 0] > 0] / sizes[sizes[:, 0] > 0]
+    table = np.hstack([-rows, np.ones((len(rows), 1))])
+    costs = [*np.zeros(rows.shape[1]), -1.0]
+    found = linprog(costs, A_ub=table, b_ub=np.zeros(len(rows)), bounds=(-1, 1), method="highs")
+    if found.status or found.x[-1] < LEAST:
+        return
+    both = np.hstack([-rows, rows])
+    limits = np.full(len(rows), -KEPT * found.x[-1])
+    least = linprog(np.ones(both.shape[1]), A_ub=both, b_ub=limits, bounds=(0, 1), method="highs")
+    chosen = least.x[: rows.shape[1]] - least.x[rows.shape[1] :] if least.status == 0 else found.x[:-1]
+    scaled = chosen / np.abs(chosen).max()
+    seen = []
+    for denominator in DENOMINATORS:
+        own = [Fraction(float(c)).limit_denominator(denominator) for c in scaled]
+        if own not in seen and (rows @ np.array(own, dtype=float) > 0).all():
+            seen.append(own)
+            yield own

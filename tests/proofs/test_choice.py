@@ -1,0 +1,53 @@
+"""Arbitrary switching and disturbances that make the point unstable by one switching law."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import pytest
+
+import nonsmooth as ns
+from nonsmooth.proofs.checker.statements import refusal
+from nonsmooth.proofs.system_certificates import certificate_text
+
+BEYOND: dict[str, Any] = {  # right-hand sides with a disturbance d, and its bound, beyond what the law can take
+    "a push that a relay does not hold": (("y", "-2*sign(x) - sign(y) + d"), 4),
+    "twisting, pushed along with its velocity": (("y", "-3*sign(x) - sign(y) + d"), "3/2"),
+    "a first-order law": (("-x + y", "-sign(x) + d"), 2),
+}
+
+
+@pytest.mark.parametrize("name", BEYOND)
+def test_a_disturbance_beyond_its_bound(name: str) -> None:
+    rhs, bound = BEYOND[name]
+    result = ns.System(["x", "y"], list(rhs), parameters={"d": [f"-{bound}", f"{bound}"]}).check()
+    assert (result.verdict, result.evidence.method) == ("unstable", "choice among right-hand sides")
+    assert result.evidence.equilibrium == "holds"
+    certificate = result.certificate()
+    assert certificate["statement"]["claims"] == [{"stability": "unstable"}]
+    assert not refusal(certificate, len(certificate_text(certificate)))
+
+
+def test_within_its_bound_nothing_is_said_to_leave() -> None:
+    """Twisting with 3 and 1 takes disturbances below 1."""
+    rhs = ["y", "-3*sign(x) - sign(y) + d"]
+    assert ns.System(["x", "y"], rhs, parameters={"d": ["-9/10", "9/10"]}).check().verdict != "unstable"
+
+
+def test_an_enclosed_field_has_no_choice() -> None:
+    """Between the polynomials that enclose a sine some make the point unstable; the sine does not."""
+    assert ns.System(["x", "y"], ["y", "-sin(x) - y**3"]).check().verdict != "unstable"
+
+
+def test_the_chosen_law_leaves_in_floats() -> None:
+    """Twisting that is pushed along with its velocity: half turns from the axis get larger."""
+    x, y, step, turns = 1.0, 0.0, 1e-4, []
+    for _ in range(100_000):
+        y += step * (-3 * np.sign(x) + np.sign(y) / 2)
+        if x * (x + step * y) < 0:
+            turns.append(abs(y))
+        x += step * y
+    assert len(turns) > 3
+    assert all(after > 1.05 * before for before, after in pairwise(turns))

@@ -1,0 +1,58 @@
+"""Sines and cosines whose first terms cancel: further terms of their series decide, and certificates name them."""
+
+from __future__ import annotations
+
+import copy
+import math
+from fractions import Fraction
+from typing import Any
+
+import pytest
+
+import nonsmooth as ns
+from nonsmooth.proofs.checker.formulas import series
+from nonsmooth.proofs.checker.polynomials import variable
+from nonsmooth.proofs.checker.statements import refusal
+from nonsmooth.proofs.system_certificates import certificate_text
+
+KNOWN = {
+    ("sin(x) - x + x**3/6",): ("unstable", 1),  # x^5/120
+    ("x - x**3/6 - sin(x)",): ("asymptotically stable", 1),
+    ("1 - x**2/2 + x**4/24 - cos(x) - x**7/1000",): ("unstable", 1),  # x^6/720: on the right alone
+    ("sin(x) - x + x**3/6 - x**5/120",): ("asymptotically stable", 2),  # -x^7/5040
+    ("-x", "sin(y) - y + y**3/6"): ("unstable", 1),
+    ("y", "sin(x) - x + x**3/6 - y"): ("unstable", 1),
+    ("y", "-sin(x) - y"): ("asymptotically stable", 0),
+}
+
+
+def decided(rhs: tuple[str, ...]) -> Any:
+    return ns.System(["x", "y"][: len(rhs)], list(rhs)).check()
+
+
+@pytest.mark.parametrize("rhs", KNOWN)
+def test_further_terms_decide(rhs: tuple[str, ...]) -> None:
+    verdict, order = KNOWN[rhs]
+    result = decided(rhs)
+    assert result.verdict == verdict
+    certificate = result.certificate()
+    assert certificate["statement"]["subject"].get("order", 0) == order
+    assert not refusal(certificate, len(certificate_text(certificate)))
+
+
+@pytest.mark.parametrize("order", [0, 5, -1, True, "1", 1.0, None])
+def test_another_order_does_not_show_it(order: Any) -> None:
+    forged = copy.deepcopy(decided(("-x", "sin(y) - y + y**3/6")).certificate())
+    forged["statement"]["subject"]["order"] = order
+    assert refusal(forged, len(certificate_text(forged)))
+
+
+@pytest.mark.parametrize("order", range(5))
+@pytest.mark.parametrize("name", ["sin", "cos"])
+def test_values_lie_between_neighbouring_sums(name: str, order: int) -> None:
+    """Up to where rounding tells nothing."""
+    ends = [series(name, variable(1, 0), e, order) for e in (0, 1)]
+    for k in range(-40, 41):
+        at = Fraction(k, 8)
+        low, high = sorted(float(sum(c * at ** e[0] for e, c in own.terms.items())) for own in ends)
+        assert low - 1e-9 <= getattr(math, name)(float(at)) <= high + 1e-9
