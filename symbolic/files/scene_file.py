@@ -28,7 +28,7 @@ from nonsmooth.symbolic.files.scene_document import (
 from nonsmooth.symbolic.files.scene_parts import build_check, build_contact, build_continuum
 from nonsmooth.symbolic.files.scene_validation import validate
 from nonsmooth.symbolic.files.scene_values import Numbers, angle_remarks, angles, field_of
-from nonsmooth.symbolic.files.unit_hints import unit_hints
+from nonsmooth.symbolic.files.unit_hints import angle_hints, unit_hints
 from nonsmooth.symbolic.files.wheel_builder import WheelBuilder
 from nonsmooth.symbolic.files.wheel_csv import WheelRows, parse_wheels
 from nonsmooth.symbolic.numbers.number_field import FirstRemark
@@ -272,7 +272,8 @@ def build_scene(
     built = builder.build(layout.places(numbers))
     body = None if document.body is None else build_body(document.body, numbers)
     check = build_check(document, numbers, built)
-    numbers.field.remarks += tuple(map(FirstRemark, unit_hints(built, body, check, document.units.labels)))
+    hints = (*unit_hints(built, body, check, document.units.labels), *angle_hints(layout.turns(), document.units.angle))
+    numbers.field.remarks += tuple(map(FirstRemark, hints))
     _require_mixed(rule, builder.rule, file)
     if rule not in (None, MIXED) and all("contact" in wheel.named for wheel in built):
         numbers.field.remarks += (f"rule {rule} is for wheels that name none, and all of these name their own",)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from fractions import Fraction
 
 from nonsmooth.symbolic.body import Body
 from nonsmooth.symbolic.continuum import Disc
 from nonsmooth.symbolic.scene import CheckedSquare, Wheel
-from nonsmooth.symbolic.units import LengthUnit, Units
+from nonsmooth.symbolic.units import AngleUnit, LengthUnit, Units
 
 SIZES = 1 / 500, 50.0  # metres that an array may measure without a hint
 SPEEDS = 1 / 2000, 50.0  # m/s of the fastest wheel
@@ -34,6 +36,14 @@ def unit_hints(wheels: Sequence[Wheel], body: Body | None, check: CheckedSquare,
         wide, apart = f"{body_size(body):.4g} {units.length}", f"{size:.4g} {units.length}"
         yield f"[body]: it is {wide} wide, and the wheels lie within {apart}: are both in {units.length}?"
     yield from _of_check(wheels, check, size, units)
+
+
+def angle_hints(turns: Iterable[Fraction], unit: AngleUnit | None) -> Iterator[str]:
+    """Angles of more than a full turn where radians are stated: mostly degrees; ``turns`` are angles over pi."""
+    largest = max(map(abs, turns), default=Fraction(0))
+    if unit is AngleUnit.RADIAN and largest > 2:
+        said = f"an angle is {float(largest) * math.pi:.4g} rad, more than a full turn"
+        yield f'[units]: {said}: is angle = "{AngleUnit.DEGREE}" meant?'
 
 
 def _of_check(wheels: Sequence[Wheel], check: CheckedSquare, size: float, units: Units) -> Iterator[str]:

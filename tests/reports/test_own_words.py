@@ -85,6 +85,7 @@ def test_a_chosen_radius_has_two_digits(tmp_path: Path) -> None:
     ("changed", "hint"),
     [
         ('length = "m"', '[units]: the wheels lie within 200.4 m: is length = "mm" meant?'),
+        ('length = "mm", angle = "rad"', "rad, more than a full turn: is angle = "),
         (
             'length = "mm", speed = "m/s"',
             "[units]: the fastest wheel runs at 1e+05 mm/s",
