@@ -85,7 +85,6 @@ def test_a_chosen_radius_has_two_digits(tmp_path: Path) -> None:
     ("changed", "hint"),
     [
         ('length = "m"', '[units]: the wheels lie within 200.4 m: is length = "mm" meant?'),
-        ('length = "mm", angle = "rad"', "rad, more than a full turn: is angle = "),
         (
             'length = "mm", speed = "m/s"',
             "[units]: the fastest wheel runs at 1e+05 mm/s",
@@ -95,6 +94,14 @@ def test_a_chosen_radius_has_two_digits(tmp_path: Path) -> None:
 def test_sizes_a_thousand_times_off_are_told(tmp_path: Path, changed: str, hint: str) -> None:
     scene = load_scene(write(tmp_path, scene=SCENE.replace('length = "mm"', changed)))
     assert any(hint in remark for remark in scene.field.remarks)
+
+
+@pytest.mark.parametrize("heading", [45, 1.5])
+def test_radians_beyond_a_full_turn_are_told(tmp_path: Path, heading: float) -> None:
+    table = TABLE.replace("x,y", "x,y,heading").replace("100\n", f"100,{heading}\n").replace(".4\n", f".4,{heading}\n")
+    scene = load_scene(write(tmp_path, table, SCENE.replace('length = "mm"', 'length = "mm", angle = "rad"')))
+    hints = [remark for remark in scene.field.remarks if "more than a full turn" in remark]
+    assert hints == (['[units]: an angle is 45 rad, more than a full turn: is angle = "deg" meant?'] * (heading > 7))
 
 
 def test_a_body_of_another_unit_than_its_wheels_is_told(tmp_path: Path) -> None:
