@@ -17,6 +17,7 @@ from functools import partial
 from itertools import product
 from typing import Any, TypeAlias
 
+from nonsmooth.proofs.checker.basin import NAMES
 from nonsmooth.proofs.checker.cells import System
 from nonsmooth.proofs.checker.files import read
 from nonsmooth.proofs.checker.roots import read_subject
@@ -42,7 +43,7 @@ from nonsmooth.proofs.system_facts import (
     region_rate_words,
     rewriting_words,
 )
-from nonsmooth.proofs.systems.basin import EFFORTS, CertifiedBasin, find_basin
+from nonsmooth.proofs.systems.basin import EFFORTS, CertifiedBasin, find_basin, find_basin_in_space
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.findings import DecidedSystem, ExaminedFunction, Method, PotentialPiece
 from nonsmooth.proofs.systems.sublevel_region import ReshapedRegion, SublevelRegion
@@ -440,7 +441,8 @@ def _further(result: DecidedSystem) -> Iterator[Option]:
 
 def _stated_region(result: DecidedSystem, region: SublevelRegion) -> Record:
     """The hypotheses of theorem ``lyapunov`` with the level of the region: below it, if V falls nowhere else."""
-    stated, cells = _stated_function(result.scene, region.radius, result.function)
+    radius = result.scene.field(region.radius) if isinstance(region.radius, Fraction) else region.radius
+    stated, cells = _stated_function(result.scene, radius, result.function)
     own = stability_hypotheses(cells.record, stated, str(result.verdict))
     return {**own, "below": region != result.reach.near, "level": exact_text(region.level)}
 
@@ -459,21 +461,21 @@ def _shown_region(system: System, local: Record, search: Search) -> Record:
     return local
 
 
-def find_region_of_triangles(
+def find_region_of_simplices(
     result: DecidedSystem, asked: str, announce: Callable[[str, int, int], None]
 ) -> CertifiedBasin | None:
-    """A basin of triangles around the certified level set of V, which the checker has accepted; None without one.
+    """A mesh around the certified level set of V, which the checker has accepted; None without one.
 
-    Where formulas are known on the checked square alone, because of denominators, so is the mesh.
+    Where formulas are known on the checked square or cube alone, because of denominators, so is the mesh.
 
     Args:
-        result: of a system in the plane.
+        result: of a system in two states, or in three, where none is found around a V that bends.
         asked: how much may be done for it, of EFFORTS.
         announce: told what is done, how much of it, and of how much.
     """
     region, function, everywhere = result.reach.region, result.function, result.reach.everywhere
-    is_plane = len(result.scene.states) == len(PLANE) and result.scene.by_roots is None
-    if not is_plane or region is None or function is None or everywhere:
+    has_mesh = len(result.scene.states) in NAMES and result.scene.by_roots is None
+    if not has_mesh or region is None or function is None or everywhere:
         return None
     try:
         result = replace(result, scene=in_rational_numbers(result.scene))
@@ -482,7 +484,10 @@ def find_region_of_triangles(
         local = _shown_region(system, _stated_region(result, region), search)
         limit = float(scene.check.radius) if scene.denominators else None
         surfaces = stated_cells(scene, scene.check.radius).record["surfaces"]
-        found = find_basin(system, local, surfaces, EFFORTS[asked], limit, announce)
+        if len(scene.states) == len(PLANE):
+            found = find_basin(system, local, surfaces, EFFORTS[asked], limit, announce)
+        else:
+            found = None if surfaces else find_basin_in_space(system, local, asked, limit, announce)
         if found is not None:
             search.entry(system, "basin", found.hypotheses)
     except (NoCertificateError, NotShownError, BeyondReachError):

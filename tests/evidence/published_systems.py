@@ -25,7 +25,6 @@ from numpy.typing import NDArray
 
 from nonsmooth.proofs.kernel.subject import NoCertificateError, about
 from nonsmooth.proofs.systems.basin import CertifiedBasin
-from nonsmooth.proofs.systems.basin_rings import inside_ring
 from nonsmooth.proofs.systems.sublevel_region import ReshapedRegion
 from nonsmooth.reports.check import check_system
 from nonsmooth.symbolic.files.system_file import build_system
@@ -96,8 +95,8 @@ def examined(known: Known, search: str, starts: int) -> Record:
     if reach.basin is not None:
         basin = reach.basin
         lost = astray(scene, in_triangles(basin, starts))
-        near = share_near(scene, lambda x: inside_ring(basin.border, x), np.abs(basin.border).max(axis=0))
-        size = f"{len(basin.triangles)} triangles"
+        near = share_near(scene, basin.holds, np.abs(basin.border).max(axis=0))
+        size = f"{len(basin.simplices)} {basin.kind}"
         return {**found, "where": size, "share": basin.share, "near": near, "astray": lost}
     if reach.reshaped is not None:
         own = reach.reshaped
@@ -132,8 +131,8 @@ def share_near(system: Any, certified: Callable[[Array], NDArray[np.bool_]], ext
 def in_triangles(basin: CertifiedBasin, count: int) -> Array:
     """Random starts in triangles."""
     random = np.random.default_rng(1)
-    chosen = basin.corners[random.choice(basin.triangles, count)][:, :, :2]
-    return np.asarray(np.einsum("ij,ijk->ik", random.dirichlet(np.ones(3), count), chosen))
+    chosen = basin.corners[random.choice(basin.simplices, count)][:, :, :-1]
+    return np.asarray(np.einsum("ij,ijk->ik", random.dirichlet(np.ones(basin.simplices.shape[1]), count), chosen))
 
 
 def below_level(system: Any, own: ReshapedRegion, count: int) -> tuple[Array, float | None]:
