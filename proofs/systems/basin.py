@@ -37,7 +37,7 @@ from nonsmooth.proofs.systems.basin_rings import (
     values,
 )
 from nonsmooth.proofs.systems.basin_shells import EFFORTS as IN_SPACE
-from nonsmooth.proofs.systems.basin_shells import Rays, Shells, inside_polyhedron
+from nonsmooth.proofs.systems.basin_shells import Front, inside_polyhedron
 from nonsmooth.proofs.systems.outer_ring import find_outer_ring, ring_of
 
 INSIDE = 0.9  # of the level: the first ring
@@ -211,12 +211,11 @@ def find_basin_in_space(
     def is_home(x: Floats) -> NDArray[np.bool_]:
         return np.asarray((potential(x) < level) & (np.abs(x).max(axis=1) <= within))
 
-    announce("paths", 0, 1)
-    shells = Shells(Rays(field, is_home, within, limit, effort), effort.shells)
-    grown = shells.grown(_step(announce, "polyhedra"))
+    front = Front(field, is_home, within, limit, effort)
+    grown = front.grown(_step(announce, "polyhedra"))
     if len(grown) < 2:
         return None
-    mesh = shells.record(grown)
+    mesh = front.record(grown)
     hypotheses = {"local": local, "surfaces": [], "mesh": mesh, "below": len(grown) - 1}
     found = CertifiedBasin(hypotheses, (0, 0))
     return replace(found, sampled=_sampled(field, is_home, found, effort.starts, limit))

@@ -3,37 +3,41 @@
 All polyhedra have corners on the same rays, so that what lies between two of them are prisms over triangles of a
 sphere, each of three tetrahedra; W is the number of the polyhedron.  On a tetrahedron with three corners on one of them
 the gradient of W is the normal of this side, so velocities f must lead inward over all sides, and over planes that
-are parallel to an edge of each polyhedron.
+are parallel to an edge of each polyhedron.  What is proposed here is shown by theorem ``basin`` of the checker.
 
-*Shapes.*  With the linear part A of the velocities at the point, and z the displacement in units in which ``z'z`` falls
-fast along ``z' = A z``, polyhedra follow the level sets of the integral of ``-2 z'A z`` along solutions, which is
-``z'z`` near the point: floats integrate it from places on the rays.  Near the border of the basin velocities are nearly
-along these sets, too nearly for a polyhedron of few sides.  So a corner whose tetrahedra would fail goes only a part of
-its way, or hardly any, while the others go on.  What is proposed here is shown by theorem ``basin`` of the checker.
+*Growth.*  Polyhedra begin as an ellipsoid in the level set that attracts.  A ray then goes as far as a place from which
+the field, disturbed by a part a of its speed along the outward normal, leads into the polyhedron before.  In the limit
+of small steps such fronts meet the field at an angle of at least ``arcsin a``, as sides of some size need it; so they
+tend to the border of the basin under disturbances.  They are also made smoother than that, do not grow by more than a
+part of their size at once, and slow down near a cube: as long as a front does not move where the angle is too small, it
+meets the field well.  Where a side would not do all of its corners stay, and the front goes on without them.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.proofs.systems.basin_rings import FloatField, Floats
+from nonsmooth.proofs.systems.basin_rings import Bernstein, FloatField, Floats, bernstein
 
 INSIDE = 0.98  # of the largest ellipsoid in the level set: the first polyhedron
 SHIFT = 0.5  # of the slowest rate of decay: how much faster than the given field the one of the ellipsoid grows
-REACH = 16.0  # of rays, in units of the first polyhedron
-RATIO = 1.4  # of levels of the integral, one after the other
-STEP, STEPS, FAR = 0.03, 2_500, 60.0  # of paths: length over the distance from the point, how many, how far away
-UNSEEN = 0.3  # of the way between places on a ray beyond which no integral is known
-HALVINGS, WIDELY, CRAWLS, STOPS = 18, 6, 9, 13  # rounds; from which on neighbours, tenths, and no way at all
-CRAWL = 2.0**-18  # of its distance: what a corner moves at least
-MARGIN, SMALL = 2.0**-10, 2.0**-30  # of rates, against the sizes of both vectors
-STILL, PAUSE = 1.05, 3  # growth of the volume, over some polyhedra, below which there is an end
-BITS = 36  # of coordinates
+REACH = 8.0  # of a cube that polyhedra do not leave, in units of that around the level set
+PATH = 0.25  # of the distance from the point: a step along the field
+BLUNT, SMOOTHINGS = 0.5, 4  # part of the mean of neighbours that corners become, and how often
+SLOWEST = 0.25  # part of their way that corners go at least for all that
+MARGIN, SMALL = 2.0**-8, 2.0**-13  # of rates on sides, and on tetrahedra, against the sizes of both vectors
+HALVINGS, WIDELY, ROUNDS = 3, 6, 40  # of the way of corners beside a bad side; then they stay, and then neighbours, too
+STILL = 2.0**-12  # mean growth of a polyhedron at which there is an end
+AHEAD = (64, 48, 32, 24, 16, 12, 8, 6, 4, 3, 2, 1)  # polyhedra, of which the farthest that serves is the next
+MENDINGS, FEW, MENDED = 16, 0.02, 0.3  # rounds; bad tetrahedra at most; of the way that their corners go
+APART = 2.0**-24  # of their sizes: what polyhedra are apart at least
+BITS = 40  # of coordinates
 
 Triples = NDArray[np.int64]
 
@@ -44,18 +48,25 @@ class ShellEffort:
 
     Attributes:
         frequency: parts of an edge of the icosahedron.
-        places: on a ray.
+        disturbances: parts a of the speed, tried in turn.
+        growth: of a front in a step, at most.
+        steps: of a front, at most.
         shells: at most.
         starts: in a row of those that are sampled.
     """
 
     frequency: int
-    places: int
+    disturbances: tuple[float, ...]
+    growth: float
+    steps: int
     shells: int
     starts: int
 
 
-EFFORTS = {"fast": ShellEffort(6, 36, 8, 13), "best": ShellEffort(14, 90, 24, 21)}
+EFFORTS = {
+    "fast": ShellEffort(7, (0.1,), 0.02, 200, 10, 13),
+    "best": ShellEffort(10, (0.06, 0.12), 0.01, 400, 24, 21),
+}
 
 
 # ---- a sphere of triangles -----------------------------------------------------------------------
@@ -112,17 +123,17 @@ def tetrahedra_between(triangles: Triples, count: int) -> Triples:
     return np.concatenate(found)
 
 
-# ---- level sets of the integral ------------------------------------------------------------------
+# ---- fronts --------------------------------------------------------------------------------------
 
 
-class Rays:
-    """Places on rays, with the integral from each.
+class Front:
+    """Polyhedra with corners on rays, each by the logarithms of the distances of its corners.
 
     Args:
         field: of a system in three states that does not switch.
         inside: which places are in the level set that attracts.
         within: half the side of a cube that holds this.
-        limit: half the side of a cube that no path may leave; None without one.
+        limit: half the side of a cube that no polyhedron may leave; None without one.
         effort: of the search.
     """
 
@@ -134,63 +145,195 @@ class Rays:
         limit: float | None,
         effort: ShellEffort,
     ) -> None:
-        self.field, self.limit = field, np.inf if limit is None else limit
+        self.field, self.effort = field, effort
+        self.limit = REACH * within if limit is None else min(limit, REACH * within)
         self.sphere, self.triangles = geodesic_sphere(effort.frequency)
-        linear = self._linear_part(1e-4 * within)
-        units = unit_ball(linear)
-        distances = np.array([_reach(own, inside, within) for own in self.sphere @ units.T])
-        self.units = units * INSIDE * distances.min()
-        self.directions = self.sphere @ self.units.T
+        units = unit_ball(self._linear_part(2.0**-12 * within))
+        self.units = units * INSIDE * min(_reach(own, inside, within) for own in self.sphere @ units.T)
         self.back = np.linalg.inv(self.units)
-        own = self.back @ linear @ self.units
-        self.loss = -(own + own.T)
-        self.distances = np.geomspace(1.0, REACH, effort.places)
-        self.integrals = self._integrals()
+        self.rays = self.sphere @ self.units.T
+        self.count = len(self.sphere)
+        self.between = tetrahedra_between(self.triangles, self.count)
+        ends = np.concatenate([self.triangles[:, own] for own in ([0, 1], [1, 2], [0, 2])])
+        self.edges = np.unique(np.sort(ends, axis=1), axis=0)
 
     def _linear_part(self, size: float) -> Floats:
         steps = size * np.eye(3)
         return np.asarray((self.field.at(steps)[0] - self.field.at(-steps)[0]).T / (2 * size))
 
-    def _rate(self, z: Floats) -> Floats:
-        return np.asarray(self.field.at(z @ self.units.T)[0] @ self.back.T)
-
-    def _lost(self, z: Floats) -> Floats:
-        return np.asarray(np.einsum("ij,jk,ik->i", z, self.loss, z))
-
-    def _integrals(self) -> Floats:
-        """From all places, until paths are in the ball of size one: shape (distances, rays); infinite where unknown."""
-        z = (self.distances[:, None, None] * self.sphere).reshape(-1, 3)
-        total, found, left = np.zeros(len(z)), np.full(len(z), np.inf), np.arange(len(z))
-        with np.errstate(all="ignore"):
-            for _ in range(STEPS):
-                sizes = np.linalg.norm(z, axis=1)
-                done = sizes <= 1
-                found[left[done]] = total[left[done]] + sizes[done] ** 2
-                kept = ~done & (sizes < FAR) & (np.abs(z @ self.units.T).max(axis=1) <= self.limit)
-                z, left, sizes = z[kept], left[kept], sizes[kept]
-                if not len(left):
+    def grown(self, announce: Callable[[int, int], None]) -> list[Floats]:
+        """Polyhedra from the first one on, as few as serve, on whose shells floats see W fall."""
+        best, tries = [np.zeros(self.count)], self.effort.disturbances
+        for number, part in enumerate(tries):
+            steps, found = self.effort.steps, [np.zeros(self.count)]
+            for step in range(steps):
+                announce(number * steps + step, len(tries) * steps)
+                after = self._after(found[-1], part)
+                growth = float((after - found[-1]).mean())
+                found.append(after)
+                if growth < STILL:
                     break
-                first = self._rate(z)
-                dt = STEP * sizes / np.linalg.norm(first, axis=1)
-                step = dt[:, None]
-                second = self._rate(z + step / 2 * first)
-                middle = z + step / 2 * second
-                third = self._rate(middle)
-                after = z + step / 6 * (first + 2 * second + 2 * third + self._rate(z + step * third))
-                total[left] += dt / 6 * (self._lost(z) + 4 * self._lost(middle) + self._lost(after))
-                z = after
-        return found.reshape(len(self.distances), -1)
+            kept = self._thinned(found)
+            if self.volume(kept[-1]) > self.volume(best[-1]):
+                best = kept
+        return best
 
-    def where(self, level: float) -> Floats:
-        """The distances on all rays at which the integral first is a level; the last place where it never is."""
-        above = self.integrals >= level
-        high = np.where(above.any(axis=0), above.argmax(axis=0), len(self.distances) - 1)
-        low, rays = np.maximum(high - 1, 0), np.arange(len(high))
-        first, last = np.log(self.integrals[low, rays]), np.log(self.integrals[high, rays])
-        share = np.full(len(rays), UNSEEN)
-        known = np.isfinite(last) & (last > first)
-        share[known] = (np.log(level) - first[known]) / (last - first)[known]
-        return np.asarray(self.distances[low] ** (1 - (s := np.clip(share, 0, 1))) * self.distances[high] ** s)
+    def _after(self, before: Floats, part: float) -> Floats:
+        """The next polyhedron: corners of bad sides go only a part of their way, or none."""
+        way, shares = self._aim(before, part) - before, np.ones(self.count)
+        for round_ in range(ROUNDS):
+            after = before + shares * way
+            bad = self._bad_sides(after)
+            if not bad.any():
+                return np.asarray(after)
+            hit = np.zeros(self.count, dtype=bool)
+            hit[self.triangles[bad].ravel()] = True
+            if round_ >= WIDELY:
+                hit[self.edges[hit[self.edges].any(axis=1)].ravel()] = True
+            shares[hit] *= 0.5 if round_ < HALVINGS else 0.0
+        return before
+
+    def _aim(self, before: Floats, part: float) -> Floats:
+        """How far rays go if the disturbed field is to lead into a polyhedron, made smoother."""
+        normals, most = self._normals(before), self.effort.growth
+        near, far = (self._outside(before, before + own, normals, part) for own in (0.0, most))
+        share = np.where(far <= 0, 1.0, -near / np.where(far > near, far - near, np.inf))
+        aim = before + most * np.clip(share, 0, 1)
+        smooth = aim
+        for _ in range(SMOOTHINGS):
+            total = np.bincount(self.edges.ravel(), smooth[self.edges[:, ::-1]].ravel())
+            mean = total / np.bincount(self.edges.ravel())
+            smooth = np.minimum(smooth, (1 - BLUNT) * smooth + BLUNT * mean)
+        return np.maximum(smooth, SLOWEST * aim + (1 - SLOWEST) * before)
+
+    def _outside(self, before: Floats, start: Floats, normals: Floats, part: float) -> Floats:
+        """How far outside of a polyhedron the disturbed field leads from places on rays, as a logarithm."""
+        z = np.exp(start)[:, None] * self.sphere
+        middle = z + PATH / 2 * self._course(z, normals, part)
+        end = z + PATH * self._course(middle, normals, part)
+        return np.asarray(np.log(np.linalg.norm(end, axis=1)) - self._toward(before, end))
+
+    def _course(self, z: Floats, normals: Floats, part: float) -> Floats:
+        """The disturbed field, of a speed that is the distance from the point, less near the limit."""
+        places = z @ self.units.T
+        field = self.field.at(places)[0] @ self.back.T
+        course = field / np.linalg.norm(field, axis=1)[:, None] + part * normals
+        room = np.clip(1 - (np.abs(places).max(axis=1) / self.limit) ** 4, 0, 1)
+        return np.asarray(course * (room * np.linalg.norm(z, axis=1))[:, None])
+
+    def _normals(self, logarithms: Floats) -> Floats:
+        """Outward at each corner, in the units of the sphere: the mean over its sides by their areas."""
+        corners = (np.exp(logarithms)[:, None] * self.sphere)[self.triangles]
+        sides = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        weights = np.repeat(sides, 3, axis=0)
+        total = np.stack([np.bincount(self.triangles.ravel(), weights[:, k]) for k in range(3)], axis=1)
+        return np.asarray(total / np.linalg.norm(total, axis=1)[:, None])
+
+    @cached_property
+    def _middles(self) -> Any:
+        """The middles of the triangles of the sphere, to look for the nearest."""
+        from scipy.spatial import cKDTree
+
+        middles = self.sphere[self.triangles].mean(axis=1)
+        return cKDTree(middles / np.linalg.norm(middles, axis=1)[:, None])
+
+    @cached_property
+    def _weights(self) -> Floats:
+        """Of each triangle of the sphere what the weights of its corners are of a place in its cone."""
+        return np.asarray(np.linalg.inv(self.sphere[self.triangles].transpose(0, 2, 1)))
+
+    def _toward(self, logarithms: Floats, z: Floats) -> Floats:
+        """The logarithm of the distance of a polyhedron in the directions of places, between its corners."""
+        units = z / np.linalg.norm(z, axis=1)[:, None]
+        near = self._middles.query(units, k=3)[1]
+        weights = np.einsum("pkij,pj->pki", self._weights[near], units)
+        rows = np.arange(len(z))
+        chosen = weights.min(axis=2).argmax(axis=1)
+        own = np.clip(weights[rows, chosen], 0, None)
+        corners = self.triangles[near[rows, chosen]]
+        return np.asarray((logarithms[corners] * own).sum(axis=1) / own.sum(axis=1))
+
+    @cached_property
+    def _on_sides(self) -> Bernstein:
+        """For polynomials of the field's degree; sines and cosines are taken for cubic ones."""
+        parts = [part for side in self.field.plane.sides(()) for part in side.parts]
+        degrees = [max(own.degree for own in part) for part in parts]
+        return bernstein(max([*degrees[:1], *(own + 3 for own in degrees[1:])]))
+
+    def _bad_sides(self, logarithms: Floats) -> NDArray[np.bool_]:
+        """Over which sides the field is not seen to lead inward."""
+        corners = self.places(logarithms)[self.triangles]
+        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        places = np.einsum("kc,mcd->mkd", self._on_sides.nodes, corners)
+        bad = np.zeros(len(corners), dtype=bool)
+        for velocities in self.field.at(places.reshape(-1, 3)):
+            own = velocities.reshape(places.shape)
+            rates = self._on_sides.coefficients(np.einsum("mkd,md->mk", own, normals))
+            scale = np.linalg.norm(own, axis=2).max(axis=1) * np.linalg.norm(normals, axis=1)
+            bad |= rates.max(axis=1) > -MARGIN * scale
+        return bad
+
+    def _thinned(self, found: Sequence[Floats]) -> list[Floats]:
+        """Some of the polyhedra, a little apart: after each one the farthest of a few that serves as the next."""
+        apart = [own + APART * number for number, own in enumerate(found)]
+        kept, here = [apart[0]], 0
+        while here < len(found) - 1 and len(kept) <= self.effort.shells:
+            for number in dict.fromkeys(min(here + step, len(found) - 1) for step in AHEAD):
+                few = FEW if number > here + 1 else 1.0
+                margin = SMALL / (1 + len(kept) / self.effort.shells)  # corners that stay need ever less
+                after = self._mended(kept[-1], np.maximum(apart[number], kept[-1] + APART), few, margin)
+                if after is not None:
+                    break
+            else:
+                break
+            kept.append(after)
+            here = number
+        return kept
+
+    def _mended(self, inner: Floats, outer: Floats, few: float, margin: float) -> Floats | None:
+        """An outer polyhedron of which few corners go a part of their way only, so that W falls; None without one."""
+        shares = np.ones(self.count)
+        for _ in range(MENDINGS):
+            after = np.maximum(inner + shares * (outer - inner), inner + APART)
+            failing = self._failing(inner, after, margin)
+            if not failing.any():
+                return np.asarray(after)
+            if failing.mean() > few:
+                return None
+            shares[self.between[failing].ravel() % self.count] *= MENDED
+        return None
+
+    def _failing(self, inner: Floats, outer: Floats, margin: float) -> NDArray[np.bool_]:
+        """The tetrahedra between two polyhedra on which floats do not see W fall."""
+        places = np.concatenate([self.places(inner), self.places(outer)])[self.between]
+        sizes, slopes = gradients(places, (self.between >= self.count).astype(float))
+        good = sizes > 0
+        for velocities, points in self.field.velocities((), places):
+            rates = points.coefficients(np.einsum("mkd,md->mk", velocities, slopes))
+            scale = np.linalg.norm(velocities, axis=2).max(axis=1) * np.linalg.norm(slopes, axis=1)
+            good &= rates.max(axis=1) < -margin * scale
+        return np.asarray(~good)
+
+    def places(self, logarithms: Floats) -> Floats:
+        """The corners of a polyhedron, in the displacement from the point."""
+        return np.asarray(np.exp(logarithms)[:, None] * self.rays)
+
+    def volume(self, logarithms: Floats) -> float:
+        """Of a polyhedron."""
+        return float(np.linalg.det(self.places(logarithms)[self.triangles]).sum() / 6)
+
+    def record(self, found: Sequence[Floats]) -> dict[str, Any]:
+        """The mesh between polyhedra, as a certificate holds it: W is 0, 1, 2 and so on."""
+        power = BITS - int(np.ceil(np.log2(float(np.abs(self.places(found[-1])).max()))))
+        corners, tetrahedra = list[str](), list[str]()
+        for value, logarithms in enumerate(found):
+            whole = np.rint(self.places(logarithms) * 2.0**power).astype(np.int64)
+            corners += [f"{x} {y} {z} {value}" for x, y, z in whole.tolist()]
+        for number in range(len(found) - 1):
+            listed = (self.between + number * self.count).tolist()
+            tetrahedra += [" ".join(map(str, own)) for own in listed]
+        unit = f"1/{2**power}" if power >= 0 else str(2**-power)
+        return {"unit": unit, "corners": corners, "tetrahedra": tetrahedra}
 
 
 def unit_ball(linear: Floats) -> Floats:
@@ -211,98 +354,6 @@ def _reach(ray: Floats, inside: Callable[[Floats], NDArray[np.bool_]], within: f
     shares = np.linspace(0, 1, 513)[1:] * within / float(np.abs(ray).max())
     left = ~inside(shares[:, None] * ray)
     return float(shares[max(int(left.argmax()) - 1, 0)] if left.any() else shares[-1])
-
-
-# ---- polyhedra -----------------------------------------------------------------------------------
-
-
-class Shells:
-    """Polyhedra, each with the distances of its corners on all rays.
-
-    Args:
-        rays: with their integrals.
-        most: polyhedra that are proposed, beside the first.
-    """
-
-    def __init__(self, rays: Rays, most: int) -> None:
-        self.rays, self.most = rays, most
-        self.count = len(rays.sphere)
-        self.between = tetrahedra_between(rays.triangles, self.count)
-        ends = np.concatenate([rays.triangles[:, [0, 1]], rays.triangles[:, [1, 2]]])
-        self.edges = np.unique(np.sort(ends, axis=1), axis=0)
-
-    def grown(self, announce: Callable[[int, int], None]) -> list[Floats]:
-        """Polyhedra from the first one on, as few as serve, on whose shells floats see W fall."""
-        found = [np.ones(self.count)]
-        highest = float(np.max(self.rays.integrals, where=np.isfinite(self.rays.integrals), initial=1.0))
-        levels = RATIO ** np.arange(1, np.log(highest) / np.log(RATIO) + 1)
-        for number, level in enumerate(levels):
-            announce(number, len(levels))
-            after = self._toward(found[-1], self.rays.where(float(level)))
-            if after is None:
-                break
-            found.append(after)
-            if len(found) > PAUSE and self.volume(after) < STILL * self.volume(found[-1 - PAUSE]):
-                break
-        return self._thinned(found)
-
-    def _toward(self, before: Floats, aim: Floats) -> Floats | None:
-        """A polyhedron whose corners go as far toward their aims as W falls; None where that is not found."""
-        shares, least = np.ones(self.count), before * (1 + CRAWL)
-        for round_ in range(HALVINGS):
-            after = np.maximum(before + shares * (aim - before), least)
-            failing = self._failing(before, after, MARGIN if round_ < CRAWLS else SMALL)
-            if not failing.any():
-                return after
-            hit = np.zeros(self.count, dtype=bool)
-            hit[self.between[failing].ravel() % self.count] = True
-            if round_ >= WIDELY:
-                hit[self.edges[hit[self.edges].any(axis=1)].ravel()] = True
-            shares[hit] *= 0.5 if round_ < CRAWLS else 0.1 if round_ < STOPS else 0.0
-        return None
-
-    def _thinned(self, found: Sequence[Floats]) -> list[Floats]:
-        """Some of the polyhedra: from each one the farthest of a few that serves as the next."""
-        kept, here, step = [0], 0, 4
-        while here < len(found) - 1 and len(kept) <= self.most:
-            step = min(2 * step, len(found) - 1 - here)
-            while step > 1 and self._failing(found[here], found[here + step], MARGIN / 16).any():
-                step = 2 * step // 3
-            here += max(step, 1)
-            kept.append(here)
-        return [found[k] for k in kept]
-
-    def _failing(self, inner: Floats, outer: Floats, margin: float) -> NDArray[np.bool_]:
-        """The tetrahedra between two polyhedra on which floats do not see W fall."""
-        places = np.concatenate([self.places(inner), self.places(outer)])[self.between]
-        sizes, slopes = gradients(places, (self.between >= self.count).astype(float))
-        good = sizes > 0
-        for velocities, points in self.rays.field.velocities((), places):
-            rates = points.coefficients(np.einsum("mkd,md->mk", velocities, slopes))
-            scale = np.linalg.norm(velocities, axis=2).max(axis=1) * np.linalg.norm(slopes, axis=1)
-            good &= rates.max(axis=1) < -margin * scale
-        return np.asarray(~good)
-
-    def places(self, distances: Floats) -> Floats:
-        """The corners of a polyhedron, in the displacement from the point."""
-        return np.asarray(distances[:, None] * self.rays.directions)
-
-    def volume(self, distances: Floats) -> float:
-        """Of a polyhedron."""
-        return float(np.linalg.det(self.places(distances)[self.rays.triangles]).sum() / 6)
-
-    def record(self, found: Sequence[Floats]) -> dict[str, Any]:
-        """The mesh between polyhedra, as a certificate holds it: W is 0, 1, 2 and so on."""
-        power = BITS - int(np.ceil(np.log2(float(np.abs(self.places(found[-1])).max()))))
-        corners, tetrahedra = list[str](), list[str]()
-        for value, distances in enumerate(found):
-            whole = np.rint(self.places(distances) * 2.0**power).astype(np.int64)
-            corners += [f"{x} {y} {z} {value}" for x, y, z in whole.tolist()]
-        for number in range(len(found) - 1):
-            listed = (self.between + number * self.count).tolist()
-            tetrahedra += [" ".join(map(str, own)) for own in listed]
-        unit = f"1/{2**power}" if power >= 0 else str(2**-power)
-        return {"unit": unit, "corners": corners, "tetrahedra": tetrahedra}
 
 
 def gradients(places: Floats, heights: Floats) -> tuple[Floats, Floats]:
@@ -330,7 +381,7 @@ def inside_polyhedron(sides: Floats, x: Floats) -> NDArray[np.bool_]:
     found = np.zeros(len(x), dtype=bool)
     for part in _parts(len(x), 400):
         own = np.einsum("tij,pj->pti", weights, x[part])
-        beneath = (own >= -1e-12).all(axis=2) & (own.sum(axis=2) < 1)
+        beneath = (own >= -APART).all(axis=2) & (own.sum(axis=2) < 1)
         found[part] = beneath.any(axis=1)
     return found
 
