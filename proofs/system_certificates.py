@@ -58,6 +58,7 @@ from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
 
 LEFT_OUT = "left out"  # key of the notes
 MOST_LEFT_OUT, LONGEST = 16, 400  # lines of it that are read, and characters of each
+REACH = 8  # half-widths of the checked cube: how far tetrahedra are looked for
 NEARLY = Fraction(63, 64)  # of the level of a largest region, where all of it is not shown
 UNSHOWN = "the checker does not show it"
 
@@ -153,10 +154,10 @@ def _certificate_about(result: DecidedSystem) -> Record:
             if result.reach.basin is not None and system.numbers:
                 raise NoCertificateError("a certificate of a mesh of triangles needs rational numbers")
             if result.reach.basin is not None:
-                draft.add_entry(system, "basin", result.reach.basin.hypotheses)
+                draft.add_entry(system, "basin", result.reach.basin.hypotheses, _known_of(result.reach.reshaped))
                 if result.reach.basin.outside is not None:
                     draft.add_entry(system, "outside", result.reach.basin.outside)
-            if result.reach.reshaped is not None:
+            if result.reach.reshaped is not None and result.reach.basin is None:  # its mesh is about this region
                 own = result.reach.reshaped
                 draft.add_entry(system, "lyapunov", own.hypotheses, own.region.proofs)
             draft.left_out += _beyond_words(result, draft)
@@ -164,6 +165,11 @@ def _certificate_about(result: DecidedSystem) -> Record:
     except BeyondReachError as error:
         reasons.append(str(error))
     raise NoCertificateError(f"{UNSHOWN}: {reasons[0]}")
+
+
+def _known_of(region: ReshapedRegion | None) -> Mapping[str, Any] | None:
+    """The evidence of a region that a mesh is about."""
+    return None if region is None else region.region.proofs
 
 
 def in_rational_numbers(system: SwitchedSystem) -> SwitchedSystem:
@@ -469,7 +475,8 @@ def find_region_of_simplices(
     Where formulas are known on the checked square or cube alone, because of denominators, so is the mesh.
 
     Args:
-        result: of a system in two states, or in three, where none is found around a V that bends.
+        result: of a system in two states, or in three where nothing switches; there the mesh is about the region by
+            another V, where there is one.
         asked: how much may be done for it, of EFFORTS.
         announce: told what is done, how much of it, and of how much.
     """
@@ -480,14 +487,18 @@ def find_region_of_simplices(
     try:
         result = replace(result, scene=in_rational_numbers(result.scene))
         system, scene = read_subject(about(result.scene)), result.scene
-        search = Search()
-        local = _shown_region(system, _stated_region(result, region), search)
-        limit = float(scene.check.radius) if scene.denominators else None
         surfaces = stated_cells(scene, scene.check.radius).record["surfaces"]
+        radius, further = float(scene.check.radius), result.reach.reshaped
+        search = Search(known=_known_of(further))
+        stated = _stated_region(result, region) if further is None else further.hypotheses
+        local = _shown_region(system, stated, search)
         if len(scene.states) == len(PLANE):
+            limit = radius if scene.denominators else None
             found = find_basin(system, local, surfaces, EFFORTS[asked], limit, announce)
+        elif surfaces or scene.denominators:
+            found = None
         else:
-            found = None if surfaces else find_basin_in_space(system, local, asked, limit, announce)
+            found = find_basin_in_space(system, local, asked, REACH * radius, announce)
         if found is not None:
             search.entry(system, "basin", found.hypotheses)
     except (NoCertificateError, NotShownError, BeyondReachError):

@@ -152,13 +152,14 @@ class SystemCheckResult(FactResult):
             def announce(what: str, done: int, total: int) -> None:
                 report(done, total, what)
 
-            basin = find_region_of_simplices(self.evidence, search, announce)
-            hint = LARGER if basin and search == "fast" else ""
             if not in_plane:
                 try:
                     reshaped = find_region_of_another_function(self.evidence, search, announce)
                 except TooMuchWorkError:
                     hint = UNSOUGHT
+            evidence = replace(self.evidence, reach=replace(self.evidence.reach, reshaped=reshaped))
+            basin = find_region_of_simplices(evidence, search, announce)
+            hint = LARGER if basin and search == "fast" else hint
         reach = replace(self.evidence.reach, basin=basin, reshaped=reshaped)
         return replace(self, evidence=replace(self.evidence, reach=reach), hint=hint)
 
@@ -306,9 +307,9 @@ def _from_where(result: StabilityResult) -> SystemAnswer:
         why = "" if reach.global_entry is None else f": {global_words(reach.global_entry)}"
         return SystemAnswer(question, "everywhere", f"every start reaches the equilibrium{why}")
     if reach.basin is not None:
-        words = f"{reached_words(reach.region, states)}; {basin_words(reach.basin)}" if reach.region else ""
-        further = f"; {reshaped_words(reach.reshaped, states)}" if reach.reshaped is not None else ""
-        return SystemAnswer(question, "a region", f"{words}{further}")
+        about = reshaped_words(reach.reshaped, states) if reach.reshaped else ""
+        about = about or (reached_words(reach.region, states) if reach.region else "")
+        return SystemAnswer(question, "a region", f"{about}; {basin_words(reach.basin)}")
     if reach.reshaped is not None:
         return SystemAnswer(question, "a region", reshaped_words(reach.reshaped, states))
     if reach.region is not None:

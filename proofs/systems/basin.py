@@ -185,14 +185,14 @@ def find_basin(
     border = last_ring(best.corners)
     outside = find_outer_ring(system, surfaces, border, effort.pace, effort.outward) if limit is None else None
     found = CertifiedBasin(hypotheses, (0, 0), outside)
-    return replace(found, sampled=_sampled(field, is_home, found, effort.starts, limit))
+    return replace(found, sampled=_sampled(field, is_home, found.holds, border, effort.starts, limit))
 
 
 def find_basin_in_space(
     system: System,
     local: dict[str, Any],
     asked: str,
-    limit: float | None,
+    limit: float,
     announce: Callable[[str, int, int], None],
 ) -> CertifiedBasin | None:
     """A mesh around a level set in three states, without switching; None where none is found.
@@ -201,7 +201,7 @@ def find_basin_in_space(
         system: in three states.
         local: hypotheses of theorem ``lyapunov`` with a level on a cube, which are shown.
         asked: how much may be done.
-        limit: half the side of a cube that the mesh may not leave; None without one.
+        limit: half the side of a cube that the mesh does not leave, unless it begins in a wider one.
         announce: told what is done, how much of it, and of how much.
     """
     effort, plane = IN_SPACE[asked], Plane(system, "1", [], Proofs({}))
@@ -218,7 +218,11 @@ def find_basin_in_space(
     mesh = front.record(grown)
     hypotheses = {"local": local, "surfaces": [], "mesh": mesh, "below": len(grown) - 1}
     found = CertifiedBasin(hypotheses, (0, 0))
-    return replace(found, sampled=_sampled(field, is_home, found, effort.starts, limit))
+
+    def is_certified(x: Floats) -> NDArray[np.bool_]:
+        return np.asarray(found.holds(x) | is_home(x))
+
+    return replace(found, sampled=_sampled(field, is_home, is_certified, found.border, effort.starts, None))
 
 
 def _step(announce: Callable[[str, int, int], None], what: str) -> Callable[[int, int], None]:
@@ -259,7 +263,8 @@ def _potential(plane: Plane, local: dict[str, Any]) -> Callable[[Floats], Floats
 def _sampled(
     field: FieldInCells,
     is_home: Callable[[Floats], NDArray[np.bool_]],
-    basin: CertifiedBasin,
+    is_certified: Callable[[Floats], NDArray[np.bool_]],
+    border: Floats,
     count: int,
     limit: float | None,
 ) -> tuple[int, int]:
@@ -267,7 +272,6 @@ def _sampled(
 
     The certified ones come, too; a step that is too long to see that does not change what is proved.
     """
-    border = basin.border
     low, high = border.min(axis=0), border.max(axis=0)
     middle, half = (low + high) / 2, MARGIN * (high - low) / 2
     if limit is not None:
@@ -275,6 +279,6 @@ def _sampled(
     lines = [np.linspace(m - h, m + h, count) for m, h in zip(middle, half, strict=True)]
     starts = np.stack(np.meshgrid(*lines), axis=-1).reshape(-1, len(lines))
     far = 20 * float(np.linalg.norm(border, axis=1).max())
-    certified = basin.holds(starts)
+    certified = is_certified(starts)
     came = followed_home(field, starts[~certified], is_home, far)
     return int(np.sum(certified)), int(np.sum(certified) + np.sum(came))

@@ -27,7 +27,7 @@ from nonsmooth.proofs.systems.basin_rings import Bernstein, FloatField, Floats, 
 
 INSIDE = 0.98  # of the largest ellipsoid in the level set: the first polyhedron
 SHIFT = 0.5  # of the slowest rate of decay: how much faster than the given field the one of the ellipsoid grows
-REACH = 8.0  # of a cube that polyhedra do not leave, in units of that around the level set
+SMALLER, WIDER = 20, 2.0  # times that the ellipsoid gets smaller by a fifth; of it, a cube that polyhedra do not leave
 PATH = 0.25  # of the distance from the point: a step along the field
 BLUNT, SMOOTHINGS = 0.5, 4  # part of the mean of neighbours that corners become, and how often
 SLOWEST = 0.25  # part of their way that corners go at least for all that
@@ -133,7 +133,7 @@ class Front:
         field: of a system in three states that does not switch.
         inside: which places are in the level set that attracts.
         within: half the side of a cube that holds this.
-        limit: half the side of a cube that no polyhedron may leave; None without one.
+        limit: half the side of a cube that no polyhedron should leave; a wider one serves where they begin in that.
         effort: of the search.
     """
 
@@ -142,20 +142,28 @@ class Front:
         field: FloatField,
         inside: Callable[[Floats], NDArray[np.bool_]],
         within: float,
-        limit: float | None,
+        limit: float,
         effort: ShellEffort,
     ) -> None:
         self.field, self.effort = field, effort
-        self.limit = REACH * within if limit is None else min(limit, REACH * within)
         self.sphere, self.triangles = geodesic_sphere(effort.frequency)
+        self.count = len(self.sphere)
         units = unit_ball(self._linear_part(2.0**-12 * within))
         self.units = units * INSIDE * min(_reach(own, inside, within) for own in self.sphere @ units.T)
+        for _ in range(SMALLER):
+            if not self._bad_sides(np.zeros(self.count)).any():
+                break
+            self.units = 0.8 * self.units
         self.back = np.linalg.inv(self.units)
-        self.rays = self.sphere @ self.units.T
-        self.count = len(self.sphere)
+        self.limit = max(limit, WIDER * float(np.abs(self.rays).max()))
         self.between = tetrahedra_between(self.triangles, self.count)
         ends = np.concatenate([self.triangles[:, own] for own in ([0, 1], [1, 2], [0, 2])])
         self.edges = np.unique(np.sort(ends, axis=1), axis=0)
+
+    @property
+    def rays(self) -> Floats:
+        """The corners of the first polyhedron."""
+        return np.asarray(self.sphere @ self.units.T)
 
     def _linear_part(self, size: float) -> Floats:
         steps = size * np.eye(3)
