@@ -28,6 +28,7 @@ from nonsmooth.proofs.systems.basin_rings import Bernstein, FloatField, Floats, 
 INSIDE = 0.98  # of the largest ellipsoid in the level set: the first polyhedron
 SHIFT = 0.5  # of the slowest rate of decay: how much faster than the given field the one of the ellipsoid grows
 SMALLER, WIDER = 20, 2.0  # times that the ellipsoid gets smaller by a fifth; of it, a cube that polyhedra do not leave
+SLOW = 2.0**-10  # rate of decay, against the largest entry: a slower one is none
 PATH = 0.25  # of the distance from the point: a step along the field
 BLUNT, SMOOTHINGS = 0.5, 4  # part of the mean of neighbours that corners become, and how often
 SLOWEST = 0.25  # part of their way that corners go at least for all that
@@ -225,7 +226,7 @@ class Front:
         """The disturbed field, of a speed that is the distance from the point, less near the limit."""
         places = z @ self.units.T
         field = self.field.at(places)[0] @ self.back.T
-        course = field / np.linalg.norm(field, axis=1)[:, None] + part * normals
+        course = field / (np.linalg.norm(field, axis=1)[:, None] + np.finfo(float).tiny) + part * normals
         room = np.clip(1 - (np.abs(places).max(axis=1) / self.limit) ** 4, 0, 1)
         return np.asarray(course * (room * np.linalg.norm(z, axis=1))[:, None])
 
@@ -347,11 +348,14 @@ class Front:
 def unit_ball(linear: Floats) -> Floats:
     """Units U in which a ball shrinks at a good angle along ``x' = A x``, with ``x = U z``.
 
-    ``P = (U U')^-1`` has ``(A + s I)' P + P (A + s I) = -I``, where s is a part of the slowest rate.
+    ``P = (U U')^-1`` has ``(A + s I)' P + P (A + s I) = -I``, where s is a part of the slowest rate.  Where a rate is
+    nearly zero, these are the units of the states.
     """
     from scipy.linalg import solve_continuous_lyapunov
 
     slowest = -float(np.linalg.eigvals(linear).real.max())
+    if not slowest > SLOW * float(np.abs(linear).max()):
+        return np.eye(len(linear))
     shifted = linear + SHIFT * slowest * np.eye(len(linear))
     weights = solve_continuous_lyapunov(shifted.T, -np.eye(len(linear)))
     return np.asarray(np.linalg.inv(np.linalg.cholesky(weights).T))
