@@ -65,8 +65,8 @@ class ShellEffort:
 
 
 EFFORTS = {
-    "fast": ShellEffort(7, (0.1,), 0.02, 200, 10, 13),
-    "best": ShellEffort(10, (0.06, 0.12), 0.01, 400, 24, 21),
+    "fast": ShellEffort(6, (0.1,), 0.02, 160, 10, 9),
+    "best": ShellEffort(10, (0.06, 0.12), 0.02, 250, 20, 15),
 }
 
 
