@@ -110,7 +110,8 @@ def examined(known: Known, search: str, starts: int) -> Record:
 
 def in_space(system: Any, basin: CertifiedBasin, further: ReshapedRegion | None, starts: int) -> Record:
     """What tetrahedra and the level set of another V, where there is one, hold together."""
-    drawn, certified = in_simplices(basin, starts), [basin.holds]
+    drawn = in_simplices(basin, starts)
+    certified: list[Callable[[Array], NDArray[np.bool_]]] = [basin.holds]
     places, where = [drawn, basin.border], f"{len(basin.simplices)} {basin.kind}"
     if further is not None:
         below, _ = below_level(system, further, starts)
