@@ -19,27 +19,27 @@ if TYPE_CHECKING:
     from nonsmooth.proofs.answers.answer import Heading as Heading
     from nonsmooth.proofs.answers.answer import Pose as Pose
     from nonsmooth.proofs.answers.answer import Position as Position
-    from nonsmooth.reports.agreement import ComparisonResult as ComparisonResult
-    from nonsmooth.reports.cells import CellsResult as CellsResult
-    from nonsmooth.reports.check_results import CheckResult as CheckResult
-    from nonsmooth.reports.derivation import ReportResult as ReportResult
-    from nonsmooth.reports.design import DesignResult as DesignResult
+    from nonsmooth.reports.checks.agreement import ComparisonResult as ComparisonResult
+    from nonsmooth.reports.checks.cells import CellsResult as CellsResult
+    from nonsmooth.reports.checks.check_results import CheckResult as CheckResult
+    from nonsmooth.reports.checks.sampled_field import FieldResult as FieldResult
+    from nonsmooth.reports.checks.system_results import SystemCheckResult as SystemCheckResult
+    from nonsmooth.reports.checks.vehicles import VehicleResult as VehicleResult
+    from nonsmooth.reports.derivations.derivation import ReportResult as ReportResult
+    from nonsmooth.reports.designs.design import DesignResult as DesignResult
     from nonsmooth.reports.interface.array import Array as Array
     from nonsmooth.reports.interface.filippov_set import FilippovSet as FilippovSet
     from nonsmooth.reports.interface.load import load as load
     from nonsmooth.reports.interface.system import System as System
     from nonsmooth.reports.interface.vehicle import Vehicle as Vehicle
     from nonsmooth.reports.interface.wheel import Wheel as Wheel
-    from nonsmooth.reports.law_program import LawResult as LawResult
-    from nonsmooth.reports.maps import MapResult as MapResult
-    from nonsmooth.reports.masses import MassResult as MassResult
-    from nonsmooth.reports.orbits import OrbitResult as OrbitResult
-    from nonsmooth.reports.paths import PathResult as PathResult
-    from nonsmooth.reports.sampled_field import FieldResult as FieldResult
-    from nonsmooth.reports.sweep import SweepResult as SweepResult
+    from nonsmooth.reports.laws.law_program import LawResult as LawResult
+    from nonsmooth.reports.simulations.maps import MapResult as MapResult
+    from nonsmooth.reports.simulations.masses import MassResult as MassResult
+    from nonsmooth.reports.simulations.orbits import OrbitResult as OrbitResult
+    from nonsmooth.reports.simulations.paths import PathResult as PathResult
     from nonsmooth.reports.sweeps.sweep import Means as Means
-    from nonsmooth.reports.system_results import SystemCheckResult as SystemCheckResult
-    from nonsmooth.reports.vehicles import VehicleResult as VehicleResult
+    from nonsmooth.reports.sweeps.sweep_study import SweepResult as SweepResult
     from nonsmooth.reports.workbench.widget import widget as widget
     from nonsmooth.symbolic.files.scene_file import builtin_scenes as builtin_scenes
     from nonsmooth.symbolic.files.scene_file import builtin_vehicles as builtin_vehicles
@@ -47,29 +47,29 @@ if TYPE_CHECKING:
 
 _MODULES = {
     "Array": "reports.interface.array",
-    "CellsResult": "reports.cells",
-    "CheckResult": "reports.check_results",
-    "ComparisonResult": "reports.agreement",
-    "DesignResult": "reports.design",
-    "FieldResult": "reports.sampled_field",
+    "CellsResult": "reports.checks.cells",
+    "CheckResult": "reports.checks.check_results",
+    "ComparisonResult": "reports.checks.agreement",
+    "DesignResult": "reports.designs.design",
+    "FieldResult": "reports.checks.sampled_field",
     "FilippovSet": "reports.interface.filippov_set",
     "Heading": "proofs.answers.answer",
-    "LawResult": "reports.law_program",
-    "MapResult": "reports.maps",
-    "MassResult": "reports.masses",
+    "LawResult": "reports.laws.law_program",
+    "MapResult": "reports.simulations.maps",
+    "MassResult": "reports.simulations.masses",
     "Means": "reports.sweeps.sweep",
-    "OrbitResult": "reports.orbits",
-    "PathResult": "reports.paths",
+    "OrbitResult": "reports.simulations.orbits",
+    "PathResult": "reports.simulations.paths",
     "Pose": "proofs.answers.answer",
     "Position": "proofs.answers.answer",
     "RefusalError": "analysis.cells.partition",
-    "ReportResult": "reports.derivation",
+    "ReportResult": "reports.derivations.derivation",
     "SceneError": "symbolic.scene_error",
-    "SweepResult": "reports.sweep",
+    "SweepResult": "reports.sweeps.sweep_study",
     "System": "reports.interface.system",
-    "SystemCheckResult": "reports.system_results",
+    "SystemCheckResult": "reports.checks.system_results",
     "Vehicle": "reports.interface.vehicle",
-    "VehicleResult": "reports.vehicles",
+    "VehicleResult": "reports.checks.vehicles",
     "Wheel": "reports.interface.wheel",
     "builtin_scenes": "symbolic.files.scene_file",
     "builtin_vehicles": "symbolic.files.scene_file",

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 from nonsmooth.symbolic.notebook import on_demand
 
 if TYPE_CHECKING:
-    from nonsmooth.reports.derivation import derive_report as derive_report
-    from nonsmooth.reports.derivation import render_report as render_report
+    from nonsmooth.reports.derivations.derivation import derive_report as derive_report
+    from nonsmooth.reports.derivations.derivation import render_report as render_report
     from nonsmooth.reports.figures.cells import cell_map as cell_map
     from nonsmooth.reports.figures.path import trajectory_figure as trajectory_figure
 

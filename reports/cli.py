@@ -14,8 +14,8 @@ from typing import Annotated
 
 import typer
 
-from nonsmooth.reports.console import PROGRAM, own_version, prepare_streams, run, write
 from nonsmooth.reports.help import CONTEXT, PlainGroup
+from nonsmooth.reports.output.console import PROGRAM, own_version, prepare_streams, run, write
 
 # Objects between two searches for cycles: there are few cycles, and a hundred thousand wheels are millions of objects,
 # which Python's own threshold of 700 searches again and again for as long as it takes to read them.

@@ -1,7 +1,7 @@
 """What long work says of itself while it is under way: one call, from any depth, that costs next to nothing.
 
 The work calls :func:`tell` with a few words, such as ``t = 12.5 of 60``, wherever it comes round to it: once per step
-of an integrator, per cell, per start.  Whoever watches (:mod:`nonsmooth.reports.progress` shows it on a terminal)
+of an integrator, per cell, per start.  Whoever watches (:mod:`nonsmooth.reports.output.progress` shows it on a terminal)
 listens by :func:`listening`; where nobody does, nothing happens.  What is told never changes what is computed.
 """
 

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nonsmooth.reports.cli import app
-from nonsmooth.reports.console import run
 from nonsmooth.reports.designs.toml_text import toml_text
+from nonsmooth.reports.output.console import run
 from nonsmooth.symbolic.body import Body
 from nonsmooth.symbolic.continuum import Disc
 from nonsmooth.symbolic.scene import Scene

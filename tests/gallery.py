@@ -11,11 +11,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from nonsmooth.proofs.theorem4_result import CellCheck
-from nonsmooth.reports.derivation import ReportResult, derive_report, render_report
+from nonsmooth.reports.checks.subject import Invocation
+from nonsmooth.reports.derivations.derivation import ReportResult, derive_report, render_report
 from nonsmooth.reports.figures.cells import cell_map
-from nonsmooth.reports.files import output_path, write_whole
-from nonsmooth.reports.progress import progress
-from nonsmooth.reports.subject import Invocation
+from nonsmooth.reports.output.files import output_path, write_whole
+from nonsmooth.reports.output.progress import progress
 from nonsmooth.symbolic.files.scene_file import builtin_descriptions, load_scene
 
 PAGE, FOLDER = "gallery.md", "gallery"

@@ -15,9 +15,9 @@ from pathlib import Path
 
 from nonsmooth.analysis.measurements.harness import FittedSlope, Limits, Measured, ResultRow, Run, Study, measure
 from nonsmooth.proofs.measurements import PRUNED, PRUNING, STUDIES, WHOLE
-from nonsmooth.reports.files import output_path, write_whole
-from nonsmooth.reports.measurements import Precision, error_text, setting_text
-from nonsmooth.reports.progress import ProgressCall, progress
+from nonsmooth.reports.checks.measurements import Precision, error_text, setting_text
+from nonsmooth.reports.output.files import output_path, write_whole
+from nonsmooth.reports.output.progress import ProgressCall, progress
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
 from nonsmooth.symbolic.number_text import measured_text
 

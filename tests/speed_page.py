@@ -33,7 +33,7 @@ from nonsmooth.analysis.fields.constant_field import array_field
 from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.trajectories.trajectory import simulate
-from nonsmooth.reports.files import output_path, write_whole
+from nonsmooth.reports.output.files import output_path, write_whole
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
 from tests.conftest import Arrays

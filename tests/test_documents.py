@@ -26,7 +26,7 @@ from typer.core import TyperGroup
 from typer.main import get_command
 
 from nonsmooth.reports.cli import app
-from nonsmooth.reports.console import BAD_INPUT, run
+from nonsmooth.reports.output.console import BAD_INPUT, run
 from tests.thorough import keep
 
 ROOT = Path(__file__).resolve().parents[1]

@@ -8,7 +8,7 @@ import pytest
 
 import nonsmooth as ns
 from nonsmooth.reports.cli import app
-from nonsmooth.reports.console import BAD_INPUT, run
+from nonsmooth.reports.output.console import BAD_INPUT, run
 from nonsmooth.symbolic import removed
 
 

@@ -10,7 +10,7 @@ from types import CodeType, FrameType
 from typing import Any
 
 from nonsmooth.reports.cli import app
-from nonsmooth.reports.console import run
+from nonsmooth.reports.output.console import run
 
 TOUR = Path(__file__).resolve().parents[1] / "docs" / "tour.md"
 HEADING = re.compile(r"^### ([0-9]+)\. `(nonsmooth[\w.]+)`$", re.MULTILINE)

@@ -1,6 +1,6 @@
 """Facts: what a result says, once, for the terminal, JSON and reports.
 
-A fact is a number, a record or a sentence with its words.  Renderers (:mod:`nonsmooth.reports.facts`) write the value
+A fact is a number, a record or a sentence with its words.  Renderers (:mod:`nonsmooth.reports.output.facts`) write the value
 under its key into JSON, and the words, with the numbers they show, on the terminal and into the report.  So a new
 number in a result is one fact.
 """

@@ -21,7 +21,7 @@ from nonsmooth.symbolic.scene_error import one_line
 
 if TYPE_CHECKING:
     from nonsmooth.analysis.cells.partition import Partition
-    from nonsmooth.reports.feedback_loop import FeedbackLoop
+    from nonsmooth.reports.laws.feedback_loop import FeedbackLoop
 
 RATE = 20  # frames for each second of a film: a GIF counts hundredths of a second
 MOST_FRAMES = 300

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from nonsmooth.reports.refusals import RefusedError, refusals_named
-from nonsmooth.reports.result import Result
-from nonsmooth.reports.study import SceneStudy
-from nonsmooth.reports.study_command import command
-from nonsmooth.reports.study_options import Options, option
+from nonsmooth.reports.output.refusals import RefusedError, refusals_named
+from nonsmooth.reports.output.study_options import Options, option
+from nonsmooth.reports.studies.result import Result
+from nonsmooth.reports.studies.study import SceneStudy
+from nonsmooth.reports.studies.study_command import command
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,7 +31,7 @@ class Audit(SceneStudy[AuditOptions]):
     def run(self, scene: Any, options: AuditOptions) -> Result:
         """Decide it, and verify the evidence."""
         from nonsmooth.proofs.system_audit import audit
-        from nonsmooth.reports.system_results import AuditedFunction
+        from nonsmooth.reports.checks.system_results import AuditedFunction
 
         function = scene.check.named_lyapunov if options.lyapunov is None else options.lyapunov
         if function is None:

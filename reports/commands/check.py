@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from nonsmooth.reports.check import CHECK
-from nonsmooth.reports.options import SceneTexts
-from nonsmooth.reports.study_command import command
+from nonsmooth.reports.checks.check import CHECK
+from nonsmooth.reports.output.options import SceneTexts
+from nonsmooth.reports.studies.study_command import command
 
 check = command(
     CHECK,

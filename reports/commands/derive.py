@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from nonsmooth.reports.derivation import DERIVE
-from nonsmooth.reports.study_command import command
+from nonsmooth.reports.derivations.derivation import DERIVE
+from nonsmooth.reports.studies.study_command import command
 
 derive = command(
     DERIVE,

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from nonsmooth.reports.design import DESIGN
-from nonsmooth.reports.study_command import command
+from nonsmooth.reports.designs.design import DESIGN
+from nonsmooth.reports.studies.study_command import command
 
 design = command(
     DESIGN,

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from nonsmooth.reports.console import write
-from nonsmooth.reports.options import SceneText
-from nonsmooth.reports.refusals import RefusedError, refusals_named
-from nonsmooth.reports.study_command import offered
-from nonsmooth.reports.study_options import SceneOptions
+from nonsmooth.reports.output.console import write
+from nonsmooth.reports.output.options import SceneText
+from nonsmooth.reports.output.refusals import RefusedError, refusals_named
+from nonsmooth.reports.output.study_options import SceneOptions
+from nonsmooth.reports.studies.study_command import offered
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -63,10 +63,10 @@ def export(
 
     Exit status: 0 done, 2 bad input.
     """
+    from nonsmooth.reports.engine.mjcf import export_scene
+    from nonsmooth.reports.engine.mjcf_world import export_world
     from nonsmooth.reports.exchange.exports import EXPORTS
-    from nonsmooth.reports.files import output_path, write_whole
-    from nonsmooth.reports.mjcf import export_scene
-    from nonsmooth.reports.mjcf_world import export_world
+    from nonsmooth.reports.output.files import output_path, write_whole
     from nonsmooth.symbolic.files.scene_file import build_scene, deep_nesting_refused, read_document
     from nonsmooth.symbolic.files.vehicle_file import build_vehicle
 
@@ -102,7 +102,7 @@ def export(
 def _export_system(scene: str, path: Path) -> int:
     """Decide a plain system, and write what others may prove again or run."""
     from nonsmooth.proofs.kernel.subject import NoCertificateError
-    from nonsmooth.reports.check import check_system
+    from nonsmooth.reports.checks.check import check_system
     from nonsmooth.symbolic.files.scene_file import deep_nesting_refused
     from nonsmooth.symbolic.files.system_file import load_system
 

@@ -7,17 +7,17 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from nonsmooth.proofs.clauses.every_load.possible_twists import PossibleTwist
-from nonsmooth.reports.choices import Drawing
-from nonsmooth.reports.document import Block, Paragraph, table
-from nonsmooth.reports.facts import Record, with_exact
-from nonsmooth.reports.files import PICTURES
-from nonsmooth.reports.progress import steps
-from nonsmooth.reports.refusals import refusals_named
-from nonsmooth.reports.result import DataTable, Result
-from nonsmooth.reports.study import SceneStudy, StudyRequest
-from nonsmooth.reports.study_command import command
-from nonsmooth.reports.study_options import Options, option
-from nonsmooth.reports.terminal import later_notes
+from nonsmooth.reports.output.choices import Drawing
+from nonsmooth.reports.output.document import Block, Paragraph, table
+from nonsmooth.reports.output.facts import Record, with_exact
+from nonsmooth.reports.output.files import PICTURES
+from nonsmooth.reports.output.progress import steps
+from nonsmooth.reports.output.refusals import refusals_named
+from nonsmooth.reports.output.study_options import Options, option
+from nonsmooth.reports.output.terminal import later_notes
+from nonsmooth.reports.studies.result import DataTable, Result
+from nonsmooth.reports.studies.study import SceneStudy, StudyRequest
+from nonsmooth.reports.studies.study_command import command
 from nonsmooth.symbolic.number_text import place_text, short_text
 from nonsmooth.symbolic.numbers.measured_angles import angle_notes
 from nonsmooth.symbolic.scene import Scene
@@ -27,7 +27,7 @@ from nonsmooth.symbolic.scene_kind import SceneKind
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from nonsmooth.reports.result import Result
+    from nonsmooth.reports.studies.result import Result
     from nonsmooth.symbolic.scene import Scene
 
 
@@ -61,7 +61,7 @@ class PartitionStudy(SceneStudy[PartitionOptions]):
         if asked.options.compare:
             asked.refuse(("show",), "a picture of one contact rule", "--compare")
         elif path is not None and asked.options.show is not Drawing.ARRAY and _leaves_motions_open(asked.scene):
-            from nonsmooth.reports.cells import cells_of
+            from nonsmooth.reports.checks.cells import cells_of
 
             with refusals_named(asked.scene):
                 cells_of(asked.scene)  # which says why there are none
@@ -69,7 +69,7 @@ class PartitionStudy(SceneStudy[PartitionOptions]):
     def run(self, scene: Any, options: PartitionOptions) -> Result:
         """Build them."""
         if scene.kind is SceneKind.SYSTEM:
-            from nonsmooth.reports.phase_portrait import PhasePortrait
+            from nonsmooth.reports.simulations.phase_portrait import PhasePortrait
 
             return PhasePortrait(scene)
         from nonsmooth.symbolic.contact_set import TipsError, standing
@@ -79,7 +79,7 @@ class PartitionStudy(SceneStudy[PartitionOptions]):
         except TipsError as tipping:
             if options.show is not Drawing.ARRAY or options.compare:
                 raise
-            from nonsmooth.reports.check_results import TippedResult
+            from nonsmooth.reports.checks.check_results import TippedResult
 
             return TippedResult(scene, tipping, is_drawn=True)
         with refusals_named(stands):
@@ -91,12 +91,12 @@ def _of_array(scene: Scene, options: PartitionOptions) -> Result:
     from nonsmooth.analysis.contact_rule import SmoothRule, rule_of
 
     if options.compare:
-        from nonsmooth.reports.agreement import compare_scene
+        from nonsmooth.reports.checks.agreement import compare_scene
 
         with steps("comparison of the contact rules"):
             return compare_scene(scene)
     if options.show is Drawing.ARRAY:
-        from nonsmooth.reports.cells import WheelsResult
+        from nonsmooth.reports.checks.cells import WheelsResult
 
         return WheelsResult(scene)
     if _leaves_motions_open(scene):
@@ -105,11 +105,11 @@ def _of_array(scene: Scene, options: PartitionOptions) -> Result:
 
             return PossibleMotions(scene, possible_twists(scene))
     if isinstance(rule_of(scene), SmoothRule):
-        from nonsmooth.reports.sampled_field import field_of
+        from nonsmooth.reports.checks.sampled_field import field_of
 
         with steps(f"field of rule {scene.contact.rule}"):
             return field_of(scene)
-    from nonsmooth.reports.cells import cells_of
+    from nonsmooth.reports.checks.cells import cells_of
 
     with steps(f"cells of rule {scene.contact.rule}"):
         return replace(cells_of(scene), show=options.show)

@@ -7,12 +7,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from nonsmooth.reports.options import complete_study
-from nonsmooth.reports.refusals import RefusedError
-from nonsmooth.reports.result import Result
-from nonsmooth.reports.study import SceneStudy, StudyRequest
-from nonsmooth.reports.study_command import command
-from nonsmooth.reports.study_options import Options, option
+from nonsmooth.reports.output.options import complete_study
+from nonsmooth.reports.output.refusals import RefusedError
+from nonsmooth.reports.output.study_options import Options, option
+from nonsmooth.reports.studies.result import Result
+from nonsmooth.reports.studies.study import SceneStudy, StudyRequest
+from nonsmooth.reports.studies.study_command import command
 from nonsmooth.symbolic.scene_kind import SceneKind
 
 if TYPE_CHECKING:
@@ -53,8 +53,8 @@ class PrecisionStudy(SceneStudy[PrecisionOptions]):
     def run(self, scene: Any, options: PrecisionOptions) -> Result:
         """Measure; finished rows are kept where somebody interrupts."""
         from nonsmooth.analysis.measurements.harness import Limits, measure
-        from nonsmooth.reports.measurements import Precision, measurable
-        from nonsmooth.reports.progress import progress
+        from nonsmooth.reports.checks.measurements import Precision, measurable
+        from nonsmooth.reports.output.progress import progress
         from nonsmooth.symbolic.contact_set import standing
 
         measurable(scene)

@@ -6,10 +6,10 @@ from rich.console import Group, RenderableType
 from rich.text import Text
 
 from nonsmooth.analysis.contact_rule import CellRule, all_rules
-from nonsmooth.reports.console import write_json, write_views
-from nonsmooth.reports.facts import Record
-from nonsmooth.reports.options import Json
-from nonsmooth.reports.terminal import header_table
+from nonsmooth.reports.output.console import write_json, write_views
+from nonsmooth.reports.output.facts import Record
+from nonsmooth.reports.output.options import Json
+from nonsmooth.reports.output.terminal import header_table
 from nonsmooth.symbolic.rule import DEFAULT_RULE
 
 

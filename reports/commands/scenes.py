@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from nonsmooth.reports.console import write_json, write_views
-from nonsmooth.reports.options import Json
+from nonsmooth.reports.output.console import write_json, write_views
+from nonsmooth.reports.output.options import Json
 
 
 def scenes(json: Json = False) -> int:
@@ -18,11 +18,11 @@ def scenes(json: Json = False) -> int:
         **vehicle_descriptions(),
     }
     if json:
-        from nonsmooth.reports.records import scenes_record
+        from nonsmooth.reports.checks.records import scenes_record
 
         write_json(scenes_record(descriptions))
     else:
-        from nonsmooth.reports.terminal import scenes_view
+        from nonsmooth.reports.output.terminal import scenes_view
 
         write_views([scenes_view(descriptions)])
     return 0

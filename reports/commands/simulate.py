@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from nonsmooth.reports.simulate import SIMULATE
-from nonsmooth.reports.study_command import command
+from nonsmooth.reports.simulations.simulate import SIMULATE
+from nonsmooth.reports.studies.study_command import command
 
 simulate = command(
     SIMULATE,

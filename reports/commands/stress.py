@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Any, ClassVar
 
-from nonsmooth.reports.result import Result
-from nonsmooth.reports.study import SceneStudy
-from nonsmooth.reports.study_command import command
-from nonsmooth.reports.study_options import Options
+from nonsmooth.reports.output.study_options import Options
+from nonsmooth.reports.studies.result import Result
+from nonsmooth.reports.studies.study import SceneStudy
+from nonsmooth.reports.studies.study_command import command
 
 
 class StressStudy(SceneStudy[Options]):
@@ -20,8 +20,8 @@ class StressStudy(SceneStudy[Options]):
         """Measure; finished rows are kept where somebody interrupts."""
         from nonsmooth.analysis.measurements.harness import measure
         from nonsmooth.proofs.measurements import CASES
-        from nonsmooth.reports.measurements import Stress, measurable
-        from nonsmooth.reports.progress import progress
+        from nonsmooth.reports.checks.measurements import Stress, measurable
+        from nonsmooth.reports.output.progress import progress
 
         with progress() as report:
             return Stress(measure(measurable(scene), CASES, report=report))

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from nonsmooth.reports.study_command import command
-from nonsmooth.reports.sweep import SWEEP
+from nonsmooth.reports.studies.study_command import command
+from nonsmooth.reports.sweeps.sweep_study import SWEEP
 
 sweep = command(
     SWEEP,

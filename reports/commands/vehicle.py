@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
-from nonsmooth.reports.options import VehicleText
-from nonsmooth.reports.refusals import RefusedError, refusals_named
-from nonsmooth.reports.result import Result
-from nonsmooth.reports.study import SceneStudy, StudyRequest
-from nonsmooth.reports.study_command import command
-from nonsmooth.reports.study_options import Options, option
+from nonsmooth.reports.output.options import VehicleText
+from nonsmooth.reports.output.refusals import RefusedError, refusals_named
+from nonsmooth.reports.output.study_options import Options, option
+from nonsmooth.reports.studies.result import Result
+from nonsmooth.reports.studies.study import SceneStudy, StudyRequest
+from nonsmooth.reports.studies.study_command import command
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,7 +36,7 @@ class VehicleStudy(SceneStudy[VehicleOptions]):
 
     def endings(self, options: VehicleOptions) -> Collection[str]:
         """Parameters of a controller too."""
-        from nonsmooth.reports.vehicles import VehicleResult
+        from nonsmooth.reports.checks.vehicles import VehicleResult
 
         return VehicleResult.formats
 
@@ -54,7 +54,7 @@ class VehicleStudy(SceneStudy[VehicleOptions]):
 
     def run(self, scene: Any, options: VehicleOptions) -> Result:
         """Predict it."""
-        from nonsmooth.reports.vehicles import VehicleResult
+        from nonsmooth.reports.checks.vehicles import VehicleResult
 
         result = VehicleResult(scene, options.spin)
         with refusals_named(scene.scene):

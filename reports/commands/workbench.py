@@ -7,9 +7,9 @@ from typing import Annotated
 
 import typer
 
-from nonsmooth.reports.console import broken_pipes_raised, write
-from nonsmooth.reports.options import complete_scene
-from nonsmooth.reports.refusals import RefusedError
+from nonsmooth.reports.output.console import broken_pipes_raised, write
+from nonsmooth.reports.output.options import complete_scene
+from nonsmooth.reports.output.refusals import RefusedError
 
 NEEDED = "workbench: required starlette and uvicorn (pip install 'nonsmooth[workbench]'), received a Python without"
 

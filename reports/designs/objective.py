@@ -99,7 +99,7 @@ def _settling(check: Check, answers: Sequence[Answer]) -> float | None:
 
 def _returning(check: Check, answers: Sequence[Answer]) -> float | None:
     """The widest arc of headings, in degrees, from which bodies at the checked point return to one of them: sampled."""
-    from nonsmooth.reports.heading_maps import from_headings
+    from nonsmooth.reports.simulations.heading_maps import from_headings
 
     x, y = map(float, check.scene.check.equilibrium)
     arcs = from_headings(check.scene, (x, y), HEADINGS).returning

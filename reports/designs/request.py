@@ -13,7 +13,7 @@ from nonsmooth.proofs.answers.answer import require_dynamics
 from nonsmooth.reports.designs.freedom import KINDS, ORDERS, WHEELS, Freedom, Orbits, largest_symmetry, orbits_of
 from nonsmooth.reports.designs.objective import OBJECTIVES, Evaluation, evaluate
 from nonsmooth.reports.designs.search import Design, Fewest, Told, Wish, find_design
-from nonsmooth.reports.heading_maps import require_outline
+from nonsmooth.reports.simulations.heading_maps import require_outline
 from nonsmooth.symbolic.contact_set import standing
 from nonsmooth.symbolic.expression import ExpressionError
 from nonsmooth.symbolic.files.one_by_one import one_by_one

@@ -25,7 +25,6 @@ from numpy.typing import NDArray
 from nonsmooth.analysis.cells.partition import Cell, Partition
 from nonsmooth.analysis.fields.sliding_edges import EdgeKind, switching_stretches
 from nonsmooth.analysis.minimizers.sampled_field import SampledField
-from nonsmooth.reports.document import cell_mark
 from nonsmooth.reports.figures.style import (
     INK,
     LABEL,
@@ -51,6 +50,7 @@ from nonsmooth.reports.figures.style import (
     view_centre,
 )
 from nonsmooth.reports.figures.wheels import ARROW, Segment, draw_wheel, wheels_in_view
+from nonsmooth.reports.output.document import cell_mark
 from nonsmooth.symbolic.plane import around, between, dot, minus
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import one_line

@@ -17,7 +17,7 @@ from importlib.resources import files
 from typing import TYPE_CHECKING
 from xml.etree import ElementTree as ET
 
-from nonsmooth.reports.document import Block, Code, Document, Figure, Inline, Math, Section, Table, Text, Verdict
+from nonsmooth.reports.output.document import Block, Code, Document, Figure, Inline, Math, Section, Table, Text, Verdict
 
 if TYPE_CHECKING:
     from markupsafe import Markup

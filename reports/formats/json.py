@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from nonsmooth.reports.document import (
+from nonsmooth.reports.output.document import (
     Block,
     Bullets,
     Code,
@@ -20,7 +20,7 @@ from nonsmooth.reports.document import (
     Text,
     Verdict,
 )
-from nonsmooth.reports.facts import Record
+from nonsmooth.reports.output.facts import Record
 
 DERIVATION_SCHEMA = "nonsmooth-derivation/1"
 

@@ -6,7 +6,7 @@ caption with the command that draws it.
 
 from __future__ import annotations
 
-from nonsmooth.reports.document import (
+from nonsmooth.reports.output.document import (
     Block,
     Bullets,
     Code,

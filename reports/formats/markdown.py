@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from nonsmooth.reports.document import (
+from nonsmooth.reports.output.document import (
     Block,
     Bullets,
     Code,

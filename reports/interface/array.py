@@ -8,28 +8,28 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
-from nonsmooth.reports.check import ALL_RULES, AUTO, CHECK, CheckOptions
-from nonsmooth.reports.choices import Drawing
-from nonsmooth.reports.design import DesignOptions
-from nonsmooth.reports.entries import entry, table
+from nonsmooth.reports.checks.check import ALL_RULES, AUTO, CHECK, CheckOptions
+from nonsmooth.reports.designs.design import DesignOptions
 from nonsmooth.reports.interface.scene import PythonScene
 from nonsmooth.reports.interface.wheel import Wheel
-from nonsmooth.reports.simulate_options import BODY, LOOP, MAP, PATH, UNTIL, SimulateOptions
-from nonsmooth.reports.study import takes
+from nonsmooth.reports.output.choices import Drawing
+from nonsmooth.reports.output.entries import entry, table
+from nonsmooth.reports.simulations.simulate_options import BODY, LOOP, MAP, PATH, UNTIL, SimulateOptions
+from nonsmooth.reports.studies.study import takes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from nonsmooth.analysis.cells.partition import Partition
-    from nonsmooth.reports.agreement import ComparisonResult
-    from nonsmooth.reports.cells import CellsResult
-    from nonsmooth.reports.check_results import CheckResult
-    from nonsmooth.reports.design import DesignResult
+    from nonsmooth.reports.checks.agreement import ComparisonResult
+    from nonsmooth.reports.checks.cells import CellsResult
+    from nonsmooth.reports.checks.check_results import CheckResult
+    from nonsmooth.reports.checks.sampled_field import FieldResult
+    from nonsmooth.reports.designs.design import DesignResult
     from nonsmooth.reports.interface.filippov_set import FilippovSet
-    from nonsmooth.reports.maps import MapResult
-    from nonsmooth.reports.masses import MassResult
-    from nonsmooth.reports.paths import PathResult
-    from nonsmooth.reports.sampled_field import FieldResult
+    from nonsmooth.reports.simulations.maps import MapResult
+    from nonsmooth.reports.simulations.masses import MassResult
+    from nonsmooth.reports.simulations.paths import PathResult
     from nonsmooth.symbolic.scene import Scene
 
 # Where a keyword of `with_` stands in a scene file.
@@ -326,7 +326,7 @@ class Array(PythonScene):
             SceneError: for a tolerance to maximize that the array does not state.
             ValueError: for other things that cannot be used.
         """
-        from nonsmooth.reports.design import DESIGN, GivenArray
+        from nonsmooth.reports.designs.design import DESIGN, GivenArray
 
         found = DESIGN.of(GivenArray(self.document, self.folder, self.scene), **options)
         return replace(found, array=self.of_document(found.design.document, self.folder))
@@ -357,10 +357,10 @@ class Array(PythonScene):
         """
         from matplotlib.figure import Figure
 
-        from nonsmooth.reports.cells import drawing
+        from nonsmooth.reports.checks.cells import drawing
         from nonsmooth.reports.figures.cells import draw_cells, draw_rates, draw_scale, explain_cells
         from nonsmooth.reports.figures.wheels import draw_array
-        from nonsmooth.reports.result import own_axes
+        from nonsmooth.reports.studies.result import own_axes
 
         chosen, axes = drawing(show), own_axes(ax)
         if chosen is Drawing.ARRAY:
@@ -381,7 +381,7 @@ class Array(PythonScene):
         Raises:
             RefusalError: where the motion is not determined, and under a rule without cells.
         """
-        from nonsmooth.reports.cells import CellsResult
+        from nonsmooth.reports.checks.cells import CellsResult
 
         return CellsResult(self.partition)
 
@@ -392,7 +392,7 @@ class Array(PythonScene):
             TypeError: for a rule with cells.
             RefusalError: where the motion is not determined.
         """
-        from nonsmooth.reports.sampled_field import field_of
+        from nonsmooth.reports.checks.sampled_field import field_of
 
         return field_of(self._standing)
 
@@ -402,7 +402,7 @@ class Array(PythonScene):
         Raises:
             RefusalError: where the motion is not determined.
         """
-        from nonsmooth.reports.agreement import compare_scene
+        from nonsmooth.reports.checks.agreement import compare_scene
 
         return compare_scene(self._standing)
 

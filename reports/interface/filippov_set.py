@@ -10,9 +10,9 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from nonsmooth.proofs.inequalities.linear_program import best_mixture, mixtures_to_zero
-from nonsmooth.reports.document import Block, Paragraph, table
-from nonsmooth.reports.entries import entry
-from nonsmooth.reports.result import DataTable, Record, Result, short_lines
+from nonsmooth.reports.output.document import Block, Paragraph, table
+from nonsmooth.reports.output.entries import entry
+from nonsmooth.reports.studies.result import DataTable, Record, Result, short_lines
 from nonsmooth.symbolic.number_text import brief_text, short_text
 from nonsmooth.symbolic.numbers.number import sign
 from nonsmooth.symbolic.plane import dot, minus

@@ -7,13 +7,13 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
-from nonsmooth.reports.study_options import options_of
+from nonsmooth.reports.output.study_options import options_of
 
 if TYPE_CHECKING:
-    from nonsmooth.reports.derivation import ReportResult
-    from nonsmooth.reports.study import SceneStudy
-    from nonsmooth.reports.sweep import SweepResult
+    from nonsmooth.reports.derivations.derivation import ReportResult
+    from nonsmooth.reports.studies.study import SceneStudy
     from nonsmooth.reports.sweeps.sweep import Means
+    from nonsmooth.reports.sweeps.sweep_study import SweepResult
     from nonsmooth.symbolic.scene_kind import SceneKind
 
 
@@ -55,7 +55,7 @@ class PythonScene(ABC):
 
     def _simulated(self, **keywords: Any) -> Any:
         """What the command ``simulate`` finds."""
-        from nonsmooth.reports.simulate import SIMULATE
+        from nonsmooth.reports.simulations.simulate import SIMULATE
 
         return self._studied(SIMULATE, **keywords)
 
@@ -83,9 +83,9 @@ class PythonScene(ABC):
             SceneError: for a key path that names no number of the scene.
             ValueError: for values and means that cannot be used.
         """
-        from nonsmooth.reports.sweep import swept
         from nonsmooth.reports.sweeps.base import base_of
         from nonsmooth.reports.sweeps.sweep import Means
+        from nonsmooth.reports.sweeps.sweep_study import swept
 
         base = base_of(self.document, *self.origin)
         return swept(base, {**(values or {}), **more}, means or Means(), draws=random, seed=seed)
@@ -109,7 +109,7 @@ class PythonScene(ABC):
             RefusalError: where the motion is not determined.
             SceneError: for a plain system in another number of states than two.
         """
-        from nonsmooth.reports.derivation import DERIVE, NamedScene
+        from nonsmooth.reports.derivations.derivation import DERIVE, NamedScene
 
         asked = {"only": only, "without": without, "brief": brief or None}
         given = {name: value for name, value in asked.items() if value is not None}
@@ -130,8 +130,8 @@ class PythonScene(ABC):
             OutputError: for a file that cannot be written.
             RefusalError: where the motion is not determined.
         """
-        from nonsmooth.reports.derivation import REPORT_FORMATS
-        from nonsmooth.reports.files import output_path
+        from nonsmooth.reports.derivations.derivation import REPORT_FORMATS
+        from nonsmooth.reports.output.files import output_path
 
         path = output_path(str(file), REPORT_FORMATS)  # refused before the work
         return self.derive(only=only, without=without).save(path)

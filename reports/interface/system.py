@@ -8,18 +8,18 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
-from nonsmooth.reports.entries import entry, table
 from nonsmooth.reports.interface.scene import PythonScene
-from nonsmooth.reports.simulate_options import PATH, UNTIL, SimulateOptions
-from nonsmooth.reports.study import takes
+from nonsmooth.reports.output.entries import entry, table
+from nonsmooth.reports.simulations.simulate_options import PATH, UNTIL, SimulateOptions
+from nonsmooth.reports.studies.study import takes
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.systems.larger_region import LargerRegion
+    from nonsmooth.reports.checks.system_results import SystemCheckResult
     from nonsmooth.reports.exchange.formulas import FieldFormulas
-    from nonsmooth.reports.maps import MapResult
-    from nonsmooth.reports.orbits import OrbitResult
-    from nonsmooth.reports.paths import PathResult
-    from nonsmooth.reports.system_results import SystemCheckResult
+    from nonsmooth.reports.simulations.maps import MapResult
+    from nonsmooth.reports.simulations.orbits import OrbitResult
+    from nonsmooth.reports.simulations.paths import PathResult
     from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 MAP_UNTIL = 10.0
@@ -311,7 +311,7 @@ class System(PythonScene):
         Args:
             **changes: as for :meth:`with_`.
         """
-        from nonsmooth.reports.check import check_system
+        from nonsmooth.reports.checks.check import check_system
 
         return check_system((self.with_(**changes) if changes else self).system)
 

@@ -8,8 +8,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from nonsmooth.reports.entries import table
-from nonsmooth.reports.vehicles import VehicleResult
+from nonsmooth.reports.checks.vehicles import VehicleResult
+from nonsmooth.reports.output.entries import table
 
 if TYPE_CHECKING:
     from nonsmooth.reports.interface.wheel import Wheel

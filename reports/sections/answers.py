@@ -8,12 +8,24 @@ from typing import TYPE_CHECKING
 from nonsmooth.proofs.answers.answer import Answer
 from nonsmooth.proofs.answers.bounds import of_length
 from nonsmooth.proofs.answers.other_rules import OtherRule
-from nonsmooth.reports.answers import THEOREM, StatedAnswers, destinations_table, stated_answers
-from nonsmooth.reports.document import Block, Bullets, Inline, Section, Table, Text, Tone, Verdict, number, point, table
-from nonsmooth.reports.equilibrium_headings import headings_table, notes, title
-from nonsmooth.reports.prose import paragraph
+from nonsmooth.reports.checks.answers import THEOREM, StatedAnswers, destinations_table, stated_answers
+from nonsmooth.reports.checks.equilibrium_headings import headings_table, notes, title
+from nonsmooth.reports.checks.subject import ArraySubject
+from nonsmooth.reports.output.document import (
+    Block,
+    Bullets,
+    Inline,
+    Section,
+    Table,
+    Text,
+    Tone,
+    Verdict,
+    number,
+    point,
+    table,
+)
+from nonsmooth.reports.output.prose import paragraph
 from nonsmooth.reports.sections.opening import array_figure
-from nonsmooth.reports.subject import ArraySubject
 
 if TYPE_CHECKING:
     from nonsmooth.proofs.answers.destinations import Destinations

@@ -7,8 +7,9 @@ from collections.abc import Iterable
 from nonsmooth.analysis.contact_rule import rule_of
 from nonsmooth.analysis.minimizers.dissipation import Functional
 from nonsmooth.proofs.theorem4_result import CellCheck
-from nonsmooth.reports.cells import CellsResult
-from nonsmooth.reports.document import (
+from nonsmooth.reports.checks.cells import CellsResult
+from nonsmooth.reports.checks.subject import ArraySubject
+from nonsmooth.reports.output.document import (
     Block,
     Bullets,
     Display,
@@ -21,8 +22,7 @@ from nonsmooth.reports.document import (
     point,
     table,
 )
-from nonsmooth.reports.prose import listed, paragraph, prose
-from nonsmooth.reports.subject import ArraySubject
+from nonsmooth.reports.output.prose import listed, paragraph, prose
 from nonsmooth.symbolic.constraints import constraint_matrix
 from nonsmooth.symbolic.contact_states import ContactState
 from nonsmooth.symbolic.equations import Coordinates, GoverningEquations, governing_equations

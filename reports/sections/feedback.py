@@ -17,7 +17,7 @@ from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, in_scene, rim_
 from nonsmooth.proofs.clauses.feedback.facts import AnyFeedback
 from nonsmooth.proofs.clauses.feedback.gradient_law import LevelRegion, LimitedRate
 from nonsmooth.proofs.clauses.feedback.input_margin import InputMargin
-from nonsmooth.reports.document import (
+from nonsmooth.reports.output.document import (
     Block,
     Entry,
     Math,
@@ -30,7 +30,7 @@ from nonsmooth.reports.document import (
     point,
     table,
 )
-from nonsmooth.reports.prose import listed, paragraph, prose
+from nonsmooth.reports.output.prose import listed, paragraph, prose
 from nonsmooth.symbolic.number_text import brief_text, decimal_latex, float_text, lower_text
 from nonsmooth.symbolic.plane import dot
 from nonsmooth.symbolic.scene import Scene

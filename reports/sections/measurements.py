@@ -11,9 +11,9 @@ import math
 from nonsmooth.analysis.measurements.cases import COLLINEAR, LOADS
 from nonsmooth.analysis.measurements.harness import LeftOut, Limits, ResultRow, fitted_slopes, measure
 from nonsmooth.analysis.measurements.path_studies import TRAJECTORIES
-from nonsmooth.reports.document import Code, Entry, Section, decimal, table
-from nonsmooth.reports.prose import paragraph
-from nonsmooth.reports.subject import ArraySubject
+from nonsmooth.reports.checks.subject import ArraySubject
+from nonsmooth.reports.output.document import Code, Entry, Section, decimal, table
+from nonsmooth.reports.output.prose import paragraph
 from nonsmooth.symbolic.number_text import float_text
 
 METHODS = ("events, closed form", "DOP853 with events", "hysteresis", "smoothed", "RK45", "DOP853")

@@ -8,8 +8,12 @@ from importlib.metadata import version
 
 from nonsmooth.analysis.contact_rule import rule_of
 from nonsmooth.proofs.theorem4_result import Check
-from nonsmooth.reports.console import own_version
-from nonsmooth.reports.document import (
+from nonsmooth.reports.checks.references import how_to_cite
+from nonsmooth.reports.checks.subject import ArraySubject, ReportSubject
+from nonsmooth.reports.figures import wheels
+from nonsmooth.reports.figures.style import drawn
+from nonsmooth.reports.output.console import own_version
+from nonsmooth.reports.output.document import (
     Bullets,
     Code,
     Entry,
@@ -22,11 +26,7 @@ from nonsmooth.reports.document import (
     point,
     table,
 )
-from nonsmooth.reports.figures import wheels
-from nonsmooth.reports.figures.style import drawn
-from nonsmooth.reports.prose import paragraph, prose, with_formulas
-from nonsmooth.reports.references import how_to_cite
-from nonsmooth.reports.subject import ArraySubject, ReportSubject
+from nonsmooth.reports.output.prose import paragraph, prose, with_formulas
 from nonsmooth.symbolic.free_rollers import askew_wheels
 from nonsmooth.symbolic.number_text import decimal_latex, float_text
 from nonsmooth.symbolic.numbers.measured_angles import angle_notes

@@ -25,8 +25,11 @@ from nonsmooth.proofs.systems.border_motion import BorderKind, BorderPart, slidi
 from nonsmooth.proofs.systems.findings import DERIVATIVES, ExaminedFunction, Method
 from nonsmooth.proofs.systems.plane_function import PlaneFunction
 from nonsmooth.proofs.systems.ray_moves import values_at_origin
-from nonsmooth.reports import references
-from nonsmooth.reports.document import (
+from nonsmooth.reports.checks import references
+from nonsmooth.reports.checks.references import Reference
+from nonsmooth.reports.checks.subject import ReportPart, ReportSubject
+from nonsmooth.reports.checks.system_results import SystemCheckResult, system_answers
+from nonsmooth.reports.output.document import (
     Block,
     Code,
     Entry,
@@ -43,14 +46,11 @@ from nonsmooth.reports.document import (
     point,
     table,
 )
-from nonsmooth.reports.facts import Record, fact_rows
-from nonsmooth.reports.paths import follow_system
-from nonsmooth.reports.phase_portrait import PhasePortrait
-from nonsmooth.reports.prose import listed, paragraph, with_formulas
-from nonsmooth.reports.references import Reference
-from nonsmooth.reports.simulate_options import SimulateOptions
-from nonsmooth.reports.subject import ReportPart, ReportSubject
-from nonsmooth.reports.system_results import SystemCheckResult, system_answers
+from nonsmooth.reports.output.facts import Record, fact_rows
+from nonsmooth.reports.output.prose import listed, paragraph, with_formulas
+from nonsmooth.reports.simulations.paths import follow_system
+from nonsmooth.reports.simulations.phase_portrait import PhasePortrait
+from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.symbolic.formulas import symbol_latex
 from nonsmooth.symbolic.number_text import float_text, place_text
 from nonsmooth.symbolic.numbers.polynomial import Polynomial

@@ -9,8 +9,9 @@ from nonsmooth.analysis.minimizers.agreement import Agreement, TwistDifference
 from nonsmooth.proofs.boxes.linearization import Linearization
 from nonsmooth.proofs.clauses.at_point.ellipse import EllipsePoint
 from nonsmooth.proofs.clauses.translation.at_point import EllipseTranslation
-from nonsmooth.reports.agreement import ComparisonResult
-from nonsmooth.reports.document import (
+from nonsmooth.reports.checks.agreement import ComparisonResult
+from nonsmooth.reports.checks.subject import ArraySubject
+from nonsmooth.reports.output.document import (
     Block,
     Bullets,
     Entry,
@@ -23,8 +24,7 @@ from nonsmooth.reports.document import (
     point,
     table,
 )
-from nonsmooth.reports.prose import paragraph, prose
-from nonsmooth.reports.subject import ArraySubject
+from nonsmooth.reports.output.prose import paragraph, prose
 from nonsmooth.symbolic.number_text import float_text, place_text
 
 MOST_WHEELS = 24  # up to which the cells of rule box take a second or two; 36 wheels have some 450 cells

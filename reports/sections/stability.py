@@ -21,9 +21,10 @@ from nonsmooth.proofs.clauses.workspace import ClauseResult
 from nonsmooth.proofs.findings.facts import Fact
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.theorem4_result import CellCheck, Check
-from nonsmooth.reports.cells import CellsResult
-from nonsmooth.reports.choices import Drawing
-from nonsmooth.reports.document import (
+from nonsmooth.reports.checks.cells import CellsResult
+from nonsmooth.reports.checks.subject import ArraySubject
+from nonsmooth.reports.output.choices import Drawing
+from nonsmooth.reports.output.document import (
     Block,
     Bullets,
     Entry,
@@ -38,9 +39,8 @@ from nonsmooth.reports.document import (
     point,
     table,
 )
-from nonsmooth.reports.prose import listed, paragraph, prose, with_formulas
+from nonsmooth.reports.output.prose import listed, paragraph, prose, with_formulas
 from nonsmooth.reports.sections.feedback import feedback_blocks
-from nonsmooth.reports.subject import ArraySubject
 from nonsmooth.symbolic.constraints import Twist
 from nonsmooth.symbolic.number_text import brief_text, float_text
 from nonsmooth.symbolic.numbers.lazy import Lazy

@@ -23,9 +23,7 @@ from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.findings.verdicts import Feedback
-from nonsmooth.reports.choices import LawName
-from nonsmooth.reports.document import Block, Code, Entry, Figure, Frame, Math, Section, decimal, table
-from nonsmooth.reports.feedback_loop import GAIN, FeedbackLoop, build_loop, certified_law
+from nonsmooth.reports.checks.subject import ArraySubject
 from nonsmooth.reports.figures.path import (
     cells_picture,
     centre_picture,
@@ -34,19 +32,21 @@ from nonsmooth.reports.figures.path import (
     starts_figure,
 )
 from nonsmooth.reports.figures.style import drawn
+from nonsmooth.reports.laws.feedback_loop import GAIN, FeedbackLoop, build_loop, certified_law
+from nonsmooth.reports.output.choices import LawName
+from nonsmooth.reports.output.document import Block, Code, Entry, Figure, Frame, Math, Section, decimal, table
+from nonsmooth.reports.output.prose import paragraph, prose
 from nonsmooth.reports.papers.murphey_burdick_2001.paper import is_paper_array, law_of_section_3_3
-from nonsmooth.reports.path_ends import pose_text, shown_angle
-from nonsmooth.reports.paths import ArrayPath, follow_cells
-from nonsmooth.reports.prose import paragraph, prose
 from nonsmooth.reports.sections.feedback import law_formulas, region_blocks
-from nonsmooth.reports.simulate_options import SimulateOptions, unit_of_typed_angles
-from nonsmooth.reports.subject import ArraySubject
+from nonsmooth.reports.simulations.path_ends import pose_text, shown_angle
+from nonsmooth.reports.simulations.paths import ArrayPath, follow_cells
+from nonsmooth.reports.simulations.simulate_options import SimulateOptions, unit_of_typed_angles
 from nonsmooth.symbolic.number_text import float_text, lower_text, place_text
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.units import AngleUnit, Units
 
 if TYPE_CHECKING:
-    from nonsmooth.reports.driven_loop import DrivenLoop
+    from nonsmooth.reports.laws.driven_loop import DrivenLoop
 
 # ---- starts --------------------------------------------------------------------------------------
 
@@ -440,7 +440,7 @@ FEW = 1  # of the directions where every motion is a minimization
 
 def _driven_law(subject: ArraySubject, feedback: DrivenFeedback) -> Section:
     """The law of imposed twists: where it stands, from where it is certified, and its closed loop."""
-    from nonsmooth.reports.driven_loop import DrivenLoop  # rules with cells have another law
+    from nonsmooth.reports.laws.driven_loop import DrivenLoop  # rules with cells have another law
 
     loop = DrivenLoop(subject.scene.recentred(), feedback.holding)
     words = paragraph(

@@ -17,8 +17,8 @@ from nonsmooth.proofs.system_decision import StabilityResult, decide_system
 from nonsmooth.proofs.systems.decay_rate import DecayKind
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.theorem4_result import CellCheck, Check
-from nonsmooth.reports.facts import exact_texts, floats
-from nonsmooth.reports.records import failure_records
+from nonsmooth.reports.checks.records import failure_records
+from nonsmooth.reports.output.facts import exact_texts, floats
 from nonsmooth.reports.sweeps.base import Base
 from nonsmooth.reports.sweeps.values import Entry
 from nonsmooth.symbolic.contact_set import TipsError

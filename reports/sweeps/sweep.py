@@ -11,8 +11,8 @@ from itertools import islice
 from pathlib import Path
 from typing import TypeAlias
 
-from nonsmooth.reports.progress import ProgressCall, silent
-from nonsmooth.reports.study_options import FAIL, Options, option
+from nonsmooth.reports.output.progress import ProgressCall, silent
+from nonsmooth.reports.output.study_options import FAIL, Options, option
 from nonsmooth.reports.sweeps.base import Base, entries_of, require_heard
 from nonsmooth.reports.sweeps.borders import Border, find_borders
 from nonsmooth.reports.sweeps.certified import Cells, CertifiedCell, certified_cell, exact_base, planned_cells

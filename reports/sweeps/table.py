@@ -9,8 +9,8 @@ from typing import Any
 from nonsmooth.proofs.answers.answer import Position
 from nonsmooth.proofs.answers.bounds import at_most
 from nonsmooth.proofs.findings.verdicts import Certainty
-from nonsmooth.reports.document import Block, Paragraph, table
-from nonsmooth.reports.records import FAILURE
+from nonsmooth.reports.checks.records import FAILURE
+from nonsmooth.reports.output.document import Block, Paragraph, table
 from nonsmooth.reports.sweeps.borders import Border
 from nonsmooth.reports.sweeps.certified import CertifiedCell
 from nonsmooth.reports.sweeps.outcome import CLAUSES, NUMBERS, QUESTIONS, SYSTEM_COLUMNS, SYSTEM_NUMBERS, Outcome

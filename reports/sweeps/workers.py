@@ -18,7 +18,7 @@ from functools import partial
 from multiprocessing.connection import Connection
 from typing import NamedTuple, Protocol
 
-from nonsmooth.reports.processes import DiedError, WorkerPool, serve
+from nonsmooth.reports.output.processes import DiedError, WorkerPool, serve
 from nonsmooth.reports.sweeps.base import Base
 from nonsmooth.reports.sweeps.certified import cell_outcome
 from nonsmooth.reports.sweeps.outcome import Outcome, outcome_of, refused

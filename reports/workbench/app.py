@@ -22,8 +22,8 @@ from starlette.requests import Request
 from starlette.responses import JSONResponse, Response, StreamingResponse
 from starlette.routing import Route
 
-from nonsmooth.reports.console import own_version
-from nonsmooth.reports.processes import DiedError, LateError, StoppedError, WorkerPool
+from nonsmooth.reports.output.console import own_version
+from nonsmooth.reports.output.processes import DiedError, LateError, StoppedError, WorkerPool
 from nonsmooth.reports.workbench.requests import RequestError, read_request
 from nonsmooth.reports.workbench.safety import Safety, refused
 from nonsmooth.reports.workbench.worker import CANCELLED, encoded, serve_page

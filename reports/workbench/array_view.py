@@ -25,10 +25,10 @@ from nonsmooth.proofs.clauses.clause import JudgedEquilibrium
 from nonsmooth.proofs.clauses.equilibrium.judged_equilibria import judge_equilibria
 from nonsmooth.proofs.clauses.workspace import ClauseResult
 from nonsmooth.proofs.theorem4 import SEARCH_UNITS
-from nonsmooth.reports.check import check_scene
-from nonsmooth.reports.check_results import ArrayAnswers, CheckResult, TippedResult
-from nonsmooth.reports.facts import fact_lines, fact_record, floats
+from nonsmooth.reports.checks.check import check_scene
+from nonsmooth.reports.checks.check_results import ArrayAnswers, CheckResult, TippedResult
 from nonsmooth.reports.interface.array import Array
+from nonsmooth.reports.output.facts import fact_lines, fact_record, floats
 from nonsmooth.reports.workbench.paths import path_records
 from nonsmooth.reports.workbench.shapes import (
     body_record,

@@ -10,13 +10,13 @@ import numpy as np
 
 from nonsmooth.proofs.system_decision import StabilityResult
 from nonsmooth.reports.interface.system import System
-from nonsmooth.reports.phase_portrait import PhasePortrait, sampled_potential, sampled_rates
+from nonsmooth.reports.simulations.phase_portrait import PhasePortrait, sampled_potential, sampled_rates
 from nonsmooth.reports.workbench.paths import path_records
 from nonsmooth.reports.workbench.shapes import point
 from nonsmooth.symbolic.number_text import brief_text
 
 if TYPE_CHECKING:
-    from nonsmooth.reports.system_results import SystemCheckResult
+    from nonsmooth.reports.checks.system_results import SystemCheckResult
     from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 Stage: TypeAlias = dict[str, Any]

@@ -9,7 +9,7 @@ import gc
 import json
 
 from nonsmooth.proofs.clauses.workspace import unheard
-from nonsmooth.reports.processes import GARBAGE_THRESHOLD
+from nonsmooth.reports.output.processes import GARBAGE_THRESHOLD
 from nonsmooth.reports.workbench import worker
 from nonsmooth.reports.workbench.documents import document_of
 from nonsmooth.reports.workbench.jobs import view

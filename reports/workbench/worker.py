@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator
 from multiprocessing.connection import Connection
 from typing import Any, TypeAlias
 
-from nonsmooth.reports.processes import serve
+from nonsmooth.reports.output.processes import serve
 
 Announce: TypeAlias = Callable[[str], None]
 

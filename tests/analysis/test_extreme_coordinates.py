@@ -81,7 +81,7 @@ def test_quotients_of_numbers_beyond_floats() -> None:
 @pytest.mark.parametrize("length", ["1e-300", "1e150"])
 def test_whole_checks(length: str, tmp_path: Path) -> None:
     """Every number of a check under rule ``box`` can be printed."""
-    from nonsmooth.reports.check import check_scene
+    from nonsmooth.reports.checks.check import check_scene
 
     corners = ((1, 1), (-1, 1), (-1, -1), (1, -1))
     places = [[f"{'-' * (a < 0)}{length}" for a in corner] for corner in corners]

@@ -22,7 +22,7 @@ from nonsmooth.analysis.orbits.search import find_orbit
 from nonsmooth.analysis.trajectories import smooth_path
 from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.proofs.orbits import orbit_proof
-from nonsmooth.reports.orbits import measured_text
+from nonsmooth.reports.simulations.orbits import measured_text
 from tests.thorough import thorough
 
 PLANE = ["x", "y"]

@@ -13,7 +13,7 @@ from nonsmooth.analysis.bodies.many_paths import BodyEnd, ManyPaths
 from nonsmooth.analysis.bodies.path import BodyPath
 from nonsmooth.analysis.contact_rule import smooth_rule_of
 from nonsmooth.analysis.trajectories.result import EndReason
-from nonsmooth.reports.body_maps import pose_starts
+from nonsmooth.reports.simulations.body_maps import pose_starts
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 import nonsmooth as ns
-from nonsmooth.reports.mjcf import export_scene
+from nonsmooth.reports.engine.mjcf import export_scene
 from nonsmooth.symbolic.files.scene_file import build_scene, read_document
 from nonsmooth.symbolic.scene import Scene
 from tests.body_engine import run_beside_engine

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from nonsmooth.reports.cli import app
-from nonsmooth.reports.console import run
+from nonsmooth.reports.output.console import run
 from tests.measured_arrays import Kind, measured_array
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ import pytest
 from nonsmooth.analysis.measurements.harness import Limits, Measured, Run, measure
 from nonsmooth.analysis.measurements.studies import ELLIPSE_MINIMIZERS
 from nonsmooth.proofs.measurements import PRUNING, STUDIES
-from nonsmooth.reports.progress import silent
+from nonsmooth.reports.output.progress import silent
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
 
 if TYPE_CHECKING:

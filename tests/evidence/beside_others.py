@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 import nonsmooth as ns
-from nonsmooth.reports.system_results import system_answers
+from nonsmooth.reports.checks.system_results import system_answers
 
 RELAY = (["x", "v"], ["v", "-x - v - sgn(x + v)"])
 START, LAST, STAGES = (1.0, 0.3), 2.0, 25

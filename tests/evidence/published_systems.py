@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from nonsmooth.proofs.kernel.subject import NoCertificateError, about
 from nonsmooth.proofs.systems.basin import CertifiedBasin
 from nonsmooth.proofs.systems.sublevel_region import ReshapedRegion
-from nonsmooth.reports.check import check_system
+from nonsmooth.reports.checks.check import check_system
 from nonsmooth.symbolic.files.system_file import build_system
 from tests.certificates.inclusion import Array, FloatInclusion
 from tests.evidence.measured_tables import Lines, Record

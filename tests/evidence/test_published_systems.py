@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from nonsmooth.reports.check import check_system
+from nonsmooth.reports.checks.check import check_system
 from nonsmooth.symbolic.files.system_file import build_system
 from tests.evidence import published_systems as study
 

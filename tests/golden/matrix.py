@@ -94,7 +94,7 @@ def _files() -> Iterator[str]:
 def _commands(line: str) -> Record:
     """Exit status, standard output and error of each command."""
     from nonsmooth.reports.cli import app
-    from nonsmooth.reports.console import run
+    from nonsmooth.reports.output.console import run
 
     steps = []
     for command in line.split(" && "):

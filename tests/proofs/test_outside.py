@@ -20,7 +20,7 @@ from nonsmooth.proofs.system_certificates import certificate_of, certificate_tex
 from nonsmooth.proofs.systems.basin import EFFORTS, BasinEffort
 from nonsmooth.proofs.systems.basin_rings import Pace
 from nonsmooth.proofs.systems.outer_ring import find_outer_ring, ring_of
-from nonsmooth.reports.check import check_system
+from nonsmooth.reports.checks.check import check_system
 from nonsmooth.symbolic.files.system_file import build_system
 
 CIRCLE = ["-y - x*(1 - x**2 - y**2)", "x - y*(1 - x**2 - y**2)"]  # attracts inside the unit circle, exactly

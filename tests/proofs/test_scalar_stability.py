@@ -13,7 +13,7 @@ import pytest
 
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.system_decision import decide_system
-from nonsmooth.reports.check import check_system
+from nonsmooth.reports.checks.check import check_system
 from nonsmooth.symbolic.files.system_file import build_system
 from nonsmooth.symbolic.scene_error import SceneError
 from nonsmooth.symbolic.switched_system import SwitchedSystem

@@ -36,7 +36,7 @@ from nonsmooth.proofs.systems.findings import Method
 from nonsmooth.proofs.systems.plane_function import PlaneFunction
 from nonsmooth.proofs.systems.ray_moves import RayKind, decide_constant_fan
 from nonsmooth.proofs.systems.system_stability import PlanePoint
-from nonsmooth.reports.derivation import derive_report
+from nonsmooth.reports.derivations.derivation import derive_report
 from nonsmooth.symbolic.expression import ExpressionError
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, builtin_systems, load_scene
 from nonsmooth.symbolic.files.system_file import load_any, load_system, system_descriptions

@@ -16,7 +16,7 @@ from nonsmooth.proofs.checker.polynomials import variable
 from nonsmooth.proofs.checker.statements import refusal
 from nonsmooth.proofs.checker.waves import BITS, LARGEST, interpolation_error, wave_value
 from nonsmooth.proofs.checker.work import BUDGET, RejectedError
-from nonsmooth.reports.check import check_system
+from nonsmooth.reports.checks.check import check_system
 from tests.certificates.cases import solutions_that_leave
 
 UNSHOWN = "evidence of the claim"

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from nonsmooth.reports.document import Figure, Section
 from nonsmooth.reports.figures.style import drawn
-from nonsmooth.reports.prose import paragraph
+from nonsmooth.reports.output.document import Figure, Section
+from nonsmooth.reports.output.prose import paragraph
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Picture
 
-    from nonsmooth.reports.subject import ArraySubject
+    from nonsmooth.reports.checks.subject import ArraySubject
     from nonsmooth.symbolic.scene import Scene
 
 

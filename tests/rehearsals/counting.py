@@ -6,11 +6,11 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from nonsmooth.reports.document import Block, Paragraph, findings
-from nonsmooth.reports.result import FORMATS, DataTable, Record, Result
-from nonsmooth.reports.study import SceneStudy, StudyRequest
-from nonsmooth.reports.study_command import command
-from nonsmooth.reports.study_options import Options, option
+from nonsmooth.reports.output.document import Block, Paragraph, findings
+from nonsmooth.reports.output.study_options import Options, option
+from nonsmooth.reports.studies.result import FORMATS, DataTable, Record, Result
+from nonsmooth.reports.studies.study import SceneStudy, StudyRequest
+from nonsmooth.reports.studies.study_command import command
 from nonsmooth.symbolic.scene_kind import SceneKind
 
 if TYPE_CHECKING:

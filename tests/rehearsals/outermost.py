@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from typing import Any, ClassVar
 
-from nonsmooth.reports.check import CheckOptions, CheckStudy
-from nonsmooth.reports.check_results import CheckResult
-from nonsmooth.reports.options import SceneTexts
-from nonsmooth.reports.result import Record, Result
-from nonsmooth.reports.study_command import command
-from nonsmooth.reports.study_options import option
+from nonsmooth.reports.checks.check import CheckOptions, CheckStudy
+from nonsmooth.reports.checks.check_results import CheckResult
+from nonsmooth.reports.output.options import SceneTexts
+from nonsmooth.reports.output.study_options import option
+from nonsmooth.reports.studies.result import Record, Result
+from nonsmooth.reports.studies.study_command import command
 
 
 @dataclass(frozen=True, kw_only=True)

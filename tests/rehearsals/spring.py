@@ -13,14 +13,15 @@ from enum import StrEnum
 from pathlib import Path
 from typing import Any, ClassVar, Self
 
-from nonsmooth.reports import check, derivation, parts
-from nonsmooth.reports.document import Block, Section, findings
+from nonsmooth.reports.checks import check
+from nonsmooth.reports.checks.references import FILIPPOV, Reference
+from nonsmooth.reports.checks.subject import ReportPart, ReportSubject
+from nonsmooth.reports.derivations import derivation, parts
 from nonsmooth.reports.interface import load as interface_load
 from nonsmooth.reports.interface.scene import PythonScene
-from nonsmooth.reports.prose import paragraph
-from nonsmooth.reports.references import FILIPPOV, Reference
-from nonsmooth.reports.result import DataTable, Record, Result
-from nonsmooth.reports.subject import ReportPart, ReportSubject
+from nonsmooth.reports.output.document import Block, Section, findings
+from nonsmooth.reports.output.prose import paragraph
+from nonsmooth.reports.studies.result import DataTable, Record, Result
 from nonsmooth.symbolic.files import system_file
 from nonsmooth.symbolic.files.scene_file import read_document
 from nonsmooth.symbolic.scene_error import SceneError

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from nonsmooth.reports import parts
-from nonsmooth.reports.subject import ReportPart
+from nonsmooth.reports.checks.subject import ReportPart
+from nonsmooth.reports.derivations import parts
 from tests.rehearsals.arms import arms_section, without_arms
 from tests.reports.conftest import Invoke
 

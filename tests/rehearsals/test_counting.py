@@ -13,11 +13,11 @@ from typing import Any
 import pytest
 
 import nonsmooth as ns
-from nonsmooth.reports import result
 from nonsmooth.reports.commands import registry
-from nonsmooth.reports.result import Result
-from nonsmooth.reports.simulate_options import PATH, SimulateOptions
-from nonsmooth.reports.study import takes
+from nonsmooth.reports.simulations.simulate_options import PATH, SimulateOptions
+from nonsmooth.reports.studies import result
+from nonsmooth.reports.studies.result import Result
+from nonsmooth.reports.studies.study import takes
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.files.system_file import load_system
 from tests.rehearsals import counting

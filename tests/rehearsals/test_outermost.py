@@ -8,7 +8,7 @@ import sys
 import pytest
 
 from nonsmooth.reports.commands import registry
-from nonsmooth.reports.study import takes
+from nonsmooth.reports.studies.study import takes
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.rehearsals import outermost
 from tests.reports.conftest import Invoke

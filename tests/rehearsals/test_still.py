@@ -15,7 +15,7 @@ from nonsmooth.proofs.kernel.search import KINDS, NotShownError
 from nonsmooth.proofs.system_certificates import certificate_of, certificate_text
 from nonsmooth.proofs.system_decision import STRATEGIES, decide_system
 from nonsmooth.proofs.systems.findings import Method
-from nonsmooth.reports.check import check_system
+from nonsmooth.reports.checks.check import check_system
 from nonsmooth.symbolic.files.system_file import build_system
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 from tests.rehearsals.still import CONSTANTS, NO_MOTION, STILL, show_by_constants, show_still

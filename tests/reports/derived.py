@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from functools import cache
 
-from nonsmooth.reports.derivation import ReportResult, derive_report, render_report
+from nonsmooth.reports.checks.subject import Invocation
+from nonsmooth.reports.derivations.derivation import ReportResult, derive_report, render_report
 from nonsmooth.reports.papers.murphey_burdick_2001.audit import audit_section
-from nonsmooth.reports.subject import Invocation
 from nonsmooth.symbolic.files.scene_file import load_scene
 
 

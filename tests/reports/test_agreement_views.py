@@ -7,7 +7,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from nonsmooth.reports.agreement import compare_scene
+from nonsmooth.reports.checks.agreement import compare_scene
 from nonsmooth.symbolic.files.scene_file import load_scene
 
 if TYPE_CHECKING:

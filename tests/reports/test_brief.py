@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from nonsmooth.reports.brief import brief_document
-from nonsmooth.reports.derivation import ReportResult, render_report
-from nonsmooth.reports.document import Bullets, Document, Paragraph, Section, Table, plain_text
+from nonsmooth.reports.checks.subject import ArraySubject, Invocation
+from nonsmooth.reports.derivations.brief import brief_document
+from nonsmooth.reports.derivations.derivation import ReportResult, render_report
+from nonsmooth.reports.output.document import Bullets, Document, Paragraph, Section, Table, plain_text
 from nonsmooth.reports.sections.answers import answers_section
-from nonsmooth.reports.subject import ArraySubject, Invocation
 from nonsmooth.symbolic.files.scene_file import load_scene
 
 if TYPE_CHECKING:

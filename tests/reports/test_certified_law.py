@@ -24,9 +24,9 @@ from nonsmooth.analysis.cells.contact_partition import build_partition
 from nonsmooth.analysis.fields import feedback_laws
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.theorem4 import check_cells
-from nonsmooth.reports.derivation import derive_report
-from nonsmooth.reports.document import Figure, Math, Paragraph, Section, Text
-from nonsmooth.reports.subject import Invocation
+from nonsmooth.reports.checks.subject import Invocation
+from nonsmooth.reports.derivations.derivation import derive_report
+from nonsmooth.reports.output.document import Figure, Math, Paragraph, Section, Text
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.reports.derived import derived
 from tests.thorough import few, keep, thorough
@@ -286,7 +286,7 @@ def pushing(monkeypatch: pytest.MonkeyPatch) -> None:
     def turned(gain: float, *rest: Any) -> Any:
         return own(-gain, *rest)
 
-    monkeypatch.setattr("nonsmooth.reports.feedback_loop.gradient_law", turned)
+    monkeypatch.setattr("nonsmooth.reports.laws.feedback_loop.gradient_law", turned)
 
 
 @pytest.mark.usefixtures("pushing")

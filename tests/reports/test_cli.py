@@ -23,7 +23,7 @@ from nonsmooth.analysis.trajectories.lyapunov_watch import LyapunovViolationErro
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.reports.cli import app
-from nonsmooth.reports.console import BAD_INPUT, run
+from nonsmooth.reports.output.console import BAD_INPUT, run
 from nonsmooth.symbolic.expression import parse
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, builtin_systems, builtin_vehicles
 from nonsmooth.symbolic.numbers.number import Number
@@ -367,7 +367,7 @@ def test_a_path_that_cannot_go_on_is_refused_and_a_violated_bound_is_a_fault(
     def give_up(*_: object) -> None:
         raise error
 
-    monkeypatch.setattr("nonsmooth.reports.paths.follow_cells", give_up)
+    monkeypatch.setattr("nonsmooth.reports.simulations.paths.follow_cells", give_up)
     outcome = invoke("simulate", "four-wheel", "--from", "0.2,0.4,0")
     assert (outcome.status, outcome.out) == (status, "")
     assert ("Traceback" in outcome.err) == (status == 70)

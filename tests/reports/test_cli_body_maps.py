@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING
 import pytest
 
 import nonsmooth
-from nonsmooth.reports.answers import destinations_head
-from nonsmooth.reports.body_maps import BodyMapResult, destinations_figure
-from nonsmooth.reports.check import check_scene
+from nonsmooth.reports.checks.answers import destinations_head
+from nonsmooth.reports.checks.check import check_scene
+from nonsmooth.reports.simulations.body_maps import BodyMapResult, destinations_figure
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene_error import SceneError
 from tests.thorough import thorough

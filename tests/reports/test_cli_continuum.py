@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from nonsmooth.reports.derivation import REPORT_FORMATS, derive_report, render_report
+from nonsmooth.reports.derivations.derivation import REPORT_FORMATS, derive_report, render_report
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.rule import CONTACT_RULES
 from tests.reports.derived import derived

@@ -18,11 +18,11 @@ import pytest
 import nonsmooth as ns
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.trajectories.result import TrajectoryError
-from nonsmooth.reports import progress as progress_module
 from nonsmooth.reports.cli import app
-from nonsmooth.reports.console import run
-from nonsmooth.reports.maps import SettleMapResult, ends_figure
-from nonsmooth.reports.progress import progress
+from nonsmooth.reports.output import progress as progress_module
+from nonsmooth.reports.output.console import run
+from nonsmooth.reports.output.progress import progress
+from nonsmooth.reports.simulations.maps import SettleMapResult, ends_figure
 from tests.thorough import few, keep
 
 FORMULA = 1e-12
@@ -178,7 +178,7 @@ def test_a_path_that_floats_lose_is_one_line(
     def lost(*arguments: Any) -> Any:
         raise TrajectoryError("no edge of cell 1 at (0, 0): please report this")
 
-    monkeypatch.setattr("nonsmooth.reports.maps.settled", lost)
+    monkeypatch.setattr("nonsmooth.reports.simulations.maps.settled", lost)
     assert run(app, ["simulate", "four-wheel", "--grid", "2"]) == 2
     said = capsys.readouterr().err
     assert said.count("\n") == 1

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from nonsmooth.reports.cli import app
-from nonsmooth.reports.console import run
+from nonsmooth.reports.output.console import run
 from tests.thorough import few, keep
 
 ROUNDING = 1e-14

@@ -13,8 +13,8 @@ from rich.console import Console
 
 import nonsmooth as ns
 from nonsmooth.proofs.system_decision import decide_system
-from nonsmooth.reports.console import BAD_INPUT
-from nonsmooth.reports.system_results import SystemCheckResult
+from nonsmooth.reports.checks.system_results import SystemCheckResult
+from nonsmooth.reports.output.console import BAD_INPUT
 from nonsmooth.symbolic.files.system_file import load_system
 from tests.thorough import few, keep
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from nonsmooth.reports.derivation import complete_part
-from nonsmooth.reports.options import complete_scene, complete_study
+from nonsmooth.reports.derivations.derivation import complete_part
+from nonsmooth.reports.output.options import complete_scene, complete_study
 
 
 def test_sections_are_completed_after_a_comma() -> None:

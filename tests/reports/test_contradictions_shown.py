@@ -12,7 +12,7 @@ import nonsmooth as ns
 from nonsmooth.proofs import theorem4
 from nonsmooth.proofs.findings.verdicts import Theorem4, Translation
 from nonsmooth.proofs.theorem4_result import CellCheck, Check
-from nonsmooth.reports import subject
+from nonsmooth.reports.checks import subject
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -16,14 +16,14 @@ from hypothesis import strategies as st
 from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.proofs.findings.verdicts import Feedback
 from nonsmooth.proofs.theorem4_result import CellCheck
-from nonsmooth.reports.derivation import REPORT_FORMATS, ReportResult, derive_report, render_report
-from nonsmooth.reports.document import Bullets, Display, Document, Math, Paragraph, Section, Text, number, table
+from nonsmooth.reports.checks.subject import Invocation
+from nonsmooth.reports.derivations.derivation import REPORT_FORMATS, ReportResult, derive_report, render_report
+from nonsmooth.reports.derivations.parts import PART_NAMES
 from nonsmooth.reports.formats.latex import render_latex
 from nonsmooth.reports.formats.markdown import render_markdown
-from nonsmooth.reports.parts import PART_NAMES
-from nonsmooth.reports.prose import paragraph, prose
+from nonsmooth.reports.output.document import Bullets, Display, Document, Math, Paragraph, Section, Text, number, table
+from nonsmooth.reports.output.prose import paragraph, prose
 from nonsmooth.reports.sections.rules import MOST_WHEELS
-from nonsmooth.reports.subject import Invocation
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from tests.reports.derived import derived

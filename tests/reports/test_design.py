@@ -15,10 +15,10 @@ import numpy as np
 import pytest
 
 import nonsmooth as ns
-from nonsmooth.reports.design import DesignResult
+from nonsmooth.reports.derivations.parts import PART_NAMES
+from nonsmooth.reports.designs.design import DesignResult
 from nonsmooth.reports.designs.freedom import Freedom, largest_symmetry, orbits_of
 from nonsmooth.reports.designs.toml_text import toml_text
-from nonsmooth.reports.parts import PART_NAMES
 from nonsmooth.symbolic.files.scene_file import build_scene, load_scene, read_document
 from nonsmooth.symbolic.scene import Wheel
 from tests.oracles.measured_tables import MeasuredTable
@@ -213,7 +213,7 @@ def test_the_fewest_wheels_are_too_few_without_any_one(invoke: Invoke, tmp_path:
 
 def test_a_report_of_the_winner(invoke: Invoke, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     left_out = ",".join(name for name in PART_NAMES if name not in ("answers", "array"))
-    monkeypatch.setattr("nonsmooth.reports.design.MEASUREMENTS", left_out)
+    monkeypatch.setattr("nonsmooth.reports.designs.design.MEASUREMENTS", left_out)
     outcome = invoke("design", "rectangle", "--maximize", "margin", "--checks", "2", "--report", "won.md")
     assert outcome.status == 0
     assert "misjudge the position" in " ".join(outcome.out.split())

@@ -21,8 +21,8 @@ from nonsmooth.analysis.trajectories.result import TrajectoryError
 from nonsmooth.proofs.clauses.feedback.by_friction import decide_driven_feedback
 from nonsmooth.proofs.own_paths import ContradictionError
 from nonsmooth.proofs.theorem4 import check_theorem4
-from nonsmooth.reports.driven_loop import DrivenLoop
-from nonsmooth.reports.law_program import law_of
+from nonsmooth.reports.laws.driven_loop import DrivenLoop
+from nonsmooth.reports.laws.law_program import law_of
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
 from tests.thorough import few, keep, thorough

@@ -7,11 +7,11 @@ from io import StringIO
 import pytest
 from rich.console import Console
 
-from nonsmooth.reports.answers import answers_view
-from nonsmooth.reports.check import check_scene
-from nonsmooth.reports.check_results import CheckResult
-from nonsmooth.reports.document import Document, Section
+from nonsmooth.reports.checks.answers import answers_view
+from nonsmooth.reports.checks.check import check_scene
+from nonsmooth.reports.checks.check_results import CheckResult
 from nonsmooth.reports.formats.markdown import render_markdown
+from nonsmooth.reports.output.document import Document, Section
 from nonsmooth.reports.sections.answers import _headings
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.thorough import thorough

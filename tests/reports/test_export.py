@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
-from nonsmooth.reports.mjcf import CONFORMS, Motion, export_scene
+from nonsmooth.reports.engine.mjcf import CONFORMS, Motion, export_scene
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.files.vehicle_file import load_vehicle
 from tests.engine_export import engine_twist, error, predicted_twist

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from nonsmooth.analysis.fields.contact_model import Floats
-from nonsmooth.reports.mjcf_world import WorldExport, export_world
+from nonsmooth.reports.engine.mjcf_world import WorldExport, export_world
 from nonsmooth.symbolic.body import Body
 from nonsmooth.symbolic.continuum import Disc
 from nonsmooth.symbolic.files.body_table import rectangle

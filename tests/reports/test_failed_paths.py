@@ -13,8 +13,8 @@ import nonsmooth as ns
 from nonsmooth.analysis.bodies.mass_study import rule_path
 from nonsmooth.analysis.trajectories.result import EndReason
 from nonsmooth.proofs.answers.failures import stopped, without
-from nonsmooth.reports.failed_paths import follow_failures
-from nonsmooth.reports.simulate_options import SimulateOptions
+from nonsmooth.reports.simulations.failed_paths import follow_failures
+from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.thorough import keep
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from nonsmooth.reports.files import OutputError, write_whole
+from nonsmooth.reports.output.files import OutputError, write_whole
 
 
 def test_a_planted_link_is_not_followed(tmp_path: Path) -> None:

@@ -16,9 +16,9 @@ import nonsmooth as ns
 from nonsmooth.reports.animation import film as film_module
 from nonsmooth.reports.animation.film import MOST_FRAMES, RATE, build_film, frame_times
 from nonsmooth.reports.cli import app
-from nonsmooth.reports.console import BAD_INPUT, run
 from nonsmooth.reports.figures.wheels import outline_of, placed
-from nonsmooth.reports.files import OutputError
+from nonsmooth.reports.output.console import BAD_INPUT, run
+from nonsmooth.reports.output.files import OutputError
 from tests.thorough import keep, thorough
 
 START = ("--from", "0.2,0.4,0.1")

@@ -14,10 +14,10 @@ from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.minimizers.float_loads import loads_at
 from nonsmooth.analysis.motion.frames import Frames, WheelContact, build_frames
-from nonsmooth.reports.choices import PathMethod
-from nonsmooth.reports.feedback_loop import FeedbackLoop
-from nonsmooth.reports.paths import PathResult, follow_cells
-from nonsmooth.reports.simulate_options import SimulateOptions
+from nonsmooth.reports.laws.feedback_loop import FeedbackLoop
+from nonsmooth.reports.output.choices import PathMethod
+from nonsmooth.reports.simulations.paths import PathResult, follow_cells
+from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from tests.thorough import thorough
 
 PATHS: dict[str, tuple[str, tuple[float, float, float], dict[str, Any]]] = {

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from nonsmooth.reports.subject import Invocation
+from nonsmooth.reports.checks.subject import Invocation
 from tests.gallery import PAGE, SHOWN, gallery_files, gallery_page, gallery_report
 from tests.reports.derived import derived, page
 from tests.thorough import keep

@@ -25,9 +25,9 @@ from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.theorem4_result import Check
-from nonsmooth.reports.law_program import law_of
-from nonsmooth.reports.paths import follow_array
-from nonsmooth.reports.simulate_options import SimulateOptions
+from nonsmooth.reports.laws.law_program import law_of
+from nonsmooth.reports.simulations.paths import follow_array
+from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.symbolic.scene import Scene
 from tests.conftest import WheelData
 from tests.oracles.clause_evidence import evidence_holds

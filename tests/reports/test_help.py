@@ -23,9 +23,9 @@ def test_summaries_are_those_of_the_commands(name: str) -> None:
 
 def test_the_help_names_every_command_and_imports_none() -> None:
     code = (
-        "import sys; from nonsmooth.reports.cli import app; from nonsmooth.reports.console import run; "
+        "import sys; from nonsmooth.reports.cli import app; from nonsmooth.reports.output.console import run; "
         "run(app, ['--help']); "
-        "heavy = {'rich', 'pydantic', 'flint', 'numpy', 'sympy', 'nonsmooth.analysis', 'nonsmooth.reports.options'}; "
+        "heavy = {'rich', 'pydantic', 'flint', 'numpy', 'sympy', 'nonsmooth.analysis', 'nonsmooth.reports.output.options'}; "
         "print(sorted(heavy & set(sys.modules)), file=sys.stderr)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=True)

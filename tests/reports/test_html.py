@@ -14,11 +14,21 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from nonsmooth.reports.derivation import derive_report, render_report
-from nonsmooth.reports.document import Document, Figure, Frame, Math, Paragraph, Section, cell_mark, display, table
+from nonsmooth.reports.checks.subject import Invocation
+from nonsmooth.reports.derivations.derivation import derive_report, render_report
+from nonsmooth.reports.derivations.parts import PART_NAMES, chosen_parts
 from nonsmooth.reports.formats.html import NAMESPACE, display_mathml, inline_mathml, render_html
-from nonsmooth.reports.parts import PART_NAMES, chosen_parts
-from nonsmooth.reports.subject import Invocation
+from nonsmooth.reports.output.document import (
+    Document,
+    Figure,
+    Frame,
+    Math,
+    Paragraph,
+    Section,
+    cell_mark,
+    display,
+    table,
+)
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.reports.derived import derived_afresh, page
 from tests.thorough import examples, few, keep, thorough
@@ -210,7 +220,7 @@ def test_sections_that_were_not_asked_for_are_not_computed(monkeypatch: pytest.M
         raise AssertionError(arguments)
 
     monkeypatch.setattr("nonsmooth.reports.sections.trajectories.simulate", forbidden)
-    monkeypatch.setattr("nonsmooth.reports.subject.compare_rules", forbidden)
+    monkeypatch.setattr("nonsmooth.reports.checks.subject.compare_rules", forbidden)
     parts = chosen_parts((), ("trajectories", "rules"))
     report = derive_report(load_scene("ring-3"), Invocation("ring-3"), parts)
     titles = [section.title for section in report.document.sections]

@@ -11,7 +11,7 @@ import pytest
 from typer.main import get_command
 
 from nonsmooth.reports.cli import app
-from nonsmooth.reports.console import run
+from nonsmooth.reports.output.console import run
 from tests.thorough import few
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -14,7 +14,7 @@ import pytest
 from nonsmooth.proofs.clauses.feedback.by_friction import decide_driven_feedback
 from nonsmooth.proofs.clauses.feedback.loop_bounds import ultimate_bound
 from nonsmooth.proofs.findings.verdicts import Certainty
-from nonsmooth.reports.driven_loop import DrivenLoop
+from nonsmooth.reports.laws.driven_loop import DrivenLoop
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.loop_errors import LoopErrors
 from nonsmooth.symbolic.scene import Scene

@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from nonsmooth.reports.derivation import derive_report, render_report
-from nonsmooth.reports.parts import PART_NAMES
-from nonsmooth.reports.subject import Invocation
+from nonsmooth.reports.checks.subject import Invocation
+from nonsmooth.reports.derivations.derivation import derive_report, render_report
+from nonsmooth.reports.derivations.parts import PART_NAMES
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
 from tests.reports.derived import derived
 from tests.thorough import few, keep

@@ -24,10 +24,10 @@ from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.clauses.feedback.driven_law import in_scene, rim_speeds
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.theorem4_result import CellCheck, Check
-from nonsmooth.reports.choices import LawName
-from nonsmooth.reports.feedback_loop import build_loop
-from nonsmooth.reports.law_program import law_of
-from nonsmooth.reports.law_table import LawKind
+from nonsmooth.reports.laws.feedback_loop import build_loop
+from nonsmooth.reports.laws.law_program import law_of
+from nonsmooth.reports.laws.law_table import LawKind
+from nonsmooth.reports.output.choices import LawName
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
 from nonsmooth.symbolic.similar_scenes import in_own_length
 from nonsmooth.symbolic.units import Units

@@ -26,14 +26,14 @@ from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.clauses.feedback.loop_bounds import wheel_speed
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.proofs.theorem4_result import CellCheck, Check
-from nonsmooth.reports.choices import LawName
-from nonsmooth.reports.driven_loop import DrivenLoop
-from nonsmooth.reports.feedback_loop import build_loop
-from nonsmooth.reports.law_languages import Language
-from nonsmooth.reports.law_program import LawResult, law_of
-from nonsmooth.reports.law_table import LawKind, NoLawError
-from nonsmooth.reports.paths import follow_array
-from nonsmooth.reports.simulate_options import SimulateOptions
+from nonsmooth.reports.laws.driven_loop import DrivenLoop
+from nonsmooth.reports.laws.feedback_loop import build_loop
+from nonsmooth.reports.laws.law_languages import Language
+from nonsmooth.reports.laws.law_program import LawResult, law_of
+from nonsmooth.reports.laws.law_table import LawKind, NoLawError
+from nonsmooth.reports.output.choices import LawName
+from nonsmooth.reports.simulations.paths import follow_array
+from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.units import Units

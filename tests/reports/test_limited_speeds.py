@@ -31,8 +31,8 @@ from nonsmooth.proofs.clauses.feedback.driven_law import rim_speeds
 from nonsmooth.proofs.clauses.feedback.gradient_law import LimitedRate
 from nonsmooth.proofs.clauses.feedback.loop_bounds import limited_speed
 from nonsmooth.reports.cli import app
-from nonsmooth.reports.console import run
-from nonsmooth.reports.paths import ArrayPath, PathResult
+from nonsmooth.reports.output.console import run
+from nonsmooth.reports.simulations.paths import ArrayPath, PathResult
 from nonsmooth.symbolic.similar_scenes import in_own_length
 from tests.thorough import few, keep, thorough
 

@@ -11,8 +11,8 @@ import pytest
 
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory
 from nonsmooth.reports.figures.path import MARKERS
-from nonsmooth.reports.paths import follow_array
-from nonsmooth.reports.simulate_options import SimulateOptions
+from nonsmooth.reports.simulations.paths import follow_array
+from nonsmooth.reports.simulations.simulate_options import SimulateOptions
 from nonsmooth.symbolic.contact_set import standing
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.outlined import polygon_depths

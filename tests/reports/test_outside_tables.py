@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from nonsmooth.reports.console import BAD_INPUT
+from nonsmooth.reports.output.console import BAD_INPUT
 
 if TYPE_CHECKING:
     from tests.reports.conftest import Invoke

@@ -13,7 +13,7 @@ import pytest
 
 from nonsmooth.analysis.bodies.many_paths import ENDS, BodyEnd, BodyEnds
 from nonsmooth.analysis.bodies.mass_study import body_of, body_path
-from nonsmooth.reports.heading_maps import HeadingsResult
+from nonsmooth.reports.simulations.heading_maps import HeadingsResult
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.units import Units
 

@@ -28,10 +28,10 @@ from nonsmooth.analysis.measurements.harness import (
 )
 from nonsmooth.proofs import measurements
 from nonsmooth.proofs.measurements import STUDIES
-from nonsmooth.reports.console import INTERRUPTED
+from nonsmooth.reports.checks.measurements import Precision
 from nonsmooth.reports.figures.measurements import measurements_figure
-from nonsmooth.reports.measurements import Precision
-from nonsmooth.reports.progress import silent
+from nonsmooth.reports.output.console import INTERRUPTED
+from nonsmooth.reports.output.progress import silent
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
 from tests.precision_page import page_text

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from nonsmooth.proofs.theorem4 import check_theorem4
-from nonsmooth.reports.document import Math
-from nonsmooth.reports.prose import with_formulas
+from nonsmooth.reports.output.document import Math
+from nonsmooth.reports.output.prose import with_formulas
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
 from tests.thorough import few, keep
 

@@ -17,7 +17,7 @@ from nonsmooth.proofs.checker.statements import refusal
 from nonsmooth.proofs.system_certificates import find_region_of_simplices
 from nonsmooth.proofs.systems.basin import EFFORTS, BasinEffort, CertifiedBasin
 from nonsmooth.proofs.systems.basin_rings import Pace
-from nonsmooth.reports.check import check_system
+from nonsmooth.reports.checks.check import check_system
 from tests.thorough import keep, thorough
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from nonsmooth.reports.cli import app
-from nonsmooth.reports.console import run
+from nonsmooth.reports.output.console import run
 from tests.thorough import keep, thorough
 
 TABLE = """name = "table"

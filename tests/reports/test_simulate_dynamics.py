@@ -15,7 +15,7 @@ from nonsmooth.analysis.bodies.mass_path import simulate_dynamics
 from nonsmooth.analysis.dynamics.newton_euler import RigidBody
 from nonsmooth.analysis.fields.contact_model import contact_model
 from nonsmooth.reports.cli import app
-from nonsmooth.reports.console import run
+from nonsmooth.reports.output.console import run
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.thorough import thorough
 

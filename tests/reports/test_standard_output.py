@@ -81,7 +81,7 @@ def flower(tmp_path_factory: pytest.TempPathFactory) -> Loud:
     """
     environment = loud_environment(tmp_path_factory.mktemp("loud"))
     code = (
-        "from nonsmooth.reports.cli import app; from nonsmooth.reports.console import run; "
+        "from nonsmooth.reports.cli import app; from nonsmooth.reports.output.console import run; "
         "run(app, ['check', 'flower', '--json']); "
         "import builtins, json, os; from cvxpy.reductions.solvers import defines; "
         "looked_at = os.path.exists(os.environ['LOOKED_AT']); "

@@ -13,16 +13,16 @@ from types import SimpleNamespace
 import pytest
 
 import nonsmooth as ns
-from nonsmooth.reports import progress as progress_module
-from nonsmooth.reports.check import CHECK
+from nonsmooth.reports.checks.check import CHECK
 from nonsmooth.reports.cli import app
-from nonsmooth.reports.console import run
-from nonsmooth.reports.derivation import DERIVE
-from nonsmooth.reports.design import DESIGN
-from nonsmooth.reports.progress import CLEAR_LINE, end_progress, steps
-from nonsmooth.reports.refusals import RefusedError
-from nonsmooth.reports.simulate import SIMULATE
-from nonsmooth.reports.sweep import SWEEP
+from nonsmooth.reports.derivations.derivation import DERIVE
+from nonsmooth.reports.designs.design import DESIGN
+from nonsmooth.reports.output import progress as progress_module
+from nonsmooth.reports.output.console import run
+from nonsmooth.reports.output.progress import CLEAR_LINE, end_progress, steps
+from nonsmooth.reports.output.refusals import RefusedError
+from nonsmooth.reports.simulations.simulate import SIMULATE
+from nonsmooth.reports.sweeps.sweep_study import SWEEP
 from nonsmooth.symbolic.under_way import listening, part_of, parts, tell, tell_count
 from tests.thorough import few
 
@@ -177,8 +177,9 @@ def test_headings_and_tolerances_are_named_while_they_are_decided(tmp_path: Path
 
 LOGGED = """
 import sys, time
-from nonsmooth.reports import cli, progress
-from nonsmooth.reports.simulate import SIMULATE
+from nonsmooth.reports import cli
+from nonsmooth.reports.output import progress
+from nonsmooth.reports.simulations.simulate import SIMULATE
 from nonsmooth.symbolic.under_way import tell
 progress.LOGGED = 0.1
 run = type(SIMULATE).run

@@ -11,9 +11,9 @@ import pytest
 
 from nonsmooth.analysis.measurements.harness import Case, ResultRow, Rows, judged, refused
 from nonsmooth.proofs import measurements
+from nonsmooth.reports.checks.measurements import Stress
 from nonsmooth.reports.cli import app
-from nonsmooth.reports.console import INTERRUPTED, run
-from nonsmooth.reports.measurements import Stress
+from nonsmooth.reports.output.console import INTERRUPTED, run
 from tests.thorough import keep, thorough
 
 GOOD = judged("spirals", "loss 1e-3", "1e5 switches", 1e-13, 1e-12, condition=1e3, why="rounding")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from nonsmooth.proofs.findings.facts import Fact, Quantity, row_fact, text_fact, unsaid
-from nonsmooth.reports.facts import fact_record, fact_rows
+from nonsmooth.reports.output.facts import fact_record, fact_rows
 
 
 def test_a_nested_record_says_its_own_rows_in_their_place() -> None:

@@ -9,7 +9,7 @@ import pytest
 
 import nonsmooth as ns
 from nonsmooth.reports.cli import app
-from nonsmooth.reports.console import BAD_INPUT, run
+from nonsmooth.reports.output.console import BAD_INPUT, run
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene_error import SceneError
 from nonsmooth.symbolic.similar_scenes import moved, scaled

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from nonsmooth.reports.cli import app
-from nonsmooth.reports.console import BAD_INPUT, run
+from nonsmooth.reports.output.console import BAD_INPUT, run
 from nonsmooth.symbolic.expression import ExpressionError
 from nonsmooth.symbolic.files.scene_values import read_exact
 from nonsmooth.symbolic.files.start_values import read_start_angle

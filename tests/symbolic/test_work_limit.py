@@ -10,7 +10,7 @@ from flint import arb, ctx
 from nonsmooth.analysis.cells import box, nearest
 from nonsmooth.proofs import theorem4
 from nonsmooth.reports.cli import app
-from nonsmooth.reports.console import run
+from nonsmooth.reports.output.console import run
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.number_text import real_text
 from nonsmooth.symbolic.numbers import enclosures

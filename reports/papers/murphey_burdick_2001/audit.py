@@ -30,7 +30,7 @@ from nonsmooth.proofs.findings.verdicts import Rotation, Theorem4
 from nonsmooth.proofs.inequalities.linear_program import best_mixture, mixtures_to_zero
 from nonsmooth.proofs.theorem4 import check_cells, check_smooth
 from nonsmooth.proofs.theorem4_result import CellCheck
-from nonsmooth.reports.document import (
+from nonsmooth.reports.output.document import (
     Block,
     Bullets,
     Entry,
@@ -43,6 +43,7 @@ from nonsmooth.reports.document import (
     point,
     table,
 )
+from nonsmooth.reports.output.prose import paragraph, prose
 from nonsmooth.reports.papers.murphey_burdick_2001.sign_form import (
     EQUATION_3,
     EQUATION_4,
@@ -61,7 +62,6 @@ from nonsmooth.reports.papers.murphey_burdick_2001.sign_form import (
     y1,
     y2,
 )
-from nonsmooth.reports.prose import paragraph, prose
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.plane import dot, turned

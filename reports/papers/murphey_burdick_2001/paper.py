@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from nonsmooth.reports.document import Block, Code, display
-from nonsmooth.reports.prose import paragraph
+from nonsmooth.reports.output.document import Block, Code, display
+from nonsmooth.reports.output.prose import paragraph
 from nonsmooth.symbolic.plane import cross, dot
 from nonsmooth.symbolic.scene import Scene
 

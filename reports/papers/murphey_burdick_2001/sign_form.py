@@ -20,9 +20,9 @@ import sympy
 from sympy import cos, sin, sqrt
 
 from nonsmooth.analysis.cells.partition import Partition
-from nonsmooth.reports.document import Block, Math, Paragraph, Section, display
-from nonsmooth.reports.prose import listed, paragraph, prose
-from nonsmooth.reports.subject import ArraySubject
+from nonsmooth.reports.checks.subject import ArraySubject
+from nonsmooth.reports.output.document import Block, Math, Paragraph, Section, display
+from nonsmooth.reports.output.prose import listed, paragraph, prose
 from nonsmooth.symbolic.formulas import Formula, number_latex
 from nonsmooth.symbolic.numbers.enclosures import EXACT_ROOTS
 from nonsmooth.symbolic.numbers.number import Number, sign

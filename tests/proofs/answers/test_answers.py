@@ -24,8 +24,8 @@ from nonsmooth.proofs.answers.other_rules import TAKES_LONG, other_rules
 from nonsmooth.proofs.findings.facts import Fact
 from nonsmooth.proofs.theorem4 import check_cells, check_theorem4
 from nonsmooth.proofs.theorem4_result import Theorem4Result
-from nonsmooth.reports.check import REQUIRABLE
-from nonsmooth.reports.facts import fact_lines
+from nonsmooth.reports.checks.check import REQUIRABLE
+from nonsmooth.reports.output.facts import fact_lines
 from nonsmooth.symbolic.files.scene_file import builtin_scenes, load_scene
 from nonsmooth.symbolic.scene_error import SceneError
 from tests.thorough import few, keep

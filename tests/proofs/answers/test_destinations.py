@@ -21,7 +21,7 @@ from nonsmooth.proofs.answers.best_point import at_best_point
 from nonsmooth.proofs.answers.destinations import Destinations, Goal, destinations_of
 from nonsmooth.proofs.theorem4 import check_cells, check_theorem4
 from nonsmooth.reports.cli import app
-from nonsmooth.reports.console import run
+from nonsmooth.reports.output.console import run
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.thorough import few, keep, thorough
 

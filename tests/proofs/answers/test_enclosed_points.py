@@ -13,7 +13,7 @@ from flint import arb
 import nonsmooth as ns
 from nonsmooth.proofs.answers.best_point import best_point
 from nonsmooth.reports.cli import app
-from nonsmooth.reports.console import run
+from nonsmooth.reports.output.console import run
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.numbers.number_field import NumberField
 from nonsmooth.symbolic.numbers.rounded import certain_sign, enclosed, plain

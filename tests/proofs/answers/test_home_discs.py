@@ -16,7 +16,7 @@ from nonsmooth.proofs.answers.answers import answers_of
 from nonsmooth.proofs.answers.best_point import best_point
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.reports.cli import app
-from nonsmooth.reports.console import run
+from nonsmooth.reports.output.console import run
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene
 from tests.oracles.small_steps import Contacts

@@ -25,7 +25,7 @@ from nonsmooth.proofs.robust.rest_points import _is_beyond, _rising, is_carried_
 from nonsmooth.proofs.robust.touching_rings import FINER, TouchingRings, ring_rates, rings_about
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.reports.cli import app
-from nonsmooth.reports.console import run
+from nonsmooth.reports.output.console import run
 from nonsmooth.symbolic.contact_set import ContactSet
 from nonsmooth.symbolic.files.scene_file import load_scene
 from nonsmooth.symbolic.scene import Scene

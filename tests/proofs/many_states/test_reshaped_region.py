@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from nonsmooth.proofs.checker.statements import refusal as refused
 from nonsmooth.proofs.system_certificates import certificate_of, certificate_text
-from nonsmooth.reports.check import check_system
+from nonsmooth.reports.checks.check import check_system
 from nonsmooth.symbolic.files.system_file import build_system
 from tests.thorough import thorough
 

@@ -18,7 +18,7 @@ from matplotlib import pyplot as plt
 import nonsmooth as ns
 from nonsmooth.proofs.answers.answer import Heading, Position
 from nonsmooth.reports.cli import app
-from nonsmooth.reports.console import run
+from nonsmooth.reports.output.console import run
 from nonsmooth.symbolic.files.scene_file import load_scene
 from tests.thorough import few, keep, thorough
 
@@ -208,7 +208,7 @@ def test_a_table_of_pandas_where_there_is_one(monkeypatch: pytest.MonkeyPatch) -
     class Pandas:
         DataFrame: Any = staticmethod(list)
 
-    monkeypatch.setattr("nonsmooth.reports.result.import_module", lambda name: Pandas)
+    monkeypatch.setattr("nonsmooth.reports.studies.result.import_module", lambda name: Pandas)
     assert ring().check().to_dataframe() == ring().check().rows()
     assert len(ns.load("eq-4").check().to_dataframe()) > 3
     assert len(ring().simulate((0.1, 0.2, 0)).to_dataframe()) > 1

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 import nonsmooth as ns
-from nonsmooth.reports.check_results import RulesResult, TippedResult
+from nonsmooth.reports.checks.check_results import RulesResult, TippedResult
 
 if TYPE_CHECKING:
     from tests.reports.conftest import Invoke

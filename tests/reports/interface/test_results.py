@@ -13,7 +13,7 @@ import pytest
 
 import nonsmooth as ns
 from nonsmooth.reports.cli import app
-from nonsmooth.reports.console import run
+from nonsmooth.reports.output.console import run
 from tests.thorough import few, keep
 
 MOST_LINES, WIDEST, LONGEST = 12, 100, 2_000

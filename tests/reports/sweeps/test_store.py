@@ -19,10 +19,9 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from nonsmooth.reports import processes
-from nonsmooth.reports.processes import Process
-from nonsmooth.reports.progress import ProgressCall, silent
-from nonsmooth.reports.sweep import SweepResult
+from nonsmooth.reports.output import processes
+from nonsmooth.reports.output.processes import Process
+from nonsmooth.reports.output.progress import ProgressCall, silent
 from nonsmooth.reports.sweeps import store as store_module
 from nonsmooth.reports.sweeps import workers as workers_module
 from nonsmooth.reports.sweeps.base import base_of
@@ -30,6 +29,7 @@ from nonsmooth.reports.sweeps.outcome import Outcome
 from nonsmooth.reports.sweeps.store import Store
 from nonsmooth.reports.sweeps.sweep import Means, Runner, run_sweep
 from nonsmooth.reports.sweeps.sweep_plan import read_plan
+from nonsmooth.reports.sweeps.sweep_study import SweepResult
 from nonsmooth.reports.sweeps.values import Entry, SweepError
 from nonsmooth.reports.sweeps.workers import DEATHS, DIED, InProcess, ProcessPool, Task, Work
 from nonsmooth.symbolic.files.scene_file import read_document

@@ -15,7 +15,7 @@ import pytest
 
 import nonsmooth as ns
 from nonsmooth.reports.designs.toml_text import toml_text
-from nonsmooth.reports.document import Table, plain_text
+from nonsmooth.reports.output.document import Table, plain_text
 from nonsmooth.reports.sweeps.base import Base, base_of
 from nonsmooth.reports.sweeps.borders import Border, find_borders, said
 from nonsmooth.reports.sweeps.outcome import QUESTIONS, Outcome, outcome_of

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from nonsmooth.proofs.clauses.workspace import unheard
-from nonsmooth.reports.check import check_scene
+from nonsmooth.reports.checks.check import check_scene
 from nonsmooth.reports.interface.array import Array
 from nonsmooth.reports.interface.load import load
 from nonsmooth.reports.workbench import array_view

@@ -18,7 +18,7 @@ from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.theorem4 import check_cells
 from nonsmooth.proofs.theorem4_result import CellCheck
-from nonsmooth.reports.document import Inline, Math, Table
+from nonsmooth.reports.output.document import Inline, Math, Table
 from nonsmooth.reports.papers.murphey_burdick_2001 import audit
 from nonsmooth.reports.papers.murphey_burdick_2001.audit import (
     RAYS,

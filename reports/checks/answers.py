@@ -1,0 +1,247 @@
+"""The answers to a check, written down: as the first block on a terminal, and as JSON."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, NamedTuple
+
+from rich.console import Group, RenderableType
+from rich.text import Text
+
+from nonsmooth.analysis.contact_rule import rule_notes, rule_of
+from nonsmooth.proofs.answers.answer import Answer, Position, has_dynamics
+from nonsmooth.proofs.answers.answers import Answers
+from nonsmooth.proofs.answers.bounds import at_least, of_length
+from nonsmooth.proofs.answers.contact_wheels import contact_facts
+from nonsmooth.proofs.answers.other_rules import OtherRule
+from nonsmooth.proofs.findings.facts import Quantity
+from nonsmooth.proofs.findings.verdicts import Theorem4
+from nonsmooth.proofs.theorem4_result import Check, Contradiction
+from nonsmooth.reports.checks.equilibrium_headings import headings_blocks, headings_record
+from nonsmooth.reports.output.document import Table, table, without_empty_columns
+from nonsmooth.reports.output.facts import Record, as_record, fact_record
+from nonsmooth.reports.output.terminal import answers_table, blocks_view, verdict_text
+from nonsmooth.symbolic.number_text import float_text, percent_text, place_text, short_text
+from nonsmooth.symbolic.scene_error import one_line
+
+if TYPE_CHECKING:
+    from nonsmooth.proofs.answers.best_point import RestPoint
+    from nonsmooth.proofs.answers.destinations import Destination, Destinations
+    from nonsmooth.symbolic.scene import Scene
+
+MOST_SHOWN = 8  # destinations on a terminal and in a report
+GOES = ("the body ...", "starts", "near there", "heading")
+PLACE_DIGITS = 4
+THEOREM = "Theorem 4 (the position is stable, the heading is not, feedback holds both where mu_side < mu_roll): "
+
+
+class StatedAnswers(NamedTuple):
+    """The answers to a check in words, which a terminal and a report set each in its way.
+
+    Attributes:
+        answers: position, heading and pose, and those about inertia and tolerances where some is stated.
+        contact: which wheels carry the body.
+        rule: the contact rule, with what it means.
+        notes: what users of the rule must know.
+        contradictions: three lines each.
+    """
+
+    answers: tuple[Answer, ...]
+    contact: str
+    rule: str
+    notes: tuple[str, ...]
+    contradictions: tuple[tuple[str, str, str], ...]
+
+
+def stated_answers(result: Check, answers: Answers) -> StatedAnswers:
+    """What there is to say of a check beside its tables."""
+    rule = rule_of(result.scene)
+    return StatedAnswers(
+        answers.rows,
+        "; ".join(fact.words for fact in contact_facts(result) if fact.words),
+        f"rule {rule.name}: {rule.summary}",
+        (*rule_notes(result.scene), *inertia_notes(result.scene)),
+        tuple(map(contradiction_lines, result.contradictions)),
+    )
+
+
+def answers_view(result: Check, answers: Answers) -> RenderableType:
+    """Three answers, where bodies go otherwise, the contact rule, the other rules, and the theorem in one line."""
+    stated = stated_answers(result, answers)
+    parts: list[RenderableType] = [Text(stated.contact), answers_table(map(_row, stated.answers))]
+    if answers.rest_points is not None:
+        parts.append(Text(_rest_points_text(answers.rest_points, of_length(result.scene))))
+    for lines in stated.contradictions:
+        parts += [Text(line, "bold red") for line in lines]
+    if answers.destinations is not None:
+        parts.append(Text(f"{destinations_head(result.scene, answers.destinations.starts)}:"))
+        parts.append(blocks_view([destinations_table(answers.destinations, GOES)]))
+    if answers.headings is not None:
+        parts.append(blocks_view(headings_blocks(answers.headings)))
+    parts.append(Text(stated.rule))
+    parts += [Text(f"note: {note}", "yellow") for note in stated.notes]
+    if answers.others:
+        parts.append(Text(f"other rules: {'; '.join(map(_in_short, answers.others))}"))
+    parts.append(Text(THEOREM).append_text(verdict_text(result.verdict, bold=True)).append(_theorem_note(result)))
+    return Group(*parts)
+
+
+def destinations_head(scene: Scene, starts: int) -> str:
+    """Of which starts the shares are: of those in the checked square, over the wheels that carry the body there."""
+    bodies, check = "bodies without inertia" if has_dynamics(scene) else "bodies", scene.check
+    if check.wider is None:
+        return f"where {bodies} go that start in the square (shares sampled from {starts} starts)"
+    unit = of_length(scene)
+    share = percent_text(float(check.radius / check.wider) ** 2)
+    part = f"{share} of the {short_text(check.wider)}{unit} square that is stated (--grid 9 maps that)"
+    here = f"in the square within {short_text(check.radius)}{unit}, {part}"
+    return f"where the centres of {bodies} go that start {here}, on the wheels that carry it here, from {starts} starts"
+
+
+def _theorem_note(result: Check) -> str:
+    """What hypotheses that are not met mean for the answers: nothing."""
+    if result.verdict is not Theorem4.HYPOTHESES_NOT_MET:
+        return ""
+    return " (it asks for rest at the point itself; the answers above do not, and stand without it)"
+
+
+def inertia_notes(scene: Scene) -> Iterator[str]:
+    """That an inertia is stated under a rule which no body with inertia follows."""
+    if scene.inertia is not None and scene.inertia.is_stated and not has_dynamics(scene):
+        rule = scene.contact.rule
+        yield f"dynamics are refused under rule {rule}: [body] inertia counts under rules ellipse and roller only"
+
+
+def contradiction_lines(found: Contradiction) -> tuple[str, str, str]:
+    """That two statements contradict each other, and each of them."""
+    head = f"contradiction between {found.between}: nobody may rely on either (please report this)"
+    return head, f"  one side: {found.sides[0]}", f"  the other: {found.sides[1]}"
+
+
+def tipped_view(scene: Scene, answers: Sequence[Answer]) -> RenderableType:
+    """The answers about a body that does not stand on the wheels."""
+    head = Text(one_line(scene.name), "bold").append(f": {len(scene.wheels)} wheels", "not bold")
+    return Group(head, answers_table(map(_row, answers)))
+
+
+def _row(answer: Answer) -> tuple[str, str, str]:
+    return answer.name, str(answer.verdict), answer.sentence
+
+
+def answers_record(answers: Sequence[Answer], answered: Answers | None) -> Record:
+    """JSON: every answer by its name; destinations and other rules are null where nobody asked."""
+    record = {answer.name: _answer_record(answer) for answer in answers}
+    if answered is not None and answered.inertia is not None:
+        record["position"] = {**record["position"], "inertia": _answer_record(answered.inertia)}
+    destinations = None if answered is None else answered.destinations
+    others = () if answered is None else answered.others
+    headings = None if answered is None else answered.headings
+    points = None if answered is None else answered.rest_points
+    chosen: Record = {} if points is None else {"rest_points": [_rest_point_record(point) for point in points]}
+    outlined: Record = {} if headings is None else {"equilibrium_headings": headings_record(headings)}
+    return {
+        **record,
+        "destinations": None if destinations is None else _destinations_record(destinations),
+        **outlined,
+        **chosen,
+        "other_rules": {other.name: _other_record(other) for other in others} or None,
+    }
+
+
+def robust_record(answered: Answers | None) -> Record | None:
+    """JSON of what holds within the tolerances; null where none are stated, or nobody asked."""
+    return None if answered is None or answered.robust is None else _answer_record(answered.robust)
+
+
+def _answer_record(answer: Answer) -> Record:
+    return {"verdict": str(answer.verdict), "reason": answer.sentence, **fact_record(answer.facts)}
+
+
+def _destinations_record(destinations: Destinations) -> Record:
+    entries = [
+        as_record(
+            {
+                "goal": str(found.goal),
+                "points": Quantity(found.points),
+                "position": None if found.position is None else str(found.position),
+                "heading": None if found.heading is None else str(found.heading),
+                "share": found.share,
+            }
+        )
+        for found in destinations.found
+    ]
+    return {"sampled_starts": destinations.starts, "found": entries}
+
+
+def _rest_point_record(point: RestPoint) -> Record:
+    position = None if point.position is None else str(point.position)
+    return as_record({"points": Quantity(point.points), "position": position, "within": Quantity(point.within)})
+
+
+def _rest_points_text(points: Sequence[RestPoint], unit: str) -> str:
+    """Which places of rest there are beside the one that was taken."""
+    if len(points) == 1:
+        return "--at auto: no other place of rest is known in the square"
+    others = "; ".join(_rest_point_text(point, unit) for point in points[1 : 1 + MOST_SHOWN])
+    more = f"; {len(points) - 1 - MOST_SHOWN} more (--json lists them)" if len(points) > 1 + MOST_SHOWN else ""
+    taken = f"--at auto took the best of {len(points)} places of rest, by verdict, then by certified disc"
+    return f"{taken}; the others: {others}{more}"
+
+
+def _rest_point_text(point: RestPoint, unit: str) -> str:
+    """``(0.3, 0.1) comes home from within 0.02 m``."""
+    places = " to " if len(point.points) == 2 else ", "
+    at = places.join(place_text(corner, PLACE_DIGITS) for corner in point.points)
+    verdict = "not judged" if point.position is None else str(point.position)
+    if point.within is None:
+        return f"{at} {verdict}"
+    preposition = "from within" if point.position is Position.COMES_HOME else "within"
+    return f"{at} {verdict} {preposition} {at_least(point.within)}{unit}"
+
+
+def _other_record(other: OtherRule) -> Record:
+    said = {answer.name: str(answer.verdict) for answer in other.answers}
+    return {"position": said.get("position"), "heading": said.get("heading"), "why_not": other.why_not or None}
+
+
+def _in_short(other: OtherRule) -> str:
+    """``box: stays near, keeps``."""
+    said = ", ".join(str(answer.verdict) for answer in other.answers)
+    return f"{other.name}: {said or f'no answer (--rule {other.name} says why)'}"
+
+
+def destinations_table(destinations: Destinations, header: Sequence[str]) -> Table:
+    """The places with the largest shares of the starts; how many others there are, with their share."""
+    found = merged_rows(destinations)
+    rows = [(goal_text(one), share_text(one.share), _word(one.position), _word(one.heading)) for one in found]
+    more = rows[MOST_SHOWN:]
+    if more:
+        share = share_text(sum(one.share for one in found[MOST_SHOWN:]))
+        rows[MOST_SHOWN:] = [(f"{len(more)} more (--json lists them)", share, "", "")]
+    return without_empty_columns(table(header, rows, (5, 2, 2, 2)))
+
+
+def _word(verdict: object) -> str:
+    return "" if verdict is None else str(verdict)
+
+
+def merged_rows(destinations: Destinations) -> list[Destination]:
+    """The destinations, the largest share first; those that read the same are one row."""
+    rows: dict[tuple[object, ...], Destination] = {}
+    for found in destinations.found:
+        key = (goal_text(found), found.position, found.heading)
+        rows[key] = replace(rows[key], share=rows[key].share + found.share) if key in rows else found
+    return sorted(rows.values(), key=lambda row: -row.share)
+
+
+def goal_text(found: Destination) -> str:
+    """What becomes of a body there, and where that is."""
+    places = " to " if len(found.points) == 2 else ", "  # the ends of a line
+    at = places.join(place_text(point, PLACE_DIGITS) for point in found.points)
+    return f"{found.goal} {at}" if at else str(found.goal)
+
+
+def share_text(share: float) -> str:
+    """A sampled share in per cent."""
+    return f"{float_text(100 * share, 3)} %" if share >= 0.001 or not share else "< 0.1 %"

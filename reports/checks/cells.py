@@ -1,0 +1,177 @@
+"""The cells of an array as a script or a notebook holds them, and pictures of an array."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from nonsmooth.analysis.cells.contact_partition import build_partition
+from nonsmooth.reports.figures.style import figure_bytes
+from nonsmooth.reports.output.choices import Drawing
+from nonsmooth.reports.output.document import Block, Paragraph
+from nonsmooth.reports.studies.result import DataTable, Record, Result, short_lines
+from nonsmooth.symbolic.number_text import brief_text
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from nonsmooth.analysis.cells.partition import Partition
+    from nonsmooth.symbolic.scene import Scene
+
+
+@dataclass(frozen=True, repr=False)
+class CellsResult(Result):
+    """The exact cells of the checked square, each with its contact states.
+
+    Attributes:
+        partition: the cells.
+        show: what its picture shows.
+    """
+
+    partition: Partition
+    show: Drawing = Drawing.CELLS
+
+    def __len__(self) -> int:
+        return len(self.partition.cells)
+
+    def facts(self) -> Record:
+        """The JSON record of ``nonsmooth partition --json``."""
+        from nonsmooth.reports.checks.records import partition_record
+
+        return partition_record(self.partition)
+
+    def table(self) -> DataTable:
+        """One line for each cell and contact state: rows held, twist about the world's origin, area of the cell."""
+        lines = []
+        for cell in self.partition.cells:
+            for state in cell.states:
+                twist = map(brief_text, state.twist)
+                lines.append((str(cell.index), state.name, *twist, brief_text(cell.polygon.area)))
+        return DataTable(("cell", "rows held", "v_x", "v_y", "omega", "area"), lines)
+
+    def picture(self, suffix: str = ".svg", *, show: str = "cells") -> bytes:
+        """A picture as the bytes of a file that ends in ``suffix``; ``show`` as for :meth:`save`."""
+        return drawn(self.partition.scene, suffix, show, self.partition)
+
+    def save(self, file: str | Path, *, show: str = "cells") -> Path:
+        """Write it; a picture shows the ``cells``, the ``array`` of wheels, or V* over the cells (``rates``).
+
+        Raises:
+            OutputError: for another ending, and for a file that cannot be written.
+            ValueError: for something else to show.
+        """
+        return super(CellsResult, replace(self, show=drawing(show))).save(file)
+
+    def draw(self, ax: Axes) -> None:
+        """The cells with their motions."""
+        from nonsmooth.reports.figures.cells import draw_cells
+
+        draw_cells(ax, self.partition)
+
+    def figure(self) -> Figure:
+        """What it is to show."""
+        return figure_of(self.partition.scene, self.show, self.partition)
+
+    def blocks(self) -> Sequence[Block]:
+        """The cells with their rows and twists."""
+        from nonsmooth.reports.output.terminal import partition_blocks
+
+        return partition_blocks(self.partition)
+
+    def summary(self) -> str:
+        """How many cells."""
+        return f"{len(self)} cells"
+
+    def __repr__(self) -> str:
+        partition = self.partition
+        head = f"{partition.scene.name}: {len(self)} cells, {len(partition.states)} contact states"
+        said = [
+            (f"cell {row['cell']}", f"{row['rows held']}: ({row['v_x']}, {row['v_y']}, {row['omega']})")
+            for row in self.rows()
+        ]
+        return short_lines(f"{head}, rule {partition.rule}", said)
+
+    def _repr_html_(self) -> str:
+        return self.partition._repr_html_()
+
+
+@dataclass(frozen=True, repr=False)
+class WheelsResult(Result):
+    """An array of wheels, under any contact rule.
+
+    Attributes:
+        scene: the array.
+    """
+
+    scene: Scene
+
+    def facts(self) -> Record:
+        """The cells, under a rule that has them."""
+        return cells_of(self.scene).facts()
+
+    def table(self) -> DataTable:
+        """Places of the wheels."""
+        lines = [(str(wheel.index), *map(brief_text, wheel.position)) for wheel in self.scene.wheels]
+        return DataTable(("wheel", "x", "y"), lines)
+
+    def figure(self) -> Figure:
+        """The wheels."""
+        return figure_of(self.scene, Drawing.ARRAY)
+
+    def blocks(self) -> Sequence[Block]:
+        """How many."""
+        return [Paragraph((self.summary(),))]
+
+    def summary(self) -> str:
+        """How many."""
+        return f"{len(self.scene.wheels)} wheels"
+
+
+def cells_of(scene: Scene) -> CellsResult:
+    """The cells of an array.
+
+    Raises:
+        RefusalError: where the motion is not determined, and under a rule without cells.
+    """
+    return CellsResult(build_partition(scene))
+
+
+def drawing(show: str) -> Drawing:
+    """What a picture shows, by its name.
+
+    Raises:
+        ValueError: for something else to show.
+    """
+    if show not in list(Drawing):
+        raise ValueError(f"show: required one of {', '.join(Drawing)}, received {show!r}")
+    return Drawing(show)
+
+
+def drawn(scene: Scene, suffix: str, show: str, partition: Partition | None = None) -> bytes:
+    """A picture of an array as the bytes of a file; see :func:`figure_of`."""
+    chosen = drawing(show)
+    return figure_bytes(lambda: figure_of(scene, chosen, partition), suffix)
+
+
+def figure_of(scene: Scene, show: Drawing, partition: Partition | None = None) -> Figure:
+    """A picture of an array: its wheels under any contact rule, its cells or V* under rules with cells.
+
+    Args:
+        scene: the array.
+        show: what.
+        partition: its cells, where they are built already.
+
+    Raises:
+        RefusalError: where the motion is not determined, and under a rule without cells.
+    """
+    if show is Drawing.ARRAY:
+        from nonsmooth.reports.figures.wheels import array_figure
+
+        return array_figure(scene)
+    from nonsmooth.reports.figures.cells import cells_figure, rates_figure
+
+    cells = build_partition(scene) if partition is None else partition
+    return rates_figure(cells) if show is Drawing.RATES else cells_figure(cells)

@@ -1,0 +1,417 @@
+"""The study ``check``: Theorem 4 clause by clause, or the stability of a plain switched system; of many scenes too."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
+
+from nonsmooth.reports.output.choices import LawName, RegionSearch
+from nonsmooth.reports.output.files import output_path, write_whole
+from nonsmooth.reports.output.progress import end_progress, progress, steps
+from nonsmooth.reports.output.refusals import RefusedError, bad_input, refusals_named
+from nonsmooth.reports.output.study_options import FAIL, Options, option
+from nonsmooth.reports.studies.study import SceneStudy, StudyRequest
+from nonsmooth.symbolic.rule import CONTACT_RULES, MIXED
+from nonsmooth.symbolic.scene_error import SceneError, one_line
+from nonsmooth.symbolic.scene_kind import SceneKind
+from nonsmooth.symbolic.switched_system import PLANE
+
+if TYPE_CHECKING:
+    from nonsmooth.analysis.cells.partition import Partition
+    from nonsmooth.analysis.continuum import Prediction
+    from nonsmooth.proofs.clauses.workspace import Announce
+    from nonsmooth.reports.checks.check_results import CheckResult, SummaryLine
+    from nonsmooth.reports.checks.system_results import SystemCheckResult
+    from nonsmooth.reports.studies.result import Result
+    from nonsmooth.symbolic.scene import Scene
+    from nonsmooth.symbolic.switched_system import SwitchedSystem
+
+    AnyScene: TypeAlias = Scene | SwitchedSystem
+
+ALL_RULES = "all"
+AUTO = "auto"  # for --at: the best rest point of the square
+THEOREM = "theorem4"
+# The questions, and the theorem; tests hold them to the registry.
+REQUIRABLE = ("position", "heading", "pose", "inertia", "tolerances", THEOREM)
+CERTIFICATES, LAWS = (".json",), (".py", ".c", ".st", ".csv")  # what these files may end in
+OF_ONE_ARRAY = ("law", "law_name", "continuum", "headings", "fail")
+OF_ONE_SCENE = ("certificate", "evidence", "region", *OF_ONE_ARRAY)
+
+
+@dataclass(frozen=True, kw_only=True)
+class CheckOptions(Options):
+    """What is asked of a check."""
+
+    rule: str | None = option(
+        None, "Contact rule; replaces the scene's.", names=lambda: (*CONTACT_RULES, MIXED, ALL_RULES)
+    )
+    at: Any = option(
+        None,
+        "The point to check, such as 0,1/4; replaces the scene's. auto: the best rest point of the square.",
+        str | None,
+        metavar="X,Y|auto",
+    )
+    accuracy: Any = option(
+        None, "How near a body must come, such as 1/100; replaces the scene's.", str | None, metavar="LENGTH"
+    )
+    prune: bool = option(True, "Leave nothing out; the verdicts are the same.", flag="--no-prune")
+    certificate: str | None = option(
+        None, "Write a certificate for verify: .json (one scene; of an array, rule nearest or box).", metavar="FILE"
+    )
+    law: str | None = option(
+        None,
+        "Write the certified feedback law as a program, .py, .c or .st (Structured Text of IEC 61131-3), or as a .csv "
+        "table of regions and speeds (one scene).",
+        metavar="FILE",
+    )
+    law_name: LawName = option(
+        LawName.CERTIFIED,
+        "With --law: another law (rule nearest), certified or not, which the file then says.",
+        LawName,
+    )
+    require: str | None = option(
+        None,
+        f"What exit status 0 means, of {', '.join(REQUIRABLE)}: comes home or near, keeps, can be held, stable and "
+        "settles (simulated), certified, holds.",
+        metavar="NAME,...",
+    )
+    continuum: bool = option(False, "Add what a continuous field would do to an object.")
+    headings: bool = option(False, "Look for headings at which a body rests around the checked point too.")
+    fail: int | None = option(None, FAIL, metavar="1")
+    region: RegionSearch = option(
+        RegionSearch.AUTO,
+        "Certify a larger region, too: by triangles, of a plain system in two states or an array under nearest or box, "
+        "by another V in more states, in three by tetrahedra, too; fast takes seconds, best a minute; auto: fast of a "
+        "plain system.",
+        RegionSearch,
+    )
+    evidence: bool = option(False, "Print why, too: each clause, or V and its derivatives, with all numbers.")
+
+    @property
+    def required(self) -> tuple[str, ...]:
+        """The answers that exit status 0 asks for; the theorem alone unless told.
+
+        Raises:
+            RefusedError: for a name that is none.
+        """
+        if self.require is None:
+            return (THEOREM,)
+        names = tuple(name.strip() for name in self.require.split(","))
+        unknown = next((name for name in names if name not in REQUIRABLE), None)
+        if unknown is not None:
+            raise RefusedError(f"--require: required names among {', '.join(REQUIRABLE)}, received {unknown[:60]!r}")
+        return names
+
+
+class CheckStudy(SceneStudy[CheckOptions]):
+    """A check of one scene or of many."""
+
+    options: ClassVar[type[Any]] = CheckOptions
+    changes: ClassVar[Sequence[str]] = (*SceneStudy.changes, "accuracy")
+
+    def load(self, scene: Sequence[str], options: CheckOptions, **changes: Any) -> list[AnyScene]:
+        """The scenes that are named."""
+        for name, chosen in (("rule", ALL_RULES), ("at", AUTO)):
+            changes[name] = None if changes[name] == chosen else changes[name]
+        return [super(CheckStudy, self).load(text, options, **changes) for text in scene]
+
+    def refuse(self, asked: StudyRequest[CheckOptions], path: Path | None) -> None:
+        """Refuse what cannot be asked of these scenes."""
+        options, scenes = asked.options, _listed(asked.scene)
+        _ = options.required
+        if options.fail not in (None, 1):
+            raise RefusedError(f"--fail: required 1, the number of wheels that fail, received {options.fail}")
+        for flag, file, endings in (("--certificate", options.certificate, CERTIFICATES), ("--law", options.law, LAWS)):
+            if file is not None:
+                if options.rule == ALL_RULES:
+                    raise RefusedError(f"{flag}: required one contact rule, received all")
+                output_path(file, endings)
+        if options.law is None:
+            asked.refuse(("law_name",), "--law", "none")
+        for scene in scenes:
+            if scene.kind is SceneKind.ARRAY and "inertia" in options.required and options.rule != ALL_RULES:
+                from nonsmooth.proofs.answers.answer import require_dynamics
+
+                require_dynamics(scene, "--require inertia")
+            if scene.kind is SceneKind.SYSTEM:
+                _require_array(scene, f"--rule {ALL_RULES}" * (options.rule == ALL_RULES), "a plain system")
+                _require_array(scene, "--at auto" * (options.at == AUTO), "a plain system")
+        if len(scenes) > 1:
+            asked.refuse(OF_ONE_SCENE, "one scene", str(len(scenes)))
+        elif scenes[0].kind is SceneKind.SYSTEM:
+            wanted = next((name for name in OF_ONE_ARRAY if name in asked.given), "")
+            _require_array(scenes[0], f"--{wanted}" if wanted else "", "a plain switched system")
+        if "region" in asked.given:
+            _require_several_states(scenes[0])
+
+    def run(self, scene: AnyScene | Sequence[AnyScene], options: CheckOptions) -> Result:
+        """Check; write the files that were asked for."""
+        scenes = [ruled for one in _listed(scene) for ruled in _under_rules(one, options)]
+        if len(_listed(scene)) > 1:
+            return _check_many(scenes, options)
+        if scenes[0].kind is SceneKind.SYSTEM:
+            return _check_system(scenes[0], options)
+        return _check_array(scenes, options)
+
+
+CHECK = CheckStudy()
+
+
+def _listed(scene: Any) -> Sequence[AnyScene]:
+    return scene if isinstance(scene, list) else [scene]
+
+
+def _require_array(scene: AnyScene, option: str, received: str) -> None:
+    """Refuse an option of arrays, if there is one, for another scene."""
+    if option:
+        raise RefusedError(f"{scene.origin}: required an array of wheels for {option}, received {received}")
+
+
+def _require_several_states(scene: AnyScene) -> None:
+    """Refuse a search for the region of a plain system in one state, whose region is known exactly."""
+    if scene.kind is SceneKind.SYSTEM and len(scene.states) < len(PLANE):
+        required = "required a plain system in two states or more, or an array, for --region"
+        raise RefusedError(f"{scene.origin}: {required}, received one state")
+
+
+def _under_rules(scene: Any, options: CheckOptions) -> list[Any]:
+    """The scene, or its wheels under every contact rule, and itself too where its wheels have different ones."""
+    if options.rule != ALL_RULES:
+        return [scene]
+    ruled = [scene.under(name) for name in CONTACT_RULES]
+    return [*ruled, scene] if scene.contact.rule == MIXED else ruled
+
+
+# ---- one array -----------------------------------------------------------------------------------
+
+
+def check_scene(  # one keyword for each choice
+    scene: Scene,
+    *,
+    prune: bool = True,
+    best: bool = False,
+    ask_others: bool = True,
+    around: bool = False,
+    beside: bool = True,
+    announce: Announce | None = None,
+    built: Partition | None = None,
+) -> CheckResult:
+    """Check an array.
+
+    Args:
+        scene: the array.
+        prune: leave out what no verdict needs.
+        best: check at the best rest point of the square instead of the scene's point.
+        ask_others: let the answers say what the other contact rules say.
+        around: look for headings of rest around the checked point too.
+        beside: also search for other equilibria, count contact states and sample rates, on which no verdict rests.
+        announce: told the name of each step as it begins.
+        built: all cells of the square, where they are known already.
+
+    Raises:
+        RefusalError: where the motion is not determined.
+        TipsError: where the body does not stand at the checked pose.
+        SceneError: where a wheel lies exactly under its edge.
+    """
+    from nonsmooth.proofs.clauses.workspace import unheard
+    from nonsmooth.proofs.theorem4 import check_theorem4
+    from nonsmooth.reports.checks.check_results import CheckResult
+
+    announce, rest_points = announce or unheard, None
+    if best:
+        from nonsmooth.proofs.answers.best_point import best_point  # paths: only a search loads them
+        from nonsmooth.symbolic.contact_set import standing
+
+        announce("the best rest point of the square")
+        chosen = best_point(standing(scene))
+        scene, rest_points = chosen.scene, chosen.found
+    found = check_theorem4(scene, prune=prune, beside=beside, announce=announce, built=built)
+    return CheckResult(found, ask_others, around, rest_points)
+
+
+def _check_array(scenes: Sequence[Scene], options: CheckOptions) -> Result:
+    """One array, under one contact rule or all; a body that tips is an answer, under every rule."""
+    from nonsmooth.reports.checks.check_results import TippedResult, compared
+    from nonsmooth.symbolic.contact_set import TipsError
+
+    continuum = _predictions(scenes[0]) if options.continuum else None
+    try:
+        with steps("check") as announce:
+            results = [_under_one_rule(scene, options, len(scenes) == 1, continuum, announce) for scene in scenes]
+            if len(results) > 1:
+                return compared(results)
+    except TipsError as tipping:
+        return TippedResult(scenes[0], tipping)
+    return _with_files(results[0], options)
+
+
+def _under_one_rule(
+    scene: Scene, options: CheckOptions, alone: bool, continuum: tuple[Prediction, ...] | None, announce: Announce
+) -> CheckResult:
+    """The check of an array under one rule, alone or among several."""
+    with refusals_named(scene):
+        result = check_scene(
+            scene,
+            prune=options.prune,
+            best=options.at == AUTO,
+            ask_others=alone,
+            around=options.headings,
+            announce=announce if alone else lambda step: announce(f"rule {scene.contact.rule}: {step}"),
+        )
+    failures = _failures(result, announce) if options.fail else None
+    result = replace(result, required=options.required, shows_evidence=options.evidence)
+    if options.region not in (RegionSearch.AUTO, RegionSearch.NONE):
+        result = result.with_triangles(str(options.region))
+    return replace(result, continuum=continuum, failures=failures)
+
+
+def _failures(result: CheckResult, announce: Announce) -> Any:
+    from nonsmooth.proofs.answers.failures import failures_of
+
+    announce("any one wheel failed")
+    return failures_of(result.scene)
+
+
+def _predictions(scene: Scene) -> tuple[Prediction, ...]:
+    """The continuous idealization, refused where no field stands for the array."""
+    from nonsmooth.analysis.continuum import NoIdealizationError, predictions
+
+    with bad_input(scene, NoIdealizationError):
+        return predictions(scene)
+
+
+def _with_files(result: CheckResult, options: CheckOptions) -> CheckResult:
+    """The result, compared with its certificate; the files that were asked for, unless it contradicts itself."""
+    if options.certificate is None and options.law is None:
+        return result
+    _ = result.answers  # all of them: they may contradict what would be written
+    certificate = None
+    if options.certificate is not None:
+        from nonsmooth.proofs.kernel.subject import NoCertificateError
+
+        with bad_input(result.scene, NoCertificateError):
+            result, certificate = result.certified()
+    if result.contradictions:
+        for path in filter(None, (options.certificate, options.law)):
+            _notice(path, "not written: what the check says contradicts itself")
+        return result
+    if options.certificate is not None and certificate is not None:
+        _write_certificate(certificate, result, options.certificate)
+    if options.law is not None:
+        from nonsmooth.reports.laws.law_table import NoLawError
+
+        try:
+            result.law(options.law_name).save(options.law)
+        except NoLawError as error:
+            raise RefusedError(f"{result.scene.origin}: --law: {error}") from None
+    return result
+
+
+def _write_certificate(certificate: dict[str, Any], result: CheckResult, file: str) -> None:
+    from nonsmooth.proofs.certificate import certificate_text, stated_words
+    from nonsmooth.proofs.checker.theorem4 import CLAUSES
+
+    write_whole(Path(file), certificate_text(certificate).encode())
+    check, stated = result.evidence, stated_words(certificate)
+    said = {**{name: own.verdict for name, own in check.results.items()}, "theorem 4": check.verdict}
+    for name in CLAUSES:
+        if stated.get(name, "undecided") != said[name]:
+            why = "follows no law by directions of c" if name == "feedback" else "leaves it open"
+            _notice(file, f"{name} stands as undecided: the checker {why}")
+
+
+def _notice(file: str, text: str) -> None:
+    """Say something about a file on standard error."""
+    end_progress()
+    print(f"{Path(file)}: {text}", file=sys.stderr)
+
+
+# ---- plain systems, and many scenes --------------------------------------------------------------
+
+
+def check_system(system: SwitchedSystem) -> SystemCheckResult:
+    """Check a plain system."""
+    from nonsmooth.proofs.system_decision import decide_system
+    from nonsmooth.reports.checks.system_results import SystemCheckResult
+
+    with steps("stability"):
+        return SystemCheckResult(decide_system(system))
+
+
+def _check_system(system: Any, options: CheckOptions) -> SystemCheckResult:
+    """The stability of a plain system, with a region unless told; its certificate where asked for."""
+    result = replace(check_system(system), shows_evidence=options.evidence)
+    in_plane = len(system.states) == len(PLANE)
+    is_asked, search = options.region is not RegionSearch.AUTO, options.region
+    if not is_asked:
+        search = RegionSearch.FAST if len(system.states) > 1 else RegionSearch.NONE
+    if search is not RegionSearch.NONE:
+        result = result.with_region(str(search))
+        if is_asked and result.evidence.reach.basin is None and result.evidence.reach.reshaped is None:
+            what = "triangles are" if in_plane else "larger region is"
+            _notice(system.origin, f"--region {search}: no {what} certified beyond the rest")
+    if options.certificate is not None:
+        from nonsmooth.proofs.kernel.subject import NoCertificateError
+        from nonsmooth.proofs.system_certificates import certificate_text, left_out
+
+        with bad_input(system, NoCertificateError):
+            certificate = result.certificate()
+        write_whole(Path(options.certificate), certificate_text(certificate).encode())
+        for line in left_out(certificate):
+            _notice(options.certificate, f"left out: {line}")
+    return result
+
+
+def _check_many(scenes: Sequence[Any], options: CheckOptions) -> Result:
+    """One line for each scene."""
+    from nonsmooth.reports.checks.check_results import SummaryResult
+
+    if options.at == AUTO:
+        from nonsmooth.proofs.answers.best_point import best_point
+
+        chosen = []
+        for scene in scenes:
+            with refusals_named(scene):
+                chosen.append(best_point(scene).scene)
+        scenes = chosen
+
+    def checked(*, records: bool) -> tuple[SummaryLine, ...]:
+        lines = []
+        with progress("checked") as report:
+            for done, scene in enumerate(scenes):
+                report(done, len(scenes))
+                lines.append(_summary_line(scene, options, records=records))
+        return tuple(lines)
+
+    return SummaryResult(checked)
+
+
+def _summary_line(scene: Any, options: CheckOptions, *, records: bool) -> SummaryLine:
+    """One scene among many; one that is refused stops no other."""
+    from nonsmooth.analysis.cells.partition import RefusalError
+    from nonsmooth.proofs.answers.answers import exit_status
+    from nonsmooth.reports.checks.check_results import NONE, REFUSED, SummaryLine, TippedResult
+    from nonsmooth.reports.checks.records import CHECK_SCHEMA
+    from nonsmooth.symbolic.contact_set import TipsError
+
+    if scene.kind is SceneKind.SYSTEM:
+        found = check_system(scene)
+        return SummaryLine(scene.origin, NONE, (found.verdict,), NONE, found.exit_status, found.facts())
+    rule = str(scene.contact.rule)
+    try:
+        result = check_scene(scene, prune=options.prune)
+        record = result.facts() if records else {}
+        answers = tuple(str(answer.verdict) for answer in (result.position, result.heading, result.pose))
+        status = exit_status(result.evidence, options.required)
+        return SummaryLine(scene.origin, rule, answers, result.theorem4, status, record)
+    except TipsError as tipping:
+        tipped = TippedResult(scene, tipping)
+        answers = (str(tipped.position.verdict), NONE, NONE)
+        return SummaryLine(scene.origin, rule, answers, tipped.theorem4, tipped.exit_status, tipped.facts())
+    except (RefusalError, SceneError) as error:
+        refusal = one_line(str(error))
+        record = {"schema": CHECK_SCHEMA, "scene": scene.name, "rule": rule, "refused": refusal}
+        return SummaryLine(scene.origin, rule, (REFUSED,), NONE, 2, record, refusal)

@@ -1,0 +1,183 @@
+"""What a derivation report is about: a scene, how it was asked for, and what several sections need, computed once."""
+
+from __future__ import annotations
+
+import shlex
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from nonsmooth.analysis.minimizers.agreement import Agreement, compare_rules
+from nonsmooth.proofs.answers.answers import Answers, full_answers
+from nonsmooth.proofs.answers.contradictions import reconciled
+from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
+from nonsmooth.proofs.clauses.workspace import Announce, unheard
+from nonsmooth.proofs.theorem4 import check_theorem4
+from nonsmooth.proofs.theorem4_result import CellCheck, Check
+from nonsmooth.reports.checks import references
+from nonsmooth.reports.checks.records import check_record, partition_record, states_record
+from nonsmooth.reports.checks.references import Reference
+from nonsmooth.reports.output.console import PROGRAM
+from nonsmooth.reports.output.document import Section
+from nonsmooth.reports.output.facts import Record
+from nonsmooth.symbolic.scene import Scene
+
+
+@dataclass(frozen=True)
+class Invocation:
+    """How the report was asked for, so that it can name the commands that reproduce it and its figures.
+
+    Attributes:
+        scene: name or file of the scene, as typed.
+        options: those that change the scene (``--rule``, ``--radius``, ``--at``), with their values.
+        rest: the other options of ``derive``.
+    """
+
+    scene: str
+    options: tuple[str, ...] = ()
+    rest: tuple[str, ...] = ()
+
+    @property
+    def derive(self) -> str:
+        """The command that writes the report."""
+        return shlex.join([PROGRAM, "derive", self.scene, *self.options, *self.rest])
+
+    def line(self, command: str, *extra: str) -> str:
+        """Another command about the same scene."""
+        return shlex.join([PROGRAM, command, self.scene, *self.options, *extra])
+
+
+@dataclass(frozen=True, eq=False)
+class ReportSubject(ABC):
+    """A scene, how it was asked for, and lazily what the sections share.
+
+    Attributes:
+        scene: what is reported.
+        invocation: how the report was asked for.
+        parts: names of the sections that are written.
+        announce: hears the steps of the check and the names of the sections.
+    """
+
+    scene: Any
+    invocation: Invocation
+    parts: tuple[str, ...]
+    announce: Announce = unheard
+
+    @property
+    @abstractmethod
+    def result(self) -> Any:
+        """The verdict with its evidence."""
+
+    @property
+    @abstractmethod
+    def headline(self) -> str:
+        """The verdict in a line."""
+
+    @property
+    @abstractmethod
+    def records(self) -> Record:
+        """The exact records of what is reported, for JSON."""
+
+    @property
+    @abstractmethod
+    def left_out(self) -> Sequence[str]:
+        """What was not computed, and why, in sentences."""
+
+    @property
+    @abstractmethod
+    def works(self) -> list[Reference]:
+        """What the verdict rests on."""
+
+
+@dataclass(frozen=True)
+class ReportPart:
+    """A section under its name on the command line.
+
+    Attributes:
+        name: for ``--only`` and ``--without``.
+        build: the section.
+        lacks: why the subject has no such section; empty where it has.
+    """
+
+    name: str
+    build: Callable[[Any], Section]
+    lacks: Callable[[Any], str] = lambda subject: ""
+
+
+class ArraySubject(ReportSubject):
+    """An array of wheels."""
+
+    scene: Scene
+
+    @cached_property
+    def _checked(self) -> tuple[Check, Answers]:
+        """The check with the answers, compared with each other."""
+        result = check_theorem4(self.scene, announce=self.announce)
+        return reconciled(result, full_answers(result))
+
+    @property
+    def result(self) -> Check:
+        """The check."""
+        return self._checked[0]
+
+    @property
+    def answers(self) -> Answers:
+        """Position, heading and pose, where bodies go, and what the other rules say."""
+        return self._checked[1]
+
+    @property
+    def headline(self) -> str:
+        """The verdict of Theorem 4."""
+        return f"Theorem 4: {self.result.verdict}"
+
+    @property
+    def cells(self) -> CellCheck:
+        """The check of a rule with cells.
+
+        Raises:
+            TypeError: under rule ``ellipse``, which has none; a section that needs cells says so first.
+        """
+        if not isinstance(self.result, CellCheck):
+            raise TypeError(f"required a check with cells, received rule {self.scene.contact.rule}")
+        return self.result
+
+    @cached_property
+    def agreement(self) -> Agreement:
+        """The contact rules side by side."""
+        return compare_rules(self.scene)
+
+    @property
+    def records(self) -> Record:
+        """The check, its cells and its contact states."""
+        result = self.result
+        check = {key: value for key, value in check_record(result).items() if key != "seconds"}
+        records: Record = {"check": check, "partition": None, "contact_states": None}
+        if isinstance(result, CellCheck):
+            records["partition"] = partition_record(result.partition)
+            records["contact_states"] = states_record(result.partition)
+        return records
+
+    @property
+    def left_out(self) -> list[str]:
+        """The contact states without equations, and what no verdict needs."""
+        result = self.result
+        said = [f"{skipped.what} ({skipped.count}): {skipped.why}." for skipped in result.skipped]
+        if isinstance(result, CellCheck):
+            count, possible = len(result.partition.states), result.census.possible
+            words = f"Equations are written for the {count} contact states that own a cell, out of {possible}"
+            said.insert(0, f"{words} row triples.")
+        return said
+
+    @property
+    def works(self) -> list[Reference]:
+        """The paper, Filippov, Shevitz and Paden, and those that clause 4 uses."""
+        feedback = self.result.results["feedback"]
+        works = [references.PAPER, references.FILIPPOV, references.SHEVITZ_PADEN]
+        if isinstance(feedback, FeedbackResult):
+            works += [references.HOMOGENEITY] if feedback.cascade is not None else []
+            works += [references.JURDJEVIC_QUINN] if feedback.has_lyapunov else []
+        if getattr(feedback, "obstruction", None) is not None:
+            works += [references.BROCKETT, references.RYAN]
+        return works

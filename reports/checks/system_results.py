@@ -1,0 +1,343 @@
+"""What a check of a plain system, and an audit of a Lyapunov function, have found."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
+
+from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.system_audit import AuditResult
+from nonsmooth.proofs.system_decision import StabilityResult
+from nonsmooth.proofs.system_facts import (
+    audit_facts,
+    basin_words,
+    displacement_facts,
+    gain_words,
+    global_words,
+    rate_words,
+    reached_words,
+    region_rate_words,
+    reshaped_words,
+    rewriting_words,
+    system_facts,
+)
+from nonsmooth.proofs.systems.decay_rate import DecayKind
+from nonsmooth.reports.exchange.exports import EXPORTS
+from nonsmooth.reports.output.document import Block, Paragraph, findings
+from nonsmooth.reports.output.facts import Record, fact_record, fact_rows, with_exact
+from nonsmooth.reports.output.progress import progress
+from nonsmooth.reports.studies.result import FORMATS, DataTable, Result, short_lines
+from nonsmooth.symbolic.numbers.measured_angles import angle_notes
+from nonsmooth.symbolic.scene_error import one_line
+from nonsmooth.symbolic.switched_system import PLANE
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from rich.console import RenderableType
+
+    from nonsmooth.proofs.findings.facts import Fact
+    from nonsmooth.proofs.systems.findings import ExaminedFunction
+    from nonsmooth.reports.exchange.formulas import FieldFormulas
+
+SYSTEM_SCHEMA = "nonsmooth-check/1"
+AUDIT_SCHEMA = "nonsmooth-audit/1"
+LARGER = "--region best certifies a larger region, in about a minute"
+UNSOUGHT = "no larger region was sought: its programs are too large for --region fast, --region best tries them"
+
+
+MEANINGS = {
+    Translation.ASYMPTOTICALLY_STABLE: "every solution from near the equilibrium stays near it and comes to it",
+    Translation.STABLE: "every solution from near the equilibrium stays near it",
+    Translation.UNSTABLE: "from as near the equilibrium as one likes some solution goes away",
+}  # of the verdicts, for solutions of the inclusion
+
+
+class SystemAnswer(NamedTuple):
+    """What somebody wants to know of a plain system.
+
+    Attributes:
+        question: a word or two.
+        answer: likewise.
+        sentence: what it says, with its numbers and where they hold.
+    """
+
+    question: str
+    answer: str
+    sentence: str
+
+
+class FactResult(Result):
+    """A headline, and what was found by its names."""
+
+    @property
+    @abstractmethod
+    def found(self) -> Sequence[Fact]:
+        """What was found."""
+
+    @property
+    @abstractmethod
+    def verdict(self) -> str:
+        """In words."""
+
+    @abstractmethod
+    def headline(self) -> str:
+        """What was judged."""
+
+    def table(self) -> DataTable:
+        """One line for each thing that is said."""
+        return DataTable(("what", "found"), fact_rows(self.found))
+
+    def blocks(self) -> Sequence[Block]:
+        """The headline, and the lines as a table."""
+        return [Paragraph((self.headline(),)), findings(fact_rows(self.found))]
+
+    def summary(self) -> str:
+        """The verdict."""
+        return self.verdict
+
+
+@dataclass(frozen=True, repr=False)
+class SystemCheckResult(FactResult):
+    """What a check of a plain system found: the V that proves it, or what the scene's V shows, and the derivatives.
+
+    ``save`` writes the problem for other provers too (``.smt2``, ``.kyx``), and the field with V as a program (``.py``,
+    ``.c``).
+
+    Attributes:
+        evidence: everything that was proved; ``evidence.check()`` asks the stand-alone checker.
+        shows_evidence: whether a terminal shows all of it.
+        hint: what a longer search may find; empty without.
+    """
+
+    formats: ClassVar[Mapping[str, Callable[[Any, str], bytes]]] = {**FORMATS, **EXPORTS}
+
+    evidence: StabilityResult
+    shows_evidence: bool = False
+    hint: str = ""
+
+    @property
+    def verdict(self) -> str:
+        """Asymptotically stable, stable, unstable or undecided."""
+        return str(self.evidence.verdict)
+
+    @property
+    def reason(self) -> str:
+        """Why, in one sentence."""
+        return self.evidence.reason
+
+    def certificate(self) -> Record:
+        """What ``--certificate`` writes; see :meth:`Result.certificate`."""
+        from nonsmooth.proofs.system_certificates import certificate_of
+
+        return certificate_of(self.evidence)
+
+    def with_region(self, search: str) -> SystemCheckResult:
+        """The same with a larger region, where one is certified: see ``nonsmooth check --region``.
+
+        In two states it consists of triangles, in three of tetrahedra where nothing switches, beside a sublevel set of
+        another V as in more states.
+
+        Args:
+            search: ``fast`` or ``best``.
+        """
+        from nonsmooth.proofs.many_states.reshaped_region import TooMuchWorkError
+        from nonsmooth.proofs.system_certificates import find_region_of_another_function, find_region_of_simplices
+
+        in_plane, basin, reshaped = len(self.evidence.scene.states) == len(PLANE), None, None
+        hint = ""
+        with progress(f"{self.verdict}; region") as report:
+
+            def announce(what: str, done: int, total: int) -> None:
+                report(done, total, what)
+
+            if not in_plane:
+                try:
+                    reshaped = find_region_of_another_function(self.evidence, search, announce)
+                except TooMuchWorkError:
+                    hint = UNSOUGHT
+            evidence = replace(self.evidence, reach=replace(self.evidence.reach, reshaped=reshaped))
+            basin = find_region_of_simplices(evidence, search, announce)
+            hint = LARGER if basin and search == "fast" else hint
+        reach = replace(self.evidence.reach, basin=basin, reshaped=reshaped)
+        return replace(self, evidence=replace(self.evidence, reach=reach), hint=hint)
+
+    def draw(self, ax: Axes) -> None:
+        """The certified triangles, with the border of the region and the checked point."""
+        basin = self.evidence.reach.basin
+        if basin is None or len(self.evidence.scene.states) != len(PLANE):
+            super().draw(ax)
+            return
+        from nonsmooth.reports.figures.triangles import draw_triangles
+
+        draw_triangles(ax, basin)
+        x, y = self.evidence.scene.states
+        ax.set(xlabel=x, ylabel=y, aspect="equal", title=f"{one_line(self.evidence.scene.name)}: {self.verdict}")
+
+    @property
+    def _function(self) -> ExaminedFunction | None:
+        """The function that shows stability; None where none does."""
+        functions = (own.function for own in reversed(self.evidence.findings))
+        return next((own for own in functions if own is not None and not own.grows), None)
+
+    @property
+    def lyapunov(self) -> str | None:
+        """The function that shows stability, as text; None where none does."""
+        return None if self._function is None else self._function.text
+
+    def formulas(self) -> FieldFormulas:
+        """The stated field and the function that shows stability, for SymPy, CasADi, Python and C.
+
+        ``formulas().sympy()``, ``.casadi()``, ``.program("python")`` and ``.program("c")``.
+        """
+        from nonsmooth.reports.exchange.formulas import formulas_of
+
+        return formulas_of(self.evidence.scene, self._function)
+
+    @property
+    def exit_status(self) -> int:
+        """0 stable, 1 unstable or no equilibrium, 3 undecided."""
+        return self.evidence.exit_status
+
+    @property
+    def found(self) -> Sequence[Fact]:
+        """See :class:`FactResult`."""
+        return tuple(system_facts(self.evidence))
+
+    def facts(self) -> Record:
+        """The JSON record of ``nonsmooth check --json``."""
+        scene = self.evidence.scene
+        head = {"schema": SYSTEM_SCHEMA, "scene": scene.name, "states": list(scene.states)}
+        radius = with_exact({"radius": scene.check.radius})
+        return {**head, **radius, **fact_record(self.found), "notes": list(angle_notes(scene.field))}
+
+    def headline(self) -> str:
+        """The system."""
+        scene = self.evidence.scene
+        return f"{one_line(scene.name)}: plain switched system in {', '.join(scene.states)}"
+
+    def views(self) -> Sequence[RenderableType]:
+        """The answers, with what the letters in them stand for, or with all that was found."""
+        from rich.console import Group
+        from rich.text import Text
+
+        from nonsmooth.reports.output.terminal import MORE, answers_table, blocks_view, notes_lines
+
+        scene = self.evidence.scene
+        head = Text(one_line(scene.name), "bold")
+        head.append(f": plain switched system in {', '.join(scene.states)}", "not bold")
+        stated = fact_rows(displacement_facts(scene)) if len(scene.states) > 1 else []
+        if scene.written or scene.others:
+            stated.append(("field", rewriting_words(scene)))
+        details: list[RenderableType] = [Text(f"{name}: {words}") for name, words in stated]
+        if self.shows_evidence:
+            details = [blocks_view([findings(fact_rows(self.found))])]
+        more: list[RenderableType] = [] if self.shows_evidence else [Text(MORE, "dim")]
+        answers = answers_table(system_answers(self.evidence))
+        if self.hint:
+            more.append(Text(self.hint, "dim"))
+        return [Group(head, answers, *details, *notes_lines(scene.field), *more)]
+
+    def __repr__(self) -> str:
+        return short_lines(f"{self.evidence.scene.name}: {self.verdict}", fact_rows(self.found))
+
+
+@dataclass(frozen=True, repr=False)
+class AuditedFunction(FactResult):
+    """The verdict on somebody's Lyapunov function.
+
+    Attributes:
+        evidence: what was proved.
+    """
+
+    evidence: AuditResult
+
+    @property
+    def verdict(self) -> str:
+        """Valid, invalid or undecided."""
+        return str(self.evidence.verdict)
+
+    @property
+    def exit_status(self) -> int:
+        """0 valid, 1 invalid, 3 undecided."""
+        return self.evidence.verdict.exit_status
+
+    @property
+    def found(self) -> Sequence[Fact]:
+        """See :class:`FactResult`."""
+        return tuple(audit_facts(self.evidence))
+
+    def facts(self) -> Record:
+        """The JSON record of ``nonsmooth audit --json``."""
+        return {"schema": AUDIT_SCHEMA, "scene": self.evidence.scene.name, **fact_record(self.found)}
+
+    def headline(self) -> str:
+        """What is audited."""
+        return f"{one_line(self.evidence.scene.name)}: audit of a Lyapunov function"
+
+
+# ---- answers about a plain system ----------------------------------------------------------------
+
+
+def system_answers(result: StabilityResult) -> Iterator[SystemAnswer]:
+    """Whether the point is stable, from where and how fast solutions come to it, and what proves it."""
+    verdict = result.verdict
+    if verdict is Translation.UNDECIDED:
+        yield SystemAnswer("stability", str(verdict), result.reason)
+    else:
+        yield SystemAnswer("stability", str(verdict), MEANINGS[verdict])
+    if verdict is Translation.ASYMPTOTICALLY_STABLE:
+        yield _from_where(result)
+        yield _how_fast(result)
+        if result.reach.gain is not None:
+            yield SystemAnswer("disturbed", "bounded", gain_words(result.reach, result.scene.states))
+    if verdict is not Translation.UNDECIDED:
+        yield SystemAnswer("proved by", str(result.method), _proof_words(result))
+    tried = result.given
+    if tried is not None and tried is not result.function and not result.scene.check.is_default:
+        words = f"V = {tried.text}: {tried.reason} (on {tried.domain.text(result.scene.states)})"
+        yield SystemAnswer("the scene's V", tried.decrease.name.lower(), words)
+
+
+def _from_where(result: StabilityResult) -> SystemAnswer:
+    """The most starts that are certified to reach an asymptotically stable point."""
+    question, reach, states = "from where", result.reach, result.scene.states
+    if reach.everywhere:
+        why = "" if reach.global_entry is None else f": {global_words(reach.global_entry)}"
+        return SystemAnswer(question, "everywhere", f"every start reaches the equilibrium{why}")
+    if reach.basin is not None:
+        about = reshaped_words(reach.reshaped, states) if reach.reshaped else ""
+        about = about or (reached_words(reach.region, states) if reach.region else "")
+        return SystemAnswer(question, "a region", f"{about}; {basin_words(reach.basin)}")
+    if reach.reshaped is not None:
+        return SystemAnswer(question, "a region", reshaped_words(reach.reshaped, states))
+    if reach.region is not None:
+        return SystemAnswer(question, "a region", reached_words(reach.region, states))
+    for fact in result.deciding.facts:
+        if fact.key == "region" and fact.words:  # in one state an interval
+            return SystemAnswer(question, "an interval", fact.words)
+    return SystemAnswer(question, "from near it", "how far around it is not certified")
+
+
+def _how_fast(result: StabilityResult) -> SystemAnswer:
+    """The rate at which solutions come to an asymptotically stable point."""
+    question, reach, states = "how fast", result.reach, result.scene.states
+    if reach.rate is not None:
+        kind = "in finite time" if reach.rate.decay is DecayKind.FINITE else "exponentially"
+        farther = f"; {region_rate_words(reach, states)}" if reach.region_rate is not None else ""
+        return SystemAnswer(question, kind, f"{rate_words(reach, states)}{farther}")
+    if reach.in_finite_time:
+        return SystemAnswer(
+            question, "in finite time", "solutions near the equilibrium arrive; no bound on the time is proved"
+        )
+    return SystemAnswer(question, "not known", "no rate is proved")
+
+
+def _proof_words(result: StabilityResult) -> str:
+    """The reason, behind the V that it speaks of."""
+    function = result.function
+    if function is None:
+        return result.reason
+    shown = f"a V in {len(function.pieces)} pieces" if function.pieces else f"V = {function.text}"
+    return f"{shown}, on {function.domain.text(result.scene.states)}: {result.reason}"

@@ -1,0 +1,306 @@
+"""What every contact rule says of one vehicle, in every form of ``nonsmooth vehicle SCENE``."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from nonsmooth.analysis.cells.partition import RefusalError
+from nonsmooth.analysis.vehicles import (
+    CurvedMotion,
+    VehicleMotion,
+    friction_ratio,
+    turns,
+    vehicle_motion,
+    vehicle_motions,
+)
+from nonsmooth.reports.output.document import Block, Paragraph, table
+from nonsmooth.reports.output.facts import Record, exact_texts, floats
+from nonsmooth.reports.output.refusals import RefusedError
+from nonsmooth.reports.studies.result import FORMATS, DataTable, Result
+from nonsmooth.symbolic.number_text import float_text, percent_text, short_text
+from nonsmooth.symbolic.scene_error import SceneError, StatedFact, one_line
+from nonsmooth.symbolic.vehicles import FORMULA, Vehicle
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+SCHEMA = "nonsmooth-vehicle/1"
+YAML = ".yaml"  # parameters of a controller
+ROUNDING = 1e-13  # of the speeds, sizes or weight of a vehicle: a smaller number is rounding of a zero
+DIGITS = 6  # significant, of a controller's parameter: more than any vehicle keeps
+
+
+@dataclass(frozen=True, repr=False)
+class VehicleResult(Result):
+    """The motion of a vehicle under its own rule and under all others, and what follows from one measured spin.
+
+    Attributes:
+        vehicle: with its commanded speeds.
+        spin: measured rate of turn at these speeds (radian/time); None where none is given.
+
+    Raises:
+        SceneError: for a spin of a vehicle without two sides that turn it.
+    """
+
+    vehicle: Vehicle
+    spin: float | None = None
+
+    formats: ClassVar[Mapping[str, Callable[[Any, str], bytes]]] = {
+        **FORMATS,
+        YAML: lambda found, ending: found.controller_lines().encode(),
+    }
+
+    def __post_init__(self) -> None:
+        if self.spin is not None and self.vehicle.turn is None:
+            required = "a track and two sides that run at different speeds, for a measured spin"
+            raise SceneError(self.vehicle.scene.origin, "vehicle", required, StatedFact("a vehicle without"))
+
+    @property
+    def twist(self) -> tuple[float, float, float] | None:
+        """``(v_x, v_y, omega)`` under the vehicle's own rule; None where several are allowed."""
+        twist = motion_record(self.own)["twist"]
+        return None if twist is None else (twist[0], twist[1], twist[2])
+
+    @property
+    def multiplier(self) -> float | None:
+        """The effective track over the track."""
+        return self.own.multiplier
+
+    def __repr__(self) -> str:
+        return f"{self.summary()}: twist {self.twist}, multiplier {self.multiplier}"
+
+    @cached_property
+    def own(self) -> VehicleMotion:
+        """What the vehicle's own rule says."""
+        return vehicle_motion(self.vehicle)
+
+    @cached_property
+    def turns(self) -> tuple[CurvedMotion, ...]:
+        """From straight on to in place, sampled."""
+        return turns(self.vehicle)
+
+    @property
+    def formula(self) -> str | None:
+        """Of the multiplier, where it is known."""
+        is_known = self.vehicle.has_four_equal_wheels and self.own.rule.name == "ellipse"
+        return FORMULA if is_known else None
+
+    @property
+    def controller(self) -> dict[str, float] | None:
+        """Parameters of ROS 2's ``diff_drive_controller``; None where the vehicle has no track, or does not turn.
+
+        It divides the difference of the wheel speeds by ``wheel_separation * wheel_separation_multiplier``, so the
+        multiplier is the effective track over the track.
+        """
+        vehicle, multiplier = self.vehicle, self.own.multiplier
+        if vehicle.track is None or multiplier is None:
+            return None
+        parameters = {"wheel_separation": float(vehicle.track), "wheel_separation_multiplier": multiplier}
+        if vehicle.wheel_radius is not None:
+            parameters["wheel_radius"] = float(vehicle.wheel_radius)
+        return {name: float(f"{value:.{DIGITS}g}") for name, value in parameters.items()}
+
+    def controller_lines(self) -> str:
+        """The parameters as YAML of a node named ``diff_drive_controller``.
+
+        Raises:
+            RefusedError: where there are none.
+        """
+        if self.controller is None:
+            required = "required a vehicle with a track whose sides run at different speeds"
+            raise RefusedError(f"{self.vehicle.scene.origin}: {required}, received one without a multiplier")
+        lines = [f"    {name}: {value!r}" for name, value in self.controller.items()]
+        return "\n".join(["diff_drive_controller:", "  ros__parameters:", *lines]) + "\n"
+
+    # ---- JSON, rows and picture ------------------------------------------------------------------
+
+    def facts(self) -> Record:
+        """JSON with stable keys."""
+        vehicle, own = self.vehicle, motion_record(self.own)
+        known = {
+            "track": vehicle.track,
+            "wheel_base": vehicle.wheel_base,
+            "wheel_radius": vehicle.wheel_radius,
+            "centre_of_mass": vehicle.centre_of_mass,
+            "speeds": tuple(wheel.speed for wheel in vehicle.scene.wheels),
+        }
+        exact = {key: exact_texts(value) for key, value in known.items() if value is not None}
+        return {
+            "schema": SCHEMA,
+            "vehicle": vehicle.name,
+            "wheels": len(vehicle.scene.wheels),
+            **{key: floats(value) for key, value in known.items()},
+            **own,
+            "exact": {**exact, **own["exact"]},
+            "formula": self.formula,
+            "rules": [
+                {"refused": str(motion)} if isinstance(motion, RefusalError) else motion_record(motion)
+                for motion in vehicle_motions(vehicle)
+            ],
+            "turns": [turn._asdict() for turn in self.turns],
+            "measured": self._measured,
+            "spin": self._spin,
+            "diff_drive_controller": self.controller,
+            "notes": list(vehicle.scene.field.remarks),
+        }
+
+    @cached_property
+    def _measured(self) -> Record | None:
+        """What was measured, how far the prediction is off, and the friction ratio that meets it; None without."""
+        measured, predicted = self.vehicle.measured, self.own.multiplier
+        if measured is None:
+            return None
+        ratio = self.vehicle.friction_ratio(measured)
+        return {
+            "multiplier": float(measured),
+            "source": self.vehicle.source or None,
+            "error": None if predicted is None else predicted / float(measured) - 1,
+            "friction_ratio": friction_ratio(self.vehicle, float(measured)),
+            "exact": {"multiplier": exact_texts(measured), "friction_ratio": exact_texts(ratio)},
+        }
+
+    @cached_property
+    def _spin(self) -> Record | None:
+        """The multiplier and the friction ratio of a measured spin; None without."""
+        multiplier = self.vehicle.float_multiplier(self.spin) if self.spin else None
+        if multiplier is None:
+            return None
+        ratio = friction_ratio(self.vehicle, multiplier)
+        return {"rate": self.spin, "multiplier": multiplier, "friction_ratio": ratio}
+
+    def table(self) -> DataTable:
+        """One line for each commanded curvature."""
+        motion = ("v_x", "v_y", "omega", "icr_x", "icr_y")
+        lines = []
+        for left, right, curvature, twist, icr, *rest in self.turns:
+            lines.append((left, right, curvature, *twist, *(icr or (None, None)), *rest))
+        return DataTable(("left", "right", "curvature", *motion, "left_centre", "right_centre", "multiplier"), lines)
+
+    def draw(self, ax: Axes) -> None:
+        """The wheels with slips and forces."""
+        from nonsmooth.reports.figures.vehicle import draw_vehicle
+
+        draw_vehicle(ax, self.own)
+
+    def figure(self) -> Figure:
+        """The wheels with slips and forces, and the instant centres over curvature."""
+        from nonsmooth.reports.figures.vehicle import vehicle_figure
+
+        return vehicle_figure(self.own, self.turns)
+
+    # ---- text ------------------------------------------------------------------------------------
+
+    def written(self, ending: str) -> str:
+        """Parameters, or the vehicle."""
+        return "parameters of diff_drive_controller" if ending == YAML else self.summary()
+
+    def summary(self) -> str:
+        """One line."""
+        vehicle, unit = self.vehicle, str(self.vehicle.scene.units.length)
+        sizes = [f"{len(vehicle.scene.wheels)} wheels", f"rule {self.own.rule.name}"]
+        for name, value in (("track", vehicle.track), ("wheel base", vehicle.wheel_base)):
+            if value is not None:
+                sizes.append(f"{name} {short_text(value)} {unit}".rstrip())
+        return f"{one_line(vehicle.name)}: {', '.join(sizes)}"
+
+    def blocks(self) -> Sequence[Block]:
+        """The motion under every rule, the slips and forces of the wheels, and what follows from measurements."""
+        remarks = [Paragraph((line,)) for line in self._remarks()]
+        return [Paragraph((self.summary(),)), self._rules(), self._wheels(), *remarks]
+
+    def _rules(self) -> Block:
+        """The motion under every rule that says one."""
+        rows = []
+        for motion in vehicle_motions(self.vehicle):
+            if not isinstance(motion, RefusalError):
+                rows.append((motion.rule.name, *_twist_cells(motion_record(motion)), _multiplier_cell(motion)))
+        return table(("rule", "v_x", "v_y", "omega", "instant centre", "multiplier"), rows, (1.0,) * 6)
+
+    def _wheels(self) -> Block:
+        """Slips and forces of every wheel under the vehicle's own rule."""
+        own, rows = motion_record(self.own), []
+        if own["slips"] is None:
+            several = f"rule {own['rule']} allows {len(own['twists'])} twists and their mixtures: no slips are named"
+            return Paragraph((several,))
+        for k, wheel in enumerate(self.vehicle.scene.wheels):
+            force = ["-", "-"] if own["forces"] is None else map(_cell, own["forces"][k])
+            rows.append((str(wheel.index), short_text(wheel.speed), *map(_cell, own["slips"][k]), *force))
+        header = ("wheel", "speed", "slip along", "slip across", "force along", "force across")
+        return table(header, rows, (1.0,) * 6)
+
+    def _remarks(self) -> Iterator[str]:
+        measured, spin = self._measured, self._spin
+        if self.formula is not None:
+            yield f"effective track multiplier of four equal wheels: {self.formula}"
+        if measured is not None and measured["error"] is not None:
+            source = f" ({measured['source']})" if measured["source"] else ""
+            error, ratio = percent_text(measured["error"]), _ratio_text(measured["friction_ratio"])
+            text = f"measured {float_text(measured['multiplier'])}{source}: the prediction is off by {error}"
+            yield f"{text}; met by mu_S/mu_R = {ratio}"
+        if spin is not None:
+            multiplier, ratio = float_text(spin["multiplier"]), _ratio_text(spin["friction_ratio"])
+            yield f"spin {float_text(spin['rate'])}: multiplier {multiplier}, mu_S/mu_R = {ratio}"
+        if self.own.forces is not None:
+            yield "forces as shares of the weight; speeds and rates in the scene's units"
+        if self.controller is not None:
+            yield "diff_drive_controller: " + ", ".join(f"{key}: {value}" for key, value in self.controller.items())
+
+
+def motion_record(motion: VehicleMotion) -> Record:
+    """What one rule says; ``twist`` and what follows from it are null where several twists are allowed."""
+    exact, speed, size = motion.exact, motion.speed, motion.size
+    twists = [_clean(twist, speed, speed, speed / size) for twist in motion.twists]
+    return {
+        "rule": motion.rule.name,
+        "unique": motion.is_unique,
+        "twist": twists[0] if motion.is_unique else None,
+        "twists": twists,
+        "slips": None if motion.slips is None else [_clean(slip, speed, speed) for slip in motion.slips],
+        "forces": None if motion.forces is None else [_clean(force, 1.0, 1.0) for force in motion.forces],
+        "icr": None if motion.icr is None else _clean(motion.icr, size, size),
+        "multiplier": motion.multiplier,
+        "gap": motion.gap,
+        "exact": {
+            "twist": exact_texts(tuple(exact[0])) if exact and motion.is_unique else None,
+            "twists": None if exact is None else [exact_texts(tuple(twist)) for twist in exact],
+            "icr": exact_texts(motion.exact_icr),
+            "multiplier": exact_texts(motion.exact_multiplier),
+        },
+    }
+
+
+def _clean(values: Iterable[float], *scales: float) -> list[float]:
+    """Floats in which rounding of zeros, beside numbers of the size of the scales, is zero."""
+    return [
+        0.0 if abs(value) <= ROUNDING * scale else float(value) for value, scale in zip(values, scales, strict=True)
+    ]
+
+
+def _cell(value: float) -> str:
+    return float_text(value, 4)
+
+
+def _ratio_text(ratio: float | None) -> str:
+    return "none" if ratio is None else float_text(ratio)
+
+
+def _twist_cells(motion: Record) -> tuple[str, ...]:
+    """``v_x, v_y, omega`` and the instant centre; of several twists their number and rates."""
+    twists = motion["twists"]
+    if len(twists) > 1:
+        low, high = (_cell(of(twist[2] for twist in twists)) for of in (min, max))
+        return f"{len(twists)} and", "mixtures", low if low == high else f"{low} to {high}", "-"
+    icr = "-" if motion["icr"] is None else "({}, {})".format(*map(_cell, motion["icr"]))
+    return *map(_cell, twists[0]), icr
+
+
+def _multiplier_cell(motion: VehicleMotion) -> str:
+    exact = motion.exact_multiplier
+    if exact is None:
+        return "-" if motion.multiplier is None else float_text(motion.multiplier)
+    text = short_text(exact)
+    return text if text == float_text(exact) else f"{text} = {float_text(exact)}"

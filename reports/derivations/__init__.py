@@ -1,0 +1,1 @@
+"""The derivation report, whole and in brief, put together from sections."""

@@ -1,0 +1,1 @@
+"""Feedback laws: as they act in a loop, as tables, and as programs."""

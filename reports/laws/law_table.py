@@ -1,0 +1,471 @@
+"""A feedback law as a table of regions and speeds, in floats; poses are measured from the checked point.
+
+In every region each speed is a fixed combination of a few terms of the pose, times the gain k: the table lists the
+combinations, and :mod:`nonsmooth.reports.laws.law_languages` writes them as programs.  The law is the one that the feedback
+clause certifies, or under rule ``nearest`` another by name, which the table then says is not certified.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from fractions import Fraction
+from typing import SupportsFloat, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nonsmooth.analysis.cells.partition import Cell
+from nonsmooth.analysis.fields.kinematics import Kinematics
+from nonsmooth.analysis.motion.saturation import demand
+from nonsmooth.analysis.plane_arrays import turned
+from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
+from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
+from nonsmooth.proofs.clauses.feedback.cascade_law import CascadeLaw, Descent
+from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, in_scene, rim_speeds
+from nonsmooth.proofs.clauses.feedback.facts import AnyFeedback
+from nonsmooth.proofs.clauses.feedback.gradient_law import LevelRegion
+from nonsmooth.proofs.clauses.feedback.loop_bounds import FEW_ROUNDINGS
+from nonsmooth.proofs.findings.verdicts import Feedback
+from nonsmooth.proofs.theorem4_result import CellCheck, Check
+from nonsmooth.reports.laws.feedback_loop import FeedbackLoop, build_loop
+from nonsmooth.reports.output.choices import LawName
+from nonsmooth.symbolic.constraints import RowKind
+from nonsmooth.symbolic.contact_states import ContactState
+from nonsmooth.symbolic.number_text import brief_text, float_text, lower_text, upper_text
+from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.similar_scenes import in_own_length
+
+Floats: TypeAlias = tuple[float, ...]
+Floats2: TypeAlias = NDArray[np.float64]
+
+
+NEARBY = "from starts near the checked point; how near is not known"
+SEAM = 1e-9  # of the half-width of the square: regions meet within rounding
+DIGITS = 6  # of speeds in words
+
+
+class NoLawError(ValueError):
+    """A check that certifies no law; ``str(error)`` is one line."""
+
+
+class LawKind(StrEnum):
+    """What the speeds are combinations of; the value says it."""
+
+    GRADIENT = "X = (1 + e) x + f y, Y = f x + (1 - e) y, T = w theta + Y x - X y"
+    CASCADE = "r = sqrt(x^2 + y^2), x, y, theta"
+    PAPER = "r = sqrt(x^2 + y^2), h = |theta|, theta"
+    SLOW_TURNS = "A = (1 - W) r, W = s/l - theta + s^2/(2 r l), where (r, s) is c along and across the nearest p_i"
+    DRIVEN = "g . xi_l, g = (x, y, w theta), for the xi_l of the region with the largest |g . xi_l|"
+
+
+@dataclass(frozen=True)
+class LawRegion:
+    """A part of the plane of c in which the speeds are the same combinations.
+
+    Attributes:
+        name: of the cell, or of the directions of c.
+        where: its corners, or what else it is, in words.
+        sides: ``(a, b, c)`` with ``a + b x + c y >= 0`` inside.
+        speeds: for each wheel that is driven the coefficients of the terms; of a driven law one for each twist.
+        axes: the direction of the nearest wheel (slow turns), or the twists xi_l (driven).
+        corners: of a cell (m, 2); empty for directions of c.
+    """
+
+    name: str
+    where: str
+    sides: tuple[Floats, ...]
+    speeds: Mapping[int, Floats]
+    axes: tuple[Floats, ...] = ()
+    corners: tuple[Floats, ...] = ()
+
+    def depth(self, x: float, y: float) -> float:
+        """Distance of a displacement from the nearest side, negative outside of it; 0 where there are no sides."""
+        return min(((a + b * x + c * y) / math.hypot(b, c) for a, b, c in self.sides), default=0.0)
+
+
+@dataclass(frozen=True)
+class LawTable:
+    """A law of one check.
+
+    Attributes:
+        scene: the array, measured from the checked point.
+        kind: what the speeds are combinations of.
+        regions: they cover what was built of the checked square, or all directions of c.
+        constants: e, f, w or l.
+        formula: the law in plain text.
+        status: that the feedback clause certifies it, or that it does not.
+        is_certified: whether it does.
+        certified: from which starts it is certified, in words.
+        rate: how fast the error falls, in words; empty where no rate is certified.
+        effort: how fast wheels run at most, and in which region, in words.
+    """
+
+    scene: Scene
+    kind: LawKind
+    regions: tuple[LawRegion, ...]
+    constants: Mapping[str, float]
+    formula: str = ""
+    status: str = "certified by the feedback clause"
+    is_certified: bool = True
+    certified: str = NEARBY
+    rate: str = ""
+    effort: str = ""
+
+    def speeds(self, x: float, y: float, theta: float, k: float = 1.0) -> dict[int, float]:
+        """The speed of every rim that is driven, by the number of its wheel, within the limits of speed.
+
+        Args:
+            x: displacement of the centre of mass from the checked point (length).
+            y: the same.
+            theta: turn of the body (radian).
+            k: gain (1/time).
+
+        Raises:
+            ValueError: for a place that is in no region.
+        """
+        region = self.region_at(x, y)
+        terms = self._terms(region, x, y, theta)
+        wanted = {wheel: k * float(np.dot(row, terms)) for wheel, row in region.speeds.items()}
+        size = max(1.0, demand(wanted, {wheel: float(limit) for wheel, limit in self.scene.speed_limits.items()}))
+        return {wheel: speed / size for wheel, speed in wanted.items()}
+
+    def region_at(self, x: float, y: float) -> LawRegion:
+        """The region that holds the displacement; between two of them, by rounding, the one it is deepest in.
+
+        Raises:
+            ValueError: where none holds it.
+        """
+        depths = [region.depth(x, y) for region in self.regions]
+        best = int(np.argmax(depths))
+        if depths[best] < -SEAM * float(self.scene.check.radius):
+            raise ValueError(f"required a place in a region of the law, received ({x}, {y})")
+        return self.regions[best]
+
+    def _terms(self, region: LawRegion, x: float, y: float, theta: float) -> Sequence[float]:
+        """What the speeds are combinations of."""
+        match self.kind:
+            case LawKind.GRADIENT:
+                e, f = self.constants["e"], self.constants["f"]
+                along, across = (1 + e) * x + f * y, f * x + (1 - e) * y
+                return along, across, self.constants["w"] * theta + across * x - along * y
+            case LawKind.CASCADE:
+                return math.hypot(x, y), x, y, theta
+            case LawKind.PAPER:
+                return math.hypot(x, y), abs(theta), theta
+            case LawKind.SLOW_TURNS:
+                ((a, b, *_),) = region.axes
+                r, s, length = a * x + b * y, a * y - b * x, self.constants["l"]
+                turn = s / length - theta + (s * s / (2 * r * length) if r > 0 else 0.0)
+                return (1 - turn) * r, turn
+            case LawKind.DRIVEN:
+                products = np.array(region.axes) @ (x, y, self.constants["w"] * theta)
+                chosen = int(np.argmax(np.abs(products)))
+                return [-float(products[chosen]) * (k == chosen) for k in range(len(products))]
+
+    def rows(self) -> list[dict[str, str]]:
+        """One row for each region, twist and wheel: where, and the speed of its rim.
+
+        With limits each row has its wheel's: all speeds of a region are scaled by one factor to keep them.
+        """
+        rows = [row for region in self.regions for row in self._rows_of(region)]
+        limits = {str(index): repr(float(limit)) for index, limit in self.scene.speed_limits.items()}
+        return [row | {"speed_limit": limits.get(row["wheel"], "")} for row in rows] if limits else rows
+
+    def _rows_of(self, region: LawRegion) -> Iterable[dict[str, str]]:
+        if self.kind is not LawKind.DRIVEN:
+            for wheel, speed in region.speeds.items():
+                yield _row(region, "", wheel, f"k ({_sum(speed, TERMS[self.kind])})")
+            return
+        for index, twist in enumerate(region.axes):
+            name = f"({', '.join(map(repr, twist))})"
+            for wheel, speed in region.speeds.items():
+                yield _row(region, name, wheel, f"-k (g . xi_l) {speed[index]!r}")
+
+
+TERMS = {
+    LawKind.GRADIENT: ("X", "Y", "T"),
+    LawKind.CASCADE: ("r", "x", "y", "theta"),
+    LawKind.PAPER: ("r", "h", "theta"),
+    LawKind.SLOW_TURNS: ("A", "W"),
+}
+
+
+def law_table(check: Check, name: LawName = LawName.CERTIFIED) -> LawTable:
+    """The law that the feedback clause of a check certifies, or another by name.
+
+    Args:
+        check: the check.
+        name: of a law of rule ``nearest``, certified or not.
+
+    Raises:
+        NoLawError: where the clause certifies none, or the array has none of this name.
+    """
+    feedback, scene = check.feedback.holding, check.scene.recentred()
+    named = name is not LawName.CERTIFIED
+    if not named and feedback.verdict is not Feedback.STABILIZABLE:
+        raise NoLawError(f"required a certified feedback law; the feedback clause says {feedback.verdict}")
+    if isinstance(feedback, DrivenFeedback):
+        if named:
+            raise NoLawError(f"required rule nearest for the {name} law, received {scene.contact.rule}")
+        return _driven(scene, feedback)
+    if not (isinstance(feedback, FeedbackResult) and isinstance(check, CellCheck)):
+        raise NoLawError(f"required a law of cells or of imposed twists, received rule {scene.contact.rule}")
+    try:
+        loop = build_loop(check.partition, name, Kinematics.EXACT, feedback)
+        table = _by_cells(scene, loop, check.partition.cells)
+    except ValueError as error:
+        raise NoLawError(str(error)) from None
+    table = replace(table, formula=loop.formula, status=f"{loop.name} law, {loop.status}")
+    if not loop.is_certified:
+        return replace(table, is_certified=False, certified="", effort=_effort_by_terms(table))
+    table = replace(table, certified=_region_text(feedback), rate=_rate_text(feedback, scene))
+    by_v = table.kind is LawKind.GRADIENT
+    return replace(table, effort=_effort_by_v(table, feedback, scene) if by_v else _effort_by_terms(table))
+
+
+def _driven(scene: Scene, feedback: DrivenFeedback) -> LawTable:
+    """The law of three imposed twists of rules ``box``, ``ellipse`` and ``roller``."""
+    own = in_own_length(scene)
+    cones = tuple(_cone(own, cone, feedback) for cone in feedback.cones)
+    table = LawTable(scene, LawKind.DRIVEN, cones, {"w": float(feedback.length) ** 2}, feedback.law or "")
+    table = replace(table, certified=_reach_text(feedback), rate=_rate_text(feedback, scene))
+    return replace(table, effort=_effort_by_v(table, feedback, scene))
+
+
+def _by_cells(scene: Scene, loop: FeedbackLoop, cells: Sequence[Cell]) -> LawTable:
+    """A law of rule ``nearest``.
+
+    Raises:
+        ValueError: for a law that the wheels of a cell do not allow.
+    """
+    for cell in cells:
+        loop.wanted(cell.states[0])
+    if loop.law is LawName.GRADIENT:
+        (e, f), weight = loop.feedback.lyapunov.shape, loop.feedback.lyapunov.weight
+        constants = {"e": float(e), "f": float(f), "w": float(weight)}
+        return LawTable(scene, LawKind.GRADIENT, tuple(map(_gradient, cells)), constants)
+    if loop.law is not LawName.CASCADE:
+        corrected = loop.law is LawName.CORRECTED
+        regions = tuple(_paper(cell, float(scene.check.length), corrected=corrected) for cell in cells)
+        return LawTable(scene, LawKind.PAPER, regions, {})
+    if loop.cascade.descent is Descent.SLOW_TURNS:
+        return LawTable(scene, LawKind.SLOW_TURNS, tuple(map(_slow_turns, cells)), {"l": loop.turning_length})
+    signs = _signs(loop.cascade)
+    return LawTable(scene, LawKind.CASCADE, tuple(_cascade(cell, signs) for cell in cells), {})
+
+
+# ---- what is said of it --------------------------------------------------------------------------
+
+
+def _rate_text(feedback: AnyFeedback, scene: Scene) -> str:
+    """``V' <= -2 kappa k V`` near the point, or in the cells there; slower where speeds are limited."""
+    kappa = feedback.certified_kappa
+    if kappa is None:
+        return ""
+    limited = ", while no wheel is at its limit" if scene.speed_limits else ""
+    falls = f"near the point the error sqrt(V) shrinks at least like exp(-{lower_text(kappa, 4)} k t)"
+    return f"{falls}{limited}, V = {feedback.lyapunov}"
+
+
+def _effort_by_v(table: LawTable, feedback: AnyFeedback, scene: Scene) -> str:
+    """The largest speed by the error sqrt(V): over all poses, and in the certified region.
+
+    With ``V = c^T P c + w theta^2`` wheel w is asked for the product of ``(c, theta)`` and g_w in the metric of V,
+    whose largest value over sqrt(V) is :func:`_largest_product`, and for the turn of g_w times ``c^T P J c``, at most
+    ``rho V/(1 - rho)``.  A driven law asks for ``(g . xi_l) u``, at most ``sqrt(V) |xi_l| |u|``, l the unit of length.
+    """
+    rho = Fraction(0) if isinstance(feedback, DrivenFeedback) else feedback.lyapunov.eccentricity
+    sizes = [_sizes(table, feedback, region) for region in table.regions]
+    first, second = (Fraction(max(column)) * (1 + FEW_ROUNDINGS) for column in zip(*sizes, strict=True))
+    where = table.regions[int(np.argmax([size for size, _ in sizes]))].name
+    text = f"{upper_text(first, DIGITS)} k sqrt(V)"
+    bent = second * rho / (1 - rho)
+    if bent:
+        text += f" + {upper_text(bent, DIGITS)} k V"
+    text += f", V = {feedback.lyapunov} (the largest of all regions: {where})"
+    root = _certified_root(feedback)
+    if root is None:
+        return text
+    unit = f" {scene.units.speed}" if scene.units.length else ""
+    bound = (first * root + bent * root**2) * (1 + FEW_ROUNDINGS)
+    return f"{text}, which is {upper_text(bound, DIGITS)} k{unit} on the border of the certified region"
+
+
+def _sizes(table: LawTable, feedback: AnyFeedback, region: LawRegion) -> tuple[float, float]:
+    """Of the fastest wheel: its speed over sqrt(V), and the turn of its control field."""
+    if table.kind is LawKind.GRADIENT:
+        values = [_largest_product(table, region, row) for row in region.speeds.values()]
+        return max(values), max(abs(row[2]) for row in region.speeds.values())
+    scale = np.array([1.0, 1.0, table.constants["w"] ** 0.5])
+    lengths = np.linalg.norm(np.array(region.axes) * scale, axis=1)
+    return max(float(np.max(np.abs(row) * lengths)) for row in region.speeds.values()), 0.0
+
+
+def _largest_product(table: LawTable, region: LawRegion, row: Floats) -> float:
+    """The largest ``(P c, w theta) . g`` over sqrt(V), for c in the directions of a cell.
+
+    For c along a unit vector e it is ``sqrt((g_c . P e)^2/(e . P e) + w g_theta^2)``, which is largest along g_c, or
+    where that is not in the cell on the border of its directions.
+    """
+    e, f = table.constants["e"], table.constants["f"]
+    shape, g = np.array([[1 + e, f], [f, 1 - e]]), np.array(row[:2])
+    rays = [ray for ray in _border(region) if ray.any()]
+    candidates = [g, -g] if not rays else [*rays, *(way for way in (g, -g) if _is_between(way, rays))]
+    along = [(g @ shape @ way) ** 2 / (way @ shape @ way) for way in candidates if way.any()]
+    return math.sqrt(max(along, default=0.0) + table.constants["w"] * row[2] ** 2)
+
+
+def _border(region: LawRegion) -> tuple[Floats2, ...]:
+    """The first and the last direction of a cell seen from the point, counterclockwise; none where it lies within."""
+    corners = np.array(region.corners)
+    middle = corners.mean(axis=0)
+    if region.depth(0.0, 0.0) > 0 or not middle.any():
+        return ()
+    turns = np.arctan2(corners @ turned(middle), corners @ middle)
+    return corners[np.argmin(turns)], corners[np.argmax(turns)]
+
+
+def _is_between(way: Floats2, rays: Sequence[Floats2]) -> bool:
+    """Whether a direction lies between two that are less than half a turn apart, or on them."""
+    first, last = rays
+    return bool(turned(first) @ way >= 0 and turned(way) @ last >= 0 and (first + last) @ way >= 0)
+
+
+def _certified_root(feedback: AnyFeedback) -> Fraction | None:
+    """Sqrt(V) on the border of the certified region; None where that is no level of V, or not known."""
+    if isinstance(feedback, FeedbackResult):
+        level = feedback.region.level if isinstance(feedback.region, LevelRegion) else None
+        return None if level is None else Fraction(math.sqrt(level)) * (1 + FEW_ROUNDINGS)
+    known = feedback.reach is not None and feedback.every_load is None
+    return Fraction(float(feedback.reach)) * (1 + FEW_ROUNDINGS) if known and feedback.reach is not None else None
+
+
+def _effort_by_terms(table: LawTable) -> str:
+    """The largest speed by the sizes of the terms, wheel by wheel and region by region."""
+    if table.kind is LawKind.GRADIENT:
+        named = [(row, region) for region in table.regions for row in region.speeds.values()]
+        row, region = max(named, key=lambda pair: math.hypot(*pair[0]))
+        x, y, t = (_upper(abs(value)) for value in row)
+        return f"{x} k |X| + {y} k |Y| + {t} k |T| in {region.name}, where a control field is the longest"
+    by_place = [(_by_place(table, row), region) for region in table.regions for row in region.speeds.values()]
+    by_turn = [(_by_turn(table, row), region) for region in table.regions for row in region.speeds.values()]
+    place, first = max(by_place, key=lambda pair: pair[0])
+    turn, second = max(by_turn, key=lambda pair: pair[0])
+    names = ("|A|", "|W|") if table.kind is LawKind.SLOW_TURNS else ("r", "|theta|")
+    where = first.name if first is second else f"{first.name} by place, {second.name} by heading"
+    return f"{_upper(place)} k {names[0]} + {_upper(turn)} k {names[1]} (the largest of all regions: {where})"
+
+
+def _by_place(table: LawTable, row: Floats) -> float:
+    """The speed of a wheel over r, or over ``|A|``, at most."""
+    return abs(row[0]) + math.hypot(*row[1:3]) if table.kind is LawKind.CASCADE else abs(row[0])
+
+
+def _by_turn(table: LawTable, row: Floats) -> float:
+    """The speed of a wheel over ``|theta|``, or over ``|W|``, at most."""
+    return abs(row[1]) + abs(row[2]) if table.kind is LawKind.PAPER else abs(row[-1])
+
+
+def _upper(value: float) -> str:
+    return upper_text(Fraction(value) * (1 + FEW_ROUNDINGS), DIGITS) if value else "0"
+
+
+def _region_text(feedback: FeedbackResult) -> str:
+    if feedback.region is None:
+        return NEARBY
+    meant = f", V = {feedback.lyapunov}" if isinstance(feedback.region, LevelRegion) else ""
+    return f"from starts with {feedback.region}{meant}"
+
+
+def _reach_text(feedback: DrivenFeedback) -> str:
+    """Under rule ``box`` V falls in a square about the point; the largest level of V within it brings bodies home."""
+    if feedback.every_load is not None:
+        return f"{NEARBY}, under every load that the scene leaves open"
+    if feedback.reach is None:
+        return NEARBY
+    weight = "" if feedback.length == 1 else f"{float(feedback.lyapunov.weight)!r} "
+    return f"from starts with x^2 + y^2 + {weight}theta^2 < {lower_text(feedback.reach, 4)}^2"
+
+
+def _row(region: LawRegion, twist: str, wheel: int, speed: str) -> dict[str, str]:
+    return {"region": region.name, "where": region.where, "xi_l": twist, "wheel": str(wheel), "speed": speed}
+
+
+def _sum(coefficients: Sequence[float], names: Sequence[str]) -> str:
+    return " + ".join(f"{value!r} {name}" for value, name in zip(coefficients, names, strict=True) if value) or "0"
+
+
+def _region(cell: Cell, speeds: Mapping[int, Floats], axes: tuple[Floats, ...] = ()) -> LawRegion:
+    corners = [f"({', '.join(map(brief_text, vertex))})" for vertex in cell.polygon.vertices]
+    sides = tuple(_floats((s.offset, -s.normal[0], -s.normal[1])) for s in cell.polygon.sides)
+    vertices = tuple(map(_floats, cell.polygon.vertices))
+    return LawRegion(f"cell {cell.index}", f"corners {', '.join(corners)}", sides, speeds, axes, vertices)
+
+
+def _gradient(cell: Cell) -> LawRegion:
+    """``u_w = -k (a X + b Y + c T)`` with the control field (a, b, c) of wheel w."""
+    fields = cell.states[0].control_fields
+    return _region(cell, {wheel: _floats(-entry for entry in field) for wheel, field in fields.items()})
+
+
+def _paper(cell: Cell, length: float, *, corrected: bool) -> LawRegion:
+    """``u_j = turn theta`` and ``u_i = |u_j| + k r``: the nearest wheel i and the second j."""
+    nearest, second = cell.states[0].rows[0].wheel.index, cell.states[0].rows[2].wheel.index
+    torque = cell.states[0].control_fields[second][2]
+    turn = -length * (torque.sign() if corrected else 1)
+    return _region(cell, {nearest: (1.0, length, 0.0), second: (0.0, 0.0, turn)})
+
+
+def _signs(cascade: CascadeLaw) -> dict[int, int]:
+    return {wheel.index: sign for wheel, sign in zip(cascade.wheels, cascade.signs, strict=True)}
+
+
+def _roll_rows(state: ContactState) -> dict[int, Floats]:
+    """Of each wheel that acts: ``u_w = row . (v, omega)``."""
+    acting = [row for row in (state.rows[0], state.rows[2]) if row.kind is RowKind.ROLL]
+    return {row.wheel.index: _floats(row.unit_normal) for row in acting}
+
+
+def _cascade(cell: Cell, signs: Mapping[int, int]) -> LawRegion:
+    """``omega = -k theta`` and ``v = k s r d - (n . J p) omega n``; ``-k c . d`` for ``k s r`` where no s is known."""
+    state = cell.states[0]
+    wheel = state.rows[0].wheel
+    d, p = np.array(_floats(wheel.unit_direction)), np.array(_floats(wheel.position))
+    n = turned(d)
+    lever, sign = float(n @ turned(p)), signs.get(wheel.index)
+    speeds = {}
+    for index, row in _roll_rows(state).items():
+        along, turn = float(row[:2] @ d), lever * float(row[:2] @ n) - row[2]
+        by_place = (0.0, -along * d[0], -along * d[1]) if sign is None else (sign * along, 0.0, 0.0)
+        speeds[index] = _floats((*by_place, turn))
+    return _region(cell, speeds)
+
+
+def _slow_turns(cell: Cell) -> LawRegion:
+    """``v = (k - omega) r J p_i/|p_i|`` and ``omega = k W``: the rows times these."""
+    state = cell.states[0]
+    p = np.array(_floats(state.rows[0].wheel.position))
+    out = p / np.hypot(*p)
+    across = turned(out)
+    speeds = {index: (float(row[:2] @ across), row[2]) for index, row in _roll_rows(state).items()}
+    return _region(cell, speeds, (_floats(out),))
+
+
+def _cone(own: Scene, cone: LawCone, feedback: DrivenFeedback) -> LawRegion:
+    """The twists of a cone in the scene's unit, and the speeds that impose each."""
+    columns = [rim_speeds(own, imposed) for imposed in cone.twists]
+    speeds = {wheel.index: tuple(column[k] for column in columns) for k, wheel in enumerate(own.wheels)}
+    twists = tuple(_floats(in_scene(imposed.twist, feedback.length)) for imposed in cone.twists)
+    if cone.rays is None:
+        return LawRegion("all directions", "everywhere", (), speeds, twists)
+    (ax, ay), (bx, by) = (_floats(ray) for ray in cone.rays)
+    start, end = (float_text(float(np.degrees(np.arctan2(y, x))) % 360, 4) for x, y in ((ax, ay), (bx, by)))
+    sides = ((0.0, -ay, ax), (0.0, by, -bx))
+    return LawRegion(f"directions {start} to {end} degrees", "of c, counterclockwise", sides, speeds, twists)
+
+
+def _floats(values: Iterable[SupportsFloat]) -> Floats:
+    return tuple(float(value) + 0.0 for value in values)

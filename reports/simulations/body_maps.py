@@ -1,0 +1,386 @@
+"""A map of starts of a body with an outline: where it ends, followed by explicit steps; sampled."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nonsmooth.analysis.bodies.many_paths import ENDS, TOGETHER, BodyEnd, BodyEnds, ManyPaths, PathEnd, destinations
+from nonsmooth.analysis.contact_rule import CellRule, SmoothRule, rule_of
+from nonsmooth.analysis.fields.contact_model import Floats
+from nonsmooth.analysis.fields.kinematics import Kinematics
+from nonsmooth.reports.figures.style import (
+    INK,
+    LEGEND_LINE,
+    TOLD_APART,
+    centre_labels,
+    corners_of,
+    draw_checked_point,
+    draw_grid,
+    grid_extent,
+    grid_side,
+    legend_below,
+    line_entry,
+    mark_entry,
+    new_figure,
+    start_labels,
+    title_figure,
+)
+from nonsmooth.reports.figures.wheels import outline_of, placed
+from nonsmooth.reports.output.document import Block, Paragraph, findings
+from nonsmooth.reports.output.progress import progress
+from nonsmooth.reports.simulations.maps import (
+    MapResult,
+    Part,
+    grid_of,
+    home_row,
+    massless,
+    parts_record,
+    within_accuracy,
+)
+from nonsmooth.reports.simulations.path_ends import degrees_text, heading_text
+from nonsmooth.reports.simulations.simulate_options import SimulateOptions
+from nonsmooth.reports.studies.result import DataTable, Record
+from nonsmooth.symbolic.body import Body
+from nonsmooth.symbolic.contact_set import accuracy_at_point, standing, whole
+from nonsmooth.symbolic.continuum import Disc
+from nonsmooth.symbolic.number_text import float_text, percent_text, short_text
+from nonsmooth.symbolic.scene import Scene
+from nonsmooth.symbolic.scene_error import SceneError, StatedFact, one_line
+
+if TYPE_CHECKING:
+    from matplotlib.artist import Artist
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from matplotlib.patches import Patch
+
+SCHEMA = "nonsmooth-body-map/1"
+OPEN_HEADING = "rests: the place does; the rate of theta there is open under this rule, and the steps pick one"
+TURNS_ON = "rests: the place does; the body covers all wheels, and turns there as they turn it"
+LINES = 4  # over which bodies tip, that are named
+SHOWN = 12  # destinations listed on a terminal
+
+# the picture
+SIZE = (12.0, 6.0)  # inches, without the legend
+OTHER_PLACES = "#BBBBBB"  # places of rest beyond the palette
+TIPS = "#FFFFFF"  # under a hatch
+MOVING = "#666666"
+HATCH = "xxxx"
+PIXEL = 0.9  # of the distance between starts: side of a hatched mark
+NEAR = 1.3  # the destinations' view, in sizes of the body around them
+
+
+def pose_starts(scene: Scene, count: int, heading: float) -> Floats:
+    """``count x count`` poses (m, 3) of one heading, evenly over the checked square, borders included; x runs first."""
+    radius = float(scene.check.radius)
+    axes = [np.linspace(-radius, radius, count) + float(middle) for middle in scene.check.equilibrium]
+    x, y = np.meshgrid(*axes)
+    return np.column_stack([x.ravel(), y.ravel(), np.full(x.size, heading)])
+
+
+def build_body_map(scene: Scene, options: SimulateOptions) -> BodyMapResult:
+    """Follow a body from every start of the grid over the whole array's square, with progress on a terminal.
+
+    Raises:
+        OptionError: for a grid or a heading that cannot be used.
+        SceneError: for leading-order kinematics, and for a table of loads where loads decide.
+        RefusalError: where the motion on some wheels is not determined.
+    """
+    count, rule = grid_of(options), rule_of(scene)
+    if not isinstance(rule, SmoothRule | CellRule):
+        raise TypeError(f"required a rule with or without cells, received {rule.name}")
+    if options.kinematics is not Kinematics.EXACT:
+        expected = "--kinematics exact for a body with an outline"
+        raise SceneError(scene.origin, "body", expected, StatedFact(str(options.kinematics)))
+    array = whole(scene)
+    followed = array if array.body is not None else _covered(array)
+    paths = ManyPaths(followed, rule, of_places=array.body is None)
+    with progress(f"{count} x {count} starts") as report:
+        ends = paths.follow(pose_starts(array, count, options.heading), options.until, report)
+    return BodyMapResult(array, options, ends, TOGETHER * paths.spacing)
+
+
+def _covered(scene: Scene) -> Scene:
+    """The array under a disc that covers all wheels as long as its centre is over their hull, so until it tips."""
+    places = corners_of(wheel.position for wheel in scene.wheels)
+    reach = Fraction(2 * float(np.hypot(*np.ptp(places, axis=0))))
+    zero, one = scene.field.zero, scene.field.one
+    return replace(scene, body=Body(Disc(scene.field(reach)), (zero, zero), (one, zero)))
+
+
+@dataclass(frozen=True, repr=False)
+class BodyMapResult(MapResult):
+    """Sampled ends of a grid of paths of a body.
+
+    Attributes:
+        scene: with all wheels.
+        options: what was mapped.
+        found: the ends.
+        distance: below which bodies rest at one place (length).
+    """
+
+    scene: Scene
+    options: SimulateOptions
+    found: BodyEnds
+    distance: float
+
+    @cached_property
+    def home(self) -> NDArray[np.bool_]:
+        """Which starts end upright within the accuracy of the checked point (m,)."""
+        upright = self.found.by(BodyEnd.REST) | self.found.by(BodyEnd.TIME)
+        return within_accuracy(self.scene, self.found.poses[:, :2]) & upright
+
+    @cached_property
+    def destinations(self) -> list[PathEnd]:
+        """Where the paths end, with shares."""
+        return destinations(self.found, self.distance)
+
+    @cached_property
+    def destination_of(self) -> list[int]:
+        """The place in the list of destinations of every start."""
+        numbers = np.zeros(len(self.found.starts), int)
+        for k, destination in enumerate(self.destinations):
+            numbers[destination.starts] = k
+        return [int(k) for k in numbers]
+
+    @property
+    def shares(self) -> list[tuple[str, str]]:
+        """Share and words of every destination."""
+        return [(percent_text(one.share), one.text) for one in self.destinations]
+
+    @property
+    def title(self) -> str:
+        """The scene and the rule."""
+        return f"{one_line(self.scene.name)}, rule {self.scene.contact.rule}"
+
+    def facts(self) -> Record:
+        """JSON with stable keys; starts run along x first."""
+        found = self.found
+        return {
+            "schema": SCHEMA,
+            "scene": self.scene.name,
+            "rule": self.scene.contact.rule,
+            "status": "sampled",
+            "grid": self.options.grid,
+            "theta_0": self.options.heading,
+            "until": found.until,
+            "destinations": [_record(one) for one in self.destinations],
+            "starts": found.starts[:, :2].tolist(),
+            "ends": [_end(pose, found, k) for k, pose in enumerate(found.poses.tolist())],
+            "destination": self.destination_of,
+            "accuracy": float(accuracy_at_point(self.scene)),
+            "home": int(self.home.sum()),
+            "parts": parts_record(self.parts),
+        }
+
+    def table(self) -> DataTable:
+        """One start per line; the wheels over whose line it tips, where it does."""
+        names = ("x", "y", "theta", "t_end", "x_end", "y_end", "theta_end", "reason", "tips_over", "destination")
+        found, lines = self.found, []
+        for k, (start, pose) in enumerate(zip(found.starts.tolist(), found.poses.tolist(), strict=True)):
+            over = "-".join(str(wheel) for wheel in found.over[k].tolist() if wheel)
+            reason = ENDS[found.reasons[k]].value
+            lines.append([*start, float(found.times[k]), *pose, reason, over, self.destination_of[k] + 1])
+        return DataTable(names, lines)
+
+    def draw(self, ax: Axes) -> None:
+        """Starts by where they end."""
+        draw_destinations(ax, self)
+
+    def figure(self) -> Figure:
+        """Starts by where they end, and the body at each destination."""
+        return destinations_figure(self)
+
+    @property
+    def parts(self) -> list[Part]:
+        """How many starts end in each way; with rest, at how many places."""
+        counts = {reason: int(self.found.by(reason).sum()) for reason in BodyEnd}
+        places = sum(one.reason is BodyEnd.REST for one in self.destinations)
+        at = {BodyEnd.REST: f" at {places} {'place' if places == 1 else 'places'}"}
+        return [Part(reason.value + at.get(reason, ""), count) for reason, count in counts.items() if count]
+
+    def blocks(self) -> Sequence[Block]:
+        """The shares of the destinations."""
+        rows, others = self.shares[:SHOWN], self.destinations[SHOWN:]
+        if others:
+            rows.append((percent_text(sum(one.share for one in others)), f"{len(others)} others"))
+        rows.insert(0, home_row(self.scene, self.home))
+        rows += self._tipping()
+        unit, second = (f" {label}".rstrip() for label in (self.scene.units.length, self.scene.units.time))
+        rows.append((f"latest end{massless(self.scene)}", f"t = {self.found.times.max():.6g}{second}"))
+        (left, low), (right, high) = self.found.starts[:, :2].min(axis=0), self.found.starts[:, :2].max(axis=0)
+        head = f"{self.title}: {self.head} until t = {self.found.until:.6g}{second}, sampled"
+        square = f"x from {left:.6g} to {right:.6g}, y from {low:.6g} to {high:.6g}"
+        starts = f"{square}{unit}, {heading_text(self.scene.units, self.options.heading, 'theta_0')}"
+        open_heading = [Paragraph((OPEN_HEADING,))] if rule_of(self.scene).keeps_rows else []
+        if self.scene.body is None:
+            open_heading = [Paragraph((TURNS_ON,))]
+        beside = [Paragraph((text,)) for text in self._beside_the_check()]
+        return [Paragraph((head,)), Paragraph((starts,)), findings(rows), *open_heading, *beside]
+
+    def _tipping(self) -> Iterator[tuple[str, str]]:
+        """How many bodies tip where they start, from which distance on and over which lines; how many on their way."""
+        found, unit = self.found, f" {self.scene.units.length}".rstrip()
+        tips, total = found.by(BodyEnd.TIPS), len(found.starts)
+        at_once = tips & (found.times == 0)
+        if at_once.any():
+            away = np.hypot(*(found.starts[:, :2] - [float(entry) for entry in self.scene.check.equilibrium]).T)
+            nearest = float_text(float(away[at_once].min()), 3)
+            told = f"{int(at_once.sum())} of {total} starts; all nearer than {nearest}{unit} to the point stand"
+            yield "tip where they start", f"{told}; {self._lines_under(at_once)}"
+        later = tips & ~at_once
+        if later.any():
+            yield "tip on their way", f"{int(later.sum())} of {total} starts; {self._lines_under(later)}"
+
+    def _lines_under(self, tips: NDArray[np.bool_]) -> str:
+        """The lines through wheels that the centres of bodies which tip are beyond, the most frequent first."""
+        names = {int(wheel.index): str(wheel.index) for wheel in whole(self.scene).wheels}
+        most = Counter(tuple(sorted(row)) for row in self.found.over[tips].tolist() if all(row)).most_common(LINES)
+        told = [f"{names[a]} and {names[b]} ({count})" for (a, b), count in most]
+        others = int(tips.sum()) - sum(count for _, count in most)
+        lines = f"beyond the line through wheels {', '.join(told)}" if told else "with fewer than two wheels under it"
+        return f"the centre of mass is {lines}{f', or otherwise ({others})' if told and others else ''}"
+
+    def _beside_the_check(self) -> Iterator[str]:
+        """Which part of this square ``check`` speaks of, where other wheels carry the body in the rest of it."""
+        try:
+            checked = standing(self.scene).check
+        except SceneError:  # no body stands at the point
+            return
+        if checked.wider is not None:
+            unit = f" {self.scene.units.length}".rstrip()
+            share = percent_text(float(checked.radius / checked.wider) ** 2)
+            within = f"within {short_text(checked.radius)}{unit} of the point, {share} of this square"
+            yield f"check speaks of the part {within}: there the same wheels carry the body"
+
+    @property
+    def head(self) -> str:
+        """How many starts."""
+        return f"{self.options.grid} x {self.options.grid} starts"
+
+
+def _record(one: PathEnd) -> dict[str, Any]:
+    pose = None if one.pose is None else list(one.pose)
+    headings = None if one.headings is None else list(one.headings)
+    return {"reason": one.reason.value, "share": one.share, "pose": pose, "headings": headings}
+
+
+def _end(pose: list[float], found: BodyEnds, k: int) -> dict[str, Any]:
+    x, y, theta = pose
+    over = [int(wheel) for wheel in found.over[k] if wheel]
+    reason = ENDS[found.reasons[k]].value
+    return {"x": x, "y": y, "theta": theta, "t": float(found.times[k]), "reason": reason, "tips_over": over or None}
+
+
+# ---- the picture -----------------------------------------------------------------------------------
+
+
+def destinations_figure(shown: BodyMapResult) -> Figure:
+    """Starts by where they end, and the body at each destination."""
+    entries: list[Artist] = [*_destinations_legend(shown.destinations)]
+    entries += [mark_entry("+", "checked point", markersize=9), mark_entry(".", "wheel", markersize=4)]
+    # a body that covers all wheels has no outline to show, and one that moves on no place for it
+    has_bodies = shown.scene.body is not None and any(one.pose is not None for one in shown.destinations)
+    if has_bodies:
+        entries += [
+            line_entry("body where it rests, arrow: its heading", color=INK, linewidth=2),
+            line_entry("the same, at the outermost headings", color=INK, linewidth=1, alpha=0.5),
+        ]
+    panes = 2 if has_bodies else 1
+    figure = new_figure(SIZE[0] * panes / 2, SIZE[1] + LEGEND_LINE * -(-len(entries) // 2))
+    figure.set_layout_engine("compressed")
+    starts, *others = figure.subplots(1, panes, squeeze=False)[0]
+    draw_destinations(starts, shown)
+    _draw_contacts(starts, shown)
+    draw_checked_point(starts, shown.scene)
+    starts.set(**start_labels(shown.scene.units))
+    for ends in others:
+        _draw_bodies(ends, shown)
+        _draw_contacts(ends, shown)
+        ends.set(**centre_labels(shown.scene.units))
+    turned = f"heading {degrees_text(shown.options.heading)}"
+    head = f"{shown.title}: {shown.head}, {turned}, sampled{massless(shown.scene)}"
+    title_figure(figure, f"{head}\n{shown.summary()}")
+    legend_below(figure, entries)
+    return figure
+
+
+def _colors(found: list[PathEnd]) -> list[str]:
+    """One for each destination."""
+    colors = []
+    for k, one in enumerate(found):
+        if one.reason is BodyEnd.REST:
+            colors.append(TOLD_APART[k] if k < len(TOLD_APART) else OTHER_PLACES)
+        else:
+            colors.append(TIPS if one.reason in {BodyEnd.TIPS, BodyEnd.LEAVES} else MOVING)
+    return colors
+
+
+def draw_destinations(axes: Axes, shown: BodyMapResult) -> None:
+    """Starts by color; those that tip are hatched."""
+    from matplotlib.colors import to_rgb
+    from matplotlib.patches import Rectangle
+
+    points = shown.found.starts[:, :2]
+    steps = np.ptp(points, axis=0) / (grid_side(points) - 1)
+    table = np.array([to_rgb(color) for color in _colors(shown.destinations)])
+    draw_grid(axes, points, table[shown.destination_of], zorder=0)
+    fallen = shown.found.by(BodyEnd.TIPS) | shown.found.by(BodyEnd.LEAVES)
+    for x, y in points[fallen] - PIXEL * steps / 2:
+        axes.add_patch(Rectangle((x, y), *(PIXEL * steps), fill=False, hatch=HATCH, edgecolor=INK, linewidth=0.0))
+    left, right, low, high = grid_extent(points)
+    axes.set(xlim=(left, right), ylim=(low, high), aspect="equal", title="where a start ends")
+
+
+def _draw_bodies(axes: Axes, shown: BodyMapResult) -> None:
+    """The outline at each destination: at the middle heading, and faintly at the outermost ones."""
+    outline = outline_of(shown.scene)
+    axes.set(aspect="equal", title="the body at its destinations")
+    resting = [(one, color) for one, color in zip(shown.destinations, _colors(shown.destinations), strict=True)]
+    resting = [(one, color) for one, color in resting if one.pose is not None][: len(TOLD_APART)]
+    if outline is None or not resting:
+        return
+    reach = float(np.hypot(*outline.T).max())
+    for one, color in resting:
+        x, y, theta = one.pose or (0.0, 0.0, 0.0)
+        for heading in one.headings or ():
+            axes.fill(*placed(outline, np.array([x, y, heading])).T, fill=False, edgecolor=color, alpha=0.5, zorder=2)
+        axes.fill(*placed(outline, np.array([x, y, theta])).T, fill=False, edgecolor=color, linewidth=2.0, zorder=3)
+        nose = np.array([x, y]) + 0.5 * reach * np.array([np.cos(theta), np.sin(theta)])
+        arrow = axes.annotate("", xy=tuple(nose), xytext=(x, y), arrowprops={"arrowstyle": "-|>", "color": color})
+        arrow.set_in_layout(False)
+    centres = np.array([one.pose[:2] for one, _ in resting if one.pose is not None])
+    low, high = centres.min(axis=0) - NEAR * reach, centres.max(axis=0) + NEAR * reach
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
+
+
+def _draw_contacts(axes: Axes, shown: BodyMapResult) -> None:
+    """Wheels as dots; the view stays."""
+    limits = {"xlim": axes.get_xlim(), "ylim": axes.get_ylim()}
+    places = corners_of(wheel.position for wheel in shown.scene.wheels)
+    axes.plot(*places.T, linestyle="none", marker=".", markersize=3, color=INK, zorder=5)
+    axes.set(**limits)
+
+
+def _destinations_legend(found: list[PathEnd]) -> list[Patch]:
+    """An entry for each color."""
+    from matplotlib.patches import Patch
+
+    entries, others = [], list[PathEnd]()
+    for k, (one, color) in enumerate(zip(found, _colors(found), strict=True)):
+        if one.reason is BodyEnd.REST and k >= len(TOLD_APART):
+            others.append(one)
+            continue
+        hatch = HATCH if color == TIPS else None
+        entries.append(Patch(facecolor=color, edgecolor=INK, hatch=hatch, label=f"{100 * one.share:.3g} %: {one.text}"))
+    if others:
+        share = 100 * sum(one.share for one in others)
+        entries.append(Patch(facecolor=OTHER_PLACES, label=f"{share:.3g} %: {len(others)} other places of rest"))
+    return entries

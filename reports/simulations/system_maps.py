@@ -1,0 +1,286 @@
+"""The command ``simulate --grid`` for a plain system in two states: where starts all over the square have come to.
+
+Every start is followed by events up to one time, so the map is sampled and proves nothing. Where stability is proved
+with a certified level set of V, the paths from inside it are compared with the proof: V must have fallen as is said.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from functools import cached_property
+from typing import TYPE_CHECKING, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nonsmooth.analysis.cells.partition import RefusalError
+from nonsmooth.analysis.fields.system_field import system_field
+from nonsmooth.analysis.trajectories.result import EndReason, TrajectoryError
+from nonsmooth.analysis.trajectories.smooth_path import MAX_WORK
+from nonsmooth.analysis.trajectories.trajectory import simulate
+from nonsmooth.proofs.answers.contradictions import FollowedStarts, contradictions_of_map
+from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.systems.border_motion import BorderKind
+from nonsmooth.proofs.theorem4_result import Contradiction
+from nonsmooth.reports.checks.answers import contradiction_lines
+from nonsmooth.reports.checks.records import contradictions_record
+from nonsmooth.reports.figures.style import (
+    INK,
+    TIMES,
+    TITLE,
+    draw_bar,
+    draw_grid,
+    legend_below,
+    new_figure,
+    title_figure,
+)
+from nonsmooth.reports.output.document import Block, Paragraph, findings
+from nonsmooth.reports.output.progress import ProgressCall, progress
+from nonsmooth.reports.simulations.maps import MapResult, Part, grid_of, parts_record
+from nonsmooth.reports.simulations.phase_portrait import PhasePortrait, draw_borders, draw_potential
+from nonsmooth.reports.simulations.simulate_options import SimulateOptions
+from nonsmooth.reports.studies.result import DataTable, Record, short_lines
+from nonsmooth.symbolic.number_text import percent_text
+from nonsmooth.symbolic.numbers.work_limit import WorkMeter
+from nonsmooth.symbolic.scene_error import one_line
+from nonsmooth.symbolic.switched_system import SwitchedSystem
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from matplotlib.image import AxesImage
+
+Floats: TypeAlias = NDArray[np.float64]
+
+SCHEMA = "nonsmooth-system-map/1"
+UNTIL = 10.0  # last time of the paths, where none is given
+WORK_OF_A_START = 2_000  # evaluations of fields: usual paths take some hundred
+ARRIVED = 1e-9  # of the half-width: a path that is this near has arrived, as far as the integrator can tell
+
+# the picture
+SIZE = (7.4, 6.6)  # inches
+NEAREST, FARTHEST = 1e-6, 10.0  # ratios of distances at the ends of the color scale
+LOST = "0.85"
+
+
+class Whereabouts(StrEnum):
+    """Where a path is at the last time."""
+
+    ARRIVED = "at the checked point"
+    NEARER = "nearer than at the start"
+    FARTHER = "not nearer, within the square"
+    OUTSIDE = "outside the square"
+    LOST = "not followed to the end"
+
+
+@dataclass(frozen=True, repr=False)
+class SystemMap(MapResult):
+    """Where paths from N x N starts are at one time.
+
+    Attributes:
+        portrait: the system, its cells and verdict.
+        count: starts in a row and in a column.
+        until: last time.
+        starts: (N^2, 2), in the displacement from the checked point, first state first.
+        ends: (N^2, 2), likewise; not a number where a path could not be followed.
+    """
+
+    portrait: PhasePortrait
+    count: int
+    until: float
+    starts: Floats
+    ends: Floats
+
+    @cached_property
+    def ratios(self) -> Floats:
+        """Distance from the checked point at the end by that at the start; the point itself has ratio 0."""
+        first, last = (np.hypot(*places.T) for places in (self.starts, self.ends))
+        return np.divide(last, first, out=np.where(last > 0, np.inf, 0.0), where=first > 0)
+
+    @cached_property
+    def whereabouts(self) -> list[Whereabouts]:
+        """Of every path."""
+        half = float(self.portrait.system.check.radius)
+        return [_whereabouts(end, ratio, half) for end, ratio in zip(self.ends, self.ratios, strict=True)]
+
+    @property
+    def title(self) -> str:
+        """The system."""
+        return self.portrait.system.name
+
+    @property
+    def counts(self) -> dict[Whereabouts, float]:
+        """The share of the starts, for each kind that occurs."""
+        counted = {kind: self.whereabouts.count(kind) / len(self.starts) for kind in Whereabouts}
+        return {kind: share for kind, share in counted.items() if share}
+
+    @property
+    def shares(self) -> list[tuple[str, str]]:
+        """The same in words."""
+        return [(percent_text(share), str(kind)) for kind, share in self.counts.items()]
+
+    @cached_property
+    def contradictions(self) -> tuple[Contradiction, ...]:
+        """Where the paths contradict what is proved; then nobody may rely on either."""
+        half = float(self.portrait.system.check.radius)
+        follow = self._followed_too if self._draws_all else None
+        seen = FollowedStarts(self.starts, self.ends, self.until, half, follow)
+        return tuple(contradictions_of_map(self.portrait.stability, seen))
+
+    @property
+    def _draws_all(self) -> bool:
+        """Whether paths show all that solutions do: along borders that repel one may leave that no path shows."""
+        curved = any(cell.region.guards for cell in self.portrait.cells)
+        return not curved and all(
+            part.kind in (BorderKind.CROSSING, BorderKind.SLIDING) for part in self.portrait.borders
+        )
+
+    def _followed_too(self, starts: Floats) -> Floats:
+        with progress(f"{len(starts)} starts beside the point") as report:
+            return np.array(list(_followed(self.portrait, starts, self.until, report)))
+
+    @property
+    def verdict(self) -> Translation:
+        """What is proved of the checked point, undecided where the paths contradict it."""
+        return Translation.UNDECIDED if self.contradictions else self.portrait.stability.verdict
+
+    @property
+    def exit_status(self) -> int:
+        """0, and 3 where the paths contradict what is proved."""
+        return 3 if self.contradictions else 0
+
+    def facts(self) -> Record:
+        """JSON with stable keys; starts run along the first state first."""
+        system = self.portrait.system
+        ends = [[float(v) for v in end] if np.isfinite(end).all() else None for end in self.ends]
+        return {
+            "schema": SCHEMA,
+            "scene": system.name,
+            "states": list(system.states),
+            "verdict": str(self.verdict),
+            "grid": self.count,
+            "until": self.until,
+            "shares": {kind.name.lower(): share for kind, share in self.counts.items()},
+            "starts": self.starts.tolist(),
+            "ends": ends,
+            "whereabouts": [kind.name.lower() for kind in self.whereabouts],
+            "parts": parts_record(self.parts),
+            **contradictions_record(self.contradictions),
+        }
+
+    def table(self) -> DataTable:
+        """One start per line; None where there is no number."""
+        first, second = self.portrait.system.states
+        lines = []
+        for row, kind in zip(np.column_stack([self.starts, self.ends]).tolist(), self.whereabouts, strict=True):
+            lines.append([*(value if np.isfinite(value) else None for value in row), kind.name.lower()])
+        return DataTable((first, second, f"{first}_end", f"{second}_end", "whereabouts"), lines)
+
+    def draw(self, ax: Axes) -> None:
+        """How near every start has come, with the certified region of V."""
+        draw_ratios(ax, self)
+
+    def figure(self) -> Figure:
+        """The same with the scale of colors and a legend."""
+        return ratios_figure(self)
+
+    @property
+    def parts(self) -> list[Part]:
+        """How many paths are where at the last time."""
+        return [Part(str(kind), self.whereabouts.count(kind)) for kind in self.counts]
+
+    def summary(self) -> str:
+        """How many starts there are, where they have come to, and what that contradicts."""
+        head = f"{super().summary()}, at t = {self.until:g}"
+        return "; ".join([head, *(one.text for one in self.contradictions)])
+
+    def blocks(self) -> Sequence[Block]:
+        """The shares, and the verdict beside them."""
+        rows = [*self.shares, ("proved", str(self.verdict))]
+        lines = [Paragraph((line,)) for one in self.contradictions for line in contradiction_lines(one)]
+        what = f"{self.count} x {self.count} starts over the checked square, seen at t = {self.until:g} (sampled)"
+        return [Paragraph((f"{one_line(self.portrait.system.name)}: {what}",)), findings(rows), *lines]
+
+    def __repr__(self) -> str:
+        contradicted = [("contradiction", one.text) for one in self.contradictions]
+        return short_lines(f"{self.title}: {self.summary()} (sampled)", [*self.shares, *contradicted])
+
+
+def _whereabouts(end: Floats, ratio: float, half: float) -> Whereabouts:
+    if not np.isfinite(end).all():
+        return Whereabouts.LOST
+    if np.hypot(*end) <= ARRIVED * half:
+        return Whereabouts.ARRIVED
+    if np.abs(end).max() > half:
+        return Whereabouts.OUTSIDE
+    return Whereabouts.NEARER if ratio < 1 else Whereabouts.FARTHER
+
+
+def build_system_map(system: SwitchedSystem, options: SimulateOptions) -> SystemMap:
+    """Follow every start of a grid over the checked square, with progress on a terminal.
+
+    Raises:
+        OptionError: for a grid that cannot be used.
+        SceneError: for another number of states than two, and for arbitrary switching.
+    """
+    return mapped(PhasePortrait(system), grid_of(options), options.until or UNTIL)
+
+
+def mapped(portrait: PhasePortrait, count: int, until: float) -> SystemMap:
+    """Where ``count x count`` starts have come to at the last time."""
+    half = float(portrait.system.check.radius)
+    line = np.linspace(-half, half, count) if count > 1 else np.array([half])
+    starts = np.array([(x, y) for y in line for x in line])
+    with progress(f"{count} x {count} starts") as report:
+        ends = np.array(list(_followed(portrait, starts, until, report)))
+    return SystemMap(portrait, count, until, starts, ends)
+
+
+def _followed(portrait: PhasePortrait, starts: Floats, until: float, report: ProgressCall) -> Iterator[Floats]:
+    """The last place of every path; not a number where it is not followed to the last time."""
+    field = system_field(portrait.system, starts.max(axis=0), centred=True)
+    meter = WorkMeter(max(MAX_WORK, WORK_OF_A_START * len(starts)))
+    for k, start in enumerate(starts):
+        report(k, len(starts))
+        try:
+            end = simulate(field, tuple(start), until, meter=meter).end
+        except (TrajectoryError, RefusalError):
+            yield np.full(2, np.nan)
+            continue
+        is_cut_short = end.reason in (EndReason.STEPS, EndReason.EVENTS)
+        yield np.full(2, np.nan) if is_cut_short else np.array([float(v) for v in end.state])
+
+
+# ---- the picture -----------------------------------------------------------------------------------
+
+
+def ratios_figure(found: SystemMap) -> Figure:
+    """Every start by how near it has come, with a scale."""
+    figure = new_figure(*SIZE)
+    axes = figure.add_subplot()
+    image = draw_ratios(axes, found)
+    draw_bar(figure, image, "distance from the point: at the end by at the start", ax=axes, shrink=0.8)
+    legend_below(figure, columns=3, fontsize="small")
+    system, verdict = one_line(found.portrait.system.name), found.verdict
+    title = f"{system}: {found.count} x {found.count} starts at t = {found.until:g}; proved: {verdict}"
+    title_figure(figure, f"{title}\n{found.summary()}", TITLE)
+    return figure
+
+
+def draw_ratios(axes: Axes, found: SystemMap) -> AxesImage:
+    """Every start as a square in the color of its ratio, with the borders of the cells and the region of V."""
+    from matplotlib.colors import LogNorm
+
+    ratios = np.where(np.isfinite(found.ends).all(axis=1), np.clip(found.ratios, NEAREST, FARTHEST), np.nan)
+    axes.set_facecolor(LOST)
+    image = draw_grid(axes, found.starts, ratios, cmap=TIMES, norm=LogNorm(NEAREST, FARTHEST), zorder=0)
+    draw_borders(axes, found.portrait)
+    draw_potential(axes, found.portrait)
+    axes.plot([0], [0], "o", color=INK, markersize=5, zorder=6)
+    half = float(found.portrait.system.check.radius)
+    x, y = found.portrait.system.states
+    axes.set(xlim=(-half, half), ylim=(-half, half), xlabel=f"{x} at the start", ylabel=f"{y} at the start")
+    axes.set_aspect("equal")
+    return image

@@ -1,0 +1,1 @@
+"""A study of a scene, its result, and the command that runs it."""

@@ -1,0 +1,132 @@
+"""The command of a study, as Typer reads it: the study's options, a file, and what may be changed of a scene."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Collection
+from dataclasses import fields
+from typing import Annotated, Any
+
+import typer
+
+from nonsmooth.reports.output import options as shared
+from nonsmooth.reports.output.study_options import OfferedOption, Options, SceneOptions, flag_of, options_of, types_of
+from nonsmooth.reports.studies.study import SceneStudy, StudyRequest
+from nonsmooth.symbolic.suggestions import is_meant
+
+
+def command(study: SceneStudy[Any], name: str, words: str, scene: Any = shared.SceneText) -> Callable[..., int]:
+    """The function of a command.
+
+    Args:
+        study: what the command does.
+        name: of the command.
+        words: its help, as a docstring: a summary first, the exit statuses last.
+        scene: how its argument is offered.
+    """
+
+    def run_command(context: Any, scene: Any, **given: Any) -> int:
+        return _run_command(study, context, scene, given)
+
+    run_command.__name__, run_command.__doc__ = name, words
+    parameters = _parameters(study, scene)
+    run_command.__signature__ = inspect.Signature(parameters, return_annotation=int)  # type: ignore[attr-defined]
+    run_command.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
+    return run_command
+
+
+def _run_command(study: SceneStudy[Any], context: Any, scene: Any, given: dict[str, Any]) -> int:
+    """Refuse what cannot be used before the work; then do it and show the result."""
+    from nonsmooth.reports.output.files import output_path
+    from nonsmooth.reports.studies.result import show
+
+    json = given.pop("json")
+    output = given.pop("output", None) if study.files else None
+    own = options_of(study.options)
+    options = study.options(**{name: _meant(own[name], given[name]) for name in own})
+    path = None if output is None else output_path(output, study.endings(options))
+    options = study.settled(options, path)
+    loaded = study.load(scene, options, **{name: given[name] for name in study.changes})
+    typed = [parameter.name for parameter in context.command.params if _is_typed(context, parameter.name)]
+    study.refuse(StudyRequest(options, typed, loaded), path)
+    if not json:
+        _warn(loaded)
+    result = study.run(loaded, options)
+    show(result, path, json=json)
+    return result.exit_status
+
+
+def _warn(scene: Any) -> None:
+    """Print what of a scene may not be what was meant, above all that is said of it; of many scenes nothing."""
+    from nonsmooth.reports.output.console import write
+    from nonsmooth.symbolic.numbers.number_field import FirstRemark
+    from nonsmooth.symbolic.scene_error import one_line
+
+    scenes = scene if isinstance(scene, list) else [scene]
+    field = getattr(scenes[0], "field", None) if len(scenes) == 1 else None
+    for note in getattr(field, "remarks", ()):
+        if isinstance(note, FirstRemark):
+            write(f"note: {one_line(note)}\n")
+
+
+def _is_typed(context: Any, name: str) -> bool:
+    """Whether a parameter was given on the command line."""
+    source = context.get_parameter_source(name)
+    return source is not None and source.name == "COMMANDLINE"
+
+
+def _turns_off(own: OfferedOption) -> bool:
+    return own.flag.startswith("--no-")
+
+
+def _meant(own: OfferedOption, typed: Any) -> Any:
+    """The value of an option that was typed: a flag that turns off is off where it is given."""
+    return not typed if _turns_off(own) else typed
+
+
+# ---- what is offered -----------------------------------------------------------------------------
+
+
+def _parameters(study: SceneStudy[Any], scene: Any) -> list[inspect.Parameter]:
+    """The parameters of a command: scene, options, file, what may be changed of the scene, and JSON."""
+    found = [_parameter("context", typer.Context), _parameter("scene", scene), *_offered(study.options)]
+    if study.files:
+        output = typer.Option("-o", "--output", metavar="FILE", help=study.files)
+        found.append(_parameter("output", Annotated[str | None, output], None))
+    own = options_of(study.options)
+    found += [entry for entry in _offered(SceneOptions) if entry.name in study.changes and entry.name not in own]
+    return [*found, _parameter("json", shared.Json, False)]
+
+
+def _offered(options: type[Options]) -> list[inspect.Parameter]:
+    """A parameter for each option."""
+    types, own = types_of(options), options_of(options)
+    defaults = {entry.name: _meant(own[entry.name], entry.default) for entry in fields(options) if entry.name in own}
+    return [_parameter(name, Annotated[types[name], offered(options, name)], defaults[name]) for name in own]
+
+
+def offered(options: type[Options], name: str) -> Any:
+    """An option as Typer reads it."""
+    own = options_of(options)[name]
+    reading = _among(own.names) if own.names else {"metavar": own.metavar, "autocompletion": own.complete}
+    flags = own.flag.split() or [flag_of(name, own)]
+    return typer.Option(*flags, rich_help_panel=own.heading or None, help=own.help, **reading)
+
+
+def _among(names: Callable[[], Collection[str]]) -> dict[str, Any]:
+    """How an option reads one of some names."""
+
+    def read(text: str) -> str:
+        if text not in names():
+            known = names()
+            raise typer.BadParameter(f"{text!r} is not one of {', '.join(map(repr, known))}{is_meant(text, known)}.")
+        return text
+
+    def begun(incomplete: str) -> list[str]:
+        return [name for name in names() if name.startswith(incomplete)]
+
+    return {"parser": read, "metavar": f"[{'|'.join(names())}]", "autocompletion": begun}
+
+
+def _parameter(name: str, annotation: Any, default: Any = inspect.Parameter.empty) -> inspect.Parameter:
+    return inspect.Parameter(name, inspect.Parameter.POSITIONAL_OR_KEYWORD, default=default, annotation=annotation)
