@@ -17,6 +17,7 @@ from functools import partial
 from itertools import product
 from typing import Any, TypeAlias
 
+from nonsmooth.proofs.checker.basin import NAMES
 from nonsmooth.proofs.checker.cells import System
 from nonsmooth.proofs.checker.files import read
 from nonsmooth.proofs.checker.roots import read_subject
@@ -42,7 +43,7 @@ from nonsmooth.proofs.system_facts import (
     region_rate_words,
     rewriting_words,
 )
-from nonsmooth.proofs.systems.basin import EFFORTS, CertifiedBasin, find_basin
+from nonsmooth.proofs.systems.basin import EFFORTS, CertifiedBasin, find_basin, find_basin_in_space
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.findings import DecidedSystem, ExaminedFunction, Method, PotentialPiece
 from nonsmooth.proofs.systems.sublevel_region import ReshapedRegion, SublevelRegion
@@ -58,6 +59,7 @@ from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
 
 LEFT_OUT = "left out"  # key of the notes
 MOST_LEFT_OUT, LONGEST = 16, 400  # lines of it that are read, and characters of each
+REACH = 8  # half-widths of the checked cube: how far tetrahedra are looked for
 NEARLY = Fraction(63, 64)  # of the level of a largest region, where all of it is not shown
 UNSHOWN = "the checker does not show it"
 
@@ -153,10 +155,10 @@ def _certificate_about(result: DecidedSystem) -> Record:
             if result.reach.basin is not None and system.numbers:
                 raise NoCertificateError("a certificate of a mesh of triangles needs rational numbers")
             if result.reach.basin is not None:
-                draft.add_entry(system, "basin", result.reach.basin.hypotheses)
+                draft.add_entry(system, "basin", result.reach.basin.hypotheses, _known_of(result.reach.reshaped))
                 for polygon in result.reach.basin.never:
                     draft.add_entry(system, "outside", polygon)
-            if result.reach.reshaped is not None:
+            if result.reach.reshaped is not None and result.reach.basin is None:  # its mesh is about this region
                 own = result.reach.reshaped
                 draft.add_entry(system, "lyapunov", own.hypotheses, own.region.proofs)
             draft.left_out += _beyond_words(result, draft)
@@ -164,6 +166,11 @@ def _certificate_about(result: DecidedSystem) -> Record:
     except BeyondReachError as error:
         reasons.append(str(error))
     raise NoCertificateError(f"{UNSHOWN}: {reasons[0]}")
+
+
+def _known_of(region: ReshapedRegion | None) -> Mapping[str, Any] | None:
+    """The evidence of a region that a mesh is about."""
+    return None if region is None else region.region.proofs
 
 
 def in_rational_numbers(system: SwitchedSystem) -> SwitchedSystem:
@@ -441,7 +448,8 @@ def _further(result: DecidedSystem) -> Iterator[Option]:
 
 def _stated_region(result: DecidedSystem, region: SublevelRegion) -> Record:
     """The hypotheses of theorem ``lyapunov`` with the level of the region: below it, if V falls nowhere else."""
-    stated, cells = _stated_function(result.scene, region.radius, result.function)
+    radius = result.scene.field(region.radius) if isinstance(region.radius, Fraction) else region.radius
+    stated, cells = _stated_function(result.scene, radius, result.function)
     own = stability_hypotheses(cells.record, stated, str(result.verdict))
     return {**own, "below": region != result.reach.near, "level": exact_text(region.level)}
 
@@ -460,30 +468,38 @@ def _shown_region(system: System, local: Record, search: Search) -> Record:
     return local
 
 
-def find_region_of_triangles(
+def find_region_of_simplices(
     result: DecidedSystem, asked: str, announce: Callable[[str, int, int], None]
 ) -> CertifiedBasin | None:
-    """A basin of triangles around the certified level set of V, which the checker has accepted; None without one.
+    """A mesh around the certified level set of V, which the checker has accepted; None without one.
 
-    Where formulas are known on the checked square alone, because of denominators, so is the mesh.
+    Where formulas are known on the checked square or cube alone, because of denominators, so is the mesh.
 
     Args:
-        result: of a system in the plane.
+        result: of a system in two states, or in three where nothing switches; there the mesh is about the region by
+            another V, where there is one.
         asked: how much may be done for it, of EFFORTS.
         announce: told what is done, how much of it, and of how much.
     """
     region, function, everywhere = result.reach.region, result.function, result.reach.everywhere
-    is_plane = len(result.scene.states) == len(PLANE) and result.scene.by_roots is None
-    if not is_plane or region is None or function is None or everywhere:
+    has_mesh = len(result.scene.states) in NAMES and result.scene.by_roots is None
+    if not has_mesh or region is None or function is None or everywhere:
         return None
     try:
         result = replace(result, scene=in_rational_numbers(result.scene))
         system, scene = read_subject(about(result.scene)), result.scene
-        search = Search()
-        local = _shown_region(system, _stated_region(result, region), search)
-        limit = float(scene.check.radius) if scene.denominators else None
         surfaces = stated_cells(scene, scene.check.radius).record["surfaces"]
-        found = find_basin(system, local, surfaces, EFFORTS[asked], limit, announce)
+        radius, further = float(scene.check.radius), result.reach.reshaped
+        search = Search(known=_known_of(further))
+        stated = _stated_region(result, region) if further is None else further.hypotheses
+        local = _shown_region(system, stated, search)
+        if len(scene.states) == len(PLANE):
+            limit = radius if scene.denominators else None
+            found = find_basin(system, local, surfaces, EFFORTS[asked], limit, announce)
+        elif surfaces or scene.denominators:
+            found = None
+        else:
+            found = find_basin_in_space(system, local, asked, REACH * radius, announce)
         if found is not None:
             search.entry(system, "basin", found.hypotheses)
     except (NoCertificateError, NotShownError, BeyondReachError):

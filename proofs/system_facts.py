@@ -213,7 +213,7 @@ def basin_words(basin: CertifiedBasin) -> str:
     """What is certified by triangles, and how much that is of what is sampled."""
     certified, coming = basin.sampled
     share = percent_text(basin.share)
-    mesh = f"every start in {len(basin.triangles)} triangles about the region reaches the equilibrium"
+    mesh = f"every start in {len(basin.simplices)} {basin.kind} about the region reaches the equilibrium"
     sampled = f"the region and they hold {share} of the sampled starts that do ({certified} of {coming})"
     said = [mesh, sampled]
     if basin.filled is not None and basin.outside is not None:
@@ -234,9 +234,9 @@ def basin_record(basin: CertifiedBasin, words: str) -> dict[str, object]:
     """The corners with the values of W, in the displacement from the point, and the triangles by their corners."""
     certified, coming = basin.sampled
     return {
-        "vertices": basin.corners[:, :2].tolist(),
-        "values": basin.corners[:, 2].astype(int).tolist(),
-        "simplices": basin.triangles.tolist(),
+        "vertices": basin.corners[:, :-1].tolist(),
+        "values": basin.corners[:, -1].astype(int).tolist(),
+        "simplices": basin.simplices.tolist(),
         "share": {"sampled": basin.share, "certified_starts": certified, "starts": coming},
         "unit": basin.mesh["unit"],
         "outside": outside_record(basin),

@@ -127,7 +127,7 @@ class ArrayPlane:
                 found.append(number)
         return frozenset(found)
 
-    def _parts(self, outline: Outline, other: Outline, is_beyond: Callable[[int], bool]) -> bool:
+    def _parts(self, outline: Sequence[Place], other: Sequence[Place], is_beyond: Callable[[int], bool]) -> bool:
         """Whether all corners of another polygon lie beyond one side; of two places each order is a side."""
         sides = around(outline) if len(outline) > 1 else []
         return any(all(is_beyond(turn(a, b, c) + self._slack) for c in other) for a, b in sides)

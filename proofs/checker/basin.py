@@ -1,38 +1,47 @@
-"""A basin as a mesh of triangles: a function W, affine on each triangle, falls until a level set that attracts is met.
+"""A basin as a mesh of simplices: a function W, affine on each of them, falls until a level set that attracts is met.
 
-*Mesh.*  Corners are points of the plane, each with a value of W; a triangle is three numbers of corners,
-counterclockwise.  No side is run through twice in one direction; one that is run through in both is *inner*, the others
-and their ends are the *border*.  Triangles that share an inner side lie on different sides of it.
+*Mesh.*  Corners are points of the plane or of space, each with a value of W; a simplex is the numbers of the corners of
+a triangle, counterclockwise, or of a tetrahedron, of which the first corner sees the others counterclockwise from
+inside: its determinant is positive.  Every side, with one of its two orders, has at most one simplex to its left.  A
+side that has one in each order is *inner*; the others, with their ends and edges, are the *border*.
 
 *Theorem.*  Let L be a set from which every solution tends to the point, and c a number, such that
 
-1. for every triangle T and every field f of a cell that meets the inside of T: ``grad W_T . f < 0`` on T;
-2. for every inner side e, with a normal n and one of its triangles T, there is a number t with
+1. for every simplex T and every field f of a cell that meets the inside of T: ``grad W_T . f < 0`` on T;
+2. for every inner side e, with a normal n and one of its simplices T, there is a number t with
    ``(grad W_T + t n) . f < 0`` on e for all fields f of cells whose closures meet the inside of e;
 3. at every corner that is not on the border the fields of all cells whose closures hold it lie in an open half plane;
-4. every side of the border lies in L, or has ``W >= c`` at both ends.
+4. every side of the border lies in L, or has ``W >= c`` at all of its corners.
 
-Then every solution from a point p of a triangle T with ``W_T(p) < c`` tends to the point.
+In space there is one cell, for which 2 and 3 follow from 1.  Then every solution from a point p of a simplex T with
+``W_T(p) < c`` tends to the point.
 
-*Proof.*  Let S be the triangles glued along inner sides: a compact surface, on which W is continuous.  It maps to the
-plane.  Near every point off the border this map is one to one, or it is a corner, around which the triangles go a whole
-number of times.  So a path in the plane is lifted to S from any point over its start until the lift meets the border:
-beside corners in one way; and a piece of the path that comes from a corner, or goes to it, has a lift that does, in any
-of the ways around it.  (Triangles may overlap, and W may have several values at a place: what is said is said of each
-triangle.  A corner that is on the border and also inside by other triangles counts as border.)
+*Proof.*  Let S be the simplices glued along inner sides: a compact space, on which W is continuous.  It maps to the
+plane, or to space, and off the border and what is of codimension two (corners, and edges in space) this map is one to
+one near every point: simplices that share a side lie on different sides of it.  Lengths of paths are measured in S as
+below.  Simplices may overlap, and W may have several values at a place; what is said is said of each simplex.  (What is
+on the border by one simplex and inside by others counts as border.)
 
-Let x be a solution from p, and s its lift.  W(s) is absolutely continuous.  At almost all times at which s is inside T
-its derivative is ``grad W_T . x'``, and x' is a mixture of fields of 1.  At almost all times at which s is inside an
-inner side e, the solution has such times arbitrarily near, so x' is along e: the derivative is ``grad W_T . x' =
-(grad W_T + t n) . x'``, and x' is a mixture of fields of 2.  At almost all times at which s is at a corner x' is zero,
-by 3 no mixture of its fields: such times have measure zero.  All conditions are strict on compact sets, so W(s) falls
-at a speed that is bounded from below.  W is bounded on S, and a solution in the compact image of S goes on; so s meets
-the border after a finite time, with ``W < c``.  By 4 the solution is in L there.
+*Lifts.*  Let x be a path whose speed is at most v, and s_0 a point of S over x(0).  There is a path s over x from s_0,
+of speed at most v, until s meets the border.  For x is a uniform limit of polygons of speed at most v that begin near
+x(0), inside a simplex at s_0, and miss the images of all that is of codimension two: finitely many points in the plane,
+and finitely many segments in space, which almost all polygons miss.  Each polygon is lifted, step by step, in one way
+until the lift meets the border, where it stops.  The lifts have speed at most v in the compact space S, so some of them
+converge uniformly (Arzela and Ascoli), to a path over x until it stops; and where it stops it is on the border.
 
-An inner side whose cells all meet the inside of one of its triangles fulfils 2 with t = 0.  Polynomials are negative on
-a triangle, or on a side, if all of their Bernstein coefficients there are.  In ``f = f_0 + sum_j w_j f_j`` sines and
-cosines w_j of affine functions are replaced by the bounds that :mod:`.waves` gives on the triangle, or at the corner,
-in all combinations; on a side by those of its triangle T.
+Let x be a solution from p, and s such a lift.  W(s) is absolutely continuous.  At almost all times at which s is inside
+T, or in a face of T of any dimension in space, its derivative is ``grad W_T . x'``: the solution has such times
+arbitrarily near, so x' is along this face.  With x' a mixture of fields of 1 it is negative.  In the plane, at almost
+all times at which s is inside an inner side e the derivative is ``grad W_T . x' = (grad W_T + t n) . x'``, because x'
+is along e, and x' is a mixture of fields of 2.  At almost all times at which s is at a corner x' is zero, by 3 no
+mixture of its fields: such times have measure zero.  All conditions are strict on compact sets, so W(s) falls at a
+speed that is bounded from below.  W is bounded on S, and a solution in the compact image of S goes on; so s meets the
+border after a finite time, with ``W < c``.  By 4 the solution is in L there.
+
+An inner side whose cells all meet the inside of one of its simplices fulfils 2 with t = 0.  Polynomials are negative on
+a simplex, or on a side, if all of their Bernstein coefficients there are.  In ``f = f_0 + sum_j w_j f_j`` sines and
+cosines w_j of affine functions are replaced by the bounds that :mod:`.waves` gives on the simplex, or at the corner,
+in all combinations; on a side by those of its simplex T.
 """
 
 from __future__ import annotations
@@ -42,9 +51,10 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache, cached_property, partial
-from itertools import pairwise, product
+from itertools import product
 from math import comb, lcm
-from typing import Any, Protocol, TypeAlias
+from operator import add, mul, sub
+from typing import Any, Protocol, TypeAlias, TypeVar
 
 from .cells import Domain, Function, Pattern, Surfaces, System
 from .formulas import Formula
@@ -54,11 +64,13 @@ from .theorems import Statement, show_stability
 from .waves import BITS, interpolation_error, wave_value
 from .work import BUDGET, items, rational, require, take
 
-MAX_CORNERS, MAX_TRIANGLES = 500_000, 1_000_000
-CORNER = re.compile(r"-?[0-9]{1,40} -?[0-9]{1,40} -?[0-9]{1,40}")
-TRIANGLE = re.compile(r"[0-9]{1,6} [0-9]{1,6} [0-9]{1,6}")
+MAX_CORNERS, MAX_SIMPLICES = 500_000, 1_000_000
+CORNER = re.compile(r"-?[0-9]{1,40}( -?[0-9]{1,40}){2,3}")
+SIMPLEX = re.compile(r"[0-9]{1,6}( [0-9]{1,6}){2,3}")
+NAMES = {2: "triangles", 3: "tetrahedra"}  # of the simplices of a mesh
 
-Place: TypeAlias = tuple[int, int]  # a point of the plane, in units of the mesh
+Place: TypeAlias = tuple[int, ...]  # a point of the plane or of space, in units of the mesh
+Corner = TypeVar("Corner")  # a number of one, or its place
 Form: TypeAlias = Mapping[Exponents, int]  # a polynomial in the place, times a positive number
 
 
@@ -89,9 +101,10 @@ class Field:
         """The sum with the product of another one and an affine function, in the same units."""
         total = [dict(part) for part in self.parts]
         for own, part in zip(total, other.parts, strict=True):
-            for (a, b), value in part.items():
-                for (c, d), weight in factor.items():
-                    own[a + c, b + d] = own.get((a + c, b + d), 0) + value * weight
+            for exponents, value in part.items():
+                for others, weight in factor.items():
+                    key = tuple(map(add, exponents, others))
+                    own[key] = own.get(key, 0) + value * weight
         bits = max(self.bits, other.bits + max(abs(value).bit_length() for value in factor.values())) + 2
         BUDGET.spend(sum(map(len, total)) * (1 + bits**2 // 4096))
         return Field(tuple(total), max(self.degree, other.degree + 1), bits)
@@ -109,7 +122,7 @@ class Field:
         return Field((total,), self.degree, self.bits + max(abs(own).bit_length() for own in vector))
 
     def on(self, corners: Sequence[Place]) -> list[int]:
-        """The Bernstein coefficients of one polynomial on a triangle, a side or at a corner, times a positive number.
+        """The Bernstein coefficients of one polynomial on a simplex, a side or at a corner, times a positive number.
 
         The coefficient of corners ``v_1, ..., v_d`` is the polar form: of the polynomial, made homogeneous of degree d
         by a variable that is 1, the derivative in the directions of all of them.
@@ -120,19 +133,21 @@ class Field:
         forms = [(0, form)]
         for left in range(self.degree, 0, -1):
             forms = [(k, toward(own, left, corners[k])) for j, own in forms for k in range(j, len(corners))]
-        return [own.get((0, 0), 0) for _, own in forms]
+        return [next(iter(own.values()), 0) for _, own in forms]
 
 
 def toward(form: Form, degree: int, place: Place) -> Form:
     """The derivative of a polynomial, made homogeneous of some degree, in the direction of a place."""
     found: dict[Exponents, int] = {}
-    for (a, b), value in form.items():
-        if a:
-            found[a - 1, b] = found.get((a - 1, b), 0) + a * value * place[0]
-        if b:
-            found[a, b - 1] = found.get((a, b - 1), 0) + b * value * place[1]
-        if degree > a + b:
-            found[a, b] = found.get((a, b), 0) + (degree - a - b) * value
+    for exponents, value in form.items():
+        left = degree
+        for k, exponent in enumerate(exponents):
+            if exponent:
+                left -= exponent
+                lower = (*exponents[:k], exponent - 1, *exponents[k + 1 :])
+                found[lower] = found.get(lower, 0) + exponent * value * place[k]
+        if left:
+            found[exponents] = found.get(exponents, 0) + left * value
     return found
 
 
@@ -151,7 +166,8 @@ class Side:
         """The same with whole coefficients, all times one positive number."""
         whole = Field.of([own for part in self.parts for own in part])
         degrees = [max(own.degree for own in part) for part in self.parts]
-        return tuple(Field(whole.parts[2 * k : 2 * k + 2], own, whole.bits) for k, own in enumerate(degrees))
+        n = len(self.parts[0])
+        return tuple(Field(whole.parts[n * k : n * k + n], own, whole.bits) for k, own in enumerate(degrees))
 
 
 class CellFields(Protocol):
@@ -164,17 +180,17 @@ class CellFields(Protocol):
     has_borders: bool
 
     def crossing(self, corners: Sequence[Place]) -> frozenset[Any]:
-        """The cells that may meet the inside of a triangle."""
+        """The cells that may meet the inside of a simplex."""
 
     def touching(self, corners: Sequence[Place]) -> frozenset[Any]:
         """The cells whose closures may meet the inside of a side, or hold a corner."""
 
     def fields(self, cell: Any, corners: Sequence[Place]) -> Iterable[Field]:
-        """Fields that have those of a cell in their hull on a triangle, or at a corner, times positive numbers."""
+        """Fields that have those of a cell in their hull on a simplex, or at a corner, times positive numbers."""
 
 
 class Plane:
-    """The cells of a system in the places of a mesh, by the patterns of signs of its surfaces."""
+    """The cells of a system in the places of a mesh, by the patterns of signs of its surfaces; also those in space."""
 
     def __init__(self, system: System, unit: Any, surfaces: Any, proofs: Proofs) -> None:
         require(unit is not None, "a unit of lengths")  # without one Domain would be the whole space
@@ -218,11 +234,11 @@ class Plane:
     def _value(self, side: int, wave: int, place: Place) -> tuple[Fraction, int]:
         """What a wave is of at a place, and its value there."""
         name, v = self.waves[side][wave]
-        own = v.at_origin + v.slope(0) * place[0] + v.slope(1) * place[1]
+        own = v.at_origin + sum(v.slope(k) * x for k, x in enumerate(place))
         return own, wave_value(name, own)
 
     def fields(self, signs: Pattern, corners: Sequence[Place]) -> Iterator[Field]:
-        """Fields that have those of a cell in their hull on a triangle, or at a corner, times positive numbers."""
+        """Fields that have those of a cell in their hull on a simplex, or at a corner, times positive numbers."""
         for k, side in enumerate(self.sides(signs)):
             still, *moved = side.fields
             if not moved:
@@ -234,7 +250,7 @@ class Plane:
                 at = [self.value(k, j, place) for place in corners]
                 error = interpolation_error([v for v, _ in at]) * twice_area
                 mean = added([scaled(own, value) for own, (_, value) in zip(weights, at, strict=True)])
-                bounds.append([added([mean, {(0, 0): error * sign}]) for sign in (-1, 1)])
+                bounds.append([added([mean, {(0,) * len(corners[0]): error * sign}]) for sign in (-1, 1)])
             whole = still.times(twice_area << BITS)
             for chosen in product(*bounds):
                 field = whole
@@ -243,7 +259,7 @@ class Plane:
                 yield field
 
     def crossing(self, corners: Sequence[Place]) -> frozenset[Pattern]:
-        """The cells that may meet the inside of a triangle: a surface has their sign at some point of it."""
+        """The cells that may meet the inside of a simplex: a surface has their sign at some point of it."""
         return self._patterns(any(s * c > 0 for c in own) for own, s in self._on(corners))
 
     def touching(self, corners: Sequence[Place]) -> frozenset[Pattern]:
@@ -264,7 +280,7 @@ class Plane:
         size = 1
         for own in signs:
             size *= len(own)
-            require(size <= 64, "triangles that meet at most 64 cells")
+            require(size <= 64, "simplices that meet at most 64 cells")
         BUDGET.spend(size * (1 + len(signs)))
         return frozenset(product(*signs))
 
@@ -275,21 +291,49 @@ def difference(first: Sequence[Polynomial], second: Sequence[Polynomial]) -> tup
 
 
 def barycentric(corners: Sequence[Place]) -> tuple[int, list[Form]]:
-    """Twice the area of a triangle, and the weights of its corners at a place, times that.
+    """The size of a simplex times d!, and the weights of its corners at a place, times that.
 
-    Of a side it is the square of its length, with the weights of the nearest place on its line; of one corner it is 1.
+    Of a side in the plane it is the square of its length, with the weights of the nearest place on its line; of one
+    corner it is 1.
     """
     if len(corners) == 1:
-        return 1, [{(0, 0): 1}]
+        return 1, [{(0,) * len(corners[0]): 1}]
     if len(corners) == 2:
         (ax, ay), (bx, by) = corners
         x, y = bx - ax, by - ay
         to_first: Form = {(0, 0): bx * x + by * y, (1, 0): -x, (0, 1): -y}
         return x * x + y * y, [to_first, {(0, 0): -ax * x - ay * y, (1, 0): x, (0, 1): y}]
     found: list[Form] = []
-    for (ax, ay), (bx, by) in pairwise((*corners[1:], *corners[:2])):
-        found.append({(0, 0): ax * by - ay * bx, (1, 0): ay - by, (0, 1): bx - ax})
-    return sum(own[0, 0] for own in found), found
+    for side in sides_of(corners):
+        outward, place = normal(side), side[0]
+        form = {(0,) * len(place): sum(map(mul, outward, place))}
+        for k, own in enumerate(outward):
+            form[(*(0,) * k, 1, *(0,) * (len(place) - k - 1))] = -own
+        found.append(form)
+    return sum(next(iter(own.values())) for own in found), found
+
+
+def sides_of(corners: Sequence[Corner]) -> list[tuple[Corner, ...]]:
+    """The sides of a simplex of positive size, opposite to its corners in turn, so that it lies to their left."""
+    if len(corners) == 3:
+        a, b, c = corners
+        return [(b, c), (c, a), (a, b)]
+    a, b, c, d = corners
+    return [(b, c, d), (a, d, c), (a, b, d), (a, c, b)]
+
+
+def difference_of(first: Place, last: Place) -> Place:
+    """The way from one place to another."""
+    return tuple(map(sub, last, first))
+
+
+def normal(side: Sequence[Place]) -> Place:
+    """Of a side to its right: outward of the simplex to its left."""
+    if len(side) == 2:
+        x, y = difference_of(*side)
+        return y, -x
+    (ax, ay, az), (bx, by, bz) = (difference_of(side[0], own) for own in side[1:])
+    return ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
 
 
 def scaled(form: Form, factor: int) -> Form:
@@ -307,21 +351,27 @@ def added(forms: Sequence[Form]) -> Form:
 
 
 class Mesh:
-    """Corners with their values, and triangles; see the head of this file."""
+    """Corners with their values, and simplices; see the head of this file.
 
-    def __init__(self, data: Any) -> None:
-        self.unit, corners, triangles = take(data, "unit corners triangles")
-        places = [numbers(own, CORNER) for own in items(corners, most=MAX_CORNERS)]
-        self.places, self.values = [(x, y) for x, y, _ in places], [value for *_, value in places]
-        self.triangles = [numbers(own, TRIANGLE) for own in items(triangles, most=MAX_TRIANGLES)]
-        require(self.triangles, "a triangle")
-        self.left: dict[tuple[int, int], int] = {}  # the triangle to the left of a side that is run through
-        for number, own in enumerate(self.triangles):
+    Args:
+        data: of a certificate.
+        dimension: of the space, 2 or 3.
+    """
+
+    def __init__(self, data: Any, dimension: int = 2) -> None:
+        self.dimension = dimension
+        self.unit, corners, simplices = take(data, f"unit corners {NAMES[dimension]}")
+        places = [numbers(own, dimension + 1, CORNER) for own in items(corners, most=MAX_CORNERS)]
+        self.places, self.values = [own[:-1] for own in places], [own[-1] for own in places]
+        self.simplices = [numbers(own, dimension + 1, SIMPLEX) for own in items(simplices, most=MAX_SIMPLICES)]
+        require(self.simplices, "a simplex")
+        self.left: dict[Place, int] = {}  # the simplex to the left of a side in one of its two orders
+        for number, own in enumerate(self.simplices):
             BUDGET.spend(20)
-            for side in pairwise((*own, own[0])):
-                require(side not in self.left, "sides that are run through once in each direction")
+            for side in map(in_order, sides_of(own)):
+                require(side not in self.left, "sides of one simplex to the left, and of one to the right")
                 self.left[side] = number
-        self.border = [side for side in self.left if side[::-1] not in self.left]
+        self.border = [side for side in self.left if turned(side) not in self.left]
 
     def corners(self, own: Iterable[int]) -> list[Place]:
         """The places of some corners."""
@@ -329,40 +379,65 @@ class Mesh:
 
     def inner_corners(self) -> set[int]:
         """The numbers of the corners that are on no side of the border."""
-        return {k for own in self.triangles for k in own} - {k for side in self.border for k in side}
+        return {k for own in self.simplices for k in own} - {k for side in self.border for k in side}
 
-    def slope(self, triangle: int) -> tuple[int, int]:
-        """The gradient of W on a triangle, times twice its area, which must be positive."""
-        (ax, ay), (bx, by), (cx, cy) = self.corners(self.triangles[triangle])
-        first, second, third = (self.values[k] for k in self.triangles[triangle])
-        require((bx - ax) * (cy - ay) > (cx - ax) * (by - ay), "counterclockwise triangles")
-        up, across = second - first, third - first
-        return up * (cy - ay) - across * (by - ay), across * (bx - ax) - up * (cx - ax)
-
-
-def numbers(data: Any, form: re.Pattern[str]) -> tuple[int, int, int]:
-    """Three whole numbers from a text such as ``-3 0 12``."""
-    require(type(data) is str and form.fullmatch(data), "three whole numbers in a text")
-    a, b, c = map(int, data.split(" "))
-    return a, b, c
+    def slope(self, simplex: int) -> Place:
+        """The gradient of W on a simplex, times its size and d!, which must be positive."""
+        own = self.simplices[simplex]
+        corners, values = self.corners(own), [self.values[k] for k in own]
+        normals = [normal(side) for side in sides_of(corners)]
+        away = difference_of(corners[1], corners[0])
+        require(sum(map(mul, normals[0], away)) < 0, "simplices of positive size")
+        rises = [value - values[0] for value in values]
+        return tuple(-sum(map(mul, rises, parts)) for parts in zip(*normals, strict=True))
 
 
-def show_falls(mesh: Mesh, plane: CellFields) -> None:
+def in_order(side: tuple[int, ...]) -> Place:
+    """A side in space begins with its least corner; one in the plane is run through in one direction."""
+    start = side.index(min(side)) if len(side) == 3 else 0
+    return side[start:] + side[:start]
+
+
+def turned(side: Place) -> Place:
+    """The same side in the other order."""
+    return in_order((*side[:-2], side[-1], side[-2]))
+
+
+def numbers(data: Any, count: int, form: re.Pattern[str]) -> Place:
+    """Some whole numbers from a text such as ``-3 0 12``."""
+    require(type(data) is str and form.fullmatch(data), f"{count} whole numbers in a text")
+    found = tuple(map(int, data.split(" ")))
+    require(len(found) == count, f"{count} whole numbers in a text")
+    return found
+
+
+def show_falls(mesh: Mesh, cells: CellFields) -> None:
     """W falls along every solution until the border is met: conditions 1 to 3."""
     met = []
-    for number, own in enumerate(mesh.triangles):
+    for number, own in enumerate(mesh.simplices):
         corners, slope = mesh.corners(own), mesh.slope(number)
-        met.append(plane.crossing(corners))
-        for field in (field for signs in met[-1] for field in plane.fields(signs, corners)):
-            require(max(field.along(slope).on(corners)) < 0, f"a function that falls on triangle {number}")
-    if not plane.has_borders:
-        return
+        met.append(cells.crossing(corners))
+        for field in (field for signs in met[-1] for field in cells.fields(signs, corners)):
+            require(max(field.along(slope).on(corners)) < 0, f"a function that falls on simplex {number}")
+    if cells.has_borders:
+        require(mesh.dimension == 2, "one cell, for a mesh in space")
+        show_across(mesh, cells, met)
+
+
+def show_across(mesh: Mesh, plane: CellFields, met: Sequence[frozenset[Any]]) -> None:
+    """W falls along solutions that stay on a side, or at a corner, where cells meet: conditions 2 and 3 in the plane.
+
+    Args:
+        mesh: of triangles.
+        plane: the cells.
+        met: those that the inside of each triangle may meet.
+    """
     for (i, j), number in mesh.left.items():
         other = mesh.left.get((j, i))
         if other is not None and i < j:
             touching = plane.touching(mesh.corners((i, j)))
             if not touching <= met[number] and not touching <= met[other]:
-                beside = mesh.corners(mesh.triangles[number])
+                beside = mesh.corners(mesh.simplices[number])
                 fields = [field for signs in touching for field in plane.fields(signs, beside)]
                 require(falls_along(mesh, (i, j), mesh.slope(number), fields), f"a function that falls on side {i} {j}")
     for k in mesh.inner_corners():
@@ -373,14 +448,14 @@ def show_falls(mesh: Mesh, plane: CellFields) -> None:
         require(len(touching) == 1 or in_half_plane(velocities), f"velocities in a half plane at {place}")
 
 
-def falls_along(mesh: Mesh, side: tuple[int, int], slope: tuple[int, int], fields: Iterable[Field]) -> bool:
+def falls_along(mesh: Mesh, side: tuple[int, int], slope: Place, fields: Iterable[Field]) -> bool:
     """Whether there is a number t with ``(slope + t n) . f < 0`` on a side for all of the fields: bounds of t."""
     corners = mesh.corners(side)
-    (ax, ay), (bx, by) = corners
+    across = normal(corners)
     low: Fraction | None = None
     high: Fraction | None = None
     for field in fields:
-        rates, pushes = field.along(slope).on(corners), field.along((by - ay, ax - bx)).on(corners)
+        rates, pushes = field.along(slope).on(corners), field.along(across).on(corners)
         for rate, push in zip(rates, pushes, strict=True):
             if not push and rate >= 0:
                 return False
@@ -409,26 +484,26 @@ def show_border(mesh: Mesh, level: int, plane: Plane, near: Function, local: Sta
             continue
         corners = mesh.corners(side)
         for signs in plane.touching(corners):
-            room = Field.of([Polynomial(2, {(0, 0): below}) - near.on(signs)])
+            room = Field.of([constant(mesh.dimension, below) - near.on(signs)])
             inside = all(abs(own) <= reach for place in corners for own in place)
             require(inside and min(room.on(corners)) > 0, f"a border in the level set, or at the level: {side}")
 
 
 def show_basin(system: System, hypotheses: Any, proofs: Proofs) -> list[Statement]:
-    """Every start in a triangle at which W is below the level tends to the point.
+    """Every start in a simplex at which W is below the level tends to the point.
 
     Hypotheses: ``local`` (those of theorem ``lyapunov`` with a level, which is shown first: L is its level set),
     ``surfaces`` on which fields and V switch, ``mesh`` (``unit``; ``corners``, each its place in units from the point
-    and its value, whole numbers; ``triangles``) and ``below``, the level c.
+    and its value, whole numbers; ``triangles``, or in space ``tetrahedra``) and ``below``, the level c.
     """
     local, surfaces, mesh, below = take(hypotheses, "local surfaces mesh below")
-    require(system.count == 2 and system.coordinates == system.states, "a system in the plane, in its states")
+    require(system.count in NAMES and system.coordinates == system.states, "a system in two or three states, in these")
     require(not system.numbers, "rational numbers, for a mesh")
     require("denominator" not in local, "a V without a denominator beside a mesh")
     shown = show_stability(system, local, proofs)
     levels = [own["attracts"] for own in shown if type(own.get("attracts")) is dict]
     require(levels, "a level set that attracts")
-    own = Mesh(mesh)
+    own = Mesh(mesh, system.count)
     require(type(below) is int, "a level that is a whole number")
     plane = Plane(system, own.unit, surfaces, proofs)
     near = Plane(system, own.unit, local["cells"]["surfaces"], proofs)

@@ -6,6 +6,7 @@ import json
 from collections.abc import Callable
 from typing import Any
 
+from .basin import NAMES
 from .cells import System
 from .outside import is_counterclockwise, place_of
 from .roots import read_subject
@@ -124,8 +125,8 @@ def _attracts(said: Any, system: System) -> str:
     if said == "everywhere":
         return "every solution tends to the point"
     if "mesh" in said:
-        count = len(said["mesh"]["triangles"])
-        return f"every start in one of {count} triangles with W < {said['below']} tends to the point"
+        kind = NAMES[system.count]
+        return f"every start in one of {len(said['mesh'][kind])} {kind} with W < {said['below']} tends to the point"
     starts = f"every start with V < {said['below']} within {_cube(said, system)}"
     return f"{starts} tends to the point, {_function(said, system)}"
 

@@ -1,21 +1,22 @@
-"""The basin of an asymptotically stable point of the plane: a mesh of triangles around a level set that attracts.
+"""The basin of an asymptotically stable point in two or three states: a mesh around a level set that attracts.
 
-Rings are proposed in floats (:mod:`nonsmooth.proofs.systems.basin_rings`), triangles between them are refined
-(:mod:`nonsmooth.proofs.systems.basin_mesh`), and the whole is shown by theorem ``basin`` of the checker, by exact whole
+In the plane rings are proposed in floats (:mod:`nonsmooth.proofs.systems.basin_rings`), and triangles between them are
+refined (:mod:`nonsmooth.proofs.systems.basin_mesh`); in three states polyhedra with tetrahedra between them
+(:mod:`nonsmooth.proofs.systems.basin_shells`).  The whole is shown by theorem ``basin`` of the checker, by exact whole
 numbers.  How much of the true basin that is, is sampled.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, cached_property, partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from nonsmooth.proofs.checker.basin import Plane
+from nonsmooth.proofs.checker.basin import NAMES, Plane
 from nonsmooth.proofs.checker.cells import Pattern, System
 from nonsmooth.proofs.checker.formulas import Formula
 from nonsmooth.proofs.checker.polynomials import Polynomial
@@ -23,6 +24,7 @@ from nonsmooth.proofs.checker.positivity import Proofs
 from nonsmooth.proofs.systems.basin_mesh import BuiltMesh, MeshBuilder, last_ring, mesh_corners, mesh_of_rings
 from nonsmooth.proofs.systems.basin_rings import (
     WAY,
+    FieldInCells,
     FloatField,
     Floats,
     Pace,
@@ -34,6 +36,8 @@ from nonsmooth.proofs.systems.basin_rings import (
     level_ring,
     values,
 )
+from nonsmooth.proofs.systems.basin_shells import EFFORTS as IN_SPACE
+from nonsmooth.proofs.systems.basin_shells import Front, inside_polyhedron
 from nonsmooth.proofs.systems.outer_ring import find_outer_ring, find_traps, ring_of
 
 INSIDE = 0.9  # of the level: the first ring
@@ -71,14 +75,14 @@ EFFORTS = {
 
 @dataclass(frozen=True)
 class CertifiedBasin:
-    """Triangles of which every start tends to the point.
+    """Triangles or tetrahedra of which every start tends to the point.
 
     Attributes:
         hypotheses: of theorem ``basin``; the mesh is among them.
         sampled: of the starts of a grid around the mesh that come to the point in floats, how many are certified, and
             how many there are.
         outside: the hypotheses of theorem ``outside``: a polygon around the triangles, such that no start outside of it
-            comes to the point; None where none is known.
+            comes to the point; None where none is known, and in space.
         traps: other places of rest, in floats, each with such hypotheses: no start inside of a polygon about it does.
         square: of the starts of that grid, how many are certified, how many are in no trap and not outside of the
             polygon, and how many there are.
@@ -102,18 +106,31 @@ class CertifiedBasin:
 
     @cached_property
     def corners(self) -> Floats:
-        """Places in the displacement from the point, each with its value of W: shape (corners, 3)."""
+        """Places in the displacement from the point, each with its value of W: shape (corners, states + 1)."""
         return mesh_corners(self.mesh)
 
+    @property
+    def kind(self) -> str:
+        """What simplices are called: triangles or tetrahedra."""
+        return NAMES[self.corners.shape[1] - 1]
+
     @cached_property
-    def triangles(self) -> NDArray[np.int64]:
-        """The numbers of the corners of each triangle: shape (triangles, 3)."""
-        return np.array([own.split(" ") for own in self.mesh["triangles"]], dtype=np.int64)
+    def simplices(self) -> NDArray[np.int64]:
+        """The numbers of the corners of each: shape (simplices, states + 1)."""
+        return np.array([own.split(" ") for own in self.mesh[self.kind]], dtype=np.int64)
 
     @property
     def border(self) -> Floats:
-        """The last ring, on which W is the level: shape (corners, 2)."""
+        """The corners on which W is the level, in the plane a ring: shape (corners, states)."""
         return last_ring(self.corners)
+
+    def holds(self, x: Floats) -> NDArray[np.bool_]:
+        """Which places the border goes around: shape (places, states)."""
+        if x.shape[1] == 2:
+            return inside_ring(self.border, x)
+        highest = self.corners[:, -1] == self.corners[:, -1].max()
+        outer = self.simplices[highest[self.simplices].sum(axis=1) == 3]  # with a side on the border
+        return inside_polyhedron(self.corners[outer[highest[outer]].reshape(-1, 3)][:, :, :3], x)
 
     @property
     def filled(self) -> float | None:
@@ -188,9 +205,44 @@ def find_basin(
     if outside is not None:
         open_ones &= inside_ring(ring_of(outside), starts)
     square = int(np.sum(certified)), int(np.sum(open_ones)), len(starts)
-    far = 20 * float(np.linalg.norm(border, axis=1).max())
-    came = followed_home(field, starts[~certified], is_home, far)
-    return CertifiedBasin(hypotheses, (square[0], square[0] + int(np.sum(came))), outside, tuple(traps), square)
+    came = _come(field, is_home, border, starts[~certified])
+    return CertifiedBasin(hypotheses, (square[0], square[0] + came), outside, tuple(traps), square)
+
+
+def find_basin_in_space(
+    system: System,
+    local: dict[str, Any],
+    asked: str,
+    limit: float,
+    announce: Callable[[str, int, int], None],
+) -> CertifiedBasin | None:
+    """A mesh around a level set in three states, without switching; None where none is found.
+
+    Args:
+        system: in three states.
+        local: hypotheses of theorem ``lyapunov`` with a level on a cube, which are shown.
+        asked: how much may be done.
+        limit: half the side of a cube that the mesh does not leave, unless it begins in a wider one.
+        announce: told what is done, how much of it, and of how much.
+    """
+    effort, plane = IN_SPACE[asked], Plane(system, "1", [], Proofs({}))
+    field, potential = FloatField(plane), _potential(plane, local)
+    level, within = INSIDE * _number(local["level"]), _number(local["cells"]["within"])
+
+    def is_home(x: Floats) -> NDArray[np.bool_]:
+        return np.asarray((potential(x) < level) & (np.abs(x).max(axis=1) <= within))
+
+    front = Front(field, is_home, within, limit, effort)
+    grown = front.grown(_step(announce, "polyhedra"))
+    if len(grown) < 2:
+        return None
+    mesh = front.record(grown)
+    hypotheses = {"local": local, "surfaces": [], "mesh": mesh, "below": len(grown) - 1}
+    found = CertifiedBasin(hypotheses, (0, 0))
+    starts = _grid(found.border, effort.starts, None)
+    certified = found.holds(starts) | is_home(starts)
+    count = int(np.sum(certified))
+    return replace(found, sampled=(count, count + _come(field, is_home, found.border, starts[~certified])))
 
 
 def _step(announce: Callable[[str, int, int], None], what: str) -> Callable[[int, int], None]:
@@ -238,4 +290,10 @@ def _grid(border: Floats, count: int, limit: float | None) -> Floats:
     if limit is not None:
         half = np.minimum(half, limit)
     lines = [np.linspace(m - h, m + h, count) for m, h in zip(middle, half, strict=True)]
-    return np.array([(x, y) for y in lines[1] for x in lines[0]])
+    return np.stack(np.meshgrid(*lines), axis=-1).reshape(-1, len(lines))
+
+
+def _come(field: FieldInCells, is_home: Callable[[Floats], NDArray[np.bool_]], border: Floats, starts: Floats) -> int:
+    """How many of some starts come to the first ring in floats."""
+    far = 20 * float(np.linalg.norm(border, axis=1).max())
+    return int(np.sum(followed_home(field, starts, is_home, far)))

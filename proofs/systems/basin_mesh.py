@@ -218,13 +218,13 @@ def mesh_corners(mesh: dict[str, Any]) -> Floats:
     """The corners of a mesh in floats."""
     found = np.array([own.split(" ") for own in mesh["corners"]], dtype=float)
     numerator, _, denominator = mesh["unit"].partition("/")
-    found[:, :2] *= float(numerator) / float(denominator or 1)
+    found[:, :-1] *= float(numerator) / float(denominator or 1)
     return found
 
 
 def last_ring(corners: Floats) -> Floats:
     """The corners with the largest value, which are a ring in order."""
-    return np.asarray(corners[corners[:, 2] == corners[:, 2].max()][:, :2])
+    return np.asarray(corners[corners[:, -1] == corners[:, -1].max()][:, :-1])
 
 
 def mesh_of_rings(

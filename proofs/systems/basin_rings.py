@@ -19,9 +19,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cache, cached_property, reduce
 from itertools import product
-from math import factorial
+from math import factorial, prod
+from operator import mul
 from typing import Any, Protocol, TypeAlias
 
 import numpy as np
@@ -168,16 +169,17 @@ class FloatField:
         """
         for k, side in enumerate(self.plane.sides(cell)):
             still, *moved = (max(own.degree for own in part) for part in side.parts)
-            points = bernstein(max([still, *(own + 1 for own in moved)]))
-            at, corners = points.places(triangles), triangles.reshape(-1, 2)
+            count = triangles.shape[1]
+            points = bernstein(max([still, *(own + 1 for own in moved)]), count)
+            at, corners = points.places(triangles), triangles.reshape(-1, count - 1)
             bounds = []
             for (_, v), own in zip(self.plane.waves[k], self.waves(k, corners), strict=True):
-                arguments = values(v, corners).reshape(len(triangles), 3)
+                arguments = values(v, corners).reshape(len(triangles), count)
                 error = (arguments.max(axis=1) - arguments.min(axis=1)) ** 2 / 8
-                mean = points.weights(own.reshape(len(triangles), 3))
+                mean = points.weights(own.reshape(len(triangles), count))
                 bounds.append([(mean + sign * error[:, None]).ravel() for sign in (-1, 1)])
             for waves in product(*bounds):
-                yield self.side(cell, k, at.reshape(-1, 2), waves).reshape(at.shape), points
+                yield self.side(cell, k, at.reshape(-1, count - 1), waves).reshape(at.shape), points
 
     @cached_property
     def _guard_points(self) -> Bernstein:
@@ -221,24 +223,24 @@ class FloatField:
         return together(self.surfaces)
 
     def on(self, signs: Pattern, x: Floats) -> Floats:
-        """The velocities that a cell has, wherever the places are: shape (right-hand sides, places, 2)."""
+        """The velocities that a cell has, wherever the places are: shape (right-hand sides, places, states)."""
         sides = range(len(self.plane.sides(signs)))
         return np.stack([self.side(signs, k, x, self.waves(k, x)) for k in sides])
 
     def side(self, signs: Pattern, number: int, x: Floats, waves: Sequence[Floats]) -> Floats:
-        """The velocities of one right-hand side for some values of its sines and cosines: shape (places, 2)."""
+        """The velocities of one right-hand side for some values of its sines and cosines: shape (places, states)."""
         still, *moved = self._parts(signs, number)(x)
         return np.asarray(still + sum(wave[:, None] * own for wave, own in zip(waves, moved, strict=True)))
 
     @cached_property
     def _parts(self) -> Callable[[Pattern, int], Callable[[Floats], Floats]]:
-        """For the signs of a cell and the number of a right-hand side its polynomials: shape (parts, places, 2)."""
+        """For the signs of a cell and the number of a right-hand side polynomials: shape (parts, places, states)."""
 
         @cache
         def made(signs: Pattern, number: int) -> Callable[[Floats], Floats]:
             parts = self.plane.sides(signs)[number].parts
             at = together([own for part in parts for own in part])
-            return lambda x: at(x).reshape(len(parts), 2, len(x)).transpose(0, 2, 1)
+            return lambda x: at(x).reshape(len(parts), -1, len(x)).transpose(0, 2, 1)
 
         return made
 
@@ -274,26 +276,25 @@ def by_pattern(signs: NDArray[np.int64]) -> Iterator[tuple[Pattern, NDArray[np.b
 
 
 class Bernstein:
-    """Values at the points of a triangle's lattice, and Bernstein coefficients from these."""
+    """Values at the points of a simplex's lattice, and Bernstein coefficients from these."""
 
-    def __init__(self, degree: int) -> None:
+    def __init__(self, degree: int, corners: int) -> None:
         self.degree = degree
-        powers = [(i, j, degree - i - j) for i in range(degree + 1) for j in range(degree + 1 - i)]
-        self.nodes = np.array(powers) / max(degree, 1)
-        if not degree:
-            self.nodes = np.full((1, 3), 1 / 3)
+        chosen = product(range(degree, -1, -1), repeat=corners)
+        powers = np.array([own for own in chosen if sum(own) == degree])[::-1]
+        self.nodes = powers / degree if degree else np.full((1, corners), 1 / corners)
         columns = []
-        for i, j, k in powers:
-            weight = factorial(degree) / (factorial(i) * factorial(j) * factorial(k))
-            columns.append(weight * self.nodes[:, 0] ** i * self.nodes[:, 1] ** j * self.nodes[:, 2] ** k)
+        for own in powers:
+            weight = factorial(degree) / prod(factorial(k) for k in own)
+            columns.append(weight * (self.nodes**own).prod(axis=1))
         self.inverse = np.linalg.inv(np.stack(columns, axis=1))
 
     def places(self, triangles: Floats) -> Floats:
-        """The points at which a polynomial is looked at: shape (triangles, nodes, 2)."""
+        """The points at which a polynomial is looked at: shape (simplices, nodes, states)."""
         return np.asarray(np.einsum("kc,mcd->mkd", self.nodes, triangles))
 
     def weights(self, own: Floats) -> Floats:
-        """The affine functions with some values at the corners, of shape (triangles, 3), at these points."""
+        """The affine functions with some values at the corners, of shape (simplices, corners), at these points."""
         return np.asarray(own @ self.nodes.T)
 
     def coefficients(self, own: Floats) -> Floats:
@@ -302,22 +303,23 @@ class Bernstein:
 
 
 @cache
-def bernstein(degree: int) -> Bernstein:
-    """Of polynomials of a degree."""
-    return Bernstein(degree)
+def bernstein(degree: int, corners: int = 3) -> Bernstein:
+    """Of polynomials of a degree, on simplices with some corners."""
+    return Bernstein(degree, corners)
 
 
 def together(polynomials: Sequence[Polynomial]) -> Callable[[Floats], Floats]:
     """Polynomials of the checker in floats, by the powers that they share: at places, shape (polynomials, places)."""
-    exponents = sorted({own for p in polynomials for own in p.terms}) or [(0, 0)]
+    exponents = sorted({own for p in polynomials for own in p.terms}) or [(0,) * polynomials[0].count]
     weights = np.array([[float(p.terms.get(own, 0)) for own in exponents] for p in polynomials])
     top = max(max(own) for own in exponents)
 
     def at(x: Floats) -> Floats:
-        powers = [np.ones((2, len(x)))]
+        powers = [np.ones(x.T.shape)]
         for _ in range(top):
             powers.append(powers[-1] * x.T)
-        return np.asarray(weights @ np.stack([powers[a][0] * powers[b][1] for a, b in exponents]))
+        terms = [reduce(mul, (powers[e][k] for k, e in enumerate(own))) for own in exponents]
+        return np.asarray(weights @ np.stack(terms))
 
     return at
 

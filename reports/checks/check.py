@@ -83,7 +83,8 @@ class CheckOptions(Options):
     region: RegionSearch = option(
         RegionSearch.AUTO,
         "Certify a larger region, too: by triangles, of a plain system in two states or an array under nearest or box, "
-        "by another V in more states; fast takes seconds, best a minute; auto: fast of a plain system.",
+        "by another V in more states, in three by tetrahedra, too; fast takes seconds, best a minute; auto: fast of a "
+        "plain system.",
         RegionSearch,
     )
     evidence: bool = option(False, "Print why, too: each clause, or V and its derivatives, with all numbers.")

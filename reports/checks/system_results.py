@@ -136,13 +136,14 @@ class SystemCheckResult(FactResult):
     def with_region(self, search: str) -> SystemCheckResult:
         """The same with a larger region, where one is certified: see ``nonsmooth check --region``.
 
-        In two states it consists of triangles, in more it is a sublevel set of another V.
+        In two states it consists of triangles, in three of tetrahedra where nothing switches, beside a sublevel set of
+        another V as in more states.
 
         Args:
             search: ``fast`` or ``best``.
         """
         from nonsmooth.proofs.many_states.reshaped_region import TooMuchWorkError
-        from nonsmooth.proofs.system_certificates import find_region_of_another_function, find_region_of_triangles
+        from nonsmooth.proofs.system_certificates import find_region_of_another_function, find_region_of_simplices
 
         in_plane, basin, reshaped = len(self.evidence.scene.states) == len(PLANE), None, None
         hint = ""
@@ -151,21 +152,21 @@ class SystemCheckResult(FactResult):
             def announce(what: str, done: int, total: int) -> None:
                 report(done, total, what)
 
-            if in_plane:
-                basin = find_region_of_triangles(self.evidence, search, announce)
-                hint = LARGER if basin and search == "fast" else ""
-            else:
+            if not in_plane:
                 try:
                     reshaped = find_region_of_another_function(self.evidence, search, announce)
                 except TooMuchWorkError:
                     hint = UNSOUGHT
+            evidence = replace(self.evidence, reach=replace(self.evidence.reach, reshaped=reshaped))
+            basin = find_region_of_simplices(evidence, search, announce)
+            hint = LARGER if basin and search == "fast" else hint
         reach = replace(self.evidence.reach, basin=basin, reshaped=reshaped)
         return replace(self, evidence=replace(self.evidence, reach=reach), hint=hint)
 
     def draw(self, ax: Axes) -> None:
         """The certified triangles, with the border of the region and the checked point."""
         basin = self.evidence.reach.basin
-        if basin is None:
+        if basin is None or len(self.evidence.scene.states) != len(PLANE):
             super().draw(ax)
             return
         from nonsmooth.reports.figures.triangles import draw_triangles
@@ -306,8 +307,9 @@ def _from_where(result: StabilityResult) -> SystemAnswer:
         why = "" if reach.global_entry is None else f": {global_words(reach.global_entry)}"
         return SystemAnswer(question, "everywhere", f"every start reaches the equilibrium{why}")
     if reach.basin is not None:
-        words = f"{reached_words(reach.region, states)}; {basin_words(reach.basin)}" if reach.region else ""
-        return SystemAnswer(question, "a region", words)
+        about = reshaped_words(reach.reshaped, states) if reach.reshaped else ""
+        about = about or (reached_words(reach.region, states) if reach.region else "")
+        return SystemAnswer(question, "a region", f"{about}; {basin_words(reach.basin)}")
     if reach.reshaped is not None:
         return SystemAnswer(question, "a region", reshaped_words(reach.reshaped, states))
     if reach.region is not None:

@@ -22,7 +22,7 @@ MESH, BORDER, OUTER = "#999999", "#0072B2", "#D55E00"
 def draw_triangles(axes: Axes, basin: CertifiedBasin, at: tuple[float, float] = (0.0, 0.0)) -> None:
     """The triangles of a basin about a point, its border, and polygons from beyond which no start comes."""
     x, y = (basin.corners[:, :2] + at).T
-    axes.triplot(x, y, basin.triangles, color=MESH, linewidth=0.3)
+    axes.triplot(x, y, basin.simplices, color=MESH, linewidth=0.3)
     axes.plot(*_closed(basin.border + at), color=BORDER, linewidth=2.0, label="certified region")
     for own in basin.never:
         outer = _closed(ring_of(own) + at)

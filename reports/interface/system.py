@@ -305,7 +305,8 @@ class System(PythonScene):
         """Stability of the equilibrium.
 
         The region is a level set of the V that decides; ``check().with_region("fast")`` certifies a larger one,
-        as the command does by default: triangles in two states, a level set of another V in more.
+        as the command does by default: triangles in two states, a level set of another V in more, and tetrahedra in
+        three where nothing switches.
 
         Args:
             **changes: as for :meth:`with_`.

@@ -418,6 +418,36 @@ def basins() -> Iterator[Case]:
             yield Case(f"basin-{name}-{len(sizes) - 1}", subject(sides), "basin", hypotheses)
 
 
+def octahedra(sizes: Sequence[int], unit: str = "1/4") -> Record:
+    """A mesh between nested octahedra: W is 0 on the first, and one more on each."""
+    corners, tetrahedra = list[str](), list[str]()
+    for k, size in enumerate(sizes):
+        corners += [f"{size} 0 0 {k}", f"0 {size} 0 {k}", f"0 0 {size} {k}"]
+        corners += [f"-{size} 0 0 {k}", f"0 -{size} 0 {k}", f"0 0 -{size} {k}"]
+        for signs in product((0, 1), repeat=3) if k else ():
+            a, b, c = (6 * k - 6 + axis + 3 * sign for axis, sign in enumerate(signs))
+            for own in ((a, b, c, c + 6), (a, b, c + 6, b + 6), (a, a + 6, b + 6, c + 6)):
+                first, second, *rest = own
+                turned = (second, first, *rest) if sum(signs) % 2 else own
+                tetrahedra.append(" ".join(map(str, turned)))
+    return {"unit": unit, "corners": corners, "tetrahedra": tetrahedra}
+
+
+def basins_in_space() -> Iterator[Case]:
+    """Meshes of tetrahedra about a level set: of one field, of two, and with a sine."""
+    systems: dict[str, list[Any]] = {
+        "plain": ["-x", "-y", "-z"],
+        "cubic": ["-x - x**3", "-y + x*y**2/64", "-z"],
+        "switched": [["-x", "-y", "-z"], ["-x - y/2", "-y + x/2", "-z"]],
+        "sines": ["-x", "-y - sin(x - y)/4", "-z"],
+    }
+    for name, sides in systems.items():
+        local = lyapunov("x**2 + y**2 + z**2", cells(), level="1/2")
+        for sizes in ((2, 4), (2, 3, 4)):
+            hypotheses = {"local": local, "surfaces": [], "mesh": octahedra(sizes), "below": len(sizes) - 1}
+            yield Case(f"space-{name}-{len(sizes) - 1}", subject(sides), "basin", hypotheses)
+
+
 def energies_on_circles() -> Iterator[Case]:
     """Pendulums that swing for ever: with one potential, with a relay beside it, with a second one, and two coupled."""
     systems: dict[str, tuple[Any, list[str], list[str], str]] = {
@@ -504,6 +534,7 @@ GROUPS = (
     polygons,
     quotients,
     choices,
+    basins_in_space,
 )
 
 

@@ -324,23 +324,30 @@ def other_mixture(good: Record) -> Iterator[Any]:
 
 
 def other_mesh(good: Record) -> Iterator[Any]:
-    """A mesh with a hole, a fold, a lower border, a value that rises, a triangle turned over; a larger level."""
+    """A mesh with a hole, a fold, a lower border, a value that rises, a simplex turned over; a larger level."""
     hypotheses = good["evidence"][0]["hypotheses"]
     if "mesh" not in hypotheses:
         return
     where, own = [*HYPOTHESES, "mesh"], hypotheses["mesh"]
-    corners, triangles, last = own["corners"], own["triangles"], len(good["statement"]["claims"]) - 1
+    kind = "triangles" if "triangles" in own else "tetrahedra"
+    corners, simplices, last = own["corners"], own[kind], len(good["statement"]["claims"]) - 1
     claim = [*CLAIMS, last, "attracts", "mesh"]
-    meshes = [
-        {**own, "triangles": changed} for changed in (triangles[1:], triangles[:-1], [], [*triangles, triangles[0]])
-    ]
-    for k, triangle in enumerate(triangles):
-        a, b, c = triangle.split(" ")
-        for turned in (f"{a} {c} {b}", f"{a} {a} {b}", f"{a} {b} 999", f"{a} {b}", f"{a} {b} {c} ", f"-{a} {b} {c}"):
-            meshes.append({**own, "triangles": [*triangles[:k], turned, *triangles[k + 1 :]]})
+    meshes = [{**own, kind: changed} for changed in (simplices[1:], simplices[:-1], [], [*simplices, simplices[0]])]
+    for k, simplex in enumerate(simplices):
+        a, *first, b, c = simplex.split(" ")
+        start = " ".join([a, *first])
+        for turned in (
+            f"{start} {c} {b}",
+            f"{start} {a} {b}",
+            f"{start} {b} 999",
+            f"{start} {b}",
+            f"{start} {b} {c} ",
+            f"-{start} {b} {c}",
+        ):
+            meshes.append({**own, kind: [*simplices[:k], turned, *simplices[k + 1 :]]})
     for k, corner in enumerate(corners):
-        x, y, _ = corner.split(" ")
-        for moved in (f"{x} {y} -9", f"{x} {y} 1/2", f"{x} {y}", "0 0 0"):
+        place = corner.rpartition(" ")[0]
+        for moved in (f"{place} -9", f"{place} 1/2", place, " ".join(["0"] * (place.count(" ") + 2))):
             meshes.append({**own, "corners": [*corners[:k], moved, *corners[k + 1 :]]})
     meshes += [{**own, "unit": unit} for unit in ("4", "0", "-1/4", "1/0", 1, None)]
     for changed in meshes:

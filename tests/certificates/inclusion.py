@@ -241,17 +241,18 @@ def judge_region(own: FloatInclusion, said: Any, half: float) -> str:
 
 
 def judge_mesh(own: FloatInclusion, said: Any) -> str:
-    """Polygons from triangles of a mesh in which W is below the level go no farther than the mesh, and end nearer."""
+    """Polygons from simplices of a mesh in which W is below the level go no farther than the mesh, and end nearer."""
     mesh, level = said["mesh"], float(said["below"])
     corners = np.array([own.split(" ") for own in mesh["corners"]], dtype=float)
-    corners[:, :2] *= float(Fraction(mesh["unit"]))
-    chosen = np.array([own.split(" ") for own in mesh["triangles"]], dtype=int)
-    weights = own.random.dirichlet(np.ones(3), 8 * STARTS)
+    corners[:, :-1] *= float(Fraction(mesh["unit"]))
+    texts = mesh["triangles" if "triangles" in mesh else "tetrahedra"]
+    chosen = np.array([own.split(" ") for own in texts], dtype=int)
+    weights = own.random.dirichlet(np.ones(chosen.shape[1]), 8 * STARTS)
     drawn = np.einsum("ij,ijk->ik", weights, corners[own.random.choice(chosen, 8 * STARTS)])
-    starts = drawn[drawn[:, 2] < level][:STARTS, :2]
+    starts = drawn[drawn[:, -1] < level][:STARTS, :-1]
     if not len(starts):
         return ""
-    furthest = float(np.linalg.norm(corners[:, :2], axis=1).max())
+    furthest = float(np.linalg.norm(corners[:, :-1], axis=1).max())
     places, _ = own.follow(starts)
     sizes = np.linalg.norm(places, axis=2)
     if sizes.max() > 1.05 * furthest:

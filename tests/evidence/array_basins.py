@@ -37,7 +37,7 @@ def basin_of(table: MeasuredTable, effort: str) -> ArrayBasin | NoBasin:
 def drawn(basin: ArrayBasin, count: int, seed: int) -> Floats:
     """Random places in the triangles, as many in a small one as in a large one."""
     random, own = np.random.default_rng(seed), basin.triangles
-    chosen = own.corners[random.choice(own.triangles, count)][:, :, :2]
+    chosen = own.corners[random.choice(own.simplices, count)][:, :, :2]
     return np.asarray(np.einsum("ij,ijk->ik", random.dirichlet(np.ones(3), count), chosen))
 
 
@@ -98,7 +98,7 @@ def main() -> int:
             astray, followed = astray + lost, followed + chosen.starts
             shares.append(basin.triangles.share)
             ends = f"ends within {basin.within:.4g} mm" if basin.within is not None else "comes home"
-            size = f"{len(basin.triangles.triangles):6} triangles, {seconds:5.1f} s"
+            size = f"{len(basin.triangles.simplices):6} triangles, {seconds:5.1f} s"
             print(f"{seed:3} {rule:8} share {shares[-1]:.4f}, {size}, {ends}, astray {lost}", flush=True)
     if shares:
         print(f"{len(shares)} tables: share {min(shares):.4f} at least, {statistics.median(shares):.4f} in the median")

@@ -25,7 +25,6 @@ from numpy.typing import NDArray
 
 from nonsmooth.proofs.kernel.subject import NoCertificateError, about
 from nonsmooth.proofs.systems.basin import CertifiedBasin
-from nonsmooth.proofs.systems.basin_rings import inside_ring
 from nonsmooth.proofs.systems.sublevel_region import ReshapedRegion
 from nonsmooth.reports.checks.check import check_system
 from nonsmooth.symbolic.files.system_builder import build_system
@@ -93,47 +92,80 @@ def examined(known: Known, search: str, starts: int) -> Record:
     reach = result.with_region(search).evidence.reach
     found["region"] = time.process_time() - decided
     scene = result.evidence.scene
+    if reach.basin is not None and len(known.states) > 2:
+        return {**found, **in_space(scene, reach.basin, reach.reshaped, starts)}
     if reach.basin is not None:
         basin = reach.basin
-        lost = astray(scene, in_triangles(basin, starts))
-        near = share_near(scene, lambda x: inside_ring(basin.border, x), np.abs(basin.border).max(axis=0))
-        size = f"{len(basin.triangles)} triangles"
+        lost = astray(scene, in_simplices(basin, starts))
+        near = share_near(scene, basin.holds, np.abs(basin.border).max(axis=0))
+        size = f"{len(basin.simplices)} {basin.kind}"
         return {**found, "where": size, "share": basin.share, "near": near, "astray": lost}
     if reach.reshaped is not None:
         own = reach.reshaped
         inside, share = below_level(scene, own, starts)
-        inclusion, level = FloatInclusion(about(scene), 1), float(own.region.level)
-        half = float(own.region.radius)
-
-        def is_below(x: Array) -> NDArray[np.bool_]:
-            below = inclusion.function(own.formula.text, x) < level
-            return np.asarray(below & (np.abs(x).max(axis=1) <= half))
-
-        near = share_near(scene, is_below, np.abs(inside).max(axis=0))
+        near = share_near(scene, holds_below(scene, own), np.abs(inside).max(axis=0))
         return {**found, "where": "another V", "share": share, "near": near, "astray": astray(scene, inside)}
     return {**found, "where": "a level of V" if reach.region is not None else "near the point"}
 
 
-def share_near(system: Any, certified: Callable[[Array], NDArray[np.bool_]], extent: Array) -> float | None:
+def in_space(system: Any, basin: CertifiedBasin, further: ReshapedRegion | None, starts: int) -> Record:
+    """What tetrahedra and the level set of another V, where there is one, hold together."""
+    drawn = in_simplices(basin, starts)
+    certified: list[Callable[[Array], NDArray[np.bool_]]] = [basin.holds]
+    places, where = [drawn, basin.border], f"{len(basin.simplices)} {basin.kind}"
+    if further is not None:
+        below, _ = below_level(system, further, starts)
+        places.append(below)
+        certified.append(holds_below(system, further))
+        where += " and another V"
+
+    def is_certified(x: Array) -> NDArray[np.bool_]:
+        return np.any([own(x) for own in certified], axis=0)
+
+    extent = np.abs(np.vstack(places)).max(axis=0)
+    lost = [astray(system, own) for own in (drawn, *places[2:])]
+    return {
+        "where": where,
+        "share": share_near(system, is_certified, extent, np.inf),
+        "near": share_near(system, is_certified, extent),
+        "astray": None if None in lost else sum(own for own in lost if own is not None),
+    }
+
+
+def holds_below(system: Any, own: ReshapedRegion) -> Callable[[Array], NDArray[np.bool_]]:
+    """Which places have V below its level in its cube."""
+    inclusion, level, half = FloatInclusion(about(system), 1), float(own.region.level), float(own.region.radius)
+
+    def is_below(x: Array) -> NDArray[np.bool_]:
+        below = inclusion.function(own.formula.text, x) < level
+        return np.asarray(below & (np.abs(x).max(axis=1) <= half))
+
+    return is_below
+
+
+def share_near(
+    system: Any, certified: Callable[[Array], NDArray[np.bool_]], extent: Array, window: float = NEAR
+) -> float | None:
     """Of random starts in the window that come to the point, the part that is certified; None where none is followed.
 
     Args:
         system: in the displacement from the point.
         certified: which places are in the region.
-        extent: of the region, in each state: the window ends a little beyond it, or at NEAR.
+        extent: of the region, in each state: the window ends a little beyond it, or at the largest one.
+        window: the largest one, in half-widths of the checked square.
     """
-    half = np.minimum(AROUND * extent, NEAR * float(system.check.radius))
+    half = np.minimum(AROUND * extent, window * float(system.check.radius))
     starts = np.random.default_rng(2).uniform(-half, half, (SAMPLED, len(half)))
     inside = certified(starts)
     gone = astray_ones(system, starts[~inside])
     return None if gone is None else float(inside.sum()) / max(len(starts) - len(gone), 1)
 
 
-def in_triangles(basin: CertifiedBasin, count: int) -> Array:
-    """Random starts in triangles."""
+def in_simplices(basin: CertifiedBasin, count: int) -> Array:
+    """Random starts in triangles or tetrahedra."""
     random = np.random.default_rng(1)
-    chosen = basin.corners[random.choice(basin.triangles, count)][:, :, :2]
-    return np.asarray(np.einsum("ij,ijk->ik", random.dirichlet(np.ones(3), count), chosen))
+    chosen = basin.corners[random.choice(basin.simplices, count)][:, :, :-1]
+    return np.asarray(np.einsum("ij,ijk->ik", random.dirichlet(np.ones(basin.simplices.shape[1]), count), chosen))
 
 
 def below_level(system: Any, own: ReshapedRegion, count: int) -> tuple[Array, float | None]:

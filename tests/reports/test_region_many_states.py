@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
+from itertools import combinations
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
+import pytest
 import sympy
+from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from tests.reports.conftest import Invoke
+
+Floats: TypeAlias = NDArray[np.float64]
 
 FORM = "x**2 + 2*y**2 + 3*z**2 + x*y"
 SYSTEM = f"""
@@ -24,12 +30,36 @@ def test_nine_tenths_of_a_level_and_no_more_than_it(invoke: Invoke, tmp_path: Pa
     """Along every ray ``r' = -r + q r`` with the form q: starts come to the point exactly where ``q < 1``."""
     file = tmp_path / "ellipsoid.toml"
     file.write_text(SYSTEM, encoding="utf-8")
-    own = json.loads(invoke("check", str(file), "--json").out)["reshaped"]
+    certificate = tmp_path / "ellipsoid.json"
+    found = json.loads(invoke("check", str(file), "--json", "--certificate", str(certificate)).out)
+    own = found["reshaped"]
     q, v = (sympy.lambdify(sympy.symbols("x y z"), sympy.sympify(text), "numpy") for text in (FORM, own["V"]))
     rays = np.random.default_rng(0).normal(size=(3, 1000))
     border = rays / np.sqrt(q(*rays))
     assert (v(*(np.sqrt(0.9) * border)) < own["level"]).all()
     assert (v(*border) >= own["level"]).all()
+    assert_inside_and_without_folds(found["basin"], q)
+    assert f"one of {len(found['basin']['simplices'])} tetrahedra" in invoke("verify", str(certificate)).out
+
+
+def assert_inside_and_without_folds(basin: dict[str, Any], q: Callable[..., Floats]) -> None:
+    """Corners of tetrahedra lie where ``q < 1``, a convex set, and volumes add up to what is between two borders."""
+    corners, values = np.array(basin["vertices"]), np.array(basin["values"])
+    simplices = np.array(basin["simplices"])
+    assert (q(*corners.T) < 1).all()
+    assert basin["share"]["sampled"] > 0.85
+
+    def sizes(own: Floats) -> Floats:
+        return np.asarray(np.linalg.det(own[:, 1:] - own[:, :1]) / 6)
+
+    own = sizes(corners[simplices])
+    assert own.min() > 0
+    between = 0.0
+    for value, sign in ((0, -1), (values.max(), 1)):  # pyramids over the sides of a polyhedron, seen from the point
+        listed = [side for cell in simplices for side in combinations(cell, 3) if (values[list(side)] == value).all()]
+        places = corners[np.array(sorted(set(map(tuple, map(sorted, listed)))))]
+        between += sign * float(np.abs(np.linalg.det(places)).sum()) / 6
+    assert float(own.sum()) == pytest.approx(between)
 
 
 def test_programs_that_are_too_large_are_said_to_be(invoke: Invoke, tmp_path: Path) -> None:

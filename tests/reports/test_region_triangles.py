@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 import nonsmooth as ns
 from nonsmooth.proofs.checker.statements import refusal
-from nonsmooth.proofs.system_certificates import find_region_of_triangles
+from nonsmooth.proofs.system_certificates import find_region_of_simplices
 from nonsmooth.proofs.systems.basin import EFFORTS, BasinEffort, CertifiedBasin
 from nonsmooth.proofs.systems.basin_rings import Pace
 from nonsmooth.reports.checks.check import check_system
@@ -89,7 +89,7 @@ def basin_of(name: str, search: str = "fast") -> tuple[Any, CertifiedBasin]:
 def drawn(basin: CertifiedBasin, count: int, seed: int = 1) -> Floats:
     """Random places in triangles, as many in a small one as in a large one."""
     random = np.random.default_rng(seed)
-    chosen = basin.corners[random.choice(basin.triangles, count)][:, :, :2]
+    chosen = basin.corners[random.choice(basin.simplices, count)][:, :, :2]
     return np.asarray(np.einsum("ij,ijk->ik", random.dirichlet(np.ones(3), count), chosen))
 
 
@@ -138,7 +138,7 @@ def test_starts_in_triangles_come_home(name: str) -> None:
     assert_cover_once(basin)
     assert sizes_after(name, drawn(basin, 100), 20.0).max() < 0.1
     record = json.loads(json.dumps(result.to_dict()))["basin"]
-    assert len(record["simplices"]) == len(basin.triangles)
+    assert len(record["simplices"]) == len(basin.simplices)
     assert len(record["vertices"]) == len(record["values"]) == len(basin.corners)
     certificate = result.certificate()
     assert {"attracts": {"mesh": basin.mesh, "below": basin.hypotheses["below"]}} in certificate["statement"]["claims"]
@@ -156,7 +156,7 @@ def test_best_regions_are_large(name: str) -> None:
 
 def assert_cover_once(basin: CertifiedBasin) -> None:
     """The areas of all triangles add up to what lies between the first ring and the last."""
-    a, b, c = (basin.corners[basin.triangles[:, k], :2] for k in range(3))
+    a, b, c = (basin.corners[basin.simplices[:, k], :2] for k in range(3))
     areas = ((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]) / 2
     assert areas.min() > 0
     values = basin.corners[:, 2]
@@ -174,7 +174,7 @@ def test_no_triangles_where_all_is_known(monkeypatch: pytest.MonkeyPatch) -> Non
     """Every start comes home, or the point does not attract."""
     for rhs in (["-x", "-y"], ["y", "-x"], ["x", "y"]):
         result = check_system(ns.System(["x", "y"], rhs).system)
-        assert find_region_of_triangles(result.evidence, "fast", lambda what, done, total: None) is None
+        assert find_region_of_simplices(result.evidence, "fast", lambda what, done, total: None) is None
 
 
 def test_the_command(invoke: Invoke, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
