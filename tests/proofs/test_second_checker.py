@@ -36,7 +36,7 @@ SHORT = (
     "saddle",
 )  # of few numbers, for mutants
 OWN = {
-    "relays": ns.System(["x", "y"], ["-sign(x) + y/4", "-sign(y) - x/4"], radius="1/2"),
+    "relays": ns.System(["x", "y"], ["-sign(x) + y/4 + x**3", "-sign(y) - x/4 + y**3"], radius="1/2"),
     "bends": ns.System(["x", "y"], ["-sign(x)", "-y"], lyapunov="Abs(x) + y**2", radius="1/2"),
     "plane": ns.System(["x", "y"], ["-x + y", "-x - y"]),
 }
