@@ -35,7 +35,7 @@ from nonsmooth.symbolic.switched_system import SwitchedSystem
 WEIGHTS = (3, 4)  # q, tried in turn
 SHARES = (Fraction(1), Fraction(1, 4), Fraction(1, 16))  # of the checked square
 SMALL, ANGLES = 2.0**-8, 64  # size of l at samples, and how many there are in each half
-WORK = 40_000  # coefficients looked at for one claim
+WORK = 2_000  # coefficients looked at for one claim
 DIRECTIONS = ("1", "9"), ("9", "1"), ("-1", "9"), ("-9", "1")
 
 
