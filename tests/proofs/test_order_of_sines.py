@@ -40,11 +40,12 @@ def test_further_terms_decide(rhs: tuple[str, ...]) -> None:
     assert not refusal(certificate, len(certificate_text(certificate)))
 
 
-@pytest.mark.parametrize("order", [0, 5, -1, True, "1", 1.0, None])
-def test_another_order_does_not_show_it(order: Any) -> None:
-    forged = copy.deepcopy(decided(("-x", "sin(y) - y + y**3/6")).certificate())
-    forged["statement"]["subject"]["order"] = order
-    assert refusal(forged, len(certificate_text(forged)))
+def test_another_order_does_not_show_it() -> None:
+    certificate = decided(("-x", "sin(y) - y + y**3/6")).certificate()
+    for order in (0, 5, -1, True, "1", 1.0, None):
+        forged = copy.deepcopy(certificate)
+        forged["statement"]["subject"]["order"] = order
+        assert refusal(forged, len(certificate_text(forged)))
 
 
 @pytest.mark.parametrize("order", range(5))
