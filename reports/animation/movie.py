@@ -13,7 +13,7 @@ from nonsmooth.analysis.motion.frames import WheelContact
 from nonsmooth.reports.animation.film import RATE, Film
 from nonsmooth.reports.figures.path import MARKERS, PATH, marked
 from nonsmooth.reports.figures.style import INK, INKED, LABEL, POINTS_PER_INCH, floats, length_label, wrapped
-from nonsmooth.reports.figures.wheels import AXIS_COLOR, draw_axis, name_size, nearest_gap, placed
+from nonsmooth.reports.figures.wheels import AXIS_COLOR, draw_axis, nearest_gap, placed, wheel_labels
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -152,17 +152,17 @@ def _still_picture(film: Film) -> Any:
 
 
 def _name_wheels(axes: Any, film: Film) -> None:
-    """The names of the wheels outside of their rings, as large as their distances allow."""
+    """The names or numbers of the wheels outside of their rings, as their distances allow."""
     from matplotlib.patheffects import withStroke
 
     (left, right, low, high), shown = film.view, [film.scene.wheels[k] for k in film.shown]
     scale = min(PLANE[2] * SIZE[0] / (right - left), PLANE[3] * SIZE[1] / (high - low)) * POINTS_PER_INCH
-    size = name_size(shown, nearest_gap(film.places[film.shown], right - left) * scale)
-    for wheel in shown if size else ():
+    size, labels = wheel_labels(shown, nearest_gap(film.places[film.shown], right - left) * scale)
+    for wheel, label in zip(shown, labels, strict=False):
         x, y = floats(wheel.position)
         away = (RING + 0.3) * film.rim
         style: Any = {"ha": "center", "va": "top", "fontsize": size, "fontweight": "bold", "color": INK, "zorder": 8}
-        axes.text(x, y - away, str(wheel.index), path_effects=[withStroke(linewidth=2, foreground="white")], **style)
+        axes.text(x, y - away, label, path_effects=[withStroke(linewidth=2, foreground="white")], **style)
 
 
 def _draw_time_line(figure: Figure, film: Film) -> None:

@@ -145,11 +145,21 @@ def name_width(name: str, size: float = LABEL) -> float:
     return BOLD * size * len(name)
 
 
-def name_size(wheels: Sequence[Wheel], gap: float) -> float:
-    """Size of the names of wheels so that the longest fits the gap between neighbours, both in points; 0: none fits."""
-    longest = max(name_width(str(wheel.index), 1.0) for wheel in wheels)
-    size = min(float(LABEL), NAME_SHARE * gap / longest)
-    return size if size >= LEAST_NAME else 0.0
+def wheel_labels(wheels: Sequence[Wheel], gap: float) -> tuple[float, list[str]]:
+    """Names of wheels, or their numbers where the longest name does not fit the gap between neighbours.
+
+    Args:
+        wheels: to be named.
+        gap: in points.
+
+    Returns:
+        The size of the letters (points), and a text for each wheel; 0 and none where numbers do not fit either.
+    """
+    for labels in ([str(wheel.index) for wheel in wheels], [f"{wheel.index:d}" for wheel in wheels]):
+        size = min(float(LABEL), NAME_SHARE * gap / max(name_width(label, 1.0) for label in labels))
+        if size >= LEAST_NAME:
+            return size, labels
+    return 0.0, []
 
 
 # ---- outlines ------------------------------------------------------------------------------------
@@ -261,7 +271,7 @@ def draw_array(axes: Axes, scene: Scene, near: Floats | None = None) -> None:
 
 
 def draw_names(axes: Axes, scene: Scene, points: float, rings: Sequence[Floats] | None = None) -> None:
-    """The names of all wheels beside their rims, as large as their distances allow; none where they are too many.
+    """The names or numbers of all wheels beside their rims, as their distances allow; none where they are too many.
 
     Each stands on a side of its rim, or beyond an end of it, where it covers the fewest points of lines.
 
@@ -275,14 +285,12 @@ def draw_names(axes: Axes, scene: Scene, points: float, rings: Sequence[Floats] 
     wheels = whole(scene).wheels
     left, right = axes.get_xlim()
     gap = nearest_gap(corners_of(wheel.position for wheel in wheels), right - left)
-    size = name_size(wheels, gap * points / (right - left))
-    if not size:
-        return
+    size, labels = wheel_labels(wheels, gap * points / (right - left))
     carrying = {wheel.index for wheel in scene.wheels}
     lines = _points_on(_rings(scene) if rings is None else rings) * points / (right - left)
-    for wheel in wheels:
+    for wheel, name in zip(wheels, labels, strict=False):
         color = INK if wheel.index in carrying else IDLE_NAME
-        place, (dx, dy), name = floats(wheel.position), floats(wheel.unit_direction), str(wheel.index)
+        place, (dx, dy) = floats(wheel.position), floats(wheel.unit_direction)
         near = lines - np.array(place) * points / (right - left)
         offsets = [name_offset(way, name, size) for way in ((dx, dy), (-dx, -dy))]
         if name_width(name, size) < SHORT_NAME * gap * points / (right - left):  # room beyond the ends of the rim too

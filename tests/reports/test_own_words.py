@@ -14,6 +14,7 @@ import pytest
 
 from nonsmooth.reports.designs.freedom import Freedom
 from nonsmooth.reports.designs.toml_text import toml_text
+from nonsmooth.reports.figures.wheels import wheel_labels
 from nonsmooth.symbolic.files.one_by_one import one_by_one
 from nonsmooth.symbolic.files.scene_file import load_scene, read_document
 from nonsmooth.symbolic.formulas import constant
@@ -75,6 +76,11 @@ def test_a_scene_with_units_writes_decimals_and_one_without_exact_forms(tmp_path
     assert [brief_text(number) for number in numbers] == ["0.62", "0.333333", "1.41421"]
     plain = load_scene("four-wheel").field
     assert [short_text(plain.rational(Fraction(1, 3))), short_text(plain.sqrt(2))] == ["1/3", "sqrt(2)"]
+
+
+def test_a_picture_writes_numbers_where_names_do_not_fit(tmp_path: Path) -> None:
+    wheels = load_scene(write(tmp_path, TABLE.replace("A1", "front left of the belt"))).wheels
+    assert [wheel_labels(wheels, gap)[1] for gap in (400, 40, 1)] == [[str(w.index) for w in wheels], list("1234"), []]
 
 
 def test_a_chosen_radius_has_two_digits(tmp_path: Path) -> None:
