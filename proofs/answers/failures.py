@@ -20,6 +20,7 @@ from nonsmooth.proofs.answers.contradictions import reconciled
 from nonsmooth.proofs.findings.verdicts import Theorem4
 from nonsmooth.proofs.theorem4 import check_theorem4
 from nonsmooth.symbolic.contact_set import NoLoadsError, TipsError, require_standing, standing, whole, with_only
+from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.scene import Scene, Wheel
 from nonsmooth.symbolic.scene_error import SceneError
 from nonsmooth.symbolic.support_polygon import default_radius
@@ -143,9 +144,12 @@ def _lifted(scene: Scene, failed: Wheel) -> Scene:
     carrying = standing(rest)
     require_standing(rest, carrying.wheels, point)
     room = default_radius([wheel.position for wheel in carrying.wheels], point)
-    if (carrying.check.radius - room).sign() <= 0:
-        return rest
-    return replace(rest, check=replace(rest.check, radius=room, has_default_radius=False))
+    return rest if (carrying.check.radius - room).sign() <= 0 else in_square(rest, room)
+
+
+def in_square(scene: Scene, radius: Number) -> Scene:
+    """The array, checked in a square of this half-width."""
+    return replace(scene, check=replace(scene.check, radius=radius, has_default_radius=False))
 
 
 def _decided(scene: Scene, number: int, kind: FailureKind) -> Failure:

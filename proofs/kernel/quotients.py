@@ -8,7 +8,7 @@ linear program proposes P by samples.  (Ahmadi and El Khadir 2018: ``V = (x^4 + 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from fractions import Fraction
 from typing import Any
 
@@ -144,13 +144,27 @@ def _rows(claims: Sequence[Sequence[Claim]]) -> Floats:
     found = []
     for same in zip(*claims, strict=True):
         points = sample_points(same[0].count, bounded=True)
-        for number, first in enumerate(same[0].inequalities):
-            inside = np.ones(len(points), dtype=bool)
-            for guard in first.guards.values():
-                inside &= float_values(guard.terms, points) >= 0
-            values = [float_values(claim.inequalities[number].value.terms, points[inside]) for claim in same]
-            found.append(np.stack(values, axis=1))
+        for number in range(len(same[0].inequalities)):
+            found.append(values_inside(same, number, points))
     return np.vstack(found)
+
+
+def values_inside(
+    same: Sequence[Claim], number: int, points: Floats, kept: Callable[[Any], Any] = lambda terms: terms
+) -> Floats:
+    """One inequality of claims that differ in the function alone, where its guards hold, a column for each claim.
+
+    Args:
+        same: the claims.
+        number: of the inequality in each.
+        points: shape (points, states).
+        kept: which terms of the polynomials are looked at; all unless given.
+    """
+    inside = np.ones(len(points), dtype=bool)
+    for guard in same[0].inequalities[number].guards.values():
+        inside &= float_values(guard.terms, points) >= 0
+    values = [float_values(kept(claim.inequalities[number].value.terms), points[inside]) for claim in same]
+    return np.stack(values, axis=1)
 
 
 def proposed(rows: Floats) -> Iterator[list[Fraction]]:

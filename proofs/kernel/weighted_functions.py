@@ -24,10 +24,9 @@ from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE
 from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.kernel.cells import BeyondReachError, started, stated_cells, surfaces_of
 from nonsmooth.proofs.kernel.claims import Functions
-from nonsmooth.proofs.kernel.quotients import Floats, coefficients_of, flint, proposed
+from nonsmooth.proofs.kernel.quotients import Floats, coefficients_of, flint, proposed, values_inside
 from nonsmooth.proofs.kernel.search import Entry, NotShownError, SampledProofs, Search, stability_hypotheses
 from nonsmooth.proofs.kernel.written import null_basis
-from nonsmooth.symbolic.numbers.polynomial import float_values
 from nonsmooth.symbolic.piecewise import parse_piecewise
 from nonsmooth.symbolic.scene_error import SceneError
 from nonsmooth.symbolic.switched_system import SwitchedSystem
@@ -87,23 +86,17 @@ def _claims(subject: System, cells: dict[str, Any], functions: Sequence[str]) ->
 def _proposals(claims: Sequence[Sequence[Claim]], functions: Sequence[str], heavy: int, q: int) -> Iterator[str]:
     """Sums of the functions whose derivatives have no terms below a weight, and fall by those of it."""
 
-    def part(claim: Claim, low: int, high: int) -> dict[Any, Any]:
-        terms = claim.inequalities[0].value.terms
+    def part(terms: Any, low: int, high: int) -> dict[Any, Any]:
         return {e: c for e, c in terms.items() if low <= sum(e) + e[heavy] <= high}
 
-    below = [[part(claim, 0, q - 1) for claim in own] for own in claims]
+    below = [[part(claim.inequalities[0].value.terms, 0, q - 1) for claim in own] for own in claims]
     places = sorted({(k, e) for own in below for k, terms in enumerate(own) for e in terms})
     table = [[flint(own[k].get(e, Fraction(0))) for own in below] for k, e in places]
     kept = null_basis(fmpq_mat(table)) if table else None
     if kept is None or not kept.ncols():
         return
     points = _samples(heavy)
-    rows: list[Floats] = []
-    for same in zip(*claims, strict=True):
-        inside = np.ones(len(points), dtype=bool)
-        for guard in same[0].inequalities[0].guards.values():
-            inside &= float_values(guard.terms, points) >= 0
-        rows.append(np.stack([float_values(part(claim, q, q), points[inside]) for claim in same], axis=1))
+    rows = [values_inside(same, 0, points, lambda terms: part(terms, q, q)) for same in zip(*claims, strict=True)]
     for chosen in proposed(np.vstack(rows) @ np.array(kept.tolist(), dtype=float)):
         pairs = zip(coefficients_of(kept, chosen), functions, strict=True)
         yield " + ".join(f"({c})*{own}" for c, own in pairs if c)

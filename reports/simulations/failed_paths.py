@@ -22,7 +22,7 @@ from nonsmooth.analysis.bodies.path import BodyPath
 from nonsmooth.analysis.cells.partition import RefusalError
 from nonsmooth.analysis.trajectories.ending import EndMotion
 from nonsmooth.analysis.trajectories.result import EndReason, EventKind, Trajectory, TrajectoryError
-from nonsmooth.proofs.answers.failures import NO_TABLE, FailureKind, stopped, without
+from nonsmooth.proofs.answers.failures import NO_TABLE, FailureKind, in_square, stopped, without
 from nonsmooth.reports.output.document import Block, Paragraph, table
 from nonsmooth.reports.output.refusals import OptionError
 from nonsmooth.reports.simulations.path_ends import ArrayPathEnd, in_unit
@@ -434,7 +434,7 @@ def _on_the_others(scene: Scene, lifted: Collection[int]) -> Scene:
     room = widest_square([wheel.position for wheel in rest.wheels], rest.check.equilibrium)
     if scene.body is not None or room is None or (rest.check.radius - room).sign() <= 0:
         return rest
-    return replace(rest, check=replace(rest.check, radius=room, has_default_radius=False))
+    return in_square(rest, room)
 
 
 def _never_carry(scene: Scene, failed: Failed, path: Trajectory | None) -> bool:
