@@ -10,7 +10,7 @@ and list it in :data:`LANGUAGES`.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from enum import StrEnum
 from fractions import Fraction
 from pprint import pformat
@@ -61,6 +61,8 @@ def header(law: LawTable, at: str, language: Language) -> list[str]:
         far = how_far(law.scene, "the checked point", "the checked heading")
         carrying = _plain(numbers_text(tuple(wheel.index for wheel in law.scene.wheels)))
         said.append(f"It is about the body on wheels {carrying} and no others: they carry it for certain {far}.")
+    said.append(f"Where it does not return the body: {'; '.join(_where_not(law))}.")
+    said += [f"Which k: {law.gains}."] if law.gains else []
     named = [f"{w.index:d} {_plain(str(w.index))}" for w in law.scene.wheels if str(w.index) != f"{w.index:d}"]
     said += [f"The wheels by number and name: {', '.join(named)}."] if named else []
     if units.length:
@@ -73,6 +75,17 @@ def header(law: LawTable, at: str, language: Language) -> list[str]:
     said.append(f"The speeds are combinations of: {law.kind}.")
     said = [_FRACTION.sub(_decimal, sentence) if units.length else sentence for sentence in said]
     return [line for sentence in said for line in wrap(sentence, WIDTH, subsequent_indent="  ")]
+
+
+def _where_not(law: LawTable) -> Iterator[str]:
+    """Where nobody should count on the law: on other wheels, outside of its regions and of the certified starts."""
+    if any(region.sides for region in law.regions) and law.kind is not LawKind.DRIVEN:
+        yield "outside of its regions it gives no speed (region 0 and rims at rest; in Python a ValueError)"
+    else:
+        yield "it gives speeds at every place, and does not say when it cannot return the body"
+    yield f"nothing is proved from {'other starts than those named' if law.is_certified else 'any start'}"
+    if law.scene.body is not None:
+        yield "as soon as other wheels carry the body its speeds are the wrong ones, and it does not ask which carry"
 
 
 def _decimal(fraction: re.Match[str]) -> str:

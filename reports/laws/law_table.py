@@ -21,19 +21,21 @@ from nonsmooth.analysis.cells.partition import Cell
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.motion.saturation import demand
 from nonsmooth.analysis.plane_arrays import turned
+from nonsmooth.proofs.answers.pose import late_and_wrong
 from nonsmooth.proofs.clauses.feedback.by_friction import DrivenFeedback
 from nonsmooth.proofs.clauses.feedback.by_rows import FeedbackResult
 from nonsmooth.proofs.clauses.feedback.cascade_law import CascadeLaw, Descent
 from nonsmooth.proofs.clauses.feedback.driven_law import LawCone, in_scene, rim_speeds
 from nonsmooth.proofs.clauses.feedback.facts import AnyFeedback
 from nonsmooth.proofs.clauses.feedback.gradient_law import LevelRegion
-from nonsmooth.proofs.clauses.feedback.loop_bounds import FEW_ROUNDINGS
+from nonsmooth.proofs.clauses.feedback.loop_bounds import FEW_ROUNDINGS, ultimate_bound
 from nonsmooth.proofs.findings.verdicts import Feedback
 from nonsmooth.proofs.theorem4_result import CellCheck, Check
 from nonsmooth.reports.laws.feedback_loop import FeedbackLoop, build_loop
 from nonsmooth.reports.output.choices import LawName
 from nonsmooth.symbolic.constraints import RowKind
 from nonsmooth.symbolic.contact_states import ContactState
+from nonsmooth.symbolic.loop_errors import LoopErrors
 from nonsmooth.symbolic.number_text import brief_text, float_text, lower_text, upper_text
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.similar_scenes import in_own_length
@@ -101,6 +103,7 @@ class LawTable:
         certified: from which starts it is certified, in words.
         rate: how fast the error falls, in words; empty where no rate is certified.
         effort: how fast wheels run at most, and in which region, in words.
+        gains: with which k it is certified, in words; empty where it is not certified.
     """
 
     scene: Scene
@@ -113,6 +116,7 @@ class LawTable:
     certified: str = NEARBY
     rate: str = ""
     effort: str = ""
+    gains: str = ""
 
     def speeds(self, x: float, y: float, theta: float, k: float = 1.0) -> dict[int, float]:
         """The speed of every rim that is driven, by the number of its wheel, within the limits of speed.
@@ -221,7 +225,8 @@ def law_table(check: Check, name: LawName = LawName.CERTIFIED) -> LawTable:
     table = replace(table, formula=loop.formula, status=f"{loop.name} law, {loop.status}")
     if not loop.is_certified:
         return replace(table, is_certified=False, certified="", effort=_effort_by_terms(table))
-    table = replace(table, certified=_region_text(feedback), rate=_rate_text(feedback, scene))
+    gains = _gains_text(feedback, scene)
+    table = replace(table, certified=_region_text(feedback), rate=_rate_text(feedback, scene), gains=gains)
     by_v = table.kind is LawKind.GRADIENT
     return replace(table, effort=_effort_by_v(table, feedback, scene) if by_v else _effort_by_terms(table))
 
@@ -232,7 +237,7 @@ def _driven(scene: Scene, feedback: DrivenFeedback) -> LawTable:
     cones = tuple(_cone(own, cone, feedback) for cone in feedback.cones)
     table = LawTable(scene, LawKind.DRIVEN, cones, {"w": float(feedback.length) ** 2}, feedback.law or "")
     table = replace(table, certified=_reach_text(feedback), rate=_rate_text(feedback, scene))
-    return replace(table, effort=_effort_by_v(table, feedback, scene))
+    return replace(table, effort=_effort_by_v(table, feedback, scene), gains=_gains_text(feedback, scene))
 
 
 def _by_cells(scene: Scene, loop: FeedbackLoop, cells: Sequence[Cell]) -> LawTable:
@@ -268,6 +273,19 @@ def _rate_text(feedback: AnyFeedback, scene: Scene) -> str:
     limited = ", while no wheel is at its limit" if scene.speed_limits else ""
     falls = f"near the point the error sqrt(V) shrinks at least like exp(-{lower_text(kappa, 4)} k t)"
     return f"{falls}{limited}, V = {feedback.lyapunov}"
+
+
+def _gains_text(feedback: AnyFeedback, scene: Scene) -> str:
+    """Of an exact pose every gain serves, since k is a scale of time; of a late one those below a bound, or none."""
+    exact = "every k > 0 serves as long as the pose is exact and not late"
+    if scene.loop_errors is not None:
+        return f"{exact}; {late_and_wrong(feedback, scene.loop_errors, scene).words}"
+    nothing = LoopErrors(scene.field.zero, scene.field.zero, Fraction(0))
+    bound = None if isinstance(feedback, FeedbackResult) else ultimate_bound(feedback, nothing)
+    if bound is None or bound.largest_delay is None:
+        return f"{exact}; of a late one no k is known that does"
+    age = f"tau {scene.units.time} old" if scene.units.time else "tau old"
+    return f"{exact}; of one that is {age}, each below {lower_text(bound.largest_delay, 2)}/tau is certified"
 
 
 def _effort_by_v(table: LawTable, feedback: AnyFeedback, scene: Scene) -> str:

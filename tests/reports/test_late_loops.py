@@ -115,6 +115,44 @@ def test_what_is_open_says_why(rule: str, errors: str, reason: str, invoke: Invo
     assert loop["verdict"] == "undecided"
     assert reason in loop["reason"]
     assert loop["ends_within"] is None
+    assert loop["gain"] is None
+
+
+@pytest.mark.parametrize(
+    ("rule", "delay", "rest"), keep(1, [("box", 5, "position_error = 0.0001"), ("box", 20, ""), ("ellipse", 20, "")])
+)
+def test_a_pose_that_is_too_old_says_which_gain_serves(
+    rule: str, delay: int, rest: str, invoke: Invoke, tmp_path: Path
+) -> None:
+    """With k for the unit of rates the loop is that at k = 1 with k times the delay, and that is certified."""
+    answer = pose_answer(invoke, write(tmp_path, rule, f"delay = {delay}\n{rest}"))
+    gain = answer["loop"]["gain"]
+    assert answer["loop"]["verdict"] == "undecided"
+    assert "take a gain k of at most" in answer["reason"]
+    path = invoke(
+        "simulate", str(tmp_path / "late.toml"), "--feedback", "--json", "--from", "0.01,0,0", "--gain", f"{gain}",
+        "--until", f"{20 / gain}",
+    ).record  # fmt: skip
+    assert math.hypot(*path["state"][-1]) < 0.01 / 2
+    shorter = pose_answer(invoke, write(tmp_path, rule, f"delay = {delay * gain}\n{rest}"))
+    assert shorter["loop"]["verdict"] == "certified"
+
+
+def test_where_no_gain_is_known_to_serve_that_is_said(invoke: Invoke, tmp_path: Path) -> None:
+    """An error of the place is larger than a disc whose size is not known, however slow the law is."""
+    answer = pose_answer(invoke, write(tmp_path, "ellipse", LATE))
+    assert answer["loop"]["gain"] is None
+    assert "no gain k is known that serves" in answer["reason"]
+
+
+def test_a_law_says_where_it_does_not_return_the_body_and_which_gain_serves(invoke: Invoke, tmp_path: Path) -> None:
+    invoke("check", "four-wheel", "--law", "cells.st")
+    invoke("check", write(tmp_path, "box", "delay = 20"), "--law", "twists.st")
+    cells, twists = (" ".join((tmp_path / name).read_text().split()) for name in ("cells.st", "twists.st"))
+    assert "outside of its regions it gives no speed (region 0 and rims at rest; in Python a ValueError)" in cells
+    assert "of a late one no k is known that does" in cells
+    assert "it gives speeds at every place" in twists
+    assert "take a gain k of at most" in twists
 
 
 @thorough  # the small one: test_an_exact_pose_that_is_only_late_comes_home

@@ -37,7 +37,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
@@ -58,6 +58,8 @@ if TYPE_CHECKING:
 FEW_ROUNDINGS = Fraction(1, 2**40)  # more than a few roundings of a quotient or product of floats
 PI = Fraction(355, 113)  # above pi
 HALVINGS = 6  # of the level from which bodies start: smaller ones move more slowly
+SHORTER = Fraction(99, 100)  # of the longest delay, which itself is not certified
+MOST_HALVINGS = 50  # of a gain
 BY_CELLS = (
     "under rule nearest the law needs the contact state, and a pose that is late or wrong may lie in another cell"
 )
@@ -121,6 +123,7 @@ class UltimateBound:
         radius: R: in the end ``sqrt(V) <= l R``.
         level: from starts with ``sqrt(V) < l level``; None where only starts close by are known to.
         largest_delay: delays below it are certified where the pose is exact but late; None where none is.
+        gain: k up to which the loop with these errors is certified, where it is not at k = 1; None where none is known.
     """
 
     verdict: Certainty
@@ -128,6 +131,7 @@ class UltimateBound:
     radius: Fraction | None = None
     level: Fraction | None = None
     largest_delay: Fraction | None = None
+    gain: Fraction | None = None
 
 
 @dataclass(frozen=True)
@@ -162,6 +166,12 @@ def ultimate_bound(feedback: DrivenFeedback, errors: LoopErrors) -> UltimateBoun
     law, delay = _law(feedback, feedback.kappa), _above(errors.delay)
     wrong = _above(errors.position) / feedback.length + PI * errors.heading
     level = _level(feedback)
+    bound = _bound_of(law, level, delay, wrong)
+    return bound if bound.verdict is Certainty.CERTIFIED else replace(bound, gain=_gain(law, level, delay, wrong))
+
+
+def _bound_of(law: _Law, level: Fraction | None, delay: Fraction, wrong: Fraction) -> UltimateBound:
+    """What is certified at k = 1, from the largest level that serves."""
     if level is None:
         return _near_the_point(law, delay, wrong)
     limit = law.largest_delay(level / 2**HALVINGS)
@@ -172,6 +182,19 @@ def ultimate_bound(feedback: DrivenFeedback, errors: LoopErrors) -> UltimateBoun
             return UltimateBound(Certainty.CERTIFIED, "", radius, start, limit)
     reason = TOO_LATE.format(float(limit)) if delay >= limit else TOO_WRONG
     return UltimateBound(Certainty.UNDECIDED, reason, largest_delay=limit)
+
+
+def _gain(law: _Law, level: Fraction | None, delay: Fraction, wrong: Fraction) -> Fraction | None:
+    """A gain at which the loop is certified, and with it every smaller one; None where none is known.
+
+    Time in units of 1/k makes of the loop with gain k and delay tau the one with gain 1 and delay k tau; R grows with
+    the delay.
+    """
+    if delay == 0 or _bound_of(law, level, Fraction(0), wrong).verdict is not Certainty.CERTIFIED:
+        return None
+    limit = law.largest_delay(Fraction(0) if level is None else level / 2**HALVINGS)
+    gains = (min(Fraction(1), limit / delay) * SHORTER / 2**n for n in range(MOST_HALVINGS))
+    return next((k for k in gains if _bound_of(law, level, k * delay, wrong).verdict is Certainty.CERTIFIED), None)
 
 
 def _near_the_point(law: _Law, delay: Fraction, wrong: Fraction) -> UltimateBound:
