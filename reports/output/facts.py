@@ -101,4 +101,5 @@ def exact_texts(value: Any) -> Any:
         return str(value)
     if isinstance(value, Number | Lazy | arb):
         return real_text(value)
-    return [exact_texts(entry) for entry in value]
+    texts = [exact_texts(entry) for entry in value]
+    return None if texts and not any(texts) else texts

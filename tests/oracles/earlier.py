@@ -51,9 +51,14 @@ def translated(certificate: Record) -> Record:
     Raises:
         NoWordError: where version 1 has no words for it.
     """
-    if "numbers" in certificate["statement"]["subject"]:
+    subject = certificate["statement"]["subject"]
+    if "numbers" in subject:
         raise NoWordError("irrational numbers")
-    states = len(certificate["statement"]["subject"]["states"])
+    if any(wave in formula for side in subject["rhs"] for formula in side for wave in ("sin(", "cos(")):
+        raise NoWordError("sines and cosines")
+    if any("denominator" in entry["hypotheses"] for entry in certificate["evidence"]):
+        raise NoWordError("a V with a denominator")
+    states = len(subject["states"])
     return {1: _in_one_state, 2: _in_the_plane}.get(states, _in_many_states)(certificate)
 
 

@@ -11,7 +11,7 @@ from typing import Any, TypeAlias
 from flint import fmpq
 
 from tests.oracles.second_evidence import Claim, Proofs, Row
-from tests.oracles.second_formulas import GENS, ZERO, Formula, Poly, degree, keys, need, number, on, solve, terms
+from tests.oracles.second_formulas import GENS, ZERO, Poly, Reading, degree, keys, need, number, on, solve, terms
 
 Signs: TypeAlias = tuple[int, ...]
 
@@ -27,7 +27,9 @@ class Inclusion:
     """The cells of a system in two states, with V on each."""
 
     def __init__(self, subject: Any, cells: Any, function: Any, proofs: Proofs) -> None:
-        states, rhs, at = keys(subject, "states rhs at")
+        states, rhs, at = keys(subject, "states rhs at", "order")
+        order = subject.get("order", 0)
+        need(type(order) is int and 0 <= order <= 4, "further terms of sines and cosines")
         within, listed, empty = keys(cells, "within surfaces empty")
         need(all(type(own) is list for own in (states, at, rhs, listed, empty)), "lists")
         need(len(states) == len(at) == 2 and states[0] != states[1] and rhs, "a system in two states")
@@ -35,7 +37,7 @@ class Inclusion:
         need(self.radius > 0, "a cube of positive size")
         away = {name: GENS[k] * self.radius for k, name in enumerate(states)}
         place = {name: z + number(x) for (name, z), x in zip(away.items(), at, strict=True)}
-        self.surfaces = [Formula(own, away).value for own in listed]
+        self.surfaces = [Reading(away).value(own) for own in listed]
         need(all(degree(g) for g in self.surfaces), "surfaces that are not constant")
         coprime = all(not degree(g.gcd(h)) for g, h in combinations(self.surfaces, 2))
         need(coprime, "surfaces without a common factor")
@@ -45,8 +47,8 @@ class Inclusion:
         for signs in product((1, -1), repeat=len(listed)):
             if any(agrees(self.marked(mark), signs) for mark in empty):
                 continue
-            sign_of = partial(self.sign_on, signs)
-            fields = [[Formula(own, place, sign_of).value for own in side] for side in rhs]
+            reading = Reading(place, partial(self.sign_on, signs), order)
+            fields = [field for side in rhs for field in reading.fields(side)]
             need(all(len(own) == 2 for own in fields), "two formulas in every right-hand side")
             different = [(k, f) for k, f in enumerate(fields) if f not in fields[:k]]
             self.cells.append(Cell(signs, different, self.function_on(signs, function, away)))
@@ -84,7 +86,7 @@ class Inclusion:
     def function_on(self, signs: Signs, function: Any, away: Mapping[str, Poly]) -> Poly:
         pieces = [["." * len(signs), function]] if type(function) is str else function
         own = [text for mark, text in pieces if agrees(self.marked(mark), signs)]
-        values = [Formula(text, dict(away), partial(self.sign_on, signs)).value for text in own]
+        values = [Reading(away, partial(self.sign_on, signs)).value(text) for text in own]
         need(values and all(v == values[0] for v in values), "one polynomial of V on every cell")
         return values[0]
 

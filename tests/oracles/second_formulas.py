@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from itertools import product
 from typing import Any, TypeAlias
 
 from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
@@ -47,40 +48,40 @@ def degree(p: Poly) -> int:
 # ---- formulas ------------------------------------------------------------------------------------
 
 
-class Formula:
-    """A formula by the grammar of the page; its value where the signs of its switching expressions are known."""
+WAVES = {"sin": 1, "cos": 0}  # the least power in the series
+Tree: TypeAlias = tuple[Any, ...]  # what is done, and to what: trees, but a name or a number
 
-    def __init__(self, text: Any, names: dict[str, Poly], sign_of: SignOf | None = None) -> None:
+
+class Formula:
+    """A formula by the grammar of the page, and its values."""
+
+    def __init__(self, text: Any) -> None:
         need(type(text) is str and len(text) <= 4000 and not re.search(r"[^A-Za-z0-9_.+*/(), -]", text), "a formula")
-        self.names, self.rest, self.sign_of = names, [*TOKEN.findall(text), ""], sign_of
+        self.rest = [*TOKEN.findall(text), ""]
         need("".join(self.rest) == text.replace(" ", ""), "a formula")
-        self.value = self.sum()
+        self.tree = self.sum()
         need(self.rest == [""], "the end of a formula")
 
     def take(self, *wanted: str) -> str:
         return self.rest.pop(0) if self.rest[0] in wanted else ""
 
-    def sum(self) -> Poly:
-        value = self.term()
+    def sum(self) -> Tree:
+        tree = self.term()
         while sign := self.take("+", "-"):
-            value = value + self.term() if sign == "+" else value - self.term()
-        return value
+            tree = (sign, tree, self.term())
+        return tree
 
-    def term(self) -> Poly:
-        value = self.factor()
+    def term(self) -> Tree:
+        tree = self.factor()
         while sign := self.take("*", "/"):
-            other = self.factor()
-            need(sign == "*" or (other and not degree(other)), "a division by a number")
-            value = value * other if sign == "*" else value * (1 / other(0, 0, 0))
-        return value
+            tree = (sign, tree, self.factor())
+        return tree
 
-    def factor(self) -> Poly:
+    def factor(self) -> Tree:
         if sign := self.take("+", "-"):
-            return self.factor() if sign == "+" else -self.factor()
-        value = self.atom()
-        if self.take("**"):
-            value = value ** self.exponent()
-        return value
+            return (sign, self.factor())
+        atom = self.atom()
+        return ("**", atom, self.exponent()) if self.take("**") else atom
 
     def exponent(self) -> int:
         token = self.rest.pop(0)
@@ -91,23 +92,90 @@ class Formula:
         need(re.fullmatch("0|[1-9][0-9]?", token) and int(token) <= 40, "an exponent")
         return int(token)
 
-    def atom(self) -> Poly:
+    def atom(self) -> Tree:
         token = self.rest.pop(0)
         if token == "(" or (token[:1].isalpha() and self.take("(")):
-            values = [self.sum()]
+            parts = [self.sum()]
             while token != "(" and self.take(","):
-                values.append(self.sum())
+                parts.append(self.sum())
             need(self.take(")"), "a bracket")
-            return values[0] if token == "(" else self.call(token, values)
+            return parts[0] if token == "(" else (token, *parts)
         if token[:1].isalpha():
-            need(token in self.names, "a name of a state")
-            return self.names[token]
+            return ("name", token)
         mantissa, _, power = token.replace("_", "").lower().partition("e")
         before, _, after = mantissa.partition(".")
         need((before + after).isdecimal(), "a number in a formula")
         need(not re.fullmatch("0[0-9_]*[1-9][0-9_]*", token), "whole numbers that begin with no 0")
         need(not re.search("_(?![0-9])|(?<![0-9])_", token), "digits around underscores")
-        return RING.constant(fmpq(int(before + after), 10 ** len(after)) * fmpq(10) ** int(power or 0))
+        return ("number", fmpq(int(before + after), 10 ** len(after)) * fmpq(10) ** int(power or 0))
+
+
+def waves_in(*trees: Any) -> list[Tree]:
+    """Those under the fewest operations first, and from left to right."""
+    found, level = list[Tree](), [own for own in trees if type(own) is tuple]
+    while level:
+        found += [own for own in level if own[0] in WAVES]
+        level = [part for own in level for part in own[1:] if type(part) is tuple]
+    return found
+
+
+class Reading:
+    """Values of formulas where names, the signs of switching expressions and the ends of waves are known."""
+
+    def __init__(self, names: Mapping[str, Poly], sign_of: SignOf | None = None, order: int = 0) -> None:
+        self.names, self.sign_of, self.order = names, sign_of, order
+
+    def value(self, text: Any) -> Poly:
+        """Of a formula without waves."""
+        tree = Formula(text).tree
+        need(not waves_in(tree), "sines and cosines in right-hand sides alone")
+        return self.of_tree(tree, [])
+
+    def fields(self, side: Sequence[Any]) -> Iterator[list[Poly]]:
+        """A right-hand side with all its waves at both ends, the last one's changing first."""
+        trees = [Formula(own).tree for own in side]
+        waves = [waves_in(own) for own in trees]
+        need(sum(map(len, waves)) <= 5, "at most five sines and cosines")
+        for ends in product((0, 1), repeat=sum(map(len, waves))):
+            rest = iter(ends)
+            marked = [[(wave, next(rest)) for wave in found] for found in waves]
+            yield [self.of_tree(own, known) for own, known in zip(trees, marked, strict=True)]
+
+    def of_tree(self, tree: Tree, ends: list[tuple[Tree, int]]) -> Poly:
+        kind, *parts = tree
+        if kind == "name":
+            need(parts[0] in self.names, "a name of a state")
+            return self.names[parts[0]]
+        if kind == "number":
+            return RING.constant(parts[0])
+        if kind in WAVES:
+            need(len(parts) == 1 and not waves_in(*parts), f"arguments of {kind}")
+            end = next(own for wave, own in ends if wave is tree)
+            return self.wave(kind, Reading(self.names).of_tree(parts[0], []), end)
+        need(kind in "+-*/" or not waves_in(*parts), "sines and cosines in sums and products")
+        if kind == "**":
+            return self.of_tree(parts[0], []) ** parts[1]
+        values = [self.of_tree(own, ends) for own in parts]
+        return self.operation(kind, values) if kind in "+-*/" else self.call(kind, values)
+
+    def wave(self, kind: str, v: Poly, end: int) -> Poly:
+        power = WAVES[kind]
+        own = value = v if power else ONE
+        last = 6 - power + 2 * self.order
+        while power < last:
+            own = own * v * v * fmpq(-1, (power + 1) * (power + 2))
+            power += 2
+            value = value + (own * end if power == last else own)
+        return value
+
+    def operation(self, kind: str, values: list[Poly]) -> Poly:
+        if len(values) == 1:
+            return values[0] if kind == "+" else -values[0]
+        first, second = values
+        if kind == "/":
+            need(second and not degree(second), "a division by a number")
+            return first * (1 / second(0, 0, 0))
+        return first * second if kind == "*" else first + second if kind == "+" else first - second
 
     def call(self, name: str, values: list[Poly]) -> Poly:
         if name in ("Max", "max", "Min", "min"):

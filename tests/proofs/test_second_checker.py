@@ -5,12 +5,16 @@ from __future__ import annotations
 import copy
 import json
 import random
+from fractions import Fraction
 from functools import cache
 from typing import Any
 
 import pytest
 
 import nonsmooth as ns
+from nonsmooth.proofs.checker.cells import read_system
+from nonsmooth.proofs.checker.formulas import no_sign
+from nonsmooth.proofs.checker.polynomials import variable
 from nonsmooth.proofs.checker.statements import refusal
 from nonsmooth.proofs.kernel.subject import NoCertificateError
 from nonsmooth.proofs.system_certificates import certificate_of
@@ -18,6 +22,7 @@ from nonsmooth.proofs.system_decision import decide_system
 from tests.certificates.corpus import bad_certificates, forged_text, good_certificates
 from tests.oracles import second_checker
 from tests.oracles.mutants import Hand, Record
+from tests.oracles.second_formulas import GENS, Reading, terms
 from tests.proofs.system_families import families
 from tests.proofs.test_system_families import system_of
 from tests.thorough import keep
@@ -34,11 +39,13 @@ SHORT = (
     "bends",
     "plane",
     "saddle",
+    "waves",
 )  # of few numbers, for mutants
 OWN = {
     "relays": ns.System(["x", "y"], ["-sign(x) + y/4 + x**3", "-sign(y) - x/4 + y**3"], radius="1/2"),
     "bends": ns.System(["x", "y"], ["-sign(x)", "-y"], lyapunov="Abs(x) + y**2", radius="1/2"),
     "plane": ns.System(["x", "y"], ["-x + y", "-x - y"]),
+    "waves": ns.System(["x", "y"], ["-2*x + sin(y)/4 - sin(x)/8", "-y*cos(x) - x/8"], radius="1/2"),
 }
 
 
@@ -78,6 +85,21 @@ def test_both_checkers_accept(name: str) -> None:
     assert text or name not in FIRST
     if text:
         assert both(json.loads(text)) == ("", "")
+
+
+@pytest.mark.parametrize("order", range(3))
+@pytest.mark.parametrize(
+    "side", [("sin(x) + x*cos(y) - (sin(y) - y)", "-cos(x) - -sin(x + y)"), ("y", "sin(2*x)*sin(y)")]
+)
+def test_both_checkers_count_waves_alike(side: tuple[str, str], order: int) -> None:
+    system = read_system({"states": ["x", "y"], "rhs": [[*side]], "at": ["0", "0"], "order": order})
+    own = [
+        [formula.on(no_sign) for formula in field]
+        for field in system.fields({"x": variable(2, 0), "y": variable(2, 1)})
+    ]
+    other = Reading({"x": GENS[0], "y": GENS[1]}, order=order).fields(side)
+    as_fractions = [[{e[:2]: Fraction(str(c)) for e, c in terms(part)} for part in field] for field in other]
+    assert [[part.terms for part in field] for field in own] == as_fractions
 
 
 @pytest.mark.parametrize("seed", range(4))
