@@ -46,7 +46,7 @@ def refusal(certificate: dict[str, Any]) -> str:
 
 
 def found(names: tuple[str, ...], rhs: tuple[str, ...]) -> Found:
-    """The region of ``--region fast``, without the tetrahedra that the command adds (reports/test_region_many_states)."""
+    """A region as of ``--region fast``, without the tetrahedra beside it (reports/test_region_many_states.py)."""
     document = {"system": {"states": list(names), "rhs": list(rhs)}}
     result = decide_system(build_system(document, "reshaped", Path("reshaped.toml")))
     own = find_region_of_another_function(result, "fast", lambda *_: None)
