@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+from dataclasses import replace
 from fractions import Fraction
 from functools import cache
 from pathlib import Path
@@ -14,8 +15,8 @@ from numpy.typing import NDArray
 
 from nonsmooth.proofs.checker.statements import refusal as refused
 from nonsmooth.proofs.many_states.reshaped_region import EFFORTS, SearchEffort, TooMuchWorkError, _Iteration
-from nonsmooth.proofs.system_certificates import certificate_of, certificate_text
-from nonsmooth.reports.checks.check import check_system
+from nonsmooth.proofs.system_certificates import certificate_of, certificate_text, find_region_of_another_function
+from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.piecewise import parse_piecewise
 from tests.thorough import thorough
@@ -45,10 +46,10 @@ def refusal(certificate: dict[str, Any]) -> str:
 
 
 def found(names: tuple[str, ...], rhs: tuple[str, ...]) -> Found:
-    """A check with ``--region fast``."""
+    """A region as of ``--region fast``, without the tetrahedra beside it (reports/test_region_many_states.py)."""
     document = {"system": {"states": list(names), "rhs": list(rhs)}}
-    result = check_system(build_system(document, "reshaped", Path("reshaped.toml"))).with_region("fast")
-    own = result.evidence.reach.reshaped
+    result = decide_system(build_system(document, "reshaped", Path("reshaped.toml")))
+    own = find_region_of_another_function(result, "fast", lambda *_: None)
     assert own is not None
     formula, level = own.formula.text, float(own.region.level)
 
@@ -56,7 +57,8 @@ def found(names: tuple[str, ...], rhs: tuple[str, ...]) -> Found:
         named = {name: places[:, k] for k, name in enumerate(names)}
         return np.asarray(eval(formula, {}, named) / level)  # noqa: S307 - our own V
 
-    return Found(certificate_of(result.evidence), values, float(own.region.radius))
+    evidence = replace(result, reach=replace(result.reach, reshaped=own))
+    return Found(certificate_of(evidence), values, float(own.region.radius))
 
 
 def form(count: int) -> Floats:
@@ -107,9 +109,9 @@ SYSTEMS: dict[str, tuple[tuple[str, ...], Any]] = {
         lambda x, y, z: (-x + y * z**2, -y + x * y, -z),
     ),
     "switched": (
-        ("-x + y**3 - x*Max(z, 0)", "-y + x**2*y", "-z - sign(z)*z**2/4 + x*z**2"),
+        ("-x - x*Max(z, 0)", "-y + x**2*y", "-z - sign(z)*z**2/4 + x*z**2"),
         lambda x, y, z: (
-            -x + y**3 - x * np.maximum(z, 0), -y + x**2 * y, -z - np.sign(z) * z**2 / 4 + x * z**2,
+            -x - x * np.maximum(z, 0), -y + x**2 * y, -z - np.sign(z) * z**2 / 4 + x * z**2,
         ),
     ),
 }  # fmt: skip
@@ -155,7 +157,7 @@ def test_forged_regions_are_refused(name: str, key: str) -> None:
     """A higher level, a smaller V, a smaller cube, and evidence that is left out or changed."""
     forged = copy.deepcopy(known(name).certificate)
     entry = forged["evidence"][-1]
-    hypotheses = entry["hypotheses"].get("local", entry["hypotheses"])  # a mesh may be about the region
+    hypotheses = entry["hypotheses"]
     claims = [own["attracts"] for own in forged["statement"]["claims"] if "attracts" in own]
     claim = [own for own in claims if "function" in own][-1]
     assert claim["function"] == hypotheses["function"]
