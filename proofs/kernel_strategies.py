@@ -16,6 +16,7 @@ from nonsmooth.proofs.findings.facts import row_fact
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.kernel.escapes import show_escape_of
 from nonsmooth.proofs.kernel.quotients import find_quotient, quotient_text
+from nonsmooth.proofs.kernel.reversible import reflection_text, show_reversible_of
 from nonsmooth.proofs.kernel.search import NotShownError
 from nonsmooth.proofs.kernel.weighted_functions import find_weighted_function
 from nonsmooth.proofs.many_states.center_manifold import show_by_center_manifold
@@ -147,6 +148,21 @@ def decide_by_choice(point: CheckedPoint, known: Known) -> Finding | None:
     reason = "under one of the fields that may act, or one on each side of a surface, the point is unstable"
     facts = (row_fact("choice", choice_words(entry["hypotheses"]["choice"])),)
     return Finding(Method.CHOICE, Translation.UNSTABLE, reason, entry=entry, facts=facts)
+
+
+def decide_by_symmetry(point: CheckedPoint, known: Known) -> Finding | None:
+    """A reflection that reverses time, where all solutions turn about the point."""
+    if known.standing is not None:
+        return None
+    try:
+        entry, _ = show_reversible_of(_rational(point.system))
+    except NotShownError:
+        return None
+    hypotheses, states = entry["hypotheses"], point.system.states
+    image = reflection_text(hypotheses["mirror"], states)
+    reason = f"not asymptotically: orbits near it are closed, as they turn, and the reflection to {image} reverses them"
+    facts = (row_fact("on", cube_text(point.system.field(Fraction(hypotheses["cells"]["within"])), states)),)
+    return Finding(Method.SYMMETRY, Translation.STABLE, reason, entry=entry, facts=facts)
 
 
 def decide_by_turned_energy(point: CheckedPoint, known: Known) -> Finding | None:

@@ -167,4 +167,5 @@ STRATEGIES = [
     Strategy("terms of higher weight", TWO, kernel.decide_by_weights),
     Strategy("energy with its sign turned", SEVERAL, kernel.decide_by_turned_energy),
     Strategy("energy on circles", range(1, 9), kernel.decide_by_circles),
+    Strategy("reversing symmetry", TWO, kernel.decide_by_symmetry),
 ]

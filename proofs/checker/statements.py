@@ -21,6 +21,7 @@ from .circles import show_on_circles
 from .escape import show_escape
 from .outside import show_outside
 from .positivity import Proofs
+from .reversible import show_reversible
 from .roots import read_subject
 from .theorem4 import show_theorem4
 from .theorems import Statement, show_departure, show_instability, show_stability
@@ -42,6 +43,7 @@ THEOREMS: dict[str, Theorem] = {  # of systems
     "circles": show_on_circles,
     "outside": show_outside,
     "choice": show_choice,
+    "reversible": show_reversible,
 }
 OF_ARRAYS: dict[str, Theorem] = {
     "theorem 4": show_theorem4,

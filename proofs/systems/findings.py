@@ -51,6 +51,7 @@ class Method(StrEnum):
     GROWTH = "function that grows"
     INSTABILITY = "function that shows instability"
     CIRCLES = "energy on circles"
+    SYMMETRY = "reversing symmetry"
     NONE = "nothing"
 
 

@@ -517,6 +517,21 @@ def choices() -> Iterator[Case]:
     yield case("sides", sides, outward, "instability", instability("-Abs(x)", cells("x", within="1/2"), ["1"]))
 
 
+def reversals() -> Iterator[Case]:
+    """Centres by a reflection: smooth ones, a relay, a pendulum on a spring; fields that turn in both senses."""
+
+    def case(name: str, sides: Any, function: str, mirror: Any, factor: str, *surfaces: str) -> Case:
+        own = {"cells": cells(*surfaces, within="1/4"), "function": function, "mirror": mirror, "factor": factor}
+        return Case(f"reversible-{name}", subject(sides), "reversible", own)
+
+    across, along, swapped = [["1", "0"], ["0", "-1"]], [["-1", "0"], ["0", "1"]], [["0", "1"], ["1", "0"]]
+    yield case("spring", ["y", "-x + x**2"], "x**2 + y**2", across, "-4")
+    yield case("other-sense", ["-y + x**2", "x + x*y"], "x**2 + y**2", along, "4")
+    yield case("diagonal", ["y + x*y", "-x - x*y"], "x**2 + y**2", swapped, "-4")
+    yield case("relay", ["y - x**2/2", "-sign(x) + x*y**2/2"], "y**2/2 + Abs(x)", along, "-64", "x")
+    yield case("pendulum", ["y", "-sin(x) - x"], "x**2 + y**2", across, "-4")
+
+
 GROUPS = (
     in_one_state,
     linear_systems,
@@ -534,6 +549,7 @@ GROUPS = (
     polygons,
     quotients,
     choices,
+    reversals,
     basins_in_space,
 )
 

@@ -283,6 +283,27 @@ def other_choice(good: Record) -> Iterator[Any]:
     yield [([*CLAIMS, 1], {"equilibrium": False})]
 
 
+def other_reflection(good: Record) -> Iterator[Any]:
+    """What is no reflection, or does not reverse the field; a factor that is zero, or of the other sense."""
+    hypotheses = good["evidence"][0]["hypotheses"]
+    if "mirror" not in hypotheses:
+        return
+    one, none = ["1", "0"], ["0", "1"]
+    for wrong in (
+        [one, none],
+        [["-1", "0"], ["0", "-1"]],
+        [one, ["0", "-2"]],
+        [["3/5", "4/5"], ["4/5", "-3/5"]],
+        [one],
+        "1",
+        [],
+    ):
+        yield [([*HYPOTHESES, "mirror"], wrong)]
+    factor = hypotheses["factor"]
+    for other in ("0", "1/1000", factor[1:] if factor[0] == "-" else f"-{factor}", 4, None):
+        yield [([*HYPOTHESES, "factor"], other)]
+
+
 def other_denominator(good: Record) -> Iterator[Any]:
     """Quotients that are not positive, not zero at the point, or no polynomials."""
     if "denominator" not in good["evidence"][0]["hypotheses"]:
@@ -432,6 +453,7 @@ KINDS: Kinds = (
     other_theorem,
     other_numbers,
     other_choice,
+    other_reflection,
     other_denominator,
 )
 

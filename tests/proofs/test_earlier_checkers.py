@@ -50,6 +50,7 @@ NO_WORDS = {
     "irrational numbers",
     "sines and cosines",
     "theorem choice",
+    "theorem reversible",
     "a V with a denominator",
     "surfaces and pieces without a common point",
 }
