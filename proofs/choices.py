@@ -1,40 +1,59 @@
 """The search for a switching law under which the point is unstable (:mod:`nonsmooth.proofs.checker.choice`).
 
-Tried are each right-hand side, the mean of two, and two of them above and below a coordinate, a switching surface, or a
-speed in which they differ: a disturbance of either sign that pushes along with the velocity is one of these.
+Tried are each right-hand side, the mean of two, and two of them above and below a coordinate or a switching surface: a
+disturbance of either sign that pushes along with the velocity is one of these.  In the plane the law that leaves
+fastest changes from one field to another where they are parallel; so lines near those on which the first terms of two
+fields are parallel are tried too, one by one and in pairs.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from itertools import combinations, permutations
+from fractions import Fraction
+from itertools import combinations, islice, permutations
+from math import lcm
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from nonsmooth.proofs.checker.cells import Inclusion, System
 from nonsmooth.proofs.checker.choice import BY_ONE, MAX_NESTED, chosen
+from nonsmooth.proofs.checker.lyapunov import sign_along
+from nonsmooth.proofs.checker.polynomials import Polynomial
 from nonsmooth.proofs.checker.theorems import UNSTABLE
-from nonsmooth.proofs.kernel.cells import BeyondReachError, started
+from nonsmooth.proofs.findings.verdicts import Translation
+from nonsmooth.proofs.kernel.cells import BeyondReachError, build_inclusion, started, stated_cells
 from nonsmooth.proofs.kernel.escapes import show_escape_of
 from nonsmooth.proofs.kernel.fans import show_by_fan, show_by_weights
 from nonsmooth.proofs.kernel.first_terms import show_departure_of, show_linearization_of
 from nonsmooth.proofs.kernel.search import Entry, NotShownError, Search
-from nonsmooth.proofs.kernel.subject import about
+from nonsmooth.proofs.kernel.subject import NoCertificateError, about
+from nonsmooth.proofs.stated_functions import growth_hypotheses
+from nonsmooth.proofs.systems.derivatives import Decrease
+from nonsmooth.proofs.systems.search import search_lyapunov
+from nonsmooth.proofs.systems.system_stability import PlanePoint
 from nonsmooth.symbolic.expression import ExpressionError
 from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.scene_error import SceneError
 from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
 
-MOST_TRIED = 48
-Show = Callable[[SwitchedSystem, str], Entry]
+MOST_TRIED = 64
+WORK = 2_000  # coefficients looked at for one claim: functions on cones need few
+ANGLES = np.linspace(0.0, np.pi, 181)  # at which it is seen where two fields are parallel
+DENOMINATOR = 8  # of slopes
+Show = Callable[[SwitchedSystem, str, Search], Entry]
 IN_MANY: Sequence[Show] = (show_departure_of, show_linearization_of, show_escape_of)
 IN_PLANE: Sequence[Show] = (*IN_MANY, show_by_fan, show_by_weights)
 
 
-def show_choice_of(system: SwitchedSystem) -> Entry:
+def show_choice_of(system: SwitchedSystem, verdict: str = UNSTABLE, search: Search | None = None) -> Entry:
     """Evidence that the checked point is unstable for a choice among several right-hand sides.
 
     Args:
         system: in two states or more.
+        verdict: unstable.
+        search: with what was shown before.
 
     Returns:
         The entry of a certificate, and what it shows.
@@ -45,16 +64,16 @@ def show_choice_of(system: SwitchedSystem) -> Entry:
     """
     if system.only_encloses or not system.others:
         raise NotShownError("a choice needs several right-hand sides that may act")
-    subject, _ = started(system, None)
-    tried = [own for own, _ in zip(choices(subject.rhs, subject.states, system), range(MOST_TRIED), strict=False)]
-    for choice in tried:
+    subject, search = started(system, search)
+    lines = parallel_lines(system, subject, search) if len(system.states) == len(PLANE) else []
+    for choice in islice(choices(subject, system, lines), MOST_TRIED):
         try:
             one = _with_choice(system, subject.rhs, choice)
         except (SceneError, ExpressionError):
             continue
-        for show in IN_PLANE if len(system.states) == len(PLANE) else IN_MANY:
+        for show in _searches(one):
             try:
-                entry, _ = show(one, UNSTABLE)
+                entry, _ = show(one, UNSTABLE, Search(WORK))
             except (NotShownError, BeyondReachError):
                 continue
             if entry["theorem"] in BY_ONE:
@@ -63,16 +82,102 @@ def show_choice_of(system: SwitchedSystem) -> Entry:
     raise NotShownError("no choice among the right-hand sides was found that is unstable")
 
 
-def choices(sides: Sequence[Sequence[str]], states: Sequence[str], system: SwitchedSystem) -> Iterator[Any]:
-    """Choices from simple to rich."""
-    numbers = range(len(sides))
+def _searches(system: SwitchedSystem) -> Sequence[Show]:
+    """What is tried for one right-hand side: nothing where first terms show that the point attracts."""
+    if len(system.states) != len(PLANE):
+        return IN_MANY
+    point = PlanePoint(system)
+    try:
+        verdicts = {own.verdict for own in (point.fan, point.leading) if own is not None}
+    except BeyondReachError:
+        return IN_PLANE
+    if Translation.ASYMPTOTICALLY_STABLE in verdicts:
+        return ()
+    return (*IN_PLANE, show_by_growth) if Translation.UNSTABLE in verdicts else IN_PLANE
+
+
+def show_by_growth(system: SwitchedSystem, verdict: str, search: Search) -> Entry:
+    """Evidence that the point is unstable by a V in the plane that grows along every solution.
+
+    Raises:
+        NotShownError: where none is found.
+    """
+    subject, search = started(system, search)
+    found = search_lyapunov(system, PlanePoint(system).cells, grows=True)
+    if found is None or found.decrease is not Decrease.STRICT:
+        raise NotShownError("no function was found that grows along every solution")
+    try:
+        return search.entry(subject, "instability", growth_hypotheses(system, found))
+    except NoCertificateError as error:
+        raise NotShownError(str(error)) from None
+
+
+def choices(subject: System, system: SwitchedSystem, lines: Sequence[str]) -> Iterator[Any]:
+    """Choices from simple to rich.
+
+    Args:
+        subject: the right-hand sides.
+        system: the same system, with its switching surfaces.
+        lines: further ones.
+    """
+    numbers = range(len(subject.rhs))
     yield from numbers
-    surfaces = dict.fromkeys(states)
+    surfaces = dict.fromkeys(subject.states)
     if system.by_roots is None:
         surfaces |= dict.fromkeys(str(own) for own in system.surfaces() if own.degree)
-    for surface in surfaces:
+    for surface in surfaces | dict.fromkeys(lines):
         yield from ({"surface": surface, "first": i, "second": j} for i, j in permutations(numbers, 2))
     yield from ({"surface": ["0"], "first": i, "second": j} for i, j in combinations(numbers, 2))
+    for one, other in combinations((*subject.states, *lines), 2):
+        for i, j in permutations(numbers, 2):
+            beside = ({"surface": other, "first": a, "second": b} for a, b in ((i, j), (j, i)))
+            yield {"surface": one, "first": next(beside), "second": next(beside)}
+
+
+def parallel_lines(system: SwitchedSystem, subject: System, search: Search) -> list[str]:
+    """Lines with short slopes near those on which the first terms of two fields are parallel.
+
+    Raises:
+        NotShownError: where the checker refuses the cells.
+        BeyondReachError: for too many surfaces or cells.
+    """
+    inclusion = build_inclusion(stated_cells(system, system.check.radius), subject, search)
+    slopes = []
+    for cell in inclusion.cells:
+        for (_, f), (_, g) in combinations(cell.fields, 2):
+            slopes += [own for own in _zeros(f[0] * g[1] - f[1] * g[0]) if _touches(inclusion, cell.signs, own)]
+    x, y = (
+        own if own == name else f"sqrt(Abs({name}))*sign({name})"
+        for own, name in zip(subject.coordinates, subject.states, strict=True)
+    )
+    return [_line(a, b, x, y) for a, b in dict.fromkeys(slopes) if a and b]
+
+
+def _line(a: Fraction, b: Fraction, x: str, y: str) -> str:
+    """``b x - a y`` with whole coefficients, the first of which is positive."""
+    scale = lcm(a.denominator, b.denominator) * (1 if b > 0 else -1)
+    first, second = (f"{abs(c * scale)}*{name}".removeprefix("1*") for c, name in ((b, x), (a, y)))
+    return f"{first} {'-' if a * scale > 0 else '+'} {second}"
+
+
+def _zeros(value: Polynomial) -> Iterator[tuple[Fraction, Fraction]]:
+    """Directions near those in which the first terms of a polynomial change sign."""
+    lowest = min(map(sum, value.terms), default=0)
+    first = sum(
+        float(c) * np.cos(ANGLES) ** i * np.sin(ANGLES) ** j for (i, j), c in value.terms.items() if i + j == lowest
+    )
+    for k in np.flatnonzero(np.diff(np.sign(first))):
+        angle = (ANGLES[k] + ANGLES[k + 1]) / 2
+        steep = abs(np.tan(angle)) > 1
+        slope = Fraction(float(1 / np.tan(angle) if steep else np.tan(angle))).limit_denominator(DENOMINATOR)
+        yield (slope, Fraction(1)) if steep else (Fraction(1), slope)
+
+
+def _touches(inclusion: Inclusion, signs: Sequence[int], direction: Sequence[Fraction]) -> bool:
+    """Whether a line through the point lies in the closure of a cell, on one side at least."""
+    surfaces = inclusion.surfaces
+    own = [surfaces.signed(j, sign) for j, sign in enumerate(signs)]
+    return any(all(sign_along(s, [side * c for c in direction]) >= 0 for s in own) for side in (1, -1))
 
 
 def choice_words(choice: Any) -> str:

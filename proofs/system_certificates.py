@@ -9,12 +9,11 @@ is written has passed the checker.
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import partial
-from itertools import product
 from typing import Any, TypeAlias
 
 from nonsmooth.proofs.checker.basin import NAMES
@@ -24,18 +23,17 @@ from nonsmooth.proofs.checker.roots import read_subject
 from nonsmooth.proofs.checker.statements import VERSION
 from nonsmooth.proofs.checker.theorems import Statement
 from nonsmooth.proofs.findings.verdicts import Translation
-from nonsmooth.proofs.kernel.cells import BeyondReachError, StatedCells, stated_cells, surfaces_of
+from nonsmooth.proofs.kernel.cells import BeyondReachError, stated_cells
 from nonsmooth.proofs.kernel.search import NotShownError, Search, stability_hypotheses
 from nonsmooth.proofs.kernel.second_function import find_second
 from nonsmooth.proofs.kernel.subject import (
     NoCertificateError,
     about,
     exact_text,
-    formula_in_names,
-    polynomial_in_names,
 )
 from nonsmooth.proofs.many_states.reshaped_region import find_reshaped_region
 from nonsmooth.proofs.scalar_theorems import scalar_theorem
+from nonsmooth.proofs.stated_functions import growth_hypotheses, stated_function
 from nonsmooth.proofs.system_facts import (
     gain_words,
     rate_words,
@@ -45,15 +43,12 @@ from nonsmooth.proofs.system_facts import (
 )
 from nonsmooth.proofs.systems.basin import EFFORTS, CertifiedBasin, find_basin, find_basin_in_space
 from nonsmooth.proofs.systems.derivatives import Decrease
-from nonsmooth.proofs.systems.findings import DecidedSystem, ExaminedFunction, Method, PotentialPiece
+from nonsmooth.proofs.systems.findings import DecidedSystem, ExaminedFunction, Method
 from nonsmooth.proofs.systems.sublevel_region import ReshapedRegion, SublevelRegion
 from nonsmooth.proofs.theorem_searches import show_verdict
 from nonsmooth.proofs.verified import verified
 from nonsmooth.symbolic.enclosed_numbers import NoEnclosureError, enclose_numbers
 from nonsmooth.symbolic.files.system_builder import with_order
-from nonsmooth.symbolic.numbers.number import Number
-from nonsmooth.symbolic.numbers.polynomial import Polynomial
-from nonsmooth.symbolic.piecewise import PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.scene_error import one_line
 from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
 
@@ -315,17 +310,10 @@ def _candidates(result: DecidedSystem) -> Iterator[Candidate]:
     if entry is not None:
         yield Candidate(entry["theorem"], entry["hypotheses"], known=entry["proofs"])
     elif function is not None and function.grows:
-        yield _by_growth(result.scene, function)
+        yield Candidate("instability", growth_hypotheses(result.scene, function))
     elif function is not None:
         yield _by_function(result, function)
         yield from _by_stated_function(result)
-
-
-def _by_growth(system: SwitchedSystem, function: ExaminedFunction) -> Candidate:
-    """A V that grows: where it does on all of the plane a square is enough, and bounded."""
-    stated, cells = _stated_function(system, function.domain.radius or system.check.radius, function)
-    hypotheses = {"cells": cells.record, "function": _negated(stated), "second": None}
-    return Candidate("instability", {**hypotheses, "direction": _open_direction(system, cells.surfaces)})
 
 
 def _by_function(result: DecidedSystem, function: ExaminedFunction) -> Candidate:
@@ -333,7 +321,7 @@ def _by_function(result: DecidedSystem, function: ExaminedFunction) -> Candidate
     system, reach, verdict = result.scene, result.reach, str(result.verdict)
     states, known = system.states, function.known_entry(reach)
     if known is None:
-        stated, cells = _stated_function(system, function.domain.radius, function)
+        stated, cells = stated_function(system, function.domain.radius, function)
         hypotheses, proofs = stability_hypotheses(cells.record, stated, verdict), {}
     else:
         own, proofs = known["hypotheses"], known["proofs"]
@@ -364,73 +352,10 @@ def _by_stated_function(result: DecidedSystem) -> Iterator[Candidate]:
     if len(system.states) != len(PLANE) or given is None or result.function.formula == given.formula:
         return
     if given.decrease is Decrease.WEAK:
-        function, cells = _stated_function(system, given.domain.radius, given)
+        function, cells = stated_function(system, given.domain.radius, given)
         yield Candidate(
             "lyapunov", stability_hypotheses(cells.record, function, str(result.verdict)), needs_second=True
         )
-
-
-def _stated_function(
-    system: SwitchedSystem, radius: Number | None, function: ExaminedFunction
-) -> tuple[str | list[list[str]], StatedCells]:
-    """V as a certificate states it, and the cells of the system and of V.
-
-    Args:
-        system: in any number of states.
-        radius: half the side of the cube; None for the whole space.
-        function: V, known on cones or as one formula.
-    """
-    if radius is not None:
-        exact_text(radius)
-    pieces = function.pieces
-    if len(pieces) <= 1:
-        own = _parsed(str(pieces[0].potential) if pieces else function.text, system)
-        return formula_in_names(own, system), stated_cells(system, radius, surfaces_of(system, own), irrational=True)
-    sides = [_sides(system, piece) for piece in pieces]
-    cells = stated_cells(system, radius, [line for own in sides for line, _ in own], irrational=True)
-    return [
-        [cells.signs(own), polynomial_in_names(piece.potential)] for own, piece in zip(sides, pieces, strict=True)
-    ], cells
-
-
-def _parsed(text: str, system: SwitchedSystem) -> PiecewiseExpression:
-    return parse_piecewise(text, system.states)
-
-
-def _sides(system: SwitchedSystem, piece: PotentialPiece) -> list[tuple[Polynomial, int]]:
-    """The lines through both rays of a cone, each with its sign inside."""
-    if piece.start is None or piece.end is None:
-        raise NoCertificateError("a certificate needs a V on cones with both rays")
-    x, y = system.coordinates()
-    first, last = (y * ray[0] - x * ray[1] for ray in (piece.start, piece.end))
-    return [(first, 1), (last, -1)]
-
-
-def _negated(function: str | list[list[str]]) -> Any:
-    if isinstance(function, str):
-        return f"-({function})"
-    return [[signs, f"-({own})"] for signs, own in function]
-
-
-def _open_direction(system: SwitchedSystem, surfaces: Sequence[Polynomial]) -> list[str]:
-    """A direction that leads from the point into a cell: no surface vanishes along it."""
-    for size in range(1, 20):
-        for direction in product(range(-size, size + 1), repeat=len(system.states)):
-            if any(direction) and all(_varies(surface, direction) for surface in surfaces):
-                return list(map(str, direction))
-    raise NoCertificateError("a certificate needs a direction that leads into a cell, found none")
-
-
-def _varies(surface: Polynomial, direction: Sequence[int]) -> bool:
-    """Whether a polynomial is not zero along a ray from the origin: the sums of terms of one degree decide."""
-    by_degree: dict[int, Number] = {}
-    for exponents, coefficient in surface.terms.items():
-        factor = 1
-        for x, exponent in zip(direction, exponents, strict=True):
-            factor *= x**exponent
-        degree = sum(exponents)
-        by_degree[degree] = by_degree.get(degree, surface.field.zero) + coefficient * factor
-    return any(by_degree.values())
 
 
 def _further(result: DecidedSystem) -> Iterator[Option]:
@@ -449,7 +374,7 @@ def _further(result: DecidedSystem) -> Iterator[Option]:
 def _stated_region(result: DecidedSystem, region: SublevelRegion) -> Record:
     """The hypotheses of theorem ``lyapunov`` with the level of the region: below it, if V falls nowhere else."""
     radius = result.scene.field(region.radius) if isinstance(region.radius, Fraction) else region.radius
-    stated, cells = _stated_function(result.scene, radius, result.function)
+    stated, cells = stated_function(result.scene, radius, result.function)
     own = stability_hypotheses(cells.record, stated, str(result.verdict))
     return {**own, "below": region != result.reach.near, "level": exact_text(region.level)}
 

@@ -13,6 +13,7 @@ from typing import TypeAlias
 
 from nonsmooth.proofs.checker.cells import MAX_STATES
 from nonsmooth.proofs.checker.theorems import ASYMPTOTICALLY_STABLE, STABLE, UNSTABLE
+from nonsmooth.proofs.choices import show_choice_of
 from nonsmooth.proofs.kernel.cells import BeyondReachError, started
 from nonsmooth.proofs.kernel.escapes import show_escape_of
 from nonsmooth.proofs.kernel.fans import show_by_fan, show_by_weights
@@ -77,6 +78,7 @@ THEOREM_SEARCHES = (
     TheoremSearch("leading terms with weights", show_by_weights, (UNSTABLE, ASYMPTOTICALLY_STABLE), len(PLANE)),
     TheoremSearch("relative degree of a relay", show_relay_of, (UNSTABLE,)),
     TheoremSearch("function that shows instability", show_growth_of, (UNSTABLE,)),
+    TheoremSearch("choice among right-hand sides", show_choice_of, (UNSTABLE,)),
 )
 
 

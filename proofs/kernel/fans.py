@@ -102,21 +102,28 @@ def show_by_fan(system: SwitchedSystem, verdict: str, search: Search | None = No
     def cells(lines: Sequence[Form], share: Fraction) -> StatedCells:
         return sharpened(stated_cells(system, system.check.radius * share, lines, irrational=True), subject, search)
 
+    def shown(stated: StatedCells, cones: Sequence[FanCone], values: Sequence[Fraction]) -> Entry | None:
+        """The entry of a certificate; None where it is not shown."""
+        try:
+            theorem, hypotheses = _written(stated, cones, values, verdict, subject.states)
+            SampledProofs().entry(subject, theorem, hypotheses)
+            return search.entry(subject, theorem, hypotheses)
+        except NotShownError:
+            return None
+
     for lines in _line_sets(system):
-        cones = build_cones(build_inclusion(cells(lines, RADII[-1]), subject, search))
+        smallest = cells(lines, RADII[-1])
+        cones = build_cones(build_inclusion(smallest, subject, search))
         values = falling_values(cones, verdict)
         if values is None:
             continue
-        for share in RADII:
-            stated = cells(lines, share)
-            for denominator in DENOMINATORS:
-                short = _short(values, denominator)
-                try:
-                    theorem, hypotheses = _written(stated, cones, short, verdict, subject.states)
-                    SampledProofs().entry(subject, theorem, hypotheses)
-                    return search.entry(subject, theorem, hypotheses)
-                except NotShownError:
-                    continue
+        rounded = [_short(values, denominator) for denominator in DENOMINATORS]
+        for short in rounded:
+            least = shown(smallest, cones, short)  # without which there is none on a larger square
+            if least is not None:
+                squares = (cells(lines, share) for share in RADII[:-1])
+                larger = (shown(stated, cones, own) for stated in squares for own in rounded)
+                return next(filter(None, larger), least)
     raise NotShownError("no piecewise linear function was found that shows it")
 
 

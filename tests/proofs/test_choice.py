@@ -16,6 +16,7 @@ BEYOND: dict[str, Any] = {  # right-hand sides with a disturbance d, and its bou
     "a push that a relay does not hold": (("y", "-2*sign(x) - sign(y) + d"), 4),
     "twisting, pushed along with its velocity": (("y", "-3*sign(x) - sign(y) + d"), "3/2"),
     "a first-order law": (("-x + y", "-sign(x) + d"), 2),
+    "super-twisting, pushed along with x'": (("-sqrt(Abs(x))*sign(x)/2 + y", "-sign(x) + d"), "9/10"),
 }
 
 
@@ -34,6 +35,28 @@ def test_within_its_bound_nothing_is_said_to_leave() -> None:
     """Twisting with 3 and 1 takes disturbances below 1."""
     rhs = ["y", "-3*sign(x) - sign(y) + d"]
     assert ns.System(["x", "y"], rhs, parameters={"d": ["-9/10", "9/10"]}).check().verdict != "unstable"
+
+
+@pytest.mark.parametrize(
+    "sides",
+    [
+        [["-x/10 + y", "-10*x - y/10"], ["-x/10 + 10*y", "-x - y/10"]],
+        [["-x - y", "x - y"], ["-x - 12*y", "x - y"], ["-x - y", "12*x - y"]],
+    ],
+)
+def test_the_worst_switching_has_a_certificate(sides: list[list[str]]) -> None:
+    """A full turn under the worst switching makes distances larger: a law that changes on lines shows it."""
+    result = ns.System(["x", "y"], sides).check()
+    assert result.verdict == "unstable"
+    certificate = result.certificate()
+    assert certificate["evidence"][0]["theorem"] == "choice"
+    assert not refusal(certificate, len(certificate_text(certificate)))
+
+
+def test_fields_that_a_switch_cannot_make_unstable() -> None:
+    """Neither field leaves, nor does any mixture: super-twisting is stable, and a gain of 3/2 holds half the push."""
+    rhs = ["-3*sqrt(Abs(x))*sign(x)/2 + y", "-sign(x) + d"]
+    assert ns.System(["x", "y"], rhs, parameters={"d": ["-1/2", "1/2"]}).check().verdict == "asymptotically stable"
 
 
 def test_an_enclosed_field_has_no_choice() -> None:
