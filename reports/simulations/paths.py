@@ -28,7 +28,7 @@ from nonsmooth.analysis.fields.constant_field import array_field
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.sign_field import SignField
 from nonsmooth.analysis.fields.system_field import system_field
-from nonsmooth.analysis.trajectories.result import Trajectory, TrajectoryError
+from nonsmooth.analysis.trajectories.result import EventKind, Trajectory, TrajectoryError
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.answers.answer import has_dynamics
 from nonsmooth.proofs.answers.contact_wheels import how_far
@@ -40,7 +40,14 @@ from nonsmooth.reports.output.document import Block, Paragraph, findings
 from nonsmooth.reports.output.files import FILMS, output_path, write_whole
 from nonsmooth.reports.output.progress import steps
 from nonsmooth.reports.output.refusals import OptionError
-from nonsmooth.reports.simulations.path_ends import ArrayPathEnd, pose_text, settled_record, settled_words, system_end
+from nonsmooth.reports.simulations.path_ends import (
+    ArrayPathEnd,
+    is_at_point,
+    pose_text,
+    settled_record,
+    settled_words,
+    system_end,
+)
 from nonsmooth.reports.simulations.simulate_options import POSE, SimulateOptions
 from nonsmooth.reports.studies.result import FORMATS, DataTable, Record, Result, short_lines
 from nonsmooth.symbolic.contact_set import require_no_outline, standing, whole
@@ -264,7 +271,26 @@ def follow_system(system: SwitchedSystem, options: SimulateOptions) -> SystemPat
     """
     start = options.place(system.stated_states)
     field = system_field(system, start)
-    return SystemPath(system, field, _by_method(field, start, options))
+    return SystemPath(system, field, _without_refuted_doubts(system, _by_method(field, start, options)))
+
+
+def _without_refuted_doubts(system: SwitchedSystem, path: Trajectory) -> Trajectory:
+    """The same path, unique where it is only doubted whether another solution leaves a point that is proved stable.
+
+    A solution that starts at a stable point stays there: it is as near to it as one likes.
+    """
+    doubted = [event for event in path.events if event.kind is EventKind.NONUNIQUE]
+    if path.unique is not None or not doubted or not all(is_at_point(system, event.state) for event in doubted):
+        return path
+    from nonsmooth.proofs.system_decision import decide_system  # most paths need no proof
+
+    try:
+        if decide_system(system).exit_status:
+            return path
+    except SceneError:
+        return path
+    certain = tuple(event for event in path.events if event.kind is not EventKind.NONUNIQUE)
+    return replace(path, events=certain, unique=True)
 
 
 def _by_method(field: Any, start: tuple[float, ...], options: SimulateOptions) -> Trajectory:

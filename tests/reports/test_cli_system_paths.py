@@ -124,6 +124,14 @@ def test_repelling_surfaces_are_not_unique(follow: Follow) -> None:
     assert "nonunique" in [event["kind"] for event in record["events"]]
 
 
+def test_no_solution_leaves_a_point_that_is_proved_stable(follow: Follow) -> None:
+    """Surfaces touch at the point, which floats alone leave in doubt."""
+    record = follow((["x", "v"], ["v", "-sgn(2*x + v*Abs(v))"]), "1,0", "--until", "5")
+    assert ([event["kind"] for event in record["events"]], record["unique"]) == (["slide", "rest"], True)
+    record = follow((["x", "v"], ["v", "sgn(2*x - v*Abs(v))"]), "0,0", "--until", "1")
+    assert record["unique"] is not True
+
+
 def test_hysteresis_stays_within_its_width(follow: Follow) -> None:
     record = follow(TWO_SURFACES, "1.5,1", "--until", "1", "--method", "hysteresis", "--width", "1e-3")
     assert (record["method"], record["unique"]) == ("hysteresis", None)
