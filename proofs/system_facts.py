@@ -123,9 +123,16 @@ def rewriting_words(system: SwitchedSystem) -> str:
         said.append(f"multiplied by {one_line(system.scale.text)}, which is positive on the square: other speeds")
     enclosed = ["sin and cos of states lie between polynomials"] if system.waves else []
     enclosed += ["irrational numbers lie between rational ones"] if system.encloses_numbers else []
+    if system.intervals:
+        takes = (
+            "takes any value of its interval" if len(system.intervals) == 1 else "take any values of their intervals"
+        )
+        enclosed.append(f"{' and '.join(system.intervals)} {takes} at any time")
     if enclosed:
         said.append(f"{' and '.join(enclosed)}: between {len(system.members)} right-hand sides")
-    elif system.others:
+    if system.others and system.overlaps:
+        said.append("where [[region]] tables overlap any of them acts, or a mixture, at any time")
+    elif system.others and not enclosed:
         said.append(f"any of {len(system.members)} right-hand sides, or a mixture of them, at any time")
     return f"{'; '.join(said)}."
 

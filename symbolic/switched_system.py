@@ -96,6 +96,8 @@ class SwitchedSystem(ShortRepr):
         by_roots: what the system stands for where its states are signed roots of the stated ones; None otherwise.
         order: how many further terms of sines and cosines are taken (:mod:`nonsmooth.symbolic.sine_enclosures`).
         encloses_numbers: whether the right-hand sides have rational bounds in place of irrational numbers.
+        intervals: names of the parameters that were stated as intervals; the right-hand sides are those at their ends.
+        overlaps: whether tables of regions may overlap; each right-hand side takes another one of them first.
     """
 
     kind: ClassVar[Literal[SceneKind.SYSTEM]] = SceneKind.SYSTEM
@@ -116,6 +118,8 @@ class SwitchedSystem(ShortRepr):
     names: tuple[Wave, ...] = ()
     order: int = 0
     encloses_numbers: bool = False
+    intervals: tuple[str, ...] = ()
+    overlaps: bool = False
 
     @property
     def members(self) -> tuple[SwitchedSystem, ...]:
@@ -273,7 +277,7 @@ def require_one_field(system: SwitchedSystem) -> None:
     """
     require_stated(system)
     if not system.has_one_field:
-        raise SceneError(system.origin, "system.rhs", ONE_SIDE, StatedFact(f"{1 + len(system.others)}"))
+        raise _several(system)
 
 
 def require_single(system: SwitchedSystem) -> None:
@@ -283,11 +287,26 @@ def require_single(system: SwitchedSystem) -> None:
         SceneError: for a system with several right-hand sides, or with such roots.
     """
     require_stated(system)
+    if not system.has_one_field:
+        raise _several(system)
     if system.others:
-        expected = ONE_SIDE
-        if system.waves:
-            expected = "formulas without sin and cos of states"
+        expected = "formulas without sin and cos of states" if system.waves else ONE_SIDE
         raise SceneError(system.origin, "system.rhs", expected, StatedFact(f"{1 + len(system.others)}"))
+
+
+def _several(system: SwitchedSystem) -> SceneError:
+    """That one right-hand side is required, by the key that says that there are several."""
+    if system.intervals:
+        key, expected = (
+            f"system.parameters.{system.intervals[0]}",
+            "a number (with an interval only stability is decided)",
+        )
+        return SceneError(system.origin, key, expected, StatedFact("an interval"))
+    if system.overlaps:
+        expected = "false (where tables overlap only stability is decided)"
+        return SceneError(system.origin, "system.overlap", expected, StatedFact("true"))
+    count = len(system.written) or 1 + len(system.others)
+    return SceneError(system.origin, "system.rhs", ONE_SIDE, StatedFact(f"{count}"))
 
 
 def sign_by_factors(expression: Polynomial, sign_of_factor: Callable[[Polynomial], int]) -> int:

@@ -161,6 +161,8 @@ def system_section(subject: SystemSubject) -> Section:
         blocks.append(paragraph("At every point the field is a mixture of these {}:", str(len(members))))
     elif system.others:
         blocks.append(paragraph("The field is any of these {}, or a mixture, at any time:", str(len(members))))
+    if system.overlaps:
+        blocks.append(paragraph("They differ only where tables of regions overlap: each takes another table first."))
     shown = tidied if system.written else str  # formulas of the user stay as they are
     blocks += [_formulas(system.states, [shown(rhs.text) for rhs in member.rhs]) for member in members]
     return Section("The system", (*blocks, where))

@@ -73,7 +73,8 @@ def with_order(system: SwitchedSystem, order: int) -> SwitchedSystem:
     stated = {"states": list(system.states), "rhs": list(map(list, system.written))}
     document = {"name": system.name, "system": stated, "check": {**point, **lyapunov}}
     found = build_system(document, system.source, Path(system.name), order=order)
-    return replace(found, check=replace(found.check, quotient=check.quotient))
+    quotient = replace(found.check, quotient=check.quotient)
+    return replace(found, check=quotient, intervals=system.intervals, overlaps=system.overlaps)
 
 
 def _plain_system(document: SystemDocument, file: str, path: Path, order: int = 0) -> SwitchedSystem:
@@ -106,6 +107,7 @@ def _plain_system(document: SystemDocument, file: str, path: Path, order: int = 
     system = replace(system, denominators=_parsed(sides.denominators, states, file, "system.rhs"), scale=scale)
     by_names = _parsed(sides.named, (*states, *(wave.name for wave in sides.names)), file, "system.rhs")
     system = replace(system, named_rhs=by_names, names=sides.names, order=order)
+    system = replace(system, intervals=tuple(intervals), overlaps=document.system.overlap)
     _require_zero_arguments(system)
     for member in system.members:
         for side in (1, -1):
