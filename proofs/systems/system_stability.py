@@ -288,7 +288,7 @@ def decide_by_leading_terms(point: PlanePoint, known: Known) -> Finding | None:
     leading = point.leading
     if leading is None:
         return None
-    return Finding(Method.LEADING, leading.verdict, leading.reason, proofs=leading, is_final=False)
+    return Finding(Method.LEADING, leading.verdict, leading.reason(point.system.states), proofs=leading, is_final=False)
 
 
 def decide_by_ray(point: PlanePoint, known: Known) -> Finding | None:

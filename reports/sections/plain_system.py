@@ -323,7 +323,7 @@ def leading_section(subject: SystemSubject) -> Section:
         "Near the point the fields are looked at to leading order on the tangent cones of their cells, where solutions "
         "of the homogeneous field turn and grow by functions of the direction alone; what follows for them holds for "
         "the system. Here, {}: {}.",
-        leading.reason,
+        found.reason,
         str(leading.verdict),
     )
     rows: list[list[Entry]] = [
