@@ -255,7 +255,7 @@ def require_plane(system: SwitchedSystem) -> None:
         SceneError: for such a system.
     """
     if len(system.states) != len(PLANE):
-        raise SceneError(system.origin, "system.states", "two states", list(system.states))
+        raise SceneError(system.origin, "system.states", "two states", list(system.stated_states))
 
 
 def require_stated(system: SwitchedSystem) -> None:
@@ -264,9 +264,17 @@ def require_stated(system: SwitchedSystem) -> None:
     Raises:
         SceneError: for a system that is seen by signed roots.
     """
-    if system.by_roots is not None:
-        expected = "formulas without sqrt(Abs(x)) (with it stability is decided and solutions followed)"
-        raise SceneError(system.origin, "system.rhs", expected, system.written[0][0])
+    if system.by_roots is None:
+        return
+    roots = tuple(f"sqrt(Abs({name}))" for name in system.by_roots.roots.rooted)
+    may = "with it stability is decided in one or two states, and paths are followed"
+    expected = f"formulas without {roots[0]} ({may})"
+    for k, side in enumerate(system.written, 1):
+        for j, formula in enumerate(side, 1):
+            if any(root in formula for root in roots):
+                key = f"system.rhs[{k}][{j}]" if len(system.written) > 1 else f"system.rhs[{j}]"
+                raise SceneError(system.origin, key, expected, formula)
+    raise SceneError(system.origin, "check.lyapunov", expected, StatedFact(roots[0]))
 
 
 def require_one_field(system: SwitchedSystem) -> None:
