@@ -17,7 +17,7 @@ from functools import cached_property
 from nonsmooth.proofs.findings.facts import Fact, Quantity
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.inequalities.real_roots import RealRoot, dense, germ_sign, positive_roots, separated
-from nonsmooth.proofs.systems.findings import CheckedPoint, Finding, Known, Method
+from nonsmooth.proofs.systems.findings import NOT_ATTRACTING, CheckedPoint, Finding, Known, Method
 from nonsmooth.symbolic.number_text import brief_text
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
@@ -89,7 +89,8 @@ def decide_by_signs(point: LinePoint, known: Known) -> Finding:
     """The stability of a point in one state."""
     sides = point.sides
     verdict, reason = _conclude(point.system, point.equilibrium, sides.right, sides.left)
-    return Finding(Method.SIGNS, verdict, reason, proofs=sides, facts=(_region(point.system, sides),))
+    refutes = reason.removeprefix(NOT_ATTRACTING) if verdict is Translation.STABLE else ""
+    return Finding(Method.SIGNS, verdict, reason, proofs=sides, facts=(_region(point.system, sides),), refutes=refutes)
 
 
 def _region(scene: SwitchedSystem, sides: ScalarSides) -> Fact:
@@ -121,7 +122,7 @@ def _conclude(scene: SwitchedSystem, holds: Equilibrium, right: Side, left: Side
             return Translation.UNSTABLE, f"a solution leaves to the {name}"
     for name, side in sides:
         if max(side.outward) == 0:
-            return Translation.STABLE, f"not asymptotically: it rests everywhere near on the {name}"
+            return Translation.STABLE, f"{NOT_ATTRACTING}it rests everywhere near on the {name}"
     return Translation.ASYMPTOTICALLY_STABLE, "the field leads back on both sides"
 
 
