@@ -362,7 +362,7 @@ def test_built_in_systems(name: str, expected: Translation, method: Method) -> N
     [
         ("-x", "-y", {}, Translation.ASYMPTOTICALLY_STABLE, "decreases"),
         ("y", "-x - y", {}, Translation.ASYMPTOTICALLY_STABLE, "decreases"),  # V = |c|^2 does not: another is found
-        ("y", "-x", {}, Translation.STABLE, "not decided"),
+        ("y", "-x", {}, Translation.STABLE, "V' = 0"),
         ("x", "-y", {}, Translation.UNSTABLE, "leaves along the ray through (1, 0)"),
         ("x - y", "x + y", {}, Translation.UNSTABLE, "grows along every solution"),
         ("x/10 - y*(2 + sign(x*y))", "x*(2 - sign(x*y)) + y/10", {}, Translation.ASYMPTOTICALLY_STABLE, "decreases"),
