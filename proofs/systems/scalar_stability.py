@@ -98,9 +98,11 @@ def _region(scene: SwitchedSystem, sides: ScalarSides) -> Fact:
     right, left = sides.right.reach, sides.left.reach
     if right is None or left is None:
         return Fact("region")
-    (state,), (at,) = scene.states, scene.check.equilibrium
-    words = f"every start with {brief_text(at - left)} < {state} < {brief_text(at + right)} reaches the equilibrium"
-    record = {"from": Quantity(at - left), "to": Quantity(at + right), "text": words}
+    (state,), (at,) = scene.stated_states, scene.check.equilibrium
+    ends = at - left, at + right
+    low, high = ends if scene.by_roots is None else (end * end * end.sign() for end in ends)
+    words = f"every start with {brief_text(low)} < {state} < {brief_text(high)} reaches the equilibrium"
+    record = {"from": Quantity(ends[0]), "to": Quantity(ends[1]), "text": words}
     return Fact("region", record, words, row="region")
 
 

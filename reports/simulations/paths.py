@@ -146,7 +146,7 @@ class PathResult(Result):
 
     def summary(self) -> str:
         """How many events, and how it ends."""
-        return f"{len(self.trajectory.events)} events, {self.end}"
+        return f"{_counted(len(self.trajectory.events))}, {self.end}"
 
     def written(self, ending: str) -> str:
         """The same, and below it where the path ends, when and how."""
@@ -184,7 +184,7 @@ class PathResult(Result):
         end, path = self.trajectory.end, self.trajectory
         unique = {True: "unique", False: "not unique", None: "uniqueness not known"}[path.unique]
         place = place_text([float(value) for value in end.state], 5)
-        head = f"path of {self.name}, method {path.method}: {len(path.events)} events, {unique}"
+        head = f"path of {self.name}, method {path.method}: {_counted(len(path.events))}, {unique}"
         return short_lines(head, [(f"{end.reason}:", f"{place} at t = {float_text(end.t)}")])
 
     def _events(self) -> list[tuple[str, str]]:
@@ -197,7 +197,7 @@ class PathResult(Result):
             what = f"{event.kind} at {self._place(event.state, 6)}: {event.surface}{note}"
             rows.append((f"t = {float(event.t):.6g}{second}", what))
         if len(events) > SHOWN:
-            rows.append(("...", f"{len(events) - SHOWN} more events"))
+            rows.append(("...", _counted(len(events) - SHOWN, "more ")))
         return [*rows, (f"end, t = {float(end.t):.6g}{second}", f"{self._place(end.state, 10)}: {end.reason}")]
 
     def _place(self, state: Sequence[Any], digits: int) -> str:
@@ -206,6 +206,11 @@ class PathResult(Result):
             return pose_text(self.scene.units, state, digits)
         values = [f"{float(value):.{digits}g}" for value in state]
         return ", ".join(f"{name} = {value}" for name, value in zip(self.states, values, strict=True))
+
+
+def _counted(number: int, more: str = "") -> str:
+    """``1 event``, ``2 events``, ``3 more events``."""
+    return f"{number} {more}event{'' if number == 1 else 's'}"
 
 
 # ---- plain systems -------------------------------------------------------------------------------

@@ -59,6 +59,7 @@ def test_what_is_said_of_it() -> None:
     """In words, in JSON, and in a certificate that the checker accepts."""
     record = circle().facts()["basin"]
     assert "no start outside of a polygon of" in record["text"]
+    assert re.search(r"of the starts sampled within -[0-9.]+ <= x <= [0-9.]+, -[0-9.]+ <= y <= ", record["text"])
     assert len(record["outside"]["polygon"]) > 20
     certificate = certificate_of(circle().evidence)
     assert any("outside" in claim for claim in certificate["statement"]["claims"])
@@ -179,6 +180,7 @@ def test_what_is_said_of_a_trap() -> None:
     """Lower and upper shares, polygons in JSON, and a certificate."""
     record = competition().facts()["basin"]
     low, high = (float(own) for own in re.findall(r"so ([0-9.]+) % to ([0-9.]+) % of the sampled", record["text"])[0])
+    assert re.search(r"no start inside of a polygon about \(-?[0-9.]+, -?[0-9.]+\) does", record["text"])
     assert 0 < low < 50 < high < 100  # the true share is about a half
     assert len(record["traps"]) == 1
     certificate = certificate_of(competition().evidence)

@@ -226,6 +226,12 @@ def test_other_roots_are_refused_in_one_line(rhs: list[str], word: str) -> None:
     assert "\n" not in str(raised.value)
 
 
+def test_an_interval_of_starts_is_that_of_the_state() -> None:
+    """Half of the stated width is that of the root."""
+    result = decide_system(built([f"-{ROOT}"]))
+    assert result.deciding.facts[0].words == "every start with -1/4 < x < 1/4 reaches the equilibrium"
+
+
 def test_a_refusal_names_the_formula_that_holds_the_root() -> None:
     system = built(["y", f"-{ROOT} - y"])
     with pytest.raises(SceneError, match=r"system\.rhs\[2\]: .* received '-sqrt\(Abs\(x\)\)\*sgn\(x\) - y'"):

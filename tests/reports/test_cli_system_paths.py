@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 import pytest
 
+import nonsmooth as ns
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.output.console import run
 from tests.thorough import few, keep
@@ -116,6 +117,7 @@ def test_one_state(follow: Follow) -> None:
     record = follow((["x"], ["-sign(x)"]), "0.75", "--until", "2")
     assert [event["kind"] for event in record["events"]] == ["rest"]
     assert record["events"][0]["t"] == pytest.approx(0.75, abs=ROUNDING)
+    assert ns.System(["x"], ["-sign(x)"]).simulate([0.75], until=2).summary().startswith("1 event, ")
 
 
 def test_repelling_surfaces_are_not_unique(follow: Follow) -> None:
