@@ -28,7 +28,15 @@ from nonsmooth.proofs.many_states.weak_functions import find_weak_growth, find_w
 from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.derivatives import Decrease, LyapunovResult
 from nonsmooth.proofs.systems.domain import Domain, cube_text
-from nonsmooth.proofs.systems.findings import CheckedPoint, ExaminedFunction, Finding, Known, Method
+from nonsmooth.proofs.systems.findings import (
+    KEPT,
+    NOT_ATTRACTING,
+    CheckedPoint,
+    ExaminedFunction,
+    Finding,
+    Known,
+    Method,
+)
 from nonsmooth.proofs.systems.lyapunov_search import searched_cells
 from nonsmooth.proofs.systems.plane_function import PlaneFunction
 from nonsmooth.symbolic.enclosed_numbers import NoEnclosureError, enclose_numbers
@@ -160,9 +168,10 @@ def decide_by_symmetry(point: CheckedPoint, known: Known) -> Finding | None:
         return None
     hypotheses, states = entry["hypotheses"], point.system.states
     image = reflection_text(hypotheses["mirror"], states)
-    reason = f"not asymptotically: orbits near it are closed, as they turn, and the reflection to {image} reverses them"
+    refutes = f"orbits near it are closed, as they turn, and the reflection to {image} reverses them"
+    reason = f"{NOT_ATTRACTING}{refutes}"
     facts = (row_fact("on", cube_text(point.system.field(Fraction(hypotheses["cells"]["within"])), states)),)
-    return Finding(Method.SYMMETRY, Translation.STABLE, reason, entry=entry, facts=facts)
+    return Finding(Method.SYMMETRY, Translation.STABLE, reason, entry=entry, facts=facts, refutes=refutes)
 
 
 def decide_by_turned_energy(point: CheckedPoint, known: Known) -> Finding | None:
@@ -183,9 +192,12 @@ def decide_by_circles(point: CheckedPoint, known: Known) -> Finding | None:
     found = find_energy_on_circles(point.system) if known.standing is None else None
     if found is None:
         return None
-    entry, function, domain = found
+    entry, function, domain, is_kept = found
     reason = f"V = {function} is positive and does not rise"
-    return Finding(Method.CIRCLES, Translation.STABLE, reason, entry=entry, facts=(row_fact("on", domain),))
+    refutes = KEPT if is_kept else ""
+    reason += f"; {NOT_ATTRACTING}{refutes}" if refutes else ""
+    facts = (row_fact("on", domain),)
+    return Finding(Method.CIRCLES, Translation.STABLE, reason, entry=entry, facts=facts, refutes=refutes)
 
 
 def _rational(system: SwitchedSystem) -> SwitchedSystem:

@@ -475,6 +475,8 @@ def _beyond_words(result: DecidedSystem, draft: Draft) -> Iterator[str]:
     if reach.everywhere and not _attracts_everywhere(draft):
         where = "the verdict is certified near the point" if len(states) == len(PLANE) else "V is certified on a cube"
         yield f"all starts in {_whole(result.scene)} reach the equilibrium: {where}"
+    if result.deciding.refutes:
+        yield f"the equilibrium does not attract: {result.deciding.refutes}: certificates show stability alone"
     if reach.in_finite_time:
         yield "solutions near the equilibrium arrive in finite time: certificates hold no times of roots"
 

@@ -26,6 +26,7 @@ from nonsmooth.proofs.systems.findings import (
 )
 from nonsmooth.proofs.systems.outer_ring import ring_of
 from nonsmooth.proofs.systems.sublevel_region import ReshapedRegion, SublevelRegion
+from nonsmooth.symbolic.formula_text import tidied
 from nonsmooth.symbolic.number_text import percent_text, place_text
 from nonsmooth.symbolic.scene import Scene
 from nonsmooth.symbolic.scene_error import one_line
@@ -65,9 +66,8 @@ def system_facts(result: DecidedSystem) -> Iterator[Fact]:
         words = reshaped_words(reach.reshaped, states)
         yield Fact("reshaped", _reshaped_record(reach.reshaped, words), words, row="reshaped V")
     if reach.basin is not None:
-        yield Fact(
-            "basin", basin_record(reach.basin, basin_words(reach.basin)), basin_words(reach.basin), row="triangles"
-        )
+        words = basin_words(reach.basin, states)
+        yield Fact("basin", basin_record(reach.basin, words), words, row="triangles")
     if reach.rate is not None:
         yield row_fact("rate", rate_words(reach, states))
     if reach.region_rate is not None:
@@ -120,12 +120,21 @@ def rewriting_words(system: SwitchedSystem) -> str:
         roots = system.by_roots.roots
         said.append(f"with {' and '.join(roots.meanings)}, in a time that passes {roots.time_scale} times slower")
     if system.scale is not None:
-        said.append(f"multiplied by {one_line(system.scale.text)}, which is positive on the square: other speeds")
+        said.append(
+            f"multiplied by {tidied(one_line(system.scale.text))}, which is positive on the square: other speeds"
+        )
     enclosed = ["sin and cos of states lie between polynomials"] if system.waves else []
     enclosed += ["irrational numbers lie between rational ones"] if system.encloses_numbers else []
+    if system.intervals:
+        takes = (
+            "takes any value of its interval" if len(system.intervals) == 1 else "take any values of their intervals"
+        )
+        enclosed.append(f"{' and '.join(system.intervals)} {takes} at any time")
     if enclosed:
         said.append(f"{' and '.join(enclosed)}: between {len(system.members)} right-hand sides")
-    elif system.others:
+    if system.others and system.overlaps:
+        said.append("where [[region]] tables overlap any of them acts, or a mixture, at any time")
+    elif system.others and not enclosed:
         said.append(f"any of {len(system.members)} right-hand sides, or a mixture of them, at any time")
     return f"{'; '.join(said)}."
 
@@ -209,24 +218,26 @@ def _reshaped_record(own: ReshapedRegion, words: str) -> dict[str, object]:
     return {"V": one_line(own.formula.text), "level": level, "within": within, "text": words}
 
 
-def basin_words(basin: CertifiedBasin) -> str:
+def basin_words(basin: CertifiedBasin, states: Sequence[str]) -> str:
     """What is certified by triangles, and how much that is of what is sampled."""
     certified, coming = basin.sampled
     share = percent_text(basin.share)
     mesh = f"every start in {len(basin.simplices)} {basin.kind} about the region reaches the equilibrium"
-    sampled = f"the region and they hold {share} of the sampled starts that do ({certified} of {coming})"
-    said = [mesh, sampled]
+    within = ", ".join(f"{low:.3g} <= {s} <= {high:.3g}" for s, (low, high) in zip(states, basin.window, strict=True))
+    said = [
+        mesh,
+        f"the region and they hold {share} of the starts sampled within {within} that do ({certified} of {coming})",
+    ]
     if basin.filled is not None and basin.outside is not None:
         sides, filled = len(basin.outside["corners"]), percent_text(basin.filled)
         said.append(f"no start outside of a polygon of {sides} sides does, of whose area the region fills {filled}")
     if basin.traps:
         certified, possible, starts = basin.square
-        said.append(
-            f"none does from a polygon about {' and '.join(place_text(own, 3) for own, _ in basin.traps)} from it"
-        )
+        places = " and ".join(place_text(own, 3) for own, _ in basin.traps)
+        said.append(f"no start inside of a polygon about {places} does")
         if possible < starts:
             low, high = (percent_text(count / starts) for count in (certified, possible))
-            said.append(f"so {low} to {high} of the sampled square do")
+            said.append(f"so {low} to {high} of the sampled starts do")
     return "; ".join(said)
 
 

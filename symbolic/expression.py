@@ -240,7 +240,8 @@ def _value(node: ast.expr, text: str, field: NumberField, values: Mapping[str, N
         case ast.Name(id=name) if name in values:
             return values[name]
         case ast.Name(id="pi"):
-            raise ExpressionError(f"required pi only inside sin and cos or in an angle, received {shown(text)}")
+            expected = "numbers such as 1/3 or sqrt(3)/2, with pi only inside sin and cos or in an angle"
+            raise ExpressionError(f"required {expected}, received {shown(text)}")
         case ast.UnaryOp():
             operand = _value(node.operand, text, field, values)
             return -operand if isinstance(node.op, ast.USub) else operand

@@ -82,26 +82,25 @@ class SignedRoots:
         return (data[:end] + written).decode()
 
 
-def find_rooted(formulas: Sequence[object], states: Sequence[str]) -> tuple[str, ...]:
-    """The states that stand under a square root in some formula, in their order.
+def rooted_in(formula: object, states: Sequence[str]) -> set[str]:
+    """The states that stand under a square root in a formula.
 
     Raises:
         ExpressionError: for a square root of anything else that holds a state.
     """
+    try:
+        text, tree = parse_tree(formula, MAX_TEXT, "a formula")
+    except ExpressionError:
+        return set()  # refused where formulas are read
     found: set[str] = set()
-    for formula in formulas:
-        try:
-            text, tree = parse_tree(formula, MAX_TEXT, "a formula")
-        except ExpressionError:
-            continue  # refused where formulas are read
-        for node in ast.walk(tree):
-            if _is_call(node, "sqrt") and _names(node) & set(states):
-                name = _under_root(node)
-                if name not in states:
-                    expected = f"square roots of Abs of a state, such as sqrt(Abs({states[0]}))"
-                    raise ExpressionError(f"required {expected}, received {shown(text)}")
-                found.add(str(name))
-    return tuple(name for name in states if name in found)
+    for node in ast.walk(tree):
+        if _is_call(node, "sqrt") and _names(node) & set(states):
+            name = _under_root(node)
+            if name not in states:
+                expected = f"square roots of Abs of a state, such as sqrt(Abs({states[0]}))"
+                raise ExpressionError(f"required {expected}, received {shown(text)}")
+            found.add(str(name))
+    return found
 
 
 def _places(tree: ast.AST, rooted: Sequence[str]) -> Iterator[tuple[ast.expr, str, bool]]:

@@ -96,6 +96,8 @@ class SwitchedSystem(ShortRepr):
         by_roots: what the system stands for where its states are signed roots of the stated ones; None otherwise.
         order: how many further terms of sines and cosines are taken (:mod:`nonsmooth.symbolic.sine_enclosures`).
         encloses_numbers: whether the right-hand sides have rational bounds in place of irrational numbers.
+        intervals: names of the parameters that were stated as intervals; the right-hand sides are those at their ends.
+        overlaps: whether tables of regions may overlap; each right-hand side takes another one of them first.
     """
 
     kind: ClassVar[Literal[SceneKind.SYSTEM]] = SceneKind.SYSTEM
@@ -116,6 +118,8 @@ class SwitchedSystem(ShortRepr):
     names: tuple[Wave, ...] = ()
     order: int = 0
     encloses_numbers: bool = False
+    intervals: tuple[str, ...] = ()
+    overlaps: bool = False
 
     @property
     def members(self) -> tuple[SwitchedSystem, ...]:
@@ -251,7 +255,7 @@ def require_plane(system: SwitchedSystem) -> None:
         SceneError: for such a system.
     """
     if len(system.states) != len(PLANE):
-        raise SceneError(system.origin, "system.states", "two states", list(system.states))
+        raise SceneError(system.origin, "system.states", "two states", list(system.stated_states))
 
 
 def require_stated(system: SwitchedSystem) -> None:
@@ -260,9 +264,17 @@ def require_stated(system: SwitchedSystem) -> None:
     Raises:
         SceneError: for a system that is seen by signed roots.
     """
-    if system.by_roots is not None:
-        expected = "formulas without sqrt(Abs(x)) (with it stability is decided and solutions followed)"
-        raise SceneError(system.origin, "system.rhs", expected, system.written[0][0])
+    if system.by_roots is None:
+        return
+    roots = tuple(f"sqrt(Abs({name}))" for name in system.by_roots.roots.rooted)
+    may = "with it stability is decided in one or two states, and paths are followed"
+    expected = f"formulas without {roots[0]} ({may})"
+    for k, side in enumerate(system.written, 1):
+        for j, formula in enumerate(side, 1):
+            if any(root in formula for root in roots):
+                key = f"system.rhs[{k}][{j}]" if len(system.written) > 1 else f"system.rhs[{j}]"
+                raise SceneError(system.origin, key, expected, formula)
+    raise SceneError(system.origin, "check.lyapunov", expected, StatedFact(roots[0]))
 
 
 def require_one_field(system: SwitchedSystem) -> None:
@@ -273,7 +285,7 @@ def require_one_field(system: SwitchedSystem) -> None:
     """
     require_stated(system)
     if not system.has_one_field:
-        raise SceneError(system.origin, "system.rhs", ONE_SIDE, StatedFact(f"{1 + len(system.others)}"))
+        raise _several(system)
 
 
 def require_single(system: SwitchedSystem) -> None:
@@ -283,11 +295,26 @@ def require_single(system: SwitchedSystem) -> None:
         SceneError: for a system with several right-hand sides, or with such roots.
     """
     require_stated(system)
+    if not system.has_one_field:
+        raise _several(system)
     if system.others:
-        expected = ONE_SIDE
-        if system.waves:
-            expected = "formulas without sin and cos of states"
+        expected = "formulas without sin and cos of states" if system.waves else ONE_SIDE
         raise SceneError(system.origin, "system.rhs", expected, StatedFact(f"{1 + len(system.others)}"))
+
+
+def _several(system: SwitchedSystem) -> SceneError:
+    """That one right-hand side is required, by the key that says that there are several."""
+    if system.intervals:
+        key, expected = (
+            f"system.parameters.{system.intervals[0]}",
+            "a number (with an interval only stability is decided)",
+        )
+        return SceneError(system.origin, key, expected, StatedFact("an interval"))
+    if system.overlaps:
+        expected = "false (where tables overlap only stability is decided)"
+        return SceneError(system.origin, "system.overlap", expected, StatedFact("true"))
+    count = len(system.written) or 1 + len(system.others)
+    return SceneError(system.origin, "system.rhs", ONE_SIDE, StatedFact(f"{count}"))
 
 
 def sign_by_factors(expression: Polynomial, sign_of_factor: Callable[[Polynomial], int]) -> int:

@@ -84,12 +84,27 @@ def _find_along(field: SignField, start: Sequence[float], until: float) -> Orbit
                     _require_motion(field, legs)
                 try:
                     x, period = _return_after(legs, first, within)
+                except OrbitError as error:
+                    refusals.append(str(error))
+                    continue
+                try:
                     return _begun_well(shoot(limited, x, period))
                 except (OrbitError, TrajectoryError) as error:
-                    refusals.append(str(error))
+                    grows = "; turns of the path still grow: a later --until may find one" if _grows(legs) else ""
+                    refusals.append(f"{error}{grows}")
     except WorkLimitError:
         raise OrbitError(f"no periodic orbit is found within {EVALUATIONS} evaluations of the field") from None
     raise OrbitError(refusal or refusals[1])
+
+
+def _grows(legs: Sequence[Leg]) -> bool:
+    """Whether the second half of a path is clearly wider than the first."""
+    halves: tuple[list[Vector], list[Vector]] = ([], [])
+    for leg in legs:
+        for t, x in zip(leg.stretch.times, leg.stretch.states, strict=True):
+            halves[t > legs[-1].end / 2].append(x)
+    first, second = (float(np.ptp(np.array(half), axis=0).max()) for half in halves)
+    return second > first * (1 + NEARBY)
 
 
 @contextmanager
@@ -272,7 +287,7 @@ def shoot(field: SignField, x: Vector, period: float) -> Orbit:
             break
         turn = following
     if turn.extent <= SMALLEST * field.size:
-        raise OrbitError("the path comes to an equilibrium, not to a periodic orbit")
+        raise OrbitError("Newton's method comes to an equilibrium, not to a periodic orbit")
     if turn.gap > CLOSED * max(field.size, turn.extent):
         raise OrbitError(f"Newton's method leaves a gap of {turn.gap:.3g} after one turn")
     return turn

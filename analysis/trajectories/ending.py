@@ -5,9 +5,9 @@ size: no point of it within r is faster.  Speeds are means over :data:`PARTS` eq
 output of the engine, so that chatter about a place of rest is rest as far as it stays there.  With the path's unit of
 speed u (the fastest rim of an array, the fastest part of the path of a plain system) a path ends
 
-- *at rest since t*, where the mean speed is at most :data:`REST` u in the last part and from t on: t is the time at
-  which that begins, by bisection of the part before on the dense output, so an arrival in finite time is met to
-  rounding;
+- *at rest since t*, where the mean speed is at most :data:`REST` u, or rounding of the states, in the last part and
+  from t on: t is the time at which that begins, by bisection of the part before on the dense output, so an arrival in
+  finite time is met to rounding;
 - *creeping at v*, where it is at most :data:`CREEP` u in the last part;
 - *moving at v*, where it is more.
 
@@ -29,6 +29,7 @@ from nonsmooth.analysis.fields.contact_model import Floats
 from nonsmooth.analysis.trajectories.result import EndReason, Trajectory
 
 PARTS = 1_000  # of the time
+ROUNDING = 2.0**-40  # of the states: a way in a part of the time that is rounding
 REST = 1e-5  # of the unit of speed; sticking under full dynamics is a creep of 1e-6
 CREEP = 1e-2
 BISECTIONS = 40
@@ -100,13 +101,14 @@ def ending(path: Trajectory, size: float | None = None, fastest: float = 0.0) ->
 
     speeds = moved(states[:-1], states[1:]) / length
     unit = max(fastest, float(speeds.max()))
+    slow = max(REST * unit, ROUNDING * float(np.abs(states).max()) / length)
     final = states[-1] - states[-2]
     own = final if size is None else final[:2]
     speed, turning = float(np.linalg.norm(own) / length), None if size is None else float(final[2] / length)
     if path.end.reason in FOR_EVER:
         return Ending(EndMotion.MOVING, None, speed, turning)
-    if path.end.reason is EndReason.REST or speeds[-1] <= REST * unit:
-        since = _rest_begins(times, speeds, REST * unit, lambda t, late: _mean(path, moved, t, late))
+    if path.end.reason is EndReason.REST or speeds[-1] <= slow:
+        since = _rest_begins(times, speeds, slow, lambda t, late: _mean(path, moved, t, late))
         return Ending(EndMotion.AT_REST, since, speed, turning)
     return Ending(EndMotion.CREEPS if speeds[-1] <= CREEP * unit else EndMotion.MOVING, None, speed, turning)
 

@@ -25,8 +25,10 @@ from nonsmooth.symbolic.sine_enclosures import Wave, in_place_of_names
 from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 
-def find_energy_on_circles(system: SwitchedSystem) -> tuple[dict[str, Any], str, str] | None:
-    """The entry of a certificate that shows stability, its V and its domain for people; None where none is found.
+def find_energy_on_circles(system: SwitchedSystem) -> tuple[dict[str, Any], str, str, bool] | None:
+    """The entry of a certificate that shows stability, its V and its domain for people, and whether V is kept.
+
+    None where none is found.
 
     Args:
         system: in any number of states, with sines or cosines of some.
@@ -49,7 +51,7 @@ def find_energy_on_circles(system: SwitchedSystem) -> tuple[dict[str, Any], str,
         sine, cosine = f"sin({name})", f"cos({name}) - 1"
         function = function.replace(f"sin_{name}", sine).replace(f"cos_{name}", f"({cosine})")
         domain = domain.replace(f"sin_{name}", sine).replace(f"cos_{name}", cosine)
-    return entry, function, domain
+    return entry, function, domain, found.is_kept
 
 
 def _angles(system: SwitchedSystem) -> tuple[str, ...]:

@@ -44,7 +44,16 @@ from nonsmooth.proofs.sums_of_squares.prove import Effort
 from nonsmooth.proofs.systems.denominators import require_denominators
 from nonsmooth.proofs.systems.derivatives import Decrease
 from nonsmooth.proofs.systems.domain import Domain
-from nonsmooth.proofs.systems.findings import CheckedPoint, Finding, Known, Method, Reach
+from nonsmooth.proofs.systems.findings import (
+    KEPT,
+    NOT_ATTRACTING,
+    CheckedPoint,
+    Finding,
+    Known,
+    Method,
+    Reach,
+    weak_finding,
+)
 from nonsmooth.proofs.systems.invariance import Staying
 from nonsmooth.symbolic.enclosed_numbers import NoEnclosureError, enclose_numbers
 from nonsmooth.symbolic.numbers.number import Number
@@ -226,9 +235,10 @@ def decide_by_linearization(point: SpacePoint, known: Known) -> Finding | None:
     verdict = None if spectrum is None else SHOWN_BY_SPECTRUM.get(spectrum)
     if verdict is None:
         return None
-    reason = f"not asymptotically: {spectrum}" if verdict is Translation.STABLE else str(spectrum)
+    refutes = str(spectrum) if verdict is Translation.STABLE else ""
+    reason = f"{NOT_ATTRACTING}{refutes}" if refutes else str(spectrum)
     final = verdict is Translation.UNSTABLE
-    return Finding(Method.LINEARIZATION, verdict, reason, proofs=point.linear, is_final=final)
+    return Finding(Method.LINEARIZATION, verdict, reason, proofs=point.linear, refutes=refutes, is_final=final)
 
 
 # ---- functions -------------------------------------------------------------------------------------
@@ -241,7 +251,7 @@ def decide_by_stated_function(point: SpacePoint, known: Known) -> Finding | None
 
 def search_function(point: SpacePoint, known: Known) -> Finding | None:
     """A V that falls, unless that is known to be impossible."""
-    if point.spectrum is Spectrum.NEUTRAL:
+    if known.attraction_is_refuted:
         return None
     function = find_lyapunov(point.system) or _quadratic(point)
     return None if function is None else conclude_function(known, function)
@@ -288,8 +298,7 @@ def conclude_function(known: Known, function: ExaminedLyapunov) -> Finding | Non
         return None
     if standing is not None and not standing.is_weak:
         return replace(standing, function=function)
-    reason = f"{function.reason}; whether the equilibrium attracts is not decided by it"
-    return Finding(Method.LYAPUNOV, Translation.STABLE, reason, function, is_final=False)
+    return weak_finding(function, KEPT if function.is_kept else "")
 
 
 def search_growth(point: SpacePoint, known: Known) -> Finding | None:

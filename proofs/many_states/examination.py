@@ -122,6 +122,12 @@ class ExaminedLyapunov(ExaminedFunction):
         return Decrease.STRICT if all(own is not None and own.strict for own in found) else Decrease.WEAK
 
     @property
+    def is_kept(self) -> bool:
+        """Whether V, one polynomial, has V' = 0 on all cells."""
+        values = [own.value for asked in self.asked if asked.is_about_fall for own in asked.claim.inequalities]
+        return self.decrease is Decrease.WEAK and not self.formula.switching_parts and not any(values)
+
+    @property
     def reason(self) -> str:
         """The same as a sentence."""
         if self.failure is not None:

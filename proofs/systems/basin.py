@@ -86,6 +86,7 @@ class CertifiedBasin:
         traps: other places of rest, in floats, each with such hypotheses: no start inside of a polygon about it does.
         square: of the starts of that grid, how many are certified, how many are in no trap and not outside of the
             polygon, and how many there are.
+        window: that grid: the least and the largest value of each state, in the displacement from the point.
     """
 
     hypotheses: dict[str, Any]
@@ -93,6 +94,7 @@ class CertifiedBasin:
     outside: dict[str, Any] | None = None
     traps: tuple[tuple[Floats, dict[str, Any]], ...] = ()
     square: tuple[int, int, int] = (0, 0, 0)
+    window: tuple[tuple[float, float], ...] = ()
 
     @property
     def never(self) -> tuple[dict[str, Any], ...]:
@@ -206,7 +208,7 @@ def find_basin(
         open_ones &= inside_ring(ring_of(outside), starts)
     square = int(np.sum(certified)), int(np.sum(open_ones)), len(starts)
     came = _come(field, is_home, border, starts[~certified])
-    return CertifiedBasin(hypotheses, (square[0], square[0] + came), outside, tuple(traps), square)
+    return CertifiedBasin(hypotheses, (square[0], square[0] + came), outside, tuple(traps), square, _ends(starts))
 
 
 def find_basin_in_space(
@@ -242,7 +244,8 @@ def find_basin_in_space(
     starts = _grid(found.border, effort.starts, None)
     certified = found.holds(starts) | is_home(starts)
     count = int(np.sum(certified))
-    return replace(found, sampled=(count, count + _come(field, is_home, found.border, starts[~certified])))
+    came = _come(field, is_home, found.border, starts[~certified])
+    return replace(found, sampled=(count, count + came), window=_ends(starts))
 
 
 def _step(announce: Callable[[str, int, int], None], what: str) -> Callable[[int, int], None]:
@@ -291,6 +294,11 @@ def _grid(border: Floats, count: int, limit: float | None) -> Floats:
         half = np.minimum(half, limit)
     lines = [np.linspace(m - h, m + h, count) for m, h in zip(middle, half, strict=True)]
     return np.stack(np.meshgrid(*lines), axis=-1).reshape(-1, len(lines))
+
+
+def _ends(starts: Floats) -> tuple[tuple[float, float], ...]:
+    """The least and the largest value of each state."""
+    return tuple(zip(starts.min(axis=0).tolist(), starts.max(axis=0).tolist(), strict=True))
 
 
 def _come(field: FieldInCells, is_home: Callable[[Floats], NDArray[np.bool_]], border: Floats, starts: Floats) -> int:

@@ -412,7 +412,8 @@ def next_ring(field: FieldInCells, ring: Floats, pace: Pace, limit: float, power
     size = float(np.linalg.norm(ring, axis=1).max())
     along = np.roll(ring, -1, axis=0) - np.roll(ring, 1, axis=0)
     normals = np.stack([along[:, 1], -along[:, 0]], axis=1)
-    normals /= np.linalg.norm(normals, axis=1)[:, None]
+    chords = np.linalg.norm(normals, axis=1)
+    normals /= np.where(chords == 0, 1, chords)[:, None]  # a ring may fold onto itself
     velocities = field.at(ring)
     speeds = np.linalg.norm(velocities, axis=2) + np.finfo(float).tiny
     outward = np.einsum("kij,ij->ki", velocities, normals) / speeds

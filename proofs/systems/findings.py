@@ -31,6 +31,8 @@ DERIVATIVES = {
     "shevitz_paden": "Shevitz-Paden",
     "bacciotti_ceragioli": "Bacciotti-Ceragioli",
 }
+NOT_ATTRACTING = "not asymptotically: "  # what the reason of a stable point says before why
+KEPT = "solutions near the equilibrium keep V, as V' = 0"
 
 
 class Method(StrEnum):
@@ -117,6 +119,11 @@ class ExaminedFunction(ABC):
         return False
 
     @property
+    def is_kept(self) -> bool:
+        """Whether V' = 0 near the point, of a V that is one polynomial there: then no solution comes to the point."""
+        return False
+
+    @property
     def text(self) -> str:
         """V as a formula, or its pieces."""
         return "; ".join(map(str, self.pieces)) if self.formula is None else one_line(self.formula.text)
@@ -138,6 +145,7 @@ class Finding:
         proofs: what else it rests on, an object of its strategy.
         entry: the theorem with its evidence, as a certificate holds it, where that is known already.
         facts: what it says beyond the verdict.
+        refutes: why the point, which is stable, does not attract; empty where that is not known.
         is_final: whether no other theorem is asked: none says more.
     """
 
@@ -148,6 +156,7 @@ class Finding:
     proofs: Any = None
     entry: dict[str, Any] | None = None
     facts: tuple[Fact, ...] = ()
+    refutes: str = ""
     is_final: bool = True
 
     @property
@@ -158,7 +167,19 @@ class Finding:
     @property
     def is_weak(self) -> bool:
         """Whether it is a V that does not increase, and whether the point attracts is left open."""
-        return self.theorem is Method.LYAPUNOV and self.verdict is Translation.STABLE
+        return self.theorem is Method.LYAPUNOV and self.verdict is Translation.STABLE and not self.refutes
+
+
+def weak_finding(function: ExaminedFunction, refutes: str) -> Finding:
+    """What a V shows that does not increase.
+
+    Args:
+        function: V.
+        refutes: why the point does not attract; empty where that is not known.
+    """
+    why = f"{NOT_ATTRACTING}{refutes}" if refutes else "whether the equilibrium attracts is not decided by it"
+    reason = f"{function.reason}; {why}"
+    return Finding(Method.LYAPUNOV, Translation.STABLE, reason, function, refutes=refutes, is_final=False)
 
 
 @dataclass(frozen=True)
@@ -177,6 +198,11 @@ class Known:
     def function(self) -> Any:
         """The last V that shows something; None without one."""
         return next((own.function for own in reversed(self.findings) if own.function is not None), None)
+
+    @property
+    def attraction_is_refuted(self) -> bool:
+        """Whether the point is known not to attract."""
+        return any(own.refutes for own in self.findings)
 
     @property
     def attraction_is_open(self) -> bool:

@@ -67,7 +67,14 @@ class TurnGrowth:
     sign: int
 
     def __str__(self) -> str:
-        return f"a full turn multiplies small distances by a factor between {self.low} and {self.high}"
+        return f"a full turn multiplies small distances by {self.factor}"
+
+    @property
+    def factor(self) -> str:
+        """The factor in words: its bounds, or the digits that they share."""
+        if self.low == self.high:
+            return f"a factor of {self.low}, rounded"
+        return f"a factor between {self.low} and {self.high}"
 
 
 def turn_growth(fan: TangentFan) -> TurnGrowth | None:
@@ -149,8 +156,7 @@ class WorstTurn:
         return self.turn.sign
 
     def __str__(self) -> str:
-        factor = f"between {self.turn.low} and {self.turn.high}"
-        return f"a full turn under the worst switching multiplies small distances by a factor {factor}"
+        return f"a full turn under the worst switching multiplies small distances by {self.turn.factor}"
 
 
 def worst_turn(system: SwitchedSystem) -> WorstTurn | None:

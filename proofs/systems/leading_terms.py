@@ -51,7 +51,7 @@ from nonsmooth.symbolic.number_text import place_text
 from nonsmooth.symbolic.numbers.number import Number, sign
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.plane import cross
-from nonsmooth.symbolic.switched_system import PLANE, SwitchedSystem
+from nonsmooth.symbolic.switched_system import SwitchedSystem
 
 WEIGHTS: tuple[Weights, ...] = (UNWEIGHTED, (2, 1), (1, 2), (3, 1), (1, 3), (3, 2), (2, 3))
 LINE_WEIGHTS: tuple[Weights, ...] = ((2, 1), (3, 1), (3, 2))
@@ -92,10 +92,9 @@ class LeadingTerms:
     motions: tuple[RadialMotion, ...]
     growth: TurnGrowth | FusedFocus | WorstTurn | None
 
-    @property
-    def reason(self) -> str:
-        """One sentence for people."""
-        return f"to leading order {self._what()}{self._weighted()}"
+    def reason(self, states: Sequence[str]) -> str:
+        """One sentence for people, in the names of the states."""
+        return f"to leading order {self._what()}{self._weighted(states)}"
 
     def _what(self) -> str:
         if self.growth is not None:
@@ -109,10 +108,11 @@ class LeadingTerms:
         more = f" and {count - 1} more" if count > 1 else ""
         return f"all radial motions lead inward (along {where}{more})"
 
-    def _weighted(self) -> str:
+    def _weighted(self, states: Sequence[str]) -> str:
         if self.weights == UNWEIGHTED:
             return ""
-        first, second = (Polynomial(f[0].field, PLANE, {e: c for e, c in _named(f) if c}) for f in self.frame)
+        names = tuple(states)
+        first, second = (Polynomial(f[0].field, names, {e: c for e, c in _named(f) if c}) for f in self.frame)
         return f", with weights {self.weights[0]} and {self.weights[1]} of {first} and {second}"
 
 

@@ -58,6 +58,13 @@ class PlaneFunction(ExaminedFunction):
         return self.result.witness
 
     @property
+    def is_kept(self) -> bool:
+        """Whether V, one polynomial near the point, has V' = 0 there: on all cells whose closure holds it."""
+        zero = self.result.cells[0].potential.field.zero
+        near = [cell for cell in self.result.cells if cell.region.contains((zero, zero))]
+        return len({cell.potential for cell in near}) == 1 and not any(rate for cell in near for rate in cell.rates)
+
+    @property
     def pieces(self) -> tuple[PotentialPiece, ...]:
         """V cone by cone, of one that was searched so."""
         return potential_pieces(self.result.cells, self.states) if self.formula is None else ()

@@ -17,7 +17,7 @@ from functools import cached_property
 from nonsmooth.proofs.findings.facts import Fact, Quantity
 from nonsmooth.proofs.findings.verdicts import Equilibrium, Translation
 from nonsmooth.proofs.inequalities.real_roots import RealRoot, dense, germ_sign, positive_roots, separated
-from nonsmooth.proofs.systems.findings import CheckedPoint, Finding, Known, Method
+from nonsmooth.proofs.systems.findings import NOT_ATTRACTING, CheckedPoint, Finding, Known, Method
 from nonsmooth.symbolic.number_text import brief_text
 from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
@@ -89,7 +89,8 @@ def decide_by_signs(point: LinePoint, known: Known) -> Finding:
     """The stability of a point in one state."""
     sides = point.sides
     verdict, reason = _conclude(point.system, point.equilibrium, sides.right, sides.left)
-    return Finding(Method.SIGNS, verdict, reason, proofs=sides, facts=(_region(point.system, sides),))
+    refutes = reason.removeprefix(NOT_ATTRACTING) if verdict is Translation.STABLE else ""
+    return Finding(Method.SIGNS, verdict, reason, proofs=sides, facts=(_region(point.system, sides),), refutes=refutes)
 
 
 def _region(scene: SwitchedSystem, sides: ScalarSides) -> Fact:
@@ -97,9 +98,11 @@ def _region(scene: SwitchedSystem, sides: ScalarSides) -> Fact:
     right, left = sides.right.reach, sides.left.reach
     if right is None or left is None:
         return Fact("region")
-    (state,), (at,) = scene.states, scene.check.equilibrium
-    words = f"every start with {brief_text(at - left)} < {state} < {brief_text(at + right)} reaches the equilibrium"
-    record = {"from": Quantity(at - left), "to": Quantity(at + right), "text": words}
+    (state,), (at,) = scene.stated_states, scene.check.equilibrium
+    ends = at - left, at + right
+    low, high = ends if scene.by_roots is None else (end * end * end.sign() for end in ends)
+    words = f"every start with {brief_text(low)} < {state} < {brief_text(high)} reaches the equilibrium"
+    record = {"from": Quantity(ends[0]), "to": Quantity(ends[1]), "text": words}
     return Fact("region", record, words, row="region")
 
 
@@ -121,7 +124,7 @@ def _conclude(scene: SwitchedSystem, holds: Equilibrium, right: Side, left: Side
             return Translation.UNSTABLE, f"a solution leaves to the {name}"
     for name, side in sides:
         if max(side.outward) == 0:
-            return Translation.STABLE, f"not asymptotically: it rests everywhere near on the {name}"
+            return Translation.STABLE, f"{NOT_ATTRACTING}it rests everywhere near on the {name}"
     return Translation.ASYMPTOTICALLY_STABLE, "the field leads back on both sides"
 
 

@@ -11,7 +11,8 @@
    where nothing else has decided, with time reversed one that grows (:mod:`nonsmooth.proofs.systems.search`).
 7. A V that does not increase, the scene's or a searched one: asymptotically stable where no other solution stays
    where V' = 0 (LaSalle, :mod:`nonsmooth.proofs.systems.invariance`).
-8. Otherwise such a V shows stability alone, and not asymptotic where a ray of equilibria shows it.
+8. Otherwise such a V shows stability alone, and not asymptotic where a ray of equilibria shows it, or near the point
+   V' = 0: solutions then keep V, which is positive off the point.
 
 ``stable`` says that every solution stays near; whether it attracts is then refuted or left open, as the reason tells.
 """
@@ -34,7 +35,7 @@ from nonsmooth.proofs.systems.decay_rate import decay_rate, disturbance_gain, re
 from nonsmooth.proofs.systems.denominators import require_denominators
 from nonsmooth.proofs.systems.derivatives import EFFORT, Decrease, examine, inhabited
 from nonsmooth.proofs.systems.domain import SHRINKING, Domain, domains, given_cells, plane_cells, scene_cells
-from nonsmooth.proofs.systems.findings import CheckedPoint, Finding, Known, Method, Reach
+from nonsmooth.proofs.systems.findings import KEPT, CheckedPoint, Finding, Known, Method, Reach, weak_finding
 from nonsmooth.proofs.systems.invariance import Staying, resting_place
 from nonsmooth.proofs.systems.leading_terms import (
     LeadingTerms,
@@ -280,7 +281,8 @@ def decide_by_fan(point: PlanePoint, known: Known) -> Finding | None:
     if fan is None or fan.verdict is Translation.UNDECIDED:
         return None
     final = fan.verdict is not Translation.ASYMPTOTICALLY_STABLE
-    return Finding(Method.FAN, fan.verdict, fan.reason, proofs=fan, is_final=final)
+    refutes = fan.reason if fan.verdict is Translation.STABLE else ""
+    return Finding(Method.FAN, fan.verdict, fan.reason, proofs=fan, refutes=refutes, is_final=final)
 
 
 def decide_by_leading_terms(point: PlanePoint, known: Known) -> Finding | None:
@@ -288,7 +290,7 @@ def decide_by_leading_terms(point: PlanePoint, known: Known) -> Finding | None:
     leading = point.leading
     if leading is None:
         return None
-    return Finding(Method.LEADING, leading.verdict, leading.reason, proofs=leading, is_final=False)
+    return Finding(Method.LEADING, leading.verdict, leading.reason(point.system.states), proofs=leading, is_final=False)
 
 
 def decide_by_ray(point: PlanePoint, known: Known) -> Finding | None:
@@ -317,7 +319,11 @@ def decide_by_stated_function(point: PlanePoint, known: Known) -> Finding | None
 def search_function(point: PlanePoint, known: Known) -> Finding | None:
     """A V that falls, unless that is known to be impossible; else one that grows, unless that is, or is not needed."""
     fan, leading, may_grow = point.fan, point.leading, known.function is None
-    if point.rays or (fan is not None and fan.verdict is not Translation.ASYMPTOTICALLY_STABLE):
+    if (
+        known.attraction_is_refuted
+        or point.rays
+        or (fan is not None and fan.verdict is not Translation.ASYMPTOTICALLY_STABLE)
+    ):
         return None
     if leading is not None and leading.verdict is Translation.UNSTABLE:
         cones = are_cones(point.cells) and not point.system.others
@@ -340,9 +346,9 @@ def conclude_function(point: PlanePoint, function: PlaneFunction) -> Finding | N
         return Finding(Method.LYAPUNOV, Translation.ASYMPTOTICALLY_STABLE, function.reason, function)
     if function.decrease is not Decrease.WEAK:
         return None
-    rest = next((ray for ray in point.rays if ray.kind is RayKind.REST), None)
-    why = "whether the equilibrium attracts is not decided by it" if rest is None else f"not asymptotically: {rest}"
-    return Finding(Method.LYAPUNOV, Translation.STABLE, f"{function.reason}; {why}", function, is_final=False)
+    rest = next((str(ray) for ray in point.rays if ray.kind is RayKind.REST), "")
+    refutes = rest or (KEPT if function.is_kept else "")
+    return weak_finding(function, refutes)
 
 
 # ---- LaSalle's principle ---------------------------------------------------------------------------
@@ -351,7 +357,8 @@ def conclude_function(point: PlanePoint, function: PlaneFunction) -> Finding | N
 def decide_by_stated_invariance(point: PlanePoint, known: Known) -> Finding | None:
     """By the V that the scene names, where curves cut the cells: beside these a search takes long."""
     system = point.system
-    if known.function is None or not has_curves(system) or system.check.is_default or point.rays:
+    asked = known.function is not None and has_curves(system) and not system.check.is_default
+    if not asked or known.attraction_is_refuted or point.rays:
         return None
     return attraction_by(point, known.function)
 

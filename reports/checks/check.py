@@ -143,7 +143,7 @@ class CheckStudy(SceneStudy[CheckOptions]):
         elif scenes[0].kind is SceneKind.SYSTEM:
             wanted = next((name for name in OF_ONE_ARRAY if name in asked.given), "")
             _require_array(scenes[0], f"--{wanted}" if wanted else "", "a plain switched system")
-        if "region" in asked.given:
+        if "region" in asked.given and asked.options.region is not RegionSearch.NONE:
             _require_several_states(scenes[0])
 
     def run(self, scene: AnyScene | Sequence[AnyScene], options: CheckOptions) -> Result:

@@ -215,7 +215,7 @@ class SystemCheckResult(FactResult):
     def headline(self) -> str:
         """The system."""
         scene = self.evidence.scene
-        return f"{one_line(scene.name)}: plain switched system in {', '.join(scene.states)}"
+        return f"{one_line(scene.name)}: plain switched system in {', '.join(scene.stated_states)}"
 
     def views(self) -> Sequence[RenderableType]:
         """The answers, with what the letters in them stand for, or with all that was found."""
@@ -226,7 +226,7 @@ class SystemCheckResult(FactResult):
 
         scene = self.evidence.scene
         head = Text(one_line(scene.name), "bold")
-        head.append(f": plain switched system in {', '.join(scene.states)}", "not bold")
+        head.append(f": plain switched system in {', '.join(scene.stated_states)}", "not bold")
         stated = fact_rows(displacement_facts(scene)) if len(scene.states) > 1 else []
         if scene.written or scene.others:
             stated.append(("field", rewriting_words(scene)))
@@ -309,7 +309,7 @@ def _from_where(result: StabilityResult) -> SystemAnswer:
     if reach.basin is not None:
         about = reshaped_words(reach.reshaped, states) if reach.reshaped else ""
         about = about or (reached_words(reach.region, states) if reach.region else "")
-        return SystemAnswer(question, "a region", f"{about}; {basin_words(reach.basin)}")
+        return SystemAnswer(question, "a region", f"{about}; {basin_words(reach.basin, states)}")
     if reach.reshaped is not None:
         return SystemAnswer(question, "a region", reshaped_words(reach.reshaped, states))
     if reach.region is not None:

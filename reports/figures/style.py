@@ -120,7 +120,9 @@ def title_figure(figure: Figure, title: str, width: int = WIDE_TITLE) -> None:
 
 
 def legend_below(figure: Figure, entries: Sequence[Artist] | None = None, columns: int = 2, **style: Any) -> None:
-    """A legend below all axes, of these entries or of what the axes name themselves."""
+    """A legend below all axes, of these entries or of what the axes name themselves; none where that is nothing."""
+    if entries is None and not any(axes.get_legend_handles_labels()[1] for axes in figure.axes):
+        return
     handles = {} if entries is None else {"handles": entries}
     figure.legend(loc="outside lower center", ncols=columns, frameon=False, **handles, **style)
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from functools import cached_property
@@ -51,6 +50,7 @@ from nonsmooth.reports.output.prose import listed, paragraph, with_formulas
 from nonsmooth.reports.simulations.paths import follow_system
 from nonsmooth.reports.simulations.phase_portrait import PhasePortrait
 from nonsmooth.reports.simulations.simulate_options import SimulateOptions
+from nonsmooth.symbolic.formula_text import tidied
 from nonsmooth.symbolic.formulas import symbol_latex
 from nonsmooth.symbolic.number_text import float_text, place_text
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
@@ -161,6 +161,8 @@ def system_section(subject: SystemSubject) -> Section:
         blocks.append(paragraph("At every point the field is a mixture of these {}:", str(len(members))))
     elif system.others:
         blocks.append(paragraph("The field is any of these {}, or a mixture, at any time:", str(len(members))))
+    if system.overlaps:
+        blocks.append(paragraph("They differ only where tables of regions overlap: each takes another table first."))
     shown = tidied if system.written else str  # formulas of the user stay as they are
     blocks += [_formulas(system.states, [shown(rhs.text) for rhs in member.rhs]) for member in members]
     return Section("The system", (*blocks, where))
@@ -321,7 +323,7 @@ def leading_section(subject: SystemSubject) -> Section:
         "Near the point the fields are looked at to leading order on the tangent cones of their cells, where solutions "
         "of the homogeneous field turn and grow by functions of the direction alone; what follows for them holds for "
         "the system. Here, {}: {}.",
-        leading.reason,
+        found.reason,
         str(leading.verdict),
     )
     rows: list[list[Entry]] = [
@@ -470,55 +472,3 @@ def _term(coefficients: list[Summand], powers: list[str]) -> Summand:
     (only,) = coefficients
     shown = [only.latex] * (only.latex != "1" or not powers)
     return Summand(only.negative, "", " ".join([*shown, *powers]))
-
-
-# ---- right-hand sides that the program wrote -----------------------------------------------------
-
-
-def tidied(text: str) -> str:
-    """A formula without signs, parentheses, factors and summands that change nothing.
-
-    ``(((1*((+ (v)) - (+ (v))**3/6 + 0*(+ (v))**5/120)) - (w)))`` becomes ``v - v**3/6 - w``.
-
-    Args:
-        text: a formula that was accepted before; it is read as Python's grammar reads it, and not evaluated.
-    """
-    tree = _Tidier().visit(ast.parse(text.strip(), mode="eval"))
-    shown = ast.unparse(tree)
-    for operator in ("**", "*", "/"):
-        shown = shown.replace(f" {operator} ", operator)
-    return shown
-
-
-class _Tidier(ast.NodeTransformer):
-    """Leaves out ``+v``, ``1*v``, ``0*v`` and zeros that are added."""
-
-    def visit_UnaryOp(self, node: ast.UnaryOp) -> ast.AST:
-        self.generic_visit(node)
-        if isinstance(node.op, ast.UAdd) or _is(node.operand, 0):
-            return node.operand
-        return node
-
-    def visit_BinOp(self, node: ast.BinOp) -> ast.AST:
-        self.generic_visit(node)
-        left, right = node.left, node.right
-        match node.op:
-            case ast.Mult() if _is(left, 0) or _is(right, 0):
-                return ast.Constant(0)
-            case ast.Mult() if _is(left, 1):
-                return right
-            case ast.Mult() | ast.Div() if _is(right, 1):
-                return left
-            case ast.Div() if _is(left, 0):
-                return left
-            case ast.Add() if _is(left, 0):
-                return right
-            case ast.Add() | ast.Sub() if _is(right, 0):
-                return left
-            case ast.Sub() if _is(left, 0):
-                return ast.UnaryOp(ast.USub(), right)
-        return node
-
-
-def _is(node: ast.expr, value: int) -> bool:
-    return isinstance(node, ast.Constant) and node.value == value and not isinstance(node.value, bool)

@@ -111,9 +111,12 @@ class OrbitResult(Result):
         value, error = self.multipliers[nearest], errors[nearest]
         if not math.isfinite(error):
             return "how far its multipliers err could not be measured"
-        return (
+        doubt = (
             f"a multiplier is {_complex_text(value, error)} and may err by {error:.1g}: it is not told apart from one"
         )
+        if len(sizes) > 1:
+            return doubt
+        return f"{doubt}, as of closed orbits around a centre; nonsmooth check may prove that the checked point is one"
 
     def _by_slide(self) -> str:
         """What an orbit that slides all the time does to its neighbours."""
@@ -221,11 +224,11 @@ class OrbitResult(Result):
         pieces = [f"{p.place or 'everywhere'} for {float(p.end - p.start):.6g}" for p in orbit.path.pieces]
         multipliers = ", ".join(map(self._multiplier_text, self.multipliers, self.errors.multipliers))
         enclosed = proof.is_proved
-        said = "proved" if enclosed else "computed, not proved"
+        said = "" if self.stability == "undecided" else ", proved" if enclosed else ", computed, not proved"
         rows = [
             ("period", self._period_text + (f", proved {_ball(proof.period)}" if enclosed else "")),
             ("multipliers", multipliers + (f", proved {_ball(proof.multiplier)}" if enclosed else "")),
-            ("stability", f"{self.stability}, {said}: {self.reason}"),
+            ("stability", f"{self.stability}{said}: {self.reason}"),
             ("through", point),
             ("turn", "; ".join(pieces)),
         ]

@@ -220,12 +220,21 @@ def settled_record(scene: Scene, body: Settled) -> dict[str, Any]:
 def system_end(system: SwitchedSystem, path: Trajectory) -> tuple[dict[str, Any], str]:
     """The record and the sentence of a path of a plain system."""
     end = ending(path)
-    away = [float(value) - float(point) for value, point in zip(path.end.state, system.check.equilibrium, strict=True)]
-    distance = math.hypot(*away)
-    near = distance <= AT_POINT * float(system.check.radius)
-    place = "at the checked point" if near else f"{float_text(distance, DIGITS)} from the checked point"
+    distance = _distance(system, path.end.state)
+    away = f"{float_text(distance, DIGITS)} from the checked point"
+    place = "at the checked point" if is_at_point(system, path.end.state) else away
     motion = f"{end.motion.value} at {float_text(end.speed, DIGITS)}"
     if end.since is not None:
         motion = f"at rest since t = {float_text(end.since, DIGITS)}"
     record = end.record() | {"distance": distance}
     return {key: value for key, value in record.items() if key != "turning"}, f"ends {place}, {motion}"
+
+
+def is_at_point(system: SwitchedSystem, state: Sequence[Any]) -> bool:
+    """Whether a state of a path is the checked point, to rounding."""
+    return _distance(system, state) <= AT_POINT * float(system.check.radius)
+
+
+def _distance(system: SwitchedSystem, state: Sequence[Any]) -> float:
+    """From the checked point."""
+    return math.dist(list(map(float, state)), list(map(float, system.check.equilibrium)))

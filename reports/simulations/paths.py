@@ -28,7 +28,7 @@ from nonsmooth.analysis.fields.constant_field import array_field
 from nonsmooth.analysis.fields.kinematics import Kinematics
 from nonsmooth.analysis.fields.sign_field import SignField
 from nonsmooth.analysis.fields.system_field import system_field
-from nonsmooth.analysis.trajectories.result import Trajectory, TrajectoryError
+from nonsmooth.analysis.trajectories.result import EventKind, Trajectory, TrajectoryError
 from nonsmooth.analysis.trajectories.trajectory import simulate
 from nonsmooth.proofs.answers.answer import has_dynamics
 from nonsmooth.proofs.answers.contact_wheels import how_far
@@ -40,7 +40,14 @@ from nonsmooth.reports.output.document import Block, Paragraph, findings
 from nonsmooth.reports.output.files import FILMS, output_path, write_whole
 from nonsmooth.reports.output.progress import steps
 from nonsmooth.reports.output.refusals import OptionError
-from nonsmooth.reports.simulations.path_ends import ArrayPathEnd, pose_text, settled_record, settled_words, system_end
+from nonsmooth.reports.simulations.path_ends import (
+    ArrayPathEnd,
+    is_at_point,
+    pose_text,
+    settled_record,
+    settled_words,
+    system_end,
+)
 from nonsmooth.reports.simulations.simulate_options import POSE, SimulateOptions
 from nonsmooth.reports.studies.result import FORMATS, DataTable, Record, Result, short_lines
 from nonsmooth.symbolic.contact_set import require_no_outline, standing, whole
@@ -139,7 +146,7 @@ class PathResult(Result):
 
     def summary(self) -> str:
         """How many events, and how it ends."""
-        return f"{len(self.trajectory.events)} events, {self.end}"
+        return f"{_counted(len(self.trajectory.events))}, {self.end}"
 
     def written(self, ending: str) -> str:
         """The same, and below it where the path ends, when and how."""
@@ -177,7 +184,7 @@ class PathResult(Result):
         end, path = self.trajectory.end, self.trajectory
         unique = {True: "unique", False: "not unique", None: "uniqueness not known"}[path.unique]
         place = place_text([float(value) for value in end.state], 5)
-        head = f"path of {self.name}, method {path.method}: {len(path.events)} events, {unique}"
+        head = f"path of {self.name}, method {path.method}: {_counted(len(path.events))}, {unique}"
         return short_lines(head, [(f"{end.reason}:", f"{place} at t = {float_text(end.t)}")])
 
     def _events(self) -> list[tuple[str, str]]:
@@ -190,7 +197,7 @@ class PathResult(Result):
             what = f"{event.kind} at {self._place(event.state, 6)}: {event.surface}{note}"
             rows.append((f"t = {float(event.t):.6g}{second}", what))
         if len(events) > SHOWN:
-            rows.append(("...", f"{len(events) - SHOWN} more events"))
+            rows.append(("...", _counted(len(events) - SHOWN, "more ")))
         return [*rows, (f"end, t = {float(end.t):.6g}{second}", f"{self._place(end.state, 10)}: {end.reason}")]
 
     def _place(self, state: Sequence[Any], digits: int) -> str:
@@ -199,6 +206,11 @@ class PathResult(Result):
             return pose_text(self.scene.units, state, digits)
         values = [f"{float(value):.{digits}g}" for value in state]
         return ", ".join(f"{name} = {value}" for name, value in zip(self.states, values, strict=True))
+
+
+def _counted(number: int, more: str = "") -> str:
+    """``1 event``, ``2 events``, ``3 more events``."""
+    return f"{number} {more}event{'' if number == 1 else 's'}"
 
 
 # ---- plain systems -------------------------------------------------------------------------------
@@ -264,7 +276,26 @@ def follow_system(system: SwitchedSystem, options: SimulateOptions) -> SystemPat
     """
     start = options.place(system.stated_states)
     field = system_field(system, start)
-    return SystemPath(system, field, _by_method(field, start, options))
+    return SystemPath(system, field, _without_refuted_doubts(system, _by_method(field, start, options)))
+
+
+def _without_refuted_doubts(system: SwitchedSystem, path: Trajectory) -> Trajectory:
+    """The same path, unique where it is only doubted whether another solution leaves a point that is proved stable.
+
+    A solution that starts at a stable point stays there: it is as near to it as one likes.
+    """
+    doubted = [event for event in path.events if event.kind is EventKind.NONUNIQUE]
+    if path.unique is not None or not doubted or not all(is_at_point(system, event.state) for event in doubted):
+        return path
+    from nonsmooth.proofs.system_decision import decide_system  # most paths need no proof
+
+    try:
+        if decide_system(system).exit_status:
+            return path
+    except SceneError:
+        return path
+    certain = tuple(event for event in path.events if event.kind is not EventKind.NONUNIQUE)
+    return replace(path, events=certain, unique=True)
 
 
 def _by_method(field: Any, start: tuple[float, ...], options: SimulateOptions) -> Trajectory:

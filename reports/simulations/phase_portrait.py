@@ -120,7 +120,7 @@ class PhasePortrait(Result):
 
     def summary(self) -> str:
         """How many cells, and the verdict on the checked point."""
-        return f"{len(self.cells)} cells, {self.stability.verdict}"
+        return f"{len(self.cells)} cells (cut along the axes, too), {self.stability.verdict}"
 
     def draw(self, ax: Axes) -> None:
         """Field lines, nullclines, borders, and the V that proves stability with its region."""

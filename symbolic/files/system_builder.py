@@ -25,7 +25,7 @@ from nonsmooth.symbolic.numbers.number import Number
 from nonsmooth.symbolic.numbers.polynomial import Polynomial
 from nonsmooth.symbolic.piecewise import MAX_TEXT, PiecewiseExpression, parse_piecewise
 from nonsmooth.symbolic.scene_error import SceneError, StatedFact, requirement
-from nonsmooth.symbolic.signed_roots import SignedRoots, find_rooted
+from nonsmooth.symbolic.signed_roots import SignedRoots, rooted_in
 from nonsmooth.symbolic.sine_enclosures import has_waves
 from nonsmooth.symbolic.switched_system import SeenByRoots, SwitchedSystem, SystemCheck
 
@@ -73,7 +73,8 @@ def with_order(system: SwitchedSystem, order: int) -> SwitchedSystem:
     stated = {"states": list(system.states), "rhs": list(map(list, system.written))}
     document = {"name": system.name, "system": stated, "check": {**point, **lyapunov}}
     found = build_system(document, system.source, Path(system.name), order=order)
-    return replace(found, check=replace(found.check, quotient=check.quotient))
+    quotient = replace(found.check, quotient=check.quotient)
+    return replace(found, check=quotient, intervals=system.intervals, overlaps=system.overlaps)
 
 
 def _plain_system(document: SystemDocument, file: str, path: Path, order: int = 0) -> SwitchedSystem:
@@ -106,6 +107,7 @@ def _plain_system(document: SystemDocument, file: str, path: Path, order: int = 
     system = replace(system, denominators=_parsed(sides.denominators, states, file, "system.rhs"), scale=scale)
     by_names = _parsed(sides.named, (*states, *(wave.name for wave in sides.names)), file, "system.rhs")
     system = replace(system, named_rhs=by_names, names=sides.names, order=order)
+    system = replace(system, intervals=tuple(intervals), overlaps=document.system.overlap)
     _require_zero_arguments(system)
     for member in system.members:
         for side in (1, -1):
@@ -156,11 +158,13 @@ def _signed_roots(document: SystemDocument, file: str) -> SignedRoots | None:
     Raises:
         SceneError: for square roots of anything else, and where the name of a root means something else.
     """
-    states, formulas = document.system.states, list(formulas_of(document))
-    try:
-        rooted = find_rooted(formulas, states)
-    except ExpressionError as error:
-        raise SceneError(file, "system.rhs", requirement(error), StatedFact(_received(error))) from None
+    states, found = document.system.states, set[str]()
+    for key, formula in _keyed_formulas(document):
+        try:
+            found |= rooted_in(formula, states)
+        except ExpressionError as error:
+            raise SceneError(file, key, requirement(error), formula) from None
+    rooted = tuple(name for name in states if name in found)
     roots = SignedRoots(states, rooted)
     for name in {*states, *document.system.parameters} & set(roots.names.values()):
         raise SceneError(file, "system.states", "a name that is not that of a square root", name)
@@ -174,10 +178,6 @@ def _seen_by_roots(document: SystemDocument, roots: SignedRoots, file: str, path
     written = tuple(tuple(map(roots.restored, part[: len(roots.states)])) for part in lists)
     unscaled = replace(seen, rhs=unscaled.rhs, others=unscaled.others)  # over the same number field
     return replace(seen, written=written, by_roots=SeenByRoots(roots, extended, unscaled))
-
-
-def _received(error: ExpressionError) -> str:
-    return str(error).partition(", received ")[2]
 
 
 def _whole(document: SystemDocument, texts: Mapping[str, str], file: str) -> tuple[object, ...]:
@@ -294,13 +294,17 @@ def _require_denominator(system: SwitchedSystem, bottom: PiecewiseExpression) ->
 Rewrite = Callable[[object, int], object]  # of the right-hand side of a state
 
 
-def formulas_of(document: SystemDocument) -> Iterator[object]:
-    """Every formula of the states in a document."""
-    yield document.check.lyapunov
-    for side in document.system.rhs or ():
-        yield from side if isinstance(side, list) else (side,)
-    for region in document.region:
-        yield from (*region.where, *region.rhs)
+def _keyed_formulas(document: SystemDocument) -> Iterator[tuple[str, object]]:
+    """Every formula of the states in a document, with its key."""
+    yield "check.lyapunov", document.check.lyapunov
+    for k, side in enumerate(document.system.rhs or (), 1):
+        if isinstance(side, list):
+            yield from ((f"system.rhs[{k}][{j}]", formula) for j, formula in enumerate(side, 1))
+        else:
+            yield f"system.rhs[{k}]", side
+    for k, region in enumerate(document.region, 1):
+        yield from ((f"region[{k}].where[{j}]", guard) for j, guard in enumerate(region.where, 1))
+        yield from ((f"region[{k}].rhs[{j}]", formula) for j, formula in enumerate(region.rhs, 1))
 
 
 def rooted_documents(

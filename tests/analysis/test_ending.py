@@ -50,6 +50,11 @@ def test_slow_and_fast_ends_are_told_apart() -> None:
         assert found.speed == pytest.approx(speed)
 
 
+def test_rounding_of_a_body_that_stands_is_rest() -> None:
+    found = ending(path_of(lambda t: (0.1 + 1e-15 * math.sin(9 * t), 0.0), 2.0))
+    assert (found.motion, found.since) == (EndMotion.AT_REST, 0.0)
+
+
 def test_turning_in_place_is_no_rest() -> None:
     found = ending(path_of(lambda t: (0.0, 0.0, -0.5 * t), 5.0), 0.1, 1.0)
     assert found.motion is EndMotion.MOVING

@@ -79,6 +79,9 @@ def duffing_period(x: float, y: float) -> float:
 @pytest.mark.parametrize("start", starts(1, (0.5, 0.0), (0.01, 0.0), (1.2, 0.1)))
 def test_a_centre_is_undecided_and_its_period_has_the_digits_that_are_right(start: tuple[float, float]) -> None:
     """Also beside the saddle, where the end of a turn is ten thousand times as uncertain as a step."""
+    said = ns.System(PLANE, ["y", "x - x**3"]).orbit(start)
+    assert "closed orbits around a centre; nonsmooth check may prove" in said.reason
+    assert said.words()[2][1].startswith("undecided: ")
     found = orbit(["y", "x - x**3"], start)
     assert found.stability == "undecided"
     assert found.point == pytest.approx(start, abs=1e-12)  # of the family, the orbit that was asked for

@@ -160,6 +160,9 @@ def test_where_there_is_no_orbit_it_says_why() -> None:
         orbit(["x", "y"], ["sign(y)", "-sign(x) - sign(y)/2"], (0.2, 0.3))
     with pytest.raises(OrbitError, match="no return"):
         orbit(["x", "y"], ["1", "sign(y)"], (0.2, 0.3))
+    growing = r"^Newton's method comes to an equilibrium.*turns of the path still grow"
+    with pytest.raises(OrbitError, match=growing):
+        orbit(["x", "y"], ["y", "-x + y/50 - sign(y - 1)/10 - 1/10"], (0.1, 0.0), 40.0)
 
 
 @pytest.mark.parametrize("start", keep(1, [[0.5, 0.2], [1.0, 0.3]]))

@@ -49,7 +49,8 @@ def test_coupled_pendulums() -> None:
     """V is kept along solutions of another integrator."""
     found = find_energy_on_circles(ns.System(list("abuv"), COUPLED).system)
     assert found is not None
-    _, text, _ = found
+    _, text, _, is_kept = found
+    assert is_kept
     z = np.array([0.3, -0.2, 0.1, 0.4])
 
     def rate(z: Any) -> Any:

@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
+import nonsmooth as ns
 from nonsmooth.analysis.cells.switched_cells import square_regions
 from nonsmooth.proofs.findings.verdicts import Translation
 from nonsmooth.proofs.system_audit import AuditVerdict, audit
 from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.proofs.systems.domain import scene_cells
-from nonsmooth.proofs.systems.findings import Method
+from nonsmooth.proofs.systems.findings import KEPT, Method
 from nonsmooth.proofs.systems.invariance import Staying, decide_staying, resting_place
 from nonsmooth.symbolic.files.system_builder import parse_lyapunov
 from tests.thorough import few, keep
@@ -192,3 +193,30 @@ def test_random_oscillators_against_paths(load: Load, seed: int) -> None:
         assert moving
     if lost < 1e-6 or not moving:
         assert found is not Staying.NONE
+
+
+KEPT_V = [
+    ["y", "-x"],
+    ["y", "-x - x**3"],
+    ["y", "-x - sgn(y)*Max(Abs(y) - 1/4, 0)"],  # inside a dead zone
+    ["y", "-sin(x)"],
+    ["y*z", "-2*x*z", "x*y"],  # a body that turns
+]
+NOT_KEPT = [
+    (["y", "-x - Max(y, 0)"], None),  # V falls on one side only
+    (["y", "-x - y**3"], None),
+    (["y", "-2*sign(x) - sign(y)"], "2*Abs(x) + y**2/2"),
+    (["sign(y)", "-sign(x)"], "Abs(x) + Abs(y)"),  # kept, but it bends
+]
+
+
+@pytest.mark.parametrize("rhs", KEPT_V)
+def test_a_v_that_solutions_keep_refutes_attraction(rhs: list[str]) -> None:
+    result = decide_system(ns.System(list("xyz")[: len(rhs)], rhs).system)
+    assert (result.verdict, result.deciding.refutes) == (Translation.STABLE, KEPT)
+
+
+@pytest.mark.parametrize(("rhs", "lyapunov"), NOT_KEPT)
+def test_another_v_does_not(rhs: list[str], lyapunov: str | None) -> None:
+    result = decide_system(ns.System(["x", "y"], rhs, lyapunov=lyapunov).system)
+    assert not any(own.refutes == KEPT for own in result.findings)

@@ -57,6 +57,17 @@ def test_random_systems_against_paths(load: Load, generate: Callable[[int], Swit
 # ---- by hand -------------------------------------------------------------------------------------
 
 
+def test_bounds_with_the_same_digits_are_said_once() -> None:
+    assert str(TurnGrowth(1, "2", "2", 1)).endswith("by a factor of 2, rounded")
+    assert str(TurnGrowth(1, "2", "3", 1)).endswith("by a factor between 2 and 3")
+
+
+def test_the_reason_names_the_states(load: Load) -> None:
+    found = decide_leading_terms(load("y", "-2*sign(x) - sign(y)"))
+    assert found is not None
+    assert found.reason(("p", "v")).endswith("with weights 2 and 1 of p and v")
+
+
 @pytest.mark.parametrize(
     ("first", "second", "expected"),
     [

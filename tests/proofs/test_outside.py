@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import nonsmooth as ns
 from nonsmooth.proofs.checker.basin import Plane
 from nonsmooth.proofs.checker.descriptions import describe
 from nonsmooth.proofs.checker.outside import is_counterclockwise, meet, require_simple, show_outside, winding
@@ -22,7 +23,7 @@ from nonsmooth.proofs.checker.work import RejectedError
 from nonsmooth.proofs.kernel.subject import about
 from nonsmooth.proofs.system_certificates import certificate_of, certificate_text
 from nonsmooth.proofs.systems.basin import EFFORTS, BasinEffort
-from nonsmooth.proofs.systems.basin_rings import FloatField, Pace
+from nonsmooth.proofs.systems.basin_rings import FloatField, Pace, next_ring
 from nonsmooth.proofs.systems.outer_ring import find_outer_ring, other_rests, ring_of
 from nonsmooth.reports.checks.check import check_system
 from nonsmooth.symbolic.files.system_builder import build_system
@@ -58,6 +59,7 @@ def test_what_is_said_of_it() -> None:
     """In words, in JSON, and in a certificate that the checker accepts."""
     record = circle().facts()["basin"]
     assert "no start outside of a polygon of" in record["text"]
+    assert re.search(r"of the starts sampled within -[0-9.]+ <= x <= [0-9.]+, -[0-9.]+ <= y <= ", record["text"])
     assert len(record["outside"]["polygon"]) > 20
     certificate = certificate_of(circle().evidence)
     assert any("outside" in claim for claim in certificate["statement"]["claims"])
@@ -178,6 +180,7 @@ def test_what_is_said_of_a_trap() -> None:
     """Lower and upper shares, polygons in JSON, and a certificate."""
     record = competition().facts()["basin"]
     low, high = (float(own) for own in re.findall(r"so ([0-9.]+) % to ([0-9.]+) % of the sampled", record["text"])[0])
+    assert re.search(r"no start inside of a polygon about \(-?[0-9.]+, -?[0-9.]+\) does", record["text"])
     assert 0 < low < 50 < high < 100  # the true share is about a half
     assert len(record["traps"]) == 1
     certificate = certificate_of(competition().evidence)
@@ -223,3 +226,11 @@ def test_no_other_place_of_rest(rhs: list[str]) -> None:
     surfaces = ["x", "x - 3"] if "sign" in rhs[0] else []
     system = read_subject({"states": ["x", "y"], "rhs": [rhs], "at": ["0", "0"]})
     assert other_rests(FloatField(Plane(system, "1", surfaces, Proofs({}))), 2.0) == []
+
+
+def test_a_ring_that_folds_onto_itself_grows_on() -> None:
+    """The neighbours of one of its points are at the same place."""
+    system = read_subject(about(ns.System(["x", "y"], ["-x", "-y"]).system))
+    field = FloatField(Plane(system, "1", [], Proofs({})))
+    ring = np.array([[1.0, 0.0], [2.0, 0.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
+    assert np.isfinite(next_ring(field, ring, Pace(0.1, 0.1, 0.1), 10.0, 0)).all()

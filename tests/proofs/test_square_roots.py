@@ -18,7 +18,7 @@ from nonsmooth.proofs.system_certificates import certificate_of
 from nonsmooth.proofs.system_decision import decide_system
 from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.scene_error import SceneError
-from nonsmooth.symbolic.switched_system import SwitchedSystem
+from nonsmooth.symbolic.switched_system import SwitchedSystem, require_stated
 from tests.thorough import few, keep, thorough
 
 ATTRACTS, LEAVES, OPEN = Translation.ASYMPTOTICALLY_STABLE, Translation.UNSTABLE, Translation.UNDECIDED
@@ -224,3 +224,17 @@ def test_other_roots_are_refused_in_one_line(rhs: list[str], word: str) -> None:
         built(rhs)
     assert word in str(raised.value)
     assert "\n" not in str(raised.value)
+
+
+def test_an_interval_of_starts_is_that_of_the_state() -> None:
+    """Half of the stated width is that of the root."""
+    result = decide_system(built([f"-{ROOT}"]))
+    assert result.deciding.facts[0].words == "every start with -1/4 < x < 1/4 reaches the equilibrium"
+
+
+def test_a_refusal_names_the_formula_that_holds_the_root() -> None:
+    system = built(["y", f"-{ROOT} - y"])
+    with pytest.raises(SceneError, match=r"system\.rhs\[2\]: .* received '-sqrt\(Abs\(x\)\)\*sgn\(x\) - y'"):
+        require_stated(system)
+    with pytest.raises(SceneError, match=r"check\.lyapunov: required square roots of Abs of a state"):
+        built(["y", "-x - y"], lyapunov="sqrt(1 + x**2) - 1 + y**2")

@@ -155,6 +155,12 @@ def test_a_claim_that_is_not_shown_is_left_out_and_named() -> None:
     assert "no proof was found of rate cell" in line
 
 
+@pytest.mark.parametrize(("force", "why"), [("sign(y)/4", "every point of the ray"), ("0", "solutions near the")])
+def test_that_a_stable_point_does_not_attract_is_left_out_and_named(force: str, why: str) -> None:
+    (line,) = left_out(certified(ns.System(["x", "y"], ["y", f"-x - {force}"])))
+    assert line.startswith(f"the equilibrium does not attract: {why}")
+
+
 def test_irrational_numbers_stand_for_themselves_in_the_plane() -> None:
     record = certificate_of(decide_system(load_system("eq-4")))
     assert claims(record, "stability") == ["asymptotically stable"]

@@ -362,13 +362,13 @@ def test_built_in_systems(name: str, expected: Translation, method: Method) -> N
     [
         ("-x", "-y", {}, Translation.ASYMPTOTICALLY_STABLE, "decreases"),
         ("y", "-x - y", {}, Translation.ASYMPTOTICALLY_STABLE, "decreases"),  # V = |c|^2 does not: another is found
-        ("y", "-x", {}, Translation.STABLE, "not decided"),
+        ("y", "-x", {}, Translation.STABLE, "V' = 0"),
         ("x", "-y", {}, Translation.UNSTABLE, "leaves along the ray through (1, 0)"),
         ("x - y", "x + y", {}, Translation.UNSTABLE, "grows along every solution"),
         ("x/10 - y*(2 + sign(x*y))", "x*(2 - sign(x*y)) + y/10", {}, Translation.ASYMPTOTICALLY_STABLE, "decreases"),
         ("-x/10 - y*(2 - sign(x*y))", "x*(2 + sign(x*y)) - y/10", {}, Translation.UNSTABLE, "grows along every"),
         ("y + x**3", "-x + y**3", {}, Translation.UNSTABLE, "grows along every"),
-        ("y", "-x + x**2", {}, Translation.UNDECIDED, "no Lyapunov function"),  # a centre
+        ("y", "-x + x**2", {}, Translation.STABLE, "orbits near it are closed"),  # a centre
         ("-x**3", "-y**3", {}, Translation.ASYMPTOTICALLY_STABLE, "decreases"),
         ("-x + x**2", "-y", {"radius": "2"}, Translation.ASYMPTOTICALLY_STABLE, "decreases"),  # on a smaller square
         ("-x + sign(x**2 + y)*y", "-y - sign(x**2 + y)*x", {}, Translation.ASYMPTOTICALLY_STABLE, "decreases"),

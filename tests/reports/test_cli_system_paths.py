@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 import pytest
 
+import nonsmooth as ns
 from nonsmooth.reports.cli import app
 from nonsmooth.reports.output.console import run
 from tests.thorough import few, keep
@@ -116,12 +117,21 @@ def test_one_state(follow: Follow) -> None:
     record = follow((["x"], ["-sign(x)"]), "0.75", "--until", "2")
     assert [event["kind"] for event in record["events"]] == ["rest"]
     assert record["events"][0]["t"] == pytest.approx(0.75, abs=ROUNDING)
+    assert ns.System(["x"], ["-sign(x)"]).simulate([0.75], until=2).summary().startswith("1 event, ")
 
 
 def test_repelling_surfaces_are_not_unique(follow: Follow) -> None:
     record = follow((["x", "y"], ["sign(x)", "1"]), "0,0", "--until", "1")
     assert record["unique"] is False
     assert "nonunique" in [event["kind"] for event in record["events"]]
+
+
+def test_no_solution_leaves_a_point_that_is_proved_stable(follow: Follow) -> None:
+    """Surfaces touch at the point, which floats alone leave in doubt."""
+    record = follow((["x", "v"], ["v", "-sgn(2*x + v*Abs(v))"]), "1,0", "--until", "5")
+    assert ([event["kind"] for event in record["events"]], record["unique"]) == (["slide", "rest"], True)
+    record = follow((["x", "v"], ["v", "sgn(2*x - v*Abs(v))"]), "0,0", "--until", "1")
+    assert record["unique"] is not True
 
 
 def test_hysteresis_stays_within_its_width(follow: Follow) -> None:

@@ -190,6 +190,7 @@ def test_the_command(invoke: Invoke, tmp_path: Path, monkeypatch: pytest.MonkeyP
     refused = invoke("check", str(scene), "--region", "best")
     assert refused.status == 2
     assert "required a plain system in two states or more, or an array, for --region" in refused.err
+    assert invoke("check", str(scene), "--region", "none").status == 0
 
 
 def test_the_picture() -> None:

@@ -7,8 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from nonsmooth.reports.sections.plain_system import tidied
+from nonsmooth.proofs.system_facts import rewriting_words
 from nonsmooth.symbolic.files.system_builder import build_system
+from nonsmooth.symbolic.formula_text import tidied
 
 RATES = ["sin(x) - 2*sgn(x + y) - y", "1/4 - (1 - x)*cos(2*x - y) + Abs(y)", "-(x/2 + sin(y + pi/2)) + 10*sin(x)**2"]
 
@@ -38,3 +39,9 @@ def test_values_stay(rate: str) -> None:
         assert len(shown) < len(written)
         first, second = (eval(text, names) for text in (written, shown))  # noqa: S307 - formulas of this file
         assert np.allclose(first, second, rtol=1e-12, atol=1e-12)
+
+
+def test_the_factor_that_clears_fractions_is_tidied() -> None:
+    data = {"system": {"states": ["x", "y"], "rhs": ["y", "-x/(1 + Abs(y))"]}}
+    said = rewriting_words(build_system(data, "t", Path("t.toml")))
+    assert said.startswith("multiplied by (1 + Abs(y))*(1 + Abs(y)), which is positive")

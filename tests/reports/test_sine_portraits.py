@@ -143,3 +143,8 @@ def test_partition_map_and_report(tmp_path: Path, invoke: Invoke) -> None:
 def test_arbitrary_switching_of_sines_has_no_portrait() -> None:
     with pytest.raises(SceneError, match="one right-hand side"):
         PhasePortrait(built([["y", "-sin(x) - y"], ["y", "-2*sin(x) - y"]]))
+
+
+def test_a_picture_with_nothing_to_name_has_no_legend() -> None:
+    """Warnings are errors here: Matplotlib gives one of an empty legend."""
+    assert not PhasePortrait(built(("x", "y"))).figure().legends

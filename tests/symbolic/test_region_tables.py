@@ -12,6 +12,7 @@ import pytest
 
 from nonsmooth.analysis.fields.system_field import system_field
 from nonsmooth.proofs.system_decision import decide_system
+from nonsmooth.proofs.system_facts import rewriting_words
 from nonsmooth.symbolic.files.system_builder import build_system
 from nonsmooth.symbolic.scene_error import SceneError
 from nonsmooth.symbolic.switched_system import SwitchedSystem
@@ -94,6 +95,30 @@ def test_a_verdict_of_overlapping_tables() -> None:
     ]
     assert decide_system(built(tables)).verdict == "asymptotically stable"
     assert decide_system(built(tables, overlap=True)).verdict == "unstable"
+
+
+SINE = {"states": ["x", "y"], "rhs": ["y", "-k*sin(x) - y"], "parameters": {"k": [1, 2]}}
+
+
+@pytest.mark.parametrize(
+    ("system", "words", "refused"),
+    [
+        (
+            built(TABLES[1], overlap=True),
+            "where [[region]] tables overlap any of them acts",
+            r"overlap: required false",
+        ),
+        (
+            build_system({"system": SINE}, "t", Path("t")),
+            "k takes any value of its interval",
+            r"k: required a number",
+        ),
+    ],
+)
+def test_it_is_said_why_there_are_several_right_hand_sides(system: SwitchedSystem, words: str, refused: str) -> None:
+    assert words in rewriting_words(system)
+    with pytest.raises(SceneError, match=refused):
+        system_field(system)
 
 
 RELAY = [{"where": ["x > 0"], "rhs": ["-1", "-y"]}, {"rhs": ["1", "-y"]}]

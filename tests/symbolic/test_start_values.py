@@ -56,10 +56,13 @@ def test_a_float_near_a_multiple_of_pi_stays_that_float() -> None:
     assert read_start_angle(repr(math.pi / 6 + 1e-13)) == math.pi / 6 + 1e-13
 
 
+NUMBERS = "numbers such as 1/3 or sqrt(3)/2"
+
+
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("pi/6", "pi only inside sin and cos or in an angle, received 'pi/6'"),
+        ("pi/6", f"{NUMBERS}, with pi only inside sin and cos or in an angle, received 'pi/6'"),
         ("", "a number or a formula such as \"sqrt(2)/2\", received ''"),
         ("x", "a formula of numbers"),
         ("1/0", "a finite number"),
