@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
-from itertools import product
+from itertools import permutations, product
 from typing import Any
 
-from tests.certificates.forgeries import Forgery, Record
+from tests.certificates.forgeries import Forgery, Path, Record
 
 PLAIN: Record = {"mixture": [{}]}  # evidence of what holds with no guard
 ON_PARTS: Record = {"simplices": [{}, {}]}  # the same in one state, on both halves of the cube, or of the line
@@ -29,15 +29,23 @@ def cube(within: str | None) -> Record:
 
 
 def of_one_state(
-    because: str, rhs: str, claims: list[Record], proofs: Record, hypotheses: Record, theorem: str = "lyapunov"
+    because: str,
+    rhs: str,
+    claims: list[Record],
+    proofs: Any,
+    hypotheses: Record,
+    theorem: str = "lyapunov",
+    subject: Record | None = None,
 ) -> Forgery:
     """A forged certificate about ``x' = rhs``; of theorem ``lyapunov`` with V = x**2 if nothing else is said."""
-    own: Record = {"cells": cube("1"), "function": "x**2", "second": None}
+    own: Record = {"cells": cube("1")}
+    if theorem != "departure":
+        own |= {"function": "x**2", "second": None}
     if theorem == "lyapunov":
         own |= {"verdict": "asymptotically stable", "everywhere": False, "level": None, "below": False, "rate": None}
     data = {
         "version": "nonsmooth-certificate/2",
-        "statement": {"subject": {"states": ["x"], "rhs": [[rhs]], "at": ["0"]}, "claims": claims},
+        "statement": {"subject": subject or {"states": ["x"], "rhs": [[rhs]], "at": ["0"]}, "claims": claims},
         "evidence": [{"theorem": theorem, "hypotheses": {**own, **hypotheses}, "proofs": proofs}],
     }
     return Forgery("one condition", text=((json.dumps(data, separators=(",", ":")), 1),), because=because)
@@ -161,7 +169,123 @@ def of_roots() -> Iterator[Forgery]:
     yield Forgery("one condition", "root-plain", tuple(changes), because="rates in the time of the states")
 
 
+def of_other_roots() -> Iterator[Forgery]:
+    """A state that stays where its root is zero, so that the other one grows: ``x' = -sign(x), y' = y``."""
+    halves: list[Record] = [{}] * 4 + [{"on": ["s0"]}] * 4
+    proofs: Record = {"V .": {"simplices": [{}] * 8}, "cell + field 0": {"simplices": halves}}
+    proofs["cell - field 0"] = {"simplices": halves[::-1]}
+    subject = {"states": ["x", "y"], "rhs": [["-sign(x)", "y"]], "at": ["0", "0"], "roots": ["x"]}
+    hypotheses = {"cells": {**cube("1/2"), "surfaces": ["root_x"]}, "function": "root_x**2 + y**2", "verdict": "stable"}
+    own = of_one_state("a proof of crosses 0 speeds 0 0", "", [STABLE], proofs, hypotheses, subject=subject)
+    yield own
+
+
+def of_evidence() -> Iterator[Forgery]:
+    """Evidence of every kind that shows nothing."""
+
+    def grows(because: str, proof: Record, function: str = "x**2", rhs: str = "x") -> Forgery:
+        return of_one_state(because, rhs, [ATTRACTS], {"V ": ON_PARTS, "cell  field 0": proof}, {"function": function})
+
+    square = {"guards": [], "monomials": [[1]], "gram": [["-2"]]}
+    yield grows("positive semidefinite matrices", {"squares": [[square]]})
+    yield grows("a positive square for cell  field 0", {"squares": [[]]}, rhs="0")
+    yield grows("positive coefficients for cell  field 0", ON_PARTS, rhs="0")
+    turned = {"simplices": [{"on": [{"d0": "-3"}]}, {"on": [{"u0": "-3"}]}]}
+    yield grows("multipliers that are not negative", turned)
+    yield grows("cuts inside an edge", {"simplices": [[0, 1, "2", {}, {}], {}]}, rhs="-x")
+
+    surfaces = {**cube("1"), "surfaces": ["x"]}
+    bends: Record = {"V +": {"simplices": [{}, {"on": ["s0"]}]}, "V -": {"simplices": [{"on": ["s0"]}, {}]}}
+    grown = {"cell + field 0": {"mixture": [{"d0": "-1"}]}, "cell - field 0": {"mixture": [{"u0": "-1"}]}}
+    words = "multipliers of guards, not negative"
+    yield of_one_state(words, "x", [ATTRACTS], {**bends, **grown}, {"cells": surfaces, "function": "Abs(x)"})
+    rate = {"kind": "finite", "kappa": "1/4"}
+    falls = {f"{name}cell {sign} field 0": PLAIN for name in ("", "rate ") for sign in "+-"}
+    claims: list[Record] = [ATTRACTS, {"rate": {"function": "Abs(x)", "within": None, **rate}}]
+    own: Record = {"cells": {**surfaces, "within": None}, "function": "Abs(x)", "rate": rate}
+    words = "a mixture that is bounded for cell + field 0"
+    yield of_one_state(words, "x/2 - sign(x)", claims, {**bends, **falls}, own)
+
+    names = [f"x{k}" for k in range(5)]
+    subject = {"states": names, "rhs": [[f"-{name}" for name in names]], "at": ["0"] * 5}
+    whole: Record = {"simplices": [{}] * 32}
+    own = {"cells": cube(None), "function": " + ".join(f"{name}**2" for name in names)}
+    proofs = {"V ": whole, "cell  field 0": whole}
+    yield of_one_state("simplices in at most 4 variables", "", [ATTRACTS], proofs, own, subject=subject)
+
+
+def of_pairs() -> Iterator[Forgery]:
+    """Pairs of fields that are not looked at, or where several surfaces vanish."""
+    proof: Path = ["evidence", 0, "proofs", "face 0+"]
+    yield Forgery("one condition", "relays-2", ((proof, {"pairs": [{}, {}]}),), because="evidence of face 0+ pair 0 1")
+    shown = []
+    for (x, _), (other, _) in permutations(product((1, -1), repeat=2), 2):
+        part: Record = {} if x > other else {"on": ["sp" if x < other else "sq" if x > 0 else "sp"]}
+        shown.append({"simplices": [part, {"on": ["s2"]}]})
+    proof = ["evidence", 0, "proofs", "face 00+"]
+    yield Forgery("one condition", "relays-3", ((proof, {"pairs": shown}),), because="one function mu")
+
+
+def of_further_functions() -> Iterator[Forgery]:
+    """Bounds that are negative, and places where all functions stay constant."""
+
+    def bounded(because: str, rhs: str, proof: Record, bound: list[Any]) -> Forgery:
+        second = {"functions": [], "zeros": {"cell  field 0": bound}}
+        proofs = {"V ": ON_PARTS, "cell  field 0": proof}
+        return of_one_state(because, rhs, [ATTRACTS], proofs, {"second": second})
+
+    yield bounded("positive factors of a bound", "0", ON_PARTS, [["-1", [["x", 2]]]])
+    yield bounded("even powers, or signed surfaces, in a bound", "-1", PLAIN, [["2", [["x", 1]]]])
+    yield bounded("nothing that stays on cell  field 0", "0", PLAIN, [["1", [["0", 2]]]])
+    second: Record = {"functions": [], "zeros": []}
+    yield of_one_state("bounds by the names of claims", "-x", [ATTRACTS], FALLS, {"second": second})
+
+
+def of_cells() -> Iterator[Forgery]:
+    """Systems and cells that are none, or too many."""
+
+    def leaves(because: str, subject: Record, cells: Record | None = None, proofs: Any = None) -> Forgery:
+        own = {"states": ["x"], "rhs": [["1"]], "at": ["0"], **subject}
+        ahead = {"cells": cells or cube(None), "direction": ["1"] * len(own["states"])}
+        return of_one_state(because, "", [UNSTABLE], proofs or {}, ahead, "departure", own)
+
+    nine = {"states": [f"x{k}" for k in range(9)], "rhs": [["1"] * 9], "at": ["0"] * 9}
+    yield leaves("1 to 8 states", nine)
+    yield leaves("states with different names", {"states": ["x", "x"], "rhs": [["1", "1"]], "at": ["0", "0"]})
+    yield leaves("a right-hand side", {"rhs": []})
+    root = {"name": "r", "polynomial": ["-2", "0", "1"], "above": "0"}
+    yield leaves("names of numbers that are no states", {"numbers": [{**root, "name": "x"}]})
+    yield leaves("numbers with different names", {"numbers": [root, root]})
+    many = {**cube(None), "surfaces": [f"x - {k}" for k in range(10)]}
+    yield leaves("at most 1000 cells", {}, many)
+    words = "right-hand sides with at most 5 sines and cosines"
+    yield of_one_state(words, f"-x{' + 0*sin(x)' * 6}", [ATTRACTS], FALLS, {})
+    pieces = ["evidence", 0, "hypotheses", "function"]
+    words = "a sign or a dot for each surface"
+    yield Forgery("one condition", "one-relay-1", ((pieces, [["", "x**2"]]),), because=words)
+
+
+def of_pieces() -> Iterator[Forgery]:
+    """Functions that jump, or are not looked at on both parts of where ``x**2 > 1/16``."""
+    beyond: Record = {"simplices": [[0, 1, "1/2", {"on": ["s0"]}, {}], {"on": ["s0"]}]}
+    proofs = {"V +": beyond, "V -": ON_PARTS, "cell + field 0": ON_PARTS, "cell - field 0": ON_PARTS}
+    jumps = {"function": [["+", "x**2 - 1/8"], ["-", "x**2"]], "cells": {**cube("1"), "surfaces": ["x - 1/2"]}}
+    yield of_one_state("functions that are continuous", "-x", [ATTRACTS], proofs, jumps)
+
+    surfaces = ["x**2 - 1/16", "x", "x - 1/8"]
+    cells = {**cube("1"), "surfaces": surfaces, "empty": [".-+", "++-"]}
+    proofs = {f"cell {signs} field 0": ON_PARTS for signs in ("+++", "-++", "-+-", "---", "+--")}
+    proofs |= {"V +..": ON_PARTS, "V -..": ON_PARTS, "empty .-+": {"mixture": [{"s1": "1"}]}}
+    proofs["empty ++-"] = {"simplices": [[0, 1, "1/4", {"on": ["s0"]}, {}], {"on": ["s1"]}]}
+    parts = [["+++", "x**2"], ["-..", "x**2"], ["+--", "2*x**2 - 1/16"]]
+    words = "functions that bend on their surfaces alone"
+    yield of_one_state(words, "-x", [ATTRACTS], proofs, {"cells": cells, "function": parts})
+
+
 def conditions() -> Iterator[Forgery]:
     """All of them."""
-    for kind in (of_lyapunov, of_gain, of_quotients, of_proper, of_instability, of_roots):
+    for kind in (
+        *(of_lyapunov, of_gain, of_quotients, of_proper, of_instability, of_roots, of_other_roots),
+        *(of_evidence, of_pairs, of_further_functions, of_cells, of_pieces),
+    ):
         yield from kind()
