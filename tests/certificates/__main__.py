@@ -13,6 +13,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from nonsmooth.proofs.checker.statements import refusal
+from tests.certificates.array_conditions import array_conditions
 from tests.certificates.arrays import ARRAY_KINDS, array_certificates, array_texts
 from tests.certificates.cases import cases
 from tests.certificates.conditions import conditions
@@ -37,7 +38,7 @@ def write(*, arrays_only: bool) -> None:
     if not arrays_only:
         forged_anyway = [*texts(), *conditions()]
         write_part(((case.name, case.certificate()) for case in cases()), BAD, KINDS, forged_anyway, EACH)
-    write_part(array_certificates(), BAD_ARRAYS, ARRAY_KINDS, array_texts(), EACH_ARRAY)
+    write_part(array_certificates(), BAD_ARRAYS, ARRAY_KINDS, [*array_texts(), *array_conditions()], EACH_ARRAY)
 
 
 def write_part(

@@ -17,6 +17,7 @@ from nonsmooth.proofs.checker.descriptions import describe
 from nonsmooth.proofs.checker.files import check_file
 from nonsmooth.proofs.checker.statements import OF_ARRAYS, THEOREMS, refusal
 from nonsmooth.proofs.checker.theorem4 import CLAUSES
+from tests.certificates.array_conditions import array_conditions
 from tests.certificates.cases import GROUPS, cases
 from tests.certificates.conditions import conditions
 from tests.certificates.corpus import (
@@ -81,10 +82,10 @@ def test_forged_ones_are_rejected(part: int) -> None:
 
 def test_every_condition_refuses_alone() -> None:
     """What a checker without it would accept; and the corpus holds these files."""
-    kept = [own for own in bad_certificates() if own.because]
-    assert kept == list(conditions())
+    kept = [own for own in (*bad_certificates(), *bad_arrays()) if own.because]
+    assert kept == [*conditions(), *array_conditions()]
     for own in kept:
-        assert forged(own, good_certificates()) == own.because
+        assert forged(own, good_certificates() | good_arrays()) == own.because
 
 
 WITHOUT_WORDS = {"array-omni-3-nearest", "array-mecanum-4-nearest"}  # in version 1: rows without friction
