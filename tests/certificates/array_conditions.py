@@ -34,7 +34,7 @@ def of_clauses() -> Iterator[Forgery]:
     arrival: Record = {"squared_radius": None, "rate": "1"}
     yield of_array(words, FOUR, {"disc": None, "arrival": arrival}, hypothesis("disc", None))
     words = "a disc of starts, and a body that rests at the point without turning"
-    turning = {"squared_radius": "1/4", "per_distance": "1"}
+    turning: Record = {"squared_radius": "1/4", "per_distance": "1"}
     yield of_array(words, FOUR, {"turning": turning}, hypothesis("turn", "1"))
     turning = {"squared_radius": None, "per_distance": "0"}
     changes = hypothesis("disc", None), hypothesis("turn", "0")
