@@ -6,6 +6,7 @@ Laws of one rule under the other one are refused in any case, but by other words
 from __future__ import annotations
 
 from collections.abc import Iterator
+from fractions import Fraction
 from typing import Any
 
 from tests.array_certificates import said
@@ -164,7 +165,52 @@ def of_array_cells() -> Iterator[Forgery]:
     )
 
 
+def scaled(points: list[list[str]], factor: int) -> list[list[str]]:
+    """Corners with rational places so many times as far from the point."""
+    return [[str(factor * Fraction(x)), str(factor * Fraction(y)), w] for x, y, w in points]
+
+
+def of_ellipses() -> Iterator[Forgery]:
+    """Ellipses about the point that reach beyond the cells or the wheels, hold no disc, or are left ever faster."""
+    points = good_arrays()[f"array-{FOUR}"]["evidence"][0]["hypotheses"]["points"]
+    larger = (([*SUBJECT, "radius"], "3"), hypothesis("points", scaled(points, 6)))
+    for words, size, changes in (
+        ("an ellipse inside the cells at the point", "1/2", ()),
+        ("an ellipse in the support polygon", "4", larger),
+    ):
+        swing = {"squared_radius": size, "squared_swing": size}
+        ellipse = {**swing, "form": ["1", "0", "1"], "level": size, "bend": "0", "arrival": None}
+        yield of_array(words, FOUR, {"swing": swing}, hypothesis("ellipse", ellipse), *changes)
+
+    name = "cocircular-16"
+    own = good_arrays()[f"array-{name}"]["evidence"][0]["hypotheses"]["ellipse"]
+    words = "an ellipse that holds the disc of starts"
+    yield of_array(words, name, {}, hypothesis("ellipse", {**own, "level": "0"}))
+    slow = {**own["arrival"], "speeds": ["1/3", *own["arrival"]["speeds"][1:]], "rate": "1/4"}
+    claims = {"arrival": {"squared_radius": own["squared_radius"], "rate": "1/4"}}
+    words = "positive speeds, the largest first"
+    yield of_array(words, name, claims, hypothesis("ellipse", {**own, "arrival": slow}))
+
+
+def of_basins() -> Iterator[Forgery]:
+    """Meshes of arrays beyond the wheels."""
+    name = "four-wheel-basin"
+    where: Path = ["evidence", 1, "hypotheses"]
+    points = good_arrays()[f"array-{name}"]["evidence"][1]["hypotheses"]["points"]
+    wide = ([*where, "within"], "3"), ([*where, "points"], scaled(points, 6))
+    yield of_array("a square in the support polygon", name, {}, *wide)
+
+
 def array_conditions() -> Iterator[Forgery]:
     """All of them."""
-    for kind in (of_clauses, of_feedback, of_wheels_in_a_line, of_law, of_tolerances, of_array_cells):
+    for kind in (
+        of_clauses,
+        of_feedback,
+        of_wheels_in_a_line,
+        of_law,
+        of_tolerances,
+        of_array_cells,
+        of_ellipses,
+        of_basins,
+    ):
         yield from kind()

@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from itertools import permutations, product
 from typing import Any
 
+from tests.certificates.corpus import good_certificates
 from tests.certificates.forgeries import Forgery, Path, Record
 
 PLAIN: Record = {"mixture": [{}]}  # evidence of what holds with no guard
@@ -28,6 +29,18 @@ def cube(within: str | None) -> Record:
     return {"within": within, "surfaces": [], "empty": []}
 
 
+def of_subject(
+    because: str, subject: Record, claims: list[Record], theorem: str, hypotheses: Record, proofs: Any
+) -> Forgery:
+    """A forged certificate of one theorem."""
+    data = {
+        "version": "nonsmooth-certificate/2",
+        "statement": {"subject": subject, "claims": claims},
+        "evidence": [{"theorem": theorem, "hypotheses": hypotheses, "proofs": proofs}],
+    }
+    return Forgery("one condition", text=((json.dumps(data, separators=(",", ":")), 1),), because=because)
+
+
 def of_one_state(
     because: str,
     rhs: str,
@@ -43,12 +56,8 @@ def of_one_state(
         own |= {"function": "x**2", "second": None}
     if theorem == "lyapunov":
         own |= {"verdict": "asymptotically stable", "everywhere": False, "level": None, "below": False, "rate": None}
-    data = {
-        "version": "nonsmooth-certificate/2",
-        "statement": {"subject": subject or {"states": ["x"], "rhs": [[rhs]], "at": ["0"]}, "claims": claims},
-        "evidence": [{"theorem": theorem, "hypotheses": {**own, **hypotheses}, "proofs": proofs}],
-    }
-    return Forgery("one condition", text=((json.dumps(data, separators=(",", ":")), 1),), because=because)
+    about = subject or {"states": ["x"], "rhs": [[rhs]], "at": ["0"]}
+    return of_subject(because, about, claims, theorem, {**own, **hypotheses}, proofs)
 
 
 def of_lyapunov() -> Iterator[Forgery]:
@@ -258,6 +267,8 @@ def of_cells() -> Iterator[Forgery]:
     yield leaves("numbers with different names", {"numbers": [root, root]})
     many = {**cube(None), "surfaces": [f"x - {k}" for k in range(10)]}
     yield leaves("at most 1000 cells", {}, many)
+    unreduced = {"numbers": [root], "at": [[["0", 0, 0]]]}
+    yield leaves("powers below the degree", unreduced)
     words = "right-hand sides with at most 5 sines and cosines"
     yield of_one_state(words, f"-x{' + 0*sin(x)' * 6}", [ATTRACTS], FALLS, {})
     pieces = ["evidence", 0, "hypotheses", "function"]
@@ -282,10 +293,168 @@ def of_pieces() -> Iterator[Forgery]:
     yield of_one_state(words, "-x", [ATTRACTS], proofs, {"cells": cells, "function": parts})
 
 
+def of_escape() -> Iterator[Forgery]:
+    """Solutions that need not leave: other fields, other sets, no mixtures."""
+    rises = {"rises": {"simplices": [{}, {"on": ["sw"]}]}}
+
+    def escapes(because: str, rhs: list[list[str]], proofs: Record, **hypotheses: Any) -> Forgery:
+        names, zero = ["x", "y"][: len(rhs[0])], ["0", "0"][: len(rhs[0])]
+        subject = {"states": names, "rhs": rhs, "at": zero}
+        own = {"within": "1", "surfaces": [], "signs": "", "mixture": [["", 0, "1", zero]], "function": "x"}
+        own |= {"along": [], "barriers": [], "direction": ["1", *zero[1:]], **hypotheses}
+        return of_subject(because, subject, [UNSTABLE], "escape", own, proofs)
+
+    yield escapes("a cube", [["x"]], rises, within=None)
+    words = "linear forms, zero on a subspace"
+    yield escapes(words, [["x*(4*y - 1)", "0"]], rises, along=["y - 1/2"])
+    nothing: Record = {"simplices": [{"on": ["sh"]}] * 8}
+    circle = {"surfaces": ["x**2 + y**2"], "signs": "0", "mixture": [["+", 0, "1", ["1", "0"]]]}
+    words = "a curved surface with a tangent plane at the point"
+    yield escapes(words, [["-y", "x"]], {"beside 0 0": nothing, "rises": nothing}, **circle)
+    other = [["-", 0, "1", ["1"]]]
+    yield escapes("cells beside the subspace", [["-sign(x)"]], {}, surfaces=["x"], signs="+", mixture=other)
+    ahead = {"surfaces": ["x - 1/2"], "signs": "+", "mixture": [["+", 0, "1", ["0"]]]}
+    yield escapes("a proof of surface 0", [["x*sign(x - 1/2)"]], rises, **ahead)
+    pair = [["", 0, "2", ["0"]], ["", 1, "-1", ["0"]]]
+    yield escapes("weight 1", [["-x"], ["-3*x"]], rises, mixture=pair)
+    heavy = [["", 0, "1 + x**2", ["0"]]]
+    yield escapes("a proof of weights", [["x"]], {**rises, "weight 0": ON_PARTS}, mixture=heavy)
+    yield escapes("a function that is zero at the point", [["-x"]], {"rises": ON_PARTS}, function="1 - x**2")
+
+
+def of_choice() -> Iterator[Forgery]:
+    """Fields that are no mixture of the right-hand sides ``-x`` and ``-3*x``, or are no fields of the system."""
+    subject: Record = {"states": ["x"], "rhs": [["-x"], ["-3*x"]], "at": ["0"]}
+    own = {"cells": cube("1"), "function": "-(x**2)", "second": None, "direction": ["1"]}
+    for because, surface in (("a number from -1 to 1", ["3"]), ("well-formed data, not a SyntaxError", "1)*3*(1")):
+        choice = {"surface": surface, "first": 0, "second": 1}
+        hypotheses = {"choice": choice, "theorem": "instability", "hypotheses": own}
+        yield of_subject(because, subject, [UNSTABLE], "choice", hypotheses, {"cell  field 0": ON_PARTS})
+    ahead = {"theorem": "departure", "hypotheses": {"cells": cube(None), "direction": ["1"]}}
+    nested: Any = 0
+    for _ in range(5):
+        nested = {"surface": ["1"], "first": nested, "second": 0}
+    for because, rhs, chosen in (
+        ("at most 4 nested choices", [["1"]], nested),
+        ("fields that are exact: no sines and cosines", [["1"], ["sin(x)"]], 0),
+    ):
+        yield of_subject(because, {**subject, "rhs": rhs}, [UNSTABLE], "choice", {"choice": chosen, **ahead}, {})
+
+
+def of_circles() -> Iterator[Forgery]:
+    """Angles whose sines are not those of whole multiples, and a V that is not zero at the point."""
+    eight: Record = {"simplices": [{}] * 8}
+    proofs: Record = {"V ": eight, "cell  field 0": eight}
+
+    def turns(
+        because: str, rhs: str, shown: Record | None = None, v: str = "sin_x**2 + cos_x**2", **own: Any
+    ) -> Forgery:
+        subject = {"states": ["x"], "rhs": [[rhs]], "at": ["0"], **own}
+        hypotheses = {"angles": ["x"], "cells": cube("1"), "function": v}
+        return of_subject(because, subject, [STABLE], "circles", hypotheses, shown or proofs)
+
+    yield turns("sines and cosines of sums of multiples of angles", "-sin(x + 1)")
+    yield turns("whole multiples of angles", "4*sin(x/2) - sin(x)")
+    yield turns("formulas in the states", "-sin(x) + 0*sin_x")
+    yield turns("a V that is zero at the point", "1", {"V ": PLAIN, "cell  field 0": PLAIN}, "1")
+    yield turns("no roots beside angles", "-sin(x)", roots=["x"])
+
+
+def of_reflections() -> Iterator[Forgery]:
+    """Springs of which two act in turn, or gain; other mirrors, and no square."""
+    eight: Record = {"simplices": [{}] * 8}
+    still = {f"{name} field 0": eight for name in ("turns ", "rises ", "falls ")}
+
+    def reversed_by(because: str, rhs: list[list[str]], proofs: Record, **hypotheses: Any) -> Forgery:
+        subject = {"states": ["x", "y"], "rhs": rhs, "at": ["0", "0"]}
+        own: Record = {"cells": cube("1"), "function": "x**2 + y**2", "factor": "-3"}
+        own |= {"mirror": [["1", "0"], ["0", "-1"]], **hypotheses}
+        return of_subject(because, subject, [STABLE], "reversible", own, {"V ": eight, **proofs})
+
+    two = {**still, **{f"{name} field 1": eight for name in ("turns ", "rises ", "falls ")}}
+    words = "one right-hand side in two states, without roots"
+    yield reversed_by(words, [["y", "-x"], ["y", "-4*x"]], two)
+    yield reversed_by("a factor that is not zero", [["y", "-x"]], still, factor="0")
+    whole: Record = {name: {"simplices": [{}] * 4} for name in ("V ", *still)}
+    whole |= {f"{name} field 0": eight for name in ("turns ", "rises ", "falls ")}  # these are about the square anyway
+    yield reversed_by("a square, and lines through the point", [["y", "-x"]], whole, cells=cube(None))
+    yield reversed_by("a reflection", [["x + y", "y - x"]], still, mirror=[["0", "0"]] * 2)
+    words = "sines and cosines of what the reflection keeps, up to its sign"
+    yield reversed_by(words, [["y", "-x + 0*sin(x + y)"]], still)
+
+
+def of_polygons() -> Iterator[Forgery]:
+    """Polygons into which starts come, or that do not hold the point."""
+    square = ["8 -8", "8 8", "-8 8", "-8 -8"]
+
+    def outside(because: str, rhs: list[str], corners: list[str], surfaces: list[str], **own: Any) -> Forgery:
+        about: Record = {"unit": "1/4", "corners": corners, **own}
+        subject = {"states": ["x", "y"], "rhs": [rhs], "at": ["0", "0"]}
+        return of_subject(because, subject, [{"outside": about}], "outside", {**about, "surfaces": surfaces}, {})
+
+    beside = ["12 -4", "12 4", "4 4", "4 -4"]
+    yield outside("the point to the left of the polygon", ["x - 2", "y"], beside, [])
+    away = "velocities that lead to the right at"
+    yield outside(f"{away} ((8, -8), (8, 8))", ["x*(y**2 - 1)", "y*(x**2 - 1)"], square, [])
+    turned = [f"{name}*sign(4 - x - y)" for name in "xy"]
+    yield outside(f"{away} ((8, 8),)", turned, square, ["4 - x - y"])
+    yield outside("two whole numbers in a text", ["x", "y"], ["+8 -8", *square[1:]], [])
+    yield outside("a unit of lengths", ["x", "y"], square, [], unit=None)
+    yield outside("sines and cosines of affine functions", ["x + 0*sin(x*y)", "y"], square, [])
+    yield outside("sines and cosines that are not multiplied by each other", ["x + sin(x)*sin(y)/9", "y"], square, [])
+    numbers: Path = ["statement", "subject", "numbers"]
+    root = {"name": "r", "polynomial": ["-2", "0", "1"], "above": "0"}
+    for name, words in (("outside-plain-square", "a polygon"), ("basin-plain-1", "a mesh")):
+        yield Forgery("one condition", name, ((numbers, [root]),), because=f"rational numbers, for {words}")
+
+
+def of_meshes() -> Iterator[Forgery]:
+    """Meshes whose border is not in the level set, that overlap themselves, or are none."""
+    hypotheses: Path = ["evidence", 0, "hypotheses"]
+    claims: Path = ["statement", "claims"]
+    mesh = good_certificates()["basin-plain-1"]["evidence"][0]["hypotheses"]["mesh"]
+
+    def changed(because: str, *changes: tuple[Path, Any]) -> Forgery:
+        return Forgery("one condition", "basin-plain-1", changes, because=because)
+
+    def meshed(because: str, **own: Any) -> Forgery:
+        other = {**mesh, **own}
+        return changed(because, ([*hypotheses, "mesh"], other), ([*claims, 2, "attracts", "mesh"], other))
+
+    low = [([*hypotheses, "local", "level"], "1/64"), ([*claims, 1, "attracts", "below"], "1/64")]
+    yield changed("a border in the level set, or at the level: (1, 0)", *low)
+    quarter = [([*hypotheses, "local", "denominator"], "1/4"), ([*claims, 1, "attracts", "denominator"], "1/4")]
+    proof: tuple[Path, Any] = (["evidence", 0, "proofs", "denominator"], {"simplices": [{}] * 8})
+    yield changed("a V without a denominator beside a mesh", *quarter, proof)
+    one = [([*hypotheses, "below"], True), ([*claims, 2, "attracts", "below"], True)]
+    yield changed("a level that is a whole number", *one)
+    yield meshed("a simplex", triangles=[])
+    words = "sides of one simplex to the left, and of one to the right"
+    yield meshed(words, triangles=[*mesh["triangles"], mesh["triangles"][0]])
+    yield meshed("3 whole numbers in a text", corners=[f"{mesh['corners'][0]} 0", *mesh["corners"][1:]])
+    turned = [" ".join(reversed(own.split())) for own in mesh["triangles"]]
+    yield meshed("simplices of positive size", triangles=turned)
+
+
+def of_names_of_roots() -> Iterator[Forgery]:
+    """Roots that are none, or not rational at the point."""
+    roots: Path = ["statement", "subject", "roots"]
+    yield Forgery("one condition", "one-linear-1", ((roots, []),), because="roots of different states")
+    ahead = {"cells": cube(None), "direction": ["1", "0"]}
+    subject: Record = {"states": ["x", "root_x"], "rhs": [["1", "1"]], "at": ["0", "0"], "roots": ["x"]}
+    yield of_subject("names of roots that are no states", subject, [UNSTABLE], "departure", ahead, {})
+    subject = {"states": ["x"], "rhs": [["1 - sqrt(Abs(x))"]], "at": ["2"], "roots": ["x"]}
+    cells = {"within": "1/2", "surfaces": ["root_x + 1"], "empty": ["-"]}
+    proofs = {"V .": ON_PARTS, "cell + field 0": ON_PARTS, "empty -": PLAIN}
+    own = {"cells": cells, "function": "root_x**2"}
+    yield of_one_state("a point whose roots are rational", "", [ATTRACTS], proofs, own, subject=subject)
+
+
 def conditions() -> Iterator[Forgery]:
     """All of them."""
     for kind in (
         *(of_lyapunov, of_gain, of_quotients, of_proper, of_instability, of_roots, of_other_roots),
         *(of_evidence, of_pairs, of_further_functions, of_cells, of_pieces),
+        *(of_escape, of_choice, of_circles, of_reflections, of_polygons, of_meshes, of_names_of_roots),
     ):
         yield from kind()
