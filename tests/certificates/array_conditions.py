@@ -44,6 +44,14 @@ def of_clauses() -> Iterator[Forgery]:
     for name, turn in (("rectangle-box", "0"), (BOX, "-1")):
         turning = {"squared_radius": "1/4", "per_distance": turn}
         yield of_array(words, name, {"turning": turning}, hypothesis("turn", turn))
+    drift: list[Any] = ["0", "0", "1"]
+    words = "a direction in which all velocities at the point lead"
+    yield of_array(words, "off-center-nearest", {"drift": drift}, hypothesis("drift", drift))
+    quarters = {"weights": ["1/4", "0", "1/4", "0", "0", "1/4", "0", "1/4"], "multipliers": ["0", "0", "0", "1"]}
+    still = [([*PROOFS, name], quarters) for name in ("lowest", "highest")]
+    claims = {"drift": drift, "rotation": "stable, not attractive", "theorem 4": "fails"}
+    words = "weights and multipliers of the lowest rate at rest"
+    yield of_array(words, FOUR, claims, hypothesis("drift", drift), *still)
     drift = ["0", "0", "0"]
     yield of_array("a drift over a positive denominator", FOUR, {"drift": drift}, hypothesis("drift", drift))
 

@@ -20,6 +20,7 @@ FALLS: Record = {"V ": ON_PARTS, "cell  field 0": ON_PARTS}
 STABLE: Record = {"stability": "stable"}
 ATTRACTS: Record = {"stability": "asymptotically stable"}
 UNSTABLE: Record = {"stability": "unstable"}
+NOWHERE: Record = {"V ": PLAIN, "cell  field 0": PLAIN}
 EVERYWHERE: Record = {"attracts": "everywhere"}
 NO_FUNCTIONS: Record = {"functions": [], "zeros": {}}
 
@@ -71,6 +72,7 @@ def of_lyapunov() -> Iterator[Forgery]:
     rests = {"V ": ON_PARTS, "cell  field 0": PLAIN}
     borders = {"border  +0": PLAIN, "border  -0": PLAIN}
     stable = {"verdict": "stable"}
+    yield of_one_state("a mixture that is not negative, for V ", "x", [STABLE], NOWHERE, {**stable, "function": "0"})
     words = "an attracting point"
     yield of_one_state(words, "0", [STABLE, EVERYWHERE], rests, {**stable, "everywhere": True})
     words = "a positive level around a point that attracts"
@@ -79,13 +81,13 @@ def of_lyapunov() -> Iterator[Forgery]:
     yield of_one_state(words, "0", [STABLE, level], {**rests, **borders}, {**stable, "level": "1"})
     in_space = {"attracts": {**about, "within": None, "below": "1"}}
     yield of_one_state(words, "-x", [ATTRACTS, in_space], {**FALLS, **borders}, {"cells": cube(None), "level": "1"})
-    nothing = {"attracts": {**about, "below": "-1"}}
-    yield of_one_state(words, "-x", [ATTRACTS, nothing], {**FALLS, **borders}, {"level": "-1"})
+    nothing = {"attracts": {**about, "below": "0"}}
+    yield of_one_state(words, "-x", [ATTRACTS, nothing], {**FALLS, **borders}, {"level": "0"})
     words = "cones and forms, for the whole space"
     yield of_one_state(words, "x**3 - x", [ATTRACTS, EVERYWHERE], FALLS, {"cells": cube("1/2"), "everywhere": True})
 
     rated = {**FALLS, "rate cell  field 0": ON_PARTS}
-    for rate in ({"kind": "exponential", "kappa": "-1"}, {"kind": "hyperbolic", "kappa": "1"}):
+    for rate in ({"kind": "exponential", "kappa": "0"}, {"kind": "hyperbolic", "kappa": "1"}):
         claims: list[Record] = [ATTRACTS, {"rate": {**about, **rate}}]
         yield of_one_state("a positive rate, finite or exponential", "-x", claims, rated, {"rate": rate})
     rate = {"kind": "exponential", "kappa": "1"}
@@ -132,6 +134,9 @@ def of_quotients() -> Iterator[Forgery]:
     words = "a V that is zero at the point"
     rests = {**proofs, "cell  field 0": PLAIN}
     yield of_one_state(words, "x", [STABLE], rests, {"verdict": "stable", "denominator": "x**2"})
+    zero = {**proofs, "denominator": PLAIN, "cell  field 0": PLAIN}
+    own = {"verdict": "stable", "denominator": "0"}
+    yield of_one_state("a mixture that is not negative, for denominator", "x", [STABLE], zero, own)
     words = "a denominator that is a form, or positive at the point"
     yield of_one_state(words, "-x", [ATTRACTS], proofs, {"function": "x**6", "denominator": "x**2 + x**4"})
 
@@ -154,13 +159,20 @@ def of_instability() -> Iterator[Forgery]:
     """Functions V from which no solution need flee."""
 
     def unstable(because: str, rhs: str, proof: Record, **hypotheses: Any) -> Forgery:
-        proofs = {"cell  field 0": proof} if proof else {}
+        names = ["cell + field 0", "cell - field 0"] if "cells" in hypotheses else ["cell  field 0"]
+        proofs = dict.fromkeys(names, proof) if proof else {}
         return of_one_state(because, rhs, [UNSTABLE], proofs, {"direction": ["1"], **hypotheses}, "instability")
 
     yield unstable("a V that is zero at the point", "-x", ON_PARTS, function="x**2 - 2")
-    yield unstable("a cube", "x", ON_PARTS, function="-(x**2)", cells=cube(None))
+    words = "a V that is negative in the direction"
+    yield unstable(words, "-x", ON_PARTS, function="x**2")
+    yield unstable(words, "-sign(x)", PLAIN, function="Abs(x)", cells={**cube("1"), "surfaces": ["x"]})
+    yield unstable("a mixture that is not negative, for cell  field 0", "0", PLAIN, function="-(x**2)")
+    outward = {"cells": {**cube(None), "surfaces": ["x"]}, "function": "-Abs(x)"}
+    yield unstable("a cube", "sign(x)", PLAIN, **outward)
     words = "a positive speed, and no further functions"
     yield unstable(words, "-x**3/2", PLAIN, function="-(x**2)", speed="-1")
+    yield unstable(words, "0", PLAIN, function="-(x**2)", speed="0")
     yield unstable(words, "x**3/2", PLAIN, function="-(x**2)", speed="1", second=NO_FUNCTIONS)
     yield unstable("a proof of cell  field 0", "-x**3", {}, function="-(x**2)", speed="1")
 
@@ -274,6 +286,17 @@ def of_cells() -> Iterator[Forgery]:
     pieces = ["evidence", 0, "hypotheses", "function"]
     words = "a sign or a dot for each surface"
     yield Forgery("one condition", "one-relay-1", ((pieces, [["", "x**2"]]),), because=words)
+
+
+def of_faces() -> Iterator[Forgery]:
+    """A V that does not fall where solutions stay on a surface: ``x' = -sign(x), y' = 0``."""
+    above: list[Record] = [{}] * 4 + [{"on": ["s0"]}] * 4
+    proofs: Record = {"V +": {"simplices": above}, "V -": {"simplices": above[::-1]}}
+    proofs |= {"cell + field 0": PLAIN, "cell - field 0": PLAIN}
+    proofs["face 0"] = {"squares": [[], []], "mu": [[["-1", [0]]]]}
+    subject: Record = {"states": ["x", "y"], "rhs": [["-sign(x)", "0"]], "at": ["0", "0"]}
+    own = {"cells": {**cube("1"), "surfaces": ["x"]}, "function": "Abs(x) + y**2"}
+    yield of_one_state("a positive square for face 0", "", [ATTRACTS], proofs, own, subject=subject)
 
 
 def of_pieces() -> Iterator[Forgery]:
@@ -454,7 +477,7 @@ def conditions() -> Iterator[Forgery]:
     """All of them."""
     for kind in (
         *(of_lyapunov, of_gain, of_quotients, of_proper, of_instability, of_roots, of_other_roots),
-        *(of_evidence, of_pairs, of_further_functions, of_cells, of_pieces),
+        *(of_evidence, of_pairs, of_further_functions, of_cells, of_faces, of_pieces),
         *(of_escape, of_choice, of_circles, of_reflections, of_polygons, of_meshes, of_names_of_roots),
     ):
         yield from kind()
