@@ -137,7 +137,11 @@ def of_tolerances() -> Iterator[Forgery]:
     tiny = {**bounds, "radius": f"1/{2**70}"}
     words = "discs of sizes that differ less"
     yield of_array(words, name, {**others, "tolerances": tiny}, alone, exact, (["evidence", 0, "hypotheses"], tiny))
-    yield built("friction in both directions", ([*wheels, 0, "friction"], ["1", "0"]))
+    for friction in (["1", "0"], ["0", "1"]):
+        yield built("friction in both directions", ([*wheels, 0, "friction"], friction))
+    outward = [{**own, "speed": "-1"} for own in good["statement"]["subject"]["wheels"]]
+    yield built("a rate outside the disc", (wheels, outward))
+    yield built("a rate outside the disc", ([*SUBJECT, "tolerances", "heading"], "1/10"))
 
 
 def of_array_cells() -> Iterator[Forgery]:

@@ -86,6 +86,11 @@ def of_lyapunov() -> Iterator[Forgery]:
     words = "cones and forms, for the whole space"
     yield of_one_state(words, "x**3 - x", [ATTRACTS, EVERYWHERE], FALLS, {"cells": cube("1/2"), "everywhere": True})
 
+    halves: Record = {"V .": ON_PARTS, "cell + field 0": {"simplices": [{}, {"on": ["s0"]}]}}
+    halves["cell - field 0"] = {"simplices": [{"on": ["s0"]}, {}]}
+    half: Record = {"cells": {**cube("1/2"), "surfaces": ["x"]}, "everywhere": True}
+    yield of_one_state(words, "-x + x**3*(1 + sign(x))/2", [ATTRACTS, EVERYWHERE], halves, half)
+
     rated = {**FALLS, "rate cell  field 0": ON_PARTS}
     for rate in ({"kind": "exponential", "kappa": "0"}, {"kind": "hyperbolic", "kappa": "1"}):
         claims: list[Record] = [ATTRACTS, {"rate": {**about, **rate}}]
@@ -213,6 +218,11 @@ def of_evidence() -> Iterator[Forgery]:
     yield grows("positive coefficients for cell  field 0", ON_PARTS, rhs="0")
     turned = {"simplices": [{"on": [{"d0": "-3"}]}, {"on": [{"u0": "-3"}]}]}
     yield grows("multipliers that are not negative", turned)
+    added = {"simplices": [{"on": [{"d0": "3"}]}, {"on": [{"u0": "3"}]}]}
+    yield grows("coefficients that are not negative, for cell  field 0", added)
+    yield grows("a guard that is negative, for cell  field 0", {"simplices": [{"on": ["u0"]}] * 2})
+    flat = {"guards": [], "monomials": [[1]], "gram": [["0"]]}
+    yield grows("a positive square for cell  field 0", {"squares": [[flat]]}, rhs="0")
     yield grows("cuts inside an edge", {"simplices": [[0, 1, "2", {}, {}], {}]}, rhs="-x")
 
     surfaces = {**cube("1"), "surfaces": ["x"]}
@@ -235,6 +245,29 @@ def of_evidence() -> Iterator[Forgery]:
     yield of_one_state("simplices in at most 4 variables", "", [ATTRACTS], proofs, own, subject=subject)
 
 
+def of_squares() -> Iterator[Forgery]:
+    """Sums of squares that vanish beside the point, or are none."""
+    inside = {"guards": ["s0"], "monomials": [[1]], "gram": [["2"]]}  # x' = 0 at 1/2
+    proofs: Record = {"V .": ON_PARTS, "border . +0": PLAIN, "border . -0": PLAIN}
+    proofs |= {f"cell {sign} field 0": {"squares": [[inside]]} for sign in "+-"}
+    claims = [ATTRACTS, {"attracts": {"function": "x**2", "within": "1", "below": "1"}}]
+    own: Record = {"cells": {**cube("1"), "surfaces": ["x - 1/2"]}, "level": "1"}
+    words = "a positive square for cell + field 0"
+    yield of_one_state(words, "-x*Abs(x - 1/2)", claims, proofs, own)
+
+    eight: Record = {"simplices": [{}] * 8}
+    own = {"function": "x**2 + y**2"}
+    for because, rhs, verdict, monomials, gram in (
+        ("a positive square for cell  field 0", ["-x", "0"], ATTRACTS, [[1, 0]], [["2"]]),
+        ("positive semidefinite matrices", ["-y", "-x"], STABLE, [[1, 0], [0, 1]], [["0"], ["2", "0"]]),
+    ):
+        square = {"guards": [], "monomials": monomials, "gram": gram}
+        proofs = {"V ": eight, "cell  field 0": {"squares": [[square]]}}
+        subject: Record = {"states": ["x", "y"], "rhs": [rhs], "at": ["0", "0"]}
+        stated = {**own, "verdict": verdict["stability"]}
+        yield of_one_state(because, "", [verdict], proofs, stated, subject=subject)
+
+
 def of_pairs() -> Iterator[Forgery]:
     """Pairs of fields that are not looked at, or where several surfaces vanish."""
     proof: Path = ["evidence", 0, "proofs", "face 0+"]
@@ -255,9 +288,11 @@ def of_further_functions() -> Iterator[Forgery]:
         proofs = {"V ": ON_PARTS, "cell  field 0": proof}
         return of_one_state(because, rhs, [ATTRACTS], proofs, {"second": second})
 
-    yield bounded("positive factors of a bound", "0", ON_PARTS, [["-1", [["x", 2]]]])
+    yield bounded("positive factors of a bound", "0", PLAIN, [["0", [["x", 2]]]])
     yield bounded("even powers, or signed surfaces, in a bound", "-1", PLAIN, [["2", [["x", 1]]]])
     yield bounded("nothing that stays on cell  field 0", "0", PLAIN, [["1", [["0", 2]]]])
+    words = "zeros of a bound that can be solved for a variable"  # x' = 0 at 1/2, too
+    yield bounded(words, "-x*(1 - 2*x)**2", PLAIN, [["2", [["x - 2*x**2", 2]]]])
     second: Record = {"functions": [], "zeros": []}
     yield of_one_state("bounds by the names of claims", "-x", [ATTRACTS], FALLS, {"second": second})
 
@@ -297,6 +332,23 @@ def of_faces() -> Iterator[Forgery]:
     subject: Record = {"states": ["x", "y"], "rhs": [["-sign(x)", "0"]], "at": ["0", "0"]}
     own = {"cells": {**cube("1"), "surfaces": ["x"]}, "function": "Abs(x) + y**2"}
     yield of_one_state("a positive square for face 0", "", [ATTRACTS], proofs, own, subject=subject)
+
+
+def of_points() -> Iterator[Forgery]:
+    """Solutions that come to rest at 1/2, where V bends and has the value 1/8."""
+    parts = {"---": "-x", "+--": "x", "++-": "3/8 - x/2", "+++": "x - 3/8"}
+    surfaces = ["x", "x - 1/4", "x - 1/2"]
+    rhs = "-sign(x)*sign(x - 1/4)*sign(x - 1/2)"
+    function = [[signs, v] for signs, v in parts.items()]
+    proofs: Record = {"empty -+.": {"mixture": [{"s0": "1"}]}, "empty .-+": {"mixture": [{"s1": "1"}]}}
+    proofs |= {f"cell {signs} field 0": PLAIN for signs in parts}
+    proofs |= {"V ---": {"simplices": [{"on": ["s0"]}, {}]}, "V +--": {"simplices": [{}, {"on": ["s0"]}]}}
+    proofs |= {"V ++-": {"mixture": [{"s2": "1/2"}]}, "V +++": {"mixture": [{"s2": "1"}]}}
+    proofs |= {"face +0-": {"simplices": [{"mu": [["1/2"]]}]}, "face ++0": {"simplices": [{"mu": [["-1"]]}]}}
+    proofs |= {"border +++ +0": PLAIN, "border --- -0": PLAIN}
+    own: Record = {"cells": {"within": "1", "surfaces": surfaces, "empty": ["-+.", ".-+"]}, "function": function}
+    claims = [ATTRACTS, {"attracts": {"function": function, "within": "1", "surfaces": surfaces, "below": "1/2"}}]
+    yield of_one_state("positive coefficients for face +0-", rhs, claims, proofs, {**own, "level": "1/2"})
 
 
 def of_pieces() -> Iterator[Forgery]:
@@ -477,7 +529,7 @@ def conditions() -> Iterator[Forgery]:
     """All of them."""
     for kind in (
         *(of_lyapunov, of_gain, of_quotients, of_proper, of_instability, of_roots, of_other_roots),
-        *(of_evidence, of_pairs, of_further_functions, of_cells, of_faces, of_pieces),
+        *(of_evidence, of_squares, of_pairs, of_further_functions, of_cells, of_faces, of_points, of_pieces),
         *(of_escape, of_choice, of_circles, of_reflections, of_polygons, of_meshes, of_names_of_roots),
     ):
         yield from kind()
