@@ -390,6 +390,9 @@ def of_escape() -> Iterator[Forgery]:
     yield escapes("cells beside the subspace", [["-sign(x)"]], {}, surfaces=["x"], signs="+", mixture=other)
     ahead = {"surfaces": ["x - 1/2"], "signs": "+", "mixture": [["+", 0, "1", ["0"]]]}
     yield escapes("a proof of surface 0", [["x*sign(x - 1/2)"]], rises, **ahead)
+    behind = {"surfaces": ["x"], "signs": "-", "mixture": [["-", 0, "1", ["0"]]]}
+    yield escapes("a proof of surface 0", [["-sign(x)"]], {}, **behind)
+    yield escapes("rises", [["0"]], {})
     pair = [["", 0, "2", ["0"]], ["", 1, "-1", ["0"]]]
     yield escapes("weight 1", [["-x"], ["-3*x"]], rises, mixture=pair)
     heavy = [["", 0, "1 + x**2", ["0"]]]
