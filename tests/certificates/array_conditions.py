@@ -197,6 +197,12 @@ def of_ellipses() -> Iterator[Forgery]:
     own = good_arrays()[f"array-{name}"]["evidence"][0]["hypotheses"]["ellipse"]
     words = "an ellipse that holds the disc of starts"
     yield of_array(words, name, {}, hypothesis("ellipse", {**own, "level": "0"}))
+    words = "a bound of what the rotation adds to V"
+    yield of_array(words, name, {}, hypothesis("ellipse", {**own, "bend": f"-{own['bend']}"}))
+    arrival = {"squared_radius": own["squared_radius"], "rate": "-1/4"}
+    back = {**own, "arrival": {**own["arrival"], "rate": "-1/4"}}
+    words = "a rate at which bodies arrive"
+    yield of_array(words, name, {"arrival": arrival}, hypothesis("ellipse", back))
     slow = {**own["arrival"], "speeds": ["1/3", *own["arrival"]["speeds"][1:]], "rate": "1/4"}
     claims = {"arrival": {"squared_radius": own["squared_radius"], "rate": "1/4"}}
     words = "positive speeds, the largest first"
