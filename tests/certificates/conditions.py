@@ -303,12 +303,13 @@ def of_cells() -> Iterator[Forgery]:
     def leaves(because: str, subject: Record, cells: Record | None = None, proofs: Any = None) -> Forgery:
         own = {"states": ["x"], "rhs": [["1"]], "at": ["0"], **subject}
         ahead = {"cells": cells or cube(None), "direction": ["1"] * len(own["states"])}
-        return of_one_state(because, "", [UNSTABLE], proofs or {}, ahead, "departure", own)
+        return of_one_state(because, "", [UNSTABLE], {} if proofs is None else proofs, ahead, "departure", own)
 
     nine = {"states": [f"x{k}" for k in range(9)], "rhs": [["1"] * 9], "at": ["0"] * 9}
     yield leaves("1 to 8 states", nine)
     yield leaves("states with different names", {"states": ["x", "x"], "rhs": [["1", "1"]], "at": ["0", "0"]})
     yield leaves("a right-hand side", {"rhs": []})
+    yield leaves("proofs by name", {}, proofs=[])
     root = {"name": "r", "polynomial": ["-2", "0", "1"], "above": "0"}
     yield leaves("names of numbers that are no states", {"numbers": [{**root, "name": "x"}]})
     yield leaves("numbers with different names", {"numbers": [root, root]})
