@@ -18,7 +18,7 @@ from .formulas import MAX_WAVES, NAME, Formula, WaveAt, parsed, series, waves_in
 from .polynomials import Coefficient, Polynomial, are_coprime, constant, solve, variable
 from .positivity import Claim, Inequality, Proofs, cube_guards, identity
 from .tower import Field, Number
-from .work import BUDGET, items, rational, require, take, text, whole
+from .work import BUDGET, RejectedError, items, rational, require, take, text, whole
 
 MIN_STATES, MAX_STATES = 1, 8
 MAX_FIELDS, MAX_SURFACES, MAX_CELLS, MAX_EMPTY = 64, 64, 1_000, 2_000
@@ -157,8 +157,7 @@ class Domain:
 
 def no_switching(value: Polynomial) -> int:
     """Surfaces are polynomials: no formula of one may ask for a sign."""
-    require(False, "surfaces without switching")
-    raise AssertionError
+    raise RejectedError("surfaces without switching")
 
 
 class Surfaces:

@@ -23,7 +23,7 @@ from fractions import Fraction
 from typing import Any, TypeAlias
 
 from .polynomials import Polynomial, constant
-from .work import BUDGET, MAX_DIGITS, require, text
+from .work import BUDGET, MAX_DIGITS, RejectedError, require, text
 
 MAX_DEPTH, MAX_WAVES = 60, 5
 WAVES = ("sin", "cos")
@@ -110,8 +110,7 @@ class Formula:
                 require(not waves_in(*node.args), "no sine or cosine inside a switching function")
                 values = [self._value(argument, sign_of, depth - 1) for argument in node.args]
                 return switched(node.func.id, values, sign_of)  # type: ignore[attr-defined]
-        require(False, "formulas of sums, products, powers and switching functions")
-        raise AssertionError
+        raise RejectedError("formulas of sums, products, powers and switching functions")
 
     def _number(self, node: ast.Constant) -> Fraction:
         own = self.text[node.col_offset : node.end_col_offset]
@@ -141,8 +140,7 @@ class Formula:
 
 def no_sign(value: Polynomial) -> int:
     """What a sine or cosine is of may ask for no sign."""
-    require(False, "sines and cosines of polynomials")
-    raise AssertionError
+    raise RejectedError("sines and cosines of polynomials")
 
 
 def parsed(data: Any) -> ast.expr:

@@ -79,9 +79,9 @@ class Lyapunov:
     def require_below(self, level: Fraction) -> None:
         """Ask everything, but what concerns the border of the cube, of points with ``V < level`` alone.
 
-        The inequalities are closed, so that they hold where V is the level; but there they need not be strict.
+        The inequalities are closed, so that they hold where V is the level; but there they need not be strict.  Whoever
+        states starts below the level requires that it is positive, on a cube.
         """
-        require(self.bounded and level > 0, "a positive level on a cube")
         self.below, self.border = level, "sl"
 
     # -- one claim each

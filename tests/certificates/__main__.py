@@ -9,12 +9,14 @@ from __future__ import annotations
 import json
 import random
 import sys
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from nonsmooth.proofs.checker.statements import refusal
+from tests.certificates.array_conditions import array_conditions
 from tests.certificates.arrays import ARRAY_KINDS, array_certificates, array_texts
 from tests.certificates.cases import cases
+from tests.certificates.conditions import conditions
 from tests.certificates.corpus import BAD, BAD_ARRAYS, GOOD, PREFIX, Record, forged, text_of
 from tests.certificates.forgeries import KINDS, Forgery, Kinds, forgeries, texts
 from tests.certificates.inclusion import contradiction
@@ -34,18 +36,19 @@ def write(*, arrays_only: bool) -> None:
     for old in GOOD.glob(f"{PREFIX}*.json" if arrays_only else "*.json"):
         old.unlink()
     if not arrays_only:
-        write_part(((case.name, case.certificate()) for case in cases()), BAD, KINDS, texts, EACH)
-    write_part(array_certificates(), BAD_ARRAYS, ARRAY_KINDS, array_texts, EACH_ARRAY)
+        forged_anyway = [*texts(), *conditions()]
+        write_part(((case.name, case.certificate()) for case in cases()), BAD, KINDS, forged_anyway, EACH)
+    write_part(array_certificates(), BAD_ARRAYS, ARRAY_KINDS, [*array_texts(), *array_conditions()], EACH_ARRAY)
 
 
 def write_part(
     certificates: Iterable[tuple[str, Record]],
     file: Path,
     kinds: Kinds,
-    texts_of: Callable[[], Iterator[Forgery]],
+    further: Iterable[Forgery],
     each: int,
 ) -> None:
-    """Write good certificates, and so many that are forged of each."""
+    """Write good certificates, so many that are forged of each, and further forged ones."""
     good: dict[str, Record] = {}
     for name, certificate in certificates:
         text = text_of(certificate)
@@ -63,7 +66,7 @@ def write_part(
         for _ in range(each):
             turn += 1
             kept.append(source.choice(by_kind[names[turn % len(names)]]))
-    kept = [own for own in (*kept, *texts_of()) if is_rejected(own, good)]
+    kept = [own for own in (*kept, *further) if is_rejected(own, good)]
     file.write_text("".join(json.dumps(own.record, separators=(",", ":")) + "\n" for own in kept), encoding="utf-8")
     print(f"{len(good)} good, {len(kept)} forged")
 

@@ -56,7 +56,7 @@ def _forged(file: Path) -> tuple[Forgery, ...]:
         own = json.loads(line)
         changes = tuple((path, value) for path, value in own.get("changes", ()))
         text = tuple((piece, times) for piece, times in own.get("text", ()))
-        found.append(Forgery(own["kind"], own.get("of", ""), changes, text))
+        found.append(Forgery(own["kind"], own.get("of", ""), changes, text, own.get("because", "")))
     return tuple(found)
 
 

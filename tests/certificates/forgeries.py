@@ -26,19 +26,20 @@ class Forgery:
         of: the name of the good certificate that it was; empty where it is a text of its own.
         changes: paths, each with its new value.
         text: pieces of a text, each with the number of times that it is repeated.
+        because: the words with which it is refused, where it is made for these.
     """
 
     kind: str
     of: str = ""
     changes: tuple[tuple[Path, Any], ...] = ()
     text: tuple[tuple[str, int], ...] = ()
+    because: str = ""
 
     @property
     def record(self) -> Record:
         """As the corpus keeps it."""
-        if self.text:
-            return {"kind": self.kind, "text": self.text}
-        return {"kind": self.kind, "of": self.of, "changes": self.changes}
+        own = {"text": self.text} if self.text else {"of": self.of, "changes": self.changes}
+        return {"kind": self.kind, **own, **({"because": self.because} if self.because else {})}
 
     def document(self, good: Record) -> Record:
         """The forged certificate."""

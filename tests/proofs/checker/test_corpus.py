@@ -17,7 +17,9 @@ from nonsmooth.proofs.checker.descriptions import describe
 from nonsmooth.proofs.checker.files import check_file
 from nonsmooth.proofs.checker.statements import OF_ARRAYS, THEOREMS, refusal
 from nonsmooth.proofs.checker.theorem4 import CLAUSES
+from tests.certificates.array_conditions import array_conditions
 from tests.certificates.cases import GROUPS, cases
+from tests.certificates.conditions import conditions
 from tests.certificates.corpus import (
     GOOD,
     bad_arrays,
@@ -76,6 +78,14 @@ def test_forged_ones_are_rejected(part: int) -> None:
         assert why, own.record
         assert "\n" not in why
     assert len(bad_certificates()) > 1_000
+
+
+def test_every_condition_refuses_alone() -> None:
+    """What a checker without it would accept; and the corpus holds these files."""
+    kept = [own for own in (*bad_certificates(), *bad_arrays()) if own.because]
+    assert kept == [*conditions(), *array_conditions()]
+    for own in kept:
+        assert forged(own, good_certificates() | good_arrays()) == own.because
 
 
 WITHOUT_WORDS = {"array-omni-3-nearest", "array-mecanum-4-nearest"}  # in version 1: rows without friction

@@ -1,0 +1,539 @@
+"""Forged certificates that one condition of the checker refuses, and no other one: each says with which words.
+
+A checker that lacks the condition accepts them.  Of what they state most is false; some are true and not shown, or
+have a form that the specification does not allow.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from itertools import permutations, product
+from typing import Any
+
+from tests.certificates.corpus import good_certificates
+from tests.certificates.forgeries import Forgery, Path, Record
+
+PLAIN: Record = {"mixture": [{}]}  # evidence of what holds with no guard
+ON_PARTS: Record = {"simplices": [{}, {}]}  # the same in one state, on both halves of the cube, or of the line
+FALLS: Record = {"V ": ON_PARTS, "cell  field 0": ON_PARTS}
+STABLE: Record = {"stability": "stable"}
+ATTRACTS: Record = {"stability": "asymptotically stable"}
+UNSTABLE: Record = {"stability": "unstable"}
+NOWHERE: Record = {"V ": PLAIN, "cell  field 0": PLAIN}
+EVERYWHERE: Record = {"attracts": "everywhere"}
+NO_FUNCTIONS: Record = {"functions": [], "zeros": {}}
+
+
+def cube(within: str | None) -> Record:
+    """Cells without surfaces."""
+    return {"within": within, "surfaces": [], "empty": []}
+
+
+def of_subject(
+    because: str, subject: Record, claims: list[Record], theorem: str, hypotheses: Record, proofs: Any
+) -> Forgery:
+    """A forged certificate of one theorem."""
+    data = {
+        "version": "nonsmooth-certificate/2",
+        "statement": {"subject": subject, "claims": claims},
+        "evidence": [{"theorem": theorem, "hypotheses": hypotheses, "proofs": proofs}],
+    }
+    return Forgery("one condition", text=((json.dumps(data, separators=(",", ":")), 1),), because=because)
+
+
+def of_one_state(
+    because: str,
+    rhs: str,
+    claims: list[Record],
+    proofs: Any,
+    hypotheses: Record,
+    theorem: str = "lyapunov",
+    subject: Record | None = None,
+) -> Forgery:
+    """A forged certificate about ``x' = rhs``; of theorem ``lyapunov`` with V = x**2 if nothing else is said."""
+    own: Record = {"cells": cube("1")}
+    if theorem != "departure":
+        own |= {"function": "x**2", "second": None}
+    if theorem == "lyapunov":
+        own |= {"verdict": "asymptotically stable", "everywhere": False, "level": None, "below": False, "rate": None}
+    about = subject or {"states": ["x"], "rhs": [[rhs]], "at": ["0"]}
+    return of_subject(because, about, claims, theorem, {**own, **hypotheses}, proofs)
+
+
+def of_lyapunov() -> Iterator[Forgery]:
+    """Verdicts, starts that attract and rates that theorem ``lyapunov`` does not show."""
+    yield of_one_state("a verdict", "-x", [UNSTABLE], FALLS, {"verdict": "unstable"})
+    for key in ("everywhere", "below"):
+        yield of_one_state("everywhere and below as true or false", "-x", [ATTRACTS], FALLS, {key: 0})
+    words = "further functions where the point attracts"
+    yield of_one_state(words, "-x", [STABLE], FALLS, {"verdict": "stable", "second": NO_FUNCTIONS})
+
+    rests = {"V ": ON_PARTS, "cell  field 0": PLAIN}
+    borders = {"border  +0": PLAIN, "border  -0": PLAIN}
+    stable = {"verdict": "stable"}
+    yield of_one_state("a mixture that is not negative, for V ", "x", [STABLE], NOWHERE, {**stable, "function": "0"})
+    words = "an attracting point"
+    yield of_one_state(words, "0", [STABLE, EVERYWHERE], rests, {**stable, "everywhere": True})
+    words = "a positive level around a point that attracts"
+    about = {"function": "x**2", "within": "1"}
+    level = {"attracts": {**about, "below": "1"}}
+    yield of_one_state(words, "0", [STABLE, level], {**rests, **borders}, {**stable, "level": "1"})
+    in_space = {"attracts": {**about, "within": None, "below": "1"}}
+    yield of_one_state(words, "-x", [ATTRACTS, in_space], {**FALLS, **borders}, {"cells": cube(None), "level": "1"})
+    nothing = {"attracts": {**about, "below": "0"}}
+    yield of_one_state(words, "-x", [ATTRACTS, nothing], {**FALLS, **borders}, {"level": "0"})
+    words = "cones and forms, for the whole space"
+    yield of_one_state(words, "x**3 - x", [ATTRACTS, EVERYWHERE], FALLS, {"cells": cube("1/2"), "everywhere": True})
+
+    halves: Record = {"V .": ON_PARTS, "cell + field 0": {"simplices": [{}, {"on": ["s0"]}]}}
+    halves["cell - field 0"] = {"simplices": [{"on": ["s0"]}, {}]}
+    half: Record = {"cells": {**cube("1/2"), "surfaces": ["x"]}, "everywhere": True}
+    yield of_one_state(words, "-x + x**3*(1 + sign(x))/2", [ATTRACTS, EVERYWHERE], halves, half)
+
+    rated = {**FALLS, "rate cell  field 0": ON_PARTS}
+    for rate in ({"kind": "exponential", "kappa": "0"}, {"kind": "hyperbolic", "kappa": "1"}):
+        claims: list[Record] = [ATTRACTS, {"rate": {**about, **rate}}]
+        yield of_one_state("a positive rate, finite or exponential", "-x", claims, rated, {"rate": rate})
+    rate = {"kind": "exponential", "kappa": "1"}
+    claims = [ATTRACTS, {"rate": {**about, **rate}}, {"gain": {**about, **rate, "gamma": "-3"}}]
+    yield of_one_state("a positive gain", "-x", claims, {**rated, "gradient ": ON_PARTS}, {"rate": rate, "gain": "-3"})
+
+
+def of_gain() -> Iterator[Forgery]:
+    """A gain where V bends on several surfaces at once: ``|x| + |y| + |z|`` for speeds 1, 2 and 3."""
+    rate = {"kind": "finite", "kappa": "1"}
+    hypotheses = {"rate": rate, "gain": "2"}
+    proofs: Record = {}
+    for signs in product("+-0", repeat=3):
+        name, zeros = "".join(signs), signs.count("0")
+        left = sum(k for k, sign in enumerate(signs, 1) if sign != "0") - 1
+        still = [0] * (3 - zeros)
+        square = {"guards": [], "monomials": [still], "gram": [[str(left)]]}
+        shown = {"squares": [[square]] * 2**zeros, "mu": [[["-1", still]]] * zeros}
+        if zeros in (1, 2):
+            proofs[f"rate face {name}"] = shown
+        elif not zeros:
+            proofs |= {f"rate cell {name} field 0": shown, f"gradient {name}": PLAIN}
+    claim = {"function": "Abs(x) + Abs(y) + Abs(z)", "within": "1", **rate}
+    changes: list[Any] = [(["evidence", 0, "hypotheses", key], own) for key, own in hypotheses.items()]
+    changes += [(["evidence", 0, "proofs", name], own) for name, own in proofs.items()]
+    changes += [
+        (["statement", "claims", 1], {"rate": claim}),
+        (["statement", "claims", 2], {"gain": {**claim, "gamma": "2"}}),
+    ]
+    words = "surfaces on which V bends that meet at the point alone"
+    yield Forgery("one condition", "relays-3", tuple(changes), because=words)
+
+
+def of_quotients() -> Iterator[Forgery]:
+    """Denominators for which V is not zero at the point, or claims of V that are claims of P."""
+    proofs = {"denominator": ON_PARTS, **FALLS}
+    rate = {"kind": "exponential", "kappa": "200"}  # times 100
+    claims: list[Record] = [ATTRACTS, {"rate": {"function": "x**2", "within": "1", "denominator": "100", **rate}}]
+    words = "a quotient without further functions and rates"
+    rated = {**proofs, "rate cell  field 0": PLAIN}
+    yield of_one_state(words, "-x", claims, rated, {"denominator": "100", "rate": rate})
+    yield of_one_state(words, "-x", [ATTRACTS], proofs, {"denominator": "100", "second": NO_FUNCTIONS})
+
+    words = "a V that is zero at the point"
+    rests = {**proofs, "cell  field 0": PLAIN}
+    yield of_one_state(words, "x", [STABLE], rests, {"verdict": "stable", "denominator": "x**2"})
+    zero = {**proofs, "denominator": PLAIN, "cell  field 0": PLAIN}
+    own = {"verdict": "stable", "denominator": "0"}
+    yield of_one_state("a mixture that is not negative, for denominator", "x", [STABLE], zero, own)
+    words = "a denominator that is a form, or positive at the point"
+    yield of_one_state(words, "-x", [ATTRACTS], proofs, {"function": "x**6", "denominator": "x**2 + x**4"})
+
+
+def of_proper() -> Iterator[Forgery]:
+    """Functions V that do not grow, said to show that all starts tend to the point."""
+    yield of_one_state("a proper V for all starts", "-x", [ATTRACTS], FALLS, {"proper": "1"})
+    claims = [ATTRACTS, EVERYWHERE]
+    bounded = {"cells": cube(None), "denominator": "1 + x**2", "everywhere": True}
+    one = {"squares": [[{"guards": [], "monomials": [[0], [1]], "gram": [["1"], ["0", "1"]]}]]}
+    proofs = {**FALLS, "denominator": one}
+    yield of_one_state("a proof of proper ", "-x", claims, proofs, {"proper": "1", **bounded})
+    words = "the whole space, and a positive factor"
+    yield of_one_state(words, "-x", claims, {**proofs, "proper ": ON_PARTS}, {"proper": "-1", **bounded})
+    within = {"cells": cube("1/2"), "everywhere": True, "proper": "1"}
+    yield of_one_state(words, "x**3 - x", claims, {**FALLS, "proper ": ON_PARTS}, within)
+
+
+def of_instability() -> Iterator[Forgery]:
+    """Functions V from which no solution need flee."""
+
+    def unstable(because: str, rhs: str, proof: Record, **hypotheses: Any) -> Forgery:
+        names = ["cell + field 0", "cell - field 0"] if "cells" in hypotheses else ["cell  field 0"]
+        proofs = dict.fromkeys(names, proof) if proof else {}
+        return of_one_state(because, rhs, [UNSTABLE], proofs, {"direction": ["1"], **hypotheses}, "instability")
+
+    yield unstable("a V that is zero at the point", "-x", ON_PARTS, function="x**2 - 2")
+    words = "a V that is negative in the direction"
+    yield unstable(words, "-x", ON_PARTS, function="x**2")
+    yield unstable(words, "-sign(x)", PLAIN, function="Abs(x)", cells={**cube("1"), "surfaces": ["x"]})
+    yield unstable("a mixture that is not negative, for cell  field 0", "0", PLAIN, function="-(x**2)")
+    outward = {"cells": {**cube(None), "surfaces": ["x"]}, "function": "-Abs(x)"}
+    yield unstable("a cube", "sign(x)", PLAIN, **outward)
+    words = "a positive speed, and no further functions"
+    yield unstable(words, "-x**3/2", PLAIN, function="-(x**2)", speed="-1")
+    yield unstable(words, "0", PLAIN, function="-(x**2)", speed="0")
+    yield unstable(words, "x**3/2", PLAIN, function="-(x**2)", speed="1", second=NO_FUNCTIONS)
+    yield unstable("a proof of cell  field 0", "-x**3", {}, function="-(x**2)", speed="1")
+
+
+def of_roots() -> Iterator[Forgery]:
+    """A rate in another time than that of the states."""
+    rate = {"kind": "exponential", "kappa": "2"}
+    claim = {"rate": {"function": "root_x**2", "within": "1", "in": ["root_x"], **rate}}
+    changes: list[Any] = [
+        (["statement", "claims", 1], claim),
+        (["evidence", 0, "hypotheses", "cells", "within"], "1"),
+        (["evidence", 0, "hypotheses", "rate"], rate),
+        *((["evidence", 0, "proofs", f"rate cell {sign} field 0"], PLAIN) for sign in "+-"),
+    ]
+    yield Forgery("one condition", "root-plain", tuple(changes), because="rates in the time of the states")
+
+
+def of_other_roots() -> Iterator[Forgery]:
+    """A state that stays where its root is zero, so that the other one grows: ``x' = -sign(x), y' = y``."""
+    halves: list[Record] = [{}] * 4 + [{"on": ["s0"]}] * 4
+    proofs: Record = {"V .": {"simplices": [{}] * 8}, "cell + field 0": {"simplices": halves}}
+    proofs["cell - field 0"] = {"simplices": halves[::-1]}
+    subject = {"states": ["x", "y"], "rhs": [["-sign(x)", "y"]], "at": ["0", "0"], "roots": ["x"]}
+    hypotheses = {"cells": {**cube("1/2"), "surfaces": ["root_x"]}, "function": "root_x**2 + y**2", "verdict": "stable"}
+    own = of_one_state("a proof of crosses 0 speeds 0 0", "", [STABLE], proofs, hypotheses, subject=subject)
+    yield own
+
+
+def of_evidence() -> Iterator[Forgery]:
+    """Evidence of every kind that shows nothing."""
+
+    def grows(because: str, proof: Record, function: str = "x**2", rhs: str = "x") -> Forgery:
+        return of_one_state(because, rhs, [ATTRACTS], {"V ": ON_PARTS, "cell  field 0": proof}, {"function": function})
+
+    square = {"guards": [], "monomials": [[1]], "gram": [["-2"]]}
+    yield grows("positive semidefinite matrices", {"squares": [[square]]})
+    yield grows("a positive square for cell  field 0", {"squares": [[]]}, rhs="0")
+    yield grows("positive coefficients for cell  field 0", ON_PARTS, rhs="0")
+    turned = {"simplices": [{"on": [{"d0": "-3"}]}, {"on": [{"u0": "-3"}]}]}
+    yield grows("multipliers that are not negative", turned)
+    added = {"simplices": [{"on": [{"d0": "3"}]}, {"on": [{"u0": "3"}]}]}
+    yield grows("coefficients that are not negative, for cell  field 0", added)
+    yield grows("a guard that is negative, for cell  field 0", {"simplices": [{"on": ["u0"]}] * 2})
+    flat = {"guards": [], "monomials": [[1]], "gram": [["0"]]}
+    yield grows("a positive square for cell  field 0", {"squares": [[flat]]}, rhs="0")
+    yield grows("cuts inside an edge", {"simplices": [[0, 1, "2", {}, {}], {}]}, rhs="-x")
+
+    surfaces = {**cube("1"), "surfaces": ["x"]}
+    bends: Record = {"V +": {"simplices": [{}, {"on": ["s0"]}]}, "V -": {"simplices": [{"on": ["s0"]}, {}]}}
+    grown = {"cell + field 0": {"mixture": [{"d0": "-1"}]}, "cell - field 0": {"mixture": [{"u0": "-1"}]}}
+    words = "multipliers of guards, not negative"
+    yield of_one_state(words, "x", [ATTRACTS], {**bends, **grown}, {"cells": surfaces, "function": "Abs(x)"})
+    rate = {"kind": "finite", "kappa": "1/4"}
+    falls = {f"{name}cell {sign} field 0": PLAIN for name in ("", "rate ") for sign in "+-"}
+    claims: list[Record] = [ATTRACTS, {"rate": {"function": "Abs(x)", "within": None, **rate}}]
+    own: Record = {"cells": {**surfaces, "within": None}, "function": "Abs(x)", "rate": rate}
+    words = "a mixture that is bounded for cell + field 0"
+    yield of_one_state(words, "x/2 - sign(x)", claims, {**bends, **falls}, own)
+
+    names = [f"x{k}" for k in range(5)]
+    subject = {"states": names, "rhs": [[f"-{name}" for name in names]], "at": ["0"] * 5}
+    whole: Record = {"simplices": [{}] * 32}
+    own = {"cells": cube(None), "function": " + ".join(f"{name}**2" for name in names)}
+    proofs = {"V ": whole, "cell  field 0": whole}
+    yield of_one_state("simplices in at most 4 variables", "", [ATTRACTS], proofs, own, subject=subject)
+
+
+def of_squares() -> Iterator[Forgery]:
+    """Sums of squares that vanish beside the point, or are none."""
+    inside = {"guards": ["s0"], "monomials": [[1]], "gram": [["2"]]}  # x' = 0 at 1/2
+    proofs: Record = {"V .": ON_PARTS, "border . +0": PLAIN, "border . -0": PLAIN}
+    proofs |= {f"cell {sign} field 0": {"squares": [[inside]]} for sign in "+-"}
+    claims = [ATTRACTS, {"attracts": {"function": "x**2", "within": "1", "below": "1"}}]
+    own: Record = {"cells": {**cube("1"), "surfaces": ["x - 1/2"]}, "level": "1"}
+    words = "a positive square for cell + field 0"
+    yield of_one_state(words, "-x*Abs(x - 1/2)", claims, proofs, own)
+
+    eight: Record = {"simplices": [{}] * 8}
+    own = {"function": "x**2 + y**2"}
+    for because, rhs, verdict, monomials, gram in (
+        ("a positive square for cell  field 0", ["-x", "0"], ATTRACTS, [[1, 0]], [["2"]]),
+        ("positive semidefinite matrices", ["-y", "-x"], STABLE, [[1, 0], [0, 1]], [["0"], ["2", "0"]]),
+    ):
+        square = {"guards": [], "monomials": monomials, "gram": gram}
+        proofs = {"V ": eight, "cell  field 0": {"squares": [[square]]}}
+        subject: Record = {"states": ["x", "y"], "rhs": [rhs], "at": ["0", "0"]}
+        stated = {**own, "verdict": verdict["stability"]}
+        yield of_one_state(because, "", [verdict], proofs, stated, subject=subject)
+
+
+def of_pairs() -> Iterator[Forgery]:
+    """Pairs of fields that are not looked at, or where several surfaces vanish."""
+    proof: Path = ["evidence", 0, "proofs", "face 0+"]
+    yield Forgery("one condition", "relays-2", ((proof, {"pairs": [{}, {}]}),), because="evidence of face 0+ pair 0 1")
+    shown = []
+    for (x, _), (other, _) in permutations(product((1, -1), repeat=2), 2):
+        part: Record = {} if x > other else {"on": ["sp" if x < other else "sq" if x > 0 else "sp"]}
+        shown.append({"simplices": [part, {"on": ["s2"]}]})
+    proof = ["evidence", 0, "proofs", "face 00+"]
+    yield Forgery("one condition", "relays-3", ((proof, {"pairs": shown}),), because="one function mu")
+
+
+def of_further_functions() -> Iterator[Forgery]:
+    """Bounds that are negative, and places where all functions stay constant."""
+
+    def bounded(because: str, rhs: str, proof: Record, bound: list[Any]) -> Forgery:
+        second = {"functions": [], "zeros": {"cell  field 0": bound}}
+        proofs = {"V ": ON_PARTS, "cell  field 0": proof}
+        return of_one_state(because, rhs, [ATTRACTS], proofs, {"second": second})
+
+    yield bounded("positive factors of a bound", "0", PLAIN, [["0", [["x", 2]]]])
+    yield bounded("even powers, or signed surfaces, in a bound", "-1", PLAIN, [["2", [["x", 1]]]])
+    yield bounded("nothing that stays on cell  field 0", "0", PLAIN, [["1", [["0", 2]]]])
+    words = "zeros of a bound that can be solved for a variable"  # x' = 0 at 1/2, too
+    yield bounded(words, "-x*(1 - 2*x)**2", PLAIN, [["2", [["x - 2*x**2", 2]]]])
+    second: Record = {"functions": [], "zeros": []}
+    yield of_one_state("bounds by the names of claims", "-x", [ATTRACTS], FALLS, {"second": second})
+
+
+def of_cells() -> Iterator[Forgery]:
+    """Systems and cells that are none, or too many."""
+
+    def leaves(because: str, subject: Record, cells: Record | None = None, proofs: Any = None) -> Forgery:
+        own = {"states": ["x"], "rhs": [["1"]], "at": ["0"], **subject}
+        ahead = {"cells": cells or cube(None), "direction": ["1"] * len(own["states"])}
+        return of_one_state(because, "", [UNSTABLE], {} if proofs is None else proofs, ahead, "departure", own)
+
+    nine = {"states": [f"x{k}" for k in range(9)], "rhs": [["1"] * 9], "at": ["0"] * 9}
+    yield leaves("1 to 8 states", nine)
+    yield leaves("states with different names", {"states": ["x", "x"], "rhs": [["1", "1"]], "at": ["0", "0"]})
+    yield leaves("a right-hand side", {"rhs": []})
+    yield leaves("proofs by name", {}, proofs=[])
+    root = {"name": "r", "polynomial": ["-2", "0", "1"], "above": "0"}
+    yield leaves("names of numbers that are no states", {"numbers": [{**root, "name": "x"}]})
+    yield leaves("numbers with different names", {"numbers": [root, root]})
+    many = {**cube(None), "surfaces": [f"x - {k}" for k in range(10)]}
+    yield leaves("at most 1000 cells", {}, many)
+    unreduced = {"numbers": [root], "at": [[["0", 0, 0]]]}
+    yield leaves("powers below the degree", unreduced)
+    words = "right-hand sides with at most 5 sines and cosines"
+    yield of_one_state(words, f"-x{' + 0*sin(x)' * 6}", [ATTRACTS], FALLS, {})
+    pieces = ["evidence", 0, "hypotheses", "function"]
+    words = "a sign or a dot for each surface"
+    yield Forgery("one condition", "one-relay-1", ((pieces, [["", "x**2"]]),), because=words)
+
+
+def of_faces() -> Iterator[Forgery]:
+    """A V that does not fall where solutions stay on a surface: ``x' = -sign(x), y' = 0``."""
+    above: list[Record] = [{}] * 4 + [{"on": ["s0"]}] * 4
+    proofs: Record = {"V +": {"simplices": above}, "V -": {"simplices": above[::-1]}}
+    proofs |= {"cell + field 0": PLAIN, "cell - field 0": PLAIN}
+    proofs["face 0"] = {"squares": [[], []], "mu": [[["-1", [0]]]]}
+    subject: Record = {"states": ["x", "y"], "rhs": [["-sign(x)", "0"]], "at": ["0", "0"]}
+    own = {"cells": {**cube("1"), "surfaces": ["x"]}, "function": "Abs(x) + y**2"}
+    yield of_one_state("a positive square for face 0", "", [ATTRACTS], proofs, own, subject=subject)
+
+
+def of_points() -> Iterator[Forgery]:
+    """Solutions that come to rest at 1/2, where V bends and has the value 1/8."""
+    parts = {"---": "-x", "+--": "x", "++-": "3/8 - x/2", "+++": "x - 3/8"}
+    surfaces = ["x", "x - 1/4", "x - 1/2"]
+    rhs = "-sign(x)*sign(x - 1/4)*sign(x - 1/2)"
+    function = [[signs, v] for signs, v in parts.items()]
+    proofs: Record = {"empty -+.": {"mixture": [{"s0": "1"}]}, "empty .-+": {"mixture": [{"s1": "1"}]}}
+    proofs |= {f"cell {signs} field 0": PLAIN for signs in parts}
+    proofs |= {"V ---": {"simplices": [{"on": ["s0"]}, {}]}, "V +--": {"simplices": [{}, {"on": ["s0"]}]}}
+    proofs |= {"V ++-": {"mixture": [{"s2": "1/2"}]}, "V +++": {"mixture": [{"s2": "1"}]}}
+    proofs |= {"face +0-": {"simplices": [{"mu": [["1/2"]]}]}, "face ++0": {"simplices": [{"mu": [["-1"]]}]}}
+    proofs |= {"border +++ +0": PLAIN, "border --- -0": PLAIN}
+    own: Record = {"cells": {"within": "1", "surfaces": surfaces, "empty": ["-+.", ".-+"]}, "function": function}
+    claims = [ATTRACTS, {"attracts": {"function": function, "within": "1", "surfaces": surfaces, "below": "1/2"}}]
+    yield of_one_state("positive coefficients for face +0-", rhs, claims, proofs, {**own, "level": "1/2"})
+
+
+def of_pieces() -> Iterator[Forgery]:
+    """Functions that jump, or are not looked at on both parts of where ``x**2 > 1/16``."""
+    beyond: Record = {"simplices": [[0, 1, "1/2", {"on": ["s0"]}, {}], {"on": ["s0"]}]}
+    proofs = {"V +": beyond, "V -": ON_PARTS, "cell + field 0": ON_PARTS, "cell - field 0": ON_PARTS}
+    jumps = {"function": [["+", "x**2 - 1/8"], ["-", "x**2"]], "cells": {**cube("1"), "surfaces": ["x - 1/2"]}}
+    yield of_one_state("functions that are continuous", "-x", [ATTRACTS], proofs, jumps)
+
+    surfaces = ["x**2 - 1/16", "x", "x - 1/8"]
+    cells = {**cube("1"), "surfaces": surfaces, "empty": [".-+", "++-"]}
+    proofs = {f"cell {signs} field 0": ON_PARTS for signs in ("+++", "-++", "-+-", "---", "+--")}
+    proofs |= {"V +..": ON_PARTS, "V -..": ON_PARTS, "empty .-+": {"mixture": [{"s1": "1"}]}}
+    proofs["empty ++-"] = {"simplices": [[0, 1, "1/4", {"on": ["s0"]}, {}], {"on": ["s1"]}]}
+    parts = [["+++", "x**2"], ["-..", "x**2"], ["+--", "2*x**2 - 1/16"]]
+    words = "functions that bend on their surfaces alone"
+    yield of_one_state(words, "-x", [ATTRACTS], proofs, {"cells": cells, "function": parts})
+
+
+def of_escape() -> Iterator[Forgery]:
+    """Solutions that need not leave: other fields, other sets, no mixtures."""
+    rises = {"rises": {"simplices": [{}, {"on": ["sw"]}]}}
+
+    def escapes(because: str, rhs: list[list[str]], proofs: Record, **hypotheses: Any) -> Forgery:
+        names, zero = ["x", "y"][: len(rhs[0])], ["0", "0"][: len(rhs[0])]
+        subject = {"states": names, "rhs": rhs, "at": zero}
+        own = {"within": "1", "surfaces": [], "signs": "", "mixture": [["", 0, "1", zero]], "function": "x"}
+        own |= {"along": [], "barriers": [], "direction": ["1", *zero[1:]], **hypotheses}
+        return of_subject(because, subject, [UNSTABLE], "escape", own, proofs)
+
+    yield escapes("a cube", [["x"]], rises, within=None)
+    words = "linear forms, zero on a subspace"
+    yield escapes(words, [["x*(4*y - 1)", "0"]], rises, along=["y - 1/2"])
+    nothing: Record = {"simplices": [{"on": ["sh"]}] * 8}
+    circle = {"surfaces": ["x**2 + y**2"], "signs": "0", "mixture": [["+", 0, "1", ["1", "0"]]]}
+    words = "a curved surface with a tangent plane at the point"
+    yield escapes(words, [["-y", "x"]], {"beside 0 0": nothing, "rises": nothing}, **circle)
+    other = [["-", 0, "1", ["1"]]]
+    yield escapes("cells beside the subspace", [["-sign(x)"]], {}, surfaces=["x"], signs="+", mixture=other)
+    ahead = {"surfaces": ["x - 1/2"], "signs": "+", "mixture": [["+", 0, "1", ["0"]]]}
+    yield escapes("a proof of surface 0", [["x*sign(x - 1/2)"]], rises, **ahead)
+    behind = {"surfaces": ["x"], "signs": "-", "mixture": [["-", 0, "1", ["0"]]]}
+    yield escapes("a proof of surface 0", [["-sign(x)"]], {}, **behind)
+    yield escapes("rises", [["0"]], {})
+    pair = [["", 0, "2", ["0"]], ["", 1, "-1", ["0"]]]
+    yield escapes("weight 1", [["-x"], ["-3*x"]], rises, mixture=pair)
+    heavy = [["", 0, "1 + x**2", ["0"]]]
+    yield escapes("a proof of weights", [["x"]], {**rises, "weight 0": ON_PARTS}, mixture=heavy)
+    yield escapes("a function that is zero at the point", [["-x"]], {"rises": ON_PARTS}, function="1 - x**2")
+
+
+def of_choice() -> Iterator[Forgery]:
+    """Fields that are no mixture of the right-hand sides ``-x`` and ``-3*x``, or are no fields of the system."""
+    subject: Record = {"states": ["x"], "rhs": [["-x"], ["-3*x"]], "at": ["0"]}
+    own = {"cells": cube("1"), "function": "-(x**2)", "second": None, "direction": ["1"]}
+    for because, surface in (("a number from -1 to 1", ["3"]), ("well-formed data, not a SyntaxError", "1)*3*(1")):
+        choice = {"surface": surface, "first": 0, "second": 1}
+        hypotheses = {"choice": choice, "theorem": "instability", "hypotheses": own}
+        yield of_subject(because, subject, [UNSTABLE], "choice", hypotheses, {"cell  field 0": ON_PARTS})
+    ahead = {"theorem": "departure", "hypotheses": {"cells": cube(None), "direction": ["1"]}}
+    nested: Any = 0
+    for _ in range(5):
+        nested = {"surface": ["1"], "first": nested, "second": 0}
+    for because, rhs, chosen in (
+        ("at most 4 nested choices", [["1"]], nested),
+        ("fields that are exact: no sines and cosines", [["1"], ["sin(x)"]], 0),
+    ):
+        yield of_subject(because, {**subject, "rhs": rhs}, [UNSTABLE], "choice", {"choice": chosen, **ahead}, {})
+
+
+def of_circles() -> Iterator[Forgery]:
+    """Angles whose sines are not those of whole multiples, and a V that is not zero at the point."""
+    eight: Record = {"simplices": [{}] * 8}
+    proofs: Record = {"V ": eight, "cell  field 0": eight}
+
+    def turns(
+        because: str, rhs: str, shown: Record | None = None, v: str = "sin_x**2 + cos_x**2", **own: Any
+    ) -> Forgery:
+        subject = {"states": ["x"], "rhs": [[rhs]], "at": ["0"], **own}
+        hypotheses = {"angles": ["x"], "cells": cube("1"), "function": v}
+        return of_subject(because, subject, [STABLE], "circles", hypotheses, shown or proofs)
+
+    yield turns("sines and cosines of sums of multiples of angles", "-sin(x + 1)")
+    yield turns("whole multiples of angles", "4*sin(x/2) - sin(x)")
+    yield turns("formulas in the states", "-sin(x) + 0*sin_x")
+    yield turns("a V that is zero at the point", "1", {"V ": PLAIN, "cell  field 0": PLAIN}, "1")
+    yield turns("no roots beside angles", "-sin(x)", roots=["x"])
+
+
+def of_reflections() -> Iterator[Forgery]:
+    """Springs of which two act in turn, or gain; other mirrors, and no square."""
+    eight: Record = {"simplices": [{}] * 8}
+    still = {f"{name} field 0": eight for name in ("turns ", "rises ", "falls ")}
+
+    def reversed_by(because: str, rhs: list[list[str]], proofs: Record, **hypotheses: Any) -> Forgery:
+        subject = {"states": ["x", "y"], "rhs": rhs, "at": ["0", "0"]}
+        own: Record = {"cells": cube("1"), "function": "x**2 + y**2", "factor": "-3"}
+        own |= {"mirror": [["1", "0"], ["0", "-1"]], **hypotheses}
+        return of_subject(because, subject, [STABLE], "reversible", own, {"V ": eight, **proofs})
+
+    two = {**still, **{f"{name} field 1": eight for name in ("turns ", "rises ", "falls ")}}
+    words = "one right-hand side in two states, without roots"
+    yield reversed_by(words, [["y", "-x"], ["y", "-4*x"]], two)
+    yield reversed_by("a factor that is not zero", [["y", "-x"]], still, factor="0")
+    whole: Record = {name: {"simplices": [{}] * 4} for name in ("V ", *still)}
+    whole |= {f"{name} field 0": eight for name in ("turns ", "rises ", "falls ")}  # these are about the square anyway
+    yield reversed_by("a square, and lines through the point", [["y", "-x"]], whole, cells=cube(None))
+    yield reversed_by("a reflection", [["x + y", "y - x"]], still, mirror=[["0", "0"]] * 2)
+    words = "sines and cosines of what the reflection keeps, up to its sign"
+    yield reversed_by(words, [["y", "-x + 0*sin(x + y)"]], still)
+
+
+def of_polygons() -> Iterator[Forgery]:
+    """Polygons into which starts come, or that do not hold the point."""
+    square = ["8 -8", "8 8", "-8 8", "-8 -8"]
+
+    def outside(because: str, rhs: list[str], corners: list[str], surfaces: list[str], **own: Any) -> Forgery:
+        about: Record = {"unit": "1/4", "corners": corners, **own}
+        subject = {"states": ["x", "y"], "rhs": [rhs], "at": ["0", "0"]}
+        return of_subject(because, subject, [{"outside": about}], "outside", {**about, "surfaces": surfaces}, {})
+
+    beside = ["12 -4", "12 4", "4 4", "4 -4"]
+    yield outside("the point to the left of the polygon", ["x - 2", "y"], beside, [])
+    away = "velocities that lead to the right at"
+    yield outside(f"{away} ((8, -8), (8, 8))", ["x*(y**2 - 1)", "y*(x**2 - 1)"], square, [])
+    turned = [f"{name}*sign(4 - x - y)" for name in "xy"]
+    yield outside(f"{away} ((8, 8),)", turned, square, ["4 - x - y"])
+    yield outside("two whole numbers in a text", ["x", "y"], ["+8 -8", *square[1:]], [])
+    yield outside("a unit of lengths", ["x", "y"], square, [], unit=None)
+    yield outside("sines and cosines of affine functions", ["x + 0*sin(x*y)", "y"], square, [])
+    yield outside("sines and cosines that are not multiplied by each other", ["x + sin(x)*sin(y)/9", "y"], square, [])
+    numbers: Path = ["statement", "subject", "numbers"]
+    root = {"name": "r", "polynomial": ["-2", "0", "1"], "above": "0"}
+    for name, words in (("outside-plain-square", "a polygon"), ("basin-plain-1", "a mesh")):
+        yield Forgery("one condition", name, ((numbers, [root]),), because=f"rational numbers, for {words}")
+
+
+def of_meshes() -> Iterator[Forgery]:
+    """Meshes whose border is not in the level set, that overlap themselves, or are none."""
+    hypotheses: Path = ["evidence", 0, "hypotheses"]
+    claims: Path = ["statement", "claims"]
+    mesh = good_certificates()["basin-plain-1"]["evidence"][0]["hypotheses"]["mesh"]
+
+    def changed(because: str, *changes: tuple[Path, Any]) -> Forgery:
+        return Forgery("one condition", "basin-plain-1", changes, because=because)
+
+    def meshed(because: str, **own: Any) -> Forgery:
+        other = {**mesh, **own}
+        return changed(because, ([*hypotheses, "mesh"], other), ([*claims, 2, "attracts", "mesh"], other))
+
+    low = [([*hypotheses, "local", "level"], "1/64"), ([*claims, 1, "attracts", "below"], "1/64")]
+    yield changed("a border in the level set, or at the level: (1, 0)", *low)
+    quarter = [([*hypotheses, "local", "denominator"], "1/4"), ([*claims, 1, "attracts", "denominator"], "1/4")]
+    proof: tuple[Path, Any] = (["evidence", 0, "proofs", "denominator"], {"simplices": [{}] * 8})
+    yield changed("a V without a denominator beside a mesh", *quarter, proof)
+    one = [([*hypotheses, "below"], True), ([*claims, 2, "attracts", "below"], True)]
+    yield changed("a level that is a whole number", *one)
+    yield meshed("a simplex", triangles=[])
+    words = "sides of one simplex to the left, and of one to the right"
+    yield meshed(words, triangles=[*mesh["triangles"], mesh["triangles"][0]])
+    yield meshed("3 whole numbers in a text", corners=[f"{mesh['corners'][0]} 0", *mesh["corners"][1:]])
+    turned = [" ".join(reversed(own.split())) for own in mesh["triangles"]]
+    yield meshed("simplices of positive size", triangles=turned)
+
+
+def of_names_of_roots() -> Iterator[Forgery]:
+    """Roots that are none, or not rational at the point."""
+    roots: Path = ["statement", "subject", "roots"]
+    yield Forgery("one condition", "one-linear-1", ((roots, []),), because="roots of different states")
+    ahead = {"cells": cube(None), "direction": ["1", "0"]}
+    subject: Record = {"states": ["x", "root_x"], "rhs": [["1", "1"]], "at": ["0", "0"], "roots": ["x"]}
+    yield of_subject("names of roots that are no states", subject, [UNSTABLE], "departure", ahead, {})
+    subject = {"states": ["x"], "rhs": [["1 - sqrt(Abs(x))"]], "at": ["2"], "roots": ["x"]}
+    cells = {"within": "1/2", "surfaces": ["root_x + 1"], "empty": ["-"]}
+    proofs = {"V .": ON_PARTS, "cell + field 0": ON_PARTS, "empty -": PLAIN}
+    own = {"cells": cells, "function": "root_x**2"}
+    yield of_one_state("a point whose roots are rational", "", [ATTRACTS], proofs, own, subject=subject)
+
+
+def conditions() -> Iterator[Forgery]:
+    """All of them."""
+    for kind in (
+        *(of_lyapunov, of_gain, of_quotients, of_proper, of_instability, of_roots, of_other_roots),
+        *(of_evidence, of_squares, of_pairs, of_further_functions, of_cells, of_faces, of_points, of_pieces),
+        *(of_escape, of_choice, of_circles, of_reflections, of_polygons, of_meshes, of_names_of_roots),
+    ):
+        yield from kind()
