@@ -141,7 +141,7 @@ def ends_at(headings: list[float], reasons: list[BodyEnd]) -> HeadingsResult:
     starts = np.column_stack([np.zeros((count, 2)), 2 * math.pi * (np.arange(count) - count // 2) / count])
     poses = np.column_stack([np.zeros((count, 2)), np.radians(headings)])
     kinds = np.array([ENDS.index(reason) for reason in reasons])
-    ends = BodyEnds(starts, poses, np.ones(count), kinds, np.zeros((count, 2), int), 1.0)
+    ends = BodyEnds(starts, poses, np.ones(count), kinds, np.zeros((count, 2), int), np.zeros(count), 1.0)
     return HeadingsResult(load_scene("carton-on-6x6"), (0.0, 0.0), ends)
 
 
