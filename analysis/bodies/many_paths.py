@@ -43,7 +43,7 @@ WINDOWS = 4  # in a row for rest
 CHATTER = 6.0  # shortest steps of the fastest wheel: how far a pose at rest may go to and fro; farther, it circles
 CROSSINGS = 8.0  # of the array at the fastest wheel's speed: the last time unless one is given
 
-OnStep = Callable[[int, int], None]
+OnStep = Callable[[int, int, str], None]  # paths that have ended, paths in all, and up to when all are followed
 
 
 class BodyEnd(StrEnum):
@@ -145,7 +145,7 @@ class ManyPaths:
         Args:
             starts: poses.
             until: last time; :meth:`last_time` unless given.
-            report: told from time to time how many of all paths have ended.
+            report: told from time to time how many of all paths have ended, and up to when all are followed.
         """
         last = self.last_time() if until is None else until
         longest = min(STEP * self.spacing / (self._fastest or 1.0), last / WINDOW)
@@ -154,7 +154,9 @@ class ManyPaths:
             self._window(state, field, last)
             self._judge(state, longest)
             if report is not None:
-                report(len(starts) - len(state.going), len(starts))
+                going = state.going
+                reached = float(state.times[going].min()) if len(going) else last
+                report(len(starts) - len(going), len(starts), f"t = {reached:.3g} of {last:.3g}")
         over = self._numbers[state.over]
         return BodyEnds(starts, state.poses, state.times, state.reasons, over, state.turning, last)
 
